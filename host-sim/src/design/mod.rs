@@ -1,0 +1,1 @@
+//! The patent's design method, steps A to J.

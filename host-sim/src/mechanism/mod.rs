@@ -1,0 +1,1 @@
+//! Mechanisms: from crank angle to platform motion, in floating point.
