@@ -1,0 +1,127 @@
+//! From a list of segments and repeats in seconds to a checked [`Program`].
+
+use super::{CAPACITY, Entry, Program, Segment, Shape};
+use crate::profile::Profile;
+use crate::settings::{Problem, SettingsError};
+use crate::units::{Amax, Turns};
+
+/// A segment in the units of the outside world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SegmentSettings {
+    /// Level to reach, m/s², from 0 up to what the shaft's greatest speed gives.
+    pub amax_mps2: f64,
+    /// Time to get there, seconds, 0 to 100,000.
+    pub ramp_s: f64,
+    /// Time to stay there, seconds, 0 to 1,000,000.
+    pub hold_s: f64,
+    /// Shape of the way.
+    pub shape: Shape,
+}
+
+/// Puts a program together, in the order in which it is to be played.
+///
+/// ```
+/// # use cophase_core::profile::{Profile, SliderCrank};
+/// # use cophase_core::program::{ProgramBuilder, SegmentSettings, Shape};
+/// let profile = Profile::SliderCrank(SliderCrank::new(0.025, 0.3, 2000));
+/// let level = |amax_mps2| SegmentSettings { amax_mps2, ramp_s: 1.0, hold_s: 2.0, shape: Shape::Smooth };
+/// let mut builder = ProgramBuilder::new(2000, profile, 60.0);
+/// builder.segment(level(100.0)).unwrap();
+/// let block = builder.here();
+/// builder.segment(level(200.0)).unwrap();
+/// builder.segment(level(50.0)).unwrap();
+/// builder.repeat(block, 10).unwrap();
+/// assert_eq!(builder.build().unwrap().duration(), (3 + 10 * 6) * 2000);
+/// ```
+#[derive(Clone, Debug)]
+pub struct ProgramBuilder {
+    tick_hz: u32,
+    profile: Profile,
+    speed_limit_hz: f64,
+    program: Program,
+}
+
+/// Longest program: 10 years at 10 kHz, far inside 64 bits of ticks.
+const MOST_TICKS: u64 = 10_000 * 86_400 * 3_653;
+
+impl ProgramBuilder {
+    /// An empty program for a machine with this tick, profile and greatest speed (rev/s).
+    pub fn new(tick_hz: u32, profile: Profile, speed_limit_hz: f64) -> Self {
+        Self { tick_hz, profile, speed_limit_hz, program: Program::default() }
+    }
+
+    /// Where the next entry will stand; remember it to repeat from there.
+    pub fn here(&self) -> usize {
+        self.program.entries.len()
+    }
+
+    /// Appends a segment.
+    ///
+    /// # Errors
+    /// A number out of range, a level that the greatest speed does not reach, no duration, or more
+    /// than [`CAPACITY`] entries. The program is as before.
+    pub fn segment(&mut self, settings: SegmentSettings) -> Result<(), SettingsError> {
+        use crate::settings::inside;
+        let amax_mps2 = inside("program.amax_g", settings.amax_mps2, 0.0, 10_000.0)?;
+        let ramp_s = inside("program.ramp_s", settings.ramp_s, 0.0, 100_000.0)?;
+        let hold_s = inside("program.hold_s", settings.hold_s, 0.0, 1_000_000.0)?;
+        let level = Amax::from_num(amax_mps2);
+        let needed = self.profile.speed(level);
+        let limit_hz = self.speed_limit_hz;
+        let limit = Turns::saturating_from_num(limit_hz / f64::from(self.tick_hz));
+        if needed > limit {
+            return Err(SettingsError::new(
+                "program.amax_g",
+                Problem::LevelOutOfReach {
+                    asked_mps2: amax_mps2,
+                    needed_hz: needed.to_num::<f64>() * f64::from(self.tick_hz),
+                    limit_hz,
+                    most_mps2: self.profile.amax(limit).to_num(),
+                },
+            ));
+        }
+        let ticks = |seconds: f64| libm::round(seconds * f64::from(self.tick_hz)) as u32;
+        let segment = Segment::new(level, ticks(ramp_s), ticks(hold_s), settings.shape);
+        if segment.ticks() == 0 {
+            return Err(SettingsError::new("program.ramp_s", Problem::NoDuration));
+        }
+        self.push(Entry::Segment(segment), segment.ticks())
+    }
+
+    /// Plays everything from entry `first` (see [`Self::here`]) up to here `times` times in all.
+    ///
+    /// # Errors
+    /// An empty block, a count that is not 1 to 65,535, a program longer than ten years, or more than
+    /// [`CAPACITY`] entries. The program is as before.
+    pub fn repeat(&mut self, first: usize, times: u32) -> Result<(), SettingsError> {
+        use crate::settings::inside;
+        inside("program.repeat", f64::from(times), 1.0, 65_535.0)?;
+        if first >= self.here() {
+            return Err(SettingsError::new("program.segments", Problem::RepeatEmpty));
+        }
+        let once = self.program.duration() - self.program.start(first);
+        let more = once * u64::from(times - 1);
+        self.push(Entry::Repeat { first: first as u8, times: times as u16 }, more)
+    }
+
+    fn push(&mut self, entry: Entry, ticks: u64) -> Result<(), SettingsError> {
+        let end = self.program.duration() + ticks;
+        if end > MOST_TICKS {
+            return Err(SettingsError::new("program.repeat", Problem::ProgramEndless));
+        }
+        let full = SettingsError::new("program", Problem::ProgramTooLong(self.here() + 1, CAPACITY));
+        self.program.entries.push(entry).map_err(|_| full)?;
+        self.program.ends.push(end).map_err(|_| full)
+    }
+
+    /// The program.
+    ///
+    /// # Errors
+    /// There is nothing in it.
+    pub fn build(self) -> Result<Program, SettingsError> {
+        if self.program.entries.is_empty() {
+            return Err(SettingsError::new("program", Problem::ProgramEmpty));
+        }
+        Ok(self.program)
+    }
+}

@@ -1,0 +1,253 @@
+//! Reading a program tick by tick, and from any tick on.
+
+use super::{CAPACITY, Entry, Program, Segment};
+use crate::units::Amax;
+
+/// What a program says for one tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// The level at the tick's end.
+    pub level: Amax,
+    /// The level at which the present segment ends: until then amax stays between the two.
+    pub end_level: Amax,
+}
+
+/// A place in a program. It does not borrow the program: the two are kept side by side.
+#[derive(Clone, Debug)]
+pub struct Cursor {
+    /// The entry being played; one past the last when done.
+    index: usize,
+    /// Ticks of the present segment that are over.
+    tick: u64,
+    /// The level from which the present segment started.
+    from: Amax,
+    /// Passes done of each repeat.
+    passes: [u16; CAPACITY],
+    /// Ticks of the program that are over.
+    elapsed: u64,
+}
+
+impl Cursor {
+    /// Before a program's first tick, at level 0.
+    pub const fn new() -> Self {
+        Self { index: 0, tick: 0, from: Amax::ZERO, passes: [0; CAPACITY], elapsed: 0 }
+    }
+
+    /// Plays one tick. After the end the last level stands.
+    ///
+    /// Costs the same at any time: it looks at one segment, and where one ends, at no more repeats
+    /// than are nested there.
+    pub fn next(&mut self, program: &Program) -> Reading {
+        let Some(segment) = self.segment(program) else {
+            return Reading { level: self.from, end_level: self.from };
+        };
+        self.tick += 1;
+        self.elapsed += 1;
+        let level = segment.level_at(self.tick, self.from);
+        if self.tick >= segment.ticks() {
+            self.enter(program, self.index + 1, segment.level);
+        }
+        Reading { level, end_level: segment.level }
+    }
+
+    /// What the program said for the tick played last, without playing one.
+    pub fn now(&self, program: &Program) -> Reading {
+        match self.segment(program) {
+            Some(segment) if self.tick > 0 => Reading {
+                level: segment.level_at(self.tick, self.from),
+                end_level: segment.level,
+            },
+            _ => Reading { level: self.from, end_level: self.from },
+        }
+    }
+
+    /// Goes to where the program is after `elapsed` ticks; beyond its end, to the end.
+    ///
+    /// Costs one look at each entry for each nesting of repeats, not for each pass.
+    pub fn seek(&mut self, program: &Program, elapsed: u64) {
+        *self = Self::new();
+        self.elapsed = elapsed.min(program.duration());
+        // Time left, counted from the start of the block being searched in its first pass.
+        let mut until = self.elapsed;
+        let mut index = 0;
+        while let (Some(entry), Some(&end)) = (program.entries.get(index), program.ends.get(index)) {
+            if until >= end {
+                if let Entry::Segment(segment) = entry {
+                    self.from = segment.level;
+                }
+                index += 1;
+                continue;
+            }
+            let start = program.start(index);
+            match *entry {
+                Entry::Segment(_) => {
+                    self.index = index;
+                    self.tick = until - start;
+                    return;
+                }
+                Entry::Repeat { first, .. } => {
+                    // Inside a later pass: fold the time back into the block's first.
+                    let block_start = program.start(usize::from(first));
+                    let once = start - block_start;
+                    let into = until - start;
+                    if let Some(passes) = self.passes.get_mut(index) {
+                        *passes = (into / once) as u16 + 1;
+                    }
+                    until = block_start + into % once;
+                    index = usize::from(first);
+                }
+            }
+        }
+        self.index = index;
+    }
+
+    /// Ticks of the program that are over.
+    pub const fn elapsed(&self) -> u64 {
+        self.elapsed
+    }
+
+    /// Ticks that are left, repeats included.
+    pub fn remaining(&self, program: &Program) -> u64 {
+        program.duration().saturating_sub(self.elapsed)
+    }
+
+    /// Whether the program is over.
+    pub fn is_done(&self, program: &Program) -> bool {
+        self.index >= program.entries.len()
+    }
+
+    fn segment(&self, program: &Program) -> Option<Segment> {
+        match program.entries.get(self.index) {
+            Some(&Entry::Segment(segment)) => Some(segment),
+            _ => None,
+        }
+    }
+
+    /// Comes to entry `index` and follows repeats until a segment stands there, or the end.
+    fn enter(&mut self, program: &Program, mut index: usize, from: Amax) {
+        self.from = from;
+        self.tick = 0;
+        while let Some(&Entry::Repeat { first, times }) = program.entries.get(index) {
+            let Some(passes) = self.passes.get_mut(index) else { break };
+            *passes += 1;
+            if *passes < times {
+                index = usize::from(first);
+            } else {
+                *passes = 0; // an outer repeat will come by again
+                index += 1;
+            }
+        }
+        self.index = index;
+    }
+}
+
+impl Default for Cursor {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{ProgramBuilder, SegmentSettings, Shape};
+    use super::*;
+    use crate::profile::{Profile, SliderCrank};
+    use proptest::prelude::*;
+    use std::vec::Vec;
+
+    fn builder() -> ProgramBuilder {
+        ProgramBuilder::new(1000, Profile::SliderCrank(SliderCrank::new(0.025, 0.3, 1000)), 100.0)
+    }
+
+    fn segment(level: u32, ramp_ticks: u32, hold_ticks: u32) -> SegmentSettings {
+        SegmentSettings {
+            amax_mps2: f64::from(level),
+            ramp_s: f64::from(ramp_ticks) / 1000.0,
+            hold_s: f64::from(hold_ticks) / 1000.0,
+            shape: Shape::Linear,
+        }
+    }
+
+    /// A program with repeats, and the same written out by hand.
+    #[test]
+    fn repeats_play_as_if_written_out() {
+        let (a, b, c) = (segment(10, 3, 2), segment(20, 2, 0), segment(5, 0, 4));
+        let mut short = builder();
+        short.segment(a).unwrap();
+        let outer = short.here();
+        short.segment(b).unwrap();
+        let inner = short.here();
+        short.segment(c).unwrap();
+        short.segment(a).unwrap();
+        short.repeat(inner, 2).unwrap();
+        short.repeat(outer, 3).unwrap();
+        short.segment(c).unwrap();
+        let mut long = builder();
+        long.segment(a).unwrap();
+        for _ in 0..3 {
+            long.segment(b).unwrap();
+            for _ in 0..2 {
+                long.segment(c).unwrap();
+                long.segment(a).unwrap();
+            }
+        }
+        long.segment(c).unwrap();
+        let (short, long) = (short.build().unwrap(), long.build().unwrap());
+        assert_eq!(short.duration(), long.duration());
+        let (mut one, mut other) = (Cursor::new(), Cursor::new());
+        while !other.is_done(&long) {
+            assert_eq!(one.next(&short), other.next(&long), "tick {}", other.elapsed());
+            assert_eq!(one.remaining(&short), other.remaining(&long));
+        }
+        assert!(one.is_done(&short));
+    }
+
+    proptest! {
+        /// Seeking to a tick is the same as playing up to it, wherever repeats nest.
+        #[test]
+        fn seek_agrees_with_playing(
+            entries in prop::collection::vec((0_u32..4, 0_u32..100, 0_u32..6, 0_u32..6, any::<u8>()), 1..24),
+            at in any::<prop::sample::Index>(),
+        ) {
+            let mut builder = builder();
+            let mut open = Vec::new();
+            builder.segment(segment(1, 1, 0)).unwrap();
+            for (kind, level, ramp, hold, times) in entries {
+                match kind {
+                    0 => open.push(builder.here()),
+                    1 => if let Some(first) = open.pop() && first < builder.here() {
+                        builder.repeat(first, u32::from(times) % 4 + 1).unwrap();
+                    },
+                    _ => builder.segment(segment(level, ramp, hold.max(u32::from(ramp == 0)))).unwrap(),
+                }
+            }
+            let program = builder.build().unwrap();
+            let at = at.index(program.duration() as usize + 1) as u64;
+            let mut played = Cursor::new();
+            for _ in 0..at {
+                played.next(&program);
+            }
+            let mut sought = Cursor::new();
+            sought.seek(&program, at);
+            prop_assert_eq!(sought.elapsed(), played.elapsed());
+            prop_assert_eq!(sought.is_done(&program), played.is_done(&program));
+            while !played.is_done(&program) {
+                prop_assert_eq!(sought.next(&program), played.next(&program));
+            }
+            prop_assert_eq!(played.elapsed(), program.duration());
+            prop_assert_eq!(played.remaining(&program), 0);
+        }
+    }
+
+    /// 64 segments are the least that was promised; repeats and all, 128 entries fit.
+    #[test]
+    fn holds_what_it_promises_and_refuses_more() {
+        let mut builder = builder();
+        for i in 0..CAPACITY {
+            builder.segment(segment(i as u32, 1, 1)).unwrap();
+        }
+        let error = builder.segment(segment(1, 1, 1)).unwrap_err();
+        assert_eq!(error.key, "program");
+        assert_eq!(builder.build().unwrap().duration(), 2 * CAPACITY as u64);
+    }
+}

@@ -1,0 +1,144 @@
+//! One segment: the way to a level, and the time at it.
+
+use crate::units::Amax;
+
+/// How the level changes over a segment's ramp.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shape {
+    /// In proportion to time.
+    Linear,
+    /// x³ (10 − 15 x + 6 x²): first and second derivative are zero at both ends, so that the level,
+    /// its rate and its rate of rate are continuous through the program.
+    #[default]
+    Smooth,
+}
+
+/// A level, the way to it, and the time at it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// The level reached.
+    pub level: Amax,
+    /// Ticks to get there.
+    pub ramp_ticks: u32,
+    /// Ticks to stay there.
+    pub hold_ticks: u32,
+    /// Shape of the way.
+    pub shape: Shape,
+    /// 2⁶⁴ / `ramp_ticks`: spares the tick a division.
+    per_ramp_tick: u64,
+}
+
+impl Segment {
+    /// A segment; its duration is `ramp_ticks + hold_ticks`.
+    pub const fn new(level: Amax, ramp_ticks: u32, hold_ticks: u32, shape: Shape) -> Self {
+        let per_ramp_tick = match ramp_ticks {
+            0 | 1 => u64::MAX, // a ramp of one tick is at its end after that tick: never read
+            n => u64::MAX / n as u64,
+        };
+        Self { level, ramp_ticks, hold_ticks, shape, per_ramp_tick }
+    }
+
+    /// Ramp and hold, in ticks.
+    pub const fn ticks(&self) -> u64 {
+        self.ramp_ticks as u64 + self.hold_ticks as u64
+    }
+
+    /// The level `tick` ticks into the segment, coming from level `from`.
+    ///
+    /// Exact at both ends of the ramp; between them within 2⁻²⁶ of the difference of the levels.
+    pub fn level_at(&self, tick: u64, from: Amax) -> Amax {
+        if tick >= u64::from(self.ramp_ticks) {
+            return self.level;
+        }
+        // Way done, 32 fraction bits. No overflow: tick < ramp_ticks, so the product is below 2⁶⁴.
+        let x = (tick * self.per_ramp_tick) >> 32;
+        let part = match self.shape {
+            Shape::Linear => x,
+            Shape::Smooth => smooth(x),
+        };
+        if self.level >= from {
+            from.saturating_add(scale(self.level - from, part))
+        } else {
+            from.saturating_sub(scale(from - self.level, part))
+        }
+    }
+}
+
+/// x³ (10 − 15 x + 6 x²), all with 32 fraction bits, for x from 0 up to, not including, 1.
+const fn smooth(x: u64) -> u64 {
+    // Power by power, so that each product fits 64 bits.
+    let cube = (((x * x) >> 32) * x) >> 32;
+    let fourth = (cube * x) >> 32;
+    let fifth = (fourth * x) >> 32;
+    let sum = 10 * cube + 6 * fifth;
+    let part = sum.saturating_sub(15 * fourth);
+    // The powers are rounded down by up to 2, 3 and 4 units: near the end the sum may pass 1.
+    if part > 1 << 32 { 1 << 32 } else { part }
+}
+
+/// `difference * part`, `part` with 32 fraction bits, up to 1.
+const fn scale(difference: Amax, part: u64) -> Amax {
+    // Upper and lower half apart: the whole product has 96 bits.
+    let bits = difference.to_bits();
+    let high = (bits >> 32) * part;
+    let low = ((bits & 0xFFFF_FFFF) * part) >> 32;
+    Amax::from_bits(high + low)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn quintic(x: f64) -> f64 {
+        x * x * x * (10.0 - 15.0 * x + 6.0 * x * x)
+    }
+
+    /// The roundings of the powers, 10 · 2 + 6 · 4 or 15 · 3 units of 2⁻³² at most, against the
+    /// polynomial itself.
+    #[test]
+    fn smooth_follows_its_polynomial() {
+        let mut worst = 0.0_f64;
+        for i in 0..100_000_u64 {
+            let x = (i << 32) / 100_000;
+            let got = smooth(x) as f64 / 4294967296.0;
+            worst = worst.max((got - quintic(x as f64 / 4294967296.0)).abs());
+        }
+        assert!(worst < 45.0 / 4294967296.0, "{worst:e}");
+    }
+
+    #[test]
+    fn ramps_end_exactly_on_their_level_and_go_both_ways() {
+        for shape in [Shape::Linear, Shape::Smooth] {
+            let low = Amax::from_num(98.0665);
+            let high = Amax::from_num(1961.33);
+            for (from, to) in [(low, high), (high, low)] {
+                let segment = Segment::new(to, 4001, 3, shape);
+                assert_eq!(segment.level_at(0, from), from);
+                assert_eq!(segment.level_at(4001, from), to);
+                assert_eq!(segment.level_at(4003, from), to);
+                let ends = (from.min(to), from.max(to));
+                let mut last = from;
+                for tick in 0..=4001 {
+                    let level = segment.level_at(tick, from);
+                    assert!(ends.0 <= level && level <= ends.1, "the ramp leaves its ends");
+                    let slack = Amax::from_bits(1 << 22); // the polynomial's rounding
+                    if to > from {
+                        assert!(level + slack >= last, "the ramp turns back at {tick}");
+                    } else {
+                        assert!(level <= last + slack, "the ramp turns back at {tick}");
+                    }
+                    last = level;
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn half_way_is_half_the_level() {
+        for shape in [Shape::Linear, Shape::Smooth] {
+            let segment = Segment::new(Amax::from_num(200), 1000, 0, shape);
+            let got: f64 = segment.level_at(500, Amax::from_num(100)).to_num();
+            assert!((got - 150.0).abs() < 100.0 * (-26.0_f64).exp2(), "{got}");
+        }
+    }
+}

@@ -1,0 +1,278 @@
+//! What a user sets, in the units of the outside world; checked once, here, into coefficients.
+//!
+//! This is the only place where the core has floats. The tick works on what [`Settings::check`] and
+//! the modules' own builders make of them, and cannot meet a bad setting because none gets through.
+
+mod error;
+
+pub use error::{Problem, SettingsError};
+pub(crate) use error::inside;
+use error::finite;
+
+use crate::units::{FRACTION_BITS, Turns};
+
+/// Clock of the step hardware: one cycle is 8 ns.
+pub const CLOCK_HZ: u32 = 125_000_000;
+
+/// How many forbidden bands a shaft may have.
+pub const MAX_BANDS: usize = 4;
+
+/// Everything that the loop of an `N`-axis machine is told, its program aside.
+#[derive(Clone, Debug)]
+pub struct Settings<const N: usize> {
+    /// Control ticks a second, 500 to 10,000; a whole number of microseconds each.
+    pub tick_hz: u32,
+    /// The mechanism and what it carries.
+    pub machine: MachineSettings,
+    /// What the master shaft may do.
+    pub limits: LimitSettings,
+    /// The step lines' timing.
+    pub pulse: PulseSettings,
+    /// One entry an axis.
+    pub axes: [AxisSettings; N],
+    /// How far the cranks may be apart.
+    pub drift: DriftSettings,
+    /// Crank phase at which the machine parks, turns, 0 to 1.
+    pub park_turns: f64,
+    /// Time that energised drives get to settle before anything moves, seconds, 0 to 10.
+    pub settle_s: f64,
+}
+
+/// Which way up the platform is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Platform {
+    /// Below the cranks: at phase 0 gravity adds to the greatest acceleration, as in the patent.
+    Below,
+    /// Above the cranks.
+    Above,
+}
+
+/// The slider-crank platform.
+#[derive(Clone, Copy, Debug)]
+pub struct MachineSettings {
+    /// Crank radius, metres, 0.1 mm to 0.5 m.
+    pub crank_radius_m: f64,
+    /// Crank radius over rod length, 0.1 to 0.6.
+    pub lambda: f64,
+    /// Mass on the platform, kg, above 0, up to 50.
+    pub load_kg: f64,
+    /// Which way up.
+    pub platform: Platform,
+    /// Gravity, m/s², 0 to 20.
+    pub gravity_mps2: f64,
+    /// Radius of the circle on which the cranks stand, metres, 10 mm to 5 m.
+    pub mount_radius_m: f64,
+}
+
+/// What the master shaft may do.
+#[derive(Clone, Debug)]
+pub struct LimitSettings {
+    /// Greatest speed, rev/s, up to 200.
+    pub speed_hz: f64,
+    /// Greatest acceleration, rev/s².
+    pub acceleration_hz_per_s: f64,
+    /// Greatest jerk, rev/s³.
+    pub jerk_hz_per_s2: f64,
+    /// Speed of the slow turn that finds the index pulses and a parking phase, rev/s.
+    pub creep_hz: f64,
+    /// Speeds at which the machine must not dwell, lowest first.
+    pub bands: heapless::Vec<BandSettings, MAX_BANDS>,
+}
+
+/// A band of speeds that is crossed, never dwelt in; its edges are allowed.
+#[derive(Clone, Copy, Debug)]
+pub struct BandSettings {
+    /// Lower edge, rev/s.
+    pub from_hz: f64,
+    /// Upper edge, rev/s.
+    pub to_hz: f64,
+}
+
+/// Timing that the drives' inputs ask for.
+#[derive(Clone, Copy, Debug)]
+pub struct PulseSettings {
+    /// Shortest time that STEP must stay high, and low, nanoseconds.
+    pub width_ns: f64,
+    /// DIR must be stable this long before a rising STEP edge, nanoseconds.
+    pub dir_setup_ns: f64,
+    /// DIR must stay this long after a rising STEP edge, nanoseconds.
+    pub dir_hold_ns: f64,
+}
+
+/// What an axis is driven by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DriveKind {
+    /// Step and direction pulses, open loop.
+    Stepper,
+    /// Position, velocity and torque setpoints each tick.
+    Servo,
+}
+
+/// One motor and its crank.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisSettings {
+    /// How it is driven.
+    pub drive: DriveKind,
+    /// Steps (or encoder counts) to one turn of the crank, 4 to 65,536.
+    pub steps_per_turn: u32,
+    /// Whether the crank turns the other way round than axis 0's sense.
+    pub reversed: bool,
+    /// Crank turns per master turn, as an exact ratio: numerator (not 0) and denominator, 1 to 1000.
+    pub ratio: (u32, u32),
+    /// Crank phase relative to the master's, turns, −½ to ½.
+    pub offset_turns: f64,
+    /// Crank phase at which its index sensor stands, turns, −½ to ½; none if it has no sensor.
+    pub index_turns: Option<f64>,
+    /// Greatest trim either way, turns, 0 to 0.1.
+    pub trim_limit_turns: f64,
+    /// Speed at which trim changes, turns/s, above 0, up to 1.
+    pub trim_rate_hz: f64,
+    /// Inertia of the rotor and all that turns with it, kg·m², 0 to 10.
+    pub rotor_inertia_kgm2: f64,
+}
+
+/// Limits on the spatial modes of the measured phase errors.
+#[derive(Clone, Copy, Debug)]
+pub struct DriftSettings {
+    /// Platform tilt, mrad, above 0, up to 100.
+    pub tilt_limit_mrad: f64,
+    /// Deviation of a crank from the plane through all, degrees of crank angle, above 0, up to 90.
+    pub warp_limit_deg: f64,
+    /// Mean lag of all cranks, degrees, above 0, up to 180.
+    pub common_limit_deg: f64,
+}
+
+impl<const N: usize> Settings<N> {
+    /// Checks every number by itself and against the others.
+    ///
+    /// # Errors
+    /// The first setting that is wrong, with its key, what it is and what it may be.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        const { assert!(2 <= N && N <= 6, "a machine has 2 to 6 axes") };
+        inside("control.tick_hz", f64::from(self.tick_hz), 500.0, 10_000.0)?;
+        if 1_000_000 % self.tick_hz != 0 {
+            return Err(SettingsError::new(
+                "control.tick_hz",
+                Problem::NotWholeMicroseconds(self.tick_hz),
+            ));
+        }
+        self.machine.check()?;
+        self.limits.check(f64::from(self.tick_hz))?;
+        inside("pulse.width_ns", self.pulse.width_ns, 8.0, 100_000.0)?;
+        inside("pulse.dir_setup_ns", self.pulse.dir_setup_ns, 0.0, 100_000.0)?;
+        inside("pulse.dir_hold_ns", self.pulse.dir_hold_ns, 0.0, 100_000.0)?;
+        for (i, axis) in self.axes.iter().enumerate() {
+            axis.check().map_err(|e| e.on_axis(i))?;
+        }
+        inside("drift.tilt_limit_mrad", self.drift.tilt_limit_mrad, 1e-3, 100.0)?;
+        inside("drift.warp_limit_deg", self.drift.warp_limit_deg, 1e-3, 90.0)?;
+        inside("drift.common_limit_deg", self.drift.common_limit_deg, 1e-3, 180.0)?;
+        inside("control.park_deg", self.park_turns * 360.0, 0.0, 360.0)?;
+        inside("control.settle_s", self.settle_s, 0.0, 10.0)?;
+        Ok(())
+    }
+
+    /// Cycles of the step clock in one control tick.
+    pub const fn tick_cycles(&self) -> u32 {
+        CLOCK_HZ / self.tick_hz
+    }
+}
+
+impl MachineSettings {
+    fn check(&self) -> Result<(), SettingsError> {
+        inside("machine.crank_radius_mm", self.crank_radius_m * 1e3, 0.1, 500.0)?;
+        inside("machine.lambda", self.lambda, 0.1, 0.6)?;
+        inside("machine.load_kg", self.load_kg, 1e-3, 50.0)?;
+        inside("machine.gravity_mps2", self.gravity_mps2, 0.0, 20.0)?;
+        inside("machine.mount_radius_mm", self.mount_radius_m * 1e3, 10.0, 5000.0)?;
+        Ok(())
+    }
+}
+
+/// The shaft's exact stop rounds by up to four units of the last place of jerk; below this the
+/// rounding would be a noticeable part of the limit.
+const LEAST_JERK_BITS: f64 = 64.0;
+
+impl LimitSettings {
+    fn check(&self, tick_hz: f64) -> Result<(), SettingsError> {
+        let one = (1_u64 << FRACTION_BITS) as f64;
+        let speed_hz = inside("limits.speed_hz", self.speed_hz, 0.1, 200.0)?;
+        let least = LEAST_JERK_BITS / one * tick_hz * tick_hz;
+        inside(
+            "limits.acceleration_hz_per_s",
+            self.acceleration_hz_per_s,
+            least.max(0.01),
+            speed_hz * tick_hz,
+        )?;
+        inside(
+            "limits.jerk_hz_per_s2",
+            self.jerk_hz_per_s2,
+            (least * tick_hz).max(0.01),
+            speed_hz * tick_hz * tick_hz,
+        )?;
+        // The shaft's stop counts its ticks in 32 bits and their squares in 64.
+        let ramp_s = speed_hz / self.acceleration_hz_per_s
+            + self.acceleration_hz_per_s / self.jerk_hz_per_s2;
+        if ramp_s > 600.0 {
+            return Err(SettingsError::new(
+                "limits.acceleration_hz_per_s",
+                Problem::RampTooLong(ramp_s),
+            ));
+        }
+        inside("limits.creep_hz", self.creep_hz, 0.01, speed_hz.min(10.0))?;
+        let mut below = self.creep_hz;
+        for (i, band) in self.bands.iter().enumerate() {
+            let place = |e: SettingsError| e.on_axis(i);
+            finite("limits.band.from_hz", band.from_hz).map_err(place)?;
+            finite("limits.band.to_hz", band.to_hz).map_err(place)?;
+            if band.to_hz <= band.from_hz {
+                return Err(place(SettingsError::new(
+                    "limits.band.to_hz",
+                    Problem::BandUpsideDown(band.from_hz, band.to_hz),
+                )));
+            }
+            if band.from_hz <= below {
+                let problem = if i == 0 {
+                    Problem::BandCoversCreep(band.from_hz, below)
+                } else {
+                    Problem::BandsOverlap(band.from_hz, below)
+                };
+                return Err(place(SettingsError::new("limits.band.from_hz", problem)));
+            }
+            if band.to_hz >= speed_hz {
+                return Err(place(SettingsError::new(
+                    "limits.band.to_hz",
+                    Problem::BandCoversTop(band.to_hz, speed_hz),
+                )));
+            }
+            below = band.to_hz;
+        }
+        Ok(())
+    }
+}
+
+impl AxisSettings {
+    fn check(&self) -> Result<(), SettingsError> {
+        inside("axis.steps_per_turn", f64::from(self.steps_per_turn), 4.0, 65_536.0)?;
+        inside("axis.ratio numerator", f64::from(self.ratio.0), 1.0, 1000.0)?;
+        inside("axis.ratio denominator", f64::from(self.ratio.1), 1.0, 1000.0)?;
+        inside("axis.offset_deg", self.offset_turns * 360.0, -180.0, 180.0)?;
+        if let Some(index_turns) = self.index_turns {
+            inside("axis.index_deg", index_turns * 360.0, -180.0, 180.0)?;
+        }
+        inside("axis.trim_limit_deg", self.trim_limit_turns * 360.0, 0.0, 36.0)?;
+        inside("axis.trim_rate_deg_per_s", self.trim_rate_hz * 360.0, 1e-3, 360.0)?;
+        inside("axis.rotor_inertia_kgm2", self.rotor_inertia_kgm2, 0.0, 10.0)?;
+        Ok(())
+    }
+}
+
+/// A checked number of turns, to the nearest unit of the last place.
+pub(crate) fn turns(value: f64) -> Turns {
+    Turns::saturating_from_num(value)
+}
+
+/// A checked limit in turns, rounded down so that keeping to it keeps to what was asked.
+pub(crate) fn turns_at_most(value: f64) -> i64 {
+    libm::floor(value * (1_u64 << FRACTION_BITS) as f64) as i64
+}

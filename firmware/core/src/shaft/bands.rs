@@ -1,0 +1,115 @@
+//! Forbidden bands: speeds that the shaft crosses and never dwells at.
+//!
+//! Where the speed asked for lies inside a band, the nearer edge is kept instead. As long as that is
+//! the edge on this side, it bounds the speed like a limit. Once it is the edge on the far side (or
+//! the speed asked for lies beyond it), the shaft crosses; and once inside, it goes through to the
+//! side to which it set out, whatever is asked meanwhile. Only a stop turns it round.
+
+use super::ShaftLimits;
+
+/// Speeds strictly between the two edges are forbidden; turns a tick in 2⁻⁴⁸ turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Band {
+    pub(crate) from: i64,
+    pub(crate) to: i64,
+}
+
+impl Band {
+    const fn contains(self, speed: i64) -> bool {
+        self.from < speed && speed < self.to
+    }
+
+    /// Whether the far (upper) edge is the nearer one to `speed`, or `speed` is above the band.
+    const fn sends_up(self, speed: i64) -> bool {
+        speed - self.from >= self.to - speed
+    }
+}
+
+/// `speed`, or the lower edge of the band that it lies in.
+pub(super) fn below_band(bands: &[Band], speed: i64) -> i64 {
+    match bands.iter().find(|band| band.contains(speed)) {
+        Some(band) => band.from,
+        None => speed,
+    }
+}
+
+/// Which band the shaft is passing through, and which way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Passage {
+    inside: Option<(Band, Way)>,
+    last_speed: i64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    Up,
+    Down,
+}
+
+impl Passage {
+    pub const fn new() -> Self {
+        Self { inside: None, last_speed: 0 }
+    }
+
+    /// Takes note of the shaft's speed in the tick that was just played.
+    pub fn observe(&mut self, bands: &[Band], speed: i64) {
+        let band = bands.iter().find(|band| band.contains(speed)).copied();
+        self.inside = match (band, self.inside) {
+            (Some(band), Some((before, way))) if before == band => Some((band, way)),
+            (Some(band), _) => {
+                let way = if self.last_speed <= band.from { Way::Up } else { Way::Down };
+                Some((band, way))
+            }
+            (None, _) => None,
+        };
+        self.last_speed = speed;
+    }
+
+    pub const fn is_inside(&self) -> bool {
+        self.inside.is_some()
+    }
+}
+
+/// The speeds between which the shaft may move now.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corridor<'a> {
+    pub floor: i64,
+    pub ceiling: i64,
+    bands: &'a [Band],
+}
+
+impl<'a> Corridor<'a> {
+    /// Around the shaft's `speed`, when `asked` is asked of it.
+    pub fn new(limits: &'a ShaftLimits, speed: i64, passage: Passage, asked: i64) -> Self {
+        let mut corridor = Self { floor: 0, ceiling: limits.speed, bands: &limits.bands };
+        for &band in &limits.bands {
+            let up = match passage.inside {
+                Some((inside, way)) if inside == band => way == Way::Up,
+                _ => band.sends_up(asked),
+            };
+            // A band is a floor to be kept, or come to, from above; else a ceiling.
+            if up {
+                if speed >= band.to || passage.inside.is_some_and(|(inside, _)| inside == band) {
+                    corridor.floor = corridor.floor.max(band.to);
+                }
+            } else if speed <= band.from || passage.inside.is_some_and(|(inside, _)| inside == band) {
+                corridor.ceiling = corridor.ceiling.min(band.from);
+            }
+        }
+        corridor
+    }
+
+    /// The speed to aim at for a speed asked for: within the corridor and outside the bands.
+    pub fn clamp(&self, asked: i64) -> i64 {
+        let outside = match self.bands.iter().find(|band| band.contains(asked)) {
+            Some(band) if band.sends_up(asked) => band.to,
+            Some(band) => band.from,
+            None => asked,
+        };
+        outside.min(self.ceiling).max(self.floor)
+    }
+
+    pub fn is_in_band(&self, asked: i64) -> bool {
+        self.bands.iter().any(|band| band.contains(asked))
+    }
+}

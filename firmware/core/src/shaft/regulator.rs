@@ -1,0 +1,115 @@
+//! The time-optimal way to a speed, in whole ticks: which acceleration to take next.
+//!
+//! Let the acceleration be a now, and let it go towards zero by the jerk J a tick. While it goes,
+//! the speed still gains
+//!
+//! D(a) = (a − J) + (a − 2J) + …  (as long as the terms are positive).
+//!
+//! Taking acceleration a for one tick and then letting it go gains g(a) = a + D(a) in all. With
+//! n = ⌊a/J⌋ that is (n + 1) a − J n (n + 1)/2: it grows with a, and its inverse needs one integer
+//! root. The fastest way to a speed that is e away, arriving without acceleration, is therefore to
+//! take, in each tick, the largest a with g(a) ≤ e that the limits allow. Near the end n is 0, a is
+//! e itself, and the speed is met exactly: nothing is rounded, and nothing hunts.
+//!
+//! A speed that moves at a constant rate is a speed at rest in a frame that moves along: the same
+//! law for the acceleration relative to that rate. A floor and a ceiling are kept by the same law,
+//! too: as g(a) ≤ ceiling − speed held a tick ago, letting go now still meets it.
+
+use super::ShaftLimits;
+
+/// A speed to reach; where it moves, the step that it makes over the coming tick is its rate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Aim {
+    pub now: i64,
+    pub next: i64,
+}
+
+impl Aim {
+    pub const fn steady(speed: i64) -> Self {
+        Self { now: speed, next: speed }
+    }
+}
+
+/// What the speed gains in the ticks after this one while `acceleration` is let go: D(a).
+pub(super) const fn gained_letting_go(acceleration: u64, jerk: i64) -> u64 {
+    gained_settling(acceleration, jerk) - acceleration
+}
+
+/// What the speed gains by `acceleration` in this tick and by letting it go: g(a).
+pub(super) const fn gained_settling(acceleration: u64, jerk: i64) -> u64 {
+    let jerk = jerk as u64;
+    let n = acceleration / jerk;
+    (n + 1) * acceleration - jerk * (n * (n + 1) / 2)
+}
+
+/// The largest a with g(a) ≤ `gain`.
+const fn settling(gain: u64, jerk: i64) -> u64 {
+    let jerk = jerk as u64;
+    // J n (n + 1)/2 ≤ gain  ⇔  n (n + 1)/2 ≤ ⌊gain / J⌋, all being whole numbers.
+    let n = ((8 * (gain / jerk) + 1).isqrt() - 1) / 2;
+    (gain + jerk * (n * (n + 1) / 2)) / (n + 1)
+}
+
+/// The same, at most `limits.acceleration`, and with the sign of `way`.
+fn towards(way: i64, limits: &ShaftLimits) -> i64 {
+    let gain = way.unsigned_abs();
+    let a = if gain >= limits.gain_from_limit {
+        limits.acceleration
+    } else {
+        (settling(gain, limits.jerk) as i64).min(limits.acceleration)
+    };
+    a * way.signum()
+}
+
+/// The acceleration of the coming tick.
+///
+/// Within the limits of acceleration and jerk always; between `floor` and `ceiling` for as long as
+/// they do not move towards the speed faster than the limits allow.
+pub(super) fn acceleration(
+    limits: &ShaftLimits,
+    speed: i64,
+    acceleration: i64,
+    aim: Aim,
+    floor: i64,
+    ceiling: i64,
+) -> i64 {
+    let rate = aim.next - aim.now;
+    let wanted = rate + towards(aim.now - speed, limits);
+    let most = towards((ceiling - speed).max(0), limits);
+    let least = -towards((speed - floor).max(0), limits);
+    // The jerk's range comes last: it holds whatever happened to floor and ceiling.
+    wanted
+        .min(most)
+        .max(least)
+        .clamp(acceleration - limits.jerk, acceleration + limits.jerk)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// The inverse is exact: the next larger acceleration would overshoot.
+        #[test]
+        fn settling_is_the_largest_that_does_not_overshoot(gain in 0_u64..1 << 47, jerk in 1_i64..1 << 40) {
+            // Keep n where the limits keep it: below 2^21 ticks of letting go.
+            let gain = gain.min((jerk as u64).saturating_mul(1 << 40));
+            let a = settling(gain, jerk);
+            prop_assert!(gained_settling(a, jerk) <= gain);
+            prop_assert!(gained_settling(a + 1, jerk) > gain);
+        }
+
+        /// The closed form of D against its sum.
+        #[test]
+        fn letting_go_gains_the_sum(acceleration in 0_u64..100_000, jerk in 1_i64..5_000) {
+            let mut sum = 0;
+            let mut a = acceleration;
+            while a > jerk as u64 {
+                a -= jerk as u64;
+                sum += a;
+            }
+            prop_assert_eq!(gained_letting_go(acceleration, jerk), sum);
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! A stop at a chosen phase, hit to the count.
+//!
+//! From a constant speed v, a ramp down of n + m ticks takes away v · W(k) / (n m) by its k-th tick,
+//! where the weights w = W' are a trapezoid: 1, 2, … n, … n, … 2, 1 (two boxcars of n and m ticks,
+//! n ≤ m, convolved). Its acceleration is at most v/m, its jerk v/(n m), and being symmetric it
+//! covers a way that is known beforehand to half a unit.
+//!
+//! Starting the ramp a tick later lengthens the way by exactly v, so that some number of ticks at
+//! constant speed and a rest r < v remain to be covered. The rest comes from *blending*: r/v parts of
+//! the ramp that starts one tick later and 1 − r/v of the one that starts now. Both keep the limits,
+//! so their mean does, and its way is exactly r longer.
+//!
+//! The blend is carried in exact rational arithmetic over the denominator n m (quotient and rest,
+//! additions only), and only the phase is rounded. Rounding the phase by less than one unit changes
+//! the jerk by less than four and the acceleration by less than two: by that the ramp is planned
+//! gentler than the limits.
+
+use super::ShaftLimits;
+use crate::units::{ONE_TURN, Turns};
+
+/// A stop that is under way.
+#[derive(Clone, Debug)]
+pub(super) struct StopPlan {
+    speed: i64,
+    /// Ticks at constant speed that are left.
+    wait: u64,
+    /// Ticks of the ramp that are done.
+    tick: u64,
+    /// The boxcars' lengths, `short ≤ long`.
+    short: u64,
+    long: u64,
+    /// `speed · w / (short · long)` and its sums: acceleration, speed taken, way taken.
+    weight: Ladder,
+    /// `rest · w / (short · long)` and its sum.
+    blend: Ladder,
+    /// Way taken away so far, rounded.
+    taken: i64,
+}
+
+impl StopPlan {
+    /// From constant `speed` (above 0), a stop at the first possible passage through the phase that
+    /// lies `ahead` turns (modulo 1).
+    pub fn new(speed: i64, ahead: Turns, limits: &ShaftLimits) -> Self {
+        let v = speed.unsigned_abs();
+        let (short, long) = boxcars(v, limits);
+        // After short + long ticks the ramp that starts now has taken v (short + long + 2)/2.
+        let ticks = short + long;
+        let ramp_way = ticks * v - (v * (ticks + 2)) / 2;
+        let left = ahead.to_bits().wrapping_sub(ramp_way as i64) & (ONE_TURN - 1);
+        let left = left as u64;
+        let denominator = short * long;
+        Self {
+            speed,
+            wait: left / v,
+            tick: 0,
+            short,
+            long,
+            weight: Ladder::new(v, denominator),
+            blend: Ladder::new(left % v, denominator),
+            taken: 0,
+        }
+    }
+
+    /// The speed of the coming tick.
+    pub fn advance(&mut self) -> i64 {
+        if self.wait > 0 {
+            self.wait -= 1;
+            return self.speed;
+        }
+        self.tick += 1;
+        let slope = if self.tick <= self.short {
+            Slope::Up
+        } else if self.tick <= self.long {
+            Slope::Flat
+        } else {
+            Slope::Down
+        };
+        self.weight.step(slope);
+        self.blend.step(slope);
+        let taken = self.weight.second.floor_of_difference(self.blend.first);
+        let speed = self.speed - (taken - self.taken);
+        self.taken = taken;
+        speed
+    }
+
+    /// Whether the shaft stands.
+    pub const fn is_done(&self) -> bool {
+        self.wait == 0 && self.tick == self.short + self.long
+    }
+}
+
+/// Lengths (short, long) of the two boxcars: the fewest ticks that keep the limits.
+fn boxcars(v: u64, limits: &ShaftLimits) -> (u64, u64) {
+    let acceleration = (limits.acceleration - 2).max(1).unsigned_abs();
+    let jerk = (limits.jerk - 4).max(1).unsigned_abs();
+    let long = v.div_ceil(acceleration);
+    let short = v.div_ceil(jerk * long);
+    if short <= long {
+        return (short, long);
+    }
+    // The jerk alone decides. Two equal boxcars, or one shorter by a tick where that is enough.
+    let root = v.div_ceil(jerk);
+    let long = root.isqrt() + u64::from(root.isqrt() * root.isqrt() < root);
+    (v.div_ceil(jerk * long), long)
+}
+
+#[derive(Clone, Copy)]
+enum Slope {
+    Up,
+    Flat,
+    Down,
+}
+
+/// A quantity times the trapezoid's weight, with its running sum and that sum's running sum.
+#[derive(Clone, Copy, Debug)]
+struct Ladder {
+    unit: Rational,
+    level: Rational,
+    first: Rational,
+    second: Rational,
+}
+
+impl Ladder {
+    const fn new(numerator: u64, denominator: u64) -> Self {
+        let zero = Rational { whole: 0, rest: 0, denominator };
+        Self {
+            unit: Rational {
+                whole: (numerator / denominator) as i64,
+                rest: numerator % denominator,
+                denominator,
+            },
+            level: zero,
+            first: zero,
+            second: zero,
+        }
+    }
+
+    fn step(&mut self, slope: Slope) {
+        match slope {
+            Slope::Up => self.level.add(self.unit),
+            Slope::Flat => {}
+            Slope::Down => self.level.subtract(self.unit),
+        }
+        self.first.add(self.level);
+        self.second.add(self.first);
+    }
+}
+
+/// `whole + rest / denominator`, 0 ≤ rest < denominator. All of one plan share their denominator.
+#[derive(Clone, Copy, Debug)]
+struct Rational {
+    whole: i64,
+    rest: u64,
+    denominator: u64,
+}
+
+impl Rational {
+    fn add(&mut self, other: Self) {
+        self.whole += other.whole;
+        self.rest += other.rest;
+        if self.rest >= self.denominator {
+            self.rest -= self.denominator;
+            self.whole += 1;
+        }
+    }
+
+    fn subtract(&mut self, other: Self) {
+        self.whole -= other.whole;
+        if self.rest < other.rest {
+            self.rest += self.denominator;
+            self.whole -= 1;
+        }
+        self.rest -= other.rest;
+    }
+
+    fn floor_of_difference(mut self, other: Self) -> i64 {
+        self.subtract(other);
+        self.whole
+    }
+}

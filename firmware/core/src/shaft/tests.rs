@@ -1,0 +1,266 @@
+//! Properties of the shaft, checked on nothing but the phases that it leaves behind.
+
+use super::*;
+use crate::settings::{BandSettings, LimitSettings};
+use crate::units::ONE_TURN;
+use proptest::prelude::*;
+use std::vec::Vec;
+
+/// Keeps the last phases, and checks each tick's differences against the limits.
+struct Watch {
+    shaft: Shaft,
+    speed: i64,
+    acceleration: i64,
+    ticks: u64,
+}
+
+impl Watch {
+    fn new(limits: ShaftLimits) -> Self {
+        Self { shaft: Shaft::new(limits), speed: 0, acceleration: 0, ticks: 0 }
+    }
+
+    fn advance(&mut self, demand: Demand) -> Motion {
+        let before = self.shaft.phase();
+        let motion = self.shaft.advance(demand);
+        let speed = self.shaft.phase().since(before).to_bits();
+        let acceleration = speed - self.speed;
+        let jerk = acceleration - self.acceleration;
+        let limits = self.shaft.limits();
+        assert!(speed >= 0, "tick {}: the shaft turns back by {speed}", self.ticks);
+        assert!(speed <= limits.speed, "tick {}: speed {speed}", self.ticks);
+        assert!(
+            acceleration.abs() <= limits.acceleration,
+            "tick {}: acceleration {acceleration} over {}",
+            self.ticks,
+            limits.acceleration
+        );
+        assert!(jerk.abs() <= limits.jerk, "tick {}: jerk {jerk} over {}", self.ticks, limits.jerk);
+        assert_eq!(motion.speed.to_bits(), speed);
+        assert_eq!(motion.acceleration.to_bits(), acceleration);
+        self.speed = speed;
+        self.acceleration = acceleration;
+        self.ticks += 1;
+        motion
+    }
+
+    fn advance_to_rest(&mut self, demand: Demand, most_ticks: u64) {
+        for _ in 0..most_ticks {
+            if self.advance(demand).at_rest {
+                return;
+            }
+        }
+        panic!("no rest within {most_ticks} ticks");
+    }
+}
+
+/// Ticks from rest at one speed to rest at another, by the law itself.
+fn ticks_between(limits: &ShaftLimits, from: i64, to: i64) -> u64 {
+    let (mut speed, mut acceleration, mut ticks) = (from, 0, 0);
+    while speed != to || acceleration != 0 {
+        acceleration =
+            regulator::acceleration(limits, speed, acceleration, Aim::steady(to), 0, i64::MAX / 4);
+        speed += acceleration;
+        ticks += 1;
+    }
+    ticks
+}
+
+fn limits(tick_hz: u32, speed_hz: f64, acceleration: f64, jerk: f64, bands: &[(f64, f64)]) -> ShaftLimits {
+    let settings = LimitSettings {
+        speed_hz,
+        acceleration_hz_per_s: acceleration,
+        jerk_hz_per_s2: jerk,
+        creep_hz: (speed_hz / 20.0).min(1.0),
+        bands: bands.iter().map(|&(from_hz, to_hz)| BandSettings { from_hz, to_hz }).collect(),
+    };
+    ShaftLimits::new(&settings, tick_hz)
+}
+
+fn any_limits() -> impl Strategy<Value = ShaftLimits> {
+    (
+        prop::sample::select(std::vec![500_u32, 1000, 2000, 5000, 10_000]),
+        1.0..200.0_f64,
+        0.5_f64.ln()..2000.0_f64.ln(),
+        1.0_f64.ln()..50_000.0_f64.ln(),
+        prop::collection::vec(0.1..0.9_f64, 0..=8),
+    )
+        .prop_filter_map("ramps of a minute at most", |(tick_hz, speed, a, j, mut edges)| {
+            let (a, j) = (a.exp(), j.exp());
+            if speed / a + a / j > 60.0 {
+                return None;
+            }
+            edges.sort_by(f64::total_cmp);
+            let bands: Vec<_> = edges
+                .chunks_exact(2)
+                .map(|pair| (pair[0] * speed, pair[1] * speed))
+                .filter(|(from, to)| to - from > 1e-3 * speed)
+                .collect();
+            Some(limits(tick_hz, speed, a, j, &bands))
+        })
+}
+
+/// A program of speeds as a fraction of the greatest: ramps and holds, as `(to, ramp, hold)`.
+fn any_speeds() -> impl Strategy<Value = Vec<(f64, u32, u32)>> {
+    prop::collection::vec((0.0..1.0_f64, 0_u32..4000, 0_u32..4000), 1..6)
+}
+
+fn targets(limits: &ShaftLimits, speeds: &[(f64, u32, u32)]) -> Vec<Target> {
+    let top = limits.speed as f64;
+    let mut from = 0.0;
+    let mut now = Turns::ZERO;
+    let mut targets = Vec::new();
+    for &(to, ramp, hold) in speeds {
+        let end = Turns::from_bits((to * top) as i64);
+        for tick in 1..=ramp + hold {
+            let part = if tick >= ramp { 1.0 } else { f64::from(tick) / f64::from(ramp) };
+            let next = Turns::from_bits(((from + (to - from) * part) * top) as i64);
+            targets.push(Target { now, next, end });
+            now = next;
+        }
+        from = to;
+    }
+    targets
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+
+    /// Limits, whatever is asked, and however often the shaft is stopped and started in between.
+    #[test]
+    fn limits_hold_for_any_program_and_any_stop(
+        limits in any_limits(),
+        speeds in any_speeds(),
+        stops in prop::collection::vec((0_usize..20_000, prop::option::of(0.0..1.0_f64), 1_usize..3000), 0..4),
+    ) {
+        let targets = targets(&limits, &speeds);
+        let mut watch = Watch::new(limits);
+        for (tick, &target) in targets.iter().enumerate() {
+            let stop = stops.iter().find(|&&(at, _, ticks)| (at..at + ticks).contains(&tick));
+            watch.advance(match stop {
+                Some(&(_, phase, _)) => Demand::Stop(phase.map(Turns::from_num)),
+                None => Demand::Follow(target),
+            });
+        }
+        watch.advance_to_rest(Demand::Stop(None), 1_000_000);
+    }
+
+    /// A stop from wherever the program has got to: on the phase to the count, and no later than a
+    /// turn (at the settled speed) and the ramps take.
+    #[test]
+    fn stops_hit_their_phase_to_the_count(
+        limits in any_limits(),
+        speeds in any_speeds(),
+        cut in any::<prop::sample::Index>(),
+        phase_bits in 0..ONE_TURN,
+    ) {
+        let targets = targets(&limits, &speeds);
+        prop_assume!(!targets.is_empty());
+        let mut watch = Watch::new(limits.clone());
+        for &target in &targets[..=cut.index(targets.len())] {
+            watch.advance(Demand::Follow(target));
+        }
+        let phase = Turns::from_bits(phase_bits);
+        let settled = watch.shaft.settling_speed();
+        let settling = 2 * ticks_between(&limits, 0, limits.speed);
+        let turn = (ONE_TURN / settled) as u64;
+        let ramp = ticks_between(&limits, settled, 0);
+        watch.advance_to_rest(Demand::Stop(Some(phase)), settling + turn + ramp + 4);
+        prop_assert_eq!(watch.shaft.phase().within_turn(), phase);
+    }
+
+    /// The ramp of a stop at a phase is the shortest there is, plus two ticks, plus what planning
+    /// four units of jerk and two of acceleration below the limits costs.
+    #[test]
+    fn stops_at_a_phase_take_no_longer_than_limits_ask(limits in any_limits(), part in 0.05..1.0_f64) {
+        let speed = bands::below_band(&limits.bands, (part * limits.speed as f64) as i64).max(limits.creep);
+        let mut plan = StopPlan::new(speed, Turns::ZERO, &limits);
+        let mut ramp = 0;
+        while !plan.is_done() {
+            if plan.advance() != speed {
+                ramp += 1;
+            }
+        }
+        let shortest = ticks_between(&limits, speed, 0) as f64;
+        let margin = 4.0 / limits.jerk as f64 + 2.0 / limits.acceleration as f64;
+        prop_assert!(f64::from(ramp) <= shortest * (1.0 + margin) + 2.0, "{ramp} over {shortest}");
+    }
+
+    /// No dwell: each visit of a band is over in the time that the limits need from rest at one edge
+    /// to rest at the other, and a tick at either edge for not starting on it.
+    #[test]
+    fn bands_are_crossed_as_fast_as_limits_allow(limits in any_limits(), speeds in any_speeds()) {
+        let targets = targets(&limits, &speeds);
+        let mut watch = Watch::new(limits.clone());
+        let mut visit = None;
+        for &target in &targets {
+            let speed = watch.advance(Demand::Follow(target)).speed.to_bits();
+            let inside = limits.bands.iter().position(|band| band.from < speed && speed < band.to);
+            visit = match (inside, visit) {
+                (Some(band), Some((before, ticks))) if before == band => Some((band, ticks + 1)),
+                (Some(band), _) => Some((band, 1)),
+                (None, _) => None,
+            };
+            if let Some((band, ticks)) = visit {
+                let band = limits.bands[band];
+                let most = ticks_between(&limits, band.from, band.to) + 2;
+                prop_assert!(ticks <= most, "{ticks} ticks in a band that takes {most}");
+            }
+        }
+    }
+
+    /// Asked for one speed, the shaft comes to exactly that speed (or the nearer edge of its band).
+    #[test]
+    fn steady_speeds_are_met_exactly(limits in any_limits(), part in 0.0..1.0_f64) {
+        let asked = (part * limits.speed as f64) as i64;
+        let mut watch = Watch::new(limits.clone());
+        for _ in 0..ticks_between(&limits, 0, limits.speed) * 2 {
+            watch.advance(Demand::Follow(Target::steady(Turns::from_bits(asked))));
+        }
+        let near = match limits.bands.iter().find(|band| band.from < asked && asked < band.to) {
+            Some(band) if asked - band.from >= band.to - asked => band.to,
+            Some(band) => band.from,
+            None => asked,
+        };
+        prop_assert_eq!(watch.speed, near);
+        prop_assert_eq!(watch.acceleration, 0);
+    }
+}
+
+/// A program within the limits is followed without any lag at all once its rate has been met.
+#[test]
+fn a_ramp_is_followed_exactly_and_not_overshot() {
+    let limits = limits(2000, 60.0, 50.0, 500.0, &[]);
+    let targets = targets(&limits, &[(0.5, 4000, 1000), (0.9, 4000, 1000)]);
+    let mut watch = Watch::new(limits);
+    for (tick, &target) in targets.iter().enumerate() {
+        let motion = watch.advance(Demand::Follow(target));
+        assert!(motion.speed <= target.end, "tick {tick}: overshoot");
+        let settled = (1000..3500).contains(&tick) || (6000..8500).contains(&tick);
+        if settled {
+            assert_eq!(motion.speed, target.next, "tick {tick}");
+        }
+    }
+}
+
+/// A stop while stopping, and a stop at rest, change nothing; following again goes on from there.
+#[test]
+fn stops_within_stops() {
+    let limits = limits(2000, 60.0, 100.0, 2000.0, &[(20.0, 25.0)]);
+    let mut watch = Watch::new(limits);
+    let full = Demand::Follow(Target::steady(Turns::from_num(0.02)));
+    let at = Turns::from_num(0.25);
+    for first in 0..400 {
+        for _ in 0..first * 5 {
+            watch.advance(full);
+        }
+        for _ in 0..first {
+            watch.advance(Demand::Stop(Some(at)));
+        }
+        for _ in 0..(first % 7) {
+            watch.advance(Demand::Stop(None));
+        }
+        watch.advance_to_rest(Demand::Stop(Some(at)), 100_000);
+        assert!(watch.advance(Demand::Stop(Some(at))).at_rest);
+        assert_eq!(watch.speed, 0);
+    }
+}
