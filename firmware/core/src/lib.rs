@@ -1,13 +1,34 @@
-//! x
+//! The control loop of Cophase, without hardware.
+//!
+//! `N` crank motors under one platform turn in phase while a program amax(t) says how hard to shake
+//! it. Data goes one way, and the modules follow it:
+//!
+//! ```text
+//! program ──► profile ──► shaft ──► axes ──► pulse, servo ──► drives
+//! amax(t)     ω(amax)       ▲         ▲                          │
+//!                       supervisor ◄─ drift ◄─ index pulses ◄────┘
+//! ```
+//!
+//! [`controller`] is one tick of that path, and [`control_loop`] waits for the next. Everything on the
+//! way is whole numbers ([`units`]): the same input gives the same bits on a board and on a desk.
+//! Floats are in [`settings`] and in the modules' constructors, which check what a user set and turn it
+//! into coefficients. Nothing allocates, and the tick path cannot fail.
 #![no_std]
 #![forbid(unsafe_code)]
 
 #[cfg(test)]
 extern crate std;
 
+pub mod axes;
+pub mod control_loop;
+pub mod controller;
+pub mod drift;
 pub mod functions;
 pub mod profile;
 pub mod program;
+pub mod pulse;
+pub mod servo;
 pub mod settings;
 pub mod shaft;
+pub mod supervisor;
 pub mod units;

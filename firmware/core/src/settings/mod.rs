@@ -253,16 +253,16 @@ impl LimitSettings {
 
 impl AxisSettings {
     fn check(&self) -> Result<(), SettingsError> {
-        inside("axis.steps_per_turn", f64::from(self.steps_per_turn), 4.0, 65_536.0)?;
-        inside("axis.ratio numerator", f64::from(self.ratio.0), 1.0, 1000.0)?;
-        inside("axis.ratio denominator", f64::from(self.ratio.1), 1.0, 1000.0)?;
-        inside("axis.offset_deg", self.offset_turns * 360.0, -180.0, 180.0)?;
+        inside("axes.steps_per_turn", f64::from(self.steps_per_turn), 4.0, 65_536.0)?;
+        inside("axes.ratio numerator", f64::from(self.ratio.0), 1.0, 1000.0)?;
+        inside("axes.ratio denominator", f64::from(self.ratio.1), 1.0, 1000.0)?;
+        inside("axes.offset_deg", self.offset_turns * 360.0, -180.0, 180.0)?;
         if let Some(index_turns) = self.index_turns {
-            inside("axis.index_deg", index_turns * 360.0, -180.0, 180.0)?;
+            inside("axes.index_deg", index_turns * 360.0, -180.0, 180.0)?;
         }
-        inside("axis.trim_limit_deg", self.trim_limit_turns * 360.0, 0.0, 36.0)?;
-        inside("axis.trim_rate_deg_per_s", self.trim_rate_hz * 360.0, 1e-3, 360.0)?;
-        inside("axis.rotor_inertia_kgm2", self.rotor_inertia_kgm2, 0.0, 10.0)?;
+        inside("axes.trim_limit_deg", self.trim_limit_turns * 360.0, 0.0, 36.0)?;
+        inside("axes.trim_rate_deg_per_s", self.trim_rate_hz * 360.0, 1e-3, 360.0)?;
+        inside("axes.rotor_inertia_kgm2", self.rotor_inertia_kgm2, 0.0, 10.0)?;
         Ok(())
     }
 }

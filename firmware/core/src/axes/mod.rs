@@ -1,0 +1,62 @@
+//! From the master's phase to each crank's: ratio, offset, trim.
+//!
+//! An axis never has a speed of its own. Each tick it is handed the turns that the master made, and
+//! makes of them its own, exactly: what a ratio leaves over is kept for the next tick. Its sense of
+//! rotation is not part of its phase either. A *reversed* axis counts its phase in its own sense,
+//! and only the outputs (DIR, and the signs of a servo's setpoints) are turned round, so that the
+//! phases of axes of equal ratio are equal to the count, whichever way round they are mounted.
+
+mod gear;
+mod trim;
+
+pub use gear::Gear;
+pub use trim::Trim;
+
+use crate::settings::{AxisSettings, turns};
+use crate::units::{Phase, Turns};
+
+/// One axis: its place behind the master.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    gear: Gear,
+    trim: Trim,
+    phase: Phase,
+}
+
+impl Axis {
+    /// At its offset, untrimmed. The settings must have passed [`crate::settings::Settings::check`].
+    pub fn new(settings: &AxisSettings, tick_hz: u32) -> Self {
+        Self {
+            gear: Gear::new(settings.ratio.0, settings.ratio.1),
+            trim: Trim::new(settings, tick_hz),
+            phase: Phase::from_turns(turns(settings.offset_turns)),
+        }
+    }
+
+    /// Where the crank is to be, in its own sense of rotation.
+    pub const fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// How the axis hangs behind the master.
+    pub const fn gear(&self) -> &Gear {
+        &self.gear
+    }
+
+    /// Its correction.
+    pub const fn trim(&self) -> &Trim {
+        &self.trim
+    }
+
+    /// Its correction, to be set.
+    pub const fn trim_mut(&mut self) -> &mut Trim {
+        &mut self.trim
+    }
+
+    /// Moves on with the master and returns the axis's own turns in this tick.
+    pub fn advance(&mut self, master: Turns) -> Turns {
+        let turns = self.gear.advance(master).wrapping_add(self.trim.advance());
+        self.phase = self.phase.advanced(turns);
+        turns
+    }
+}

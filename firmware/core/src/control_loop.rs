@@ -1,0 +1,48 @@
+//! The control loop: wait for a deadline, read, think, write.
+//!
+//! This is the one function that both worlds run: a task on the controller, and a future in virtual
+//! time on the host. Between it and the world stands [`Io`], and nothing else.
+//!
+//! Deadlines are absolute, a whole number of ticks apart. A loop that wakes after the next deadline
+//! has already passed does not catch up with a burst: it goes on at the next deadline to come, and
+//! says how many it missed.
+
+use core::ops::ControlFlow;
+
+use embassy_time::{Duration, Instant, Timer};
+
+use crate::controller::{Controller, Feedback, Output};
+
+/// The world outside the loop: sensors and safety lines in, pulses, setpoints and safety lines out.
+pub trait Io<const N: usize> {
+    /// What came in since the last call.
+    fn read(&mut self) -> Feedback<N>;
+
+    /// Hands over what is to be played from `start` on, for one tick.
+    ///
+    /// The safety lines are set at once. `Break` ends the loop; a board never does that.
+    fn write(&mut self, output: &Output<N>, start: Instant) -> ControlFlow<()>;
+}
+
+/// Runs the loop from the present time on, until [`Io::write`] ends it.
+pub async fn run<const N: usize>(controller: &mut Controller<N>, io: &mut impl Io<N>) {
+    let tick = Duration::from_micros(1_000_000 / u64::from(controller.tick_hz()));
+    let mut deadline = Instant::now();
+    loop {
+        Timer::at(deadline).await;
+        let late = Instant::now().saturating_duration_since(deadline);
+        let missed = late.as_ticks() / tick.as_ticks();
+        if missed > 0 {
+            deadline += Duration::from_ticks(missed * tick.as_ticks());
+        }
+        let over_half = (late.as_ticks() % tick.as_ticks()) * 2 > tick.as_ticks();
+        if missed > 0 || over_half {
+            controller.late(u32::try_from(missed).unwrap_or(u32::MAX), over_half);
+        }
+        let feedback = io.read();
+        deadline += tick;
+        if io.write(controller.tick(&feedback), deadline).is_break() {
+            return;
+        }
+    }
+}

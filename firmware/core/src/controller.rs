@@ -1,0 +1,390 @@
+//! One tick of the whole path: program, profile, master shaft, axes, pulses and setpoints; and back
+//! from the index pulses through the drift monitor to the supervisor.
+//!
+//! **Times.** What [`Controller::tick`] returns at one deadline is played from the next deadline on,
+//! for one tick. The index pulses handed to it came between the deadline before and this one, while
+//! the output of two ticks ago was played.
+
+use crate::axes::Axis;
+use crate::drift::{DriftLimits, DriftMonitor, IndexPulse, Modes, TickPhase};
+use crate::profile::{Profile, SliderCrank};
+use crate::program::{Cursor, Program, ProgramBuilder};
+use crate::pulse::{Planner, PulseTiming, Runs};
+use crate::servo::{FeedForward, Setpoint};
+use crate::settings::{DriveKind, Problem, Settings, SettingsError, turns};
+use crate::shaft::{Demand, Motion, Shaft, ShaftLimits, Target};
+use crate::supervisor::{
+    Action, Command, Fault, FaultKind, SafetyInputs, Seen, State, Supervisor,
+};
+use crate::units::{Amax, FRACTION_BITS, ONE_TURN, Phase, Turns};
+
+/// What the loop reads from outside at a deadline.
+#[derive(Clone, Debug)]
+pub struct Feedback<const N: usize> {
+    /// Index pulses of the tick that is over.
+    pub index: [Option<IndexPulse>; N],
+    /// Alarm outputs of the drives.
+    pub alarm: [bool; N],
+    /// The enable and stop inputs.
+    pub inputs: SafetyInputs,
+    /// A command, if one came.
+    pub command: Option<Command>,
+}
+
+/// What the loop writes to the outside, to be played from the next deadline on.
+#[derive(Clone, Debug)]
+pub struct Output<const N: usize> {
+    /// Pulses of stepper axes; a servo axis has one pause.
+    pub runs: [Runs; N],
+    /// Setpoints of servo axes; those of stepper axes are zero.
+    pub setpoints: [Setpoint; N],
+    /// The drives are to be on.
+    pub drives_enabled: bool,
+    /// High in the first half of each turn of the master: an oscilloscope's trigger.
+    pub sync: bool,
+    /// What the loop knows, for traces and logs.
+    pub telemetry: Telemetry<N>,
+}
+
+/// What the loop knows at the end of a tick.
+#[derive(Clone, Debug)]
+pub struct Telemetry<const N: usize> {
+    /// What the machine is doing.
+    pub state: State,
+    /// The fault that latched.
+    pub fault: Option<Fault>,
+    /// What the program asks for.
+    pub amax_program: Amax,
+    /// The master's motion in this tick.
+    pub motion: Motion,
+    /// The master's phase at the tick's end.
+    pub phase: Phase,
+    /// Commanded phases at the tick's end.
+    pub axis_phase: [Phase; N],
+    /// Steps (or encoder counts) commanded since the start, in each axis's own sense.
+    pub steps: [i64; N],
+    /// Drift as last measured.
+    pub drift: [Turns; N],
+    /// Its modes.
+    pub modes: Modes,
+    /// Whether the program's time stands still on command.
+    pub holding: bool,
+    /// What is out of the ordinary but no fault.
+    pub limits: Limits,
+}
+
+/// Limits that bit: reported, and gone on from.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limits {
+    /// Deadlines missed altogether since the start.
+    pub missed_deadlines: u32,
+    /// Deadlines met late by over half a tick since the start.
+    pub late_deadlines: u32,
+}
+
+/// Most deadlines missed in a row before that is a fault.
+const MOST_MISSED: u32 = 2;
+
+/// The control loop's state, less its waiting.
+#[derive(Clone, Debug)]
+pub struct Controller<const N: usize> {
+    tick_hz: u32,
+    profile: Profile,
+    program: Program,
+    cursor: Cursor,
+    target: Target,
+    /// The level towards which the program goes, and the speed that belongs to it.
+    end: (Amax, Turns),
+    shaft: Shaft,
+    park: Turns,
+    axes: [Axis; N],
+    reversed: [bool; N],
+    planners: [Planner; N],
+    feed_forward: [Option<FeedForward>; N],
+    drift: DriftMonitor<N>,
+    supervisor: Supervisor,
+    motion: Motion,
+    /// Phases of the last two outputs: the one being played, and the one before.
+    playing: [TickPhase; N],
+    played: [TickPhase; N],
+    ticks: u64,
+    overrun: Option<Fault>,
+    output: Output<N>,
+}
+
+impl<const N: usize> Settings<N> {
+    /// The profile that these settings' machine has.
+    pub fn profile(&self) -> Profile {
+        let machine = &self.machine;
+        Profile::SliderCrank(SliderCrank::new(machine.crank_radius_m, machine.lambda, self.tick_hz))
+    }
+
+    /// A builder of programs for these settings' machine.
+    pub fn program_builder(&self) -> ProgramBuilder {
+        ProgramBuilder::new(self.tick_hz, self.profile(), self.limits.speed_hz)
+    }
+}
+
+impl<const N: usize> Controller<N> {
+    /// A controller at power-up: idle, every axis at its offset.
+    ///
+    /// # Errors
+    /// The first setting that is wrong.
+    pub fn new(settings: &Settings<N>, program: Program) -> Result<Self, SettingsError> {
+        settings.check()?;
+        let tick_hz = settings.tick_hz;
+        let hz = f64::from(tick_hz);
+        let limits = ShaftLimits::new(&settings.limits, tick_hz);
+        let timing = PulseTiming::new(&settings.pulse, tick_hz)?;
+        let mut feed_forward = [None; N];
+        for (i, (axis, slot)) in settings.axes.iter().zip(&mut feed_forward).enumerate() {
+            let ratio = f64::from(axis.ratio.0) / f64::from(axis.ratio.1);
+            // Trim comes on top of what the gear makes.
+            let speed_hz = settings.limits.speed_hz * ratio + axis.trim_rate_hz;
+            let place = |error: SettingsError| error.on_axis(i);
+            if speed_hz > 0.5 * hz {
+                let problem = Problem::TooFastForTick { turns_per_tick: speed_hz / hz };
+                return Err(place(SettingsError::new("axes.ratio", problem)));
+            }
+            timing.check_rate(axis, speed_hz, tick_hz).map_err(place)?;
+            if axis.drive == DriveKind::Servo {
+                let acceleration = settings.limits.acceleration_hz_per_s * ratio;
+                *slot = Some(FeedForward::new(
+                    &settings.machine,
+                    N,
+                    axis.rotor_inertia_kgm2,
+                    tick_hz,
+                    turns(speed_hz / hz),
+                    turns(acceleration / hz / hz),
+                )?);
+            }
+        }
+        let axes = core::array::from_fn(|i| Axis::new(&settings.axes[i], tick_hz));
+        let still = core::array::from_fn(|i: usize| {
+            let axis: &Axis = &axes[i];
+            TickPhase { start: axis.phase(), turns: Turns::ZERO }
+        });
+        let index = core::array::from_fn(|i| settings.axes[i].index_turns.map(turns));
+        Ok(Self {
+            tick_hz,
+            profile: settings.profile(),
+            program,
+            cursor: Cursor::new(),
+            target: Target::steady(Turns::ZERO),
+            end: (Amax::ZERO, Turns::ZERO),
+            shaft: Shaft::new(limits),
+            park: Phase::from_turns(turns(settings.park_turns)).within_turn(),
+            reversed: core::array::from_fn(|i| settings.axes[i].reversed),
+            planners: core::array::from_fn(|i| Planner::new(timing, settings.axes[i].steps_per_turn)),
+            feed_forward,
+            drift: DriftMonitor::new(
+                DriftLimits::new(&settings.drift, &settings.machine),
+                index,
+                timing.tick(),
+            ),
+            supervisor: Supervisor::new(libm::ceil(settings.settle_s * hz) as u32),
+            motion: Motion { at_rest: true, ..Motion::default() },
+            playing: still,
+            played: still,
+            ticks: 0,
+            overrun: None,
+            output: Output {
+                runs: core::array::from_fn(|_| Runs::new()),
+                setpoints: [Setpoint::default(); N],
+                drives_enabled: false,
+                sync: true,
+                telemetry: Telemetry {
+                    state: State::Idle,
+                    fault: None,
+                    amax_program: Amax::ZERO,
+                    motion: Motion::default(),
+                    phase: Phase::ZERO,
+                    axis_phase: core::array::from_fn(|i| axes[i].phase()),
+                    steps: [0; N],
+                    drift: [Turns::ZERO; N],
+                    modes: Modes::default(),
+                    holding: false,
+                    limits: Limits::default(),
+                },
+            },
+            axes,
+        })
+    }
+
+    /// Control ticks a second.
+    pub const fn tick_hz(&self) -> u32 {
+        self.tick_hz
+    }
+
+    /// The program, and the place in it.
+    pub const fn program(&self) -> (&Program, &Cursor) {
+        (&self.program, &self.cursor)
+    }
+
+    /// Goes to a place in the program, ticks from its start. Takes effect like a jump of the level:
+    /// the shaft follows within its limits.
+    pub fn seek(&mut self, elapsed: u64) {
+        self.cursor.seek(&self.program, elapsed);
+    }
+
+    /// The profile, for converting between speed and amax.
+    pub const fn profile(&self) -> &Profile {
+        &self.profile
+    }
+
+    /// Sets an axis's trim; says whether its limit allowed all of it. An axis that is not there has
+    /// no trim: false.
+    pub fn set_trim(&mut self, axis: usize, turns: Turns) -> bool {
+        self.axes.get_mut(axis).is_some_and(|axis| axis.trim_mut().set(turns))
+    }
+
+    /// Takes note of a deadline that was met late by `late_cycles` of `tick_cycles`, after `missed`
+    /// deadlines that were not met at all.
+    ///
+    /// While deadlines are missed the step hardware has nothing to play: all axes stand, and go on
+    /// from where they stood. No phase is lost by that, and none is made up for: the machine's time
+    /// is behind by as many ticks. What the index sensors said meanwhile belongs to no known phase.
+    pub fn late(&mut self, missed: u32, over_half: bool) {
+        let limits = &mut self.output.telemetry.limits;
+        limits.late_deadlines = limits.late_deadlines.saturating_add(u32::from(over_half));
+        if missed == 0 {
+            return;
+        }
+        limits.missed_deadlines = limits.missed_deadlines.saturating_add(missed);
+        for (playing, axis) in self.playing.iter_mut().zip(&self.axes) {
+            *playing = TickPhase { start: axis.phase(), turns: Turns::ZERO };
+        }
+        self.played = self.playing;
+        if missed > MOST_MISSED {
+            self.overrun = Some(Fault::new(FaultKind::Overrun));
+        }
+    }
+
+    /// Plays one tick.
+    pub fn tick(&mut self, feedback: &Feedback<N>) -> &Output<N> {
+        let seen = self.observe(feedback);
+        let before = self.supervisor.state();
+        let action = self.supervisor.step(feedback.inputs, feedback.command, seen);
+        self.enter(before, self.supervisor.state());
+        let demand = self.demand(action);
+        self.motion = self.shaft.advance(demand);
+        self.drive();
+        self.report(action);
+        self.ticks += 1;
+        &self.output
+    }
+
+    /// What has been seen since the last tick.
+    fn observe(&mut self, feedback: &Feedback<N>) -> Seen {
+        let alarm = feedback.alarm.iter().position(|&alarm| alarm);
+        let alarm = alarm.map(|axis| Fault::new(FaultKind::DriveAlarm).on_axis(axis));
+        let drift = self.drift.observe(&feedback.index, &self.played).err();
+        let fault = self.overrun.take().or(alarm).or(drift);
+        Seen {
+            fault: fault.map(|fault| fault.at(self.ticks, self.shaft.phase())),
+            at_rest: self.motion.at_rest,
+            aligned: self.drift.is_aligned(),
+            program_done: self.cursor.is_done(&self.program),
+        }
+    }
+
+    /// Sets up for a state that was just entered.
+    fn enter(&mut self, before: State, now: State) {
+        if before == now {
+            return;
+        }
+        match now {
+            // Whatever the cranks did while the drives were off, only their index pulses tell.
+            State::Align => {
+                self.drift.reset();
+                self.cursor = Cursor::new();
+                self.target = Target::steady(Turns::ZERO);
+            }
+            State::Run if before == State::Parked => {
+                if self.cursor.is_done(&self.program) {
+                    self.cursor = Cursor::new();
+                }
+                self.target = Target::steady(Turns::ZERO);
+            }
+            _ => {}
+        }
+    }
+
+    fn demand(&mut self, action: Action) -> Demand {
+        match action {
+            Action::Stand => Demand::Halt,
+            Action::Creep => Demand::Follow(Target::steady(self.shaft.limits().creep())),
+            Action::Play => Demand::Follow(self.play()),
+            Action::Hold => {
+                self.target = Target::steady(self.target.next);
+                Demand::Follow(self.target)
+            }
+            Action::Park => Demand::Stop(Some(self.park)),
+            Action::StopFast => Demand::Stop(None),
+        }
+    }
+
+    /// Reads one tick of the program.
+    fn play(&mut self) -> Target {
+        let reading = self.cursor.next(&self.program);
+        self.output.telemetry.amax_program = reading.level;
+        if self.end.0 != reading.end_level {
+            self.end = (reading.end_level, self.profile.speed(reading.end_level));
+        }
+        self.target = Target {
+            now: self.target.next,
+            next: self.profile.speed(reading.level),
+            end: self.end.1,
+        };
+        self.target
+    }
+
+    /// Moves the axes and makes their pulses and setpoints.
+    fn drive(&mut self) {
+        self.played = self.playing;
+        for i in 0..N {
+            let axis = &mut self.axes[i];
+            let start = axis.phase();
+            let turns = axis.advance(self.motion.speed);
+            self.playing[i] = TickPhase { start, turns };
+            self.planners[i].plan(turns, &mut self.output.runs[i]);
+            if let Some(feed_forward) = &self.feed_forward[i] {
+                let (numerator, denominator) = axis.gear().ratio();
+                let acceleration = self.motion.acceleration.to_bits();
+                let acceleration = Turns::from_bits(acceleration * numerator / denominator);
+                let torque = feed_forward.torque(axis.phase(), turns, acceleration);
+                let setpoint = Setpoint { position: axis.phase(), velocity: turns, torque };
+                self.output.setpoints[i] = if self.reversed[i] { setpoint.reversed() } else { setpoint };
+            }
+        }
+    }
+
+    fn report(&mut self, action: Action) {
+        let output = &mut self.output;
+        output.drives_enabled = self.supervisor.drives_enabled();
+        let within = self.shaft.phase().within_turn();
+        output.sync = within.to_bits() < ONE_TURN / 2;
+        let telemetry = &mut output.telemetry;
+        telemetry.state = self.supervisor.state();
+        telemetry.fault = self.supervisor.fault();
+        if !matches!(action, Action::Play | Action::Hold) {
+            telemetry.amax_program = Amax::ZERO;
+        }
+        telemetry.holding = action == Action::Hold;
+        telemetry.motion = self.motion;
+        telemetry.phase = self.shaft.phase();
+        for (slot, axis) in telemetry.axis_phase.iter_mut().zip(&self.axes) {
+            *slot = axis.phase();
+        }
+        for (slot, planner) in telemetry.steps.iter_mut().zip(&self.planners) {
+            *slot = planner.steps();
+        }
+        telemetry.drift = *self.drift.drift();
+        telemetry.modes = *self.drift.modes();
+    }
+}
+
+/// Speed in rev/s of a speed in turns a tick; for logs and traces.
+pub fn speed_hz(speed: Turns, tick_hz: u32) -> f64 {
+    speed.to_bits() as f64 / (1_u64 << FRACTION_BITS) as f64 * f64::from(tick_hz)
+}

@@ -1,0 +1,148 @@
+//! The drift monitor: how far each crank is from where it was told to be, and what that does to the
+//! platform.
+//!
+//! Words: *drift* is measured minus commanded phase of one axis. An *index pulse* comes once a turn
+//! of a crank, when it passes its sensor. The cranks stand in a circle, so their N drifts are taken
+//! apart into *modes*: common (all lag alike: harmless), tilt about two axes, and warp, which is what
+//! no flat platform can follow.
+//!
+//! The modes are taken whenever every axis has been heard since they were taken last, so that drifts
+//! of one turn are compared with each other and not with those of the turn before.
+//!
+//! What it does not do yet: name what happened (lost steps, slip, a bad sensor), or use encoders.
+
+mod limits;
+mod modes;
+
+pub use limits::DriftLimits;
+pub use modes::{Modes, Mount};
+
+use crate::supervisor::{Fault, FaultKind};
+use crate::units::{Phase, Turns, nearest};
+
+/// An index pulse: when it came, within the tick that was over when it was read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IndexPulse {
+    /// Cycles of the step clock from the beginning of that tick, 0 up to a tick's cycles.
+    pub cycle: u32,
+}
+
+/// Phase of an axis over one tick: where it began, and how far it went, at constant speed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TickPhase {
+    /// Commanded phase at the tick's beginning.
+    pub start: Phase,
+    /// Turns commanded in it.
+    pub turns: Turns,
+}
+
+impl TickPhase {
+    /// Commanded phase `cycle` cycles into a tick of `tick_cycles`.
+    fn at(&self, cycle: u32, per_tick_cycle: u64) -> Phase {
+        // cycle / tick_cycles with 32 fraction bits; the turns of a tick are below ½, and of these the
+        // upper 40 bits are plenty: 2⁻⁴⁰ turn is 3e-10 degrees.
+        let part = (u64::from(cycle) * per_tick_cycle).min(1 << 32) >> 8;
+        let turns = ((self.turns.to_bits() >> 8) * part as i64) >> 16;
+        self.start.advanced(Turns::from_bits(turns))
+    }
+}
+
+/// Watches the drift of `N` axes.
+#[derive(Clone, Debug)]
+pub struct DriftMonitor<const N: usize> {
+    limits: DriftLimits,
+    mount: Mount<N>,
+    index: [Option<Turns>; N],
+    /// 2³² / cycles of a tick.
+    per_tick_cycle: u64,
+    drift: [Turns; N],
+    /// Axes heard since the modes were taken last.
+    heard: [bool; N],
+    /// Commanded turns of each axis since its last index pulse.
+    since_index: [Turns; N],
+    /// Whether an axis has been heard at all.
+    known: [bool; N],
+    modes: Modes,
+}
+
+impl<const N: usize> DriftMonitor<N> {
+    /// For sensors at the phases `index` (none: the axis has no sensor).
+    pub fn new(limits: DriftLimits, index: [Option<Turns>; N], tick_cycles: u32) -> Self {
+        Self {
+            limits,
+            mount: Mount::new(),
+            index,
+            per_tick_cycle: (1 << 32) / u64::from(tick_cycles),
+            drift: [Turns::ZERO; N],
+            heard: [false; N],
+            since_index: [Turns::ZERO; N],
+            known: [false; N],
+            modes: Modes::default(),
+        }
+    }
+
+    /// Takes in the index pulses of a tick that is over, with the phases that were commanded in it.
+    ///
+    /// # Errors
+    /// A mode past its limit, or an index pulse that stays away for over a turn.
+    pub fn observe(
+        &mut self,
+        pulses: &[Option<IndexPulse>; N],
+        commanded: &[TickPhase; N],
+    ) -> Result<(), Fault> {
+        let mut missing = None;
+        for axis in 0..N {
+            let (Some(index), phase) = (self.index[axis], &commanded[axis]) else {
+                continue;
+            };
+            self.since_index[axis] = self.since_index[axis].saturating_add(phase.turns);
+            if let Some(pulse) = pulses[axis] {
+                let at = phase.at(pulse.cycle, self.per_tick_cycle);
+                self.drift[axis] = nearest(Phase::from_turns(index).since(at));
+                self.heard[axis] = true;
+                self.known[axis] = true;
+                self.since_index[axis] = Turns::ZERO;
+            } else if self.since_index[axis] > self.limits.index_turns {
+                missing = Some(axis);
+            }
+        }
+        if let Some(axis) = missing {
+            self.since_index[axis] = Turns::ZERO;
+            return Err(Fault::new(FaultKind::IndexMissing).on_axis(axis));
+        }
+        if self.all_sensed(&self.heard) {
+            self.heard = [false; N];
+            self.modes = self.mount.modes(&self.drift);
+            return self.limits.check(&self.modes, &self.drift);
+        }
+        Ok(())
+    }
+
+    /// Whether every axis that has a sensor has been heard since [`Self::reset`].
+    pub fn is_aligned(&self) -> bool {
+        self.all_sensed(&self.known)
+    }
+
+    fn all_sensed(&self, flags: &[bool; N]) -> bool {
+        self.index.iter().zip(flags).all(|(index, &flag)| flag || index.is_none())
+    }
+
+    /// Forgets what was measured: the cranks may have been turned while the drives were off.
+    pub fn reset(&mut self) {
+        self.heard = [false; N];
+        self.known = [false; N];
+        self.since_index = [Turns::ZERO; N];
+        self.drift = [Turns::ZERO; N];
+        self.modes = Modes::default();
+    }
+
+    /// The drift of each axis, as last measured: turns, −½ to ½.
+    pub const fn drift(&self) -> &[Turns; N] {
+        &self.drift
+    }
+
+    /// The modes of the drifts, as last taken.
+    pub const fn modes(&self) -> &Modes {
+        &self.modes
+    }
+}

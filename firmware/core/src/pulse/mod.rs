@@ -1,0 +1,41 @@
+//! Pulses: one tick of an axis's phase, as runs of edges that the hardware makes by itself.
+//!
+//! STEP is a square wave. It rises where the phase crosses a step and falls half a step later, so
+//! that a pulse may lie across the end of a tick without being cut, and is as wide as can be. A
+//! [`Run`] is a number of *edges* a period apart; with no edges it is a pause. A tick's runs fill
+//! exactly one tick. See [`Planner`] for the bound on the edges' times.
+
+mod planner;
+
+pub use planner::{Planner, PulseTiming};
+
+/// Most runs in a tick: two for every [`planner::CHUNK`] edges, and what the ends and a change of
+/// direction take.
+pub const MAX_RUNS: usize = 128;
+
+/// Most edges in a tick that [`MAX_RUNS`] are sure to be enough for.
+pub const MAX_EDGES: u32 = 4800;
+
+/// The runs of one axis over one tick, in order.
+pub type Runs = heapless::Vec<Run, MAX_RUNS>;
+
+/// Equally spaced edges of STEP: after every `period` cycles STEP changes its level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Run {
+    /// How many edges; 0 is a pause of one period.
+    pub edges: u16,
+    /// Cycles of the step clock before each edge.
+    pub period: u32,
+    /// Level of the direction line from this run's start on: true counts up in the axis's own sense.
+    pub forward: bool,
+}
+
+impl Run {
+    /// How long the run lasts, in cycles.
+    pub const fn cycles(&self) -> u32 {
+        match self.edges {
+            0 => self.period,
+            edges => self.period * edges as u32,
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! The runs, integrated again edge by edge, against the phase that they were made from.
+
+use super::*;
+use proptest::prelude::*;
+use std::vec::Vec;
+
+const QUARTER_MICROSECOND: f64 = 0.25e-6 * CLOCK_HZ as f64;
+
+fn timing(tick_hz: u32) -> PulseTiming {
+    let settings = PulseSettings { width_ns: 200.0, dir_setup_ns: 300.0, dir_hold_ns: 300.0 };
+    PulseTiming::new(&settings, tick_hz).unwrap()
+}
+
+/// What a drive sees on its STEP and DIR inputs.
+struct Drive {
+    tick: u32,
+    cycle: u64,
+    high: bool,
+    forward: bool,
+    last_edge: Option<u64>,
+    last_rise: Option<u64>,
+    last_turn: Option<u64>,
+    position: i64,
+    shortest: u64,
+    /// (cycle of a rising edge, position it led to)
+    rises: Vec<(u64, i64)>,
+}
+
+impl Drive {
+    fn new(timing: PulseTiming) -> Self {
+        Self {
+            tick: timing.tick,
+            cycle: 0,
+            high: false,
+            forward: true,
+            last_edge: None,
+            last_rise: None,
+            last_turn: None,
+            position: 0,
+            shortest: u64::MAX,
+            rises: Vec::new(),
+        }
+    }
+
+    /// Plays a tick's runs and checks what must hold of any.
+    fn play(&mut self, runs: &Runs, timing: PulseTiming) {
+        let total: u64 = runs.iter().map(|run| u64::from(run.cycles())).sum();
+        assert_eq!(total, u64::from(self.tick), "the runs fill {total} cycles of {}", self.tick);
+        let start = self.cycle;
+        for run in runs {
+            assert!(run.period >= GUARD, "a run of {} cycles", run.period);
+            if run.forward != self.forward {
+                if let Some(rise) = self.last_rise {
+                    assert!(self.cycle - rise >= u64::from(timing.dir_hold), "hold time");
+                }
+                self.forward = run.forward;
+                self.last_turn = Some(self.cycle);
+            }
+            if run.edges == 0 {
+                self.cycle += u64::from(run.period);
+            }
+            for _ in 0..run.edges {
+                self.cycle += u64::from(run.period);
+                self.edge(timing);
+            }
+        }
+        assert_eq!(self.cycle, start + total);
+    }
+
+    fn edge(&mut self, timing: PulseTiming) {
+        if let Some(last) = self.last_edge {
+            self.shortest = self.shortest.min(self.cycle - last);
+        }
+        self.last_edge = Some(self.cycle);
+        self.high = !self.high;
+        if self.high {
+            if let Some(turn) = self.last_turn {
+                assert!(self.cycle - turn >= u64::from(timing.dir_setup), "set-up time");
+            }
+            self.position += if self.forward { 1 } else { -1 };
+            self.last_rise = Some(self.cycle);
+            self.rises.push((self.cycle, self.position));
+        }
+    }
+}
+
+fn play_ticks(tick_hz: u32, steps_per_turn: u32, ticks: &[i64]) -> (Drive, Planner) {
+    let timing = timing(tick_hz);
+    let mut planner = Planner::new(timing, steps_per_turn);
+    let mut drive = Drive::new(timing);
+    let mut runs = Runs::new();
+    for &turns in ticks {
+        planner.plan(Turns::from_bits(turns), &mut runs);
+        drive.play(&runs, timing);
+        assert_eq!(drive.position, planner.steps(), "the drive and the planner count differently");
+    }
+    (drive, planner)
+}
+
+/// Exact time, in cycles, at which the phase crosses step `position` going up.
+fn crossing(ticks: &[i64], steps_per_turn: u32, tick: u32, position: i64) -> f64 {
+    let goal = i128::from(position) << FRACTION_BITS;
+    let mut phase = 0_i128;
+    for (i, &turns) in ticks.iter().enumerate() {
+        let end = phase + i128::from(turns) * i128::from(steps_per_turn);
+        if end >= goal {
+            let part = (goal - phase) as f64 / (end - phase) as f64;
+            return (i as f64 + part) * f64::from(tick);
+        }
+        phase = end;
+    }
+    panic!("step {position} is never crossed");
+}
+
+/// Turns a tick for a number of steps a second.
+fn turns_per_tick(step_hz: f64, steps_per_turn: u32, tick_hz: u32) -> i64 {
+    (step_hz / f64::from(steps_per_turn) / f64::from(tick_hz) * HALF_STEP as f64) as i64
+}
+
+fn any_tick_hz() -> impl Strategy<Value = u32> {
+    prop::sample::select(std::vec![500_u32, 1000, 2000, 4000, 8000, 10_000])
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    /// Every rising edge of an axis that goes forward, up to 1 M steps/s, is within 0.25 µs of where
+    /// the phase crosses its step; none is missing; pulses keep their width.
+    #[test]
+    fn edges_are_where_the_phase_crosses(
+        tick_hz in any_tick_hz(),
+        steps_per_turn in 4_u32..65_536,
+        rates in prop::collection::vec(prop_oneof![0.0..1.0_f64, 0.0..1e6_f64, 0.9e6..1e6_f64], 1..12),
+        repeats in 1_usize..4,
+    ) {
+        let ticks: Vec<i64> = rates
+            .iter()
+            .flat_map(|&rate| std::iter::repeat_n(turns_per_tick(rate, steps_per_turn, tick_hz), repeats))
+            .collect();
+        let (drive, planner) = play_ticks(tick_hz, steps_per_turn, &ticks);
+        let total: i128 = ticks.iter().map(|&t| i128::from(t) * i128::from(steps_per_turn)).sum();
+        prop_assert_eq!(i128::from(planner.steps()), total >> FRACTION_BITS);
+        prop_assert_eq!(drive.rises.len() as i64, planner.steps());
+        for (cycle, position) in drive.rises {
+            let due = crossing(&ticks, steps_per_turn, drive.tick, position);
+            let error = cycle as f64 - due;
+            prop_assert!(error.abs() <= QUARTER_MICROSECOND, "step {position}: {error} cycles");
+        }
+        prop_assert!(drive.shortest >= u64::from(timing(tick_hz).width));
+    }
+
+    /// Whatever way the axis goes, ticks are filled, times kept, and no step is lost or made up.
+    #[test]
+    fn changes_of_direction_lose_nothing(
+        tick_hz in any_tick_hz(),
+        steps_per_turn in 4_u32..65_536,
+        rates in prop::collection::vec(prop_oneof![-200.0..200.0_f64, -1e4..1e4_f64, -7e5..7e5_f64], 1..60),
+    ) {
+        let ticks: Vec<i64> =
+            rates.iter().map(|&rate| turns_per_tick(rate, steps_per_turn, tick_hz)).collect();
+        let (drive, planner) = play_ticks(tick_hz, steps_per_turn, &ticks);
+        let total: i128 = ticks.iter().map(|&t| i128::from(t) * i128::from(steps_per_turn)).sum();
+        prop_assert_eq!(i128::from(planner.steps()), total >> FRACTION_BITS);
+        prop_assert!(drive.shortest >= u64::from(timing(tick_hz).width), "{}", drive.shortest);
+    }
+
+    /// The most edges that settings allow, at any spacing, fit the runs of a tick.
+    #[test]
+    fn the_fastest_axis_fits(tick_hz in any_tick_hz(), part in 0.9..1.0_f64, phase in 0..1_i64 << 40) {
+        let steps_per_turn = 10_000;
+        let most = timing(tick_hz).most_step_hz(tick_hz);
+        let turns = turns_per_tick(most * part, steps_per_turn, tick_hz);
+        let (drive, planner) = play_ticks(tick_hz, steps_per_turn, &[phase, turns, turns, turns]);
+        prop_assert_eq!(drive.position, planner.steps());
+    }
+}
+
+/// At a steady rate that divides the clock a tick takes few runs: the last edge, due at the tick's
+/// very end, keeps the guard, and the last chunk makes room for it.
+#[test]
+fn a_whole_period_needs_few_runs() {
+    let timing = timing(2000);
+    let mut planner = Planner::new(timing, 2000);
+    let mut runs = Runs::new();
+    let turns = Turns::from_num(0.125); // 250 steps in a tick of 62,500 cycles: 125 cycles an edge
+    planner.plan(turns, &mut runs);
+    planner.plan(turns, &mut runs);
+    assert!(runs.len() <= 3, "{runs:?}");
+    let exact: u16 = runs.iter().filter(|run| run.period == 125).map(|run| run.edges).sum();
+    assert!(exact >= 500 - CHUNK as u16, "{runs:?}");
+}
+
+#[test]
+fn a_long_set_up_is_refused() {
+    let settings = PulseSettings { width_ns: 5000.0, dir_setup_ns: 50_000.0, dir_hold_ns: 5000.0 };
+    assert_eq!(PulseTiming::new(&settings, 10_000).unwrap_err().key, "pulse.dir_setup_ns");
+    assert!(PulseTiming::new(&settings, 2000).is_ok());
+}
