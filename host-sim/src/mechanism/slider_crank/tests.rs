@@ -55,10 +55,14 @@ fn torque_is_the_energy_it_puts_into_the_load() {
                 gravity_mps2: 9.8,
                 platform,
             };
-            // Height above the ground: against x if the platform hangs.
+            // x points down if the platform hangs.
+            let up = match platform {
+                Platform::Below => -1.0,
+                Platform::Above => 1.0,
+            };
             let energy = |alpha: f64, speed: f64| {
                 let v = mechanism.x_dot_mps(alpha, speed);
-                let height = -platform.sigma() * mechanism.x_m(alpha);
+                let height = up * mechanism.x_m(alpha);
                 load.mass_kg * (0.5 * v * v + load.gravity_mps2 * height)
             };
             for k in 0..360 {
