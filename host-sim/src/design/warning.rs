@@ -1,0 +1,180 @@
+//! What to know before a motor is bought by these figures: where the source's formula is off, where its
+//! print is wrong, and what no stepper does.
+
+use core::fmt;
+
+use super::digits::{degrees, four, percent};
+use super::requirement::STANDARD_GRAVITY_MPS2;
+use super::steps::Design;
+use crate::mechanism::slider_crank::{Extremum, SliderCrank};
+
+/// Two-term figures off by less than this are not worth a sentence: motors come in coarser steps.
+const NOTICEABLE: f64 = 0.005;
+
+/// Speed above which a stepper has no torque left to speak of, turns a minute. Its drive has to reverse
+/// the winding current at 50 times the speed: at 3000 rpm that is 2.5 kHz, far beyond the corner
+/// frequency of any winding large enough to drive a crank.
+const STEPPER_RPM: f64 = 3000.0;
+
+/// Peak shaft power no stepper delivers, W: the largest frames (NEMA 42) end at some hundreds of watts.
+const STEPPER_W: f64 = 1000.0;
+
+/// Something a reader of a [`Design`] should know. Prints as one or two full sentences.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Warning {
+    /// λ is so large that the acceleration has a third turning point, which the source prints with the
+    /// wrong sign.
+    ThirdBranch {
+        /// Crank/rod ratio.
+        lambda: f64,
+        /// The turning point by the two-term formula.
+        two_term: Extremum,
+        /// The true one; none for λ from 1/4 to 0.2638, where only the approximation has it.
+        exact: Option<Extremum>,
+    },
+    /// The source's gravity sign is that of a platform below its cranks.
+    GravitySense {
+        /// Exact torque maximum with the platform below, N·m.
+        below_nm: f64,
+        /// Exact torque maximum with the platform above, N·m.
+        above_nm: f64,
+    },
+    /// The two-term formula is noticeably off.
+    TwoTermError {
+        /// Worst error of the acceleration, as a fraction of amax.
+        acceleration: f64,
+        /// Error of the torque maximum against the exact one: positive if the formula says too much.
+        torque: f64,
+    },
+    /// Faster than steppers turn with useful torque.
+    StepperSpeed {
+        /// Crank speed, turns a minute.
+        rpm: f64,
+    },
+    /// More power than steppers deliver.
+    StepperPower {
+        /// Peak power of one motor, W, without safety factor.
+        motor_w: f64,
+    },
+    /// Gravity is the rounded one behind the source's printed figures.
+    RoundedGravity {
+        /// How much lower torques are with standard gravity, as a fraction.
+        torque_drop: f64,
+    },
+}
+
+/// The warnings that apply to a design, in the order of its steps.
+pub(super) fn of(design: &Design) -> Vec<Warning> {
+    let omega = design.speed_rad_s();
+    let gravity = design.requirement.gravity_mps2;
+    let mut all = Vec::new();
+    if gravity == 10.0 {
+        // Radius and force are both proportional to gravity, because amax is given in it.
+        let torque_drop = 1.0 - (STANDARD_GRAVITY_MPS2 / gravity).powi(2);
+        all.push(Warning::RoundedGravity { torque_drop });
+    }
+    if let Some(two_term) = design.mechanism.extrema_two_term(omega).between {
+        all.push(Warning::ThirdBranch {
+            lambda: design.requirement.lambda,
+            two_term,
+            exact: design.mechanism.extrema_exact(omega).between,
+        });
+    }
+    let exact_nm = design.torque_exact_below.value;
+    let acceleration = design.mechanism.two_term_error().value;
+    let torque = design.torque_two_term.value / exact_nm - 1.0;
+    if acceleration >= NOTICEABLE || torque.abs() >= NOTICEABLE {
+        all.push(Warning::TwoTermError {
+            acceleration,
+            torque,
+        });
+    }
+    all.push(Warning::GravitySense {
+        below_nm: exact_nm,
+        above_nm: design.torque_exact_above.value,
+    });
+    if design.speed_rpm() > STEPPER_RPM {
+        let rpm = design.speed_rpm();
+        all.push(Warning::StepperSpeed { rpm });
+    }
+    let motor_w = design.per_motor(design.peak_power_w());
+    if motor_w > STEPPER_W {
+        all.push(Warning::StepperPower { motor_w });
+    }
+    all
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::ThirdBranch {
+                lambda,
+                two_term,
+                exact,
+            } => {
+                write!(
+                    f,
+                    "λ = {lambda} is above {}: by the two-term formula the lowest acceleration is no \
+                     longer at 180 deg but -R ω² (λ + 1/(8λ)) = {} m/s² at {} deg and its mirror \
+                     image; the source prints that value with a plus sign. ",
+                    SliderCrank::LAMBDA_SPLIT_TWO_TERM,
+                    four(two_term.a_mps2),
+                    degrees(two_term.alpha_rad),
+                )?;
+                match exact {
+                    Some(exact) => write!(
+                        f,
+                        "Exactly it is {} m/s² at {} deg.",
+                        four(exact.a_mps2),
+                        degrees(exact.alpha_rad)
+                    ),
+                    None => write!(
+                        f,
+                        "Exactly it stays at 180 deg: the true motion has no third turning point \
+                         up to λ = {:.4}.",
+                        SliderCrank::LAMBDA_SPLIT_EXACT
+                    ),
+                }
+            }
+            Self::GravitySense { below_nm, above_nm } => write!(
+                f,
+                "The source's F = m (g + a) holds for a platform hanging below its cranks; for one \
+                 standing above them it is F = m (a - g), and the exact torque maximum is {} N·m \
+                 instead of {} N·m, {} less.",
+                four(above_nm),
+                four(below_nm),
+                percent(1.0 - above_nm / below_nm)
+            ),
+            Self::TwoTermError {
+                acceleration,
+                torque,
+            } => write!(
+                f,
+                "The two-term formula misses the true acceleration by up to {} of amax, and its \
+                 torque maximum is {} too {}.",
+                percent(acceleration),
+                percent(torque.abs()),
+                if torque < 0.0 { "low" } else { "high" }
+            ),
+            Self::StepperSpeed { rpm } => write!(
+                f,
+                "The cranks turn at {} rpm; above {STEPPER_RPM} rpm no stepper has torque left, so \
+                 choose servo motors or a lower frequency.",
+                four(rpm)
+            ),
+            Self::StepperPower { motor_w } => write!(
+                f,
+                "Each motor must give {} kW at its peak, before any safety factor; steppers end \
+                 below {} kW, so choose servo motors, more of them, or a lower frequency.",
+                four(motor_w / 1000.0),
+                STEPPER_W / 1000.0
+            ),
+            Self::RoundedGravity { torque_drop } => write!(
+                f,
+                "Gravity is 10 m/s², as in the source's printed figures; with \
+                 {STANDARD_GRAVITY_MPS2} m/s² all torques are {} lower.",
+                percent(torque_drop)
+            ),
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! The in-line slider-crank: a crank of radius R turns, a rod of length L follows, and a platform moves
+//! on the line through the crank's axis.
+//!
+//! Words:
+//! - **crank angle** α, rad, 0 at the dead centre where crank and rod are stretched out;
+//! - **crank/rod ratio** λ = R / L;
+//! - **x**, m, the platform's distance from the crank axis along the line of travel;
+//! - **a** = −x″, m/s², the acceleration *towards the crank axis*. The source counts it so, which makes
+//!   it largest, R ω² (1 + λ), at α = 0;
+//! - **two-term**: the source's a = R ω² (cos α + λ cos 2α), the first two harmonics at constant speed;
+//! - **exact**: what the geometry gives, at any speed and angular acceleration.
+//!
+//! Files: here is the motion; [`Extrema`] are the turning points of a, and [`Platform`], [`Load`] and
+//! the torques are where forces come in.
+//!
+//! Not modelled: clearance, elasticity, an offset line of travel, rod and crank masses.
+
+mod extrema;
+mod torque;
+
+pub use extrema::{Extrema, Extremum};
+pub use torque::{Load, Platform};
+
+use super::turn_search::{TurnPeak, largest_over_turn};
+
+/// Largest crank/rod ratio accepted. The source builds from 0.1 to 0.6. Somewhat above 0.8 (at 0.85)
+/// the exact acceleration becomes largest near 90 deg instead of at α = 0, and amax = R ω² (1 + λ),
+/// on which every speed here rests, would no longer be a maximum.
+pub const LAMBDA_MAX: f64 = 0.8;
+
+/// Why a pair of lengths is no slider-crank.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum SliderCrankError {
+    /// The crank radius is not a positive, finite length.
+    #[error("crank radius {0} m: must be a finite length above 0")]
+    Radius(f64),
+    /// The rod length is not a positive, finite length.
+    #[error("rod length {0} m: must be a finite length above 0")]
+    Rod(f64),
+    /// The rod is too short for the crank.
+    #[error("crank/rod ratio {0}: must be at most {LAMBDA_MAX}; take a longer rod")]
+    Ratio(f64),
+}
+
+/// An in-line slider-crank of known size.
+///
+/// ```
+/// use host_sim::mechanism::slider_crank::SliderCrank;
+/// let mechanism = SliderCrank::new(0.004, 0.040)?;
+/// assert!((mechanism.stroke_m() - 0.008).abs() < 1e-15);
+/// let omega = mechanism.speed_for_amax_rad_s(500.0);
+/// assert!((mechanism.amax_mps2(omega) - 500.0).abs() < 1e-9);
+/// # Ok::<(), host_sim::mechanism::slider_crank::SliderCrankError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SliderCrank {
+    crank_radius_m: f64,
+    rod_length_m: f64,
+}
+
+impl SliderCrank {
+    /// Makes a mechanism of a crank radius and a rod length, both in m.
+    ///
+    /// Refuses lengths that are not finite and positive, and ratios above [`LAMBDA_MAX`].
+    pub fn new(crank_radius_m: f64, rod_length_m: f64) -> Result<Self, SliderCrankError> {
+        let is_length = |v: f64| v.is_finite() && v > 0.0;
+        if !is_length(crank_radius_m) {
+            return Err(SliderCrankError::Radius(crank_radius_m));
+        }
+        if !is_length(rod_length_m) {
+            return Err(SliderCrankError::Rod(rod_length_m));
+        }
+        let made = Self {
+            crank_radius_m,
+            rod_length_m,
+        };
+        if made.lambda() > LAMBDA_MAX {
+            return Err(SliderCrankError::Ratio(made.lambda()));
+        }
+        Ok(made)
+    }
+
+    /// Makes the mechanism whose largest acceleration at `omega_rad_s` is `amax_mps2`:
+    /// R = amax / (ω² (1 + λ)), L = R / λ (source, steps F and G).
+    ///
+    /// Refuses what [`SliderCrank::new`] refuses, which includes a standing crank (no radius is enough).
+    pub fn for_amax(
+        amax_mps2: f64,
+        omega_rad_s: f64,
+        lambda: f64,
+    ) -> Result<Self, SliderCrankError> {
+        let crank_radius_m = amax_mps2 / (omega_rad_s * omega_rad_s * (1.0 + lambda));
+        Self::new(crank_radius_m, crank_radius_m / lambda)
+    }
+
+    /// Crank radius R, m.
+    pub fn crank_radius_m(&self) -> f64 {
+        self.crank_radius_m
+    }
+
+    /// Rod length L, m.
+    pub fn rod_length_m(&self) -> f64 {
+        self.rod_length_m
+    }
+
+    /// Crank/rod ratio λ = R / L, above 0 up to [`LAMBDA_MAX`].
+    pub fn lambda(&self) -> f64 {
+        self.crank_radius_m / self.rod_length_m
+    }
+
+    /// Distance between the platform's two dead centres, m: 2 R.
+    pub fn stroke_m(&self) -> f64 {
+        2.0 * self.crank_radius_m
+    }
+
+    /// Angle β between rod and line of travel, rad: sin β = λ sin α.
+    pub fn rod_angle_rad(&self, alpha_rad: f64) -> f64 {
+        (self.lambda() * alpha_rad.sin()).asin()
+    }
+
+    /// Distance x of the platform from the crank axis, m: R cos α + L cos β.
+    pub fn x_m(&self, alpha_rad: f64) -> f64 {
+        let shorter = self.lambda() * alpha_rad.sin();
+        self.crank_radius_m * alpha_rad.cos() + self.rod_length_m * (1.0 - shorter * shorter).sqrt()
+    }
+
+    /// Speed coefficient s(α) = sin α + λ sin α cos α / √(1 − λ² sin² α), dimensionless:
+    /// dx/dα = −R s, and sin(α + β) / cos β in the source's torque formula is the same s.
+    pub fn s(&self, alpha_rad: f64) -> f64 {
+        let (sin, cos) = alpha_rad.sin_cos();
+        let lambda = self.lambda();
+        sin + lambda * sin * cos / (1.0 - (lambda * sin).powi(2)).sqrt()
+    }
+
+    /// Acceleration coefficient h(α) = cos α + λ (cos 2α + λ² sin⁴ α) / (1 − λ² sin² α)^1.5,
+    /// dimensionless: d²x/dα² = −R h. It is ds/dα.
+    pub fn h(&self, alpha_rad: f64) -> f64 {
+        let (sin, cos) = alpha_rad.sin_cos();
+        let lambda = self.lambda();
+        let under_root = 1.0 - (lambda * sin).powi(2);
+        let above = (2.0 * alpha_rad).cos() + lambda * lambda * sin.powi(4);
+        cos + lambda * above / (under_root * under_root.sqrt())
+    }
+
+    /// The two-term stand-in for [`SliderCrank::h`]: cos α + λ cos 2α (source, step F).
+    pub fn h_two_term(&self, alpha_rad: f64) -> f64 {
+        alpha_rad.cos() + self.lambda() * (2.0 * alpha_rad).cos()
+    }
+
+    /// Platform velocity dx/dt, m/s, away from the crank axis: −R s ω.
+    pub fn x_dot_mps(&self, alpha_rad: f64, omega_rad_s: f64) -> f64 {
+        -self.crank_radius_m * self.s(alpha_rad) * omega_rad_s
+    }
+
+    /// Exact acceleration x″, m/s², away from the crank axis: −R (h ω² + s α″), for crank speed ω in
+    /// rad/s and angular acceleration α″ in rad/s².
+    pub fn x_ddot_mps2(&self, alpha_rad: f64, omega_rad_s: f64, alpha_ddot_rad_s2: f64) -> f64 {
+        -self.a_exact_mps2(alpha_rad, omega_rad_s, alpha_ddot_rad_s2)
+    }
+
+    /// Exact acceleration a = −x″, m/s², towards the crank axis (the source's sign).
+    pub fn a_exact_mps2(&self, alpha_rad: f64, omega_rad_s: f64, alpha_ddot_rad_s2: f64) -> f64 {
+        let centripetal = self.h(alpha_rad) * omega_rad_s * omega_rad_s;
+        self.crank_radius_m * (centripetal + self.s(alpha_rad) * alpha_ddot_rad_s2)
+    }
+
+    /// Two-term acceleration a = R ω² (cos α + λ cos 2α), m/s², towards the crank axis, at constant
+    /// speed (source, step F). [`SliderCrank::two_term_error`] says how far off it is.
+    pub fn a_two_term_mps2(&self, alpha_rad: f64, omega_rad_s: f64) -> f64 {
+        self.crank_radius_m * omega_rad_s * omega_rad_s * self.h_two_term(alpha_rad)
+    }
+
+    /// Largest acceleration at constant speed, m/s²: amax = R ω² (1 + λ), reached at α = 0. The same
+    /// for exact and two-term kinematics.
+    pub fn amax_mps2(&self, omega_rad_s: f64) -> f64 {
+        self.crank_radius_m * omega_rad_s * omega_rad_s * (1.0 + self.lambda())
+    }
+
+    /// Crank speed at which the largest acceleration is `amax_mps2`, rad/s:
+    /// ω = √(amax / (R (1 + λ))). NaN for a negative amax, which is a magnitude.
+    pub fn speed_for_amax_rad_s(&self, amax_mps2: f64) -> f64 {
+        (amax_mps2 / (self.crank_radius_m * (1.0 + self.lambda()))).sqrt()
+    }
+
+    /// How much higher one of two cranks holds its side of the platform, m, when they are
+    /// `phase_error_rad` apart with their mean at `alpha_rad`: |x(α + ε/2) − x(α − ε/2)|.
+    pub fn height_mismatch_m(&self, alpha_rad: f64, phase_error_rad: f64) -> f64 {
+        let half = 0.5 * phase_error_rad;
+        (self.x_m(alpha_rad + half) - self.x_m(alpha_rad - half)).abs()
+    }
+
+    /// The worst [`SliderCrank::height_mismatch_m`] of a turn, in m, and where. For small errors it is
+    /// R ε max|s|.
+    pub fn worst_height_mismatch(&self, phase_error_rad: f64) -> TurnPeak {
+        largest_over_turn(|alpha| self.height_mismatch_m(alpha, phase_error_rad))
+    }
+
+    /// Worst error of the two-term acceleration, as a fraction of amax, and where in the turn.
+    /// Depends on λ alone: λ (1/√(1 − λ²) − 1) / (1 + λ), at 90 and 270 deg.
+    pub fn two_term_error(&self) -> TurnPeak {
+        let scale = 1.0 / (1.0 + self.lambda());
+        largest_over_turn(|alpha| (self.h_two_term(alpha) - self.h(alpha)).abs() * scale)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,175 @@
+use core::f64::consts::{PI, TAU};
+
+use super::*;
+
+const LAMBDAS: [f64; 7] = [0.1, 0.2, 0.25, 0.3, 0.5, 0.6, LAMBDA_MAX];
+
+fn of_lambda(lambda: f64) -> SliderCrank {
+    SliderCrank::new(lambda, 1.0).expect("a buildable mechanism")
+}
+
+/// If this fails, s or h is not the derivative it is said to be, and every speed, acceleration and
+/// torque is wrong. Central differences of step 1e-5 are off by 1e-10 (third derivative, below 10 for
+/// these ratios, over 6) plus rounding of 1e-16 / 1e-5.
+#[test]
+fn s_and_h_are_derivatives_of_x() {
+    let d = 1e-5;
+    for mechanism in LAMBDAS.map(of_lambda) {
+        let radius = mechanism.crank_radius_m();
+        for k in 0..720 {
+            let alpha = f64::from(k) * PI / 360.0;
+            let dx = (mechanism.x_m(alpha + d) - mechanism.x_m(alpha - d)) / (2.0 * d);
+            assert!((dx + radius * mechanism.s(alpha)).abs() < 1e-9, "{alpha}");
+            let ds = (mechanism.s(alpha + d) - mechanism.s(alpha - d)) / (2.0 * d);
+            assert!((ds - mechanism.h(alpha)).abs() < 1e-8, "{alpha}");
+        }
+    }
+}
+
+/// If this fails, x is not on the circle of the rod about the crank pin, or the rod angle is another.
+#[test]
+fn the_rod_keeps_its_length() {
+    for mechanism in LAMBDAS.map(of_lambda) {
+        for k in 0..360 {
+            let alpha = f64::from(k).to_radians();
+            let pin_y = mechanism.crank_radius_m() * alpha.sin();
+            let pin_x = mechanism.crank_radius_m() * alpha.cos();
+            let rod = (mechanism.x_m(alpha) - pin_x).hypot(pin_y);
+            assert!((rod - mechanism.rod_length_m()).abs() < 1e-15);
+            let beta = mechanism.rod_angle_rad(alpha);
+            assert!((beta.sin() * mechanism.rod_length_m() - pin_y).abs() < 1e-15);
+        }
+    }
+}
+
+/// If this fails, torque and motion disagree: the torque must equal dE/dt / ω of the load, with the
+/// crank accelerating, for both platforms. E over an angle step d at speed ω(t) is differenced
+/// centrally in time; its error is d² times a third derivative, some 1e-10 of the scale.
+#[test]
+fn torque_is_the_energy_it_puts_into_the_load() {
+    let (omega, alpha_ddot, d) = (40.0, 900.0, 1e-5);
+    for mechanism in LAMBDAS.map(of_lambda) {
+        for platform in [Platform::Below, Platform::Above] {
+            let load = Load {
+                mass_kg: 3.0,
+                gravity_mps2: 9.8,
+                platform,
+            };
+            // x points down if the platform hangs.
+            let up = match platform {
+                Platform::Below => -1.0,
+                Platform::Above => 1.0,
+            };
+            let energy = |alpha: f64, speed: f64| {
+                let v = mechanism.x_dot_mps(alpha, speed);
+                let height = up * mechanism.x_m(alpha);
+                load.mass_kg * (0.5 * v * v + load.gravity_mps2 * height)
+            };
+            for k in 0..360 {
+                let alpha = f64::from(k).to_radians();
+                let t = d / omega;
+                let moved = |t: f64| {
+                    energy(
+                        alpha + omega * t + 0.5 * alpha_ddot * t * t,
+                        omega + alpha_ddot * t,
+                    )
+                };
+                let power = (moved(t) - moved(-t)) / (2.0 * t);
+                let torque = mechanism.torque_nm(&load, alpha, omega, alpha_ddot);
+                let scale = load.mass_kg * mechanism.crank_radius_m() * mechanism.amax_mps2(omega);
+                assert!(
+                    (power / omega - torque).abs() < 1e-8 * scale,
+                    "{platform:?} {alpha}"
+                );
+            }
+        }
+    }
+}
+
+/// If this fails, the source's torque formula is transcribed wrongly: here it is once more, as it is
+/// printed, with sin(α + β)/cos β.
+#[test]
+fn two_term_torque_is_the_printed_formula() {
+    let mechanism = of_lambda(0.4);
+    let (m, g, omega) = (7.0, 10.0, 30.0);
+    let load = Load {
+        mass_kg: m,
+        gravity_mps2: g,
+        platform: Platform::Below,
+    };
+    for k in 0..360 {
+        let alpha = f64::from(k).to_radians();
+        let beta = (0.4 * alpha.sin()).asin();
+        let force = m * g + m * 0.4 * omega * omega * (alpha.cos() + 0.4 * (2.0 * alpha).cos());
+        let printed = force / beta.cos() * (alpha + beta).sin() * 0.4;
+        let ours = mechanism.torque_two_term_nm(&load, alpha, omega);
+        assert!((printed - ours).abs() < 1e-11, "{alpha}: {printed} {ours}");
+    }
+}
+
+/// If this fails, a turning point is missed, invented or misplaced: the lowest of 36,000 samples must
+/// not lie below it, and must come within (1e-4 rad)² times the curvature (below 40) of it.
+#[test]
+fn extrema_bound_the_sampled_curve() {
+    for mechanism in (1..=80).map(|k| of_lambda(f64::from(k) / 100.0)) {
+        type Curve = fn(&SliderCrank, f64) -> f64;
+        let cases: [(Extrema, Curve); 2] = [
+            (mechanism.extrema_two_term(1.0), |m, a| {
+                m.a_two_term_mps2(a, 1.0)
+            }),
+            (mechanism.extrema_exact(1.0), |m, a| {
+                m.a_exact_mps2(a, 1.0, 0.0)
+            }),
+        ];
+        for (extrema, curve) in cases {
+            let samples = (0..36_000).map(|k| curve(&mechanism, f64::from(k) * TAU / 36_000.0));
+            let sampled = samples.clone().fold(f64::INFINITY, f64::min);
+            let largest = samples.fold(0.0, |most: f64, a| most.max(a.abs()));
+            let lowest = extrema.lowest().a_mps2;
+            assert!(
+                lowest < sampled + 1e-15 && sampled < lowest + 1e-6,
+                "{mechanism:?}"
+            );
+            // amax must be the largest in size, or speeds computed from it are too low.
+            assert!(
+                (largest - mechanism.amax_mps2(1.0)).abs() < 1e-15,
+                "{mechanism:?}"
+            );
+        }
+    }
+}
+
+/// If this fails, the ratio at which the true curve splits is not the root of its curvature.
+#[test]
+fn exact_split_is_the_root_of_the_curvature() {
+    let lambda = SliderCrank::LAMBDA_SPLIT_EXACT;
+    assert!((3.0 * lambda.powi(3) - 4.0 * lambda + 1.0).abs() < 1e-15);
+    assert!(
+        of_lambda(lambda - 1e-9)
+            .extrema_exact(1.0)
+            .between
+            .is_none()
+    );
+    let just_above = of_lambda(lambda + 1e-6).extrema_exact(1.0).between;
+    assert!(just_above.is_some_and(|e| e.alpha_rad > 3.1 && e.alpha_rad < PI));
+}
+
+/// If this fails, lengths that are none are taken for a mechanism.
+#[test]
+fn refuses_what_is_no_mechanism() {
+    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(
+            SliderCrank::new(bad, 1.0),
+            Err(SliderCrankError::Radius(_))
+        ));
+        assert!(matches!(
+            SliderCrank::new(1.0, bad),
+            Err(SliderCrankError::Rod(_))
+        ));
+    }
+    assert_eq!(
+        SliderCrank::new(0.9, 1.0),
+        Err(SliderCrankError::Ratio(0.9))
+    );
+    assert!(SliderCrank::for_amax(100.0, 0.0, 0.3).is_err());
+}
