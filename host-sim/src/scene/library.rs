@@ -1,0 +1,59 @@
+//! The built-in scenes.
+
+use super::{Scene, load};
+
+/// A scene that comes with the command: its name, and its text, to start one's own from.
+#[derive(Clone, Copy, Debug)]
+pub struct BuiltIn {
+    /// What to call it on the command line.
+    pub name: &'static str,
+    /// The scene file.
+    pub text: &'static str,
+}
+
+macro_rules! scenes {
+    ($($name:literal),* $(,)?) => {
+        &[$(BuiltIn { name: $name, text: include_str!(concat!("../../scenes/", $name, ".toml")) }),*]
+    };
+}
+
+/// All of them; the first is what `cophase run` runs when it is given none.
+pub const SCENES: &[BuiltIn] = scenes![
+    "default",
+    "patent-1",
+    "patent-2",
+    "patent-3",
+    "patent-4",
+    "lost-steps",
+];
+
+impl BuiltIn {
+    /// The scene.
+    ///
+    /// # Panics
+    /// Never: that every built-in scene reads is tested.
+    pub fn scene(&self) -> Scene {
+        load::parse(self.text).expect("built-in scenes are tested to be well-formed")
+    }
+}
+
+/// Finds one by its name.
+pub fn find(name: &str) -> Option<&'static BuiltIn> {
+    SCENES.iter().find(|scene| scene.name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Checked;
+
+    #[test]
+    fn all_are_well_formed_and_called_what_they_are_called() {
+        for built_in in SCENES {
+            let scene = built_in.scene();
+            assert_eq!(scene.name, built_in.name);
+            assert!(!scene.description.is_empty());
+            Checked::new(scene).unwrap();
+        }
+    }
+}

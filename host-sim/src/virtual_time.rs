@@ -1,0 +1,202 @@
+//! Virtual time: embassy-time's clock for the host, which stands still while code runs and jumps to
+//! the next alarm when there is nothing to run.
+//!
+//! The clock and its alarms belong to the thread, so that simulations run side by side. Alarms go off
+//! in order of time, and of arming where times are equal; nothing here depends on anything else, so
+//! the same futures see the same times on every run.
+//!
+//! Code takes no time here. What is to be late is made late on purpose: see [`run`].
+//!
+//! Unlike embassy-time's own mock driver, this one knows when the next alarm is due.
+
+use std::cell::{Cell, RefCell};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::pin::pin;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::task::{Context, Poll, Wake, Waker};
+
+/// Clock ticks in a second: microseconds.
+pub const TICKS_PER_S: u64 = embassy_time::TICK_HZ;
+
+thread_local! {
+    static NOW: Cell<u64> = const { Cell::new(0) };
+    static ARMED: Cell<u64> = const { Cell::new(0) };
+    static ALARMS: RefCell<BinaryHeap<Reverse<Alarm>>> = const { RefCell::new(BinaryHeap::new()) };
+    static RUNNING: Cell<bool> = const { Cell::new(false) };
+}
+
+struct Alarm {
+    at: u64,
+    /// How many alarms were armed before.
+    number: u64,
+    waker: Waker,
+}
+
+impl Alarm {
+    const fn key(&self) -> (u64, u64) {
+        (self.at, self.number)
+    }
+}
+
+impl PartialEq for Alarm {
+    fn eq(&self, other: &Self) -> bool {
+        self.key() == other.key()
+    }
+}
+
+impl Eq for Alarm {}
+
+impl PartialOrd for Alarm {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Alarm {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.key().cmp(&other.key())
+    }
+}
+
+struct VirtualClock;
+
+embassy_time_driver::time_driver_impl!(static CLOCK: VirtualClock = VirtualClock);
+
+impl embassy_time_driver::Driver for VirtualClock {
+    fn now(&self) -> u64 {
+        NOW.get()
+    }
+
+    fn schedule_wake(&self, at: u64, waker: &Waker) {
+        let number = ARMED.replace(ARMED.get() + 1);
+        let alarm = Alarm { at, number, waker: waker.clone() };
+        ALARMS.with_borrow_mut(|alarms| alarms.push(Reverse(alarm)));
+    }
+}
+
+/// Polled when woken.
+#[derive(Default)]
+struct Ready(AtomicBool);
+
+impl Wake for Ready {
+    fn wake(self: Arc<Self>) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Runs a future from time 0 until it is done, on this thread's clock.
+///
+/// `lateness` is asked for each time that the clock is about to jump to an alarm, and says by how
+/// many clock ticks (µs) it is to overshoot: that is how a busy processor looks from inside.
+///
+/// # Panics
+/// If called from within itself, or if the future waits for something that no alarm will bring.
+pub fn run<F: Future>(future: F, mut lateness: impl FnMut(u64) -> u64) -> F::Output {
+    let _guard = Guard::new();
+    let ready = Arc::new(Ready(AtomicBool::new(true)));
+    let waker = Waker::from(ready.clone());
+    let mut context = Context::from_waker(&waker);
+    let mut future = pin!(future);
+    loop {
+        while ready.0.swap(false, Ordering::Relaxed) {
+            if let Poll::Ready(output) = future.as_mut().poll(&mut context) {
+                return output;
+            }
+        }
+        let next = ALARMS.with_borrow(|alarms| alarms.peek().map(|alarm| alarm.0.at));
+        let next = next.expect("the future waits, and no alarm is armed that could wake it");
+        let next = next.max(NOW.get());
+        go_to(next + lateness(next));
+    }
+}
+
+fn go_to(time: u64) {
+    NOW.set(time);
+    while let Some(alarm) = ALARMS.with_borrow_mut(|alarms| {
+        let due = alarms.peek().is_some_and(|alarm| alarm.0.at <= time);
+        if due { alarms.pop() } else { None }
+    }) {
+        alarm.0.waker.wake();
+    }
+}
+
+/// A clean clock while it lives.
+struct Guard;
+
+impl Guard {
+    fn new() -> Self {
+        assert!(!RUNNING.replace(true), "virtual time is already running on this thread");
+        NOW.set(0);
+        ARMED.set(0);
+        ALARMS.with_borrow_mut(BinaryHeap::clear);
+        Self
+    }
+}
+
+impl Drop for Guard {
+    fn drop(&mut self) {
+        RUNNING.set(false);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use embassy_time::{Duration, Instant, Timer};
+
+    #[test]
+    fn jumps_to_alarms_in_order_without_waiting() {
+        let seen = run(
+            async {
+                let mut seen = Vec::new();
+                for millis in [5, 1, 3_600_000] {
+                    Timer::after(Duration::from_millis(millis)).await;
+                    seen.push(Instant::now().as_micros());
+                }
+                seen
+            },
+            |_| 0,
+        );
+        assert_eq!(seen, [5_000, 6_000, 3_600_006_000]);
+    }
+
+    #[test]
+    fn lateness_is_what_was_asked_for() {
+        let late = |at| if at == 2_000 { 150 } else { 0 };
+        let seen = run(
+            async {
+                Timer::at(Instant::from_micros(2_000)).await;
+                let first = Instant::now().as_micros();
+                Timer::at(Instant::from_micros(3_000)).await;
+                (first, Instant::now().as_micros())
+            },
+            late,
+        );
+        assert_eq!(seen, (2_150, 3_000));
+    }
+
+    /// Two threads, two clocks.
+    #[test]
+    fn clocks_are_of_their_thread() {
+        let other = std::thread::spawn(|| {
+            run(async { Timer::after(Duration::from_secs(7)).await }, |_| 0);
+            Instant::now().as_secs()
+        });
+        let here = run(
+            async {
+                Timer::after(Duration::from_secs(1)).await;
+                Instant::now().as_secs()
+            },
+            |_| 0,
+        );
+        assert_eq!((here, other.join().unwrap()), (1, 7));
+    }
+
+    #[test]
+    #[should_panic(expected = "no alarm is armed")]
+    fn a_deadlock_is_told() {
+        run(std::future::pending::<()>(), |_| 0);
+    }
+}
