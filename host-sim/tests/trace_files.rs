@@ -197,7 +197,7 @@ fn poor_runs_give_pages_too() {
         2,
         ScopeFrame {
             title: "<&\u{1}>".into(),
-            bands_hz: vec![(f64::NAN, 3.0), (5.0, 4.0)],
+            bands_hz: vec![(f64::NAN, 3.0), (5.0, 4.0), (0.1, 1e9)],
             gravity_mps2: f64::NAN,
             tilt_limit_mrad: Some(f64::NAN),
             drift_limit_deg: Some(f64::INFINITY),

@@ -169,8 +169,8 @@ fn push_decimal(text: &mut Vec<u8>, value: f64, decimals: u32) {
     let unit = 10_u64.pow(decimals);
     // Powers of ten up to 1e9 are exact in f64.
     let scaled = (value * unit as f64).round();
-    // Written so that NaN, too, goes the slow way. Writing to a Vec cannot fail.
-    if !(scaled.abs() < EXACT) {
+    // Writing to a Vec cannot fail.
+    if scaled.is_nan() || scaled.abs() >= EXACT {
         let from = text.len();
         let _ = write!(text, "{value:.*}", decimals as usize);
         if text[from..].contains(&b'.') {
@@ -224,7 +224,7 @@ mod tests {
         assert_eq!(text(-1e-12, 9), "0");
         assert_eq!(text(0.1 + 0.2, 9), "0.3");
         assert_eq!(text(-12.5, 4), "-12.5");
-        assert_eq!(text(1234.000_000_001, 9), "1234.000000001");
+        assert_eq!(text(1_234.000_000_001, 9), "1234.000000001");
         assert_eq!(text(100.0, 0), "100");
     }
 

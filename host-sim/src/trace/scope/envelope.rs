@@ -172,11 +172,11 @@ mod tests {
 
     #[test]
     fn a_single_spike_survives_any_number_of_merges() {
-        let rows = 1_000_000;
+        let rows = 1_000_000_u32;
         let mut envelope = Envelope::new(1);
         for tick in 0..rows {
             let value = if tick == 123_457 { -7.0 } else { 0.0 };
-            envelope.push(tick as f64, &[value]);
+            envelope.push(f64::from(tick), &[value]);
         }
         assert!(envelope.spans.len() <= CAPACITY);
         assert_eq!(

@@ -10,7 +10,9 @@
 //! What is not a finite number is left out of the picture; a row without a finite time is left out entirely.
 
 mod curve;
+mod draft;
 mod envelope;
+mod labels;
 mod page;
 mod panel;
 mod scale;

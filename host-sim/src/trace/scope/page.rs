@@ -1,7 +1,6 @@
 //! The page: title, marks, the ribbon of states, and the panels under it, all on one time axis.
 //!
-//! kuva draws each panel; here they are put one under the other on kuva's scene. *Lanes* are the lines of text
-//! above the ribbon: a label goes into the first lane where it does not run into the one before it.
+//! kuva draws each panel; here they are put one under the other on kuva's scene.
 
 use kuva::backend::svg::SvgBackend;
 use kuva::render::color::Color;
@@ -10,25 +9,29 @@ use kuva::render::render::{Primitive, Scene, TextAnchor, render_multiple};
 use kuva::render::theme::Theme;
 
 use super::ScopeData;
-use super::panel::{self, Panel, VERMILION};
+use super::draft::{Panel, VERMILION};
+use super::labels::{LANE, Labels};
+use super::panel;
 use super::scale::TimeAxis;
 
-const WIDTH: f64 = 1200.0;
+/// The page's width, px.
+pub const WIDTH: f64 = 1200.0;
 const LEFT: f64 = 78.0;
 const RIGHT: f64 = 182.0;
 const PLOT_WIDTH: f64 = WIDTH - LEFT - RIGHT;
 const LANES_TOP: f64 = 72.0;
-const LANE: f64 = 15.0;
-const LANES: usize = 4;
 const RIBBON: f64 = 20.0;
 const GAP: f64 = 14.0;
 const TIME_AXIS: f64 = 50.0;
 const FONT: &str = "sans-serif";
 const INK: &str = "#222222";
-const MUTED: &str = "#666666";
+/// Of what should not draw the eye.
+pub const MUTED: &str = "#666666";
+
+type MakePanel = fn(&ScopeData, TimeAxis) -> Panel;
 
 /// Panels from top to bottom: what draws them, and the height of the plot area.
-const PANELS: [(fn(&ScopeData, TimeAxis) -> Panel, f64); 4] = [
+const PANELS: [(MakePanel, f64); 4] = [
     (panel::acceleration, 190.0),
     (panel::speed, 150.0),
     (panel::drift, 170.0),
@@ -70,7 +73,7 @@ fn heading(scene: &mut Scene, scope: &ScopeData) {
     let missing = scope.timeline.missing();
     let mut subtitle = scope.frame.subtitle.clone();
     if missing > 0 {
-        subtitle += &format!(" ({missing} more marks not shown)");
+        subtitle += &format!(" (marks not shown: {missing})");
     }
     text(scene, (LEFT, 34.0), &scope.frame.title, 22, INK);
     text(scene, (LEFT, 56.0), &subtitle, 13, MUTED);
@@ -177,131 +180,28 @@ fn state_colours(state: &str) -> (&'static str, &'static str) {
     }
 }
 
-/// A label above the ribbon, with a line down from it.
-struct Label {
-    x: f64,
-    /// From the bottom lane, 0, up; none if there is no room for its text.
-    lane: Option<usize>,
-    text: String,
-    is_fault: bool,
-    /// A state's line ends in the ribbon, a mark's crosses the panels.
-    is_mark: bool,
-}
-
-/// All labels, in their lanes.
-struct Labels {
-    all: Vec<Label>,
-    lanes: usize,
-}
-
-impl Labels {
-    fn place(scope: &ScopeData, time: TimeAxis) -> Self {
-        let states = scope.timeline.stretches().iter();
-        let states = states
-            .filter(|s| !fits(s.state, at(time, s.to_s) - at(time, s.from_s)))
-            .map(|s| (s.from_s, s.state, s.state.starts_with("fault"), false));
-        let marks = scope.timeline.marks();
-        let marks = marks
-            .iter()
-            .map(|m| (m.t_s, m.label.as_str(), m.is_fault, true));
-        let mut all: Vec<Label> = states
-            .chain(marks)
-            .map(|(t_s, text, is_fault, is_mark)| Label {
-                x: at(time, t_s),
-                lane: None,
-                text: text.to_owned(),
-                is_fault,
-                is_mark,
-            })
-            .collect();
-        all.sort_by(|a, b| a.x.total_cmp(&b.x));
-        // Faults choose first.
-        let mut taken: [Vec<(f64, f64)>; LANES] = Default::default();
-        for is_fault in [true, false] {
-            for label in all.iter_mut().filter(|label| label.is_fault == is_fault) {
-                let (from, to) = label.extent();
-                label.lane = taken
-                    .iter()
-                    .position(|lane| lane.iter().all(|&(a, b)| to < a || b < from));
-                if let Some(lane) = label.lane {
-                    taken[lane].push((from, to));
-                }
-            }
-        }
-        let lanes = taken.iter().filter(|lane| !lane.is_empty()).count();
-        Self { all, lanes }
-    }
-
-    fn draw(&self, scene: &mut Scene, ribbon_top: f64, bottom: f64) {
-        for label in &self.all {
-            let colour = if label.is_fault { VERMILION } else { MUTED };
-            let top = ribbon_top
-                - label
-                    .lane
-                    .map_or(0.0, |lane| lane as f64 * LANE + LANE - 2.0);
-            scene.add(Primitive::Line {
-                x1: label.x,
-                y1: top,
-                x2: label.x,
-                y2: if label.is_mark { bottom } else { ribbon_top },
-                stroke: colour.into(),
-                stroke_width: if label.is_fault { 1.2 } else { 0.8 },
-                stroke_dasharray: label.is_mark.then(|| "3 3".to_owned()),
-            });
-            let Some(lane) = label.lane else {
-                continue;
-            };
-            let y = ribbon_top - lane as f64 * LANE - 4.0;
-            if label.is_to_the_left() {
-                text_anchored(
-                    scene,
-                    (label.x - 4.0, y),
-                    &label.text,
-                    12,
-                    colour,
-                    TextAnchor::End,
-                );
-            } else {
-                text(scene, (label.x + 4.0, y), &label.text, 12, colour);
-            }
-        }
-    }
-}
-
-impl Label {
-    /// Near the right end the text would run off the page.
-    fn is_to_the_left(&self) -> bool {
-        self.x + width(&self.text, 12) + 4.0 > WIDTH - 8.0
-    }
-
-    fn extent(&self) -> (f64, f64) {
-        let width = width(&self.text, 12) + 8.0;
-        if self.is_to_the_left() {
-            (self.x - width, self.x)
-        } else {
-            (self.x, self.x + width)
-        }
-    }
-}
-
-fn at(time: TimeAxis, t_s: f64) -> f64 {
+/// Where a time is on the page, px from the left.
+pub fn at(time: TimeAxis, t_s: f64) -> f64 {
     LEFT + PLOT_WIDTH * time.fraction(t_s)
 }
 
-/// About how wide a text is; the viewer's font is not known here.
-fn width(text: &str, size: u32) -> f64 {
+/// About how wide a text is, px; the viewer's font is not known here.
+pub fn width(text: &str, size: u32) -> f64 {
     0.58 * f64::from(size) * text.chars().count() as f64
 }
 
-fn fits(text: &str, room: f64) -> bool {
+/// Whether a text of the ribbon's size goes into so many pixels.
+pub fn fits(text: &str, room: f64) -> bool {
     width(text, 12) + 6.0 <= room
 }
 
-fn text(scene: &mut Scene, place: (f64, f64), content: &str, size: u32, colour: &str) {
+/// Writes a text that begins at a place.
+pub fn text(scene: &mut Scene, place: (f64, f64), content: &str, size: u32, colour: &str) {
     text_anchored(scene, place, content, size, colour, TextAnchor::Start);
 }
 
-fn text_anchored(
+/// Writes a text whose beginning, middle or end is at a place.
+pub fn text_anchored(
     scene: &mut Scene,
     (x, y): (f64, f64),
     content: &str,

@@ -82,6 +82,12 @@ pub fn short(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
+/// A number as it was given, for bands and limits.
+pub fn plain(value: f64) -> String {
+    let rounded = (value * 1e3).round() / 1e3;
+    format!("{rounded}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
