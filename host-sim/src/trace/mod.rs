@@ -1,43 +1,19 @@
 //! What a run leaves behind for people to look at.
+//!
+//! One [`Row`] a control tick goes in; out come [`TraceCsv`] (numbers), [`StepsVcd`] (edges, as a logic
+//! analyser sees them) and [`ScopeData`] (one page, as a scope shows it). [`RunFiles`] puts them in a folder,
+//! all or none. What the columns and wires mean for a reader is in `docs/formats.md`.
+//!
+//! Nothing here reads a clock or a locale: the same run gives the same bytes.
 
-/// One row of `trace.csv`: the loop and the machine at one control tick.
-#[derive(Clone, Debug, Default)]
-pub struct Row {
-    /// Time since power-up, seconds.
-    pub t_s: f64,
-    /// The supervisor's state, in lower case.
-    pub state: &'static str,
-    /// What the program asks for, m/s².
-    pub amax_program_mps2: f64,
-    /// What the commanded speed amounts to, m/s².
-    pub amax_command_mps2: f64,
-    /// Commanded speed of the master shaft, rad/s.
-    pub omega_rad_s: f64,
-    /// Commanded phase of the master shaft, turns since power-up.
-    pub phase_turns: f64,
-    /// One entry an axis.
-    pub axes: Vec<AxisRow>,
-    /// The platform's tilt about x, milliradians.
-    pub tilt_x_mrad: f64,
-    /// The platform's tilt about y, milliradians.
-    pub tilt_y_mrad: f64,
-    /// Largest deviation of a crank from the plane through all of them, degrees of crank angle.
-    pub warp_deg: f64,
-    /// The platform's height over the crank axis, metres.
-    pub z_m: f64,
-    /// The platform's acceleration, upwards, m/s².
-    pub accel_mps2: f64,
-}
+mod csv;
+mod files;
+mod row;
+mod scope;
+mod vcd;
 
-/// One axis at one control tick.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct AxisRow {
-    /// Steps (or encoder counts) commanded since power-up, in the axis's own sense.
-    pub steps: i64,
-    /// Commanded phase, turns since power-up.
-    pub command_turns: f64,
-    /// The crank's true phase, turns since power-up.
-    pub actual_turns: f64,
-    /// Drift as the monitor last measured it, degrees.
-    pub drift_deg: f64,
-}
+pub use csv::{TraceCsv, TraceError};
+pub use files::{RunFiles, RunFilesError};
+pub use row::{AxisRow, Row};
+pub use scope::{ScopeData, ScopeFrame};
+pub use vcd::{Levels, Signal, StepsVcd, VcdError};

@@ -1,0 +1,241 @@
+//! A run's folder, written all or not at all.
+//!
+//! *Temporary*: a hidden sibling (`.NAME.PID.part`) into which a file is written until the whole run is done;
+//! being in the same folder, it can be renamed into place in one step.
+//!
+//! Dropping [`RunFiles`] without [`RunFiles::commit`] takes the temporaries away, and the folders too that
+//! were made for them, unless somebody else has put something there meanwhile. An earlier run's files stay as
+//! they were until the moment of the commit. A killed process leaves its temporaries; it cannot do otherwise.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter};
+use std::path::{Component, Path, PathBuf};
+
+use thiserror::Error;
+
+/// What failed, on which path.
+#[derive(Debug, Error)]
+pub enum RunFilesError {
+    /// The file system refused.
+    #[error("cannot {operation} {}: {source}", path.display())]
+    Io {
+        /// In words: `create the folder`, `create`, `put in place`.
+        operation: &'static str,
+        /// On what.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The name is not that of a file directly in the folder.
+    #[error("`{0}` is not a plain file name")]
+    Name(String),
+    /// The name was asked for before.
+    #[error("`{0}` is already being written")]
+    Twice(String),
+}
+
+/// The files of one run, on their way into their folder.
+///
+/// ```
+/// # let scratch = tempfile::tempdir()?;
+/// # let dir = scratch.path().join("out");
+/// use std::io::Write;
+/// use host_sim::trace::RunFiles;
+///
+/// let mut files = RunFiles::create(&dir)?;
+/// let mut report = files.file("report.json")?;
+/// report.write_all(b"{}")?;
+/// report.flush()?;
+/// assert!(!dir.join("report.json").exists());
+/// let written = files.commit()?;
+/// assert_eq!(written, [dir.join("report.json")]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct RunFiles {
+    dir: PathBuf,
+    /// Folders made here, innermost first.
+    made: Vec<PathBuf>,
+    /// Names whose temporaries are not yet in place, in the order asked for.
+    names: Vec<String>,
+}
+
+impl RunFiles {
+    /// Makes the folder, with those above it, unless it is there.
+    ///
+    /// # Errors
+    /// When the folder cannot be made, or a file is in its place.
+    pub fn create(dir: impl AsRef<Path>) -> Result<Self, RunFilesError> {
+        let dir = dir.as_ref().to_path_buf();
+        let missing = dir
+            .ancestors()
+            .take_while(|above| !above.as_os_str().is_empty() && !above.exists());
+        // Built first, so that what was made before a failure is taken away by its drop.
+        let files = Self {
+            made: missing.map(Path::to_path_buf).collect(),
+            dir,
+            names: Vec::new(),
+        };
+        fs::create_dir_all(&files.dir).map_err(|source| RunFilesError::Io {
+            operation: "create the folder",
+            path: files.dir.clone(),
+            source,
+        })?;
+        Ok(files)
+    }
+
+    /// Opens the temporary of file `name`, which must be a plain file name.
+    ///
+    /// Flush the writer and look at the result before [`commit`](Self::commit): a dropped `BufWriter` swallows
+    /// the error of its last write, and a short file would be put in place.
+    ///
+    /// # Errors
+    /// When the name is no plain one, was asked for before, or the temporary cannot be created.
+    pub fn file(&mut self, name: &str) -> Result<BufWriter<File>, RunFilesError> {
+        let mut parts = Path::new(name).components();
+        if !matches!((parts.next(), parts.next()), (Some(Component::Normal(part)), None) if part == name)
+        {
+            return Err(RunFilesError::Name(name.to_owned()));
+        }
+        if self.names.iter().any(|known| known == name) {
+            return Err(RunFilesError::Twice(name.to_owned()));
+        }
+        let path = self.temporary(name);
+        let file = File::create(&path).map_err(|source| RunFilesError::Io {
+            operation: "create",
+            path,
+            source,
+        })?;
+        self.names.push(name.to_owned());
+        Ok(BufWriter::with_capacity(1 << 16, file))
+    }
+
+    /// Puts every file in place, over what was there under its name, and gives their paths in the order they
+    /// were asked for.
+    ///
+    /// # Errors
+    /// When one cannot be put in place: those before it are, it and those after it are taken away.
+    pub fn commit(mut self) -> Result<Vec<PathBuf>, RunFilesError> {
+        let mut written = Vec::with_capacity(self.names.len());
+        while let Some(name) = self.names.first() {
+            let path = self.dir.join(name);
+            fs::rename(self.temporary(name), &path).map_err(|source| RunFilesError::Io {
+                operation: "put in place",
+                path: path.clone(),
+                source,
+            })?;
+            self.names.remove(0);
+            written.push(path);
+        }
+        // The folder is wanted now, even if nothing was written into it.
+        self.made.clear();
+        Ok(written)
+    }
+
+    fn temporary(&self, name: &str) -> PathBuf {
+        // Two runs into one folder must not write into each other's temporaries.
+        self.dir
+            .join(format!(".{name}.{}.part", std::process::id()))
+    }
+}
+
+impl Drop for RunFiles {
+    fn drop(&mut self) {
+        // Nobody is left to hear of a failure; whatever cannot be removed stays.
+        for name in &self.names {
+            let _ = fs::remove_file(self.temporary(name));
+        }
+        for folder in &self.made {
+            // Refuses a folder that is not empty, as it should.
+            let _ = fs::remove_dir(folder);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    fn names_in(dir: &Path) -> Vec<String> {
+        let entries = fs::read_dir(dir).unwrap();
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_dropped_run_takes_its_folders_away() {
+        let scratch = tempfile::tempdir().unwrap();
+        let mut files = RunFiles::create(scratch.path().join("a/b")).unwrap();
+        files.file("trace.csv").unwrap().write_all(b"half").unwrap();
+        drop(files);
+        assert!(names_in(scratch.path()).is_empty());
+    }
+
+    #[test]
+    fn a_dropped_run_leaves_an_earlier_one_alone() {
+        let scratch = tempfile::tempdir().unwrap();
+        fs::write(scratch.path().join("trace.csv"), "earlier").unwrap();
+        let mut files = RunFiles::create(scratch.path()).unwrap();
+        files.file("trace.csv").unwrap().write_all(b"half").unwrap();
+        drop(files);
+        assert_eq!(names_in(scratch.path()), ["trace.csv"]);
+        assert_eq!(
+            fs::read(scratch.path().join("trace.csv")).unwrap(),
+            b"earlier"
+        );
+    }
+
+    #[test]
+    fn a_folder_somebody_else_uses_stays() {
+        let scratch = tempfile::tempdir().unwrap();
+        let dir = scratch.path().join("out");
+        let files = RunFiles::create(&dir).unwrap();
+        fs::write(dir.join("notes.txt"), "mine").unwrap();
+        drop(files);
+        assert_eq!(names_in(&dir), ["notes.txt"]);
+    }
+
+    #[test]
+    fn names_that_lead_elsewhere_are_refused() {
+        let scratch = tempfile::tempdir().unwrap();
+        let mut files = RunFiles::create(scratch.path()).unwrap();
+        for name in ["", ".", "..", "a/b", "../a", "/a", "a/"] {
+            assert!(
+                matches!(files.file(name), Err(RunFilesError::Name(_))),
+                "{name}"
+            );
+        }
+        let _first = files.file("a").unwrap();
+        assert!(matches!(files.file("a"), Err(RunFilesError::Twice(_))));
+    }
+
+    #[test]
+    fn an_error_names_the_path_and_the_operation() {
+        let scratch = tempfile::tempdir().unwrap();
+        let dir = scratch.path().join("taken");
+        fs::write(&dir, "a file").unwrap();
+        let message = RunFiles::create(&dir).unwrap_err().to_string();
+        assert!(
+            message.starts_with("cannot create the folder "),
+            "{message}"
+        );
+        assert!(message.contains("taken"), "{message}");
+
+        let mut files = RunFiles::create(scratch.path()).unwrap();
+        drop(files.file("one").unwrap());
+        drop(files.file("two").unwrap());
+        drop(files.file("three").unwrap());
+        // A folder that is not empty cannot be replaced by a file.
+        fs::create_dir_all(scratch.path().join("two/inner")).unwrap();
+        let message = files.commit().unwrap_err().to_string();
+        assert!(
+            message.starts_with("cannot put in place ") && message.contains("two"),
+            "{message}"
+        );
+        assert_eq!(names_in(scratch.path()), ["one", "taken", "two"]);
+    }
+}

@@ -1,0 +1,176 @@
+//! A panel in the making: curves from the envelope, limits, a legend, and value axes that fit.
+
+use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
+use kuva::plot::{BandPlot, LinePlot};
+use kuva::render::annotations::{ReferenceLine, ShadedRegion};
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+
+use super::envelope::Extent;
+use super::scale::{TimeAxis, plain};
+use super::{ScopeData, curve};
+
+/// Limits and faults, and nothing else.
+pub const VERMILION: &str = "#D55E00";
+
+/// One panel, ready to be laid out: kuva's plots, and the layout without its place on the page.
+pub struct Panel {
+    /// Curves, the back ones first.
+    pub plots: Vec<Plot>,
+    /// Axes, limits, legend.
+    pub layout: Layout,
+}
+
+/// A panel that is being put together.
+pub struct Draft<'a> {
+    scope: &'a ScopeData,
+    time: TimeAxis,
+    y: (f64, f64),
+    label: &'static str,
+    plots: Vec<Plot>,
+    legend: Vec<LegendEntry>,
+    /// Lines across.
+    pub limits: Vec<ReferenceLine>,
+    /// Shaded stretches of the value axis.
+    pub regions: Vec<ShadedRegion>,
+}
+
+/// How a curve looks.
+#[derive(Clone, Copy)]
+pub struct Pen {
+    /// As `#rrggbb`.
+    pub colour: &'static str,
+    /// Pixels.
+    pub width: f64,
+}
+
+impl<'a> Draft<'a> {
+    /// Of a value axis with a label, from and to.
+    pub fn new(scope: &'a ScopeData, time: TimeAxis, label: &'static str, y: (f64, f64)) -> Self {
+        Self {
+            scope,
+            time,
+            y,
+            label,
+            plots: Vec::new(),
+            legend: Vec::new(),
+            limits: Vec::new(),
+            regions: Vec::new(),
+        }
+    }
+
+    /// One channel's buckets in the panel's units.
+    fn buckets(
+        &self,
+        channel: usize,
+        factor: f64,
+    ) -> impl Iterator<Item = (f64, f64, Extent)> + 'a {
+        let per_second = self.time.per_second;
+        let buckets = self.scope.envelope.channel(channel);
+        buckets.map(move |(first, last, extent)| {
+            (first * per_second, last * per_second, extent.times(factor))
+        })
+    }
+
+    /// A line through the extremes of all buckets.
+    pub fn curve(&mut self, channel: usize, factor: f64, pen: Pen) {
+        // About a tenth of a pixel.
+        let tolerance = (self.y.1 - self.y.0) / 1500.0;
+        for points in curve::lines(self.buckets(channel, factor), tolerance) {
+            self.line(points, pen);
+        }
+    }
+
+    /// A see-through area between outlines, where a line would be a block that hides what is behind it.
+    pub fn range(&mut self, channel: usize, pen: Pen) {
+        let span = self.y.1 - self.y.0;
+        let (sum, count) = self
+            .buckets(channel, 1.0)
+            .filter(|(_, _, extent)| !extent.is_empty())
+            .fold((0.0, 0.0), |(sum, count), (_, _, e)| {
+                (sum + (e.high - e.low), count + 1.0)
+            });
+        let is_thick = self.scope.envelope.is_folded() && sum > 0.01 * span * count;
+        if !is_thick {
+            return self.curve(channel, 1.0, pen);
+        }
+        for (mut lower, mut upper) in curve::outlines(self.buckets(channel, 1.0)) {
+            let times = lower.iter().map(|p| p.0);
+            let band = BandPlot::new(times, lower.iter().map(|p| p.1), upper.iter().map(|p| p.1));
+            self.plots
+                .push(Plot::Band(band.with_color(pen.colour).with_opacity(0.3)));
+            for outline in [&mut lower, &mut upper] {
+                curve::thin(outline, span / 1500.0);
+                self.line(std::mem::take(outline), Pen { width: 0.8, ..pen });
+            }
+        }
+    }
+
+    fn line(&mut self, mut points: curve::Points, pen: Pen) {
+        if let [(t, value)] = points[..] {
+            // A single row would not be seen.
+            let reach = (self.time.to - self.time.from) / 400.0;
+            points = vec![(t - reach, value), (t + reach, value)];
+        }
+        let line = LinePlot::new().with_data(points);
+        self.plots.push(Plot::Line(
+            line.with_color(pen.colour).with_stroke_width(pen.width),
+        ));
+    }
+
+    /// Adds a line to the legend.
+    pub fn entry(&mut self, shape: LegendShape, colour: &str, label: String) {
+        self.legend.push(LegendEntry {
+            label,
+            color: colour.to_owned(),
+            shape,
+            dasharray: None,
+        });
+    }
+
+    /// Draws a limit either way, if it is in sight, and names it in the legend.
+    pub fn limit(&mut self, limit: Option<(f64, bool)>) {
+        let Some((limit, is_shown)) = limit else {
+            return;
+        };
+        let name = format!("limit ±{}", plain(limit));
+        if is_shown {
+            for level in [-limit, limit] {
+                self.limits.push(
+                    ReferenceLine::horizontal(level)
+                        .with_color(VERMILION)
+                        .with_stroke_width(1.2),
+                );
+            }
+            self.entry(LegendShape::Line, VERMILION, name);
+        } else {
+            self.entry(LegendShape::Line, VERMILION, format!("{name} (beyond)"));
+        }
+        if let Some(entry) = self.legend.last_mut() {
+            entry.dasharray = Some("6 4".to_owned());
+        }
+    }
+
+    /// The panel.
+    pub fn done(mut self) -> Panel {
+        if self.plots.is_empty() {
+            // kuva draws no axes around nothing.
+            self.plots.push(Plot::Line(LinePlot::new()));
+        }
+        let mut layout = Layout::new((self.time.from, self.time.to), self.y)
+            .with_x_axis_min(self.time.from)
+            .with_x_axis_max(self.time.to)
+            .with_y_axis_min(self.y.0)
+            .with_y_axis_max(self.y.1)
+            .with_y_label(self.label)
+            .with_legend_entries(self.legend)
+            .with_legend_position(LegendPosition::OutsideRightTop)
+            .with_legend_box(false);
+        layout.reference_lines = self.limits;
+        layout.shaded_regions = self.regions;
+        Panel {
+            plots: self.plots,
+            layout,
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! The names above the ribbon: marks, and states too short to hold theirs.
+//!
+//! *Lanes* are the lines of text they stand in, counted from the ribbon upwards. Each has a line down to what it
+//! names; a mark's goes on through all panels.
+
+use kuva::render::render::{Primitive, Scene, TextAnchor};
+
+use super::ScopeData;
+use super::draft::VERMILION;
+use super::page::{MUTED, WIDTH, at, fits, text, text_anchored, width};
+use super::scale::TimeAxis;
+
+/// Height of a lane, px.
+pub const LANE: f64 = 15.0;
+/// A label that would need more has its line only.
+const LANES: usize = 4;
+/// A fault's label may go above the others.
+const FAULT_LANES: usize = 8;
+
+/// A label above the ribbon, with a line down from it.
+struct Label {
+    x: f64,
+    /// From the bottom lane, 0, up; none if there is no room for its text.
+    lane: Option<usize>,
+    text: String,
+    is_fault: bool,
+    /// A state's line ends in the ribbon, a mark's crosses the panels.
+    is_mark: bool,
+}
+
+/// All labels, in their lanes.
+pub struct Labels {
+    all: Vec<Label>,
+    /// How many lanes they take.
+    pub lanes: usize,
+}
+
+impl Labels {
+    /// Finds the labels of a run, and a lane for each.
+    pub fn place(scope: &ScopeData, time: TimeAxis) -> Self {
+        let states = scope.timeline.stretches().iter();
+        let states = states
+            .filter(|s| !fits(s.state, at(time, s.to_s) - at(time, s.from_s)))
+            .map(|s| (s.from_s, s.state, s.state.starts_with("fault"), false));
+        let marks = scope.timeline.marks();
+        let marks = marks
+            .iter()
+            .map(|m| (m.t_s, m.label.as_str(), m.is_fault, true));
+        let mut all: Vec<Label> = states
+            .chain(marks)
+            .map(|(t_s, text, is_fault, is_mark)| Label {
+                x: at(time, t_s),
+                lane: None,
+                text: text.to_owned(),
+                is_fault,
+                is_mark,
+            })
+            .collect();
+        // From right to left, each above all it would run into: no line down then crosses another's text.
+        all.sort_by(|a, b| b.x.total_cmp(&a.x));
+        let mut lanes = 0;
+        for i in 0..all.len() {
+            let (placed, rest) = all.split_at_mut(i);
+            let label = &mut rest[0];
+            let (from, to) = label.extent();
+            let below = placed.iter().filter(|other| {
+                let (a, b) = other.extent();
+                from <= b && a <= to
+            });
+            let lane = below
+                .filter_map(|other| other.lane)
+                .max()
+                .map_or(0, |lane| lane + 1);
+            if lane < LANES || label.is_fault && lane < FAULT_LANES {
+                label.lane = Some(lane);
+                lanes = lanes.max(lane + 1);
+            }
+        }
+        Self { all, lanes }
+    }
+
+    /// Draws them upwards from `ribbon_top`, and the lines of marks down to `bottom`.
+    pub fn draw(&self, scene: &mut Scene, ribbon_top: f64, bottom: f64) {
+        for label in &self.all {
+            let colour = if label.is_fault { VERMILION } else { MUTED };
+            let top = ribbon_top
+                - label
+                    .lane
+                    .map_or(0.0, |lane| lane as f64 * LANE + LANE - 2.0);
+            scene.add(Primitive::Line {
+                x1: label.x,
+                y1: top,
+                x2: label.x,
+                y2: if label.is_mark { bottom } else { ribbon_top },
+                stroke: colour.into(),
+                stroke_width: if label.is_fault { 1.2 } else { 0.8 },
+                stroke_dasharray: label.is_mark.then(|| "3 3".to_owned()),
+            });
+            let Some(lane) = label.lane else {
+                continue;
+            };
+            let y = ribbon_top - lane as f64 * LANE - 4.0;
+            if label.is_to_the_left() {
+                text_anchored(
+                    scene,
+                    (label.x - 4.0, y),
+                    &label.text,
+                    12,
+                    colour,
+                    TextAnchor::End,
+                );
+            } else {
+                text(scene, (label.x + 4.0, y), &label.text, 12, colour);
+            }
+        }
+    }
+}
+
+impl Label {
+    /// Near the right end the text would run off the page.
+    fn is_to_the_left(&self) -> bool {
+        self.x + width(&self.text, 12) + 4.0 > WIDTH - 8.0
+    }
+
+    fn extent(&self) -> (f64, f64) {
+        let width = width(&self.text, 12) + 8.0;
+        if self.is_to_the_left() {
+            (self.x - width, self.x)
+        } else {
+            (self.x, self.x + width)
+        }
+    }
+}

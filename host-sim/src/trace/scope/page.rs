@@ -1,0 +1,226 @@
+//! The page: title, marks, the ribbon of states, and the panels under it, all on one time axis.
+//!
+//! kuva draws each panel; here they are put one under the other on kuva's scene.
+
+use kuva::backend::svg::SvgBackend;
+use kuva::render::color::Color;
+use kuva::render::layout::Layout;
+use kuva::render::render::{Primitive, Scene, TextAnchor, render_multiple};
+use kuva::render::theme::Theme;
+
+use super::ScopeData;
+use super::draft::{Panel, VERMILION};
+use super::labels::{LANE, Labels};
+use super::panel;
+use super::scale::TimeAxis;
+
+/// The page's width, px.
+pub const WIDTH: f64 = 1200.0;
+const LEFT: f64 = 78.0;
+const RIGHT: f64 = 182.0;
+const PLOT_WIDTH: f64 = WIDTH - LEFT - RIGHT;
+const LANES_TOP: f64 = 72.0;
+const RIBBON: f64 = 20.0;
+const GAP: f64 = 14.0;
+const TIME_AXIS: f64 = 50.0;
+const FONT: &str = "sans-serif";
+const INK: &str = "#222222";
+/// Of what should not draw the eye.
+pub const MUTED: &str = "#666666";
+
+type MakePanel = fn(&ScopeData, TimeAxis) -> Panel;
+
+/// Panels from top to bottom: what draws them, and the height of the plot area.
+const PANELS: [(MakePanel, f64); 4] = [
+    (panel::acceleration, 190.0),
+    (panel::speed, 150.0),
+    (panel::drift, 170.0),
+    (panel::tilt, 150.0),
+];
+
+/// The whole page as SVG text.
+pub fn render(scope: &ScopeData) -> String {
+    let time = TimeAxis::new(scope.envelope.span());
+    let labels = Labels::place(scope, time);
+    let ribbon_top = LANES_TOP + labels.lanes as f64 * LANE;
+    let panels_top = ribbon_top + RIBBON + 8.0;
+    let plots: f64 = PANELS.iter().map(|(_, height)| height + GAP).sum();
+    let height = panels_top + plots - GAP + TIME_AXIS;
+
+    let mut scene = Scene::new(WIDTH, height);
+    scene.font_family = Some(FONT.to_owned());
+    heading(&mut scene, scope);
+    labels.draw(&mut scene, ribbon_top, height - TIME_AXIS);
+    ribbon(&mut scene, scope, time, ribbon_top);
+    let mut top = panels_top;
+    for (i, (make, plot_height)) in PANELS.into_iter().enumerate() {
+        let panel = make(scope, time);
+        let is_last = i + 1 == PANELS.len();
+        embed(
+            &mut scene,
+            panel,
+            i,
+            top,
+            plot_height,
+            is_last.then_some(time.unit),
+        );
+        top += plot_height + GAP;
+    }
+    SvgBackend::new().render_scene(&scene)
+}
+
+fn heading(scene: &mut Scene, scope: &ScopeData) {
+    let missing = scope.timeline.missing();
+    let mut subtitle = scope.frame.subtitle.clone();
+    if missing > 0 {
+        subtitle += &format!(" (marks not shown: {missing})");
+    }
+    text(scene, (LEFT, 34.0), &scope.frame.title, 22, INK);
+    text(scene, (LEFT, 56.0), &subtitle, 13, MUTED);
+}
+
+/// Puts a panel's scene on the page, its plot area at `top`; with a time unit it gets the time axis.
+fn embed(
+    page: &mut Scene,
+    panel: Panel,
+    number: usize,
+    top: f64,
+    plot_height: f64,
+    unit: Option<&str>,
+) {
+    let bottom = if unit.is_some() { TIME_AXIS } else { 1.0 };
+    let Panel { plots, layout } = panel;
+    let mut layout: Layout = layout
+        .with_width(WIDTH)
+        .with_height(plot_height + bottom)
+        .with_force_margins(LEFT, RIGHT)
+        .with_force_margins_y(0.0, bottom)
+        .with_theme(Theme {
+            grid_color: "#e6e6e6".into(),
+            axis_color: "#888888".into(),
+            tick_color: "#888888".into(),
+            text_color: INK.into(),
+            ..Theme::light()
+        })
+        .with_box_axes()
+        .with_font_family(FONT)
+        .with_label_size(13)
+        .with_tick_size(11)
+        .with_body_size(12);
+    match unit {
+        Some(unit) => layout = layout.with_x_label(format!("time since power-up, {unit}")),
+        None => layout.suppress_x_ticks = true,
+    }
+    let drawn = render_multiple(plots, layout);
+
+    // kuva numbers clip paths across the whole process; numbered by panel, the same run gives the same bytes.
+    let mut elements = drawn.elements;
+    let mut defs = drawn.defs;
+    let mut clips = 0;
+    for element in &mut elements {
+        if let Primitive::ClipStart { id, .. } = element {
+            let ours = format!("panel-{number}-{clips}");
+            clips += 1;
+            for def in &mut defs {
+                *def = def.replace(&format!("id=\"{id}\""), &format!("id=\"{ours}\""));
+            }
+            *id = ours;
+        }
+    }
+    page.defs.append(&mut defs);
+    page.add(Primitive::GroupStart {
+        transform: Some(format!("translate(0,{top})")),
+        title: None,
+        extra_attrs: None,
+    });
+    page.elements.append(&mut elements);
+    page.add(Primitive::GroupEnd);
+}
+
+/// The states as a band of named stretches; a name that does not fit is among the labels above.
+fn ribbon(scene: &mut Scene, scope: &ScopeData, time: TimeAxis, top: f64) {
+    text_anchored(
+        scene,
+        (LEFT - 8.0, top + 14.0),
+        "state",
+        12,
+        INK,
+        TextAnchor::End,
+    );
+    for stretch in scope.timeline.stretches() {
+        let (from, to) = (at(time, stretch.from_s), at(time, stretch.to_s));
+        let (fill, ink) = state_colours(stretch.state);
+        scene.add(Primitive::Rect {
+            x: from,
+            y: top,
+            // Even the shortest state leaves a line.
+            width: (to - from).max(1.0),
+            height: RIBBON,
+            fill: fill.into(),
+            stroke: None,
+            stroke_width: None,
+            opacity: None,
+        });
+        if fits(stretch.state, to - from) {
+            let middle = (f64::midpoint(from, to), top + 14.0);
+            text_anchored(scene, middle, stretch.state, 12, ink, TextAnchor::Middle);
+        }
+    }
+}
+
+/// Fill and text of a state.
+fn state_colours(state: &str) -> (&'static str, &'static str) {
+    match state {
+        "align" => ("#BFE0F5", INK),
+        "run" => ("#A8DCCB", INK),
+        "stop" => ("#F6D58E", INK),
+        "parked" => ("#CFCFDA", INK),
+        _ if state.starts_with("fault") => (VERMILION, "#ffffff"),
+        _ => ("#E4E4E4", INK),
+    }
+}
+
+/// Where a time is on the page, px from the left.
+pub fn at(time: TimeAxis, t_s: f64) -> f64 {
+    LEFT + PLOT_WIDTH * time.fraction(t_s)
+}
+
+/// About how wide a text is, px; the viewer's font is not known here.
+pub fn width(text: &str, size: u32) -> f64 {
+    0.58 * f64::from(size) * text.chars().count() as f64
+}
+
+/// Whether a text of the ribbon's size goes into so many pixels.
+pub fn fits(text: &str, room: f64) -> bool {
+    width(text, 12) + 6.0 <= room
+}
+
+/// Writes a text that begins at a place.
+pub fn text(scene: &mut Scene, place: (f64, f64), content: &str, size: u32, colour: &str) {
+    text_anchored(scene, place, content, size, colour, TextAnchor::Start);
+}
+
+/// Writes a text whose beginning, middle or end is at a place.
+pub fn text_anchored(
+    scene: &mut Scene,
+    (x, y): (f64, f64),
+    content: &str,
+    size: u32,
+    colour: &str,
+    anchor: TextAnchor,
+) {
+    scene.add(Primitive::Text {
+        x,
+        y,
+        // Control characters are not allowed in XML.
+        content: content
+            .chars()
+            .map(|c| if c.is_control() { ' ' } else { c })
+            .collect(),
+        size,
+        anchor,
+        rotate: None,
+        bold: size > 20,
+        color: Some(Color::from(colour)),
+    });
+}

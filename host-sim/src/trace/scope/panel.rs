@@ -1,0 +1,168 @@
+//! The four panels: what each one shows, in which colours, with which legend.
+//!
+//! Colours are those of Okabe and Ito, which the colour-blind tell apart; vermilion is kept for limits and
+//! faults. Where two curves are meant to coincide, the one asked for is thick and pale, the one got
+//! thin and dark, so that both are seen.
+
+use std::f64::consts::TAU;
+
+use kuva::plot::legend::LegendShape;
+use kuva::render::annotations::{ReferenceLine, ShadedRegion};
+
+use super::draft::{Draft, Panel, Pen};
+use super::envelope::Extent;
+use super::scale::{TimeAxis, is_in_sight, padded, plain, short};
+use super::{ScopeData, channel};
+
+const PALE_BLUE: &str = "#A6D0EC";
+const DARK_BLUE: &str = "#0B2F5B";
+const BAND: &str = "#E69F00";
+const BLUE: &str = "#0072B2";
+const ORANGE: &str = "#E69F00";
+/// One an axis, in turn.
+const AXES: [&str; 6] = [BLUE, ORANGE, "#009E73", "#CC79A7", "#56B4E9", "#444444"];
+/// What an axis of a magnitude shows at least.
+const FROM_REST: Extent = Extent {
+    low: 0.0,
+    high: 1.0,
+};
+const STANDARD_GRAVITY_MPS2: f64 = 9.80665;
+
+/// Acceleration asked for and got, in g.
+pub fn acceleration(scope: &ScopeData, time: TimeAxis) -> Panel {
+    let gravity = scope.frame.gravity_mps2;
+    let per_mps2 = if gravity.is_finite() && gravity > 0.0 {
+        1.0 / gravity
+    } else {
+        1.0 / STANDARD_GRAVITY_MPS2
+    };
+    let asked = scope.envelope.total(channel::PROGRAM).times(per_mps2);
+    let got = scope.envelope.total(channel::COMMAND).times(per_mps2);
+    let mut draft = Draft::new(
+        scope,
+        time,
+        "amax, g",
+        padded(asked.and(got).and(FROM_REST), 0.5),
+    );
+    let pen = |colour, width| Pen { colour, width };
+    draft.curve(channel::PROGRAM, per_mps2, pen(PALE_BLUE, 5.0));
+    draft.curve(channel::COMMAND, per_mps2, pen(DARK_BLUE, 1.4));
+    draft.entry(LegendShape::Rect, PALE_BLUE, peak("asked", asked));
+    draft.entry(LegendShape::Line, DARK_BLUE, peak("got", got));
+    draft.done()
+}
+
+/// Speed of the master shaft in Hz, with the bands it should not dwell in.
+pub fn speed(scope: &ScopeData, time: TimeAxis) -> Panel {
+    let per_rad_s = 1.0 / TAU;
+    let total = scope.envelope.total(channel::SPEED).times(per_rad_s);
+    let top = total.peak();
+    let mut shown = total.and(FROM_REST);
+    let bands = scope.frame.bands_hz.iter();
+    let bands: Vec<_> = bands
+        .filter(|(low, high)| low.is_finite() && high.is_finite() && low < high)
+        .map(|&(low, high)| (low, high, top >= 0.7 * low && top > 0.0))
+        .collect();
+    for &(low, high, is_near) in &bands {
+        if is_near {
+            // Of a band without an end in sight, enough to be seen.
+            let high = high.min(low.max(1.5 * top));
+            shown = shown.and(Extent { low, high });
+        }
+    }
+    let y = padded(shown, 0.5);
+    let mut draft = Draft::new(scope, time, "speed, Hz", y);
+    draft.entry(LegendShape::Line, DARK_BLUE, peak("shaft", total));
+    for (low, high, is_near) in bands {
+        let name = format!("avoid {}–{}", plain(low), plain(high));
+        if is_near {
+            draft.regions.push(
+                ShadedRegion::horizontal(low.max(y.0), high.min(y.1))
+                    .with_color(BAND)
+                    .with_opacity(0.22),
+            );
+            for edge in [low, high].into_iter().filter(|&edge| edge < y.1) {
+                draft.limits.push(
+                    ReferenceLine::horizontal(edge)
+                        .with_color(BAND)
+                        .with_dasharray("1 0"),
+                );
+            }
+            draft.entry(LegendShape::Rect, "#F8E2B5", name);
+        } else {
+            draft.entry(LegendShape::Rect, "#F8E2B5", format!("{name} (above)"));
+        }
+    }
+    draft.curve(
+        channel::SPEED,
+        per_rad_s,
+        Pen {
+            colour: DARK_BLUE,
+            width: 1.6,
+        },
+    );
+    draft.done()
+}
+
+/// Drift of each axis in degrees, with its limit.
+pub fn drift(scope: &ScopeData, time: TimeAxis) -> Panel {
+    let totals = (0..scope.axes).map(|i| scope.envelope.total(channel::DRIFT + i));
+    let all = totals.fold(Extent::EMPTY, Extent::and);
+    let (shown, limit) = with_limit(all, scope.frame.drift_limit_deg);
+    let mut draft = Draft::new(scope, time, "drift, deg", padded(shown, 0.1));
+    for i in 0..scope.axes {
+        let colour = AXES[i % AXES.len()];
+        let total = scope.envelope.total(channel::DRIFT + i);
+        draft.curve(channel::DRIFT + i, 1.0, Pen { colour, width: 1.5 });
+        draft.entry(LegendShape::Line, colour, peak(&format!("axis {i}"), total));
+    }
+    draft.limit(limit);
+    draft.done()
+}
+
+/// Tilt about x and y in mrad, with its limit.
+pub fn tilt(scope: &ScopeData, time: TimeAxis) -> Panel {
+    let x = scope.envelope.total(channel::TILT_X);
+    let y = scope.envelope.total(channel::TILT_Y);
+    let (shown, limit) = with_limit(x.and(y), scope.frame.tilt_limit_mrad);
+    let mut draft = Draft::new(scope, time, "tilt, mrad", padded(shown, 0.1));
+    for (channel, colour, name, total) in [
+        (channel::TILT_X, BLUE, "x", x),
+        (channel::TILT_Y, ORANGE, "y", y),
+    ] {
+        draft.range(channel, Pen { colour, width: 1.2 });
+        draft.entry(
+            LegendShape::Line,
+            colour,
+            peak(&format!("about {name}"), total),
+        );
+    }
+    draft.limit(limit);
+    draft.done()
+}
+
+/// What to show of data with a limit, and the limit with whether it is in sight.
+fn with_limit(data: Extent, limit: Option<f64>) -> (Extent, Option<(f64, bool)>) {
+    let Some(limit) = limit.map(f64::abs).filter(|limit| limit.is_finite()) else {
+        return (data, None);
+    };
+    let is_shown = is_in_sight(limit, data.peak());
+    let shown = if is_shown {
+        data.and(Extent {
+            low: -limit,
+            high: limit,
+        })
+    } else {
+        data
+    };
+    (shown, Some((limit, is_shown)))
+}
+
+/// A legend's entry with the largest magnitude there was.
+fn peak(name: &str, total: Extent) -> String {
+    if total.is_empty() {
+        format!("{name}, no data")
+    } else {
+        format!("{name}, peak {}", short(total.peak()))
+    }
+}
