@@ -1,6 +1,17 @@
 //! The Cophase control loop in virtual time against simulated machines.
+//!
+//! The loop itself is [`cophase_core`]'s: the same function, tick for tick and bit for bit, that runs on
+//! the controller. Here are its clock ([`virtual_time`]), its world ([`machine`], [`sim`]), what is asked
+//! of it ([`scene`]), what it leaves behind ([`trace`], [`report`]), and the `cophase` command
+//! ([`command`]). [`design`] and [`mechanism`] are the mathematics of the machines.
 #![forbid(unsafe_code)]
 
+pub mod command;
 pub mod design;
+pub mod machine;
 pub mod mechanism;
+pub mod report;
+pub mod scene;
+pub mod sim;
 pub mod trace;
+pub mod virtual_time;

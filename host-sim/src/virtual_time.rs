@@ -71,7 +71,11 @@ impl embassy_time_driver::Driver for VirtualClock {
 
     fn schedule_wake(&self, at: u64, waker: &Waker) {
         let number = ARMED.replace(ARMED.get() + 1);
-        let alarm = Alarm { at, number, waker: waker.clone() };
+        let alarm = Alarm {
+            at,
+            number,
+            waker: waker.clone(),
+        };
         ALARMS.with_borrow_mut(|alarms| alarms.push(Reverse(alarm)));
     }
 }
@@ -127,7 +131,10 @@ struct Guard;
 
 impl Guard {
     fn new() -> Self {
-        assert!(!RUNNING.replace(true), "virtual time is already running on this thread");
+        assert!(
+            !RUNNING.replace(true),
+            "virtual time is already running on this thread"
+        );
         NOW.set(0);
         ARMED.set(0);
         ALARMS.with_borrow_mut(BinaryHeap::clear);

@@ -13,9 +13,7 @@ use crate::pulse::{Planner, PulseTiming, Runs};
 use crate::servo::{FeedForward, Setpoint};
 use crate::settings::{DriveKind, Problem, Settings, SettingsError, turns};
 use crate::shaft::{Demand, Motion, Shaft, ShaftLimits, Target};
-use crate::supervisor::{
-    Action, Command, Fault, FaultKind, SafetyInputs, Seen, State, Supervisor,
-};
+use crate::supervisor::{Action, Command, Fault, FaultKind, SafetyInputs, Seen, State, Supervisor};
 use crate::units::{Amax, FRACTION_BITS, ONE_TURN, Phase, Turns};
 
 /// What the loop reads from outside at a deadline.
@@ -100,6 +98,7 @@ pub struct Controller<const N: usize> {
     axes: [Axis; N],
     reversed: [bool; N],
     planners: [Planner; N],
+    /// Of servo axes; an axis without one is a stepper.
     feed_forward: [Option<FeedForward>; N],
     drift: DriftMonitor<N>,
     supervisor: Supervisor,
@@ -116,7 +115,11 @@ impl<const N: usize> Settings<N> {
     /// The profile that these settings' machine has.
     pub fn profile(&self) -> Profile {
         let machine = &self.machine;
-        Profile::SliderCrank(SliderCrank::new(machine.crank_radius_m, machine.lambda, self.tick_hz))
+        Profile::SliderCrank(SliderCrank::new(
+            machine.crank_radius_m,
+            machine.lambda,
+            self.tick_hz,
+        ))
     }
 
     /// A builder of programs for these settings' machine.
@@ -143,26 +146,33 @@ impl<const N: usize> Controller<N> {
             let speed_hz = settings.limits.speed_hz * ratio + axis.trim_rate_hz;
             let place = |error: SettingsError| error.on_axis(i);
             if speed_hz > 0.5 * hz {
-                let problem = Problem::TooFastForTick { turns_per_tick: speed_hz / hz };
+                let problem = Problem::TooFastForTick {
+                    turns_per_tick: speed_hz / hz,
+                };
                 return Err(place(SettingsError::new("axes.ratio", problem)));
             }
-            timing.check_rate(axis, speed_hz, tick_hz).map_err(place)?;
-            if axis.drive == DriveKind::Servo {
-                let acceleration = settings.limits.acceleration_hz_per_s * ratio;
-                *slot = Some(FeedForward::new(
-                    &settings.machine,
-                    N,
-                    axis.rotor_inertia_kgm2,
-                    tick_hz,
-                    turns(speed_hz / hz),
-                    turns(acceleration / hz / hz),
-                )?);
+            match axis.drive {
+                DriveKind::Stepper => timing.check_rate(axis, speed_hz, tick_hz).map_err(place)?,
+                DriveKind::Servo => {
+                    let acceleration = settings.limits.acceleration_hz_per_s * ratio;
+                    *slot = Some(FeedForward::new(
+                        &settings.machine,
+                        N,
+                        axis.rotor_inertia_kgm2,
+                        tick_hz,
+                        turns(speed_hz / hz),
+                        turns(acceleration / hz / hz),
+                    )?);
+                }
             }
         }
         let axes = core::array::from_fn(|i| Axis::new(&settings.axes[i], tick_hz));
         let still = core::array::from_fn(|i: usize| {
             let axis: &Axis = &axes[i];
-            TickPhase { start: axis.phase(), turns: Turns::ZERO }
+            TickPhase {
+                start: axis.phase(),
+                turns: Turns::ZERO,
+            }
         });
         let index = core::array::from_fn(|i| settings.axes[i].index_turns.map(turns));
         Ok(Self {
@@ -175,7 +185,9 @@ impl<const N: usize> Controller<N> {
             shaft: Shaft::new(limits),
             park: Phase::from_turns(turns(settings.park_turns)).within_turn(),
             reversed: core::array::from_fn(|i| settings.axes[i].reversed),
-            planners: core::array::from_fn(|i| Planner::new(timing, settings.axes[i].steps_per_turn)),
+            planners: core::array::from_fn(|i| {
+                Planner::new(timing, settings.axes[i].steps_per_turn)
+            }),
             feed_forward,
             drift: DriftMonitor::new(
                 DriftLimits::new(&settings.drift, &settings.machine),
@@ -183,7 +195,10 @@ impl<const N: usize> Controller<N> {
                 timing.tick(),
             ),
             supervisor: Supervisor::new(libm::ceil(settings.settle_s * hz) as u32),
-            motion: Motion { at_rest: true, ..Motion::default() },
+            motion: Motion {
+                at_rest: true,
+                ..Motion::default()
+            },
             playing: still,
             played: still,
             ticks: 0,
@@ -235,7 +250,9 @@ impl<const N: usize> Controller<N> {
     /// Sets an axis's trim; says whether its limit allowed all of it. An axis that is not there has
     /// no trim: false.
     pub fn set_trim(&mut self, axis: usize, turns: Turns) -> bool {
-        self.axes.get_mut(axis).is_some_and(|axis| axis.trim_mut().set(turns))
+        self.axes
+            .get_mut(axis)
+            .is_some_and(|axis| axis.trim_mut().set(turns))
     }
 
     /// Takes note of a deadline that was met late by `late_cycles` of `tick_cycles`, after `missed`
@@ -252,7 +269,10 @@ impl<const N: usize> Controller<N> {
         }
         limits.missed_deadlines = limits.missed_deadlines.saturating_add(missed);
         for (playing, axis) in self.playing.iter_mut().zip(&self.axes) {
-            *playing = TickPhase { start: axis.phase(), turns: Turns::ZERO };
+            *playing = TickPhase {
+                start: axis.phase(),
+                turns: Turns::ZERO,
+            };
         }
         self.played = self.playing;
         if missed > MOST_MISSED {
@@ -264,7 +284,9 @@ impl<const N: usize> Controller<N> {
     pub fn tick(&mut self, feedback: &Feedback<N>) -> &Output<N> {
         let seen = self.observe(feedback);
         let before = self.supervisor.state();
-        let action = self.supervisor.step(feedback.inputs, feedback.command, seen);
+        let action = self
+            .supervisor
+            .step(feedback.inputs, feedback.command, seen);
         self.enter(before, self.supervisor.state());
         let demand = self.demand(action);
         self.motion = self.shaft.advance(demand);
@@ -347,15 +369,24 @@ impl<const N: usize> Controller<N> {
             let start = axis.phase();
             let turns = axis.advance(self.motion.speed);
             self.playing[i] = TickPhase { start, turns };
-            self.planners[i].plan(turns, &mut self.output.runs[i]);
-            if let Some(feed_forward) = &self.feed_forward[i] {
-                let (numerator, denominator) = axis.gear().ratio();
-                let acceleration = self.motion.acceleration.to_bits();
-                let acceleration = Turns::from_bits(acceleration * numerator / denominator);
-                let torque = feed_forward.torque(axis.phase(), turns, acceleration);
-                let setpoint = Setpoint { position: axis.phase(), velocity: turns, torque };
-                self.output.setpoints[i] = if self.reversed[i] { setpoint.reversed() } else { setpoint };
-            }
+            let Some(feed_forward) = &self.feed_forward[i] else {
+                self.planners[i].plan(turns, &mut self.output.runs[i]);
+                continue;
+            };
+            self.planners[i].count(turns, &mut self.output.runs[i]);
+            let (numerator, denominator) = axis.gear().ratio();
+            let acceleration = self.motion.acceleration.to_bits() * numerator / denominator;
+            let torque = feed_forward.torque(axis.phase(), turns, Turns::from_bits(acceleration));
+            let setpoint = Setpoint {
+                position: axis.phase(),
+                velocity: turns,
+                torque,
+            };
+            self.output.setpoints[i] = if self.reversed[i] {
+                setpoint.reversed()
+            } else {
+                setpoint
+            };
         }
     }
 

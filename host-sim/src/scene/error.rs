@@ -20,7 +20,12 @@ pub struct SceneError {
 impl SceneError {
     /// An error at a key; the origin is filled in by whoever knows it.
     pub fn at(key: impl Into<String>, problem: impl Into<String>) -> Self {
-        Self { origin: String::new(), line: None, key: key.into(), problem: problem.into() }
+        Self {
+            origin: String::new(),
+            line: None,
+            key: key.into(),
+            problem: problem.into(),
+        }
     }
 
     /// The same, of a file.
@@ -35,7 +40,7 @@ impl From<SettingsError> for SceneError {
     fn from(error: SettingsError) -> Self {
         let key = match (error.entry, error.key.split_once(".band.")) {
             (Some(band), Some((table, key))) => format!("{table}.band[{band}].{key}"),
-            (Some(axis), None) => format!("{} of axis {axis}", error.key),
+            (Some(axis), None) => format!("{} (axis {axis})", error.key),
             (None, _) => error.key.to_owned(),
         };
         Self::at(key, error.problem.to_string())

@@ -122,7 +122,11 @@ pub struct Control {
 
 impl Default for Control {
     fn default() -> Self {
-        Self { tick_hz: 2000, park_deg: 180.0, settle_s: 0.1 }
+        Self {
+            tick_hz: 2000,
+            park_deg: 180.0,
+            settle_s: 0.1,
+        }
     }
 }
 
@@ -168,7 +172,11 @@ pub struct Pulse {
 
 impl Default for Pulse {
     fn default() -> Self {
-        Self { width_ns: 400.0, dir_setup_ns: 500.0, dir_hold_ns: 500.0 }
+        Self {
+            width_ns: 400.0,
+            dir_setup_ns: 500.0,
+            dir_hold_ns: 500.0,
+        }
     }
 }
 
@@ -273,7 +281,11 @@ pub struct Drift {
 
 impl Default for Drift {
     fn default() -> Self {
-        Self { tilt_limit_mrad: 3.0, warp_limit_deg: 3.0, common_limit_deg: 15.0 }
+        Self {
+            tilt_limit_mrad: 3.0,
+            warp_limit_deg: 3.0,
+            common_limit_deg: 15.0,
+        }
     }
 }
 

@@ -14,13 +14,17 @@ const MOST_BYTES: u64 = 1 << 20;
 /// The file cannot be read, is too large, is not TOML, or its keys are not those of a scene.
 pub fn from_file(path: &Path) -> Result<Scene, SceneError> {
     let origin = path.display().to_string();
-    from_path(path).and_then(|text| parse(&text)).map_err(|error| error.in_file(&origin))
+    from_path(path)
+        .and_then(|text| parse(&text))
+        .map_err(|error| error.in_file(&origin))
 }
 
 fn from_path(path: &Path) -> Result<String, SceneError> {
     let whole = |problem: String| SceneError::at("", problem);
     if path.is_dir() {
-        return Err(whole("is a directory; give a scene file (TOML) inside it".to_owned()));
+        return Err(whole(
+            "is a directory; give a scene file (TOML) inside it".to_owned(),
+        ));
     }
     let file = std::fs::File::open(path).map_err(|error| {
         whole(format!(
@@ -33,11 +37,15 @@ fn from_path(path: &Path) -> Result<String, SceneError> {
         .read_to_end(&mut bytes)
         .map_err(|error| whole(format!("cannot be read: {error}")))?;
     if bytes.len() as u64 > MOST_BYTES {
-        return Err(whole("is larger than 1 MiB; a scene is a few kilobytes of TOML".to_owned()));
+        return Err(whole(
+            "is larger than 1 MiB; a scene is a few kilobytes of TOML".to_owned(),
+        ));
     }
     String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
-        whole(format!("is not text: byte {at} is not UTF-8; a scene is a TOML file"))
+        whole(format!(
+            "is not text: byte {at} is not UTF-8; a scene is a TOML file"
+        ))
     })
 }
 
@@ -57,7 +65,10 @@ pub fn parse(text: &str) -> Result<Scene, SceneError> {
         let path = error.path().to_string();
         let inner = error.into_inner();
         let (key, problem) = explain(if path == "." { "" } else { &path }, inner.message());
-        SceneError { line: line_of(inner.span()), ..SceneError::at(key, problem) }
+        SceneError {
+            line: line_of(inner.span()),
+            ..SceneError::at(key, problem)
+        }
     })
 }
 
@@ -70,7 +81,11 @@ fn explain(path: &str, message: &str) -> (String, String) {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let join = |key: &str| {
         if path.is_empty() || path == key || path.ends_with(&format!(".{key}")) {
-            if path.is_empty() { key.to_owned() } else { path.to_owned() }
+            if path.is_empty() {
+                key.to_owned()
+            } else {
+                path.to_owned()
+            }
         } else {
             format!("{path}.{key}")
         }
@@ -78,32 +93,45 @@ fn explain(path: &str, message: &str) -> (String, String) {
     if message.starts_with("unknown field") {
         let unknown = quoted.next().unwrap_or_default();
         let known: Vec<&str> = quoted.collect();
-        return (join(unknown), format!("unknown key; {}", nearest(unknown, &known)));
+        return (
+            join(unknown),
+            format!("unknown key; {}", nearest(unknown, &known)),
+        );
     }
     if message.starts_with("unknown variant") {
         let unknown = quoted.next().unwrap_or_default();
         let known: Vec<&str> = quoted.collect();
-        return (path.to_owned(), format!("\"{unknown}\" is none of its values; {}", nearest(unknown, &known)));
+        return (
+            path.to_owned(),
+            format!(
+                "\"{unknown}\" is none of its values; {}",
+                nearest(unknown, &known)
+            ),
+        );
     }
     if message.starts_with("missing field") {
         let missing = quoted.next().unwrap_or_default();
-        let problem = "missing; it has no default, so give it (`cophase scenes default` shows a whole scene)";
+        let problem =
+            "missing; it has no default, so give it (`cophase scenes default` shows a whole scene)";
         return (join(missing), problem.to_owned());
     }
     let message = message
         .replace("expected f64", "expected a number")
         .replace("expected usize", "expected a whole number, not negative")
         .replace("expected u32", "expected a whole number, not negative")
-        .replace("expected a sequence", "expected a list, as [[…]] or [ … ] makes one")
+        .replace(
+            "expected a sequence",
+            "expected a list, as [[…]] or [ … ] makes one",
+        )
         .replace("expected struct", "expected a table of kind");
     (path.to_owned(), message)
 }
 
 /// Names the likeliest of the known keys, and the others if they are few.
 fn nearest(unknown: &str, known: &[&str]) -> String {
-    let likeliest = known
-        .iter()
-        .max_by(|a, b| strsim::jaro_winkler(unknown, a).total_cmp(&strsim::jaro_winkler(unknown, b)));
+    let likeliest = known.iter().max_by(|a, b| {
+        strsim::jaro_winkler(unknown, a).total_cmp(&strsim::jaro_winkler(unknown, b))
+    });
     match likeliest {
         Some(key) if known.len() > 1 => {
             format!("did you mean `{key}`? known here: {}", known.join(", "))

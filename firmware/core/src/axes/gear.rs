@@ -14,7 +14,11 @@ pub struct Gear {
 impl Gear {
     /// `numerator / denominator`, each 1 to 1000.
     pub const fn new(numerator: u32, denominator: u32) -> Self {
-        Self { numerator: numerator as i64, denominator: denominator as i64, rest: 0 }
+        Self {
+            numerator: numerator as i64,
+            denominator: denominator as i64,
+            rest: 0,
+        }
     }
 
     /// The ratio: numerator and denominator.

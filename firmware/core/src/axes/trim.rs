@@ -60,7 +60,10 @@ mod tests {
             rotor_inertia_kgm2: 0.0,
         };
         let mut trim = Trim::new(&settings, 1000);
-        assert!(!trim.set(Turns::from_num(-0.02)), "a limit that bites must be told");
+        assert!(
+            !trim.set(Turns::from_num(-0.02)),
+            "a limit that bites must be told"
+        );
         let mut sum = Turns::ZERO;
         for _ in 0..500 {
             let change = trim.advance();

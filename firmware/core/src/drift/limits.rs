@@ -22,8 +22,9 @@ pub struct DriftLimits {
 impl DriftLimits {
     /// From checked settings.
     pub fn new(settings: &DriftSettings, machine: &MachineSettings) -> Self {
-        let mrad_per_turn = 1e3 * core::f64::consts::TAU * machine.crank_radius_m * most_way(machine)
-            / machine.mount_radius_m;
+        let mrad_per_turn =
+            1e3 * core::f64::consts::TAU * machine.crank_radius_m * most_way(machine)
+                / machine.mount_radius_m;
         let common = settings.common_limit_deg / 360.0;
         Self {
             tilt: turns((settings.tilt_limit_mrad / mrad_per_turn).min(0.5)),
@@ -38,18 +39,28 @@ impl DriftLimits {
         self.tilt
     }
 
-    pub(super) fn check<const N: usize>(&self, modes: &Modes, drift: &[Turns; N]) -> Result<(), Fault> {
-        let worst = (0..N).max_by_key(|&axis| (drift[axis] - modes.common).abs()).unwrap_or(0);
+    pub(super) fn check<const N: usize>(
+        &self,
+        modes: &Modes,
+        drift: &[Turns; N],
+    ) -> Result<(), Fault> {
+        let worst = (0..N)
+            .max_by_key(|&axis| (drift[axis] - modes.common).abs())
+            .unwrap_or(0);
         let square = |turns: Turns| {
             let scaled = turns.to_bits() >> 18; // below 2^30: the sum of two squares fits
             scaled * scaled
         };
         if square(modes.tilt_x) + square(modes.tilt_y) > square(self.tilt) {
-            return Err(Fault::new(FaultKind::Tilt).on_axis(worst).with_size(drift[worst]));
+            return Err(Fault::new(FaultKind::Tilt)
+                .on_axis(worst)
+                .with_size(drift[worst]));
         }
         if modes.warp > self.warp {
             let axis = modes.warp_axis;
-            return Err(Fault::new(FaultKind::Warp).on_axis(axis).with_size(drift[axis]));
+            return Err(Fault::new(FaultKind::Warp)
+                .on_axis(axis)
+                .with_size(drift[axis]));
         }
         if modes.common.abs() > self.common {
             return Err(Fault::new(FaultKind::CommonLag).with_size(modes.common));

@@ -124,7 +124,10 @@ impl<const N: usize> DriftMonitor<N> {
     }
 
     fn all_sensed(&self, flags: &[bool; N]) -> bool {
-        self.index.iter().zip(flags).all(|(index, &flag)| flag || index.is_none())
+        self.index
+            .iter()
+            .zip(flags)
+            .all(|(index, &flag)| flag || index.is_none())
     }
 
     /// Forgets what was measured: the cranks may have been turned while the drives were off.

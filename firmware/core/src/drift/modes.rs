@@ -44,7 +44,8 @@ pub struct Mount<const N: usize> {
 impl<const N: usize> Mount<N> {
     /// Evenly around the circle, axis 0 at θ = 0.
     pub fn new() -> Self {
-        let place = |i: usize| sine_cosine(((i as u64 * (1 << 32) + N as u64 / 2) / N as u64) as u32);
+        let place =
+            |i: usize| sine_cosine(((i as u64 * (1 << 32) + N as u64 / 2) / N as u64) as u32);
         Self {
             cosine: core::array::from_fn(|i| place(i).cosine),
             sine: core::array::from_fn(|i| if N == 2 { 0 } else { place(i).sine }),
@@ -56,7 +57,11 @@ impl<const N: usize> Mount<N> {
         let count = N as i64;
         let share = if N == 2 { 1 } else { 2 };
         let project = |weights: &[i32; N]| {
-            let sum: i64 = drift.iter().zip(weights).map(|(&e, &weight)| weigh(e, weight)).sum();
+            let sum: i64 = drift
+                .iter()
+                .zip(weights)
+                .map(|(&e, &weight)| weigh(e, weight))
+                .sum();
             sum * share / count
         };
         let common = drift.iter().map(|e| e.to_bits()).sum::<i64>() / count;

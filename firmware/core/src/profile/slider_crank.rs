@@ -32,7 +32,10 @@ impl SliderCrank {
             Err(_) => (1 << 31, exponent + 1), // rounded up to a whole power of two
         };
         // Over the ranges the speed is from 2e-5 to 0.04 turns a tick: the shift is 36 to 48.
-        Self { mantissa, shift: (32 - exponent).unsigned_abs() }
+        Self {
+            mantissa,
+            shift: (32 - exponent).unsigned_abs(),
+        }
     }
 
     /// Turns a tick for an amplitude; relative error below 2⁻³⁰ and 2⁻⁴⁸ turns a tick.
@@ -62,7 +65,11 @@ impl SliderCrank {
         let exponent = 2 * (i64::from(self.shift) - 16 - i64::from(zeros));
         let up = exponent + i64::from(Amax::FRAC_NBITS) - 62;
         let bits = if up >= 0 {
-            if i64::from(square.leading_zeros()) > up { square << up } else { u64::MAX }
+            if i64::from(square.leading_zeros()) > up {
+                square << up
+            } else {
+                u64::MAX
+            }
         } else {
             square.checked_shr(up.unsigned_abs() as u32).unwrap_or(0)
         };
@@ -110,6 +117,9 @@ mod tests {
         let crank = SliderCrank::new(0.025, 0.3, 2000);
         assert_eq!(crank.speed(Amax::ZERO), Turns::ZERO);
         assert_eq!(crank.amax(Turns::ZERO), Amax::ZERO);
-        assert_eq!(crank.amax(Turns::from_num(-0.01)), crank.amax(Turns::from_num(0.01)));
+        assert_eq!(
+            crank.amax(Turns::from_num(-0.01)),
+            crank.amax(Turns::from_num(0.01))
+        );
     }
 }

@@ -47,7 +47,12 @@ const MOST_TICKS: u64 = 10_000 * 86_400 * 3_653;
 impl ProgramBuilder {
     /// An empty program for a machine with this tick, profile and greatest speed (rev/s).
     pub fn new(tick_hz: u32, profile: Profile, speed_limit_hz: f64) -> Self {
-        Self { tick_hz, profile, speed_limit_hz, program: Program::default() }
+        Self {
+            tick_hz,
+            profile,
+            speed_limit_hz,
+            program: Program::default(),
+        }
     }
 
     /// Where the next entry will stand; remember it to repeat from there.
@@ -101,15 +106,27 @@ impl ProgramBuilder {
         }
         let once = self.program.duration() - self.program.start(first);
         let more = once * u64::from(times - 1);
-        self.push(Entry::Repeat { first: first as u8, times: times as u16 }, more)
+        self.push(
+            Entry::Repeat {
+                first: first as u8,
+                times: times as u16,
+            },
+            more,
+        )
     }
 
     fn push(&mut self, entry: Entry, ticks: u64) -> Result<(), SettingsError> {
         let end = self.program.duration() + ticks;
         if end > MOST_TICKS {
-            return Err(SettingsError::new("program.repeat", Problem::ProgramEndless));
+            return Err(SettingsError::new(
+                "program.repeat",
+                Problem::ProgramEndless,
+            ));
         }
-        let full = SettingsError::new("program", Problem::ProgramTooLong(self.here() + 1, CAPACITY));
+        let full = SettingsError::new(
+            "program",
+            Problem::ProgramTooLong(self.here() + 1, CAPACITY),
+        );
         self.program.entries.push(entry).map_err(|_| full)?;
         self.program.ends.push(end).map_err(|_| full)
     }

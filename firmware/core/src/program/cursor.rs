@@ -30,7 +30,13 @@ pub struct Cursor {
 impl Cursor {
     /// Before a program's first tick, at level 0.
     pub const fn new() -> Self {
-        Self { index: 0, tick: 0, from: Amax::ZERO, passes: [0; CAPACITY], elapsed: 0 }
+        Self {
+            index: 0,
+            tick: 0,
+            from: Amax::ZERO,
+            passes: [0; CAPACITY],
+            elapsed: 0,
+        }
     }
 
     /// Plays one tick. After the end the last level stands.
@@ -39,7 +45,10 @@ impl Cursor {
     /// than are nested there.
     pub fn next(&mut self, program: &Program) -> Reading {
         let Some(segment) = self.segment(program) else {
-            return Reading { level: self.from, end_level: self.from };
+            return Reading {
+                level: self.from,
+                end_level: self.from,
+            };
         };
         self.tick += 1;
         self.elapsed += 1;
@@ -47,7 +56,10 @@ impl Cursor {
         if self.tick >= segment.ticks() {
             self.enter(program, self.index + 1, segment.level);
         }
-        Reading { level, end_level: segment.level }
+        Reading {
+            level,
+            end_level: segment.level,
+        }
     }
 
     /// What the program said for the tick played last, without playing one.
@@ -57,7 +69,10 @@ impl Cursor {
                 level: segment.level_at(self.tick, self.from),
                 end_level: segment.level,
             },
-            _ => Reading { level: self.from, end_level: self.from },
+            _ => Reading {
+                level: self.from,
+                end_level: self.from,
+            },
         }
     }
 
@@ -70,7 +85,8 @@ impl Cursor {
         // Time left, counted from the start of the block being searched in its first pass.
         let mut until = self.elapsed;
         let mut index = 0;
-        while let (Some(entry), Some(&end)) = (program.entries.get(index), program.ends.get(index)) {
+        while let (Some(entry), Some(&end)) = (program.entries.get(index), program.ends.get(index))
+        {
             if until >= end {
                 if let Entry::Segment(segment) = entry {
                     self.from = segment.level;
@@ -128,7 +144,9 @@ impl Cursor {
         self.from = from;
         self.tick = 0;
         while let Some(&Entry::Repeat { first, times }) = program.entries.get(index) {
-            let Some(passes) = self.passes.get_mut(index) else { break };
+            let Some(passes) = self.passes.get_mut(index) else {
+                break;
+            };
             *passes += 1;
             if *passes < times {
                 index = usize::from(first);
@@ -156,7 +174,11 @@ mod tests {
     use std::vec::Vec;
 
     fn builder() -> ProgramBuilder {
-        ProgramBuilder::new(1000, Profile::SliderCrank(SliderCrank::new(0.025, 0.3, 1000)), 100.0)
+        ProgramBuilder::new(
+            1000,
+            Profile::SliderCrank(SliderCrank::new(0.025, 0.3, 1000)),
+            100.0,
+        )
     }
 
     fn segment(level: u32, ramp_ticks: u32, hold_ticks: u32) -> SegmentSettings {
@@ -196,7 +218,12 @@ mod tests {
         assert_eq!(short.duration(), long.duration());
         let (mut one, mut other) = (Cursor::new(), Cursor::new());
         while !other.is_done(&long) {
-            assert_eq!(one.next(&short), other.next(&long), "tick {}", other.elapsed());
+            assert_eq!(
+                one.next(&short),
+                other.next(&long),
+                "tick {}",
+                other.elapsed()
+            );
             assert_eq!(one.remaining(&short), other.remaining(&long));
         }
         assert!(one.is_done(&short));

@@ -35,7 +35,13 @@ impl Segment {
             0 | 1 => u64::MAX, // a ramp of one tick is at its end after that tick: never read
             n => u64::MAX / n as u64,
         };
-        Self { level, ramp_ticks, hold_ticks, shape, per_ramp_tick }
+        Self {
+            level,
+            ramp_ticks,
+            hold_ticks,
+            shape,
+            per_ramp_tick,
+        }
     }
 
     /// Ramp and hold, in ticks.
@@ -120,7 +126,10 @@ mod tests {
                 let mut last = from;
                 for tick in 0..=4001 {
                     let level = segment.level_at(tick, from);
-                    assert!(ends.0 <= level && level <= ends.1, "the ramp leaves its ends");
+                    assert!(
+                        ends.0 <= level && level <= ends.1,
+                        "the ramp leaves its ends"
+                    );
                     let slack = Amax::from_bits(1 << 22); // the polynomial's rounding
                     if to > from {
                         assert!(level + slack >= last, "the ramp turns back at {tick}");

@@ -63,7 +63,10 @@ impl PulseTiming {
             let us = |cycles: u32| f64::from(cycles) * 1e6 / f64::from(CLOCK_HZ);
             return Err(SettingsError::new(
                 "pulse.dir_setup_ns",
-                Problem::SetupTooLong { need_us: us(turn_round), most_us: us(timing.tick / 4) },
+                Problem::SetupTooLong {
+                    need_us: us(turn_round),
+                    most_us: us(timing.tick / 4),
+                },
             ));
         }
         Ok(timing)
@@ -93,7 +96,12 @@ impl PulseTiming {
         if rate_hz > most_hz {
             return Err(SettingsError::new(
                 "axes.steps_per_turn",
-                Problem::StepRate { speed_hz: axis_speed_hz, rate_hz, most_hz, edges: MAX_EDGES },
+                Problem::StepRate {
+                    speed_hz: axis_speed_hz,
+                    rate_hz,
+                    most_hz,
+                    edges: MAX_EDGES,
+                },
             ));
         }
         Ok(())
@@ -146,7 +154,11 @@ impl Planner {
     /// `turns` must not ask for more edges than [`PulseTiming::check_rate`] allowed.
     pub fn plan(&mut self, turns: Turns, runs: &mut Runs) {
         let way = Way::new(self.within, turns.to_bits() * self.half_steps_per_turn);
-        let mut tick = Tick { runs, forward: self.forward, cursor: 0 };
+        let mut tick = Tick {
+            runs,
+            forward: self.forward,
+            cursor: 0,
+        };
         tick.runs.clear();
 
         // Where STEP's level is not what the phase and the way it moves would have it (at the very
@@ -163,6 +175,20 @@ impl Planner {
         }
         tick.pause(self.timing.tick - tick.cursor);
 
+        self.steps += way.steps;
+        self.within = way.within;
+    }
+
+    /// Counts on without pulses, for a servo axis: `runs` is one pause of a tick.
+    pub fn count(&mut self, turns: Turns, runs: &mut Runs) {
+        let way = Way::new(self.within, turns.to_bits() * self.half_steps_per_turn);
+        let mut tick = Tick {
+            runs,
+            forward: self.forward,
+            cursor: 0,
+        };
+        tick.runs.clear();
+        tick.pause(self.timing.tick);
         self.steps += way.steps;
         self.within = way.within;
     }
@@ -290,7 +316,11 @@ impl Tick<'_> {
     }
 
     fn push(&mut self, edges: u16, period: u32) {
-        let run = Run { edges, period, forward: self.forward };
+        let run = Run {
+            edges,
+            period,
+            forward: self.forward,
+        };
         // MAX_EDGES, which the settings keep, is what MAX_RUNS hold.
         let pushed = self.runs.push(run);
         debug_assert!(pushed.is_ok(), "more runs than a tick holds");

@@ -75,7 +75,10 @@ impl FeedForward {
         let gravity = share_kg * radius_m * machine.gravity_mps2 * sign;
         // |h s| stays below 2, |s| below 1.2, over the range of λ.
         if 2.0 * centripetal + 1.5 * tangential + rotor + 1.2 * gravity.abs() > MOST_NM {
-            return Err(SettingsError::new("limits.speed_hz", Problem::TorqueTooLarge));
+            return Err(SettingsError::new(
+                "limits.speed_hz",
+                Problem::TorqueTooLarge,
+            ));
         }
         let fixed = |nm: f64| libm::round(nm * 65_536.0) as i64;
         Ok(Self {
@@ -112,7 +115,11 @@ impl FeedForward {
         let sine_squared = multiply_q30(sine, sine);
         let obliquity = multiply_q30(self.lambda_squared, sine_squared); // sin² β
         let secant = inverse_root_of_one_minus(obliquity); // 1 / cos β
-        let s = sine + multiply_q30(multiply_q30(self.lambda, sine), multiply_q30(cosine, secant));
+        let s = sine
+            + multiply_q30(
+                multiply_q30(self.lambda, sine),
+                multiply_q30(cosine, secant),
+            );
         let cosine_double = (1 << 30) - sine_squared - sine_squared;
         let bracket = cosine_double + multiply_q30(obliquity, sine_squared);
         let secant_cubed = multiply_q30(multiply_q30(secant, secant), secant);
@@ -141,9 +148,11 @@ mod tests {
     fn torque_agrees_with_f64() {
         let tick_hz = 2000_u32;
         let hz = f64::from(tick_hz);
-        for (lambda, radius_m, load_kg, top_hz) in
-            [(0.1, 0.0046055, 50.0, 100.0), (0.3, 0.0779, 10.0, 5.0), (0.6, 0.0396, 10.0, 20.0)]
-        {
+        for (lambda, radius_m, load_kg, top_hz) in [
+            (0.1, 0.0046055, 50.0, 100.0),
+            (0.3, 0.0779, 10.0, 5.0),
+            (0.6, 0.0396, 10.0, 20.0),
+        ] {
             for platform in [Platform::Below, Platform::Above] {
                 let machine = MachineSettings {
                     crank_radius_m: radius_m,
@@ -159,7 +168,9 @@ mod tests {
                     FeedForward::new(&machine, 4, 1e-3, tick_hz, top, top_acceleration).unwrap();
                 let mut worst = (0.0_f64, 0.0_f64);
                 for degree in 0..360 {
-                    for (speed_hz, acceleration) in [(top_hz, 0.0), (top_hz / 3.0, 100.0), (0.0, -50.0)] {
+                    for (speed_hz, acceleration) in
+                        [(top_hz, 0.0), (top_hz / 3.0, 100.0), (0.0, -50.0)]
+                    {
                         let alpha = f64::from(degree).to_radians();
                         let (sin, cos) = alpha.sin_cos();
                         let root = (1.0 - lambda * lambda * sin * sin).sqrt();
@@ -169,7 +180,11 @@ mod tests {
                                 / root.powi(3);
                         let omega = core::f64::consts::TAU * speed_hz;
                         let angular = core::f64::consts::TAU * acceleration;
-                        let g = if platform == Platform::Below { 9.80665 } else { -9.80665 };
+                        let g = if platform == Platform::Below {
+                            9.80665
+                        } else {
+                            -9.80665
+                        };
                         let want = load_kg / 4.0
                             * radius_m
                             * s
@@ -185,7 +200,10 @@ mod tests {
                         worst = (worst.0.max((got - want).abs()), worst.1.max(want.abs()));
                     }
                 }
-                assert!(worst.0 < 2e-5 * worst.1 + 3.0 / 65_536.0, "{worst:?} at λ = {lambda}");
+                assert!(
+                    worst.0 < 2e-5 * worst.1 + 3.0 / 65_536.0,
+                    "{worst:?} at λ = {lambda}"
+                );
             }
         }
     }

@@ -5,9 +5,9 @@
 
 mod error;
 
-pub use error::{Problem, SettingsError};
-pub(crate) use error::inside;
 use error::finite;
+pub(crate) use error::inside;
+pub use error::{Problem, SettingsError};
 
 use crate::units::{FRACTION_BITS, Turns};
 
@@ -159,14 +159,34 @@ impl<const N: usize> Settings<N> {
         self.machine.check()?;
         self.limits.check(f64::from(self.tick_hz))?;
         inside("pulse.width_ns", self.pulse.width_ns, 8.0, 100_000.0)?;
-        inside("pulse.dir_setup_ns", self.pulse.dir_setup_ns, 0.0, 100_000.0)?;
+        inside(
+            "pulse.dir_setup_ns",
+            self.pulse.dir_setup_ns,
+            0.0,
+            100_000.0,
+        )?;
         inside("pulse.dir_hold_ns", self.pulse.dir_hold_ns, 0.0, 100_000.0)?;
         for (i, axis) in self.axes.iter().enumerate() {
             axis.check().map_err(|e| e.on_axis(i))?;
         }
-        inside("drift.tilt_limit_mrad", self.drift.tilt_limit_mrad, 1e-3, 100.0)?;
-        inside("drift.warp_limit_deg", self.drift.warp_limit_deg, 1e-3, 90.0)?;
-        inside("drift.common_limit_deg", self.drift.common_limit_deg, 1e-3, 180.0)?;
+        inside(
+            "drift.tilt_limit_mrad",
+            self.drift.tilt_limit_mrad,
+            1e-3,
+            100.0,
+        )?;
+        inside(
+            "drift.warp_limit_deg",
+            self.drift.warp_limit_deg,
+            1e-3,
+            90.0,
+        )?;
+        inside(
+            "drift.common_limit_deg",
+            self.drift.common_limit_deg,
+            1e-3,
+            180.0,
+        )?;
         inside("control.park_deg", self.park_turns * 360.0, 0.0, 360.0)?;
         inside("control.settle_s", self.settle_s, 0.0, 10.0)?;
         Ok(())
@@ -180,11 +200,21 @@ impl<const N: usize> Settings<N> {
 
 impl MachineSettings {
     fn check(&self) -> Result<(), SettingsError> {
-        inside("machine.crank_radius_mm", self.crank_radius_m * 1e3, 0.1, 500.0)?;
+        inside(
+            "machine.crank_radius_mm",
+            self.crank_radius_m * 1e3,
+            0.1,
+            500.0,
+        )?;
         inside("machine.lambda", self.lambda, 0.1, 0.6)?;
         inside("machine.load_kg", self.load_kg, 1e-3, 50.0)?;
         inside("machine.gravity_mps2", self.gravity_mps2, 0.0, 20.0)?;
-        inside("machine.mount_radius_mm", self.mount_radius_m * 1e3, 10.0, 5000.0)?;
+        inside(
+            "machine.mount_radius_mm",
+            self.mount_radius_m * 1e3,
+            10.0,
+            5000.0,
+        )?;
         Ok(())
     }
 }
@@ -253,16 +283,41 @@ impl LimitSettings {
 
 impl AxisSettings {
     fn check(&self) -> Result<(), SettingsError> {
-        inside("axes.steps_per_turn", f64::from(self.steps_per_turn), 4.0, 65_536.0)?;
+        inside(
+            "axes.steps_per_turn",
+            f64::from(self.steps_per_turn),
+            4.0,
+            65_536.0,
+        )?;
         inside("axes.ratio numerator", f64::from(self.ratio.0), 1.0, 1000.0)?;
-        inside("axes.ratio denominator", f64::from(self.ratio.1), 1.0, 1000.0)?;
+        inside(
+            "axes.ratio denominator",
+            f64::from(self.ratio.1),
+            1.0,
+            1000.0,
+        )?;
         inside("axes.offset_deg", self.offset_turns * 360.0, -180.0, 180.0)?;
         if let Some(index_turns) = self.index_turns {
             inside("axes.index_deg", index_turns * 360.0, -180.0, 180.0)?;
         }
-        inside("axes.trim_limit_deg", self.trim_limit_turns * 360.0, 0.0, 36.0)?;
-        inside("axes.trim_rate_deg_per_s", self.trim_rate_hz * 360.0, 1e-3, 360.0)?;
-        inside("axes.rotor_inertia_kgm2", self.rotor_inertia_kgm2, 0.0, 10.0)?;
+        inside(
+            "axes.trim_limit_deg",
+            self.trim_limit_turns * 360.0,
+            0.0,
+            36.0,
+        )?;
+        inside(
+            "axes.trim_rate_deg_per_s",
+            self.trim_rate_hz * 360.0,
+            1e-3,
+            360.0,
+        )?;
+        inside(
+            "axes.rotor_inertia_kgm2",
+            self.rotor_inertia_kgm2,
+            0.0,
+            10.0,
+        )?;
         Ok(())
     }
 }

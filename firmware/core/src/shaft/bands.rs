@@ -48,7 +48,10 @@ enum Way {
 
 impl Passage {
     pub const fn new() -> Self {
-        Self { inside: None, last_speed: 0 }
+        Self {
+            inside: None,
+            last_speed: 0,
+        }
     }
 
     /// Takes note of the shaft's speed in the tick that was just played.
@@ -57,7 +60,11 @@ impl Passage {
         self.inside = match (band, self.inside) {
             (Some(band), Some((before, way))) if before == band => Some((band, way)),
             (Some(band), _) => {
-                let way = if self.last_speed <= band.from { Way::Up } else { Way::Down };
+                let way = if self.last_speed <= band.from {
+                    Way::Up
+                } else {
+                    Way::Down
+                };
                 Some((band, way))
             }
             (None, _) => None,
@@ -81,7 +88,11 @@ pub(super) struct Corridor<'a> {
 impl<'a> Corridor<'a> {
     /// Around the shaft's `speed`, when `asked` is asked of it.
     pub fn new(limits: &'a ShaftLimits, speed: i64, passage: Passage, asked: i64) -> Self {
-        let mut corridor = Self { floor: 0, ceiling: limits.speed, bands: &limits.bands };
+        let mut corridor = Self {
+            floor: 0,
+            ceiling: limits.speed,
+            bands: &limits.bands,
+        };
         for &band in &limits.bands {
             let up = match passage.inside {
                 Some((inside, way)) if inside == band => way == Way::Up,
@@ -92,7 +103,8 @@ impl<'a> Corridor<'a> {
                 if speed >= band.to || passage.inside.is_some_and(|(inside, _)| inside == band) {
                     corridor.floor = corridor.floor.max(band.to);
                 }
-            } else if speed <= band.from || passage.inside.is_some_and(|(inside, _)| inside == band) {
+            } else if speed <= band.from || passage.inside.is_some_and(|(inside, _)| inside == band)
+            {
                 corridor.ceiling = corridor.ceiling.min(band.from);
             }
         }

@@ -49,7 +49,11 @@ pub struct Target {
 impl Target {
     /// One speed, for as long as it is asked for.
     pub const fn steady(speed: Turns) -> Self {
-        Self { now: speed, next: speed, end: speed }
+        Self {
+            now: speed,
+            next: speed,
+            end: speed,
+        }
     }
 }
 
@@ -88,7 +92,10 @@ enum Mode {
     /// Stopping by the shortest way, wherever that ends.
     StopFast,
     /// Coming to a constant speed from which the stop at a phase can be planned.
-    Settle { speed: i64, stop_at: Turns },
+    Settle {
+        speed: i64,
+        stop_at: Turns,
+    },
     /// Stopping at a phase.
     StopAt(StopPlan),
 }
@@ -168,7 +175,11 @@ impl Shaft {
             (Demand::Stop(None), _) => self.mode = Mode::StopFast,
             (Demand::Stop(Some(stop_at)), Mode::Follow) => {
                 let speed = self.settling_speed();
-                self.mode = if speed == 0 { Mode::Rest } else { Mode::Settle { speed, stop_at } };
+                self.mode = if speed == 0 {
+                    Mode::Rest
+                } else {
+                    Mode::Settle { speed, stop_at }
+                };
                 self.plan_stop_if_settled();
             }
             (Demand::Stop(Some(_)), Mode::Settle { .. }) => self.plan_stop_if_settled(),
@@ -179,7 +190,8 @@ impl Shaft {
     /// The constant speed from which to stop at a phase: what the speed comes to when the
     /// acceleration is let go, but outside the forbidden bands and not below creeping.
     fn settling_speed(&self) -> i64 {
-        let gained = regulator::gained_letting_go(self.acceleration.unsigned_abs(), self.limits.jerk);
+        let gained =
+            regulator::gained_letting_go(self.acceleration.unsigned_abs(), self.limits.jerk);
         let coasting = self.speed + self.acceleration.signum() * gained as i64;
         let outside = bands::below_band(&self.limits.bands, coasting);
         outside.clamp(self.limits.creep, self.limits.speed)
@@ -203,7 +215,11 @@ impl Shaft {
             next: corridor.clamp(asked.1),
         };
         // Where the two differ by what the corridor cut off, the rest is a jump, not a rate.
-        let aim = if (aim.now, aim.next) == asked { aim } else { Aim::steady(aim.next) };
+        let aim = if (aim.now, aim.next) == asked {
+            aim
+        } else {
+            Aim::steady(aim.next)
+        };
         let end = corridor.clamp(target.end.to_bits());
         let (floor, ceiling) = if end >= aim.next {
             (corridor.floor, corridor.ceiling.min(end))

@@ -26,7 +26,10 @@ pub(super) struct Aim {
 
 impl Aim {
     pub const fn steady(speed: i64) -> Self {
-        Self { now: speed, next: speed }
+        Self {
+            now: speed,
+            next: speed,
+        }
     }
 }
 

@@ -122,7 +122,11 @@ struct Ladder {
 
 impl Ladder {
     const fn new(numerator: u64, denominator: u64) -> Self {
-        let zero = Rational { whole: 0, rest: 0, denominator };
+        let zero = Rational {
+            whole: 0,
+            rest: 0,
+            denominator,
+        };
         Self {
             unit: Rational {
                 whole: (numerator / denominator) as i64,

@@ -16,7 +16,12 @@ struct Watch {
 
 impl Watch {
     fn new(limits: ShaftLimits) -> Self {
-        Self { shaft: Shaft::new(limits), speed: 0, acceleration: 0, ticks: 0 }
+        Self {
+            shaft: Shaft::new(limits),
+            speed: 0,
+            acceleration: 0,
+            ticks: 0,
+        }
     }
 
     fn advance(&mut self, demand: Demand) -> Motion {
@@ -26,7 +31,11 @@ impl Watch {
         let acceleration = speed - self.speed;
         let jerk = acceleration - self.acceleration;
         let limits = self.shaft.limits();
-        assert!(speed >= 0, "tick {}: the shaft turns back by {speed}", self.ticks);
+        assert!(
+            speed >= 0,
+            "tick {}: the shaft turns back by {speed}",
+            self.ticks
+        );
         assert!(speed <= limits.speed, "tick {}: speed {speed}", self.ticks);
         assert!(
             acceleration.abs() <= limits.acceleration,
@@ -34,7 +43,12 @@ impl Watch {
             self.ticks,
             limits.acceleration
         );
-        assert!(jerk.abs() <= limits.jerk, "tick {}: jerk {jerk} over {}", self.ticks, limits.jerk);
+        assert!(
+            jerk.abs() <= limits.jerk,
+            "tick {}: jerk {jerk} over {}",
+            self.ticks,
+            limits.jerk
+        );
         assert_eq!(motion.speed.to_bits(), speed);
         assert_eq!(motion.acceleration.to_bits(), acceleration);
         self.speed = speed;
@@ -57,21 +71,36 @@ impl Watch {
 fn ticks_between(limits: &ShaftLimits, from: i64, to: i64) -> u64 {
     let (mut speed, mut acceleration, mut ticks) = (from, 0, 0);
     while speed != to || acceleration != 0 {
-        acceleration =
-            regulator::acceleration(limits, speed, acceleration, Aim::steady(to), 0, i64::MAX / 4);
+        acceleration = regulator::acceleration(
+            limits,
+            speed,
+            acceleration,
+            Aim::steady(to),
+            0,
+            i64::MAX / 4,
+        );
         speed += acceleration;
         ticks += 1;
     }
     ticks
 }
 
-fn limits(tick_hz: u32, speed_hz: f64, acceleration: f64, jerk: f64, bands: &[(f64, f64)]) -> ShaftLimits {
+fn limits(
+    tick_hz: u32,
+    speed_hz: f64,
+    acceleration: f64,
+    jerk: f64,
+    bands: &[(f64, f64)],
+) -> ShaftLimits {
     let settings = LimitSettings {
         speed_hz,
         acceleration_hz_per_s: acceleration,
         jerk_hz_per_s2: jerk,
         creep_hz: (speed_hz / 20.0).min(1.0),
-        bands: bands.iter().map(|&(from_hz, to_hz)| BandSettings { from_hz, to_hz }).collect(),
+        bands: bands
+            .iter()
+            .map(|&(from_hz, to_hz)| BandSettings { from_hz, to_hz })
+            .collect(),
     };
     ShaftLimits::new(&settings, tick_hz)
 }
@@ -84,19 +113,22 @@ fn any_limits() -> impl Strategy<Value = ShaftLimits> {
         1.0_f64.ln()..50_000.0_f64.ln(),
         prop::collection::vec(0.1..0.9_f64, 0..=8),
     )
-        .prop_filter_map("ramps of a minute at most", |(tick_hz, speed, a, j, mut edges)| {
-            let (a, j) = (a.exp(), j.exp());
-            if speed / a + a / j > 60.0 {
-                return None;
-            }
-            edges.sort_by(f64::total_cmp);
-            let bands: Vec<_> = edges
-                .chunks_exact(2)
-                .map(|pair| (pair[0] * speed, pair[1] * speed))
-                .filter(|(from, to)| to - from > 1e-3 * speed)
-                .collect();
-            Some(limits(tick_hz, speed, a, j, &bands))
-        })
+        .prop_filter_map(
+            "ramps of a minute at most",
+            |(tick_hz, speed, a, j, mut edges)| {
+                let (a, j) = (a.exp(), j.exp());
+                if speed / a + a / j > 60.0 {
+                    return None;
+                }
+                edges.sort_by(f64::total_cmp);
+                let bands: Vec<_> = edges
+                    .chunks_exact(2)
+                    .map(|pair| (pair[0] * speed, pair[1] * speed))
+                    .filter(|(from, to)| to - from > 1e-3 * speed)
+                    .collect();
+                Some(limits(tick_hz, speed, a, j, &bands))
+            },
+        )
 }
 
 /// A program of speeds as a fraction of the greatest: ramps and holds, as `(to, ramp, hold)`.
@@ -112,7 +144,11 @@ fn targets(limits: &ShaftLimits, speeds: &[(f64, u32, u32)]) -> Vec<Target> {
     for &(to, ramp, hold) in speeds {
         let end = Turns::from_bits((to * top) as i64);
         for tick in 1..=ramp + hold {
-            let part = if tick >= ramp { 1.0 } else { f64::from(tick) / f64::from(ramp) };
+            let part = if tick >= ramp {
+                1.0
+            } else {
+                f64::from(tick) / f64::from(ramp)
+            };
             let next = Turns::from_bits(((from + (to - from) * part) * top) as i64);
             targets.push(Target { now, next, end });
             now = next;

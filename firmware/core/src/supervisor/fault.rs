@@ -48,7 +48,13 @@ pub struct Fault {
 impl Fault {
     /// A fault of a kind; what is not known yet is zero.
     pub const fn new(kind: FaultKind) -> Self {
-        Self { kind, axis: None, size: Turns::ZERO, tick: 0, phase: Phase::ZERO }
+        Self {
+            kind,
+            axis: None,
+            size: Turns::ZERO,
+            tick: 0,
+            phase: Phase::ZERO,
+        }
     }
 
     /// The same, seen on an axis.

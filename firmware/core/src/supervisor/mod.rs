@@ -122,7 +122,13 @@ pub struct Supervisor {
 impl Supervisor {
     /// Idle. `settle_ticks` is how long drives need from being switched on.
     pub const fn new(settle_ticks: u32) -> Self {
-        Self { state: State::Idle, fault: None, holding: false, settle_ticks, settling: 0 }
+        Self {
+            state: State::Idle,
+            fault: None,
+            holding: false,
+            settle_ticks,
+            settling: 0,
+        }
     }
 
     /// What the machine is doing.
@@ -137,7 +143,10 @@ impl Supervisor {
 
     /// Whether the drives are to be on.
     pub const fn drives_enabled(&self) -> bool {
-        matches!(self.state, State::Align | State::Run | State::Stop | State::Parked)
+        matches!(
+            self.state,
+            State::Align | State::Run | State::Stop | State::Parked
+        )
     }
 
     /// Decides on one tick.

@@ -2,23 +2,37 @@
 
 use super::*;
 
-const SAFE: SafetyInputs = SafetyInputs { enable: true, stop: false };
+const SAFE: SafetyInputs = SafetyInputs {
+    enable: true,
+    stop: false,
+};
 
 fn in_state(state: State) -> Supervisor {
     let mut supervisor = Supervisor::new(0);
     let mut go = |command, seen| {
         supervisor.step(SAFE, command, seen);
     };
-    let aligned = Seen { aligned: true, ..Seen::default() };
-    let at_rest = Seen { at_rest: true, ..Seen::default() };
-    let broken = Seen { fault: Some(Fault::new(FaultKind::Tilt)), ..Seen::default() };
+    let aligned = Seen {
+        aligned: true,
+        ..Seen::default()
+    };
+    let at_rest = Seen {
+        at_rest: true,
+        ..Seen::default()
+    };
+    let broken = Seen {
+        fault: Some(Fault::new(FaultKind::Tilt)),
+        ..Seen::default()
+    };
     let path: &[(Option<Command>, Seen)] = match state {
         State::Idle => &[],
         State::Align => &[(Some(Command::Start), Seen::default())],
         State::Run => &[(Some(Command::Start), Seen::default()), (None, aligned)],
-        State::Stop => {
-            &[(Some(Command::Start), Seen::default()), (None, aligned), (Some(Command::Stop), aligned)]
-        }
+        State::Stop => &[
+            (Some(Command::Start), Seen::default()),
+            (None, aligned),
+            (Some(Command::Stop), aligned),
+        ],
         State::Parked => &[
             (Some(Command::Start), Seen::default()),
             (None, aligned),
@@ -39,8 +53,14 @@ fn in_state(state: State) -> Supervisor {
     supervisor
 }
 
-const STATES: [State; 6] =
-    [State::Idle, State::Align, State::Run, State::Stop, State::Parked, State::Fault];
+const STATES: [State; 6] = [
+    State::Idle,
+    State::Align,
+    State::Run,
+    State::Stop,
+    State::Parked,
+    State::Fault,
+];
 const COMMANDS: [Option<Command>; 6] = [
     None,
     Some(Command::Start),
@@ -51,12 +71,17 @@ const COMMANDS: [Option<Command>; 6] = [
 ];
 
 /// One step from every state under every combination of inputs.
-fn for_every_step(mut check: impl FnMut(State, SafetyInputs, Option<Command>, Seen, &Supervisor, Action)) {
+fn for_every_step(
+    mut check: impl FnMut(State, SafetyInputs, Option<Command>, Seen, &Supervisor, Action),
+) {
     for state in STATES {
         for command in COMMANDS {
             for bits in 0_u8..64 {
                 let bit = |n: u8| bits & (1 << n) != 0;
-                let inputs = SafetyInputs { enable: bit(0), stop: bit(1) };
+                let inputs = SafetyInputs {
+                    enable: bit(0),
+                    stop: bit(1),
+                };
                 let seen = Seen {
                     fault: bit(2).then_some(Fault::new(FaultKind::DriveAlarm)),
                     at_rest: bit(3),
@@ -76,7 +101,10 @@ fn nothing_starts_against_the_inputs() {
     for_every_step(|state, inputs, _, _, after, _| {
         let started = !matches!(state, State::Align | State::Run | State::Stop)
             && matches!(after.state(), State::Align | State::Run);
-        assert!(!started || (inputs.enable && !inputs.stop), "{state:?} {inputs:?}");
+        assert!(
+            !started || (inputs.enable && !inputs.stop),
+            "{state:?} {inputs:?}"
+        );
     });
 }
 
@@ -92,12 +120,24 @@ fn losing_enable_switches_off_at_once() {
 #[test]
 fn a_fault_stops_and_only_a_reset_leaves_it() {
     for_every_step(|state, inputs, command, seen, after, _| {
-        if seen.fault.is_some() && matches!(state, State::Align | State::Run | State::Stop | State::Parked) {
-            assert!(matches!(after.state(), State::Stop | State::Fault), "{state:?}");
+        if seen.fault.is_some()
+            && matches!(
+                state,
+                State::Align | State::Run | State::Stop | State::Parked
+            )
+        {
+            assert!(
+                matches!(after.state(), State::Stop | State::Fault),
+                "{state:?}"
+            );
             assert!(after.fault().is_some(), "{state:?} forgets its fault");
         }
         if state == State::Fault && after.state() != State::Fault {
-            assert_eq!((after.state(), command), (State::Idle, Some(Command::Reset)), "{inputs:?}");
+            assert_eq!(
+                (after.state(), command),
+                (State::Idle, Some(Command::Reset)),
+                "{inputs:?}"
+            );
         }
     });
 }
@@ -105,7 +145,11 @@ fn a_fault_stops_and_only_a_reset_leaves_it() {
 #[test]
 fn drives_that_are_off_are_not_driven() {
     for_every_step(|_, _, _, _, after, action| {
-        assert!(after.drives_enabled() || action == Action::Stand, "{:?}", after.state());
+        assert!(
+            after.drives_enabled() || action == Action::Stand,
+            "{:?}",
+            after.state()
+        );
     });
 }
 
@@ -114,8 +158,14 @@ fn a_stop_is_heeded_from_every_moving_state() {
     for_every_step(|state, inputs, command, _, after, action| {
         let moving = matches!(state, State::Align | State::Run | State::Stop);
         if moving && inputs.enable && (inputs.stop || command == Some(Command::Stop)) {
-            assert!(matches!(after.state(), State::Stop | State::Parked | State::Fault));
-            assert!(matches!(action, Action::Park | Action::StopFast | Action::Stand));
+            assert!(matches!(
+                after.state(),
+                State::Stop | State::Parked | State::Fault
+            ));
+            assert!(matches!(
+                action,
+                Action::Park | Action::StopFast | Action::Stand
+            ));
         }
     });
 }
@@ -124,7 +174,10 @@ fn a_stop_is_heeded_from_every_moving_state() {
 #[test]
 fn the_first_fault_is_kept() {
     let mut supervisor = in_state(State::Run);
-    let seen = |kind| Seen { fault: Some(Fault::new(kind)), ..Seen::default() };
+    let seen = |kind| Seen {
+        fault: Some(Fault::new(kind)),
+        ..Seen::default()
+    };
     supervisor.step(SAFE, None, seen(FaultKind::Tilt));
     supervisor.step(SAFE, None, seen(FaultKind::IndexMissing));
     assert_eq!(supervisor.fault().unwrap().kind, FaultKind::Tilt);

@@ -7,7 +7,11 @@ use std::vec::Vec;
 const QUARTER_MICROSECOND: f64 = 0.25e-6 * CLOCK_HZ as f64;
 
 fn timing(tick_hz: u32) -> PulseTiming {
-    let settings = PulseSettings { width_ns: 200.0, dir_setup_ns: 300.0, dir_hold_ns: 300.0 };
+    let settings = PulseSettings {
+        width_ns: 200.0,
+        dir_setup_ns: 300.0,
+        dir_hold_ns: 300.0,
+    };
     PulseTiming::new(&settings, tick_hz).unwrap()
 }
 
@@ -45,7 +49,12 @@ impl Drive {
     /// Plays a tick's runs and checks what must hold of any.
     fn play(&mut self, runs: &Runs, timing: PulseTiming) {
         let total: u64 = runs.iter().map(|run| u64::from(run.cycles())).sum();
-        assert_eq!(total, u64::from(self.tick), "the runs fill {total} cycles of {}", self.tick);
+        assert_eq!(
+            total,
+            u64::from(self.tick),
+            "the runs fill {total} cycles of {}",
+            self.tick
+        );
         let start = self.cycle;
         for run in runs {
             assert!(run.period >= GUARD, "a run of {} cycles", run.period);
@@ -75,7 +84,10 @@ impl Drive {
         self.high = !self.high;
         if self.high {
             if let Some(turn) = self.last_turn {
-                assert!(self.cycle - turn >= u64::from(timing.dir_setup), "set-up time");
+                assert!(
+                    self.cycle - turn >= u64::from(timing.dir_setup),
+                    "set-up time"
+                );
             }
             self.position += if self.forward { 1 } else { -1 };
             self.last_rise = Some(self.cycle);
@@ -92,7 +104,11 @@ fn play_ticks(tick_hz: u32, steps_per_turn: u32, ticks: &[i64]) -> (Drive, Plann
     for &turns in ticks {
         planner.plan(Turns::from_bits(turns), &mut runs);
         drive.play(&runs, timing);
-        assert_eq!(drive.position, planner.steps(), "the drive and the planner count differently");
+        assert_eq!(
+            drive.position,
+            planner.steps(),
+            "the drive and the planner count differently"
+        );
     }
     (drive, planner)
 }
@@ -186,13 +202,24 @@ fn a_whole_period_needs_few_runs() {
     planner.plan(turns, &mut runs);
     planner.plan(turns, &mut runs);
     assert!(runs.len() <= 3, "{runs:?}");
-    let exact: u16 = runs.iter().filter(|run| run.period == 125).map(|run| run.edges).sum();
+    let exact: u16 = runs
+        .iter()
+        .filter(|run| run.period == 125)
+        .map(|run| run.edges)
+        .sum();
     assert!(exact >= 500 - CHUNK as u16, "{runs:?}");
 }
 
 #[test]
 fn a_long_set_up_is_refused() {
-    let settings = PulseSettings { width_ns: 5000.0, dir_setup_ns: 50_000.0, dir_hold_ns: 5000.0 };
-    assert_eq!(PulseTiming::new(&settings, 10_000).unwrap_err().key, "pulse.dir_setup_ns");
+    let settings = PulseSettings {
+        width_ns: 5000.0,
+        dir_setup_ns: 50_000.0,
+        dir_hold_ns: 5000.0,
+    };
+    assert_eq!(
+        PulseTiming::new(&settings, 10_000).unwrap_err().key,
+        "pulse.dir_setup_ns"
+    );
     assert!(PulseTiming::new(&settings, 2000).is_ok());
 }

@@ -1,0 +1,83 @@
+//! The `cophase` command.
+//!
+//! Exit status: 0 done; 1 the run ended in a fault, and everything was still written; 2 bad input, and
+//! nothing was written.
+
+mod run;
+mod scenes;
+
+use std::io::{self, Write};
+
+use clap::{Parser, Subcommand};
+
+use crate::design::{self, DesignArgs, DesignCommandError};
+
+/// Multi-axis motion control that stays in phase: simulate, look, design.
+#[derive(Debug, Parser)]
+#[command(name = "cophase", version, arg_required_else_help = true)]
+pub struct Command {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// Run a scene: the control loop, in virtual time, against a simulated machine
+    Run(run::RunArgs),
+    /// List the built-in scenes, or print one to start your own from
+    Scenes(scenes::ScenesArgs),
+    Design(DesignArgs),
+}
+
+/// How a command ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Status {
+    /// Done.
+    Done = 0,
+    /// The run ended in a fault; everything was written.
+    Fault = 1,
+    /// Bad input; nothing was written.
+    BadInput = 2,
+}
+
+/// Why a command could not be carried out.
+#[derive(Debug, thiserror::Error)]
+pub enum CommandError {
+    /// What was given cannot be worked with.
+    #[error("{0}")]
+    Input(String),
+    /// What came out could not be written.
+    #[error("cannot write: {0}")]
+    Output(#[from] io::Error),
+}
+
+impl Command {
+    /// Carries the command out, printing to `out`.
+    pub fn carry_out(self, out: &mut impl Write) -> Status {
+        let done = match self.what {
+            What::Run(args) => run::run(&args, out),
+            What::Scenes(args) => scenes::scenes(&args, out),
+            What::Design(args) => match design::run(&args, out) {
+                Ok(()) => Ok(Status::Done),
+                Err(DesignCommandError::Input(error)) => {
+                    Err(CommandError::Input(error.to_string()))
+                }
+                Err(DesignCommandError::Write(error)) => Err(error.into()),
+            },
+        };
+        match done.and_then(|status| out.flush().map(|()| status).map_err(CommandError::from)) {
+            Ok(status) => status,
+            // Whoever was reading has seen enough (`cophase scenes default | head`).
+            Err(CommandError::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
+                Status::Done
+            }
+            Err(error) => {
+                for line in error.to_string().lines() {
+                    eprintln!("cophase: {line}");
+                }
+                Status::BadInput
+            }
+        }
+    }
+}

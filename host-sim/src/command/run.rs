@@ -1,0 +1,209 @@
+//! `cophase run`: a scene goes in, four files and a page of words come out.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::{CommandError, Status, scenes};
+use crate::report::{self, Report};
+use crate::scene::library::{self, SCENES};
+use crate::scene::{Checked, Scene, load};
+use crate::sim::statistics::Happening;
+use crate::sim::{Outcome, simulate};
+use crate::trace::{Every, Recorder, RunFiles, ScopeData, ScopeFrame, Window};
+
+#[derive(Debug, clap::Args)]
+pub(super) struct RunArgs {
+    /// A scene file, or the name of a built-in scene
+    #[arg(value_name = "SCENE", default_value = SCENES[0].name)]
+    scene: String,
+    /// Where to write report.json, trace.csv, steps.vcd and scope.svg
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// A row of trace.csv every N control ticks [default: so that there are at most 20,000]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    every: Option<u64>,
+    /// What steps.vcd shows, in seconds, or `all` [default: the scene's window, or the first 200 ms of motion]
+    #[arg(long, value_name = "FROM..TO", value_parser = window)]
+    window: Option<Window>,
+    /// Print nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+fn window(text: &str) -> Result<Window, String> {
+    if text == "all" {
+        return Ok(Window::All);
+    }
+    let wrong = || "give FROM..TO in seconds, 0 or later, such as 2.5..2.6, or `all`".to_owned();
+    let (from, to) = text.split_once("..").ok_or_else(wrong)?;
+    let seconds = |text: &str| {
+        text.trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|s| (0.0..=1e6).contains(s))
+    };
+    let (from_s, to_s) = seconds(from).zip(seconds(to)).ok_or_else(wrong)?;
+    if to_s <= from_s {
+        return Err(format!(
+            "it ends at {to_s} s, not after its beginning at {from_s} s; swap the two"
+        ));
+    }
+    Ok(between(from_s, to_s))
+}
+
+fn between(from_s: f64, to_s: f64) -> Window {
+    Window::Between((from_s * 1e9).round() as u64, (to_s * 1e9).round() as u64)
+}
+
+pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, CommandError> {
+    let checked = read(&args.scene).map_err(CommandError::Input)?;
+    let began = Instant::now();
+    let outcome = match checked.scene.axes.count {
+        2 => record::<2>(args, &checked, began),
+        3 => record::<3>(args, &checked, began),
+        4 => record::<4>(args, &checked, began),
+        5 => record::<5>(args, &checked, began),
+        _ => record::<6>(args, &checked, began),
+    }
+    .map_err(CommandError::Input)?;
+    if !args.quiet {
+        out.write_all(
+            report::summary(&checked, &outcome, began.elapsed().as_secs_f64()).as_bytes(),
+        )?;
+        writeln!(
+            out,
+            "Written to {}: {}.",
+            args.out.display(),
+            FILES.join(", ")
+        )?;
+    }
+    Ok(if outcome.fault.is_some() {
+        Status::Fault
+    } else {
+        Status::Done
+    })
+}
+
+/// A file if there is one of that name, else a built-in scene.
+fn read(name: &str) -> Result<Checked, String> {
+    let path = Path::new(name);
+    let scene: Scene = match library::find(name) {
+        Some(built_in) if !path.exists() => built_in.scene(),
+        _ if !path.exists() && path.extension().is_none() && path.components().count() == 1 => {
+            return Err(format!(
+                "{}; nor is there a file of that name",
+                scenes::unknown(name)
+            ));
+        }
+        _ => load::from_file(path).map_err(|error| error.to_string())?,
+    };
+    Checked::new(scene).map_err(|error| error.in_file(name).to_string())
+}
+
+const FILES: [&str; 4] = ["report.json", "trace.csv", "steps.vcd", "scope.svg"];
+
+/// Runs a scene and writes its files: all of them, or none.
+fn record<const N: usize>(
+    args: &RunArgs,
+    checked: &Checked,
+    began: Instant,
+) -> Result<Outcome, String> {
+    let place = |error: &dyn std::fmt::Display| error.to_string();
+    let mut files = RunFiles::create(&args.out).map_err(|e| place(&e))?;
+    let mut file = |name| files.file(name).map_err(|e| place(&e));
+    let (mut report_file, csv, vcd, mut svg) = (
+        file(FILES[0])?,
+        file(FILES[1])?,
+        file(FILES[2])?,
+        file(FILES[3])?,
+    );
+
+    let every = args.every.map_or(Every::Fitting, Every::Ticks);
+    let scope = checked
+        .scene
+        .scope
+        .map(|scope| between(scope.from_s, scope.to_s));
+    let window = args.window.or(scope).unwrap_or(Window::FirstMotion);
+    let mut recorder = Recorder::new(
+        checked,
+        csv,
+        vcd,
+        every,
+        window,
+        ScopeData::new(N, frame(checked)),
+    )
+    .map_err(|e| place(&e))?;
+
+    let bar = progress_bar(args.quiet);
+    let outcome = simulate::<N>(checked, &mut recorder, |done, about| {
+        bar.set_length(about.max(done));
+        bar.set_position(done);
+    })
+    .map_err(|e| e.in_file(&args.scene).to_string())?;
+    bar.finish_and_clear();
+
+    let (written, mut scope) = recorder.finish().map_err(|e| place(&e))?;
+    mark(&mut scope, &outcome);
+    svg.write_all(scope.render().as_bytes())
+        .and_then(|()| svg.flush())
+        .map_err(|e| place(&e))?;
+    let report = Report::new(
+        checked,
+        &outcome,
+        Some(written),
+        began.elapsed().as_secs_f64(),
+    );
+    serde_json::to_writer_pretty(&mut report_file, &report).map_err(|e| place(&e))?;
+    report_file
+        .write_all(b"\n")
+        .and_then(|()| report_file.flush())
+        .map_err(|e| place(&e))?;
+    drop((report_file, svg));
+    files.commit().map_err(|e| place(&e))?;
+    Ok(outcome)
+}
+
+fn frame(checked: &Checked) -> ScopeFrame {
+    let scene = &checked.scene;
+    ScopeFrame {
+        title: scene.name.clone(),
+        subtitle: scene.description.clone(),
+        bands_hz: scene
+            .limits
+            .band
+            .iter()
+            .map(|band| (band.from_hz, band.to_hz))
+            .collect(),
+        gravity_mps2: crate::design::STANDARD_GRAVITY_MPS2,
+        tilt_limit_mrad: Some(scene.drift.tilt_limit_mrad),
+        drift_limit_deg: Some(scene.drift.warp_limit_deg),
+    }
+}
+
+/// Events that are worth a mark on the page; the states have a ribbon of their own.
+fn mark(scope: &mut ScopeData, outcome: &Outcome) {
+    for event in &outcome.statistics.events {
+        match &event.what {
+            Happening::BandCrossed { .. } => scope.mark(event.t_s, "band crossed"),
+            Happening::HeldAtBand { .. } => scope.mark(event.t_s, "held at band"),
+            Happening::Missed { .. } => scope.mark(event.t_s, "deadlines missed"),
+            Happening::Slipped { axis, .. } => scope.mark(event.t_s, &format!("axis {axis} slips")),
+            Happening::Fault(fault) => scope.mark(event.t_s, &format!("fault: {}", fault.kind)),
+            Happening::State(_) | Happening::Lagged { .. } => {}
+        }
+    }
+}
+
+/// Seen on a terminal only, and only once a run takes its time.
+fn progress_bar(quiet: bool) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    // indicatif draws to stderr, and only if that is a terminal.
+    let style =
+        ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} gone, {eta} to go");
+    ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}

@@ -1,0 +1,238 @@
+//! One motor with its crank: what it makes of pulses or setpoints, and when its index passes.
+//!
+//! A stepper counts rising edges, as its drive does, so that its phase is a whole number of steps. Past
+//! its pull-out torque it loses the field: for as long as the load is too large it makes none of the
+//! way that it is told, and catches the field again whole electrical cycles (four full steps) behind;
+//! or ahead, where the load drives it. That is the slowest way to lose steps there is in reality, and
+//! the smallest number of lost steps.
+//!
+//! A servo is where its setpoint is, moving evenly between setpoints.
+
+use cophase_core::drift::IndexPulse;
+use cophase_core::pulse::Runs;
+use cophase_core::servo::Setpoint;
+use cophase_core::settings::AxisSettings;
+use cophase_core::units::{Phase, Turns};
+
+use super::PullOut;
+
+/// How a simulated axis is driven.
+#[derive(Clone, Debug)]
+pub enum AxisDrive {
+    /// By pulses, as long as the torque is below pull-out.
+    Stepper {
+        /// What the motor can give.
+        pull_out: PullOut,
+        /// Steps of one electrical cycle.
+        cycle_steps: i64,
+    },
+    /// By setpoints.
+    Servo,
+}
+
+/// One motor with its crank.
+#[derive(Clone, Debug)]
+pub struct SimulatedAxis {
+    drive: AxisDrive,
+    reversed: bool,
+    steps_per_turn: f64,
+    rotor_inertia_kgm2: f64,
+    ratio: f64,
+    /// Crank phase at step 0, turns.
+    origin_turns: f64,
+    index_turns: Option<f64>,
+    step_high: bool,
+    /// Rising edges counted, with the direction line's sign, in the axis's own sense.
+    counted: i64,
+    /// Turns that a servo has been told, since power-up.
+    told_turns: f64,
+    told: Option<Phase>,
+    /// What the motor has slipped, in steps.
+    slipped: i64,
+    /// What it is slipping right now, in steps, since it lost the field.
+    slipping: i64,
+    overload: Overload,
+    /// Whole electrical cycles slipped.
+    lost_cycles: i64,
+    travelled_turns: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Overload {
+    None,
+    /// The motor would have to give more than it can.
+    Driving,
+    /// The load drives the motor with more than it can hold.
+    Driven,
+}
+
+impl SimulatedAxis {
+    /// At power-up; `start_turns` is where the crank is, against where the loop believes it.
+    pub fn new(settings: &AxisSettings, drive: AxisDrive, start_turns: f64) -> Self {
+        Self {
+            drive,
+            reversed: settings.reversed,
+            steps_per_turn: f64::from(settings.steps_per_turn),
+            rotor_inertia_kgm2: settings.rotor_inertia_kgm2,
+            ratio: f64::from(settings.ratio.0) / f64::from(settings.ratio.1),
+            origin_turns: settings.offset_turns + start_turns,
+            index_turns: settings.index_turns,
+            step_high: false,
+            counted: 0,
+            told_turns: 0.0,
+            told: None,
+            slipped: 0,
+            slipping: 0,
+            overload: Overload::None,
+            lost_cycles: 0,
+            travelled_turns: 0.0,
+        }
+    }
+
+    /// Where the crank is, turns since power-up, in its own sense.
+    pub fn turns(&self) -> f64 {
+        self.origin_turns + self.travelled_turns
+    }
+
+    /// Electrical cycles slipped since power-up: negative behind, positive ahead of the field.
+    pub fn slipped_cycles(&self) -> i64 {
+        self.lost_cycles
+    }
+
+    /// Compares what this tick's motion needs with what the motor has.
+    pub fn load(&mut self, share_nm: f64, acceleration_rad_s2: f64, speed_hz: f64) {
+        let AxisDrive::Stepper { pull_out, .. } = &self.drive else {
+            return;
+        };
+        let needed = share_nm + self.rotor_inertia_kgm2 * acceleration_rad_s2 * self.ratio;
+        let most = pull_out.torque_nm(speed_hz * self.ratio);
+        self.overload = if needed > most {
+            Overload::Driving
+        } else if needed < -most {
+            Overload::Driven
+        } else {
+            Overload::None
+        };
+    }
+
+    /// Plays one tick.
+    pub fn play(
+        &mut self,
+        runs: &Runs,
+        setpoint: &Setpoint,
+        steps: i64,
+        drives_enabled: bool,
+    ) -> Option<IndexPulse> {
+        let before = self.turns();
+        let pulse = match self.drive {
+            AxisDrive::Stepper { cycle_steps, .. } => {
+                let counted = self.count(runs);
+                if drives_enabled {
+                    self.slip(counted, cycle_steps);
+                } else {
+                    self.slipped -= counted; // the field is off: the crank stays where it is
+                }
+                self.counted += counted;
+                debug_assert_eq!(
+                    self.counted, steps,
+                    "the drive counts what the loop commands"
+                );
+                self.travelled_turns = (self.counted + self.slipped) as f64 / self.steps_per_turn;
+                let passed = self.index_passed(before, self.turns())?;
+                self.when(runs, passed)
+            }
+            AxisDrive::Servo => {
+                let position = if self.reversed {
+                    setpoint.reversed().position
+                } else {
+                    setpoint.position
+                };
+                // The first setpoint says where the loop believes the crank to be.
+                let told = self.told.replace(position).unwrap_or(position);
+                let told_turns: f64 = Turns::to_num(position.since(told));
+                self.told_turns += told_turns;
+                if drives_enabled {
+                    self.travelled_turns += told_turns;
+                }
+                let after = self.turns();
+                let passed = self.index_passed(before, after)?;
+                let part = (passed - before) / (after - before);
+                let cycles: u32 = runs.iter().map(cophase_core::pulse::Run::cycles).sum();
+                Some((part * f64::from(cycles)) as u32)
+            }
+        };
+        pulse.map(|cycle| IndexPulse { cycle })
+    }
+
+    /// Rising edges of a tick, with the sign of the direction line.
+    fn count(&mut self, runs: &Runs) -> i64 {
+        let mut counted = 0;
+        for run in runs {
+            let rises = i64::from(run.edges + u16::from(!self.step_high)) / 2;
+            self.step_high ^= run.edges % 2 == 1;
+            counted += if run.forward { rises } else { -rises };
+        }
+        counted
+    }
+
+    /// What the motor makes of `counted` steps of its field.
+    fn slip(&mut self, counted: i64, cycle_steps: i64) {
+        match self.overload {
+            Overload::Driving => self.slipping -= counted,
+            Overload::Driven => self.slipping += counted,
+            Overload::None => {
+                // The nearest place where the field holds the rotor again.
+                let rest = self.slipping.rem_euclid(cycle_steps);
+                let nearest = if 2 * rest >= cycle_steps {
+                    cycle_steps - rest
+                } else {
+                    -rest
+                };
+                self.slipping += nearest;
+                self.lost_cycles += self.slipping / cycle_steps;
+                self.slipped += self.slipping;
+                self.slipping = 0;
+                return;
+            }
+        }
+        // While slipping the rotor stands (or runs at twice the speed) against the field; only whole
+        // cycles are booked, once they are complete.
+        let whole = self.slipping / cycle_steps * cycle_steps;
+        self.lost_cycles += whole / cycle_steps;
+        self.slipped += whole;
+        self.slipping -= whole;
+    }
+
+    /// The place of the index, in turns since power-up, if the crank passed it going forward.
+    fn index_passed(&self, before: f64, after: f64) -> Option<f64> {
+        let index = self.index_turns?;
+        let passes = (after - index).floor();
+        (passes > (before - index).floor()).then_some(passes + index)
+    }
+
+    /// Cycle of the rising edge that took the crank to `place`, or past it.
+    fn when(&self, runs: &Runs, place: f64) -> Option<u32> {
+        let beyond = ((self.turns() - place) * self.steps_per_turn + 1e-6).floor() as i64;
+        // Counted from the tick's end: `beyond` rises came after it.
+        let mut high = self.step_high;
+        let mut end: u32 = runs.iter().map(cophase_core::pulse::Run::cycles).sum();
+        let mut left = beyond;
+        for run in runs.iter().rev() {
+            for _ in 0..run.edges {
+                if high {
+                    if left == 0 {
+                        return Some(end);
+                    }
+                    left -= 1;
+                }
+                high = !high;
+                end -= run.period;
+            }
+            if run.edges == 0 {
+                end -= run.period;
+            }
+        }
+        // A slip, not an edge, took the crank past its index: it passed at some time in the tick.
+        Some(end)
+    }
+}

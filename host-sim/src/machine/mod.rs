@@ -1,0 +1,135 @@
+//! Simulated machines: what the drives, the cranks and the platform make of the loop's output.
+//!
+//! The two lowest rungs of the ladder. On the *kinematic* rung every crank is where it is told to be.
+//! On the *quasi-static* rung the torque that the motion needs is compared with the torque that each
+//! motor has, and a stepper that is asked for more slips. On both, the platform follows from the
+//! cranks' phases by geometry.
+//!
+//! What these rungs leave out: inertia's effect on the motion (the cranks never lag by less than a
+//! slip), the platform's elasticity, and how the others' torque changes once one axis has slipped.
+
+mod axis;
+mod platform;
+mod pull_out;
+
+pub use axis::{AxisDrive, SimulatedAxis};
+pub use platform::{Platform, Pose};
+pub use pull_out::PullOut;
+
+use cophase_core::controller::Output;
+use cophase_core::drift::IndexPulse;
+use cophase_core::pulse::Runs;
+use cophase_core::servo::Setpoint;
+
+use crate::scene::file::{Drive, Fidelity};
+use crate::scene::{Checked, SceneError};
+
+/// What a machine is given to play in one tick.
+#[derive(Clone, Debug)]
+pub struct Played<const N: usize> {
+    /// Pulses, for stepper axes.
+    pub runs: [Runs; N],
+    /// Setpoints, for servo axes.
+    pub setpoints: [Setpoint; N],
+    /// Steps that the loop will have commanded at the tick's end.
+    pub steps: [i64; N],
+}
+
+impl<const N: usize> Default for Played<N> {
+    fn default() -> Self {
+        Self {
+            runs: std::array::from_fn(|_| Runs::new()),
+            setpoints: [Setpoint::default(); N],
+            steps: [0; N],
+        }
+    }
+}
+
+impl<const N: usize> Played<N> {
+    /// Takes over an output, reusing the room there is.
+    pub fn copy_from(&mut self, output: &Output<N>) {
+        for (mine, theirs) in self.runs.iter_mut().zip(&output.runs) {
+            mine.clear();
+            mine.extend(theirs.iter().copied());
+        }
+        self.setpoints = output.setpoints;
+        self.steps = output.telemetry.steps;
+    }
+}
+
+/// A machine with `N` axes.
+#[derive(Clone, Debug)]
+pub struct Machine<const N: usize> {
+    /// The motors and their cranks.
+    pub axes: [SimulatedAxis; N],
+    /// What they carry.
+    pub platform: Platform<N>,
+    tick_s: f64,
+    torques: bool,
+    omega_before: f64,
+}
+
+impl<const N: usize> Machine<N> {
+    /// The machine of a scene, at power-up.
+    ///
+    /// # Errors
+    /// Numbers that the machine cannot be made of.
+    pub fn new(checked: &Checked) -> Result<Self, SceneError> {
+        let settings = checked.settings::<N>();
+        let axes = &checked.scene.axes;
+        let pull_out = PullOut::new(&axes.pull_out)?;
+        let make = |i: usize| {
+            let apart = checked.apart(i);
+            let own = &settings.axes[i];
+            let scale = apart.map_or(1.0, |apart| apart.pull_out_scale);
+            let drive = match apart.and_then(|apart| apart.drive).unwrap_or(axes.drive) {
+                Drive::Stepper => AxisDrive::Stepper {
+                    pull_out: pull_out.scaled(scale),
+                    cycle_steps: (4 * i64::from(own.steps_per_turn)
+                        / i64::from(axes.full_steps_per_turn))
+                    .max(1),
+                },
+                Drive::Servo => AxisDrive::Servo,
+            };
+            let start_turns = apart.map_or(0.0, |apart| apart.start_deg / 360.0);
+            SimulatedAxis::new(own, drive, start_turns)
+        };
+        Ok(Self {
+            axes: std::array::from_fn(make),
+            platform: Platform::new(checked)?,
+            tick_s: 1.0 / f64::from(settings.tick_hz),
+            torques: checked.fidelity == Fidelity::QuasiStatic,
+            omega_before: 0.0,
+        })
+    }
+
+    /// Plays one tick and returns the index pulses that came in it. `turns` is what the master makes.
+    ///
+    /// Drives that are off do not follow: their cranks stand.
+    pub fn play(
+        &mut self,
+        played: &Played<N>,
+        drives_enabled: bool,
+        master_turns: f64,
+    ) -> [Option<IndexPulse>; N] {
+        let omega = master_turns * std::f64::consts::TAU / self.tick_s;
+        if self.torques {
+            let acceleration = (omega - self.omega_before) / self.tick_s;
+            let alpha = self.axes.iter().map(SimulatedAxis::turns).sum::<f64>() / N as f64
+                * std::f64::consts::TAU;
+            let share_nm = self.platform.torque_nm(alpha, omega, acceleration) / N as f64;
+            for axis in &mut self.axes {
+                axis.load(share_nm, acceleration, omega / std::f64::consts::TAU);
+            }
+        }
+        self.omega_before = omega;
+        std::array::from_fn(|i| {
+            self.axes[i].play(
+                &played.runs[i],
+                &played.setpoints[i],
+                played.steps[i],
+                drives_enabled,
+            )
+        })
+    }
+}

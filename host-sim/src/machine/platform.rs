@@ -1,0 +1,134 @@
+//! The platform on its N cranks: height, tilt and acceleration, by geometry.
+//!
+//! Crank i stands at angle 2π i/N on a circle of radius ρ and lifts its corner by x(αᵢ). The platform is
+//! the plane closest to the corners (for two and three it goes through them). A small difference of
+//! phases shows as tilt; what no plane can follow is warp, given in degrees of crank angle as that is
+//! what bends rods and platform.
+
+use crate::mechanism::slider_crank::{Load, Platform as Side, SliderCrank};
+use crate::scene::{Checked, SceneError, file};
+
+/// A platform, its mechanism and its load.
+#[derive(Clone, Debug)]
+pub struct Platform<const N: usize> {
+    mechanism: SliderCrank,
+    load: Load,
+    mount_radius_m: f64,
+    /// Place of each crank around the circle: cosine and sine; two cranks share one axis of tilt.
+    around: [(f64, f64); N],
+    /// The share of a corner's height in a tilt: 2/N, or 1/2 for two.
+    share: f64,
+}
+
+/// Where the platform is, and how fast that changes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pose {
+    /// Height over the crank axis, upwards, m.
+    pub z_m: f64,
+    /// Acceleration, upwards, m/s².
+    pub accel_mps2: f64,
+    /// Tilt that lifts axis 0's side, mrad.
+    pub tilt_x_mrad: f64,
+    /// Tilt that lifts the side a quarter turn further, mrad.
+    pub tilt_y_mrad: f64,
+    /// Largest deviation of a crank from the plane of all, degrees of crank angle.
+    pub warp_deg: f64,
+}
+
+impl<const N: usize> Platform<N> {
+    /// The platform of a scene.
+    ///
+    /// # Errors
+    /// A crank and rod that do not go together.
+    pub fn new(checked: &Checked) -> Result<Self, SceneError> {
+        let machine = &checked.scene.machine;
+        let radius_m = machine.crank_radius_mm / 1e3;
+        let mechanism = SliderCrank::new(radius_m, radius_m / checked.lambda)
+            .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
+        let angle = |i: usize| std::f64::consts::TAU * i as f64 / N as f64;
+        Ok(Self {
+            mechanism,
+            load: Load {
+                mass_kg: machine.load_kg,
+                gravity_mps2: machine.gravity_mps2,
+                platform: match machine.platform {
+                    file::Platform::Above => Side::Above,
+                    file::Platform::Below => Side::Below,
+                },
+            },
+            mount_radius_m: machine.mount_radius_mm / 1e3,
+            around: std::array::from_fn(|i| {
+                (angle(i).cos(), if N == 2 { 0.0 } else { angle(i).sin() })
+            }),
+            share: if N == 2 { 0.5 } else { 2.0 / N as f64 },
+        })
+    }
+
+    /// The mechanism.
+    pub fn mechanism(&self) -> &SliderCrank {
+        &self.mechanism
+    }
+
+    /// Torque of all cranks together, N·m.
+    pub fn torque_nm(&self, alpha_rad: f64, omega_rad_s: f64, acceleration_rad_s2: f64) -> f64 {
+        self.mechanism
+            .torque_nm(&self.load, alpha_rad, omega_rad_s, acceleration_rad_s2)
+    }
+
+    /// +1 where a crank at phase 0 holds the platform up, −1 where it lets it down.
+    fn upwards(&self) -> f64 {
+        -self.load.platform.sigma()
+    }
+
+    /// Where the platform is when the cranks have gone `turns`, at the master's speed and acceleration.
+    pub fn pose(
+        &self,
+        turns: &[f64; N],
+        command_turns: &[f64; N],
+        omega_rad_s: f64,
+        acceleration_rad_s2: f64,
+    ) -> Pose {
+        let heights =
+            turns.map(|turns| self.upwards() * self.mechanism.x_m(turns * std::f64::consts::TAU));
+        let mean = turns.iter().sum::<f64>() / N as f64 * std::f64::consts::TAU;
+        let (tilt_x, tilt_y) = self.plane(&heights);
+        Pose {
+            z_m: heights.iter().sum::<f64>() / N as f64,
+            accel_mps2: self.upwards()
+                * self
+                    .mechanism
+                    .x_ddot_mps2(mean, omega_rad_s, acceleration_rad_s2),
+            tilt_x_mrad: tilt_x / self.mount_radius_m * 1e3,
+            tilt_y_mrad: tilt_y / self.mount_radius_m * 1e3,
+            warp_deg: self.warp_deg(turns, command_turns),
+        }
+    }
+
+    /// Tilt of the plane closest to the corners, mrad, both ways together.
+    pub fn tilt_mrad(&self, turns: &[f64; N]) -> f64 {
+        let heights = turns.map(|turns| self.mechanism.x_m(turns * std::f64::consts::TAU));
+        let (x, y) = self.plane(&heights);
+        x.hypot(y) / self.mount_radius_m * 1e3
+    }
+
+    fn plane(&self, values: &[f64; N]) -> (f64, f64) {
+        let mut plane = (0.0, 0.0);
+        for (value, around) in values.iter().zip(&self.around) {
+            plane.0 += value * around.0 * self.share;
+            plane.1 += value * around.1 * self.share;
+        }
+        plane
+    }
+
+    /// Largest deviation of a crank's error from the plane of all errors, degrees.
+    pub fn warp_deg(&self, turns: &[f64; N], command_turns: &[f64; N]) -> f64 {
+        if N <= 3 {
+            return 0.0;
+        }
+        let errors: [f64; N] = std::array::from_fn(|i| turns[i] - command_turns[i]);
+        let mean = errors.iter().sum::<f64>() / N as f64;
+        let (x, y) = self.plane(&errors);
+        let off = |i: usize| (errors[i] - mean - x * self.around[i].0 - y * self.around[i].1).abs();
+        (0..N).map(off).fold(0.0, f64::max) * 360.0
+    }
+}

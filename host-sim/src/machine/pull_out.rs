@@ -1,0 +1,80 @@
+//! Pull-out torque: the most that a stepper turning at a speed can give before it falls out of step.
+
+use crate::scene::SceneError;
+
+/// Torque against speed, straight lines between points; level before the first, zero past the last.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PullOut {
+    points: Vec<(f64, f64)>,
+}
+
+impl PullOut {
+    /// From `[speed_hz, torque_nm]` points. No points: a motor that never falls out of step.
+    ///
+    /// # Errors
+    /// Points that are not finite, negative, or not in order of speed.
+    pub fn new(points: &[(f64, f64)]) -> Result<Self, SceneError> {
+        for (i, &(speed_hz, torque_nm)) in points.iter().enumerate() {
+            let wrong =
+                |problem: String| Err(SceneError::at(format!("axes.pull_out[{i}]"), problem));
+            if !(0.0..=1e4).contains(&speed_hz) {
+                return wrong(format!("{speed_hz} rev/s is outside 0 to 10000"));
+            }
+            if !(0.0..=1e5).contains(&torque_nm) {
+                return wrong(format!("{torque_nm} N·m is outside 0 to 100000"));
+            }
+            if i > 0 && speed_hz <= points[i - 1].0 {
+                return wrong(format!(
+                    "{speed_hz} rev/s is not above the point before, {} rev/s; list points from the lowest speed up",
+                    points[i - 1].0
+                ));
+            }
+        }
+        Ok(Self {
+            points: points.to_vec(),
+        })
+    }
+
+    /// The curve of a motor stronger by `factor`.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            points: self
+                .points
+                .iter()
+                .map(|&(hz, nm)| (hz, nm * factor))
+                .collect(),
+        }
+    }
+
+    /// Torque at a speed, N·m.
+    pub fn torque_nm(&self, speed_hz: f64) -> f64 {
+        let Some(&(first_hz, first_nm)) = self.points.first() else {
+            return f64::INFINITY;
+        };
+        if speed_hz <= first_hz {
+            return first_nm;
+        }
+        self.points
+            .windows(2)
+            .find(|pair| speed_hz <= pair[1].0)
+            .map_or(0.0, |pair| {
+                let ((a_hz, a_nm), (b_hz, b_nm)) = (pair[0], pair[1]);
+                a_nm + (b_nm - a_nm) * (speed_hz - a_hz) / (b_hz - a_hz)
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_between_its_points() {
+        let curve = PullOut::new(&[(1.0, 8.0), (5.0, 4.0)]).unwrap();
+        for (speed_hz, torque_nm) in [(0.0, 8.0), (1.0, 8.0), (2.0, 7.0), (5.0, 4.0), (5.1, 0.0)] {
+            assert_eq!(curve.torque_nm(speed_hz), torque_nm, "{speed_hz} rev/s");
+        }
+        assert_eq!(PullOut::default().torque_nm(100.0), f64::INFINITY);
+    }
+}

@@ -1,0 +1,292 @@
+//! What a run comes to: `report.json` for machines, and a page of words for people.
+
+mod summary;
+
+pub use summary::summary;
+
+use cophase_core::supervisor::{Fault, State};
+use cophase_core::units::{ONE_TURN, Turns};
+use serde::Serialize;
+
+use crate::scene::{Checked, Scene};
+use crate::sim::Outcome;
+use crate::sim::statistics::{Event, Happening};
+
+/// How a trace was written.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Written {
+    /// One row of `trace.csv` every so many control ticks.
+    pub every: u64,
+    /// Rows in `trace.csv`.
+    pub rows: usize,
+    /// What `steps.vcd` shows, s since power-up.
+    pub window_from_s: f64,
+    /// To where.
+    pub window_to_s: f64,
+}
+
+/// `report.json`.
+///
+/// All of it is the same on every run of a scene, [`Report::speed`] excepted.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report<'a> {
+    name: &'a str,
+    fidelity: FidelityReport<'a>,
+    method: MethodReport,
+    ended: Ended,
+    simulated_s: f64,
+    control_ticks: u64,
+    time_in_state_s: TimeInState,
+    axes: Vec<AxisReport>,
+    phase_spread_worst_deg: f64,
+    phase_spread_rms_deg: f64,
+    tilt_worst_mrad: f64,
+    tilt_limit_mrad: f64,
+    warp_worst_deg: f64,
+    holding: HoldingReport,
+    speed_top_hz: f64,
+    amax_top_mps2: f64,
+    late_deadlines: u32,
+    faults: Vec<FaultReport>,
+    events: Vec<EventReport>,
+    events_left_out: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    written: Option<Written>,
+    scene: &'a Scene,
+    /// How fast the run was: the only part that differs from run to run.
+    speed: Speed,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct FidelityReport<'a> {
+    rung: &'static str,
+    why: &'a str,
+    left_out: &'static str,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct MethodReport {
+    name: &'static str,
+    why: &'static str,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Ended {
+    state: &'static str,
+    fault: bool,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct TimeInState {
+    idle: f64,
+    align: f64,
+    run: f64,
+    stop: f64,
+    parked: f64,
+    fault: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct AxisReport {
+    steps: i64,
+    command_turns: f64,
+    actual_turns: f64,
+    slipped_cycles: i64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct HoldingReport {
+    held_s: f64,
+    worst_relative_error: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct FaultReport {
+    t_s: f64,
+    kind: String,
+    axis: Option<usize>,
+    size_deg: f64,
+    crank_phase_deg: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct EventReport {
+    t_s: f64,
+    what: String,
+}
+
+/// How fast a run was.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Speed {
+    /// Time on the wall, s.
+    pub wall_s: f64,
+    /// Simulated seconds to one of those.
+    pub times_real_time: f64,
+}
+
+impl<'a> Report<'a> {
+    /// Of a run that took `wall_s`.
+    pub fn new(
+        checked: &'a Checked,
+        outcome: &Outcome,
+        written: Option<Written>,
+        wall_s: f64,
+    ) -> Self {
+        let seen = &outcome.statistics;
+        let [idle, align, run, stop, parked, fault] = seen.time_in_state_s.map(|s| round(s, 6));
+        let axis =
+            |((&steps, &(command, actual)), &slipped_cycles): ((&i64, &(f64, f64)), &i64)| {
+                AxisReport {
+                    steps,
+                    command_turns: command,
+                    actual_turns: actual,
+                    slipped_cycles,
+                }
+            };
+        Self {
+            name: &checked.scene.name,
+            fidelity: FidelityReport {
+                rung: checked.fidelity.name(),
+                why: &checked.why,
+                left_out: left_out(checked),
+            },
+            method: MethodReport {
+                name: "closed form",
+                why: "cranks are where pulses and setpoints put them: nothing is integrated",
+            },
+            ended: Ended {
+                state: outcome.state.name(),
+                fault: outcome.fault.is_some(),
+            },
+            simulated_s: outcome.simulated_s(),
+            control_ticks: outcome.ticks,
+            time_in_state_s: TimeInState {
+                idle,
+                align,
+                run,
+                stop,
+                parked,
+                fault,
+            },
+            axes: seen
+                .steps
+                .iter()
+                .zip(&seen.turns)
+                .zip(&seen.slipped_cycles)
+                .map(axis)
+                .collect(),
+            phase_spread_worst_deg: seen.worst_spread_deg,
+            phase_spread_rms_deg: seen.rms_spread_deg,
+            tilt_worst_mrad: seen.worst_tilt_mrad,
+            tilt_limit_mrad: checked.scene.drift.tilt_limit_mrad,
+            warp_worst_deg: seen.worst_warp_deg,
+            holding: HoldingReport {
+                held_s: round(seen.holding.held_s, 6),
+                worst_relative_error: seen.holding.worst_relative,
+            },
+            speed_top_hz: seen.top_speed_hz,
+            amax_top_mps2: seen.top_amax_mps2,
+            late_deadlines: seen.late_deadlines,
+            faults: outcome
+                .fault
+                .iter()
+                .map(|fault| fault_report(fault, outcome.tick_hz))
+                .collect(),
+            events: seen.events.iter().map(event_report).collect(),
+            events_left_out: seen.events_left_out,
+            written,
+            scene: &checked.scene,
+            speed: Speed {
+                wall_s,
+                times_real_time: outcome.simulated_s() / wall_s.max(1e-9),
+            },
+        }
+    }
+}
+
+/// What the rung leaves out, for all that read the results.
+fn left_out(checked: &Checked) -> &'static str {
+    match checked.fidelity {
+        crate::scene::file::Fidelity::QuasiStatic => {
+            "inertia's effect on the cranks' motion, elasticity, and how a slip loads the other motors"
+        }
+        _ => "torque, inertia and elasticity: no crank ever lags",
+    }
+}
+
+fn fault_report(fault: &Fault, tick_hz: u32) -> FaultReport {
+    FaultReport {
+        t_s: fault.tick as f64 / f64::from(tick_hz),
+        kind: fault.kind.to_string(),
+        axis: fault.axis,
+        size_deg: degrees(fault.size),
+        crank_phase_deg: degrees(fault.phase.within_turn()),
+    }
+}
+
+fn event_report(event: &Event) -> EventReport {
+    EventReport {
+        t_s: round(event.t_s, 9),
+        what: describe(&event.what),
+    }
+}
+
+/// An event in words.
+pub fn describe(what: &Happening) -> String {
+    match *what {
+        Happening::State(State::Idle) => "idle".to_owned(),
+        Happening::State(State::Align) => "drives on, aligning".to_owned(),
+        Happening::State(State::Run) => "running the program".to_owned(),
+        Happening::State(State::Stop) => "stopping, all axes together".to_owned(),
+        Happening::State(State::Parked) => "parked".to_owned(),
+        Happening::State(State::Fault) => "drives off, waiting for a reset".to_owned(),
+        Happening::BandCrossed { in_s, upwards } => {
+            format!(
+                "band crossed {} in {in_s:.3} s",
+                if upwards { "upwards" } else { "downwards" }
+            )
+        }
+        Happening::HeldAtBand { for_s } => {
+            format!("program inside a forbidden band for {for_s:.2} s: held at its nearer edge")
+        }
+        Happening::Lagged { for_s, worst_mps2 } => {
+            format!("behind the program for {for_s:.2} s, by at most {worst_mps2:.1} m/s²")
+        }
+        Happening::Slipped { axis, cycles } => {
+            let (count, way) = (
+                cycles.unsigned_abs(),
+                if cycles < 0 { "behind" } else { "ahead" },
+            );
+            format!(
+                "axis {axis} slipped: {count} electrical cycle{} {way}",
+                if count == 1 { "" } else { "s" }
+            )
+        }
+        Happening::Missed { deadlines } => {
+            format!("{deadlines} deadlines missed: all axes stood still")
+        }
+        Happening::Fault(fault) => format!("fault: {}", fault_words(&fault)),
+    }
+}
+
+/// A fault in words.
+fn fault_words(fault: &Fault) -> String {
+    let mut words = fault.kind.to_string();
+    if let Some(axis) = fault.axis {
+        words += &format!(", axis {axis}");
+    }
+    if fault.size != Turns::ZERO {
+        words += &format!(" off by {:.2}°", degrees(fault.size));
+    }
+    words
+}
+
+fn degrees(turns: Turns) -> f64 {
+    turns.to_bits() as f64 / ONE_TURN as f64 * 360.0
+}
+
+/// Times are sums of ticks: their last digits are rounding, and no use to a reader.
+fn round(value: f64, digits: i32) -> f64 {
+    let scale = 10_f64.powi(digits);
+    (value * scale).round() / scale
+}

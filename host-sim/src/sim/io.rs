@@ -1,0 +1,256 @@
+//! Between the loop and a simulated machine: what the board's pins and PIO are on the controller.
+//!
+//! What the loop writes at one deadline is played from the next on, so that outputs wait here for
+//! their time. The machine is brought up to the present whenever the loop reads.
+
+use std::collections::VecDeque;
+use std::ops::ControlFlow;
+
+use cophase_core::control_loop::Io;
+use cophase_core::controller::{Feedback, Output, Telemetry};
+use cophase_core::drift::IndexPulse;
+use cophase_core::supervisor::{Fault, State};
+use cophase_core::units::{Phase, Turns};
+use embassy_time::Instant;
+
+use super::Outcome;
+use super::schedule::Schedule;
+use super::statistics::Statistics;
+use crate::machine::{Machine, Played};
+
+/// Looks on while a scene runs.
+pub trait Observer<const N: usize> {
+    /// One tick was played.
+    fn tick(&mut self, moment: &Moment<'_, N>);
+}
+
+/// Nobody looks.
+impl<const N: usize> Observer<N> for () {
+    fn tick(&mut self, _: &Moment<'_, N>) {}
+}
+
+/// One tick that was just played: what was commanded, and what became of it.
+#[derive(Debug)]
+pub struct Moment<'a, const N: usize> {
+    /// When the tick began, ns since power-up.
+    pub start_ns: u64,
+    /// When it ended.
+    pub end_ns: u64,
+    /// What the loop knew when it planned this tick.
+    pub telemetry: &'a Telemetry<N>,
+    /// What was played.
+    pub played: &'a Played<N>,
+    /// Whether the drives were on.
+    pub drives_enabled: bool,
+    /// Level of the sync line.
+    pub sync: bool,
+    /// Index pulses in this tick.
+    pub index: &'a [Option<IndexPulse>; N],
+    /// Commanded phase of the master at the tick's end, turns since power-up.
+    pub master_turns: f64,
+    /// Commanded phases, turns since power-up.
+    pub command_turns: [f64; N],
+    /// True phases of the cranks, turns since power-up.
+    pub actual_turns: [f64; N],
+    /// The machine at the tick's end.
+    pub machine: &'a Machine<N>,
+}
+
+/// An output that waits for its time, or plays.
+#[derive(Debug)]
+struct Waiting<const N: usize> {
+    start_us: u64,
+    played: Played<N>,
+    telemetry: Telemetry<N>,
+    sync: bool,
+}
+
+/// The loop's world, simulated.
+pub struct SimulatedIo<'a, const N: usize, O, P> {
+    tick_us: u64,
+    tick_hz: u32,
+    machine: Machine<N>,
+    schedule: Schedule,
+    statistics: Statistics,
+    observer: &'a mut O,
+    progress: P,
+    waiting: VecDeque<Waiting<N>>,
+    /// Room of outputs that have been played, to be used again.
+    spare: Vec<Waiting<N>>,
+    drives_enabled: bool,
+    master: Unwrapped,
+    axes: Option<[Unwrapped; N]>,
+    ticks: u64,
+    state: State,
+    fault: Option<Fault>,
+    /// Ticks since nothing has happened any more.
+    quiet: u64,
+}
+
+/// Ticks to go on for after the end, so that traces show the machine at rest: 50 ms.
+const fn tail_ticks(tick_hz: u32) -> u64 {
+    (tick_hz / 20) as u64
+}
+
+/// How many ticks go by between two reports of progress.
+const PROGRESS_TICKS: u64 = 8192;
+
+impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, O, P> {
+    /// A machine at power-up.
+    pub fn new(
+        tick_hz: u32,
+        machine: Machine<N>,
+        schedule: Schedule,
+        statistics: Statistics,
+        observer: &'a mut O,
+        progress: P,
+    ) -> Self {
+        Self {
+            tick_us: 1_000_000 / u64::from(tick_hz),
+            tick_hz,
+            machine,
+            schedule,
+            statistics,
+            observer,
+            progress,
+            waiting: VecDeque::new(),
+            spare: Vec::new(),
+            drives_enabled: false,
+            master: Unwrapped::default(),
+            axes: None,
+            ticks: 0,
+            state: State::Idle,
+            fault: None,
+            quiet: 0,
+        }
+    }
+
+    /// How the run ended.
+    pub fn finish(self) -> Outcome {
+        let mut statistics = self.statistics;
+        statistics.finish(&self.machine);
+        Outcome {
+            state: self.state,
+            fault: self.fault,
+            ticks: self.ticks,
+            tick_hz: self.tick_hz,
+            statistics,
+        }
+    }
+
+    /// Plays one output and shows it round.
+    fn play(&mut self, waiting: &Waiting<N>) -> [Option<IndexPulse>; N] {
+        let Waiting {
+            start_us,
+            played,
+            telemetry,
+            sync,
+        } = waiting;
+        let master_turns = self.master.follow(telemetry.phase);
+        let axes = self
+            .axes
+            .get_or_insert_with(|| telemetry.axis_phase.map(Unwrapped::starting_at));
+        let command_turns = std::array::from_fn(|i| axes[i].follow(telemetry.axis_phase[i]));
+        let turns: f64 = telemetry.motion.speed.to_num();
+        let index = self.machine.play(played, self.drives_enabled, turns);
+        let moment = Moment {
+            start_ns: start_us * 1000,
+            end_ns: (start_us + self.tick_us) * 1000,
+            telemetry,
+            played,
+            drives_enabled: self.drives_enabled,
+            sync: *sync,
+            index: &index,
+            master_turns,
+            command_turns,
+            actual_turns: std::array::from_fn(|i| self.machine.axes[i].turns()),
+            machine: &self.machine,
+        };
+        self.statistics.tick(&moment);
+        self.observer.tick(&moment);
+        index
+    }
+}
+
+impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'_, N, O, P> {
+    fn read(&mut self) -> Feedback<N> {
+        let now = Instant::now().as_micros();
+        let mut index = [None; N];
+        while self
+            .waiting
+            .front()
+            .is_some_and(|waiting| waiting.start_us + self.tick_us <= now)
+        {
+            let Some(waiting) = self.waiting.pop_front() else {
+                break;
+            };
+            for (all, new) in index.iter_mut().zip(self.play(&waiting)) {
+                *all = new.or(*all);
+            }
+            self.spare.push(waiting);
+        }
+        Feedback {
+            index,
+            alarm: [false; N],
+            inputs: self.schedule.inputs(now),
+            command: self.schedule.command(now),
+        }
+    }
+
+    fn write(&mut self, output: &Output<N>, start: Instant) -> ControlFlow<()> {
+        let start_us = start.as_micros();
+        let mut waiting = self.spare.pop().unwrap_or_else(|| Waiting {
+            start_us,
+            played: Played::default(),
+            telemetry: output.telemetry.clone(),
+            sync: output.sync,
+        });
+        waiting.start_us = start_us;
+        waiting.played.copy_from(output);
+        waiting.telemetry.clone_from(&output.telemetry);
+        waiting.sync = output.sync;
+        self.waiting.push_back(waiting);
+        self.drives_enabled = output.drives_enabled;
+        self.ticks += 1;
+        self.state = output.telemetry.state;
+        self.fault = self.fault.or(output.telemetry.fault);
+
+        if self.ticks.is_multiple_of(PROGRESS_TICKS) {
+            (self.progress)(self.ticks, self.schedule.expected_us() / self.tick_us);
+        }
+        let settled = matches!(self.state, State::Idle | State::Parked | State::Fault);
+        self.quiet = if settled && self.schedule.is_over() {
+            self.quiet + 1
+        } else {
+            0
+        };
+        if self.quiet > tail_ticks(self.tick_hz) || start_us > self.schedule.end_us() {
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// A wrapping phase, counted on.
+#[derive(Clone, Copy, Debug, Default)]
+struct Unwrapped {
+    last: Phase,
+    /// Exact for 2^15 turns of 2^48: the sum is kept in whole units.
+    units: i128,
+}
+
+impl Unwrapped {
+    /// Counting on from a phase: an axis at its offset.
+    fn starting_at(phase: Phase) -> Self {
+        Self {
+            last: phase,
+            units: i128::from(phase.since(Phase::ZERO).to_bits()),
+        }
+    }
+
+    fn follow(&mut self, phase: Phase) -> f64 {
+        self.units += i128::from(phase.since(self.last).to_bits());
+        self.last = phase;
+        self.units as f64 / Turns::ONE.to_bits() as f64
+    }
+}

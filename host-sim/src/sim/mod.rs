@@ -1,0 +1,80 @@
+//! Running a scene: the control loop in virtual time, against the scene's machine.
+//!
+//! [`simulate`] sets up the two sides, [`io`] stands between them, and an [`Observer`] looks on. What
+//! an observer does, or whether there is one, never changes what happens.
+
+mod io;
+mod schedule;
+pub mod statistics;
+
+pub use io::{Moment, Observer};
+pub use statistics::{Event, Statistics};
+
+use cophase_core::control_loop;
+use cophase_core::controller::Controller;
+use cophase_core::supervisor::{Fault, State};
+
+use crate::machine::Machine;
+use crate::scene::{Checked, SceneError};
+use crate::virtual_time;
+use io::SimulatedIo;
+use schedule::Schedule;
+
+/// How a run ended.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The last state. Neither parked nor fault: the run was cut off, as nothing more was to happen.
+    pub state: State,
+    /// The fault that latched, if one did at any time.
+    pub fault: Option<Fault>,
+    /// Control ticks simulated.
+    pub ticks: u64,
+    /// Control ticks a second.
+    pub tick_hz: u32,
+    /// What was seen on the way.
+    pub statistics: Statistics,
+}
+
+impl Outcome {
+    /// Simulated time, s.
+    pub fn simulated_s(&self) -> f64 {
+        self.ticks as f64 / f64::from(self.tick_hz)
+    }
+}
+
+/// Runs a scene to its end.
+///
+/// `progress` is called now and then with the ticks done and about how many there will be.
+///
+/// # Errors
+/// A scene whose machine cannot be made; [`Checked`] has refused those that the core refuses.
+///
+/// # Panics
+/// If the scene has another number of axes than `N`.
+pub fn simulate<const N: usize>(
+    checked: &Checked,
+    observer: &mut impl Observer<N>,
+    progress: impl FnMut(u64, u64),
+) -> Result<Outcome, SceneError> {
+    assert_eq!(
+        checked.scene.axes.count, N,
+        "a scene runs with as many axes as it has"
+    );
+    let mut controller: Controller<N> = checked.controller()?;
+    let schedule = Schedule::new(checked, controller.program().0.duration());
+    let mut lateness = schedule.lateness();
+    let machine = Machine::new(checked)?;
+    let statistics = Statistics::new(checked, machine.platform.mechanism());
+    let mut io = SimulatedIo::new(
+        controller.tick_hz(),
+        machine,
+        schedule,
+        statistics,
+        observer,
+        progress,
+    );
+    virtual_time::run(control_loop::run(&mut controller, &mut io), |at| {
+        lateness.overshoot(at)
+    });
+    Ok(io.finish())
+}

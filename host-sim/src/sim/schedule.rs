@@ -1,0 +1,152 @@
+//! What happens to a scene from outside, and when.
+
+use cophase_core::supervisor::{Command, SafetyInputs};
+
+use crate::scene::Checked;
+use crate::scene::file::{CommandName, InputAt, InputLine, LateAt};
+use crate::virtual_time::TICKS_PER_S;
+
+/// Commands and input changes in order of time.
+#[derive(Clone, Debug)]
+pub struct Schedule {
+    commands: Vec<(u64, Command)>,
+    inputs: Vec<(u64, InputAt)>,
+    late: Vec<LateAt>,
+    next_command: usize,
+    next_input: usize,
+    lines: SafetyInputs,
+    expected_us: u64,
+}
+
+/// After the last thing that is to happen, a machine that still runs is given this long.
+const PATIENCE_S: f64 = 120.0;
+
+impl Schedule {
+    /// Of a scene whose program lasts `program_ticks`. A scene without a start is started at once.
+    pub fn new(checked: &Checked, program_ticks: u64) -> Self {
+        let scene = &checked.scene;
+        let mut commands: Vec<_> = scene
+            .command
+            .iter()
+            .map(|command| (clock(command.at_s), core_command(command.action)))
+            .collect();
+        if !commands
+            .iter()
+            .any(|(_, command)| *command == Command::Start)
+        {
+            commands.insert(0, (0, Command::Start));
+        }
+        let mut inputs: Vec<_> = scene
+            .input
+            .iter()
+            .map(|input| (clock(input.at_s), *input))
+            .collect();
+        commands.sort_by_key(|(at, _)| *at);
+        inputs.sort_by_key(|(at, _)| *at);
+        let last = commands
+            .iter()
+            .map(|(at, _)| *at)
+            .chain(inputs.iter().map(|(at, _)| *at))
+            .max();
+        let program_s = program_ticks as f64 / f64::from(scene.control.tick_hz);
+        // Switching on, a turn to align, a turn to park.
+        let around_s = scene.control.settle_s + 2.5 / scene.limits.creep_hz;
+        Self {
+            commands,
+            inputs,
+            late: scene.late.clone(),
+            next_command: 0,
+            next_input: 0,
+            lines: SafetyInputs {
+                enable: true,
+                stop: false,
+            },
+            expected_us: clock(program_s + around_s) + last.unwrap_or(0),
+        }
+    }
+
+    /// The command that is due, if one is; each is given once.
+    pub fn command(&mut self, now: u64) -> Option<Command> {
+        let &(at, command) = self.commands.get(self.next_command)?;
+        if at > now {
+            return None;
+        }
+        self.next_command += 1;
+        Some(command)
+    }
+
+    /// The safety inputs as they are now.
+    pub fn inputs(&mut self, now: u64) -> SafetyInputs {
+        while let Some((at, input)) = self.inputs.get(self.next_input) {
+            if *at > now {
+                break;
+            }
+            match input.line {
+                InputLine::Enable => self.lines.enable = input.active,
+                InputLine::Stop => self.lines.stop = input.active,
+            }
+            self.next_input += 1;
+        }
+        self.lines
+    }
+
+    /// Whether nothing more is to happen.
+    pub fn is_over(&self) -> bool {
+        self.next_command == self.commands.len() && self.next_input == self.inputs.len()
+    }
+
+    /// About how long the run will take, µs.
+    pub const fn expected_us(&self) -> u64 {
+        self.expected_us
+    }
+
+    /// When to stop looking, µs.
+    pub fn end_us(&self) -> u64 {
+        self.expected_us + clock(PATIENCE_S)
+    }
+
+    /// What makes the loop late.
+    pub fn lateness(&self) -> Lateness {
+        let mut late: Vec<_> = self
+            .late
+            .iter()
+            .map(|late| (clock(late.at_s), late.by_us as u64))
+            .collect();
+        late.sort_unstable();
+        Lateness { late, next: 0 }
+    }
+}
+
+/// Lateness that was asked for, each served once, at the first alarm from its time on.
+#[derive(Clone, Debug)]
+pub struct Lateness {
+    late: Vec<(u64, u64)>,
+    next: usize,
+}
+
+impl Lateness {
+    /// By how many µs the alarm at `at` is to be overshot.
+    pub fn overshoot(&mut self, at: u64) -> u64 {
+        match self.late.get(self.next) {
+            Some(&(from, by)) if from <= at => {
+                self.next += 1;
+                by
+            }
+            _ => 0,
+        }
+    }
+}
+
+fn clock(seconds: f64) -> u64 {
+    (seconds * TICKS_PER_S as f64).round() as u64
+}
+
+const fn core_command(name: CommandName) -> Command {
+    match name {
+        CommandName::Start => Command::Start,
+        CommandName::Stop => Command::Stop,
+        CommandName::Hold => Command::Hold,
+        CommandName::Resume => Command::Resume,
+        CommandName::Reset => Command::Reset,
+    }
+}

@@ -1,0 +1,306 @@
+//! What is worth knowing of a run, gathered tick by tick.
+
+use cophase_core::controller::speed_hz;
+use cophase_core::supervisor::{Fault, State};
+use cophase_core::units::Amax;
+
+use super::Moment;
+use crate::machine::Machine;
+use crate::mechanism::slider_crank::SliderCrank;
+use crate::scene::Checked;
+
+/// Something that happened at a time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// When, s since power-up.
+    pub t_s: f64,
+    /// What.
+    pub what: Happening,
+}
+
+/// What can happen.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Happening {
+    /// The supervisor changed its state.
+    State(State),
+    /// The shaft went into a forbidden band, and came out of it after that many seconds.
+    BandCrossed {
+        /// Time inside, s.
+        in_s: f64,
+        /// Whether the shaft came out faster than it went in.
+        upwards: bool,
+    },
+    /// The program asked for a speed in a forbidden band, for that many seconds, and got the edge.
+    HeldAtBand {
+        /// For how long, s.
+        for_s: f64,
+    },
+    /// The shaft could not follow the program, for that many seconds.
+    Lagged {
+        /// For how long, s.
+        for_s: f64,
+        /// By at most how much, in amax, m/s².
+        worst_mps2: f64,
+    },
+    /// An axis slipped by whole electrical cycles.
+    Slipped {
+        /// Which.
+        axis: usize,
+        /// How many so far; negative: behind.
+        cycles: i64,
+    },
+    /// Deadlines were missed altogether.
+    Missed {
+        /// How many.
+        deadlines: u32,
+    },
+    /// A fault latched.
+    Fault(Fault),
+}
+
+/// How well amax was held where the program holds and the shaft has come to its speed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Holding {
+    /// Time spent so, s.
+    pub held_s: f64,
+    /// Largest relative error of the platform's acceleration amplitude.
+    pub worst_relative: f64,
+}
+
+/// A run in numbers.
+#[derive(Clone, Debug)]
+pub struct Statistics {
+    /// What happened, in order; the first [`MOST_EVENTS`] of it.
+    pub events: Vec<Event>,
+    /// How many events there were beyond that.
+    pub events_left_out: usize,
+    /// Largest difference between two cranks' phase errors while the drives were on, degrees.
+    pub worst_spread_deg: f64,
+    /// Its root mean square while running, degrees.
+    pub rms_spread_deg: f64,
+    /// Largest tilt of the platform, mrad.
+    pub worst_tilt_mrad: f64,
+    /// Largest deviation of a crank from the plane of all, degrees.
+    pub worst_warp_deg: f64,
+    /// Steady holds.
+    pub holding: Holding,
+    /// Greatest speed, rev/s.
+    pub top_speed_hz: f64,
+    /// Greatest amplitude that the commanded speed amounts to, m/s².
+    pub top_amax_mps2: f64,
+    /// Time in each state, s: idle, align, run, stop, parked, fault.
+    pub time_in_state_s: [f64; 6],
+    /// Steps or counts commanded, each axis.
+    pub steps: Vec<i64>,
+    /// Turns commanded, and turns made, each axis.
+    pub turns: Vec<(f64, f64)>,
+    /// Electrical cycles slipped, each axis.
+    pub slipped_cycles: Vec<i64>,
+    /// Deadlines met late by over half a tick.
+    pub late_deadlines: u32,
+
+    mechanism: SliderCrank,
+    tick_s: f64,
+    running_ticks: u64,
+    spread_squares: f64,
+    state: Option<State>,
+    fault: Option<Fault>,
+    missed: u32,
+    band: Option<(f64, f64)>,
+    held: Option<f64>,
+    lag: Option<(f64, f64)>,
+    level: Amax,
+    level_ticks: u64,
+}
+
+/// Enough for any scene that is looked at; a campaign looks at the numbers.
+pub const MOST_EVENTS: usize = 10_000;
+
+impl Statistics {
+    /// Nothing yet.
+    pub fn new(checked: &Checked, mechanism: &SliderCrank) -> Self {
+        let axes = checked.scene.axes.count;
+        Self {
+            events: Vec::new(),
+            events_left_out: 0,
+            worst_spread_deg: 0.0,
+            rms_spread_deg: 0.0,
+            worst_tilt_mrad: 0.0,
+            worst_warp_deg: 0.0,
+            holding: Holding::default(),
+            top_speed_hz: 0.0,
+            top_amax_mps2: 0.0,
+            time_in_state_s: [0.0; 6],
+            steps: vec![0; axes],
+            turns: vec![(0.0, 0.0); axes],
+            slipped_cycles: vec![0; axes],
+            late_deadlines: 0,
+            mechanism: *mechanism,
+            tick_s: 1.0 / f64::from(checked.scene.control.tick_hz),
+            running_ticks: 0,
+            spread_squares: 0.0,
+            state: None,
+            fault: None,
+            missed: 0,
+            band: None,
+            held: None,
+            lag: None,
+            level: Amax::ZERO,
+            level_ticks: 0,
+        }
+    }
+
+    /// Takes in one tick.
+    pub fn tick<const N: usize>(&mut self, moment: &Moment<'_, N>) {
+        let telemetry = moment.telemetry;
+        let t_s = moment.start_ns as f64 * 1e-9;
+        self.time_in_state_s[telemetry.state as usize] += self.tick_s;
+        self.cranks(moment, t_s);
+        self.limits(moment, t_s);
+        self.level(moment);
+        if self.state != Some(telemetry.state) {
+            self.state = Some(telemetry.state);
+            self.note(t_s, Happening::State(telemetry.state));
+        }
+        if telemetry.fault != self.fault {
+            self.fault = telemetry.fault;
+            if let Some(fault) = telemetry.fault {
+                self.note(t_s, Happening::Fault(fault));
+            }
+        }
+    }
+
+    /// Where the cranks are.
+    fn cranks<const N: usize>(&mut self, moment: &Moment<'_, N>, t_s: f64) {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for i in 0..N {
+            let error = moment.actual_turns[i] - moment.command_turns[i];
+            low = low.min(error);
+            high = high.max(error);
+            let slipped = moment.machine.axes[i].slipped_cycles();
+            if slipped != self.slipped_cycles[i] {
+                self.slipped_cycles[i] = slipped;
+                self.note(
+                    t_s,
+                    Happening::Slipped {
+                        axis: i,
+                        cycles: slipped,
+                    },
+                );
+            }
+            self.steps[i] = moment.telemetry.steps[i];
+            self.turns[i] = (moment.command_turns[i], moment.actual_turns[i]);
+        }
+        if !moment.drives_enabled {
+            return;
+        }
+        let spread_deg = (high - low) * 360.0;
+        // Tilt and warp are differences of errors: where those are none, neither are these.
+        if spread_deg > 1e-9 {
+            let platform = &moment.machine.platform;
+            self.worst_spread_deg = self.worst_spread_deg.max(spread_deg);
+            self.worst_tilt_mrad = self
+                .worst_tilt_mrad
+                .max(platform.tilt_mrad(&moment.actual_turns));
+            let warp_deg = platform.warp_deg(&moment.actual_turns, &moment.command_turns);
+            self.worst_warp_deg = self.worst_warp_deg.max(warp_deg);
+        }
+        if moment.telemetry.state == State::Run {
+            self.running_ticks += 1;
+            self.spread_squares += spread_deg * spread_deg;
+        }
+    }
+
+    /// Limits that bit: when each began, and what it came to.
+    fn limits<const N: usize>(&mut self, moment: &Moment<'_, N>, t_s: f64) {
+        let (motion, limits) = (&moment.telemetry.motion, &moment.telemetry.limits);
+        let hz = speed_hz(motion.speed, (1.0 / self.tick_s).round() as u32);
+        match (motion.crossing_band, self.band) {
+            (true, None) => self.band = Some((t_s, hz)),
+            (false, Some((since_s, from_hz))) => {
+                self.band = None;
+                let what = Happening::BandCrossed {
+                    in_s: t_s - since_s,
+                    upwards: hz > from_hz,
+                };
+                self.note(since_s, what);
+            }
+            _ => {}
+        }
+        match (motion.held_at_band, self.held) {
+            (true, None) => self.held = Some(t_s),
+            (false, Some(since_s)) => {
+                self.held = None;
+                self.note(
+                    since_s,
+                    Happening::HeldAtBand {
+                        for_s: t_s - since_s,
+                    },
+                );
+            }
+            _ => {}
+        }
+        // Only in running is there a program to be behind of.
+        if motion.lagging && moment.telemetry.state == State::Run {
+            let got = self.mechanism.amax_mps2(std::f64::consts::TAU * hz);
+            let off = (got - moment.telemetry.amax_program.to_num::<f64>()).abs();
+            let (since_s, worst) = self.lag.unwrap_or((t_s, 0.0));
+            self.lag = Some((since_s, worst.max(off)));
+        } else if let Some((since_s, worst_mps2)) = self.lag.take() {
+            self.note(
+                since_s,
+                Happening::Lagged {
+                    for_s: t_s - since_s,
+                    worst_mps2,
+                },
+            );
+        }
+        if limits.missed_deadlines != self.missed {
+            let deadlines = limits.missed_deadlines - self.missed;
+            self.missed = limits.missed_deadlines;
+            self.note(t_s, Happening::Missed { deadlines });
+        }
+        self.late_deadlines = limits.late_deadlines;
+    }
+
+    /// How well the level is held.
+    fn level<const N: usize>(&mut self, moment: &Moment<'_, N>) {
+        let telemetry = moment.telemetry;
+        let hz = speed_hz(telemetry.motion.speed, (1.0 / self.tick_s).round() as u32);
+        let got = self.mechanism.amax_mps2(std::f64::consts::TAU * hz);
+        self.top_speed_hz = self.top_speed_hz.max(hz);
+        self.top_amax_mps2 = self.top_amax_mps2.max(got);
+        if telemetry.state != State::Run || telemetry.amax_program != self.level {
+            self.level = telemetry.amax_program;
+            self.level_ticks = 0;
+            return;
+        }
+        self.level_ticks += 1;
+        let steady = telemetry.motion.acceleration == 0
+            && !telemetry.motion.held_at_band
+            && !telemetry.motion.lagging
+            && self.level_ticks > 2;
+        let asked: f64 = self.level.to_num();
+        if steady && asked > 0.0 {
+            self.holding.held_s += self.tick_s;
+            self.holding.worst_relative =
+                self.holding.worst_relative.max((got / asked - 1.0).abs());
+        }
+    }
+
+    /// Closes what is still open at the end of a run.
+    pub fn finish<const N: usize>(&mut self, _machine: &Machine<N>) {
+        if self.running_ticks > 0 {
+            self.rms_spread_deg = (self.spread_squares / self.running_ticks as f64).sqrt();
+        }
+        self.events.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
+    }
+
+    fn note(&mut self, t_s: f64, what: Happening) {
+        if self.events.len() < MOST_EVENTS {
+            self.events.push(Event { t_s, what });
+        } else {
+            self.events_left_out += 1;
+        }
+    }
+}

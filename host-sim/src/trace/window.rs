@@ -1,0 +1,179 @@
+//! The window of step edges that `steps.vcd` shows.
+//!
+//! Outside the window levels are kept track of but not written, so that a window that begins in the
+//! middle of a run begins with the levels that the wires have there.
+
+use std::io::Write;
+
+use super::{Levels, Signal, StepsVcd, VcdError};
+use crate::sim::Moment;
+
+/// Which part of the run `steps.vcd` shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Window {
+    /// Between two times, ns.
+    Between(u64, u64),
+    /// All of it.
+    All,
+    /// The first 200 ms of motion.
+    FirstMotion,
+}
+
+/// Without a window of its own, `steps.vcd` shows this much of the first motion.
+const FIRST_MOTION_NS: u64 = 200_000_000;
+
+/// Nanoseconds in a cycle of the step clock.
+const CYCLE_NS: u64 = 1_000_000_000 / cophase_core::settings::CLOCK_HZ as u64;
+
+/// Edges of the window.
+pub(super) struct StepWindow<V: Write> {
+    window: Window,
+    /// Not begun; or what was written to. A file that never began is begun at the end, to be whole.
+    vcd: Begun<V>,
+    levels: Levels,
+    edges: Vec<(u64, Signal, bool)>,
+    ended: Option<(u64, u64)>,
+    last_ns: u64,
+}
+
+enum Begun<V: Write> {
+    Not(V),
+    At(u64, StepsVcd<V>),
+    Over,
+}
+
+/// How long an index pulse is drawn: 20 µs, as wide as a sensor's flag is likely to be.
+const INDEX_NS: u64 = 20_000;
+
+impl<V: Write> StepWindow<V> {
+    pub fn new(vcd: V, window: Window) -> Self {
+        Self {
+            window,
+            vcd: Begun::Not(vcd),
+            levels: Levels::default(),
+            edges: Vec::new(),
+            ended: None,
+            last_ns: 0,
+        }
+    }
+
+    pub fn tick<const N: usize>(
+        &mut self,
+        moment: &Moment<'_, N>,
+        reversed: &[bool],
+    ) -> Result<(), VcdError> {
+        let (start_ns, end_ns) = (moment.start_ns, moment.end_ns);
+        self.last_ns = end_ns;
+        if self.levels.step.is_empty() {
+            self.levels.step = vec![false; N];
+            self.levels.index = vec![false; N];
+            self.levels.dir = reversed.iter().map(|reversed| !reversed).collect();
+        }
+        let moves = moment.telemetry.motion.speed != 0;
+        if self.window == Window::FirstMotion && moves {
+            self.window = Window::Between(start_ns, start_ns + FIRST_MOTION_NS);
+        }
+        let (from_ns, to_ns) = match self.window {
+            Window::All => (0, u64::MAX),
+            Window::Between(from_ns, to_ns) => (from_ns, to_ns),
+            Window::FirstMotion => (u64::MAX, u64::MAX),
+        };
+        self.edges.retain(|(at, ..)| *at >= start_ns); // the ends of index pulses of the tick before
+        self.gather(moment, reversed);
+        self.edges.sort_by_key(|(at, ..)| *at);
+        for i in 0..self.edges.len() {
+            let (at, signal, level) = self.edges[i];
+            if at >= end_ns {
+                break;
+            }
+            if at > to_ns {
+                self.close(to_ns)?;
+            }
+            if at >= from_ns {
+                self.begin(from_ns, N)?;
+                if let Begun::At(_, vcd) = &mut self.vcd {
+                    vcd.change(at, signal, level)?;
+                }
+            }
+            self.set(signal, level);
+        }
+        if end_ns > from_ns {
+            self.begin(from_ns, N)?;
+        }
+        if end_ns > to_ns {
+            self.close(to_ns)?;
+        }
+        Ok(())
+    }
+
+    /// Edges of one tick, in no order.
+    fn gather<const N: usize>(&mut self, moment: &Moment<'_, N>, reversed: &[bool]) {
+        let start_ns = moment.start_ns;
+        self.edges
+            .push((start_ns, Signal::Enable, moment.drives_enabled));
+        self.edges.push((start_ns, Signal::Sync, moment.sync));
+        for i in 0..N {
+            let mut cycle = 0_u64;
+            let mut high = self.levels.step[i];
+            for run in &moment.played.runs[i] {
+                self.edges.push((
+                    start_ns + cycle * CYCLE_NS,
+                    Signal::Dir(i),
+                    run.forward != reversed[i],
+                ));
+                for _ in 0..run.edges {
+                    cycle += u64::from(run.period);
+                    high = !high;
+                    self.edges
+                        .push((start_ns + cycle * CYCLE_NS, Signal::Step(i), high));
+                }
+                if run.edges == 0 {
+                    cycle += u64::from(run.period);
+                }
+            }
+            if let Some(pulse) = moment.index[i] {
+                let at = start_ns + u64::from(pulse.cycle) * CYCLE_NS;
+                self.edges.push((at, Signal::Index(i), true));
+                self.edges.push((at + INDEX_NS, Signal::Index(i), false));
+            }
+        }
+    }
+
+    fn set(&mut self, signal: Signal, level: bool) {
+        match signal {
+            Signal::Step(i) => self.levels.step[i] = level,
+            Signal::Dir(i) => self.levels.dir[i] = level,
+            Signal::Index(i) => self.levels.index[i] = level,
+            Signal::Enable => self.levels.enable = level,
+            Signal::Sync => self.levels.sync = level,
+        }
+    }
+
+    fn begin(&mut self, from_ns: u64, axes: usize) -> Result<(), VcdError> {
+        if let Begun::Not(_) = self.vcd {
+            let Begun::Not(out) = std::mem::replace(&mut self.vcd, Begun::Over) else {
+                return Ok(());
+            };
+            self.vcd = Begun::At(from_ns, StepsVcd::new(out, axes, from_ns, &self.levels)?);
+        }
+        Ok(())
+    }
+
+    fn close(&mut self, end_ns: u64) -> Result<(), VcdError> {
+        if let Begun::At(from_ns, _) = self.vcd {
+            let Begun::At(_, vcd) = std::mem::replace(&mut self.vcd, Begun::Over) else {
+                return Ok(());
+            };
+            vcd.finish(end_ns)?;
+            self.ended = Some((from_ns, end_ns));
+        }
+        Ok(())
+    }
+
+    pub fn finish(mut self, axes: usize) -> Result<(u64, u64), VcdError> {
+        let last_ns = self.last_ns;
+        self.begin(last_ns, axes)?;
+        self.close(last_ns)?;
+        Ok(self.ended.unwrap_or((last_ns, last_ns)))
+    }
+}
