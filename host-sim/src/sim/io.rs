@@ -74,9 +74,10 @@ pub struct SimulatedIo<'a, const N: usize, O, P> {
     statistics: Statistics,
     observer: &'a mut O,
     progress: P,
-    waiting: VecDeque<Waiting<N>>,
+    /// Boxed, as an output has kilobytes of room for runs, and is passed on every tick.
+    waiting: VecDeque<Box<Waiting<N>>>,
     /// Room of outputs that have been played, to be used again.
-    spare: Vec<Waiting<N>>,
+    spare: Vec<Box<Waiting<N>>>,
     drives_enabled: bool,
     master: Unwrapped,
     axes: Option<[Unwrapped; N]>,
@@ -199,11 +200,13 @@ impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'
 
     fn write(&mut self, output: &Output<N>, start: Instant) -> ControlFlow<()> {
         let start_us = start.as_micros();
-        let mut waiting = self.spare.pop().unwrap_or_else(|| Waiting {
-            start_us,
-            played: Played::default(),
-            telemetry: output.telemetry.clone(),
-            sync: output.sync,
+        let mut waiting = self.spare.pop().unwrap_or_else(|| {
+            Box::new(Waiting {
+                start_us,
+                played: Played::default(),
+                telemetry: output.telemetry.clone(),
+                sync: output.sync,
+            })
         });
         waiting.start_us = start_us;
         waiting.played.copy_from(output);
@@ -251,6 +254,10 @@ impl Unwrapped {
     fn follow(&mut self, phase: Phase) -> f64 {
         self.units += i128::from(phase.since(self.last).to_bits());
         self.last = phase;
-        self.units as f64 / Turns::ONE.to_bits() as f64
+        // Whole turns and the rest apart: no digit of the rest is lost after a month of turns.
+        let one = Turns::ONE.to_bits();
+        let whole = (self.units >> Turns::FRAC_NBITS) as i64;
+        let rest = self.units as i64 & (one - 1);
+        whole as f64 + rest as f64 / one as f64
     }
 }
