@@ -86,7 +86,11 @@ impl Truth {
             let phase = Phase::from_turns(Turns::from_bits(turned as i64)); // wraps as a phase does
             assert_eq!(telemetry.axis_phase[axis], phase, "phase of axis {axis}");
             let steps = (turned * STEPS_PER_TURN) >> FRACTION_BITS;
-            assert_eq!(i128::from(telemetry.steps[axis]), steps, "steps of axis {axis}");
+            assert_eq!(
+                i128::from(telemetry.steps[axis]),
+                steps,
+                "steps of axis {axis}"
+            );
         }
         self.checks += 1;
     }
@@ -96,7 +100,10 @@ fn feedback(command: Option<Command>) -> Feedback<AXES> {
     Feedback {
         index: [None; AXES],
         alarm: [false; AXES],
-        inputs: SafetyInputs { enable: true, stop: false },
+        inputs: SafetyInputs {
+            enable: true,
+            stop: false,
+        },
         command,
     }
 }

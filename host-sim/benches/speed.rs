@@ -35,7 +35,10 @@ fn main() {
     println!("  core, 6 axes      {:7.0}", best(ratio_of_core::<6>));
     let run = best(ratio_of_run);
     println!("  run, default scene{run:7.0}");
-    assert!(run >= LEAST_RATIO, "run is {run:.0} times real time; {LEAST_RATIO} are promised");
+    assert!(
+        run >= LEAST_RATIO,
+        "run is {run:.0} times real time; {LEAST_RATIO} are promised"
+    );
 }
 
 #[divan::bench(consts = [2, 4, 6])]
@@ -81,7 +84,10 @@ fn feedback<const N: usize>(command: Option<Command>) -> Feedback<N> {
     Feedback {
         index: [None; N],
         alarm: [false; N],
-        inputs: SafetyInputs { enable: true, stop: false },
+        inputs: SafetyInputs {
+            enable: true,
+            stop: false,
+        },
         command,
     }
 }

@@ -185,12 +185,23 @@ fn frame(checked: &Checked) -> ScopeFrame {
 
 /// Events that are worth a mark on the page; the states have a ribbon of their own.
 fn mark(scope: &mut ScopeData, outcome: &Outcome) {
-    for event in &outcome.statistics.events {
+    let mut slips = vec![0; outcome.statistics.slipped_cycles.len()];
+    for event in outcome
+        .statistics
+        .events
+        .iter()
+        .filter(|event| report::is_news(&event.what))
+    {
         match &event.what {
             Happening::BandCrossed { .. } => scope.mark(event.t_s, "band crossed"),
             Happening::HeldAtBand { .. } => scope.mark(event.t_s, "held at band"),
             Happening::Missed { .. } => scope.mark(event.t_s, "deadlines missed"),
-            Happening::Slipped { axis, .. } => scope.mark(event.t_s, &format!("axis {axis} slips")),
+            Happening::Slipped { axis, .. } => {
+                slips[*axis] += 1;
+                if slips[*axis] == 1 {
+                    scope.mark(event.t_s, &format!("axis {axis} slips"));
+                }
+            }
             Happening::Fault(fault) => scope.mark(event.t_s, &format!("fault: {}", fault.kind)),
             Happening::State(_) | Happening::Lagged { .. } => {}
         }

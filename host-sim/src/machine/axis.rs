@@ -37,6 +37,7 @@ pub struct SimulatedAxis {
     reversed: bool,
     steps_per_turn: f64,
     rotor_inertia_kgm2: f64,
+    friction_nm: f64,
     ratio: f64,
     /// Crank phase at step 0, turns.
     origin_turns: f64,
@@ -68,12 +69,18 @@ enum Overload {
 
 impl SimulatedAxis {
     /// At power-up; `start_turns` is where the crank is, against where the loop believes it.
-    pub fn new(settings: &AxisSettings, drive: AxisDrive, start_turns: f64) -> Self {
+    pub fn new(
+        settings: &AxisSettings,
+        drive: AxisDrive,
+        start_turns: f64,
+        friction_nm: f64,
+    ) -> Self {
         Self {
             drive,
             reversed: settings.reversed,
             steps_per_turn: f64::from(settings.steps_per_turn),
             rotor_inertia_kgm2: settings.rotor_inertia_kgm2,
+            friction_nm,
             ratio: f64::from(settings.ratio.0) / f64::from(settings.ratio.1),
             origin_turns: settings.offset_turns + start_turns,
             index_turns: settings.index_turns,
@@ -104,7 +111,14 @@ impl SimulatedAxis {
         let AxisDrive::Stepper { pull_out, .. } = &self.drive else {
             return;
         };
-        let needed = share_nm + self.rotor_inertia_kgm2 * acceleration_rad_s2 * self.ratio;
+        // A machine that stands does not work against friction.
+        let friction_nm = if speed_hz == 0.0 {
+            0.0
+        } else {
+            self.friction_nm
+        };
+        let needed =
+            share_nm + friction_nm + self.rotor_inertia_kgm2 * acceleration_rad_s2 * self.ratio;
         let most = pull_out.torque_nm(speed_hz * self.ratio);
         self.overload = if needed > most {
             Overload::Driving

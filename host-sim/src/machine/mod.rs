@@ -92,7 +92,10 @@ impl<const N: usize> Machine<N> {
                 Drive::Servo => AxisDrive::Servo,
             };
             let start_turns = apart.map_or(0.0, |apart| apart.start_deg / 360.0);
-            SimulatedAxis::new(own, drive, start_turns)
+            let friction_nm = apart
+                .and_then(|apart| apart.friction_nm)
+                .unwrap_or(axes.friction_nm);
+            SimulatedAxis::new(own, drive, start_turns, friction_nm)
         };
         Ok(Self {
             axes: std::array::from_fn(make),

@@ -253,19 +253,25 @@ pub fn describe(what: &Happening) -> String {
             format!("behind the program for {for_s:.2} s, by at most {worst_mps2:.1} m/s²")
         }
         Happening::Slipped { axis, cycles } => {
-            let (count, way) = (
-                cycles.unsigned_abs(),
-                if cycles < 0 { "behind" } else { "ahead" },
-            );
+            let way = if cycles < 0 { "behind" } else { "ahead" };
             format!(
-                "axis {axis} slipped: {count} electrical cycle{} {way}",
-                if count == 1 { "" } else { "s" }
+                "axis {axis} slips; electrical cycles {way}: {}",
+                cycles.abs()
             )
         }
         Happening::Missed { deadlines } => {
             format!("{deadlines} deadlines missed: all axes stood still")
         }
         Happening::Fault(fault) => format!("fault: {}", fault_words(&fault)),
+    }
+}
+
+/// Whether people want to be told: what lasts only as long as a band takes to cross is not news.
+pub fn is_news(what: &Happening) -> bool {
+    const SHORT_S: f64 = 0.3;
+    match what {
+        Happening::HeldAtBand { for_s } | Happening::Lagged { for_s, .. } => *for_s >= SHORT_S,
+        _ => true,
     }
 }
 

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use cophase_core::supervisor::State;
 
-use super::{describe, fault_words};
+use super::{describe, fault_words, is_news};
 use crate::design::STANDARD_GRAVITY_MPS2;
 use crate::scene::Checked;
 use crate::scene::file::Drive;
@@ -101,15 +101,6 @@ fn write_page(
         wall_s,
         outcome.simulated_s() / wall_s.max(1e-9),
     )
-}
-
-/// Whether to list an event: what lasts only as long as a band takes to cross is told by the crossing.
-fn is_news(what: &Happening) -> bool {
-    const SHORT_S: f64 = 0.3;
-    match what {
-        Happening::HeldAtBand { for_s } | Happening::Lagged { for_s, .. } => *for_s >= SHORT_S,
-        _ => true,
-    }
 }
 
 fn steps(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {

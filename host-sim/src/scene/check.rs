@@ -26,6 +26,9 @@ pub struct Checked {
     pub why: String,
 }
 
+/// More than any motor that a platform of 50 kg needs has to give.
+const MOST_FRICTION_NM: f64 = 1000.0;
+
 /// Blocks within blocks within blocks: what a person can still read.
 const MOST_NESTING: usize = 8;
 
@@ -234,6 +237,9 @@ fn check_apart(scene: &Scene, entry: usize, apart: &AxisApart) -> Result<(), Sce
             ),
         ));
     }
+    if let Some(friction_nm) = apart.friction_nm {
+        range(&key("friction_nm"), friction_nm, 0.0, MOST_FRICTION_NM)?;
+    }
     range(&key("start_deg"), apart.start_deg, -180.0, 180.0)?;
     range(&key("trim_deg"), apart.trim_deg, -36.0, 36.0)?;
     range(&key("pull_out_scale"), apart.pull_out_scale, 0.0, 10.0)
@@ -252,6 +258,7 @@ fn check_times(scene: &Scene) -> Result<(), SceneError> {
         range(&format!("late[{i}].by_us"), late.by_us, 0.0, 1e6)?;
     }
     let axes = &scene.axes;
+    range("axes.friction_nm", axes.friction_nm, 0.0, MOST_FRICTION_NM)?;
     range(
         "axes.full_steps_per_turn",
         f64::from(axes.full_steps_per_turn),

@@ -214,6 +214,9 @@ pub struct Axes {
     /// Inertia of rotor and crank, kg·m².
     #[serde(default)]
     pub rotor_inertia_kgm2: f64,
+    /// Friction that each motor works against, N·m.
+    #[serde(default)]
+    pub friction_nm: f64,
     /// Pull-out torque of a stepper as `[speed_hz, torque_nm]` points, lowest speed first; straight lines between.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pull_out: Vec<(f64, f64)>,
@@ -262,7 +265,10 @@ pub struct AxisApart {
     /// Where the crank truly stands at power-up, against where the loop believes it, degrees.
     #[serde(default)]
     pub start_deg: f64,
-    /// Factor on its pull-out torque: a weaker motor, or a stiffer bearing.
+    /// Instead of the common one: a stiffer bearing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction_nm: Option<f64>,
+    /// Factor on its pull-out torque: a weaker motor.
     #[serde(default = "one")]
     pub pull_out_scale: f64,
 }

@@ -154,8 +154,8 @@ impl Shaft {
             Mode::Follow | Mode::Settle { .. } => false,
         };
         if arrived {
+            // The acceleration of this last tick stays: it counts for the jerk of the next.
             self.mode = Mode::Rest;
-            self.acceleration = 0;
         }
         motion.at_rest = arrived;
         motion

@@ -53,7 +53,7 @@ const fn settling(gain: u64, jerk: i64) -> u64 {
     (gain + jerk * (n * (n + 1) / 2)) / (n + 1)
 }
 
-/// The same, at most `limits.acceleration`, and with the sign of `way`.
+/// The same with the sign of `way`, and no further than the limit: all that can be taken of it.
 fn towards(way: i64, limits: &ShaftLimits) -> i64 {
     let gain = way.unsigned_abs();
     let a = if gain >= limits.gain_from_limit {
@@ -62,6 +62,22 @@ fn towards(way: i64, limits: &ShaftLimits) -> i64 {
         (settling(gain, limits.jerk) as i64).min(limits.acceleration)
     };
     a * way.signum()
+}
+
+/// What to take to meet an aim that moves at `rate` and is `way` ahead.
+fn pursuing(way: i64, rate: i64, limits: &ShaftLimits) -> i64 {
+    if way == 0 {
+        return rate;
+    }
+    // Where the aim runs away, the limit is soon reached. Where it comes to meet the shaft, the two
+    // close in on each other faster than the shaft alone could, and have that much more to let go.
+    let coming = rate.signum() == -way.signum();
+    let relative = if coming {
+        settling(way.unsigned_abs(), limits.jerk) as i64 * way.signum()
+    } else {
+        towards(way, limits)
+    };
+    rate + relative
 }
 
 /// The acceleration of the coming tick.
@@ -77,9 +93,10 @@ pub(super) fn acceleration(
     ceiling: i64,
 ) -> i64 {
     let rate = aim.next - aim.now;
-    let wanted = rate + towards(aim.now - speed, limits);
-    let most = towards((ceiling - speed).max(0), limits);
-    let least = -towards((speed - floor).max(0), limits);
+    let wanted = pursuing(aim.now - speed, rate, limits);
+    // Outside the two, these are the fastest way back between them.
+    let most = towards(ceiling - speed, limits);
+    let least = towards(floor - speed, limits);
     // The jerk's range comes last: it holds whatever happened to floor and ceiling.
     wanted
         .min(most)

@@ -138,8 +138,6 @@ fn any_tick_hz() -> impl Strategy<Value = u32> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
-
     /// Every rising edge of an axis that goes forward, up to 1 M steps/s, is within 0.25 µs of where
     /// the phase crosses its step; none is missing; pulses keep their width.
     #[test]
