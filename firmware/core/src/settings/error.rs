@@ -121,7 +121,7 @@ impl Problem {
 }
 
 /// Suffix of a key, and its unit; the first that fits counts.
-const UNITS: [(&str, &str); 16] = [
+const UNITS: [(&str, &str); 15] = [
     ("_hz_per_s2", "rev/s³"),
     ("_hz_per_s", "rev/s²"),
     ("_deg_per_s", "°/s"),
@@ -137,7 +137,6 @@ const UNITS: [(&str, &str); 16] = [
     ("_ns", "ns"),
     ("_us", "µs"),
     ("_s", "s"),
-    ("steps_per_turn", "steps"),
 ];
 
 struct Sentence {
