@@ -36,7 +36,11 @@ pub(super) fn not_toml(message: &str, source: &str) -> String {
 /// `serde::de::Error::unknown_field`, `unknown_variant`, `missing_field`, `invalid_type` and `invalid_length`.
 pub(super) fn explain(path: &str, message: &str, written: &str) -> (String, String) {
     let message = one_line(message);
-    let path: String = path.split('.').map(quoted).collect::<Vec<_>>().join(".");
+    let path: String = path
+        .split('.')
+        .map(|step| quoted(&one_line(step)))
+        .collect::<Vec<_>>()
+        .join(".");
     let path = path.as_str();
     let mut names = message.split('`').skip(1).step_by(2);
     if let Some(table) = TABLES.iter().find(|table| {
@@ -92,6 +96,14 @@ fn unknown_key(unknown: &str, known: &[&str]) -> String {
 fn wrong_type(path: &str, message: &str, written: &str) -> String {
     let such_as = example(path).map_or(String::new(), |example| format!("; such as `{example}`"));
     let source = quoted(written);
+    if message == "wanted string or table" {
+        let kind = match written.chars().next() {
+            Some('[') => "a list",
+            Some('t' | 'f') => "true or false",
+            _ => "a number",
+        };
+        return format!("`{source}` is {kind}, where text in quotes belongs{such_as}");
+    }
     let Some((found, expected)) = message
         .strip_prefix("invalid ")
         .and_then(|rest| rest.split_once(", expected "))
@@ -111,7 +123,6 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
         "a tuple of size 2" => "a list of two numbers",
         _ if expected.starts_with("a sequence") => "a list",
         _ if expected.starts_with("struct") => "a table",
-        _ if expected.starts_with("variant") || expected.contains("string") => "text in quotes",
         other => other,
     };
     let whole = wanted.starts_with("a whole");
