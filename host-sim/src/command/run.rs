@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::{CommandError, Status, scenes};
 use crate::report::{self, Report};
 use crate::scene::library::{self, SCENES};
-use crate::scene::{Checked, Scene, load};
+use crate::scene::{Checked, load};
 use crate::sim::statistics::Happening;
 use crate::sim::{Outcome, simulate};
 use crate::trace::{Every, Recorder, RunFiles, ScopeData, ScopeFrame, Window};
@@ -23,7 +23,7 @@ pub(super) struct RunArgs {
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
     /// A row of trace.csv every N control ticks [default: so that there are at most 20,000]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = ticks)]
     every: Option<u64>,
     /// What steps.vcd shows, in seconds, or `all` [default: the scene's window, or the first 200 ms of motion]
     #[arg(long, value_name = "FROM..TO", value_parser = window)]
@@ -31,6 +31,13 @@ pub(super) struct RunArgs {
     /// Print nothing but errors
     #[arg(long, short)]
     quiet: bool,
+}
+
+fn ticks(text: &str) -> Result<u64, String> {
+    text.parse()
+        .ok()
+        .filter(|&ticks| ticks > 0)
+        .ok_or_else(|| "give a whole number of control ticks, 1 or more".to_owned())
 }
 
 fn window(text: &str) -> Result<Window, String> {
@@ -90,17 +97,19 @@ pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, Comman
 /// A file if there is one of that name, else a built-in scene.
 fn read(name: &str) -> Result<Checked, String> {
     let path = Path::new(name);
-    let scene: Scene = match library::find(name) {
-        Some(built_in) if !path.exists() => built_in.scene(),
+    match library::find(name) {
+        Some(built_in) if !path.exists() => {
+            Checked::new(built_in.scene()).map_err(|error| error.in_file(name))
+        }
         _ if !path.exists() && path.extension().is_none() && path.components().count() == 1 => {
             return Err(format!(
                 "{}; nor is there a file of that name",
                 scenes::unknown(name)
             ));
         }
-        _ => load::from_file(path).map_err(|error| error.to_string())?,
-    };
-    Checked::new(scene).map_err(|error| error.in_file(name).to_string())
+        _ => load::checked_from_file(path),
+    }
+    .map_err(|error| error.to_string())
 }
 
 const FILES: [&str; 4] = ["report.json", "trace.csv", "steps.vcd", "scope.svg"];
@@ -112,7 +121,17 @@ fn record<const N: usize>(
     began: Instant,
 ) -> Result<Outcome, String> {
     let place = |error: &dyn std::fmt::Display| error.to_string();
-    let mut files = RunFiles::create(&args.out).map_err(|e| place(&e))?;
+    // Found before the run, not after it, when the files before it would be in place already.
+    for path in FILES.map(|name| args.out.join(name)) {
+        if path.is_dir() {
+            let path = path.display();
+            return Err(format!(
+                "--out: {path} is a directory, where a file is to be written; take it away, or give another --out"
+            ));
+        }
+    }
+    let mut files = RunFiles::create(&args.out)
+        .map_err(|e| format!("--out: {e}; give a directory that is there or can be made"))?;
     let mut file = |name| files.file(name).map_err(|e| place(&e));
     let (mut report_file, csv, vcd, mut svg) = (
         file(FILES[0])?,

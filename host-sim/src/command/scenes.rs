@@ -4,6 +4,7 @@ use std::io::Write;
 
 use super::{CommandError, Status};
 use crate::scene::library::{self, SCENES};
+use crate::scene::load;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ScenesArgs {
@@ -39,8 +40,10 @@ pub(super) fn scenes(args: &ScenesArgs, out: &mut impl Write) -> Result<Status, 
 /// That there is no such scene, and which there are.
 pub(super) fn unknown(name: &str) -> String {
     let known: Vec<_> = SCENES.iter().map(|scene| scene.name).collect();
+    let meant = load::nearest(name, &known).map(|near| format!("did you mean `{near}`? "));
     format!(
-        "{name}: there is no built-in scene of that name; there are {}",
+        "{name}: there is no built-in scene of that name; {}there are {}",
+        meant.unwrap_or_default(),
         known.join(", ")
     )
 }

@@ -5,7 +5,7 @@ use cophase_core::profile::{Profile, SliderCrank};
 use cophase_core::program::{Program, ProgramBuilder, SegmentSettings, Shape as ProgramShape};
 use cophase_core::settings::{
     AxisSettings, BandSettings, DriftSettings, DriveKind, LimitSettings, MAX_BANDS,
-    MachineSettings, Platform as CorePlatform, PulseSettings, Settings, SettingsError,
+    MachineSettings, Platform as CorePlatform, Problem, PulseSettings, Settings, SettingsError,
 };
 
 use super::SceneError;
@@ -53,6 +53,7 @@ impl Checked {
         }
         PullOut::new(&scene.axes.pull_out)?;
         check_times(&scene)?;
+        check_bands(&scene.limits)?;
         let (fidelity, why) = rung(&scene)?;
         let checked = Self {
             scene,
@@ -76,23 +77,39 @@ impl Checked {
     /// Settings or a program that the core refuses.
     pub fn controller<const N: usize>(&self) -> Result<Controller<N>, SceneError> {
         let settings = self.settings::<N>();
-        settings.check()?;
+        let placed = |error| self.placed(error);
+        settings.check().map_err(placed)?;
         let program = self.program(settings.program_builder())?;
-        let mut controller = Controller::new(&settings, program)?;
-        for apart in &self.scene.axis {
+        let mut controller = Controller::new(&settings, program).map_err(placed)?;
+        for (entry, apart) in self.scene.axis.iter().enumerate() {
             let turns = fixed::types::I16F48::saturating_from_num(apart.trim_deg / 360.0);
             if !controller.set_trim(apart.number, turns) {
                 let limit = self.scene.axes.trim_limit_deg;
                 return Err(SceneError::at(
-                    format!("axis[{}].trim_deg", apart.number),
+                    format!("axis[{entry}].trim_deg"),
                     format!(
-                        "{} is outside ±axes.trim_limit_deg = {limit}",
+                        "{}° is outside -{limit} to {limit}°; trim less, or raise axes.trim_limit_deg",
                         apart.trim_deg
                     ),
                 ));
             }
         }
         Ok(controller)
+    }
+
+    /// The core's error at the key that stands in the file: an axis may have apart what most have in common.
+    fn placed(&self, error: SettingsError) -> SceneError {
+        let SceneError { key, problem, .. } = error.into();
+        let Some((axis, name)) = error.entry.zip(key.strip_prefix("axes.")) else {
+            return SceneError::at(key, problem);
+        };
+        let entry = self.scene.axis.iter().position(|a| a.number == axis);
+        match entry.map(|entry| (entry, &self.scene.axis[entry])) {
+            Some((entry, apart)) if apart.has(name) => {
+                SceneError::at(format!("axis[{entry}].{name}"), problem)
+            }
+            _ => SceneError::at(key, problem),
+        }
     }
 
     /// The core's settings.
@@ -189,18 +206,46 @@ impl Checked {
 
     fn program(&self, mut builder: ProgramBuilder) -> Result<Program, SceneError> {
         append(&mut builder, &self.scene.program, "program", 0)?;
-        Ok(builder.build()?)
+        builder.build().map_err(|error| self.placed(error))
+    }
+}
+
+impl AxisApart {
+    /// Whether a key of [`file::Axes`] is given for this axis apart.
+    fn has(&self, name: &str) -> bool {
+        match name {
+            "drive" => self.drive.is_some(),
+            "steps_per_turn" => self.steps_per_turn.is_some(),
+            "ratio" => self.ratio.is_some(),
+            "offset_deg" => self.offset_deg.is_some(),
+            "index_deg" => self.index_deg.is_some(),
+            _ => false,
+        }
     }
 }
 
 fn lambda(machine: &file::Machine) -> Result<f64, SceneError> {
     match (machine.lambda, machine.rod_length_mm) {
         (Some(lambda), None) => Ok(lambda),
-        (None, Some(length_mm)) if length_mm > 0.0 => Ok(machine.crank_radius_mm / length_mm),
-        (None, Some(length_mm)) => Err(SceneError::at(
-            "machine.rod_length_mm",
-            format!("{length_mm} is not above 0; the rod is 1.7 to 10 crank radii long"),
-        )),
+        (None, Some(length_mm)) => {
+            let lambda = machine.crank_radius_mm / length_mm;
+            // A crank that cannot be is refused for itself, by the core.
+            if (0.1..=0.6).contains(&lambda) || !(0.1..=500.0).contains(&machine.crank_radius_mm) {
+                return Ok(lambda);
+            }
+            // Rounded inwards, so that what is advised is accepted.
+            let low = (machine.crank_radius_mm / 0.6 * 100.0).ceil() / 100.0;
+            let high = (machine.crank_radius_mm / 0.1 * 100.0).floor() / 100.0;
+            Err(SceneError::of(
+                "machine.rod_length_mm",
+                Problem::OutOfRange {
+                    value: length_mm,
+                    low,
+                    high,
+                },
+            )
+            .because("1.67 to 10 crank radii"))
+        }
         (Some(_), Some(_)) => Err(SceneError::at(
             "machine.rod_length_mm",
             "given together with machine.lambda, which says the same; leave one out",
@@ -290,16 +335,31 @@ fn check_times(scene: &Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
+/// What the core would find too, one edge at a time; said of the whole.
+fn check_bands(limits: &file::Limits) -> Result<(), SceneError> {
+    for (i, band) in limits.band.iter().enumerate() {
+        if band.from_hz <= limits.creep_hz && band.to_hz >= limits.speed_hz {
+            return Err(SceneError::at(
+                format!("limits.band[{i}]"),
+                format!(
+                    "the band covers all speeds from limits.creep_hz = {} to limits.speed_hz = {} rev/s, so \
+                     that none is left to run at; let it begin above the one and end below the other",
+                    limits.creep_hz, limits.speed_hz
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
 fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
     if (low..=high).contains(&value) {
         return Ok(());
     }
-    let problem = if value.is_finite() {
-        format!("{value} is outside {low} to {high}")
-    } else {
-        format!("{value} is not a finite number; give one from {low} to {high}")
-    };
-    Err(SceneError::at(key, problem))
+    Err(SceneError::of(
+        key,
+        Problem::OutOfRange { value, low, high },
+    ))
 }
 
 /// The lowest rung that answers what the scene asks.
@@ -343,7 +403,7 @@ fn append(
         // The core knows keys, but not which entry they are of.
         let placed = |error: SettingsError| {
             let key = error.key.strip_prefix("program").unwrap_or(error.key);
-            SceneError::at(format!("{here}{key}"), error.problem.to_string())
+            in_g(format!("{here}{key}"), error.problem)
         };
         match block_or_level(entry, &here)? {
             Entry::Block { segments, times } => {
@@ -366,6 +426,33 @@ fn append(
         }
     }
     Ok(())
+}
+
+/// A problem with a level: the core reckons in m/s², the file in g.
+fn in_g(key: String, problem: Problem) -> SceneError {
+    let g = |mps2: f64| mps2 / STANDARD_GRAVITY_MPS2;
+    match problem {
+        Problem::OutOfRange { value, low, high } if key.ends_with(".amax_g") => {
+            let (value, low, high) = (g(value), g(low), (g(high) * 10.0).floor() / 10.0);
+            SceneError::of(key, Problem::OutOfRange { value, low, high })
+        }
+        Problem::LevelOutOfReach {
+            asked_mps2,
+            needed_hz,
+            limit_hz,
+            most_mps2,
+        } => SceneError::at(
+            key,
+            format!(
+                "{:.2} g ({asked_mps2:.2} m/s²) needs {needed_hz:.3} rev/s, over limits.speed_hz = {limit_hz}; \
+                 give at most {} g, or raise limits.speed_hz",
+                g(asked_mps2),
+                // Rounded down, so that what is advised is accepted.
+                (g(most_mps2) * 100.0).floor() / 100.0
+            ),
+        ),
+        other => SceneError::of(key, other),
+    }
 }
 
 enum Entry<'a> {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use cophase_core::settings::SettingsError;
+use cophase_core::settings::{Problem, SettingsError};
 
 /// Something wrong with a scene: in which file, at which key, what, and what would be right.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +28,23 @@ impl SceneError {
         }
     }
 
+    /// One of the core's problems, at a key: with the unit that the key carries, and why its range is what it is.
+    pub fn of(key: impl Into<String>, problem: Problem) -> Self {
+        let key = key.into();
+        let sentence = problem.of(&key).to_string();
+        match (problem, reason(&key)) {
+            (Problem::OutOfRange { .. }, Some(reason)) => Self::at(key, sentence).because(reason),
+            _ => Self::at(key, sentence),
+        }
+    }
+
+    /// The same, with what the values that would be right have in common.
+    #[must_use]
+    pub fn because(mut self, reason: &str) -> Self {
+        self.problem = format!("{}, {reason}", self.problem);
+        self
+    }
+
     /// The same, of a file.
     #[must_use]
     pub fn in_file(mut self, origin: &str) -> Self {
@@ -36,27 +53,60 @@ impl SceneError {
     }
 }
 
+/// What the values inside a range have in common, where the numbers alone would not tell.
+fn reason(key: &str) -> Option<&'static str> {
+    let (_, name) = key.rsplit_once('.')?;
+    Some(match name {
+        "lambda" => "the ratios of crank radius to rod length that this mechanism is built with",
+        "crank_radius_mm" => "the cranks that a vibration platform is built with",
+        "load_kg" => "the loads that one platform carries",
+        "tick_hz" => "the rates at which the loop runs",
+        "speed_hz" => "the speeds that such cranks are turned at",
+        "acceleration_hz_per_s" | "jerk_hz_per_s2" => {
+            "what a tick can resolve and limits.speed_hz can use"
+        }
+        "creep_hz" => "slow enough to find an index pulse at, and within limits.speed_hz",
+        "width_ns" => "what drives ask for and the step clock makes",
+        "repeat" => "the counts that a program holds",
+        "start_deg" | "offset_deg" | "index_deg" => "half a turn either way",
+        "park_deg" => "one turn",
+        "steps_per_turn" => "the resolutions that the planner counts in",
+        _ => return None,
+    })
+}
+
 impl From<SettingsError> for SceneError {
     fn from(error: SettingsError) -> Self {
         let key = match (error.entry, error.key.split_once(".band.")) {
             (Some(band), Some((table, key))) => format!("{table}.band[{band}].{key}"),
-            (Some(axis), None) => format!("{} (axis {axis})", error.key),
-            (None, _) => error.key.to_owned(),
+            _ => error.key.to_owned(),
         };
-        Self::at(key, error.problem.to_string())
+        // "axes.ratio numerator": a key, and which part of its value.
+        match key.split_once(' ') {
+            Some((key, part)) => Self::at(key, format!("{part} {}", error.problem)),
+            None => Self::of(key, error.problem),
+        }
     }
 }
 
 impl fmt::Display for SceneError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.origin)?;
+        let mut whole = self.origin.clone();
         if let Some(line) = self.line {
-            write!(f, ":{line}")?;
+            whole.push_str(&format!(":{line}"));
         }
         if !self.key.is_empty() {
-            write!(f, ": {}", self.key)?;
+            whole.push_str(&format!(": {}", self.key));
         }
-        write!(f, ": {}", self.problem)
+        // Part of it comes from the file, which may hold anything: a message is one line, and moves no cursor.
+        for c in format!("{whole}: {}", self.problem).chars() {
+            if c.is_control() {
+                write!(f, "{}", c.escape_default())?;
+            } else {
+                write!(f, "{c}")?;
+            }
+        }
+        Ok(())
     }
 }
 

@@ -1,22 +1,37 @@
-//! Reading a scene file, and saying what is wrong with its form.
+//! Reading a scene file, and saying what is wrong with its form and where.
+
+mod explain;
+mod nearest;
+mod place;
 
 use std::io::Read;
 use std::path::Path;
 
-use super::{Scene, SceneError};
+use super::library::SCENES;
+use super::{Checked, Scene, SceneError};
+use explain::{explain, not_toml};
+pub use nearest::nearest;
 
 /// No scene needs more; what is larger is not a scene.
 const MOST_BYTES: u64 = 1 << 20;
 
-/// Reads a scene from a file.
+const START_FROM: &str = "`cophase scenes default > my.toml` writes a scene to start from";
+
+/// Reads a scene from a file and checks its numbers.
 ///
 /// # Errors
-/// The file cannot be read, is too large, is not TOML, or its keys are not those of a scene.
-pub fn from_file(path: &Path) -> Result<Scene, SceneError> {
+/// The file cannot be read, is too large, is not TOML, its keys are not those of a scene, or their
+/// values are not those of a machine that can run. The error names the file, and the line if there is one.
+pub fn checked_from_file(path: &Path) -> Result<Checked, SceneError> {
     let origin = path.display().to_string();
-    from_path(path)
-        .and_then(|text| parse(&text))
-        .map_err(|error| error.in_file(&origin))
+    let read = || {
+        let text = from_path(path)?;
+        Checked::new(parse(&text)?).map_err(|error| SceneError {
+            line: place::line_of_key(&text, &error.key),
+            ..error
+        })
+    };
+    read().map_err(|error| error.in_file(&origin))
 }
 
 fn from_path(path: &Path) -> Result<String, SceneError> {
@@ -26,27 +41,52 @@ fn from_path(path: &Path) -> Result<String, SceneError> {
             "is a directory; give a scene file (TOML) inside it".to_owned(),
         ));
     }
-    let file = std::fs::File::open(path).map_err(|error| {
-        whole(format!(
-            "cannot be opened: {error}; `cophase scenes` lists the built-in scenes, and \
-             `cophase scenes default > my.toml` writes one to start from"
-        ))
-    })?;
+    let file = std::fs::File::open(path)
+        .map_err(|error| whole(format!("cannot be opened: {error}; {}", instead(path))))?;
     let mut bytes = Vec::new();
+    // Bounded, so that what has no end is refused too.
     file.take(MOST_BYTES + 1)
         .read_to_end(&mut bytes)
-        .map_err(|error| whole(format!("cannot be read: {error}")))?;
+        .map_err(|error| whole(format!("cannot be read: {error}; {START_FROM}")))?;
     if bytes.len() as u64 > MOST_BYTES {
+        return Err(whole(format!(
+            "is larger than 1 MiB; a scene is a few kilobytes of TOML: {START_FROM}"
+        )));
+    }
+    if matches!(bytes[..], [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..]) {
         return Err(whole(
-            "is larger than 1 MiB; a scene is a few kilobytes of TOML".to_owned(),
+            "is UTF-16 text; a scene is a TOML file, so save it as UTF-8".to_owned(),
         ));
     }
+    if let Some(at) = bytes.iter().position(|&byte| byte == 0) {
+        return Err(whole(format!(
+            "is not text: byte {at} is NUL; a scene is a TOML file: {START_FROM}"
+        )));
+    }
     String::from_utf8(bytes).map_err(|error| {
-        let at = error.utf8_error().valid_up_to();
-        whole(format!(
-            "is not text: byte {at} is not UTF-8; a scene is a TOML file"
-        ))
+        let valid = error.utf8_error().valid_up_to();
+        let line = error.as_bytes()[..valid]
+            .iter()
+            .filter(|&&byte| byte == b'\n')
+            .count()
+            + 1;
+        SceneError {
+            line: Some(line),
+            ..whole(format!(
+                "is not text: byte {valid} is not UTF-8; a scene is a TOML file, so save it as UTF-8"
+            ))
+        }
     })
+}
+
+/// What to give instead of a file that cannot be opened.
+fn instead(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let names: Vec<_> = SCENES.iter().map(|scene| scene.name).collect();
+    match nearest(&stem, &names) {
+        Some(name) => format!("did you mean the built-in scene `{name}`? {START_FROM}"),
+        None => format!("`cophase scenes` lists the built-in scenes, and {START_FROM}"),
+    }
 }
 
 /// Reads a scene from text.
@@ -54,93 +94,38 @@ fn from_path(path: &Path) -> Result<String, SceneError> {
 /// # Errors
 /// The text is not TOML, or its keys are not those of a scene.
 pub fn parse(text: &str) -> Result<Scene, SceneError> {
-    let line_of = |span: Option<std::ops::Range<usize>>| {
-        span.map(|span| text[..span.start.min(text.len())].matches('\n').count() + 1)
-    };
-    let deserializer = toml::Deserializer::parse(text).map_err(|error| SceneError {
-        line: line_of(error.span()),
-        ..SceneError::at("", format!("is not TOML: {}", one_line(error.message())))
+    let deserializer = toml::Deserializer::parse(text).map_err(|error| {
+        let line = error.span().map(|span| place::line_at(text, span.start));
+        let source = line.and_then(|line| text.lines().nth(line - 1));
+        let key = line.map(|line| place::key_on_line(text, line));
+        SceneError {
+            line,
+            ..SceneError::at(
+                key.unwrap_or_default(),
+                not_toml(error.message(), source.unwrap_or_default()),
+            )
+        }
     })?;
     serde_path_to_error::deserialize(deserializer).map_err(|error| {
         let path = error.path().to_string();
         let inner = error.into_inner();
-        let (key, problem) = explain(if path == "." { "" } else { &path }, inner.message());
+        let written = inner.span().and_then(|span| text.get(span));
+        if text.lines().all(|line| {
+            let line = line.trim_start_matches('\u{feff}').trim();
+            line.is_empty() || line.starts_with('#')
+        }) {
+            return SceneError::at("", format!("is empty; {START_FROM}"));
+        }
+        let path = if path == "." { "" } else { &path };
+        let (key, problem) = explain(path, inner.message(), written.unwrap_or_default());
+        // What is missing from the file as a whole is missing nowhere in particular.
+        let nowhere = path.is_empty() && problem.starts_with("missing");
         SceneError {
-            line: line_of(inner.span()),
+            line: inner
+                .span()
+                .filter(|_| !nowhere)
+                .map(|span| place::line_at(text, span.start)),
             ..SceneError::at(key, problem)
         }
     })
-}
-
-/// Key and sentence for one of serde's messages.
-///
-/// serde hands the known keys on inside the message only, quoted with backticks; its form is that of
-/// `serde::de::Error::unknown_field`, `unknown_variant` and `missing_field`.
-fn explain(path: &str, message: &str) -> (String, String) {
-    let message = one_line(message);
-    let mut quoted = message.split('`').skip(1).step_by(2);
-    let join = |key: &str| {
-        if path.is_empty() || path == key || path.ends_with(&format!(".{key}")) {
-            if path.is_empty() {
-                key.to_owned()
-            } else {
-                path.to_owned()
-            }
-        } else {
-            format!("{path}.{key}")
-        }
-    };
-    if message.starts_with("unknown field") {
-        let unknown = quoted.next().unwrap_or_default();
-        let known: Vec<&str> = quoted.collect();
-        return (
-            join(unknown),
-            format!("unknown key; {}", nearest(unknown, &known)),
-        );
-    }
-    if message.starts_with("unknown variant") {
-        let unknown = quoted.next().unwrap_or_default();
-        let known: Vec<&str> = quoted.collect();
-        return (
-            path.to_owned(),
-            format!(
-                "\"{unknown}\" is none of its values; {}",
-                nearest(unknown, &known)
-            ),
-        );
-    }
-    if message.starts_with("missing field") {
-        let missing = quoted.next().unwrap_or_default();
-        let problem =
-            "missing; it has no default, so give it (`cophase scenes default` shows a whole scene)";
-        return (join(missing), problem.to_owned());
-    }
-    let message = message
-        .replace("expected f64", "expected a number")
-        .replace("expected usize", "expected a whole number, not negative")
-        .replace("expected u32", "expected a whole number, not negative")
-        .replace(
-            "expected a sequence",
-            "expected a list, as [[…]] or [ … ] makes one",
-        )
-        .replace("expected struct", "expected a table of kind");
-    (path.to_owned(), message)
-}
-
-/// Names the likeliest of the known keys, and the others if they are few.
-fn nearest(unknown: &str, known: &[&str]) -> String {
-    let likeliest = known.iter().max_by(|a, b| {
-        strsim::jaro_winkler(unknown, a).total_cmp(&strsim::jaro_winkler(unknown, b))
-    });
-    match likeliest {
-        Some(key) if known.len() > 1 => {
-            format!("did you mean `{key}`? known here: {}", known.join(", "))
-        }
-        Some(key) => format!("did you mean `{key}`?"),
-        None => "none is known here".to_owned(),
-    }
-}
-
-fn one_line(message: &str) -> String {
-    message.split_whitespace().collect::<Vec<_>>().join(" ")
 }

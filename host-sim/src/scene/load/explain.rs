@@ -1,0 +1,194 @@
+//! The words of the TOML reader and of serde, said in the words of somebody who writes a scene.
+
+use cophase_core::settings::Problem;
+
+use super::nearest::nearest;
+use super::place::{example, heading_of};
+
+/// Longest piece of a file that a message repeats, in characters.
+const MOST_QUOTED: usize = 48;
+
+/// Tables that stand in a scene once.
+const TABLES: [&str; 7] = [
+    "machine", "control", "limits", "pulse", "axes", "drift", "scope",
+];
+
+/// What is wrong with a line that is not TOML.
+pub(super) fn not_toml(message: &str, source: &str) -> String {
+    let message = one_line(message);
+    if message.starts_with("duplicate key") {
+        return "given before; keep one of the two".to_owned();
+    }
+    if message.contains("recurs") {
+        return "lists and tables are nested too deep; a program's blocks go 8 deep at most"
+            .to_owned();
+    }
+    format!(
+        "is not TOML, at `{}`: {message}; write `key = value`, a line each, under `[table]` headings: \
+         text in quotes, numbers without units",
+        quoted(source.trim_start_matches('\u{feff}').trim())
+    )
+}
+
+/// Key and sentence for one of serde's messages; `written` is the text that it is about.
+///
+/// serde hands the known keys on inside the message only, quoted with backticks; its form is that of
+/// `serde::de::Error::unknown_field`, `unknown_variant`, `missing_field`, `invalid_type` and `invalid_length`.
+pub(super) fn explain(path: &str, message: &str, written: &str) -> (String, String) {
+    let message = one_line(message);
+    let path: String = path
+        .split('.')
+        .map(|step| quoted(&one_line(step)))
+        .collect::<Vec<_>>()
+        .join(".");
+    let path = path.as_str();
+    let mut names = message.split('`').skip(1).step_by(2);
+    if let Some(table) = TABLES.iter().find(|table| {
+        path.strip_prefix(**table)
+            .is_some_and(|rest| rest.starts_with('['))
+    }) {
+        let problem = format!("is a list here; there is one for all, so write [{table}], once");
+        return ((*table).to_owned(), problem);
+    }
+    if message.starts_with("unknown field") {
+        let unknown = names.next().unwrap_or_default();
+        let known: Vec<&str> = names.collect();
+        return (join(path, unknown), unknown_key(unknown, &known));
+    }
+    if message.starts_with("unknown variant") {
+        let unknown = names.next().unwrap_or_default();
+        let known: Vec<&str> = names.collect();
+        let meant = nearest(unknown, &known).map(|name| format!("did you mean \"{name}\"? "));
+        let problem = format!(
+            "\"{}\" is none of its values; {}give one of {}",
+            quoted(unknown),
+            meant.unwrap_or_default(),
+            list(&known)
+        );
+        return (path.to_owned(), problem);
+    }
+    if message.starts_with("missing field") {
+        let key = join(path, names.next().unwrap_or_default());
+        let problem = match example(&key) {
+            Some(example) => format!("missing; it has no default, so give it, such as `{example}`"),
+            None => "missing; it has no default, so give it".to_owned(),
+        };
+        return (key, problem);
+    }
+    (path.to_owned(), wrong_type(path, &message, written))
+}
+
+fn unknown_key(unknown: &str, known: &[&str]) -> String {
+    let meant = if let Some(key) = nearest(unknown, known) {
+        match Problem::unit(key) {
+            "" => format!("did you mean `{key}`? "),
+            unit => format!("did you mean `{key}`, in {unit}? "),
+        }
+    } else if let Some(heading) = heading_of(unknown) {
+        format!("it belongs under {heading}; ")
+    } else {
+        String::new()
+    };
+    format!("unknown key; {meant}known here: {}", known.join(", "))
+}
+
+/// "invalid type: string "10", expected f64" and its like.
+fn wrong_type(path: &str, message: &str, written: &str) -> String {
+    let such_as = example(path).map_or(String::new(), |example| format!("; such as `{example}`"));
+    let source = quoted(written);
+    if message == "wanted string or table" {
+        let kind = match written.chars().next() {
+            Some('[') => "a list",
+            Some('t' | 'f') => "true or false",
+            _ => "a number",
+        };
+        return format!("`{source}` is {kind}, where text in quotes belongs{such_as}");
+    }
+    let Some((found, expected)) = message
+        .strip_prefix("invalid ")
+        .and_then(|rest| rest.split_once(", expected "))
+    else {
+        // The reader's own: it could not hold a number.
+        let message = message.replace(
+            "floating-point number overflowed",
+            "the number is too large",
+        );
+        return format!("`{source}`: {message}{such_as}");
+    };
+    let wanted = match expected {
+        "f64" => "a number",
+        "usize" | "u32" | "u64" => "a whole number, 0 or more,",
+        "a string" => "text in quotes",
+        "a boolean" => "true or false",
+        "a tuple of size 2" => "a list of two numbers",
+        _ if expected.starts_with("a sequence") => "a list",
+        _ if expected.starts_with("struct") => "a table",
+        other => other,
+    };
+    let whole = wanted.starts_with("a whole");
+    if let Some(length) = found.strip_prefix("length ") {
+        return format!("`{source}` has {length} in it, where {wanted} belongs{such_as}");
+    }
+    let (_, found) = found.split_once(": ").unwrap_or(("", found));
+    let kind = match found.split([' ', '`']).next().unwrap_or_default() {
+        "string" => "text",
+        "integer" if whole && written.starts_with('-') => "negative",
+        "integer" if whole => "too large",
+        "integer" => "a number",
+        "floating" if whole => "a number with a fraction or exponent",
+        "floating" => "a number",
+        "boolean" => "true or false",
+        "sequence" => "a list",
+        "map" if written.starts_with(['[', '{']) => "a table",
+        "map" => "a date",
+        _ => "something else",
+    };
+    if kind == "a table" && wanted == "a list" && !path.contains('.') {
+        return format!("is a table, where a list of tables belongs; write [[{path}]]");
+    }
+    let right = match (kind, written.trim_matches(['"', '\''])) {
+        ("text", inner) if wanted == "a number" && inner.parse::<f64>().is_ok() => {
+            format!("; write {inner}, without quotes")
+        }
+        ("text", inner) if whole && inner.parse::<u32>().is_ok() => {
+            format!("; write {inner}, without quotes")
+        }
+        _ => such_as,
+    };
+    format!("`{source}` is {kind}, where {wanted} belongs{right}")
+}
+
+fn join(path: &str, key: &str) -> String {
+    let key = quoted(key);
+    // The path ends with the key already where serde was inside it.
+    if path.is_empty() || path == key {
+        key
+    } else if path.ends_with(&format!(".{key}")) {
+        path.to_owned()
+    } else {
+        format!("{path}.{key}")
+    }
+}
+
+fn list(names: &[&str]) -> String {
+    let names: Vec<_> = names.iter().map(|name| format!("\"{name}\"")).collect();
+    names.join(", ")
+}
+
+fn one_line(message: &str) -> String {
+    message.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// The first line of a text, cut if it is long.
+fn quoted(text: &str) -> String {
+    let line = text.lines().next().unwrap_or_default();
+    let cut = line.chars().count() > MOST_QUOTED || line.len() < text.trim_end().len();
+    let mut kept: String = line.chars().take(MOST_QUOTED).collect();
+    if cut {
+        kept.push('…');
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests;

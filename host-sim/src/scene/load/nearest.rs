@@ -1,0 +1,92 @@
+//! What somebody may have meant by a name that is not known.
+//!
+//! *Stem*: a key without the unit at its end. Who writes `load_g` means `load_kg`, however far apart the
+//! letters are, so an equal stem goes before a similar spelling.
+
+/// Endings that say a unit, in scenes or anywhere else.
+const UNITS: &[&str] = &[
+    "g", "kg", "lb", "t", "m", "cm", "mm", "um", "in", "s", "ms", "us", "ns", "min", "h", "hz",
+    "khz", "mhz", "rpm", "rps", "mps", "mps2", "mps3", "deg", "rad", "mrad", "turns", "rev", "s2",
+    "s3", "per", "kgm2", "kgmm2", "gcm2", "nm", "n",
+];
+
+/// Spellings less alike than this are different words, and a guess would mislead.
+const ALIKE: f64 = 0.8;
+
+/// The likeliest of the known names, if one is likely at all.
+pub fn nearest<'a>(unknown: &str, known: &[&'a str]) -> Option<&'a str> {
+    let alike = |key: &str| strsim::jaro_winkler(unknown, key);
+    let best = |among: Vec<&'a str>| {
+        among
+            .into_iter()
+            .max_by(|a, b| alike(a).total_cmp(&alike(b)))
+    };
+    let same_stem = known
+        .iter()
+        .copied()
+        .filter(|key| stem(key) == stem(unknown))
+        .collect();
+    best(same_stem)
+        .or_else(|| best(known.to_vec()).filter(|key| strsim::jaro_winkler(unknown, key) >= ALIKE))
+}
+
+fn stem(key: &str) -> &str {
+    let mut stem = key;
+    while let Some((before, last)) = stem.rsplit_once('_') {
+        if !UNITS.contains(&last) {
+            break;
+        }
+        stem = before;
+    }
+    stem
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MACHINE: &[&str] = &[
+        "crank_radius_mm",
+        "lambda",
+        "rod_length_mm",
+        "load_kg",
+        "gravity_mps2",
+        "mount_radius_mm",
+    ];
+    const LIMITS: &[&str] = &[
+        "speed_hz",
+        "acceleration_hz_per_s",
+        "jerk_hz_per_s2",
+        "creep_hz",
+    ];
+
+    #[test]
+    fn another_unit_means_the_same_quantity() {
+        for (unknown, known, meant) in [
+            ("load_g", MACHINE, "load_kg"),
+            ("load", MACHINE, "load_kg"),
+            ("mount_radius_cm", MACHINE, "mount_radius_mm"),
+            ("rod_length_m", MACHINE, "rod_length_mm"),
+            ("gravity_g", MACHINE, "gravity_mps2"),
+            ("speed_rpm", LIMITS, "speed_hz"),
+            ("creep_rev_per_min", LIMITS, "creep_hz"),
+            ("acceleration_hz", LIMITS, "acceleration_hz_per_s"),
+            ("jerk_mps3", LIMITS, "jerk_hz_per_s2"),
+        ] {
+            assert_eq!(nearest(unknown, known), Some(meant), "{unknown}");
+        }
+    }
+
+    #[test]
+    fn a_slip_of_the_finger_is_seen_through_and_another_word_is_not() {
+        assert_eq!(nearest("lamda", MACHINE), Some("lambda"));
+        assert_eq!(nearest("lode_kg", MACHINE), Some("load_kg"));
+        for unknown in ["colour", "x", "", "_", "_s"] {
+            assert_eq!(nearest(unknown, MACHINE), None, "{unknown}");
+        }
+        let commands = ["start", "stop", "hold", "resume", "reset"];
+        assert_eq!(nearest("jump", &commands), None);
+        assert_eq!(nearest("stopp", &commands), Some("stop"));
+        assert_eq!(nearest("anything", &[]), None);
+    }
+}

@@ -1,0 +1,175 @@
+//! Where things stand in a scene file, and where they belong.
+//!
+//! *Key path*: `limits.band[0].from_hz`, entries counted from 0.
+
+use toml::de::{DeTable, DeValue};
+
+use crate::scene::library::SCENES;
+
+/// The line of a byte, counted from 1.
+pub(super) fn line_at(text: &str, byte: usize) -> usize {
+    let before = &text.as_bytes()[..byte.min(text.len())];
+    before.iter().filter(|&&byte| byte == b'\n').count() + 1
+}
+
+/// The line on which a key stands; if it is not there, that of the innermost table around it that is.
+pub(super) fn line_of_key(text: &str, path: &str) -> Option<usize> {
+    let mut value = DeValue::Table(DeTable::parse(text).ok()?.into_inner());
+    let mut found = None;
+    for step in steps(path) {
+        let next = match step {
+            Step::Name(name) => value.get(name),
+            Step::Entry(entry) => value.get(entry),
+        };
+        let Some(next) = next else { break };
+        found = Some(next.span().start);
+        value = next.get_ref().clone();
+    }
+    found.map(|byte| line_at(text, byte))
+}
+
+/// For text that is not TOML: the key on a line, under the heading above it, as far as both can be made out.
+pub(super) fn key_on_line(text: &str, line: usize) -> String {
+    let mut headings: Vec<String> = Vec::new();
+    let mut table = String::new();
+    for (number, line_text) in (1..=line).zip(text.lines()) {
+        let line_text = line_text.trim_start_matches('\u{feff}').trim();
+        if let Some(list) = between(line_text, "[[", "]]").filter(|name| bare(name)) {
+            let entry = headings.iter().filter(|name| *name == list).count();
+            headings.push(list.to_owned());
+            table = format!("{list}[{entry}]");
+        } else if let Some(name) = between(line_text, "[", "]").filter(|name| bare(name)) {
+            table = name.to_owned();
+        } else if number == line {
+            let key = line_text
+                .split(|c: char| c == '=' || c.is_whitespace())
+                .next()
+                .unwrap_or_default();
+            return match (bare(key), table.is_empty()) {
+                (true, true) => key.to_owned(),
+                (true, false) => format!("{table}.{key}"),
+                (false, _) => table,
+            };
+        }
+    }
+    table
+}
+
+fn between<'a>(line: &'a str, open: &str, close: &str) -> Option<&'a str> {
+    let inner = line.strip_prefix(open)?;
+    inner.split_once(close).map(|(name, _)| name.trim())
+}
+
+/// Whether a person could have meant this as a key.
+fn bare(key: &str) -> bool {
+    (1..=64).contains(&key.len())
+        && key
+            .bytes()
+            .all(|byte| byte.is_ascii_alphanumeric() || b"_-.".contains(&byte))
+}
+
+/// How a key path is written in the built-in scenes: `load_kg = 8`, `[limits]`, `[[program]]`.
+pub(super) fn example(path: &str) -> Option<String> {
+    SCENES.iter().find_map(|scene| {
+        let mut value = DeValue::Table(DeTable::parse(scene.text).ok()?.into_inner());
+        let mut span = 0..0;
+        for step in steps(path) {
+            let next = match step {
+                Step::Name(name) => value.get(name),
+                // Any entry is as good an example as another.
+                Step::Entry(_) => value.get(0),
+            }?;
+            span = next.span();
+            value = next.get_ref().clone();
+        }
+        let root = path.split('[').next().unwrap_or(path);
+        match (value.is_table(), steps(path).last()?) {
+            _ if path == root && value.is_array() => Some(format!("[[{root}]]")),
+            (true, _) if path == root && !root.contains('.') => Some(format!("[{root}]")),
+            (true, Step::Entry(_)) if !root.contains('.') => Some(format!("[[{root}]]")),
+            (_, Step::Name(name)) => Some(format!("{name} = {}", scene.text.get(span)?)),
+            (_, Step::Entry(_)) => Some(scene.text.get(span)?.to_owned()),
+        }
+    })
+}
+
+/// The heading under which a key belongs, if it is a scene's key.
+pub(super) fn heading_of(key: &str) -> Option<String> {
+    SCENES.iter().find_map(|built_in| {
+        let whole = toml::Table::try_from(built_in.scene()).ok()?;
+        whole.into_iter().find_map(|(name, value)| match value {
+            toml::Value::Table(table) if table.contains_key(key) => Some(format!("[{name}]")),
+            toml::Value::Array(entries) if entries.iter().any(|e| e.get(key).is_some()) => {
+                Some(format!("[[{name}]]"))
+            }
+            _ => None,
+        })
+    })
+}
+
+#[derive(Clone, Copy)]
+enum Step<'a> {
+    Name(&'a str),
+    Entry(usize),
+}
+
+fn steps(path: &str) -> impl Iterator<Item = Step<'_>> {
+    path.split('.').flat_map(|part| {
+        let (name, entries) = part.split_once('[').unwrap_or((part, ""));
+        let entries = entries
+            .split(['[', ']'])
+            .filter_map(|digits| digits.parse().ok());
+        std::iter::once(Step::Name(name)).chain(entries.map(Step::Entry))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "name = \"x\"\n\n[limits]\nspeed_hz = 3\nband = [\n  { from_hz = 1 },\n  \
+                        { from_hz = 2 },\n]\n[[axis]]\nnumber = 0\n[[axis]]\nnumber = 1\n";
+
+    #[test]
+    fn keys_are_found_by_their_path_or_by_the_table_that_lacks_them() {
+        for (path, line) in [
+            ("name", Some(1)),
+            ("limits", Some(3)),
+            ("limits.speed_hz", Some(4)),
+            ("limits.band[1].from_hz", Some(7)),
+            ("limits.band[1].to_hz", Some(7)),
+            ("limits.creep_hz", Some(3)),
+            ("axis[1].number", Some(12)),
+            ("machine.lambda", None),
+            ("", None),
+        ] {
+            assert_eq!(line_of_key(TEXT, path), line, "{path}");
+        }
+    }
+
+    #[test]
+    fn a_broken_line_still_tells_its_key() {
+        let broken = TEXT.replace("speed_hz = 3", "speed_hz 3");
+        assert_eq!(key_on_line(&broken, 1), "name");
+        assert_eq!(key_on_line(&broken, 4), "limits.speed_hz");
+        assert_eq!(key_on_line(&broken, 12), "axis[1].number");
+        assert_eq!(key_on_line("{\"a\": 1}", 1), "");
+    }
+
+    #[test]
+    fn examples_come_from_the_built_in_scenes() {
+        for (path, written) in [
+            ("machine.load_kg", Some("load_kg = 8")),
+            ("machine", Some("[machine]")),
+            ("program", Some("[[program]]")),
+            ("axis[7].number", Some("number = 1")),
+            ("limits.band[3]", Some("{ from_hz = 25, to_hz = 29 }")),
+            ("colour", None),
+        ] {
+            assert_eq!(example(path).as_deref(), written, "{path}");
+        }
+        assert_eq!(heading_of("load_kg").as_deref(), Some("[machine]"));
+        assert_eq!(heading_of("amax_g").as_deref(), Some("[[program]]"));
+        assert_eq!(heading_of("colour"), None);
+    }
+}

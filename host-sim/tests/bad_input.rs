@@ -1,0 +1,178 @@
+//! Bad input is met well: status 2, one line that names the file, the line, the key, what is wrong and
+//! what would be right, and nothing is written.
+//!
+//! Each case breaks one thing in a scene that runs; that it does run is tested too, or every case could
+//! be refused for another reason than its own.
+
+#[path = "bad_input/axes.rs"]
+mod axes;
+#[path = "bad_input/edit.rs"]
+mod edit;
+#[path = "bad_input/events.rs"]
+mod events;
+#[path = "bad_input/files.rs"]
+mod files;
+#[path = "bad_input/form.rs"]
+mod form;
+#[path = "bad_input/limits.rs"]
+mod limits;
+#[path = "bad_input/machine.rs"]
+mod machine;
+#[path = "bad_input/program.rs"]
+mod program;
+#[path = "bad_input/sweep.rs"]
+mod sweep;
+
+use std::path::Path;
+use std::process::Output;
+use std::time::Duration;
+
+use edit::BASE;
+
+/// A broken scene, and what its message must hold.
+struct Case {
+    name: &'static str,
+    text: String,
+    /// The key path; empty if the file as a whole is meant.
+    key: &'static str,
+    wrong: &'static str,
+    right: &'static str,
+}
+
+fn case(
+    name: &'static str,
+    text: String,
+    key: &'static str,
+    wrong: &'static str,
+    right: &'static str,
+) -> Case {
+    Case {
+        name,
+        text,
+        key,
+        wrong,
+        right,
+    }
+}
+
+/// Far more than a refusal takes, so that only a hang is one.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// `cophase` with these arguments, in this directory.
+fn cophase(dir: &Path, arguments: &[&str]) -> Output {
+    let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_cophase"));
+    command.current_dir(dir).args(arguments).timeout(PATIENCE);
+    command.output().unwrap()
+}
+
+/// Everything below a directory.
+fn listing(dir: &Path) -> Vec<String> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(dir).unwrap() {
+        let path = entry.unwrap().path();
+        found.push(path.display().to_string());
+        if path.is_dir() && !path.is_symlink() {
+            found.extend(listing(&path));
+        }
+    }
+    found.sort();
+    found
+}
+
+/// Runs what must be refused, and gives its one line of words.
+#[track_caller]
+fn refusal(name: &str, dir: &Path, arguments: &[&str]) -> String {
+    let before = listing(dir);
+    let output = cophase(dir, arguments);
+    assert_eq!(listing(dir), before, "{name}: something was written");
+    refused(name, &output)
+}
+
+/// That an outcome is a refusal; its one line of words.
+#[track_caller]
+fn refused(name: &str, output: &Output) -> String {
+    let words = String::from_utf8(output.stderr.clone()).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{name}: {words}");
+    assert!(output.stdout.is_empty(), "{name}: stdout is not empty");
+    let line = words.strip_suffix('\n').expect("a line ends");
+    assert!(line.starts_with("cophase: "), "{name}: {line}");
+    assert!(!line.contains("panicked"), "{name}: {line}");
+    assert!(!line.contains(char::is_control), "{name}: {line}");
+    assert!(line.len() < 1000, "{name}: {line}");
+    line.to_owned()
+}
+
+/// Runs a broken scene and looks at every part of its message.
+#[track_caller]
+fn assert_refused(case: &Case) {
+    let Case {
+        name,
+        text,
+        key,
+        wrong,
+        right,
+    } = case;
+    assert_ne!(text, BASE, "{name}: nothing is broken");
+    let dir = tempfile::tempdir().unwrap();
+    let file = dir.path().join("scene.toml");
+    std::fs::write(&file, text).unwrap();
+    let file = file.to_str().unwrap();
+    let line = refusal(name, dir.path(), &["run", file, "--out", "out"]);
+
+    let place = line
+        .strip_prefix(&format!("cophase: {file}:"))
+        .unwrap_or_else(|| panic!("{name}: the file is not named: {line}"));
+    let (number, said) = place.split_once(": ").unwrap_or_default();
+    let problem = if key.is_empty() {
+        place
+    } else if let Some(problem) = place.strip_prefix(&format!(" {key}: ")) {
+        // Only what is missing from the file as a whole is on no line.
+        assert!(problem.starts_with("missing"), "{name}: no line: {line}");
+        problem
+    } else {
+        let number: usize = number
+            .parse()
+            .unwrap_or_else(|_| panic!("{name}: no line: {line}"));
+        let at = text.lines().nth(number - 1).unwrap_or_default();
+        let own = key.rsplit('.').next().unwrap();
+        let own = own.split('[').next().unwrap();
+        // The key's own line (written otherwise if in quotes), or that of the table that lacks it.
+        assert!(
+            at.contains(own) || at.starts_with(['[', '"']) || said.contains(": missing"),
+            "{name}: line {number} is `{at}`: {line}"
+        );
+        said.strip_prefix(&format!("{key}: "))
+            .unwrap_or_else(|| panic!("{name}: not at {key}: {line}"))
+    };
+    assert!(problem.contains(wrong), "{name}: not `{wrong}`: {line}");
+    assert!(problem.contains(right), "{name}: not `{right}`: {line}");
+}
+
+#[track_caller]
+fn assert_all_refused(cases: &[Case]) {
+    for case in cases {
+        assert_refused(case);
+    }
+}
+
+/// The positive control: the scene that all others are made of runs, and writes its files and no other.
+#[test]
+fn the_base_scene_runs() {
+    // Some editors put a byte order mark before the text; it changes nothing.
+    for text in [BASE.to_owned(), format!("\u{feff}{BASE}")] {
+        let dir = tempfile::tempdir().unwrap();
+        std::fs::write(dir.path().join("scene.toml"), text).unwrap();
+        let output = cophase(dir.path(), &["run", "scene.toml", "--out", "out"]);
+        let words = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{words}");
+        let mut names: Vec<_> = std::fs::read_dir(dir.path().join("out"))
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        assert_eq!(
+            names,
+            ["report.json", "scope.svg", "steps.vcd", "trace.csv"]
+        );
+    }
+}

@@ -1,0 +1,291 @@
+//! The motors, together and apart.
+
+use super::edit::{append, replace, set, with_line, without};
+use super::{assert_all_refused, case};
+
+#[test]
+fn how_many() {
+    let count = |value, wrong, right| {
+        case(
+            "count",
+            set("axes.count", value),
+            "axes.count",
+            wrong,
+            right,
+        )
+    };
+    assert_all_refused(&[
+        count("0", "0 is outside", "2 to 6, the motors"),
+        count("1", "1 is outside", "2 to 6, the motors"),
+        count("7", "7 is outside", "2 to 6, the motors"),
+        count("1000000000", "1000000000 is outside", "2 to 6, the motors"),
+        count(
+            "1e9",
+            "`1e9` is a number with a fraction or exponent",
+            "a whole number, 0 or more",
+        ),
+        count(
+            "3.5",
+            "`3.5` is a number with a fraction",
+            "such as `count = 4`",
+        ),
+        count("-3", "`-3` is negative", "a whole number, 0 or more"),
+        count("\"3\"", "`\"3\"` is text", "write 3, without quotes"),
+        count(
+            "99999999999999999999",
+            "is too large",
+            "such as `count = 4`",
+        ),
+    ]);
+}
+
+#[test]
+fn what_all_have() {
+    let key = |name, path, value, wrong, right| case(name, set(path, value), path, wrong, right);
+    assert_all_refused(&[
+        key(
+            "steps",
+            "axes.steps_per_turn",
+            "100000",
+            "100000 is outside",
+            "4 to 65536",
+        ),
+        key(
+            "steps",
+            "axes.steps_per_turn",
+            "2",
+            "2 is outside",
+            "4 to 65536",
+        ),
+        key(
+            "full steps",
+            "axes.full_steps_per_turn",
+            "1",
+            "1 is outside",
+            "4 to 65536",
+        ),
+        key(
+            "ratio of nothing",
+            "axes.ratio",
+            "[0, 1]",
+            "numerator 0 is outside",
+            "1 to 1000",
+        ),
+        key(
+            "ratio over nothing",
+            "axes.ratio",
+            "[1, 0]",
+            "denominator 0 is outside",
+            "1 to 1000",
+        ),
+        key(
+            "half a ratio",
+            "axes.ratio",
+            "[1]",
+            "`[1]` has 1 in it",
+            "a list of two numbers",
+        ),
+        key(
+            "ratio as a number",
+            "axes.ratio",
+            "2",
+            "`2` is a number",
+            "a list of two numbers",
+        ),
+        key(
+            "ratio too fast",
+            "axes.ratio",
+            "[1000, 1]",
+            "turns a tick",
+            "lower limits.speed_hz or the ratio",
+        ),
+        key(
+            "offset past a turn",
+            "axes.offset_deg",
+            "500",
+            "500° is outside",
+            "-180 to 180°",
+        ),
+        key(
+            "trim limit",
+            "axes.trim_limit_deg",
+            "90",
+            "90° is outside",
+            "0 to 36°",
+        ),
+        key(
+            "trim rate",
+            "axes.trim_rate_deg_per_s",
+            "0",
+            "0°/s is outside",
+            "0.001 to 360°/s",
+        ),
+        key(
+            "inertia",
+            "axes.rotor_inertia_kgm2",
+            "-1",
+            "-1 kg·m² is outside",
+            "0 to 10 kg·m²",
+        ),
+        key(
+            "drive",
+            "axes.drive",
+            "\"steper\"",
+            "\"steper\" is none of its values",
+            "did you mean \"stepper\"?",
+        ),
+        key(
+            "drive by number",
+            "axes.drive",
+            "5",
+            "`5` is a number",
+            "text in quotes belongs; such as `drive = \"stepper\"`",
+        ),
+    ]);
+}
+
+#[test]
+fn pull_out_torque() {
+    let pull_out = |name, points, key, wrong, right| {
+        case(name, set("axes.pull_out", points), key, wrong, right)
+    };
+    assert_all_refused(&[
+        pull_out(
+            "out of order",
+            "[[0, 20], [10, 9], [5, 11]]",
+            "axes.pull_out[2]",
+            "5 rev/s is not above the point before, 10 rev/s",
+            "from the lowest speed up",
+        ),
+        pull_out(
+            "negative",
+            "[[0, -20]]",
+            "axes.pull_out[0]",
+            "-20 N·m is outside",
+            "0 to 100000",
+        ),
+        pull_out(
+            "half a point",
+            "[[0, 20], [5]]",
+            "axes.pull_out[1]",
+            "`[5]` has 1 in it",
+            "a list of two numbers belongs; such as `[0, 12.0]`",
+        ),
+        pull_out(
+            "no number",
+            "[[0, 20], [nan, 3]]",
+            "axes.pull_out[1]",
+            "NaN rev/s is outside",
+            "0 to 10000",
+        ),
+        case(
+            "torque asked for and not given",
+            without("axes.pull_out").replace("\"auto\"", "\"quasi-static\""),
+            "axes.pull_out",
+            "missing; fidelity = \"quasi-static\" compares torques",
+            "[[speed_hz, torque_nm], …]",
+        ),
+    ]);
+}
+
+#[test]
+fn what_one_has_apart() {
+    let key = |name, path, value, wrong, right| case(name, set(path, value), path, wrong, right);
+    let own = |name, line: &str, key, wrong, right| {
+        case(name, with_line("axis[1].reversed", line), key, wrong, right)
+    };
+    assert_all_refused(&[
+        key(
+            "no such axis",
+            "axis[1].number",
+            "3",
+            "there is no axis 3",
+            "0 to 2",
+        ),
+        key(
+            "twice the same",
+            "axis[1].number",
+            "1",
+            "axis 1 has an [[axis]] of its own already",
+            "put both into one",
+        ),
+        key(
+            "before the first",
+            "axis[0].number",
+            "-1",
+            "`-1` is negative",
+            "a whole number, 0 or more",
+        ),
+        key(
+            "start past a turn",
+            "axis[0].start_deg",
+            "400",
+            "400° is outside",
+            "-180 to 180°",
+        ),
+        key(
+            "trim past its limit",
+            "axis[0].trim_deg",
+            "6",
+            "6° is outside -5 to 5°",
+            "raise axes.trim_limit_deg",
+        ),
+        key(
+            "trim past any limit",
+            "axis[0].trim_deg",
+            "60",
+            "60° is outside",
+            "-36 to 36°",
+        ),
+        key(
+            "strength",
+            "axis[0].pull_out_scale",
+            "-1",
+            "-1 is outside",
+            "0 to 10",
+        ),
+        case(
+            "nameless",
+            replace("number = 1\n", ""),
+            "axis[0].number",
+            "missing",
+            "such as `number = 1`",
+        ),
+        // The key that stands in the file, and the entry's place in it: axis 2 is the second entry, 1.
+        own(
+            "own steps",
+            "steps_per_turn = 0",
+            "axis[1].steps_per_turn",
+            "0 is outside",
+            "4 to 65536",
+        ),
+        own(
+            "own offset",
+            "offset_deg = 500",
+            "axis[1].offset_deg",
+            "500° is outside",
+            "-180 to 180°",
+        ),
+        own(
+            "own ratio",
+            "ratio = [0, 1]",
+            "axis[1].ratio",
+            "numerator 0 is outside",
+            "1 to 1000",
+        ),
+        case(
+            "a list of the common ones",
+            replace("[axes]", "[[axes]]"),
+            "axes",
+            "is a list here",
+            "write [axes], once",
+        ),
+        case(
+            "one for all",
+            append("[axes.axis]\nnumber = 0\n"),
+            "axes.axis",
+            "unknown key",
+            "known here: count, drive",
+        ),
+    ]);
+}

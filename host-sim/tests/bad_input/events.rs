@@ -1,0 +1,112 @@
+//! What happens to a scene at a time, and the window on it.
+
+use super::edit::{append, set, without};
+use super::{assert_all_refused, case};
+
+#[test]
+fn commands_inputs_lateness() {
+    let key = |name, path, value, wrong, right| case(name, set(path, value), path, wrong, right);
+    assert_all_refused(&[
+        key(
+            "no such command",
+            "command[0].do",
+            "\"jump\"",
+            "\"jump\" is none of its values",
+            "\"start\", \"stop\", \"hold\", \"resume\", \"reset\"",
+        ),
+        key(
+            "before the beginning",
+            "command[0].at_s",
+            "-1",
+            "-1 s is outside",
+            "0 to 1000000 s",
+        ),
+        key(
+            "some day",
+            "command[0].at_s",
+            "1e12",
+            "1e12 s is outside",
+            "0 to 1000000 s",
+        ),
+        case(
+            "to do what?",
+            without("command[0].do"),
+            "command[0].do",
+            "missing",
+            "give it",
+        ),
+        key(
+            "no such line",
+            "input[0].line",
+            "\"enabel\"",
+            "\"enabel\" is none of its values",
+            "did you mean \"enable\"?",
+        ),
+        key(
+            "a level for a truth",
+            "input[0].active",
+            "1",
+            "`1` is a number",
+            "true or false belongs",
+        ),
+        key(
+            "early",
+            "late[0].by_us",
+            "-5",
+            "-5 µs is outside",
+            "0 to 1000000 µs",
+        ),
+        key(
+            "when?",
+            "late[0].at_s",
+            "nan",
+            "NaN is not a finite number",
+            "0 to 1000000 s",
+        ),
+    ]);
+}
+
+#[test]
+fn the_window() {
+    assert_all_refused(&[
+        case(
+            "upside down",
+            set("scope.to_s", "0.2"),
+            "scope.to_s",
+            "0.2 is not after scope.from_s = 0.5",
+            "swap",
+        ),
+        case(
+            "no end",
+            without("scope.to_s"),
+            "scope.to_s",
+            "missing",
+            "give it",
+        ),
+        case(
+            "before the beginning",
+            set("scope.from_s", "-1"),
+            "scope.from_s",
+            "-1 s is outside",
+            "0 to 1000000 s",
+        ),
+        case(
+            "two of them",
+            append("[scope]\nfrom_s = 0\n"),
+            "scope",
+            "given before",
+            "keep one of the two",
+        ),
+    ]);
+}
+
+#[test]
+fn fidelity() {
+    assert_all_refused(&[case(
+        "a rung that is not there",
+        set("fidelity", "\"perfect\""),
+        "fidelity",
+        "\"perfect\" is none of its values",
+        "give one of \"auto\", \"kinematic\"",
+    )]);
+}

@@ -1,0 +1,211 @@
+//! What is no scene file at all, and where nothing can be written.
+
+use std::fs;
+use std::path::Path;
+
+use super::edit::BASE;
+use super::{cophase, refusal, refused};
+
+#[track_caller]
+fn assert_holds(line: &str, words: &[&str]) {
+    for word in words {
+        assert!(line.contains(word), "not `{word}`: {line}");
+    }
+}
+
+/// Refused as a whole: `cophase: FILE: …`, with these words.
+#[track_caller]
+fn assert_no_scene(dir: &Path, file: &str, words: &[&str]) {
+    let line = refusal(file, dir, &["run", file, "--out", "out"]);
+    assert!(line.starts_with(&format!("cophase: {file}:")), "{line}");
+    assert_holds(&line, words);
+}
+
+#[test]
+fn no_text() {
+    let dir = tempfile::tempdir().unwrap();
+    let utf16 = |bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
+        let units = format!("\u{feff}{BASE}");
+        units.encode_utf16().flat_map(bytes).collect()
+    };
+    let mut latin_1 = BASE.as_bytes().to_vec();
+    latin_1.extend(b"# gr\xf6sser\n");
+    let rubbish: Vec<u8> = (0_u32..10 << 20)
+        .map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8)
+        .collect();
+    for (name, bytes, words) in [
+        (
+            "utf-16-le",
+            utf16(u16::to_le_bytes),
+            ["UTF-16", "save it as UTF-8"],
+        ),
+        (
+            "utf-16-be",
+            utf16(u16::to_be_bytes),
+            ["UTF-16", "save it as UTF-8"],
+        ),
+        ("latin-1", latin_1, ["is not UTF-8", "save it as UTF-8"]),
+        (
+            "nul",
+            vec![0; 100],
+            ["byte 0 is NUL", "cophase scenes default > my.toml"],
+        ),
+        (
+            "rubbish",
+            rubbish,
+            ["larger than 1 MiB", "cophase scenes default > my.toml"],
+        ),
+    ] {
+        fs::write(dir.path().join(name), bytes).unwrap();
+        assert_no_scene(dir.path(), name, &words);
+    }
+}
+
+#[test]
+fn no_file() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::create_dir(dir.path().join("folder")).unwrap();
+    assert_no_scene(
+        dir.path(),
+        "folder",
+        &["is a directory", "give a scene file"],
+    );
+    assert_no_scene(
+        dir.path(),
+        "missing.toml",
+        &[
+            "cannot be opened",
+            "`cophase scenes` lists the built-in scenes",
+        ],
+    );
+    assert_no_scene(
+        dir.path(),
+        "lost_steps.toml",
+        &[
+            "cannot be opened",
+            "did you mean the built-in scene `lost-steps`?",
+        ],
+    );
+    assert_no_scene(
+        dir.path(),
+        "defualt",
+        &[
+            "no built-in scene of that name",
+            "did you mean `default`?",
+            "nor is there a file",
+        ],
+    );
+    assert_no_scene(
+        dir.path(),
+        "xyz",
+        &["no built-in scene of that name", "there are default, "],
+    );
+}
+
+/// A gigabyte is refused as quickly, and in as little memory, as a megabyte.
+#[cfg(target_os = "linux")]
+#[test]
+fn no_end() {
+    let dir = tempfile::tempdir().unwrap();
+    let sparse = fs::File::create(dir.path().join("sparse")).unwrap();
+    sparse.set_len(2 << 30).unwrap();
+    std::os::unix::fs::symlink("/dev/zero", dir.path().join("zero")).unwrap();
+    let made = std::process::Command::new("mkfifo")
+        .arg(dir.path().join("pipe"))
+        .status()
+        .unwrap();
+    assert!(made.success());
+    // Ends by itself, once nobody reads any more.
+    let mut writer = std::process::Command::new("sh")
+        .args(["-c", "exec cat /dev/zero > pipe"])
+        .current_dir(dir.path())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let names = super::listing(dir.path());
+    for file in ["sparse", "zero", "pipe"] {
+        // 256 MiB of addresses, program and libraries included.
+        let output = assert_cmd::Command::new("sh")
+            .args(["-c", "ulimit -v 262144; exec \"$@\"", "sh"])
+            .args([env!("CARGO_BIN_EXE_cophase"), "run", file, "--out", "out"])
+            .current_dir(dir.path())
+            .timeout(super::PATIENCE)
+            .output()
+            .unwrap();
+        assert_holds(
+            &refused(file, &output),
+            &[
+                &format!("cophase: {file}: is larger than 1 MiB"),
+                "a few kilobytes of TOML",
+            ],
+        );
+    }
+    assert_eq!(super::listing(dir.path()), names);
+    writer.wait().unwrap();
+}
+
+#[test]
+fn nowhere_to_write() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("scene.toml"), BASE).unwrap();
+    fs::write(dir.path().join("taken"), "a file").unwrap();
+    fs::create_dir_all(dir.path().join("half/trace.csv")).unwrap();
+    for (out, words) in [
+        (
+            "taken",
+            ["--out: cannot create the folder taken", "give a directory"],
+        ),
+        (
+            "taken/below/it",
+            [
+                "--out: cannot create the folder taken/below/it",
+                "give a directory",
+            ],
+        ),
+        // Found at the end of a run, it would leave those of the files that come before it.
+        (
+            "half",
+            ["--out: half/trace.csv is a directory", "give another --out"],
+        ),
+    ] {
+        let line = refusal(out, dir.path(), &["run", "scene.toml", "--out", out]);
+        assert_holds(&line, &words);
+    }
+    assert_eq!(fs::read(dir.path().join("taken")).unwrap(), b"a file");
+}
+
+/// The argument reader words these itself, in lines of its own; the status and the silence are the same.
+#[test]
+fn arguments() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("scene.toml"), BASE).unwrap();
+    let before = super::listing(dir.path());
+    for (argument, value, right) in [
+        ("--every", "0", "a whole number of control ticks, 1 or more"),
+        (
+            "--every",
+            "-1",
+            "a whole number of control ticks, 1 or more",
+        ),
+        (
+            "--every",
+            "1.5",
+            "a whole number of control ticks, 1 or more",
+        ),
+        ("--window", "nonsense", "give FROM..TO in seconds"),
+        ("--window", "nan..1", "give FROM..TO in seconds"),
+        ("--window", "2..1", "swap the two"),
+        ("--window", "-1..1", "0 or later"),
+    ] {
+        let argument = format!("{argument}={value}");
+        let output = cophase(
+            dir.path(),
+            &["run", "scene.toml", "--out", "out", &argument],
+        );
+        let words = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{argument}: {words}");
+        assert!(output.stdout.is_empty(), "{argument}");
+        assert_holds(&words, &[value, right]);
+        assert_eq!(super::listing(dir.path()), before, "{argument}");
+    }
+}

@@ -1,0 +1,244 @@
+//! The form of a scene: tables, keys, types, and TOML itself.
+
+use super::edit::{before, replace, set, with_line, without};
+use super::{assert_all_refused, case};
+
+#[test]
+fn tables_and_keys_that_are_not_there() {
+    assert_all_refused(&[
+        case(
+            "misspelt table",
+            replace("[limits]", "[limit]"),
+            "limit",
+            "unknown key",
+            "`limits`",
+        ),
+        case(
+            "misspelt machine",
+            replace("[machine]", "[machin]"),
+            "machin",
+            "unknown key",
+            "`machine`",
+        ),
+        case(
+            "misspelt key",
+            replace("lambda =", "lamda ="),
+            "machine.lamda",
+            "unknown key",
+            "`lambda`",
+        ),
+        case(
+            "key out of its table",
+            before("name", "load_kg = 3"),
+            "load_kg",
+            "unknown key",
+            "it belongs under [machine]",
+        ),
+        case(
+            "key in another table",
+            before("control.tick_hz", "speed_hz = 3"),
+            "control.speed_hz",
+            "unknown key",
+            "it belongs under [limits]",
+        ),
+        case(
+            "invented key",
+            before("machine.lambda", "colour = 3"),
+            "machine.colour",
+            "unknown key",
+            "known here: crank_radius_mm, lambda",
+        ),
+        case(
+            "no name",
+            without("name"),
+            "name",
+            "missing",
+            "such as `name =",
+        ),
+        case(
+            "no load",
+            without("machine.load_kg"),
+            "machine.load_kg",
+            "missing",
+            "such as `load_kg =",
+        ),
+        case(
+            "no speed",
+            without("limits.speed_hz"),
+            "limits.speed_hz",
+            "missing",
+            "such as `speed_hz =",
+        ),
+        case(
+            "no axis count",
+            without("axes.count"),
+            "axes.count",
+            "missing",
+            "such as `count =",
+        ),
+        case(
+            "no machine",
+            "name = \"x\"\n".to_owned(),
+            "machine",
+            "missing",
+            "[machine]",
+        ),
+    ]);
+}
+
+#[test]
+fn wrong_types() {
+    let load = |value, wrong, right| {
+        case(
+            "type",
+            set("machine.load_kg", value),
+            "machine.load_kg",
+            wrong,
+            right,
+        )
+    };
+    let such_as = "where a number belongs; such as `load_kg =";
+    assert_all_refused(&[
+        load("\"10\"", "`\"10\"` is text", "write 10, without quotes"),
+        load("\"ten\"", "`\"ten\"` is text", such_as),
+        load("true", "`true` is true or false", such_as),
+        load("[10]", "`[10]` is a list", such_as),
+        load("{ kg = 10 }", "`{ kg = 10 }` is a table", such_as),
+        load("2020-01-01", "`2020-01-01` is a date", such_as),
+        case(
+            "a number for a name",
+            set("name", "5"),
+            "name",
+            "`5` is a number",
+            "text in quotes",
+        ),
+        case(
+            "a number for a truth",
+            set("axes.index", "0"),
+            "axes.index",
+            "`0` is a number",
+            "true or false",
+        ),
+        case(
+            "a list for a text",
+            set("machine.platform", "[\"above\"]"),
+            "machine.platform",
+            "`[\"above\"]` is a list",
+            "platform = \"above\"",
+        ),
+    ]);
+}
+
+#[test]
+fn what_is_not_toml() {
+    let line = |name, line, wrong| {
+        case(
+            name,
+            with_line("machine.load_kg", line),
+            "machine.load_kg",
+            wrong,
+            "write `key = value`",
+        )
+    };
+    assert_all_refused(&[
+        line("no value", "load_kg =", "is not TOML, at `load_kg =`"),
+        line(
+            "no sign",
+            "load_kg 10",
+            "is not TOML, at `load_kg 10`: key with no value",
+        ),
+        line(
+            "a unit",
+            "load_kg = 10 kg",
+            "is not TOML, at `load_kg = 10 kg`",
+        ),
+        line(
+            "a comma",
+            "load_kg = 10,5",
+            "is not TOML, at `load_kg = 10,5`",
+        ),
+        line(
+            "no end",
+            "load_kg = \"10",
+            "is not TOML, at `load_kg = \"10`",
+        ),
+        case(
+            "twice",
+            before("machine.load_kg", "load_kg = 3"),
+            "machine.load_kg",
+            "given before",
+            "keep one of the two",
+        ),
+        case(
+            "table twice",
+            replace("[control]", "[machine]"),
+            "machine",
+            "given before",
+            "keep one of the two",
+        ),
+        case(
+            "JSON",
+            "{\"name\": \"x\"}\n".to_owned(),
+            "",
+            "is not TOML",
+            "write `key = value`",
+        ),
+        case(
+            "prose",
+            "Shake it well.\n".to_owned(),
+            "",
+            "is not TOML, at `Shake it well.`",
+            "write `key = value`",
+        ),
+        case(
+            "nothing",
+            String::new(),
+            "",
+            "is empty",
+            "cophase scenes default > my.toml",
+        ),
+        case(
+            "comments",
+            "# to do\n\n".to_owned(),
+            "",
+            "is empty",
+            "cophase scenes default > my.toml",
+        ),
+    ]);
+}
+
+/// A message repeats what a file holds; it must stay one line that a terminal can show.
+#[test]
+fn what_a_terminal_would_not_bear() {
+    let long = "x".repeat(100_000);
+    assert_all_refused(&[
+        case(
+            "a bell in a key",
+            before("machine.lambda", "\"a\\u0007\\nb\" = 1"),
+            "machine.a\\u{7} b",
+            "unknown key",
+            "known here",
+        ),
+        case(
+            "an escape in a value",
+            set("machine.platform", "\"\\u001b[2J\""),
+            "machine.platform",
+            "is none of its values",
+            "\"above\", \"below\"",
+        ),
+        case(
+            "a long value",
+            set("machine.platform", &format!("\"{long}\"")),
+            "machine.platform",
+            "xxx…\" is none of its values",
+            "\"above\", \"below\"",
+        ),
+        case(
+            "a long line",
+            with_line("machine.load_kg", &format!("load_kg = {long}")),
+            "machine.load_kg",
+            "is not TOML",
+            "write `key = value`",
+        ),
+    ]);
+}

@@ -1,0 +1,207 @@
+//! The mechanism and what it carries.
+
+use super::edit::{before, rename, set, without};
+use super::{Case, assert_all_refused, case};
+
+#[test]
+fn wrong_units_name_the_key_with_the_right_one() {
+    let unit = |path, to, key, right| case(to, rename(path, to), key, "unknown key", right);
+    assert_all_refused(&[
+        unit(
+            "machine.load_kg",
+            "load_g",
+            "machine.load_g",
+            "`load_kg`, in kg",
+        ),
+        unit(
+            "machine.load_kg",
+            "load_lb",
+            "machine.load_lb",
+            "`load_kg`, in kg",
+        ),
+        unit(
+            "machine.crank_radius_mm",
+            "crank_radius_m",
+            "machine.crank_radius_m",
+            "`crank_radius_mm`, in mm",
+        ),
+        unit(
+            "machine.mount_radius_mm",
+            "mount_radius_cm",
+            "machine.mount_radius_cm",
+            "`mount_radius_mm`, in mm",
+        ),
+        unit(
+            "machine.gravity_mps2",
+            "gravity_g",
+            "machine.gravity_g",
+            "`gravity_mps2`, in m/s²",
+        ),
+        unit(
+            "program[0].amax_g",
+            "amax_mps2",
+            "program[0].amax_mps2",
+            "`amax_g`, in g",
+        ),
+        unit(
+            "program[1].ramp_s",
+            "ramp_ms",
+            "program[1].ramp_ms",
+            "`ramp_s`, in s",
+        ),
+        unit(
+            "program[1].hold_s",
+            "hold_min",
+            "program[1].hold_min",
+            "`hold_s`, in s",
+        ),
+        unit(
+            "limits.speed_hz",
+            "speed_rpm",
+            "limits.speed_rpm",
+            "`speed_hz`, in rev/s",
+        ),
+        unit(
+            "limits.acceleration_hz_per_s",
+            "acceleration_hz",
+            "limits.acceleration_hz",
+            "`acceleration_hz_per_s`, in rev/s²",
+        ),
+        unit(
+            "pulse.width_ns",
+            "width_us",
+            "pulse.width_us",
+            "`width_ns`, in ns",
+        ),
+        unit(
+            "axes.offset_deg",
+            "offset_rad",
+            "axes.offset_rad",
+            "`offset_deg`, in °",
+        ),
+        unit(
+            "drift.tilt_limit_mrad",
+            "tilt_limit_deg",
+            "drift.tilt_limit_deg",
+            "`tilt_limit_mrad`, in mrad",
+        ),
+        unit("late[0].by_us", "by_ms", "late[0].by_ms", "`by_us`, in µs"),
+    ]);
+}
+
+#[test]
+fn masses_and_lengths_that_cannot_be() {
+    let load = |name, value, wrong| -> Case {
+        case(
+            name,
+            set("machine.load_kg", value),
+            "machine.load_kg",
+            wrong,
+            "0.001 to 50 kg, the loads",
+        )
+    };
+    assert_all_refused(&[
+        load("negative mass", "-5", "-5 kg is outside"),
+        load("no mass", "0", "0 kg is outside"),
+        load("a negative nothing", "-0.0", "-0 kg is outside"),
+        load("too heavy", "51", "51 kg is outside"),
+        load("a star", "1e300", "1e300 kg is outside"),
+        load("an atom", "1e-300", "1e-300 kg is outside"),
+        load("not a number", "nan", "NaN is not a finite number"),
+        load("endless", "inf", "inf is not a finite number"),
+        load("endless downwards", "-inf", "-inf is not a finite number"),
+        case(
+            "more than a float holds",
+            set("machine.load_kg", "1e400"),
+            "machine.load_kg",
+            "`1e400`: the number is too large",
+            "such as `load_kg =",
+        ),
+        case(
+            "crank of 0.6 m",
+            set("machine.crank_radius_mm", "600"),
+            "machine.crank_radius_mm",
+            "600 mm is outside",
+            "0.1 to 500 mm",
+        ),
+        case(
+            "gravity upwards",
+            set("machine.gravity_mps2", "-9.8"),
+            "machine.gravity_mps2",
+            "-9.8 m/s² is outside",
+            "0 to 20 m/s²",
+        ),
+        case(
+            "mount circle of 1 mm",
+            set("machine.mount_radius_mm", "1"),
+            "machine.mount_radius_mm",
+            "1 mm is outside",
+            "10 to 5000 mm",
+        ),
+    ]);
+}
+
+#[test]
+fn lambda_and_the_rod() {
+    let ratio = "0.1 to 0.6, the ratios of crank radius to rod length";
+    let rod = |name, length, wrong, right| {
+        let text = super::edit::with_line("machine.lambda", &format!("rod_length_mm = {length}"));
+        case(name, text, "machine.rod_length_mm", wrong, right)
+    };
+    assert_all_refused(&[
+        case(
+            "lambda 0.7",
+            set("machine.lambda", "0.7"),
+            "machine.lambda",
+            "0.7 is outside",
+            ratio,
+        ),
+        case(
+            "lambda 0.05",
+            set("machine.lambda", "0.05"),
+            "machine.lambda",
+            "0.05 is outside",
+            ratio,
+        ),
+        case(
+            "lambda NaN",
+            set("machine.lambda", "nan"),
+            "machine.lambda",
+            "NaN is not a finite number",
+            ratio,
+        ),
+        case(
+            "both",
+            before("machine.lambda", "rod_length_mm = 60"),
+            "machine.rod_length_mm",
+            "together with machine.lambda",
+            "leave one out",
+        ),
+        case(
+            "neither",
+            without("machine.lambda"),
+            "machine.lambda",
+            "missing",
+            "or machine.rod_length_mm",
+        ),
+        rod(
+            "rod as long as the crank",
+            "20",
+            "20 mm is outside",
+            "33.34 to 200 mm",
+        ),
+        rod("rod of nothing", "0", "0 mm is outside", "33.34 to 200 mm"),
+        rod(
+            "rod of 10 m",
+            "10000",
+            "10000 mm is outside",
+            "33.34 to 200 mm",
+        ),
+        rod(
+            "rod that is no number",
+            "nan",
+            "NaN is not a finite number",
+            "33.34 to 200 mm",
+        ),
+    ]);
+}
