@@ -27,7 +27,7 @@ pub struct Written {
 
 /// `report.json`.
 ///
-/// All of it is the same on every run of a scene, [`Report::speed`] excepted.
+/// All of it is the same on every run of a scene, `speed` excepted.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report<'a> {
     name: &'a str,

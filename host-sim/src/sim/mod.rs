@@ -1,6 +1,6 @@
 //! Running a scene: the control loop in virtual time, against the scene's machine.
 //!
-//! [`simulate`] sets up the two sides, [`io`] stands between them, and an [`Observer`] looks on. What
+//! [`simulate`] sets up the two sides, a simulated `Io` stands between them, and an [`Observer`] looks on. What
 //! an observer does, or whether there is one, never changes what happens.
 
 mod io;

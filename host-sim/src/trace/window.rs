@@ -79,6 +79,10 @@ impl<V: Write> StepWindow<V> {
             Window::FirstMotion => (u64::MAX, u64::MAX),
         };
         self.edges.retain(|(at, ..)| *at >= start_ns); // the ends of index pulses of the tick before
+        if end_ns <= from_ns || start_ns > to_ns {
+            self.pass(moment, reversed);
+            return self.close_after(end_ns, to_ns);
+        }
         self.gather(moment, reversed);
         self.edges.sort_by_key(|(at, ..)| *at);
         for i in 0..self.edges.len() {
@@ -97,13 +101,33 @@ impl<V: Write> StepWindow<V> {
             }
             self.set(signal, level);
         }
-        if end_ns > from_ns {
-            self.begin(from_ns, N)?;
+        self.begin(from_ns, N)?;
+        self.close_after(end_ns, to_ns)
+    }
+
+    /// Keeps track of the levels over a tick that is not shown, without looking at each edge.
+    fn pass<const N: usize>(&mut self, moment: &Moment<'_, N>, reversed: &[bool]) {
+        self.levels.enable = moment.drives_enabled;
+        self.levels.sync = moment.sync;
+        for (i, &reversed) in reversed.iter().enumerate() {
+            for run in &moment.played.runs[i] {
+                self.levels.step[i] ^= run.edges % 2 == 1;
+                self.levels.dir[i] = run.forward != reversed;
+            }
+            let end = moment.index[i]
+                .map(|pulse| moment.start_ns + u64::from(pulse.cycle) * CYCLE_NS + INDEX_NS);
+            self.levels.index[i] = end.is_some_and(|end| end >= moment.end_ns);
+            self.edges
+                .extend(end.map(|end| (end, Signal::Index(i), false)));
         }
+    }
+
+    fn close_after(&mut self, end_ns: u64, to_ns: u64) -> Result<(), VcdError> {
         if end_ns > to_ns {
-            self.close(to_ns)?;
+            self.close(to_ns)
+        } else {
+            Ok(())
         }
-        Ok(())
     }
 
     /// Edges of one tick, in no order.
@@ -112,14 +136,14 @@ impl<V: Write> StepWindow<V> {
         self.edges
             .push((start_ns, Signal::Enable, moment.drives_enabled));
         self.edges.push((start_ns, Signal::Sync, moment.sync));
-        for i in 0..N {
+        for (i, &reversed) in reversed.iter().enumerate() {
             let mut cycle = 0_u64;
             let mut high = self.levels.step[i];
             for run in &moment.played.runs[i] {
                 self.edges.push((
                     start_ns + cycle * CYCLE_NS,
                     Signal::Dir(i),
-                    run.forward != reversed[i],
+                    run.forward != reversed,
                 ));
                 for _ in 0..run.edges {
                     cycle += u64::from(run.period);

@@ -3,14 +3,15 @@
 //! STEP is a square wave. It rises where the phase crosses a step and falls half a step later, so
 //! that a pulse may lie across the end of a tick without being cut, and is as wide as can be. A
 //! [`Run`] is a number of *edges* a period apart; with no edges it is a pause. A tick's runs fill
-//! exactly one tick. See [`Planner`] for the bound on the edges' times.
+//! exactly one tick. See [`planner`] for the bound on the
+//! edges' times, and how it comes about.
 
-mod planner;
+pub mod planner;
 
 pub use planner::{Planner, PulseTiming};
 
-/// Most runs in a tick: two for every [`planner::CHUNK`] edges, and what the ends and a change of
-/// direction take.
+/// Most runs in a tick: two for every [`planner::CHUNK`] edges, and what the ends and a
+/// change of direction take.
 pub const MAX_RUNS: usize = 128;
 
 /// Most edges in a tick that [`MAX_RUNS`] are sure to be enough for.

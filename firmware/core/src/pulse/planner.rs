@@ -163,7 +163,7 @@ impl Planner {
 
         // Where STEP's level is not what the phase and the way it moves would have it (at the very
         // start, and after a change of direction), the first crossing must not, or must also, fall.
-        let due_high = (way.first_index % 2 == 0) == way.forward;
+        let due_high = way.first_index.is_multiple_of(2) == way.forward;
         let skipped = u32::from(way.crossings > 0 && due_high && !self.high);
         let edges = way.crossings - skipped;
         if edges > 0 {

@@ -75,9 +75,14 @@ impl StopPlan {
         } else {
             Slope::Down
         };
-        self.weight.step(slope);
-        self.blend.step(slope);
-        let taken = self.weight.second.floor_of_difference(self.blend.first);
+        let denominator = self.short * self.long;
+        self.weight.step(slope, denominator);
+        self.blend.step(slope, denominator);
+        let taken = self
+            .weight
+            .second
+            .minus(self.blend.first, denominator)
+            .whole;
         let speed = self.speed - (taken - self.taken);
         self.taken = taken;
         speed
@@ -122,63 +127,63 @@ struct Ladder {
 
 impl Ladder {
     const fn new(numerator: u64, denominator: u64) -> Self {
-        let zero = Rational {
-            whole: 0,
-            rest: 0,
-            denominator,
+        let unit = Rational {
+            whole: (numerator / denominator) as i64,
+            rest: numerator % denominator,
         };
         Self {
-            unit: Rational {
-                whole: (numerator / denominator) as i64,
-                rest: numerator % denominator,
-                denominator,
-            },
-            level: zero,
-            first: zero,
-            second: zero,
+            unit,
+            level: Rational::ZERO,
+            first: Rational::ZERO,
+            second: Rational::ZERO,
         }
     }
 
-    fn step(&mut self, slope: Slope) {
+    fn step(&mut self, slope: Slope, denominator: u64) {
         match slope {
-            Slope::Up => self.level.add(self.unit),
+            Slope::Up => self.level = self.level.plus(self.unit, denominator),
             Slope::Flat => {}
-            Slope::Down => self.level.subtract(self.unit),
+            Slope::Down => self.level = self.level.minus(self.unit, denominator),
         }
-        self.first.add(self.level);
-        self.second.add(self.first);
+        self.first = self.first.plus(self.level, denominator);
+        self.second = self.second.plus(self.first, denominator);
     }
 }
 
-/// `whole + rest / denominator`, 0 ≤ rest < denominator. All of one plan share their denominator.
+/// `whole + rest / denominator`, 0 ≤ rest < denominator, which all of one plan share.
 #[derive(Clone, Copy, Debug)]
 struct Rational {
     whole: i64,
     rest: u64,
-    denominator: u64,
 }
 
 impl Rational {
-    fn add(&mut self, other: Self) {
-        self.whole += other.whole;
-        self.rest += other.rest;
-        if self.rest >= self.denominator {
-            self.rest -= self.denominator;
-            self.whole += 1;
+    const ZERO: Self = Self { whole: 0, rest: 0 };
+
+    const fn plus(self, other: Self, denominator: u64) -> Self {
+        let (whole, rest) = (self.whole + other.whole, self.rest + other.rest);
+        if rest >= denominator {
+            Self {
+                whole: whole + 1,
+                rest: rest - denominator,
+            }
+        } else {
+            Self { whole, rest }
         }
     }
 
-    fn subtract(&mut self, other: Self) {
-        self.whole -= other.whole;
+    const fn minus(self, other: Self, denominator: u64) -> Self {
+        let whole = self.whole - other.whole;
         if self.rest < other.rest {
-            self.rest += self.denominator;
-            self.whole -= 1;
+            Self {
+                whole: whole - 1,
+                rest: self.rest + denominator - other.rest,
+            }
+        } else {
+            Self {
+                whole,
+                rest: self.rest - other.rest,
+            }
         }
-        self.rest -= other.rest;
-    }
-
-    fn floor_of_difference(mut self, other: Self) -> i64 {
-        self.subtract(other);
-        self.whole
     }
 }
