@@ -14,7 +14,7 @@ use crate::servo::{FeedForward, Setpoint};
 use crate::settings::{DriveKind, Problem, Settings, SettingsError, turns};
 use crate::shaft::{Demand, Motion, Shaft, ShaftLimits, Target};
 use crate::supervisor::{Action, Command, Fault, FaultKind, SafetyInputs, Seen, State, Supervisor};
-use crate::units::{Amax, FRACTION_BITS, ONE_TURN, Phase, Turns};
+use crate::units::{Amax, ONE_TURN, Phase, Turns};
 
 /// What the loop reads from outside at a deadline.
 #[derive(Clone, Debug)]
@@ -413,9 +413,4 @@ impl<const N: usize> Controller<N> {
         telemetry.drift = *self.drift.drift();
         telemetry.modes = *self.drift.modes();
     }
-}
-
-/// Speed in rev/s of a speed in turns a tick; for logs and traces.
-pub fn speed_hz(speed: Turns, tick_hz: u32) -> f64 {
-    speed.to_bits() as f64 / (1_u64 << FRACTION_BITS) as f64 * f64::from(tick_hz)
 }

@@ -39,9 +39,9 @@ pub struct TickPhase {
 impl TickPhase {
     /// Commanded phase `cycle` cycles into a tick of `tick_cycles`.
     fn at(&self, cycle: u32, per_tick_cycle: u64) -> Phase {
-        // cycle / tick_cycles with 32 fraction bits; the turns of a tick are below ½, and of these the
-        // upper 40 bits are plenty: 2⁻⁴⁰ turn is 3e-10 degrees.
-        let part = (u64::from(cycle) * per_tick_cycle).min(1 << 32) >> 8;
+        // cycle / tick_cycles with 44 fraction bits, of which 24 are plenty; and of the turns of a
+        // tick, below ½, the upper 40: 2⁻²⁴ of a tick is less than a cycle.
+        let part = (u64::from(cycle) * per_tick_cycle).min(1 << 44) >> 20;
         let turns = ((self.turns.to_bits() >> 8) * part as i64) >> 16;
         self.start.advanced(Turns::from_bits(turns))
     }
@@ -53,7 +53,7 @@ pub struct DriftMonitor<const N: usize> {
     limits: DriftLimits,
     mount: Mount<N>,
     index: [Option<Turns>; N],
-    /// 2³² / cycles of a tick.
+    /// 2⁴⁴ / cycles of a tick.
     per_tick_cycle: u64,
     drift: [Turns; N],
     /// Axes heard since the modes were taken last.
@@ -72,7 +72,7 @@ impl<const N: usize> DriftMonitor<N> {
             limits,
             mount: Mount::new(),
             index,
-            per_tick_cycle: (1 << 32) / u64::from(tick_cycles),
+            per_tick_cycle: (1 << 44) / u64::from(tick_cycles),
             drift: [Turns::ZERO; N],
             heard: [false; N],
             since_index: [Turns::ZERO; N],
@@ -149,3 +149,6 @@ impl<const N: usize> DriftMonitor<N> {
         &self.modes
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,131 @@
+//! The monitor against cranks whose errors are known.
+
+use super::*;
+use crate::settings::{DriftSettings, MachineSettings, Platform};
+
+const TICK_CYCLES: u32 = 62_500;
+
+fn machine() -> MachineSettings {
+    MachineSettings {
+        crank_radius_m: 0.02,
+        lambda: 0.3,
+        load_kg: 10.0,
+        platform: Platform::Above,
+        gravity_mps2: 9.80665,
+        mount_radius_m: 0.25,
+    }
+}
+
+fn monitor<const N: usize>(tilt_mrad: f64, warp_deg: f64, common_deg: f64) -> DriftMonitor<N> {
+    let settings = DriftSettings {
+        tilt_limit_mrad: tilt_mrad,
+        warp_limit_deg: warp_deg,
+        common_limit_deg: common_deg,
+    };
+    DriftMonitor::new(DriftLimits::new(&settings, &machine()), [Some(Turns::ZERO); N], TICK_CYCLES)
+}
+
+/// Turns cranks that lag or lead by `errors` (turns) at `speed` (turns a tick) for `ticks`; the first
+/// fault, with the tick.
+fn turn<const N: usize>(
+    monitor: &mut DriftMonitor<N>,
+    errors: [f64; N],
+    speed: f64,
+    ticks: u32,
+    dead: Option<usize>,
+) -> Option<(u32, Fault)> {
+    for tick in 0..ticks {
+        // The end is the next tick's start to the last bit, or a passage could fall between the two.
+        let (start, end) = (f64::from(tick) * speed, f64::from(tick + 1) * speed);
+        let commanded = TickPhase {
+            start: Phase::from_turns(Turns::wrapping_from_num(start)),
+            turns: Turns::from_num(speed),
+        };
+        let pulses = core::array::from_fn(|i| {
+            let (from, to) = (start + errors[i], end + errors[i]);
+            let passes = to.floor() > from.floor() && dead != Some(i);
+            passes.then(|| IndexPulse {
+                cycle: ((to.floor() - from) / speed * f64::from(TICK_CYCLES)) as u32,
+            })
+        });
+        if let Err(fault) = monitor.observe(&pulses, &[commanded; N]) {
+            return Some((tick, fault));
+        }
+    }
+    None
+}
+
+/// Were the interpolation inside the tick wrong, drift would follow the speed, a tick's worth of it.
+#[test]
+fn drift_is_measured_to_a_cycle_at_any_speed() {
+    for speed in [0.0005, 0.013, 0.1, 0.4] {
+        let mut monitor = monitor::<4>(100.0, 90.0, 180.0);
+        let errors = [0.01, -0.02, 0.003, 0.0];
+        let ticks = (3.0 / speed) as u32;
+        assert_eq!(turn(&mut monitor, errors, speed, ticks, None), None);
+        assert!(monitor.is_aligned());
+        for (got, want) in monitor.drift().iter().zip(errors) {
+            let error = got.to_num::<f64>() - want;
+            // The pulse's own cycle, rounded down, and the interpolation's 24 bits.
+            let bound = speed / f64::from(TICK_CYCLES) + speed * (-24.0_f64).exp2() + 1e-11;
+            assert!(error.abs() < bound, "{error:e} at {speed} turns a tick");
+        }
+    }
+}
+
+/// A tilt limit in mrad is met at the amplitude that geometry gives, neither before nor after.
+#[test]
+fn tilt_trips_at_its_limit() {
+    // mode 1 of one axis in three that is off by e is 2/3 e; max s(α) at λ = 0.3 by fine search.
+    let most_way = (0..100_000)
+        .map(|i| {
+            let alpha = f64::from(i) * core::f64::consts::PI / 100_000.0;
+            let (sin, cos) = alpha.sin_cos();
+            sin + 0.3 * sin * cos / (1.0 - 0.09 * sin * sin).sqrt()
+        })
+        .fold(0.0, f64::max);
+    let limit_mrad = 3.0;
+    let amplitude = limit_mrad * 1e-3 * 0.25 / 0.02 / most_way / core::f64::consts::TAU;
+    for (part, trips) in [(0.99, false), (1.01, true)] {
+        let mut monitor = monitor::<3>(limit_mrad, 90.0, 180.0);
+        let error = -1.5 * amplitude * part;
+        let fault = turn(&mut monitor, [0.0, 0.0, error], 0.01, 300, None);
+        assert_eq!(fault.is_some(), trips, "at {part} of the limit");
+        if let Some((tick, fault)) = fault {
+            assert_eq!((fault.kind, fault.axis), (FaultKind::Tilt, Some(2)));
+            assert!(tick <= 102, "a turn and two ticks after the first pulse that shows it");
+        }
+    }
+}
+
+#[test]
+fn warp_and_common_lag_have_limits_of_their_own() {
+    let bent = [0.02, -0.02, 0.02, -0.02]; // no tilt, no mean
+    let fault = turn(&mut monitor::<4>(3.0, 5.0, 15.0), bent, 0.01, 300, None);
+    assert_eq!(fault.map(|(_, fault)| fault.kind), Some(FaultKind::Warp));
+    let late = [-0.05; 4];
+    let fault = turn(&mut monitor::<4>(3.0, 5.0, 15.0), late, 0.01, 300, None);
+    assert_eq!(fault.map(|(_, fault)| fault.kind), Some(FaultKind::CommonLag));
+    assert_eq!(turn(&mut monitor::<4>(3.0, 5.0, 19.0), late, 0.01, 300, None), None);
+}
+
+/// All lag alike, and pulses of one turn fall into two ticks: comparing new with old would show a tilt
+/// that never was.
+#[test]
+fn a_lag_in_common_is_not_taken_for_tilt() {
+    let mut monitor = monitor::<4>(0.05, 0.05, 180.0);
+    for lag in 0..50 {
+        // Each turn a little later, so that the pulses wander across the ticks' borders.
+        let lag = -0.0037 * f64::from(lag);
+        assert_eq!(turn(&mut monitor, [lag, lag - 1e-6, lag + 1e-6, lag], 0.01, 250, None), None);
+    }
+}
+
+#[test]
+fn a_sensor_that_stays_silent_is_missed_within_its_turn() {
+    let mut monitor = monitor::<4>(3.0, 5.0, 15.0);
+    let (tick, fault) = turn(&mut monitor, [0.0; 4], 0.01, 1000, Some(3)).expect("a fault");
+    assert_eq!((fault.kind, fault.axis), (FaultKind::IndexMissing, Some(3)));
+    assert!(tick <= 107, "found after {tick} ticks of 0.01 turn");
+    assert!(!monitor.is_aligned());
+}
