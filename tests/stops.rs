@@ -78,6 +78,26 @@ fn a_stop_amid_a_band_leaves_it_downwards_at_once() {
     );
 }
 
+/// Were it wrong, a stop that comes anywhere about a band could wait there for the phase to park at.
+#[test]
+fn no_stop_dwells_in_a_band() {
+    let amid_s = amid_band(&story(""));
+    for offset in -12..=12 {
+        let at_s = amid_s + f64::from(offset) * 0.005;
+        let watched = story(&command(at_s, "stop"));
+        stands_at_park_phase(watched.last());
+        let even = |pair: &&[Tick]| {
+            pair[1].state == Stop && pair[1].crossing && pair[0].speed == pair[1].speed
+        };
+        // Where the shaft turns round, its acceleration may be zero for a tick.
+        let waited = watched.ticks.windows(2).filter(even).count();
+        assert!(
+            waited <= 1,
+            "stopped at {at_s} s: {waited} ticks at one speed in the band"
+        );
+    }
+}
+
 /// Were it wrong, a stop that comes before the first index would be lost.
 #[test]
 fn a_stop_while_aligning_parks() {
