@@ -1,1 +1,155 @@
-//! x
+//! What the tests that cross crates share: running a scene, and reading back what it leaves.
+//!
+//! The files are read by other code than wrote them: [`Trace`] by the `csv` crate's reader, [`Edges`]
+//! by the `vcd` crate's, the report by `serde_json`. [`watch`] keeps what the loop itself knew, tick by
+//! tick and to the bit, for what no file has the digits for.
+#![forbid(unsafe_code)]
+
+mod edges;
+pub mod story;
+mod trace;
+mod watch;
+
+pub use edges::{Edges, Wire};
+pub use trace::Trace;
+pub use watch::{Tick, Watched, watch};
+
+use host_sim::report::Report;
+use host_sim::scene::{Checked, library, load};
+use host_sim::sim::{Outcome, simulate};
+use host_sim::trace::{Every, Recorder, ScopeData, ScopeFrame, Window};
+
+/// Evaluates an expression with a constant that is the scene's number of axes.
+///
+/// ```ignore
+/// let outcome = with_axes!(checked, N => simulate::<N>(&checked, &mut (), |_, _| {}));
+/// ```
+#[macro_export]
+macro_rules! with_axes {
+    ($checked:expr, $N:ident => $body:expr) => {
+        match $checked.scene.axes.count {
+            2 => $crate::with_axes!(@ $N, 2, $body),
+            3 => $crate::with_axes!(@ $N, 3, $body),
+            4 => $crate::with_axes!(@ $N, 4, $body),
+            5 => $crate::with_axes!(@ $N, 5, $body),
+            _ => $crate::with_axes!(@ $N, 6, $body),
+        }
+    };
+    (@ $N:ident, $count:literal, $body:expr) => {{
+        const $N: usize = $count;
+        $body
+    }};
+}
+
+/// A scene from its text.
+///
+/// # Panics
+/// If the text is no scene; with the message that a user would get.
+pub fn scene(text: &str) -> Checked {
+    let scene = load::parse(text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    Checked::new(scene).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// A built-in scene.
+///
+/// # Panics
+/// If there is none of that name.
+pub fn built_in(name: &str) -> Checked {
+    let built_in = library::find(name).unwrap_or_else(|| panic!("no built-in scene `{name}`"));
+    scene(built_in.text)
+}
+
+/// A run with what it left behind, in memory.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// `trace.csv`.
+    pub csv: Vec<u8>,
+    /// `steps.vcd`.
+    pub vcd: Vec<u8>,
+    /// `scope.svg`, without marks.
+    pub svg: String,
+    /// `report.json`.
+    pub report: serde_json::Value,
+}
+
+impl Run {
+    /// `trace.csv`, read.
+    pub fn trace(&self) -> Trace {
+        Trace::read(&self.csv)
+    }
+
+    /// `steps.vcd`, read.
+    pub fn edges(&self) -> Edges {
+        Edges::read(&self.vcd)
+    }
+
+    /// `report.json` without what is allowed to differ between two runs of a scene, and, if
+    /// `any_written`, between two ways to write one.
+    pub fn lasting_report(&self, any_written: bool) -> serde_json::Value {
+        let mut report = self.report.clone();
+        let object = report.as_object_mut().expect("a report is an object");
+        assert!(object.remove("speed").is_some(), "the report has a `speed`");
+        if any_written {
+            assert!(
+                object.remove("written").is_some(),
+                "the report says what was written"
+            );
+        }
+        report
+    }
+
+    /// Time spans, s, of the report's events whose words contain `what`: each event says for how long.
+    pub fn spans(&self, what: &str) -> Vec<(f64, f64)> {
+        let events = self.report["events"].as_array().expect("a list of events");
+        let about = events.iter().filter(|event| {
+            event["what"]
+                .as_str()
+                .is_some_and(|words| words.contains(what))
+        });
+        about
+            .map(|event| {
+                let from_s = event["t_s"].as_f64().expect("an event has a time");
+                let words = event["what"].as_str().unwrap_or_default();
+                let seconds = words
+                    .split(' ')
+                    .zip(words.split(' ').skip(1))
+                    .find(|(_, unit)| unit.trim_end_matches([',', ':']) == "s")
+                    .and_then(|(number, _)| number.parse::<f64>().ok())
+                    .unwrap_or_else(|| panic!("no duration in `{words}`"));
+                (from_s, from_s + seconds)
+            })
+            .collect()
+    }
+}
+
+/// Runs a scene and records it as `cophase run` does, into memory.
+///
+/// # Panics
+/// If it cannot be recorded.
+pub fn record(checked: &Checked, every: Every, window: Window) -> Run {
+    with_axes!(checked, N => record_axes::<N>(checked, every, window))
+}
+
+fn record_axes<const N: usize>(checked: &Checked, every: Every, window: Window) -> Run {
+    let (mut csv, mut vcd) = (Vec::new(), Vec::new());
+    let frame = ScopeFrame {
+        title: checked.scene.name.clone(),
+        ..ScopeFrame::default()
+    };
+    let scope = ScopeData::new(N, frame);
+    let mut recorder = Recorder::new(checked, &mut csv, &mut vcd, every, window, scope)
+        .expect("a header can be written to memory");
+    let outcome = simulate::<N>(checked, &mut recorder, |_, _| {}).expect("a checked scene runs");
+    let (written, scope) = recorder.finish().expect("memory takes it all");
+    let report = Report::new(checked, &outcome, Some(written), 1.0);
+    let report = serde_json::to_value(report).expect("a report is JSON");
+    Run {
+        outcome,
+        csv,
+        vcd,
+        svg: scope.render(),
+        report,
+    }
+}

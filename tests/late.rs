@@ -1,0 +1,172 @@
+//! A loop that wakes late: what is to be unchanged, what is to be reported, and what is to stop it.
+//!
+//! A tick is 500 µs here. What the loop writes at one deadline plays from the next on, so that a deadline
+//! missed at `LATE_S` leaves the drives without pulses from a tick after that.
+
+use cophase_core::supervisor::{FaultKind, State};
+use cophase_tests::{Tick, Watched, record, scene, watch};
+use host_sim::trace::{Every, Window};
+
+const TICK_NS: u64 = 500_000;
+const LATE_S: f64 = 1.2;
+
+const SCENE: &str = r#"
+name = "late"
+[machine]
+crank_radius_mm = 20
+lambda = 0.3
+load_kg = 5
+[control]
+settle_s = 0.02
+[limits]
+speed_hz = 12
+acceleration_hz_per_s = 40
+jerk_hz_per_s2 = 1000
+creep_hz = 5
+[axes]
+count = 3
+drive = "stepper"
+steps_per_turn = 3200
+[[axis]]
+number = 1
+reversed = true
+[[axis]]
+number = 2
+drive = "servo"
+[[program]]
+amax_g = 9
+ramp_s = 1.5
+hold_s = 0.7
+[[program]]
+amax_g = 2
+ramp_s = 0.6
+hold_s = 0.2
+"#;
+
+fn late_by(by_us: f64) -> String {
+    format!("{SCENE}[[late]]\nat_s = {LATE_S}\nby_us = {by_us}\n")
+}
+
+/// What a tick commands, whenever it is played and whatever was counted on the way.
+fn commanded(watched: &Watched) -> Vec<Tick> {
+    let timeless = |tick: &Tick| Tick {
+        start_ns: 0,
+        missed: 0,
+        late: 0,
+        ..*tick
+    };
+    watched.ticks.iter().map(timeless).collect()
+}
+
+/// Gaps between ticks, as (where the drives had nothing to play, for how many ticks).
+fn gaps(watched: &Watched) -> Vec<(u64, u64)> {
+    let gap = |pair: &[Tick]| {
+        let (end_ns, next_ns) = (pair[0].start_ns + TICK_NS, pair[1].start_ns);
+        (next_ns != end_ns).then(|| (end_ns, (next_ns - end_ns) / TICK_NS))
+    };
+    watched.ticks.windows(2).filter_map(gap).collect()
+}
+
+/// Were it wrong, ordinary jitter of the processor would reach the cranks.
+#[test]
+fn less_than_a_tick_late_changes_nothing_but_the_count() {
+    let punctual = watch(&scene(SCENE));
+    for (by_us, counted) in [(200.0, 0), (300.0, 1), (499.0, 1)] {
+        let late = watch(&scene(&late_by(by_us)));
+        assert_eq!(
+            (late.last().late, late.last().missed),
+            (counted, 0),
+            "{by_us} µs"
+        );
+        assert_eq!(commanded(&late), commanded(&punctual), "{by_us} µs");
+        assert_eq!(gaps(&late), []);
+        assert_eq!(late.outcome.state, State::Parked);
+    }
+    let report = record(&scene(&late_by(300.0)), Every::Fitting, Window::FirstMotion).report;
+    assert_eq!(report["late_deadlines"], 1);
+}
+
+/// Were it wrong, a missed deadline would cost steps, or make some axes stand and not others, or be made
+/// up for by a burst. (That all axes are together at every tick is asserted by `watch`.)
+#[test]
+fn a_missed_deadline_makes_all_stand_and_loses_nothing() {
+    let punctual = watch(&scene(SCENE));
+    for (by_us, missed) in [(500.0, 1), (750.0, 1), (1000.0, 2), (1499.0, 2)] {
+        let checked = scene(&late_by(by_us));
+        let late = watch(&checked);
+        assert_eq!(late.last().missed, missed, "{by_us} µs");
+        assert_eq!(late.outcome.fault, None, "{by_us} µs");
+        // The program and all that follows from it is the same, to the bit, only later.
+        assert_eq!(commanded(&late), commanded(&punctual), "{by_us} µs");
+        let stand_ns = (LATE_S * 1e9) as u64 + TICK_NS;
+        assert_eq!(gaps(&late), [(stand_ns, u64::from(missed))], "{by_us} µs");
+        assert_eq!(
+            late.last().start_ns,
+            punctual.last().start_ns + u64::from(missed) * TICK_NS
+        );
+
+        // Nothing moves meanwhile, on any wire; and the report tells of it.
+        let run = record(&checked, Every::Ticks(1), Window::All);
+        let until_ns = stand_ns + u64::from(missed) * TICK_NS;
+        for axis in [0, 1] {
+            let step = run.edges().wire(&format!("step_{axis}")).clone();
+            assert_eq!(
+                step.cut(stand_ns, until_ns).changes,
+                [],
+                "axis {axis} stands"
+            );
+            assert!(
+                !step.cut(stand_ns - TICK_NS, stand_ns).changes.is_empty(),
+                "it moved before"
+            );
+            assert!(
+                !step.cut(until_ns, until_ns + TICK_NS).changes.is_empty(),
+                "and after"
+            );
+            let steps = run.edges().steps(axis, axis == 1);
+            assert_eq!(steps, punctual.last().steps, "axis {axis}");
+        }
+        let events = run.report["events"].to_string();
+        assert!(
+            events.contains(&format!("{missed} deadlines missed")),
+            "{events}"
+        );
+    }
+}
+
+/// Were it wrong, a processor that hangs would leave the machine running on without a program; or would
+/// cut the drives off, and let each crank run out for itself, though the loop is back.
+#[test]
+fn three_missed_in_a_row_stop_the_machine_in_phase() {
+    for (by_us, missed) in [(1500.0, 3), (5000.0, 10)] {
+        let late = watch(&scene(&late_by(by_us)));
+        let fault = late.outcome.fault.expect("an overrun is a fault");
+        assert_eq!(fault.kind, FaultKind::Overrun);
+        // Ticks are those that the loop has played: the missed ones are none of them.
+        assert_eq!(fault.tick, (LATE_S * 2000.0) as u64);
+        assert_eq!(late.last().missed, missed, "{by_us} µs");
+        assert_eq!(
+            late.states(),
+            [State::Align, State::Run, State::Stop, State::Fault]
+        );
+        assert_eq!(gaps(&late).len(), 1);
+        // The stop keeps the acceleration that the scene allows: 40 rev/s² at 2 kHz, in 2⁻⁴⁸ turn.
+        let most = (40.0 / 4e6 * (1_u64 << 48) as f64) as u64;
+        let stopping: Vec<&Tick> = late
+            .ticks
+            .iter()
+            .filter(|tick| tick.state == State::Stop)
+            .collect();
+        assert!(stopping[0].speed > 0, "{by_us} µs: stopped from speed");
+        for pair in stopping.windows(2) {
+            assert!(pair[1].speed.abs_diff(pair[0].speed) <= most);
+            // They go off with the fault's state, while the last tick of the standstill plays.
+            assert!(
+                pair[1].drives_enabled || pair[1].speed == 0,
+                "the drives hold the cranks"
+            );
+        }
+        assert_eq!(stopping[stopping.len() - 1].speed, 0);
+        assert!(!late.last().drives_enabled);
+    }
+}

@@ -1,0 +1,169 @@
+//! The same scene gives the same run, byte for byte, whoever looks on and however closely.
+//!
+//! (That the command's own files are the same too is tested beside the command.)
+
+use cophase_tests::{Run, built_in, record, scene, watch};
+use host_sim::trace::{Every, Window};
+
+/// Two seconds with a change of level, a hold on command and a late deadline.
+const SHORT: &str = r#"
+name = "short"
+[machine]
+crank_radius_mm = 20
+lambda = 0.3
+load_kg = 5
+[control]
+settle_s = 0.02
+[limits]
+speed_hz = 12
+acceleration_hz_per_s = 60
+jerk_hz_per_s2 = 2000
+creep_hz = 5
+band = [{ from_hz = 6, to_hz = 7 }]
+[axes]
+count = 3
+drive = "stepper"
+steps_per_turn = 1600
+[[axis]]
+number = 1
+reversed = true
+trim_deg = -1.5
+[[axis]]
+number = 2
+ratio = [3, 7]
+index = false
+[[program]]
+amax_g = 9
+ramp_s = 0.8
+hold_s = 0.4
+[[program]]
+amax_g = 3
+ramp_s = 0.5
+hold_s = 0.2
+[[command]]
+at_s = 1.3
+do = "hold"
+[[command]]
+at_s = 1.5
+do = "resume"
+[[late]]
+at_s = 1.2
+by_us = 700
+"#;
+
+fn assert_same(one: &Run, other: &Run) {
+    assert!(one.csv == other.csv, "trace.csv differs");
+    assert!(one.vcd == other.vcd, "steps.vcd differs");
+    assert!(one.svg == other.svg, "scope.svg differs");
+    assert_eq!(
+        one.lasting_report(false),
+        other.lasting_report(false),
+        "report.json"
+    );
+}
+
+/// Were it wrong, a golden file would be worth nothing, and a fault seen once might never be seen again.
+#[test]
+fn twice_the_same() {
+    for checked in [scene(SHORT), built_in("lost-steps")] {
+        let run = || record(&checked, Every::Ticks(1), Window::All);
+        assert_same(&run(), &run());
+    }
+}
+
+/// Were it wrong, virtual time or something else would be shared between threads, and a campaign that
+/// uses all cores would be another one than on one core.
+#[test]
+fn side_by_side_the_same() {
+    let scenes = [scene(SHORT), built_in("lost-steps"), built_in("patent-3")];
+    let run = |i: usize| record(&scenes[i], Every::Fitting, Window::FirstMotion);
+    let alone: Vec<Run> = (0..3).map(run).collect();
+    let together: Vec<Run> = std::thread::scope(|threads| {
+        // Each scene on two threads at once, in another order.
+        let spawned: Vec<_> = [0, 1, 2, 2, 0, 1]
+            .map(|i| threads.spawn(move || run(i)))
+            .into();
+        let joined = spawned
+            .into_iter()
+            .map(|thread| thread.join().expect("no panic"));
+        joined.collect()
+    });
+    for (i, run) in [0, 1, 2, 2, 0, 1].into_iter().zip(&together) {
+        assert_same(&alone[i], run);
+    }
+}
+
+/// Were it wrong, thinning a trace or moving the window would change what happens in it: the observer
+/// would be part of the experiment.
+#[test]
+fn looking_closer_shows_more_of_the_same() {
+    let checked = scene(SHORT);
+    let all = record(&checked, Every::Ticks(1), Window::All);
+    let lines = |run: &Run| -> Vec<String> {
+        let text = String::from_utf8(run.csv.clone()).expect("UTF-8");
+        text.lines().map(str::to_owned).collect()
+    };
+    let rows = lines(&all);
+    let edges = all.edges();
+    assert!(rows.len() > 4000);
+    // In the middle of motion, and with no change of any wire at its ends; from power-up; and reaching
+    // beyond the run's end.
+    let windows = [
+        (900_000_000, 1_250_500_000),
+        (0, 300_000_000),
+        (2_000_000_000, 90_000_000_000),
+    ];
+    for (every, (from_ns, to_ns)) in [2, 7, 10].into_iter().zip(windows) {
+        let some = record(
+            &checked,
+            Every::Ticks(every),
+            Window::Between(from_ns, to_ns),
+        );
+        assert_eq!(
+            some.lasting_report(true),
+            all.lasting_report(true),
+            "every {every}"
+        );
+        let thinned = lines(&some);
+        assert_eq!(thinned[0], rows[0], "header");
+        let every = every as usize;
+        let nth: Vec<&String> = rows[1..].iter().skip(every - 1).step_by(every).collect();
+        assert_eq!(
+            thinned[1..].iter().collect::<Vec<_>>(),
+            nth,
+            "every {every}"
+        );
+        assert!(some.svg == all.svg, "scope.svg is drawn from every tick");
+
+        let window = some.edges();
+        let to_ns = to_ns.min(edges.to_ns);
+        assert_eq!((window.from_ns, window.to_ns), (from_ns, to_ns));
+        for (name, wire) in &edges.wires {
+            let mut shown = window.wire(name).clone();
+            // A wire that changes at the window's very start is shown at its old level first.
+            shown.changes.retain(|&(at, _)| at < to_ns);
+            assert_eq!(
+                shown,
+                wire.cut(from_ns, to_ns),
+                "{name} in {from_ns}..{to_ns}"
+            );
+        }
+    }
+}
+
+/// Were it wrong, watching the loop instead of recording it would change it.
+#[test]
+fn who_looks_on_changes_nothing() {
+    let checked = built_in("patent-4");
+    let recorded = record(&checked, Every::Fitting, Window::FirstMotion);
+    let watched = watch(&checked);
+    // The last two outputs are still waiting for their time when the run ends.
+    assert_eq!(watched.ticks.len() as u64 + 2, watched.outcome.ticks);
+    assert_eq!(recorded.outcome.ticks, watched.outcome.ticks);
+    let (one, other) = (&recorded.outcome.statistics, &watched.outcome.statistics);
+    assert_eq!(
+        (&one.events, &one.steps, &one.turns),
+        (&other.events, &other.steps, &other.turns)
+    );
+    assert_eq!(one.holding, other.holding);
+}

@@ -1,0 +1,182 @@
+//! Every way to stop, through scenes.
+//!
+//! That all axes are in phase, to the bit, at every tick of every one of these runs is asserted by
+//! [`cophase_tests::watch`]; that the shaft keeps its limits, by [`story`].
+
+use cophase_core::supervisor::FaultKind;
+use cophase_core::supervisor::State::{Align, Fault, Parked, Run, Stop};
+use cophase_core::units::Phase;
+use cophase_tests::story::{HZ, ONE_TURN, command, input, program, stands_at_park_phase, story};
+use cophase_tests::{Tick, Watched};
+
+/// When the shaft was in the middle of its first passage through the band, s.
+fn amid_band(watched: &Watched) -> f64 {
+    let inside = |tick: &&Tick| tick.crossing;
+    let first = watched
+        .ticks
+        .iter()
+        .find(inside)
+        .expect("the band is crossed");
+    let ticks = watched
+        .ticks
+        .iter()
+        .skip_while(|tick| !tick.crossing)
+        .take_while(inside)
+        .count();
+    first.start_ns as f64 * 1e-9 + ticks as f64 / 2.0 / HZ
+}
+
+/// Were it wrong, a machine would not come to rest by itself, or would do so elsewhere than it was told.
+#[test]
+fn a_program_ends_parked_at_the_phase_to_park_at() {
+    let watched = story("");
+    assert_eq!(watched.states(), [Align, Run, Stop, Parked]);
+    stands_at_park_phase(watched.last());
+    assert_eq!(watched.outcome.fault, None);
+    assert_eq!(program(&watched).len(), 3300 * 2);
+}
+
+/// Were it wrong, a stop that comes while the shaft accelerates would jerk it, or miss the phase.
+#[test]
+fn a_stop_amid_a_ramp_parks() {
+    for at_s in [0.7, 0.9, 1.1, 2.6, 3.0] {
+        let watched = story(&command(at_s, "stop"));
+        let before = watched.at(at_s);
+        assert_eq!(before.state, Run, "{at_s} s");
+        assert_ne!(
+            watched.at(at_s - 0.01).speed,
+            before.speed,
+            "{at_s} s is amid a ramp"
+        );
+        assert_eq!(watched.states(), [Align, Run, Stop, Parked]);
+        stands_at_park_phase(watched.last());
+    }
+}
+
+/// Were it wrong, a stop would leave the shaft dwelling at a resonance, or take it up through it first.
+#[test]
+fn a_stop_amid_a_band_leaves_it_downwards_at_once() {
+    let plain = story("");
+    let at_s = amid_band(&plain);
+    let watched = story(&command(at_s, "stop"));
+    stands_at_park_phase(watched.last());
+    let stopping = || watched.ticks.iter().filter(|tick| tick.state == Stop);
+    let crossing = stopping().take_while(|tick| tick.crossing).count();
+    assert!(crossing > 0, "the stop came inside the band");
+    assert!(
+        stopping().skip(crossing).all(|tick| !tick.crossing),
+        "the band is entered again"
+    );
+    // Letting go the acceleration gains at most a²/2J = 1 rev/s; the band is 2 rev/s wide and the stop
+    // came half way up, so the shaft turns round in it. Down from there at 40 rev/s² and 800 rev/s³ takes
+    // a/J to let go, a/J to brake, and 2 rev/s / a: 150 ms.
+    assert!(crossing as f64 / HZ < 0.15, "{crossing} ticks in the band");
+    let top = stopping().map(|tick| tick.speed).max().expect("ticks");
+    assert!(
+        top as f64 / ONE_TURN * HZ < 11.0,
+        "the shaft went up through the band"
+    );
+}
+
+/// Were it wrong, a stop that comes anywhere about a band could wait there for the phase to park at.
+#[test]
+fn no_stop_dwells_in_a_band() {
+    let amid_s = amid_band(&story(""));
+    for offset in -12..=12 {
+        let at_s = amid_s + f64::from(offset) * 0.005;
+        let watched = story(&command(at_s, "stop"));
+        stands_at_park_phase(watched.last());
+        let even = |pair: &&[Tick]| {
+            pair[1].state == Stop && pair[1].crossing && pair[0].speed == pair[1].speed
+        };
+        // Where the shaft turns round, its acceleration may be zero for a tick.
+        let waited = watched.ticks.windows(2).filter(even).count();
+        assert!(
+            waited <= 1,
+            "stopped at {at_s} s: {waited} ticks at one speed in the band"
+        );
+    }
+}
+
+/// Were it wrong, a stop that comes before the first index would be lost.
+#[test]
+fn a_stop_while_aligning_parks() {
+    for at_s in [0.01, 0.1, 0.2] {
+        let watched = story(&command(at_s, "stop"));
+        assert_eq!(watched.states()[..2], [Align, Stop], "{at_s} s");
+        assert!(!watched.states().contains(&Run), "{at_s} s");
+        assert_eq!(watched.last().state, Parked);
+        if at_s > 0.02 {
+            stands_at_park_phase(watched.last());
+        } else {
+            assert_eq!(
+                watched.last().phase,
+                Phase::ZERO,
+                "nothing had moved: nothing moves"
+            );
+        }
+    }
+}
+
+/// Were it wrong, the stop button would do something else than the command, or let a start through.
+#[test]
+fn the_stop_input_stops_like_the_command_and_keeps_the_machine_stopped() {
+    let commanded = story(&command(1.0, "stop"));
+    let pressed = input(1.0, "stop", true);
+    let held = story(&(pressed.clone() + &command(0.0, "start") + &command(3.0, "start")));
+    assert_eq!(held.states(), [Align, Run, Stop, Parked]);
+    let moving = |watched: &Watched| -> Vec<Tick> {
+        watched
+            .ticks
+            .iter()
+            .take_while(|tick| tick.state != Parked)
+            .copied()
+            .collect()
+    };
+    assert_eq!(moving(&held), moving(&commanded));
+    assert!(
+        held.last().start_ns > 3_000_000_000,
+        "the start was heard, and not obeyed"
+    );
+    stands_at_park_phase(held.last());
+
+    let freed = pressed + &input(2.5, "stop", false);
+    let freed = story(&(freed + &command(0.0, "start") + &command(3.0, "start")));
+    assert_eq!(
+        freed.states(),
+        [Align, Run, Stop, Parked, Run, Stop, Parked]
+    );
+    stands_at_park_phase(freed.last());
+}
+
+/// Were it wrong, the drives would push on after their enable was taken away, or come back by themselves.
+#[test]
+fn enable_lost_at_speed_cuts_the_drives_the_same_tick() {
+    let lost_s = 2.0;
+    let happens = command(0.0, "start")
+        + &input(lost_s, "enable", false)
+        + &input(2.2, "enable", true)
+        + &command(2.4, "start");
+    let watched = story(&happens);
+    assert!(
+        watched.at(lost_s - 0.01).speed as f64 / ONE_TURN * HZ > 15.0,
+        "at speed"
+    );
+    assert_eq!(watched.states(), [Align, Run, Fault]);
+    for tick in &watched.ticks {
+        assert_eq!(
+            tick.drives_enabled,
+            (1..2_000_000_000).contains(&tick.start_ns),
+            "{tick:?}"
+        );
+        if tick.start_ns > 2_000_000_000 {
+            assert_eq!((tick.state, tick.speed), (Fault, 0), "a start is no reset");
+        }
+    }
+    let fault = watched
+        .outcome
+        .fault
+        .expect("a fault, and so exit status 1");
+    assert_eq!(fault.kind, FaultKind::EnableLost);
+    assert_eq!(watched.last().fault, Some(fault), "it is latched");
+}

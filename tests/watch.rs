@@ -1,0 +1,119 @@
+//! What the loop knew, tick by tick, with all axes compared to the bit.
+
+use cophase_core::supervisor::{Fault, State};
+use cophase_core::units::{Amax, Phase};
+use host_sim::scene::Checked;
+use host_sim::sim::{Moment, Observer, Outcome, simulate};
+
+use crate::with_axes;
+
+/// One tick of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tick {
+    /// When it was played, ns since power-up.
+    pub start_ns: u64,
+    /// The supervisor's state.
+    pub state: State,
+    /// The fault that is latched.
+    pub fault: Option<Fault>,
+    /// What the program asks for.
+    pub program: Amax,
+    /// Whether the program's time stands still on command.
+    pub holding: bool,
+    /// The master's phase at the tick's end.
+    pub phase: Phase,
+    /// Its speed in the tick, in units of 2⁻⁴⁸ turn a tick.
+    pub speed: i64,
+    /// Whether the shaft was inside a forbidden band.
+    pub crossing: bool,
+    /// Steps of axis 0 at the tick's end.
+    pub steps: i64,
+    /// Whether the drives were on.
+    pub drives_enabled: bool,
+    /// Deadlines missed, and met late, so far.
+    pub missed: u32,
+    /// See `missed`.
+    pub late: u32,
+}
+
+/// A run, watched.
+#[derive(Clone, Debug)]
+pub struct Watched {
+    /// Its ticks, in order.
+    pub ticks: Vec<Tick>,
+    /// How it ended.
+    pub outcome: Outcome,
+}
+
+impl Watched {
+    /// The first tick at or after a time.
+    ///
+    /// # Panics
+    /// If the run was over by then.
+    pub fn at(&self, t_s: f64) -> &Tick {
+        let ns = (t_s * 1e9).round() as u64;
+        let tick = self.ticks.iter().find(|tick| tick.start_ns >= ns);
+        tick.unwrap_or_else(|| panic!("the run was over before {t_s} s"))
+    }
+
+    /// The states that the run went through, in order.
+    pub fn states(&self) -> Vec<State> {
+        let mut states: Vec<State> = self.ticks.iter().map(|tick| tick.state).collect();
+        states.dedup();
+        states
+    }
+
+    /// The last tick.
+    ///
+    /// # Panics
+    /// If there was none.
+    pub fn last(&self) -> &Tick {
+        self.ticks.last().expect("a run has ticks")
+    }
+}
+
+/// Runs a scene in which all axes are alike (but for their sense of rotation), and watches it.
+///
+/// # Panics
+/// If at any tick the axes' commanded phases or steps differ, from each other or from the master's.
+pub fn watch(checked: &Checked) -> Watched {
+    let mut eyes = Eyes(Vec::new());
+    let outcome = with_axes!(checked, N => simulate::<N>(checked, &mut eyes, |_, _| {}))
+        .expect("a checked scene runs");
+    Watched {
+        ticks: eyes.0,
+        outcome,
+    }
+}
+
+struct Eyes(Vec<Tick>);
+
+impl<const N: usize> Observer<N> for Eyes {
+    fn tick(&mut self, moment: &Moment<'_, N>) {
+        let telemetry = moment.telemetry;
+        assert_eq!(
+            telemetry.axis_phase, [telemetry.phase; N],
+            "at {} ns: axes out of phase",
+            moment.start_ns
+        );
+        assert_eq!(
+            telemetry.steps, [telemetry.steps[0]; N],
+            "at {} ns: axes a step apart",
+            moment.start_ns
+        );
+        self.0.push(Tick {
+            start_ns: moment.start_ns,
+            state: telemetry.state,
+            fault: telemetry.fault,
+            program: telemetry.amax_program,
+            holding: telemetry.holding,
+            phase: telemetry.phase,
+            speed: telemetry.motion.speed.to_bits(),
+            crossing: telemetry.motion.crossing_band,
+            steps: telemetry.steps[0],
+            drives_enabled: moment.drives_enabled,
+            missed: telemetry.limits.missed_deadlines,
+            late: telemetry.limits.late_deadlines,
+        });
+    }
+}
