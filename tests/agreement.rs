@@ -1,6 +1,7 @@
 //! What a run leaves behind agrees with itself, and with integrals of its speed that nothing of the
 //! loop's has a part in.
 
+#[path = "support/program.rs"]
 mod program;
 
 use std::f64::consts::TAU;

@@ -170,3 +170,19 @@ fn three_missed_in_a_row_stop_the_machine_in_phase() {
         assert!(!late.last().drives_enabled);
     }
 }
+
+/// Were it wrong, an index pulse that came while deadlines were missed would be compared with a phase that
+/// was never played then, and one axis be taken to be off: with sensors that stand apart, at some times.
+#[test]
+fn a_missed_deadline_is_no_tilt_wherever_the_index_sensors_stand() {
+    let apart = SCENE
+        .replace("number = 1", "number = 1\nindex_deg = 90")
+        .replace("number = 2", "number = 2\nindex_deg = 180");
+    for tick in 0..100 {
+        let at_s = LATE_S + f64::from(tick) * TICK_NS as f64 * 1e-9;
+        let late = format!("[[late]]\nat_s = {at_s}\nby_us = 550\n");
+        let watched = watch(&scene(&format!("{apart}{late}")));
+        assert_eq!(watched.outcome.fault, None, "missed at {at_s} s");
+        assert_eq!(watched.outcome.statistics.missed_deadlines, 1);
+    }
+}

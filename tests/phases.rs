@@ -4,13 +4,15 @@
 //! computed anew from nothing but the sum of the master's speeds, in integers of 128 bits, and the
 //! edges of the pulses are counted as a drive counts them.
 
+#[path = "support/random.rs"]
 mod random;
 
 use cophase_core::units::{FRACTION_BITS, ONE_TURN, Phase, Turns};
-use cophase_tests::{scene, with_axes};
+use cophase_tests::scene;
 use host_sim::scene::Checked;
 use host_sim::scene::file::Drive;
 use host_sim::sim::{Moment, Observer, simulate};
+use host_sim::with_axes;
 use proptest::prelude::*;
 use random::{Axis, any_plan};
 
@@ -108,7 +110,8 @@ fn run(checked: &Checked, axes: &[Axis]) -> u64 {
         moved: 0,
         off_while_moving: false,
     };
-    with_axes!(checked, N => simulate::<N>(checked, &mut exact, |_, _| {})).expect("it runs");
+    with_axes!(checked.scene.axes.count, N => simulate::<N>(checked, &mut exact, |_, _| {}))
+        .expect("it runs");
     exact.moved
 }
 

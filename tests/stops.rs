@@ -178,5 +178,27 @@ fn enable_lost_at_speed_cuts_the_drives_the_same_tick() {
         .fault
         .expect("a fault, and so exit status 1");
     assert_eq!(fault.kind, FaultKind::EnableLost);
+    assert_eq!(fault.tick as f64, lost_s * HZ, "it is dated");
     assert_eq!(watched.last().fault, Some(fault), "it is latched");
+}
+
+/// Were it wrong, an idle machine's trim would be stepped into drives that are off, and be lost on them.
+#[test]
+fn drives_that_are_off_get_no_pulses() {
+    let trimmed = "[[axis]]\nnumber = 0\ntrim_deg = 2\n";
+    let scene = cophase_tests::scene(
+        &(cophase_tests::story::SCENE.to_owned() + trimmed + &command(4.0, "start")),
+    );
+    let run = cophase_tests::record(
+        &scene,
+        host_sim::trace::Every::Ticks(1),
+        host_sim::trace::Window::All,
+    );
+    let edges = run.edges();
+    let rises = |from_ns, to_ns| edges.wire("step_0").cut(from_ns, to_ns).rises().count();
+    assert_eq!(rises(0, 4_000_000_000), 0);
+    assert!(
+        rises(4_000_000_000, 5_000_000_000) > 17,
+        "the trim is made once the machine moves"
+    );
 }

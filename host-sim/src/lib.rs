@@ -14,4 +14,5 @@ pub mod report;
 pub mod scene;
 pub mod sim;
 pub mod trace;
+pub mod units;
 pub mod virtual_time;

@@ -108,6 +108,8 @@ pub struct Controller<const N: usize> {
     played: [TickPhase; N],
     ticks: u64,
     overrun: Option<Fault>,
+    /// Deadlines were missed: what the index sensors said since belongs to no known phase.
+    was_late: bool,
     output: Output<N>,
 }
 
@@ -203,6 +205,7 @@ impl<const N: usize> Controller<N> {
             played: still,
             ticks: 0,
             overrun: None,
+            was_late: false,
             output: Output {
                 runs: core::array::from_fn(|_| Runs::new()),
                 setpoints: [Setpoint::default(); N],
@@ -260,7 +263,7 @@ impl<const N: usize> Controller<N> {
     ///
     /// While deadlines are missed the step hardware has nothing to play: all axes stand, and go on
     /// from where they stood. No phase is lost by that, and none is made up for: the machine's time
-    /// is behind by as many ticks. What the index sensors said meanwhile belongs to no known phase.
+    /// is behind by as many ticks.
     pub fn late(&mut self, missed: u32, over_half: bool) {
         let limits = &mut self.output.telemetry.limits;
         limits.late_deadlines = limits.late_deadlines.saturating_add(u32::from(over_half));
@@ -275,6 +278,7 @@ impl<const N: usize> Controller<N> {
             };
         }
         self.played = self.playing;
+        self.was_late = true;
         if missed > MOST_MISSED {
             self.overrun = Some(Fault::new(FaultKind::Overrun));
         }
@@ -290,7 +294,7 @@ impl<const N: usize> Controller<N> {
         self.enter(before, self.supervisor.state());
         let demand = self.demand(action);
         self.motion = self.shaft.advance(demand);
-        self.drive();
+        self.drive(action != Action::Stand);
         self.report(action);
         self.ticks += 1;
         &self.output
@@ -300,13 +304,20 @@ impl<const N: usize> Controller<N> {
     fn observe(&mut self, feedback: &Feedback<N>) -> Seen {
         let alarm = feedback.alarm.iter().position(|&alarm| alarm);
         let alarm = alarm.map(|axis| Fault::new(FaultKind::DriveAlarm).on_axis(axis));
-        let drift = self.drift.observe(&feedback.index, &self.played).err();
+        let drift = if core::mem::take(&mut self.was_late) {
+            self.drift.disregard(&feedback.index);
+            None
+        } else {
+            self.drift.observe(&feedback.index, &self.played).err()
+        };
         let fault = self.overrun.take().or(alarm).or(drift);
         Seen {
-            fault: fault.map(|fault| fault.at(self.ticks, self.shaft.phase())),
+            fault,
             at_rest: self.motion.at_rest,
             aligned: self.drift.is_aligned(),
             program_done: self.cursor.is_done(&self.program),
+            tick: self.ticks,
+            phase: self.shaft.phase(),
         }
     }
 
@@ -361,13 +372,18 @@ impl<const N: usize> Controller<N> {
         self.target
     }
 
-    /// Moves the axes and makes their pulses and setpoints.
-    fn drive(&mut self) {
+    /// Moves the axes and makes their pulses and setpoints. While the machine is to stand, trims stand
+    /// too: drives that are off would not follow them.
+    fn drive(&mut self, moving: bool) {
         self.played = self.playing;
         for i in 0..N {
             let axis = &mut self.axes[i];
             let start = axis.phase();
-            let turns = axis.advance(self.motion.speed);
+            let turns = if moving {
+                axis.advance(self.motion.speed)
+            } else {
+                Turns::ZERO
+            };
             self.playing[i] = TickPhase { start, turns };
             let Some(feed_forward) = &self.feed_forward[i] else {
                 self.planners[i].plan(turns, &mut self.output.runs[i]);

@@ -13,6 +13,7 @@ use crate::scene::{Checked, load};
 use crate::sim::statistics::Happening;
 use crate::sim::{Outcome, simulate};
 use crate::trace::{Every, Recorder, RunFiles, ScopeData, ScopeFrame, Window};
+use crate::with_axes;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct RunArgs {
@@ -68,14 +69,8 @@ fn between(from_s: f64, to_s: f64) -> Window {
 pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, CommandError> {
     let checked = read(&args.scene).map_err(CommandError::Input)?;
     let began = Instant::now();
-    let outcome = match checked.scene.axes.count {
-        2 => record::<2>(args, &checked, began),
-        3 => record::<3>(args, &checked, began),
-        4 => record::<4>(args, &checked, began),
-        5 => record::<5>(args, &checked, began),
-        _ => record::<6>(args, &checked, began),
-    }
-    .map_err(CommandError::Input)?;
+    let outcome = with_axes!(checked.scene.axes.count, N => record::<N>(args, &checked, began))
+        .map_err(CommandError::Input)?;
     if !args.quiet {
         out.write_all(
             report::summary(&checked, &outcome, began.elapsed().as_secs_f64()).as_bytes(),
@@ -198,7 +193,7 @@ fn frame(checked: &Checked) -> ScopeFrame {
             .collect(),
         gravity_mps2: crate::design::STANDARD_GRAVITY_MPS2,
         tilt_limit_mrad: Some(scene.drift.tilt_limit_mrad),
-        drift_limit_deg: Some(scene.drift.warp_limit_deg),
+        drift_limit_deg: None, // limits are on the modes of all drifts, not on one
     }
 }
 
@@ -221,7 +216,7 @@ fn mark(scope: &mut ScopeData, outcome: &Outcome) {
                     scope.mark(event.t_s, &format!("axis {axis} slips"));
                 }
             }
-            Happening::Fault(fault) => scope.mark(event.t_s, &format!("fault: {}", fault.kind)),
+            Happening::Fault(fault, _) => scope.mark(event.t_s, &format!("fault: {}", fault.kind)),
             Happening::State(_) | Happening::Lagged { .. } => {}
         }
     }

@@ -4,13 +4,14 @@ mod summary;
 
 pub use summary::summary;
 
-use cophase_core::supervisor::{Fault, State};
-use cophase_core::units::{ONE_TURN, Turns};
+use cophase_core::supervisor::{Fault, FaultKind, State};
+use cophase_core::units::Turns;
 use serde::Serialize;
 
 use crate::scene::{Checked, Scene};
 use crate::sim::Outcome;
 use crate::sim::statistics::{Event, Happening};
+use crate::units::degrees;
 
 /// How a trace was written.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -47,6 +48,7 @@ pub struct Report<'a> {
     speed_top_hz: f64,
     amax_top_mps2: f64,
     late_deadlines: u32,
+    missed_deadlines: u32,
     faults: Vec<FaultReport>,
     events: Vec<EventReport>,
     events_left_out: usize,
@@ -187,6 +189,7 @@ impl<'a> Report<'a> {
             speed_top_hz: seen.top_speed_hz,
             amax_top_mps2: seen.top_amax_mps2,
             late_deadlines: seen.late_deadlines,
+            missed_deadlines: seen.missed_deadlines,
             faults: outcome
                 .fault
                 .iter()
@@ -262,7 +265,13 @@ pub fn describe(what: &Happening) -> String {
         Happening::Missed { deadlines } => {
             format!("{deadlines} deadlines missed: all axes stood still")
         }
-        Happening::Fault(fault) => format!("fault: {}", fault_words(&fault)),
+        Happening::Fault(fault, leading_deg) if fault.kind == FaultKind::Tilt => {
+            format!(
+                "fault: {}, its {leading_deg:.0}° side leading",
+                fault_words(&fault)
+            )
+        }
+        Happening::Fault(fault, _) => format!("fault: {}", fault_words(&fault)),
     }
 }
 
@@ -285,10 +294,6 @@ fn fault_words(fault: &Fault) -> String {
         words += &format!(" off by {:.2}°", degrees(fault.size));
     }
     words
-}
-
-fn degrees(turns: Turns) -> f64 {
-    turns.to_bits() as f64 / ONE_TURN as f64 * 360.0
 }
 
 /// Times are sums of ticks: their last digits are rounding, and no use to a reader.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use cophase_core::supervisor::State;
+use cophase_core::supervisor::{FaultKind, State};
 
 use super::{describe, fault_words, is_news};
 use crate::design::STANDARD_GRAVITY_MPS2;
@@ -30,7 +30,12 @@ fn write_page(
 ) -> std::fmt::Result {
     let scene = &checked.scene;
     let seen = &outcome.statistics;
-    writeln!(page, "{}: {}", scene.name, scene.description)?;
+    let colon = if scene.description.is_empty() {
+        ""
+    } else {
+        ": "
+    };
+    writeln!(page, "{}{colon}{}", scene.name, scene.description)?;
     writeln!(
         page,
         "{} model: {}.",
@@ -130,9 +135,13 @@ fn steps(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::R
 fn ending(outcome: &Outcome) -> String {
     match (&outcome.fault, outcome.state) {
         (Some(fault), State::Fault) => format!(
-            "A fault stopped the machine at {:.3} s: {}. All axes came to rest together.",
+            "A fault stopped the machine at {:.3} s: {}. {}",
             fault.tick as f64 / f64::from(outcome.tick_hz),
             fault_words(fault),
+            match fault.kind {
+                FaultKind::EnableLost => "The drives were switched off the same tick.",
+                _ => "All axes came to rest together.",
+            },
         ),
         (Some(fault), state) => format!(
             "There was a fault at {:.3} s: {}. After a reset the machine ended {}.",

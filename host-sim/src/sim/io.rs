@@ -17,6 +17,7 @@ use super::Outcome;
 use super::schedule::Schedule;
 use super::statistics::Statistics;
 use crate::machine::{Machine, Played};
+use crate::units::turns;
 
 /// Looks on while a scene runs.
 pub trait Observer<const N: usize> {
@@ -152,7 +153,7 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             .axes
             .get_or_insert_with(|| telemetry.axis_phase.map(Unwrapped::starting_at));
         let command_turns = std::array::from_fn(|i| axes[i].follow(telemetry.axis_phase[i]));
-        let turns: f64 = telemetry.motion.speed.to_num();
+        let turns = turns(telemetry.motion.speed);
         let index = self.machine.play(played, self.drives_enabled, turns);
         let moment = Moment {
             start_ns: start_us * 1000,

@@ -1,6 +1,5 @@
 //! What is worth knowing of a run, gathered tick by tick.
 
-use cophase_core::controller::speed_hz;
 use cophase_core::supervisor::{Fault, State};
 use cophase_core::units::Amax;
 
@@ -8,6 +7,7 @@ use super::Moment;
 use crate::machine::Machine;
 use crate::mechanism::slider_crank::SliderCrank;
 use crate::scene::Checked;
+use crate::units::speed_hz;
 
 /// Something that happened at a time.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,8 +54,8 @@ pub enum Happening {
         /// How many.
         deadlines: u32,
     },
-    /// A fault latched.
-    Fault(Fault),
+    /// A fault latched; and which side led then, degrees around the platform from axis 0 towards axis 1.
+    Fault(Fault, f32),
 }
 
 /// How well amax was held where the program holds and the shaft has come to its speed.
@@ -98,14 +98,16 @@ pub struct Statistics {
     pub slipped_cycles: Vec<i64>,
     /// Deadlines met late by over half a tick.
     pub late_deadlines: u32,
+    /// Deadlines missed altogether.
+    pub missed_deadlines: u32,
 
     mechanism: SliderCrank,
+    tick_hz: u32,
     tick_s: f64,
     running_ticks: u64,
     spread_squares: f64,
     state: Option<State>,
     fault: Option<Fault>,
-    missed: u32,
     band: Option<(f64, f64)>,
     held: Option<f64>,
     lag: Option<(f64, f64)>,
@@ -135,13 +137,14 @@ impl Statistics {
             turns: vec![(0.0, 0.0); axes],
             slipped_cycles: vec![0; axes],
             late_deadlines: 0,
+            missed_deadlines: 0,
             mechanism: *mechanism,
+            tick_hz: checked.scene.control.tick_hz,
             tick_s: 1.0 / f64::from(checked.scene.control.tick_hz),
             running_ticks: 0,
             spread_squares: 0.0,
             state: None,
             fault: None,
-            missed: 0,
             band: None,
             held: None,
             lag: None,
@@ -165,7 +168,8 @@ impl Statistics {
         if telemetry.fault != self.fault {
             self.fault = telemetry.fault;
             if let Some(fault) = telemetry.fault {
-                self.note(t_s, Happening::Fault(fault));
+                let leading_deg = telemetry.modes.tilt_direction_deg().rem_euclid(360.0);
+                self.note(t_s, Happening::Fault(fault, leading_deg));
             }
         }
     }
@@ -214,7 +218,7 @@ impl Statistics {
     /// Limits that bit: when each began, and what it came to.
     fn limits<const N: usize>(&mut self, moment: &Moment<'_, N>, t_s: f64) {
         let (motion, limits) = (&moment.telemetry.motion, &moment.telemetry.limits);
-        let hz = speed_hz(motion.speed, (1.0 / self.tick_s).round() as u32);
+        let hz = speed_hz(motion.speed, self.tick_hz);
         match (motion.crossing_band, self.band) {
             (true, None) => self.band = Some((t_s, hz)),
             (false, Some((since_s, from_hz))) => {
@@ -255,9 +259,9 @@ impl Statistics {
                 },
             );
         }
-        if limits.missed_deadlines != self.missed {
-            let deadlines = limits.missed_deadlines - self.missed;
-            self.missed = limits.missed_deadlines;
+        if limits.missed_deadlines != self.missed_deadlines {
+            let deadlines = limits.missed_deadlines - self.missed_deadlines;
+            self.missed_deadlines = limits.missed_deadlines;
             self.note(t_s, Happening::Missed { deadlines });
         }
         self.late_deadlines = limits.late_deadlines;
@@ -266,7 +270,7 @@ impl Statistics {
     /// How well the level is held.
     fn level<const N: usize>(&mut self, moment: &Moment<'_, N>) {
         let telemetry = moment.telemetry;
-        let hz = speed_hz(telemetry.motion.speed, (1.0 / self.tick_s).round() as u32);
+        let hz = speed_hz(telemetry.motion.speed, self.tick_hz);
         let got = self.mechanism.amax_mps2(std::f64::consts::TAU * hz);
         self.top_speed_hz = self.top_speed_hz.max(hz);
         self.top_amax_mps2 = self.top_amax_mps2.max(got);

@@ -2,7 +2,6 @@
 
 use std::io::Write;
 
-use cophase_core::controller::speed_hz;
 use cophase_core::profile::Profile;
 
 use super::rows::{Every, Rows};
@@ -10,6 +9,7 @@ use super::window::{StepWindow, Window};
 use super::{AxisRow, Row, ScopeData, TraceCsv, TraceError, VcdError};
 use crate::scene::Checked;
 use crate::sim::{Moment, Observer};
+use crate::units::{degrees, speed_hz};
 
 /// What went wrong while a trace was written.
 #[derive(Debug, thiserror::Error)]
@@ -109,7 +109,7 @@ impl<C: Write, V: Write> Recorder<C, V> {
             axis.steps = telemetry.steps[i];
             axis.command_turns = moment.command_turns[i];
             axis.actual_turns = moment.actual_turns[i];
-            axis.drift_deg = telemetry.drift[i].to_num::<f64>() * 360.0;
+            axis.drift_deg = degrees(telemetry.drift[i]);
         }
         row.tilt_x_mrad = pose.tilt_x_mrad;
         row.tilt_y_mrad = pose.tilt_y_mrad;

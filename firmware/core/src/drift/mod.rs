@@ -118,6 +118,15 @@ impl<const N: usize> DriftMonitor<N> {
         Ok(())
     }
 
+    /// Takes note of index pulses that came at times to which no phase belongs: their sensors are alive.
+    pub fn disregard(&mut self, pulses: &[Option<IndexPulse>; N]) {
+        for (since, pulse) in self.since_index.iter_mut().zip(pulses) {
+            if pulse.is_some() {
+                *since = Turns::ZERO;
+            }
+        }
+    }
+
     /// Whether every axis that has a sensor has been heard since [`Self::reset`].
     pub fn is_aligned(&self) -> bool {
         self.all_sensed(&self.known)

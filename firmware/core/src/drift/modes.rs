@@ -25,9 +25,9 @@ pub struct Modes {
 }
 
 impl Modes {
-    /// Towards which side the platform tips, degrees from axis 0 towards axis 1; for people to read.
+    /// Which side leads, degrees around the platform from axis 0 towards axis 1; for people to read.
     ///
-    /// Error below 0.2 degrees (micromath's arctangent).
+    /// Positive errors lead there. Error below 0.2 degrees (micromath's arctangent).
     pub fn tilt_direction_deg(&self) -> f32 {
         let (x, y) = (self.tilt_x.to_num::<f32>(), self.tilt_y.to_num::<f32>());
         micromath::F32(y).atan2(micromath::F32(x)).0.to_degrees()

@@ -22,7 +22,11 @@ fn monitor<const N: usize>(tilt_mrad: f64, warp_deg: f64, common_deg: f64) -> Dr
         warp_limit_deg: warp_deg,
         common_limit_deg: common_deg,
     };
-    DriftMonitor::new(DriftLimits::new(&settings, &machine()), [Some(Turns::ZERO); N], TICK_CYCLES)
+    DriftMonitor::new(
+        DriftLimits::new(&settings, &machine()),
+        [Some(Turns::ZERO); N],
+        TICK_CYCLES,
+    )
 }
 
 /// Turns cranks that lag or lead by `errors` (turns) at `speed` (turns a tick) for `ticks`; the first
@@ -93,7 +97,10 @@ fn tilt_trips_at_its_limit() {
         assert_eq!(fault.is_some(), trips, "at {part} of the limit");
         if let Some((tick, fault)) = fault {
             assert_eq!((fault.kind, fault.axis), (FaultKind::Tilt, Some(2)));
-            assert!(tick <= 102, "a turn and two ticks after the first pulse that shows it");
+            assert!(
+                tick <= 102,
+                "a turn and two ticks after the first pulse that shows it"
+            );
         }
     }
 }
@@ -105,8 +112,14 @@ fn warp_and_common_lag_have_limits_of_their_own() {
     assert_eq!(fault.map(|(_, fault)| fault.kind), Some(FaultKind::Warp));
     let late = [-0.05; 4];
     let fault = turn(&mut monitor::<4>(3.0, 5.0, 15.0), late, 0.01, 300, None);
-    assert_eq!(fault.map(|(_, fault)| fault.kind), Some(FaultKind::CommonLag));
-    assert_eq!(turn(&mut monitor::<4>(3.0, 5.0, 19.0), late, 0.01, 300, None), None);
+    assert_eq!(
+        fault.map(|(_, fault)| fault.kind),
+        Some(FaultKind::CommonLag)
+    );
+    assert_eq!(
+        turn(&mut monitor::<4>(3.0, 5.0, 19.0), late, 0.01, 300, None),
+        None
+    );
 }
 
 /// All lag alike, and pulses of one turn fall into two ticks: comparing new with old would show a tilt
@@ -117,7 +130,16 @@ fn a_lag_in_common_is_not_taken_for_tilt() {
     for lag in 0..50 {
         // Each turn a little later, so that the pulses wander across the ticks' borders.
         let lag = -0.0037 * f64::from(lag);
-        assert_eq!(turn(&mut monitor, [lag, lag - 1e-6, lag + 1e-6, lag], 0.01, 250, None), None);
+        assert_eq!(
+            turn(
+                &mut monitor,
+                [lag, lag - 1e-6, lag + 1e-6, lag],
+                0.01,
+                250,
+                None
+            ),
+            None
+        );
     }
 }
 

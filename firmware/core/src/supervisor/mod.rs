@@ -20,6 +20,8 @@ mod fault;
 
 pub use fault::{Fault, FaultKind};
 
+use crate::units::Phase;
+
 /// What the machine is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -89,6 +91,10 @@ pub struct Seen {
     pub aligned: bool,
     /// The program is over.
     pub program_done: bool,
+    /// Control ticks since power-up.
+    pub tick: u64,
+    /// The master's phase.
+    pub phase: Phase,
 }
 
 /// What the shaft is to do.
@@ -151,15 +157,15 @@ impl Supervisor {
 
     /// Decides on one tick.
     pub fn step(&mut self, inputs: SafetyInputs, command: Option<Command>, seen: Seen) -> Action {
-        self.latch(seen.fault);
+        self.latch(seen);
         self.state = self.next_state(inputs, command, seen);
         self.action()
     }
 
     /// Keeps the first fault; what follows from it is not what began it.
-    fn latch(&mut self, fault: Option<Fault>) {
+    fn latch(&mut self, seen: Seen) {
         if self.drives_enabled() && self.fault.is_none() {
-            self.fault = fault;
+            self.fault = seen.fault.map(|fault| fault.at(seen.tick, seen.phase));
         }
     }
 
@@ -167,7 +173,8 @@ impl Supervisor {
         let stop = inputs.stop || command == Some(Command::Stop);
         let moving = matches!(self.state, State::Align | State::Run | State::Stop);
         if moving && !inputs.enable {
-            self.fault.get_or_insert(Fault::new(FaultKind::EnableLost));
+            let lost = Fault::new(FaultKind::EnableLost).at(seen.tick, seen.phase);
+            self.fault.get_or_insert(lost);
             return State::Fault;
         }
         match self.state {

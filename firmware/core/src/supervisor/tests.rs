@@ -87,6 +87,7 @@ fn for_every_step(
                     at_rest: bit(3),
                     aligned: bit(4),
                     program_done: bit(5),
+                    ..Seen::default()
                 };
                 let mut supervisor = in_state(state);
                 let action = supervisor.step(inputs, command, seen);

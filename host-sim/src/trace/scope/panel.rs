@@ -163,6 +163,12 @@ fn peak(name: &str, total: Extent) -> String {
     if total.is_empty() {
         format!("{name}, no data")
     } else {
-        format!("{name}, peak {}", short(total.peak()))
+        // Rounding of what is zero is not a peak.
+        const NOTHING: f64 = 1e-9;
+        let peak = total.peak();
+        format!(
+            "{name}, peak {}",
+            short(if peak < NOTHING { 0.0 } else { peak })
+        )
     }
 }

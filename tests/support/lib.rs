@@ -18,28 +18,7 @@ use host_sim::report::Report;
 use host_sim::scene::{Checked, library, load};
 use host_sim::sim::{Outcome, simulate};
 use host_sim::trace::{Every, Recorder, ScopeData, ScopeFrame, Window};
-
-/// Evaluates an expression with a constant that is the scene's number of axes.
-///
-/// ```ignore
-/// let outcome = with_axes!(checked, N => simulate::<N>(&checked, &mut (), |_, _| {}));
-/// ```
-#[macro_export]
-macro_rules! with_axes {
-    ($checked:expr, $N:ident => $body:expr) => {
-        match $checked.scene.axes.count {
-            2 => $crate::with_axes!(@ $N, 2, $body),
-            3 => $crate::with_axes!(@ $N, 3, $body),
-            4 => $crate::with_axes!(@ $N, 4, $body),
-            5 => $crate::with_axes!(@ $N, 5, $body),
-            _ => $crate::with_axes!(@ $N, 6, $body),
-        }
-    };
-    (@ $N:ident, $count:literal, $body:expr) => {{
-        const $N: usize = $count;
-        $body
-    }};
-}
+use host_sim::with_axes;
 
 /// A scene from its text.
 ///
@@ -129,7 +108,7 @@ impl Run {
 /// # Panics
 /// If it cannot be recorded.
 pub fn record(checked: &Checked, every: Every, window: Window) -> Run {
-    with_axes!(checked, N => record_axes::<N>(checked, every, window))
+    with_axes!(checked.scene.axes.count, N => record_axes::<N>(checked, every, window))
 }
 
 fn record_axes<const N: usize>(checked: &Checked, every: Every, window: Window) -> Run {

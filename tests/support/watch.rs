@@ -5,7 +5,7 @@ use cophase_core::units::{Amax, Phase};
 use host_sim::scene::Checked;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
 
-use crate::with_axes;
+use host_sim::with_axes;
 
 /// One tick of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,8 +78,9 @@ impl Watched {
 /// If at any tick the axes' commanded phases or steps differ, from each other or from the master's.
 pub fn watch(checked: &Checked) -> Watched {
     let mut eyes = Eyes(Vec::new());
-    let outcome = with_axes!(checked, N => simulate::<N>(checked, &mut eyes, |_, _| {}))
-        .expect("a checked scene runs");
+    let outcome =
+        with_axes!(checked.scene.axes.count, N => simulate::<N>(checked, &mut eyes, |_, _| {}))
+            .expect("a checked scene runs");
     Watched {
         ticks: eyes.0,
         outcome,

@@ -1,0 +1,151 @@
+//! Numbers of a scene that the core never sees, or sees in another form.
+
+use cophase_core::settings::{MAX_BANDS, Problem};
+
+use crate::scene::SceneError;
+use crate::scene::file::{self, AxisApart, Scene};
+
+/// More than any motor that a platform of 50 kg needs has to give.
+const MOST_FRICTION_NM: f64 = 1000.0;
+
+pub(super) fn lambda(machine: &file::Machine) -> Result<f64, SceneError> {
+    match (machine.lambda, machine.rod_length_mm) {
+        (Some(lambda), None) => Ok(lambda),
+        (None, Some(length_mm)) => {
+            let lambda = machine.crank_radius_mm / length_mm;
+            // A crank that cannot be is refused for itself, by the core.
+            if (0.1..=0.6).contains(&lambda) || !(0.1..=500.0).contains(&machine.crank_radius_mm) {
+                return Ok(lambda);
+            }
+            // Rounded inwards, so that what is advised is accepted.
+            let low = (machine.crank_radius_mm / 0.6 * 100.0).ceil() / 100.0;
+            let high = (machine.crank_radius_mm / 0.1 * 100.0).floor() / 100.0;
+            Err(SceneError::of(
+                "machine.rod_length_mm",
+                Problem::OutOfRange {
+                    value: length_mm,
+                    low,
+                    high,
+                },
+            )
+            .because("1.67 to 10 crank radii"))
+        }
+        (Some(_), Some(_)) => Err(SceneError::at(
+            "machine.rod_length_mm",
+            "given together with machine.lambda, which says the same; leave one out",
+        )),
+        (None, None) => Err(SceneError::at(
+            "machine.lambda",
+            "missing; give the ratio of crank radius to rod length, or machine.rod_length_mm",
+        )),
+    }
+}
+
+pub(super) fn check_apart(
+    scene: &Scene,
+    entry: usize,
+    apart: &AxisApart,
+) -> Result<(), SceneError> {
+    let key = |name: &str| format!("axis[{entry}].{name}");
+    if apart.number >= scene.axes.count {
+        return Err(SceneError::at(
+            key("number"),
+            format!(
+                "there is no axis {}; with axes.count = {} they are 0 to {}",
+                apart.number,
+                scene.axes.count,
+                scene.axes.count - 1
+            ),
+        ));
+    }
+    if scene.axis[..entry]
+        .iter()
+        .any(|other| other.number == apart.number)
+    {
+        return Err(SceneError::at(
+            key("number"),
+            format!(
+                "axis {} has an [[axis]] of its own already; put both into one",
+                apart.number
+            ),
+        ));
+    }
+    if let Some(friction_nm) = apart.friction_nm {
+        range(&key("friction_nm"), friction_nm, 0.0, MOST_FRICTION_NM)?;
+    }
+    range(&key("start_deg"), apart.start_deg, -180.0, 180.0)?;
+    range(&key("trim_deg"), apart.trim_deg, -36.0, 36.0)?;
+    range(&key("pull_out_scale"), apart.pull_out_scale, 0.0, 10.0)
+}
+
+pub(super) fn check_times(scene: &Scene) -> Result<(), SceneError> {
+    const MOST_S: f64 = 1e6;
+    for (i, command) in scene.command.iter().enumerate() {
+        range(&format!("command[{i}].at_s"), command.at_s, 0.0, MOST_S)?;
+    }
+    for (i, input) in scene.input.iter().enumerate() {
+        range(&format!("input[{i}].at_s"), input.at_s, 0.0, MOST_S)?;
+    }
+    for (i, late) in scene.late.iter().enumerate() {
+        range(&format!("late[{i}].at_s"), late.at_s, 0.0, MOST_S)?;
+        range(&format!("late[{i}].by_us"), late.by_us, 0.0, 1e6)?;
+    }
+    let axes = &scene.axes;
+    range("axes.friction_nm", axes.friction_nm, 0.0, MOST_FRICTION_NM)?;
+    range(
+        "axes.full_steps_per_turn",
+        f64::from(axes.full_steps_per_turn),
+        4.0,
+        65_536.0,
+    )?;
+    if scene.limits.band.len() > MAX_BANDS {
+        return Err(SceneError::at(
+            "limits.band",
+            format!(
+                "{} bands are more than the {MAX_BANDS} that the shaft keeps; join neighbours",
+                scene.limits.band.len()
+            ),
+        ));
+    }
+    if let Some(scope) = scene.scope {
+        range("scope.from_s", scope.from_s, 0.0, MOST_S)?;
+        range("scope.to_s", scope.to_s, 0.0, MOST_S)?;
+        if scope.to_s <= scope.from_s {
+            return Err(SceneError::at(
+                "scope.to_s",
+                format!(
+                    "{} is not after scope.from_s = {}; swap or part them",
+                    scope.to_s, scope.from_s
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// What the core would find too, one edge at a time; said of the whole.
+pub(super) fn check_bands(limits: &file::Limits) -> Result<(), SceneError> {
+    for (i, band) in limits.band.iter().enumerate() {
+        if band.from_hz <= limits.creep_hz && band.to_hz >= limits.speed_hz {
+            return Err(SceneError::at(
+                format!("limits.band[{i}]"),
+                format!(
+                    "the band covers all speeds from limits.creep_hz = {} to limits.speed_hz = {} rev/s, so \
+                     that none is left to run at; let it begin above the one and end below the other",
+                    limits.creep_hz, limits.speed_hz
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(SceneError::of(
+        key,
+        Problem::OutOfRange { value, low, high },
+    ))
+}

@@ -1,0 +1,100 @@
+//! The core's settings, from a scene's words: units turned, what axes have in common and apart put
+//! together.
+
+use cophase_core::profile::{Profile, SliderCrank};
+use cophase_core::settings::{
+    AxisSettings, BandSettings, DriftSettings, DriveKind, LimitSettings, MAX_BANDS,
+    MachineSettings, Platform as CorePlatform, PulseSettings, Settings,
+};
+
+use super::Checked;
+use crate::scene::file::{self, AxisApart, Drive};
+
+impl Checked {
+    /// The core's settings.
+    pub fn settings<const N: usize>(&self) -> Settings<N> {
+        let scene = &self.scene;
+        let (machine, limits, drift) = (&scene.machine, &scene.limits, &scene.drift);
+        let bands: heapless::Vec<_, MAX_BANDS> = limits
+            .band
+            .iter()
+            .take(MAX_BANDS)
+            .map(|band| BandSettings {
+                from_hz: band.from_hz,
+                to_hz: band.to_hz,
+            })
+            .collect();
+        Settings {
+            tick_hz: scene.control.tick_hz,
+            machine: MachineSettings {
+                crank_radius_m: machine.crank_radius_mm / 1e3,
+                lambda: self.lambda,
+                load_kg: machine.load_kg,
+                platform: match machine.platform {
+                    file::Platform::Above => CorePlatform::Above,
+                    file::Platform::Below => CorePlatform::Below,
+                },
+                gravity_mps2: machine.gravity_mps2,
+                mount_radius_m: machine.mount_radius_mm / 1e3,
+            },
+            limits: LimitSettings {
+                speed_hz: limits.speed_hz,
+                acceleration_hz_per_s: limits.acceleration_hz_per_s,
+                jerk_hz_per_s2: limits.jerk_hz_per_s2,
+                creep_hz: limits.creep_hz,
+                bands,
+            },
+            pulse: PulseSettings {
+                width_ns: scene.pulse.width_ns,
+                dir_setup_ns: scene.pulse.dir_setup_ns,
+                dir_hold_ns: scene.pulse.dir_hold_ns,
+            },
+            axes: std::array::from_fn(|i| self.axis(i)),
+            drift: DriftSettings {
+                tilt_limit_mrad: drift.tilt_limit_mrad,
+                warp_limit_deg: drift.warp_limit_deg,
+                common_limit_deg: drift.common_limit_deg,
+            },
+            park_turns: scene.control.park_deg / 360.0,
+            settle_s: scene.control.settle_s,
+        }
+    }
+
+    /// One axis: what all have in common, with what it has apart.
+    fn axis(&self, number: usize) -> AxisSettings {
+        let axes = &self.scene.axes;
+        let apart = self.apart(number);
+        let own = |pick: fn(&AxisApart) -> Option<f64>| apart.and_then(pick);
+        let index_deg = own(|a| a.index_deg).unwrap_or(axes.index_deg);
+        AxisSettings {
+            drive: match apart.and_then(|a| a.drive).unwrap_or(axes.drive) {
+                Drive::Stepper => DriveKind::Stepper,
+                Drive::Servo => DriveKind::Servo,
+            },
+            steps_per_turn: apart
+                .and_then(|a| a.steps_per_turn)
+                .unwrap_or(axes.steps_per_turn),
+            reversed: apart.is_some_and(|a| a.reversed),
+            ratio: apart.and_then(|a| a.ratio).unwrap_or(axes.ratio),
+            offset_turns: own(|a| a.offset_deg).unwrap_or(axes.offset_deg) / 360.0,
+            index_turns: apart
+                .and_then(|a| a.index)
+                .unwrap_or(axes.index)
+                .then_some(index_deg / 360.0),
+            trim_limit_turns: axes.trim_limit_deg / 360.0,
+            trim_rate_hz: axes.trim_rate_deg_per_s / 360.0,
+            rotor_inertia_kgm2: axes.rotor_inertia_kgm2,
+        }
+    }
+
+    /// The profile of this scene's machine.
+    pub fn profile(&self) -> Profile {
+        let machine = &self.scene.machine;
+        let crank = SliderCrank::new(
+            machine.crank_radius_mm / 1e3,
+            self.lambda,
+            self.scene.control.tick_hz,
+        );
+        Profile::SliderCrank(crank)
+    }
+}
