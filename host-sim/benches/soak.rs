@@ -11,7 +11,7 @@
 use std::time::Instant;
 
 use cophase_core::controller::{Controller, Feedback, Output};
-use cophase_core::supervisor::{Command, SafetyInputs, State};
+use cophase_core::supervisor::{Command, State};
 use cophase_core::units::{FRACTION_BITS, Phase, Turns};
 use host_sim::scene::{Checked, load};
 use indicatif::ProgressBar;
@@ -50,9 +50,9 @@ fn main() {
     let began = Instant::now();
 
     let mut truth = Truth::default();
-    controller.tick(&feedback(Some(Command::Start)));
+    controller.tick(&Feedback::of(Some(Command::Start)));
     for tick in 1..=ticks {
-        let output = controller.tick(&feedback(None));
+        let output = controller.tick(&Feedback::of(None));
         truth.turned += i128::from(output.telemetry.motion.speed.to_bits());
         if tick.is_multiple_of(3600 * tick_hz) || tick == ticks {
             truth.check(output);
@@ -93,18 +93,6 @@ impl Truth {
             );
         }
         self.checks += 1;
-    }
-}
-
-fn feedback(command: Option<Command>) -> Feedback<AXES> {
-    Feedback {
-        index: [None; AXES],
-        alarm: [false; AXES],
-        inputs: SafetyInputs {
-            enable: true,
-            stop: false,
-        },
-        command,
     }
 }
 

@@ -11,7 +11,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use cophase_core::controller::{Controller, Feedback};
-use cophase_core::supervisor::{Command, SafetyInputs};
+use cophase_core::supervisor::Command;
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use host_sim::scene::file::Scene;
@@ -67,28 +67,16 @@ fn running<const N: usize>() -> Controller<N> {
     let mut scene = default_scene(N);
     scene.axes.index = false; // nobody plays the sensors here
     let mut controller = Checked::new(scene).unwrap().controller().unwrap();
-    controller.tick(&feedback(Some(Command::Start)));
+    controller.tick(&Feedback::of(Some(Command::Start)));
     for _ in 0..10 * TICKS / 10 {
-        controller.tick(&feedback(None));
+        controller.tick(&Feedback::of(None));
     }
     controller
 }
 
 fn play<const N: usize>(controller: &mut Controller<N>) {
     for _ in 0..TICKS {
-        black_box(controller.tick(&feedback(None)));
-    }
-}
-
-fn feedback<const N: usize>(command: Option<Command>) -> Feedback<N> {
-    Feedback {
-        index: [None; N],
-        alarm: [false; N],
-        inputs: SafetyInputs {
-            enable: true,
-            stop: false,
-        },
-        command,
+        black_box(controller.tick(&Feedback::of(None)));
     }
 }
 

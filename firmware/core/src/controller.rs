@@ -29,6 +29,21 @@ pub struct Feedback<const N: usize> {
     pub command: Option<Command>,
 }
 
+impl<const N: usize> Feedback<N> {
+    /// Nothing but, perhaps, a command: no pulse, no alarm, and inputs that let the machine run.
+    pub const fn of(command: Option<Command>) -> Self {
+        Self {
+            index: [None; N],
+            alarm: [false; N],
+            inputs: SafetyInputs {
+                enable: true,
+                stop: false,
+            },
+            command,
+        }
+    }
+}
+
 /// What the loop writes to the outside, to be played from the next deadline on.
 #[derive(Clone, Debug)]
 pub struct Output<const N: usize> {

@@ -5,8 +5,8 @@
 //! phases shows as tilt; what no plane can follow is warp, given in degrees of crank angle as that is
 //! what bends rods and platform.
 
-use crate::mechanism::slider_crank::{Load, Platform as Side, SliderCrank};
-use crate::scene::{Checked, SceneError, file};
+use crate::mechanism::slider_crank::{Load, SliderCrank};
+use crate::scene::{Checked, SceneError};
 
 /// A platform, its mechanism and its load.
 #[derive(Clone, Debug)]
@@ -51,10 +51,7 @@ impl<const N: usize> Platform<N> {
             load: Load {
                 mass_kg: machine.load_kg,
                 gravity_mps2: machine.gravity_mps2,
-                platform: match machine.platform {
-                    file::Platform::Above => Side::Above,
-                    file::Platform::Below => Side::Below,
-                },
+                platform: machine.platform.into(),
             },
             mount_radius_m: machine.mount_radius_mm / 1e3,
             around: std::array::from_fn(|i| {
@@ -77,7 +74,7 @@ impl<const N: usize> Platform<N> {
 
     /// +1 where a crank at phase 0 holds the platform up, −1 where it lets it down.
     fn upwards(&self) -> f64 {
-        -self.load.platform.sigma()
+        -self.load.platform.gravity_sign()
     }
 
     /// Where the platform is when the cranks have gone `turns`, at the master's speed and acceleration.

@@ -108,6 +108,15 @@ pub enum Platform {
     Below,
 }
 
+impl From<Platform> for cophase_core::settings::Platform {
+    fn from(platform: Platform) -> Self {
+        match platform {
+            Platform::Above => Self::Above,
+            Platform::Below => Self::Below,
+        }
+    }
+}
+
 /// The loop.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]

@@ -153,13 +153,8 @@ impl Planner {
     ///
     /// `turns` must not ask for more edges than [`PulseTiming::check_rate`] allowed.
     pub fn plan(&mut self, turns: Turns, runs: &mut Runs) {
-        let way = Way::new(self.within, turns.to_bits() * self.half_steps_per_turn);
-        let mut tick = Tick {
-            runs,
-            forward: self.forward,
-            cursor: 0,
-        };
-        tick.runs.clear();
+        let way = self.travel(turns);
+        let mut tick = Tick::new(runs, self.forward);
 
         // Where STEP's level is not what the phase and the way it moves would have it (at the very
         // start, and after a change of direction), the first crossing must not, or must also, fall.
@@ -174,23 +169,20 @@ impl Planner {
             self.high ^= edges % 2 == 1;
         }
         tick.pause(self.timing.tick - tick.cursor);
-
-        self.steps += way.steps;
-        self.within = way.within;
     }
 
     /// Counts on without pulses, for a servo axis: `runs` is one pause of a tick.
     pub fn count(&mut self, turns: Turns, runs: &mut Runs) {
+        self.travel(turns);
+        Tick::new(runs, self.forward).pause(self.timing.tick);
+    }
+
+    /// Moves on, and says over which steps.
+    fn travel(&mut self, turns: Turns) -> Way {
         let way = Way::new(self.within, turns.to_bits() * self.half_steps_per_turn);
-        let mut tick = Tick {
-            runs,
-            forward: self.forward,
-            cursor: 0,
-        };
-        tick.runs.clear();
-        tick.pause(self.timing.tick);
         self.steps += way.steps;
         self.within = way.within;
+        way
     }
 
     /// Ends a pulse that is still high, and changes direction if that is needed.
@@ -253,7 +245,16 @@ struct Tick<'a> {
     cursor: u32,
 }
 
-impl Tick<'_> {
+impl<'a> Tick<'a> {
+    fn new(runs: &'a mut Runs, forward: bool) -> Self {
+        runs.clear();
+        Self {
+            runs,
+            forward,
+            cursor: 0,
+        }
+    }
+
     /// Spreads the crossings from number `first` (counted from 1) on over what is left of the tick.
     fn edges(&mut self, way: &Way, first: u32, tick: u32, mut long_first: bool) -> bool {
         let start = self.cursor;

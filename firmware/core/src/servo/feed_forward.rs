@@ -13,7 +13,7 @@
 //! Error: below 2e-5 of the greatest torque (tested), from 30-bit factors and the sine's 3e-7.
 
 use crate::functions::{inverse_root_of_one_minus, multiply_q30, sine_cosine};
-use crate::settings::{MachineSettings, Platform, Problem, SettingsError};
+use crate::settings::{MachineSettings, Problem, SettingsError};
 use crate::units::{FRACTION_BITS, ONE_TURN, Phase, Torque, Turns};
 
 /// The coefficients of one machine at one tick rate, for one motor of `N`.
@@ -65,14 +65,10 @@ impl FeedForward {
             one_q30 * f64::from(1_u32 << acceleration_shift) * radians * hz * hz;
         let radius_m = machine.crank_radius_m;
         let share_kg = machine.load_kg / motors as f64;
-        let sign = match machine.platform {
-            Platform::Below => 1.0,
-            Platform::Above => -1.0,
-        };
         let centripetal = share_kg * radius_m * radius_m * full_speed * full_speed;
         let tangential = share_kg * radius_m * radius_m * full_acceleration;
         let rotor = rotor_inertia_kgm2 * full_acceleration;
-        let gravity = share_kg * radius_m * machine.gravity_mps2 * sign;
+        let gravity = share_kg * radius_m * machine.gravity_mps2 * machine.platform.gravity_sign();
         // |h s| stays below 2, |s| below 1.2, over the range of λ.
         if 2.0 * centripetal + 1.5 * tangential + rotor + 1.2 * gravity.abs() > MOST_NM {
             return Err(SettingsError::new(
@@ -142,6 +138,7 @@ const fn scaled(torque: i64, factor: i32) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::Platform;
 
     /// The formulas of this module's head in f64, at every degree, several speeds and accelerations.
     #[test]

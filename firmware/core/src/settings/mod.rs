@@ -47,6 +47,17 @@ pub enum Platform {
     Above,
 }
 
+impl Platform {
+    /// The sign of gravity next to the platform's acceleration in the force on the rods: +1 below,
+    /// −1 above.
+    pub const fn gravity_sign(self) -> f64 {
+        match self {
+            Self::Below => 1.0,
+            Self::Above => -1.0,
+        }
+    }
+}
+
 /// The slider-crank platform.
 #[derive(Clone, Copy, Debug)]
 pub struct MachineSettings {

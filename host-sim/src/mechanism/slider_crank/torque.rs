@@ -6,26 +6,9 @@
 //! Which way gravity acts is a choice of build, not a sign to be looked up. The source's F = m (g + a),
 //! with a at its largest in the stretched-out dead centre, is a platform *hanging below* its cranks.
 
+pub use cophase_core::settings::Platform;
+
 use super::SliderCrank;
-
-/// On which side of the cranks the platform is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Platform {
-    /// Hanging below. Gravity pulls away from the crank axis: F = m (g + a), the source's sign.
-    Below,
-    /// Standing above. Gravity pulls towards the crank axis: F = m (a − g) on the rods.
-    Above,
-}
-
-impl Platform {
-    /// The sign gravity has in a + σ g: +1 below, −1 above.
-    pub fn sigma(self) -> f64 {
-        match self {
-            Self::Below => 1.0,
-            Self::Above => -1.0,
-        }
-    }
-}
 
 /// What the cranks have to move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,7 +46,7 @@ impl SliderCrank {
     }
 
     fn torque_for_a_nm(&self, load: &Load, alpha_rad: f64, a_mps2: f64) -> f64 {
-        let force_n = load.mass_kg * (a_mps2 + load.platform.sigma() * load.gravity_mps2);
+        let force_n = load.mass_kg * (a_mps2 + load.platform.gravity_sign() * load.gravity_mps2);
         force_n * self.crank_radius_m() * self.s(alpha_rad)
     }
 }

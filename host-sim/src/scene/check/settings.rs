@@ -4,11 +4,11 @@
 use cophase_core::profile::{Profile, SliderCrank};
 use cophase_core::settings::{
     AxisSettings, BandSettings, DriftSettings, DriveKind, LimitSettings, MAX_BANDS,
-    MachineSettings, Platform as CorePlatform, PulseSettings, Settings,
+    MachineSettings, PulseSettings, Settings,
 };
 
 use super::Checked;
-use crate::scene::file::{self, AxisApart, Drive};
+use crate::scene::file::{AxisApart, Drive};
 
 impl Checked {
     /// The core's settings.
@@ -30,10 +30,7 @@ impl Checked {
                 crank_radius_m: machine.crank_radius_mm / 1e3,
                 lambda: self.lambda,
                 load_kg: machine.load_kg,
-                platform: match machine.platform {
-                    file::Platform::Above => CorePlatform::Above,
-                    file::Platform::Below => CorePlatform::Below,
-                },
+                platform: machine.platform.into(),
                 gravity_mps2: machine.gravity_mps2,
                 mount_radius_m: machine.mount_radius_mm / 1e3,
             },
