@@ -10,7 +10,8 @@
 
 use std::time::Instant;
 
-use cophase_core::controller::{Controller, Feedback, Output};
+use cophase_core::controller::Controller;
+use cophase_core::signals::{Feedback, Output};
 use cophase_core::supervisor::{Command, State};
 use cophase_core::units::{FRACTION_BITS, Phase, Turns};
 use host_sim::scene::{Checked, load};

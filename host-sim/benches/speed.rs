@@ -10,7 +10,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use cophase_core::controller::{Controller, Feedback};
+use cophase_core::controller::Controller;
+use cophase_core::signals::Feedback;
 use cophase_core::supervisor::Command;
 use divan::Bencher;
 use divan::counter::ItemsCount;

@@ -11,7 +11,8 @@ use core::ops::ControlFlow;
 
 use embassy_time::{Duration, Instant, Timer};
 
-use crate::controller::{Controller, Feedback, Output};
+use crate::controller::Controller;
+use crate::signals::{Feedback, Output};
 
 /// The world outside the loop: sensors and safety lines in, pulses, setpoints and safety lines out.
 pub trait Io<const N: usize> {

@@ -6,94 +6,16 @@
 //! the output of two ticks ago was played.
 
 use crate::axes::Axis;
-use crate::drift::{DriftLimits, DriftMonitor, IndexPulse, Modes, TickPhase};
+use crate::drift::{DriftLimits, DriftMonitor, Modes, TickPhase};
 use crate::profile::{Profile, SliderCrank};
 use crate::program::{Cursor, Program, ProgramBuilder};
 use crate::pulse::{Planner, PulseTiming, Runs};
 use crate::servo::{FeedForward, Setpoint};
 use crate::settings::{DriveKind, Problem, Settings, SettingsError, turns};
 use crate::shaft::{Demand, Motion, Shaft, ShaftLimits, Target};
-use crate::supervisor::{Action, Command, Fault, FaultKind, SafetyInputs, Seen, State, Supervisor};
+use crate::signals::{Feedback, Limits, Output, Telemetry};
+use crate::supervisor::{Action, Fault, FaultKind, Seen, State, Supervisor};
 use crate::units::{Amax, ONE_TURN, Phase, Turns};
-
-/// What the loop reads from outside at a deadline.
-#[derive(Clone, Debug)]
-pub struct Feedback<const N: usize> {
-    /// Index pulses of the tick that is over.
-    pub index: [Option<IndexPulse>; N],
-    /// Alarm outputs of the drives.
-    pub alarm: [bool; N],
-    /// The enable and stop inputs.
-    pub inputs: SafetyInputs,
-    /// A command, if one came.
-    pub command: Option<Command>,
-}
-
-impl<const N: usize> Feedback<N> {
-    /// Nothing but, perhaps, a command: no pulse, no alarm, and inputs that let the machine run.
-    pub const fn of(command: Option<Command>) -> Self {
-        Self {
-            index: [None; N],
-            alarm: [false; N],
-            inputs: SafetyInputs {
-                enable: true,
-                stop: false,
-            },
-            command,
-        }
-    }
-}
-
-/// What the loop writes to the outside, to be played from the next deadline on.
-#[derive(Clone, Debug)]
-pub struct Output<const N: usize> {
-    /// Pulses of stepper axes; a servo axis has one pause.
-    pub runs: [Runs; N],
-    /// Setpoints of servo axes; those of stepper axes are zero.
-    pub setpoints: [Setpoint; N],
-    /// The drives are to be on.
-    pub drives_enabled: bool,
-    /// High in the first half of each turn of the master: an oscilloscope's trigger.
-    pub sync: bool,
-    /// What the loop knows, for traces and logs.
-    pub telemetry: Telemetry<N>,
-}
-
-/// What the loop knows at the end of a tick.
-#[derive(Clone, Debug)]
-pub struct Telemetry<const N: usize> {
-    /// What the machine is doing.
-    pub state: State,
-    /// The fault that latched.
-    pub fault: Option<Fault>,
-    /// What the program asks for.
-    pub amax_program: Amax,
-    /// The master's motion in this tick.
-    pub motion: Motion,
-    /// The master's phase at the tick's end.
-    pub phase: Phase,
-    /// Commanded phases at the tick's end.
-    pub axis_phase: [Phase; N],
-    /// Steps (or encoder counts) commanded since the start, in each axis's own sense.
-    pub steps: [i64; N],
-    /// Drift as last measured.
-    pub drift: [Turns; N],
-    /// Its modes.
-    pub modes: Modes,
-    /// Whether the program's time stands still on command.
-    pub holding: bool,
-    /// What is out of the ordinary but no fault.
-    pub limits: Limits,
-}
-
-/// Limits that bit: reported, and gone on from.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Limits {
-    /// Deadlines missed altogether since the start.
-    pub missed_deadlines: u32,
-    /// Deadlines met late by over half a tick since the start.
-    pub late_deadlines: u32,
-}
 
 /// Most deadlines missed in a row before that is a fault.
 const MOST_MISSED: u32 = 2;

@@ -9,7 +9,8 @@
 //!                       supervisor ◄─ drift ◄─ index pulses ◄────┘
 //! ```
 //!
-//! [`controller`] is one tick of that path, and [`control_loop`] waits for the next. Everything on the
+//! [`controller`] is one tick of that path, [`signals`] what goes in and out of it, and [`control_loop`] waits
+//! for the next. Everything on the
 //! way is whole numbers ([`units`]): the same input gives the same bits on a board and on a desk.
 //! Floats are in [`settings`] and in the modules' constructors, which check what a user set and turn it
 //! into coefficients. Nothing allocates, and the tick path cannot fail.
@@ -30,5 +31,6 @@ pub mod pulse;
 pub mod servo;
 pub mod settings;
 pub mod shaft;
+pub mod signals;
 pub mod supervisor;
 pub mod units;

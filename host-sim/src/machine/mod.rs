@@ -16,10 +16,10 @@ pub use axis::{AxisDrive, SimulatedAxis};
 pub use platform::{Platform, Pose};
 pub use pull_out::PullOut;
 
-use cophase_core::controller::Output;
 use cophase_core::drift::IndexPulse;
 use cophase_core::pulse::Runs;
 use cophase_core::servo::Setpoint;
+use cophase_core::signals::Output;
 
 use crate::scene::file::{Drive, Fidelity};
 use crate::scene::{Checked, SceneError};

@@ -1,7 +1,7 @@
 //! A scene whose numbers have been checked, and what it asks of the core.
 //!
-//! [`numbers`] checks what the core does not know of, [`settings`] turns the scene's words into the
-//! core's, and [`program`] builds its program; what the core refuses is said at the key that stands in
+//! `numbers` checks what the core does not know of, `settings` turns the scene's words into the
+//! core's, and `program` builds its program; what the core refuses is said at the key that stands in
 //! the file.
 
 mod numbers;

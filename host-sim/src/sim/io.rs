@@ -7,8 +7,8 @@ use std::collections::VecDeque;
 use std::ops::ControlFlow;
 
 use cophase_core::control_loop::Io;
-use cophase_core::controller::{Feedback, Output, Telemetry};
 use cophase_core::drift::IndexPulse;
+use cophase_core::signals::{Feedback, Output, Telemetry};
 use cophase_core::supervisor::{Fault, State};
 use cophase_core::units::{Phase, Turns};
 use embassy_time::Instant;

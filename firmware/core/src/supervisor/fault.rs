@@ -3,7 +3,7 @@
 use crate::units::{Phase, Turns};
 
 /// What went wrong. All of these stop the machine; what is merely reported is in
-/// [`crate::controller::Limits`].
+/// [`crate::signals::Limits`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FaultKind {
