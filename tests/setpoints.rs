@@ -1,0 +1,83 @@
+//! What servo drives are told, against the phase that it comes from and the mechanics of the machine.
+
+use cophase_core::units::{Phase, Turns};
+use cophase_tests::scene;
+use host_sim::scene::library;
+use host_sim::sim::{Moment, Observer, simulate};
+use host_sim::units::{speed_hz, turns};
+
+const AXES: usize = 6;
+const HZ: u32 = 2000;
+
+/// Compares every tick's setpoints as they are made.
+struct Compare {
+    rotor_inertia_kgm2: f64,
+    reversed: usize,
+    worst_nm: f64,
+    peak_nm: f64,
+    ticks: u64,
+}
+
+impl Observer<AXES> for Compare {
+    fn tick(&mut self, moment: &Moment<'_, AXES>) {
+        let telemetry = moment.telemetry;
+        let omega = speed_hz(telemetry.motion.speed, HZ) * std::f64::consts::TAU;
+        let acceleration =
+            speed_hz(telemetry.motion.acceleration, HZ) * f64::from(HZ) * std::f64::consts::TAU;
+        let alpha = turns(telemetry.phase.within_turn()) * std::f64::consts::TAU;
+        // Independent of the core: floating point, and the exact kinematics that `design` uses.
+        let share_nm = moment
+            .machine
+            .platform
+            .torque_nm(alpha, omega, acceleration)
+            / AXES as f64;
+        let want_nm = share_nm + self.rotor_inertia_kgm2 * acceleration;
+        for (axis, setpoint) in moment.played.setpoints.iter().enumerate() {
+            let sign = if axis == self.reversed { -1 } else { 1 };
+            let position = setpoint.position.since(Phase::ZERO) * Turns::from_num(sign);
+            assert_eq!(
+                position,
+                telemetry.axis_phase[axis].since(Phase::ZERO),
+                "axis {axis}"
+            );
+            assert_eq!(
+                setpoint.velocity * Turns::from_num(sign),
+                telemetry.motion.speed,
+                "axis {axis}"
+            );
+            let got_nm = setpoint.torque.to_num::<f64>() * f64::from(sign);
+            self.worst_nm = self.worst_nm.max((got_nm - want_nm).abs());
+            self.peak_nm = self.peak_nm.max(want_nm.abs());
+        }
+        self.ticks += 1;
+    }
+}
+
+/// Were it wrong, drives would push against the platform, or a reversed one against the others.
+#[test]
+fn torque_position_and_speed_are_those_of_the_machine() {
+    let patent = library::find("patent-1").expect("a built-in scene").text;
+    let checked = scene(&format!(
+        "{patent}\n[[axis]]\nnumber = 4\nreversed = true\n"
+    ));
+    let mut compare = Compare {
+        rotor_inertia_kgm2: checked.scene.axes.rotor_inertia_kgm2,
+        reversed: 4,
+        worst_nm: 0.0,
+        peak_nm: 0.0,
+        ticks: 0,
+    };
+    simulate::<AXES>(&checked, &mut compare, |_, _| {}).expect("a checked scene runs");
+    assert!(compare.ticks > 30_000);
+    // The published example: 224 N·m for all six motors, 37 for each.
+    assert!(
+        (36.0..40.0).contains(&compare.peak_nm),
+        "{} N·m",
+        compare.peak_nm
+    );
+    assert!(
+        compare.worst_nm < 2e-5 * compare.peak_nm,
+        "off by {:e} N·m",
+        compare.worst_nm
+    );
+}
