@@ -128,7 +128,10 @@ fn a_missed_deadline_makes_all_stand_and_loses_nothing() {
         }
         let events = run.report["events"].to_string();
         assert!(
-            events.contains(&format!("{missed} deadlines missed")),
+            events.contains(&format!(
+                "{missed} deadline{} missed",
+                if missed == 1 { "" } else { "s" }
+            )),
             "{events}"
         );
     }

@@ -152,6 +152,7 @@ impl<const N: usize> Controller<N> {
                     state: State::Idle,
                     fault: None,
                     amax_program: Amax::ZERO,
+                    program_ticks: 0,
                     motion: Motion::default(),
                     phase: Phase::ZERO,
                     axis_phase: core::array::from_fn(|i| axes[i].phase()),
@@ -354,6 +355,7 @@ impl<const N: usize> Controller<N> {
         if !matches!(action, Action::Play | Action::Hold) {
             telemetry.amax_program = Amax::ZERO;
         }
+        telemetry.program_ticks = self.cursor.elapsed();
         telemetry.holding = action == Action::Hold;
         telemetry.motion = self.motion;
         telemetry.phase = self.shaft.phase();

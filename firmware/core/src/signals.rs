@@ -59,6 +59,8 @@ pub struct Telemetry<const N: usize> {
     pub fault: Option<Fault>,
     /// What the program asks for.
     pub amax_program: Amax,
+    /// Ticks of the program that are over.
+    pub program_ticks: u64,
     /// The master's motion in this tick.
     pub motion: Motion,
     /// The master's phase at the tick's end.

@@ -7,10 +7,10 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{CommandError, Status, scenes};
-use crate::report::{self, Report};
+use crate::report::{self, Report, Written};
 use crate::scene::library::{self, SCENES};
 use crate::scene::{Checked, load};
-use crate::sim::statistics::Happening;
+use crate::sim::events::Happening;
 use crate::sim::{Outcome, simulate};
 use crate::trace::{Every, Recorder, RunFiles, ScopeData, ScopeFrame, Window};
 use crate::with_axes;
@@ -69,20 +69,25 @@ fn between(from_s: f64, to_s: f64) -> Window {
 pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, CommandError> {
     let checked = read(&args.scene).map_err(CommandError::Input)?;
     let began = Instant::now();
-    let outcome = with_axes!(checked.scene.axes.count, N => record::<N>(args, &checked, began))
-        .map_err(CommandError::Input)?;
+    let (outcome, written) =
+        with_axes!(checked.scene.axes.count, N => record::<N>(args, &checked, began))
+            .map_err(CommandError::Input)?;
     if !args.quiet {
-        out.write_all(
-            report::summary(&checked, &outcome, began.elapsed().as_secs_f64()).as_bytes(),
-        )?;
+        let wall_s = began.elapsed().as_secs_f64();
+        out.write_all(report::summary(&checked, &outcome, Some(written), wall_s).as_bytes())?;
+        let rows = match written.every {
+            1 => "a row every tick".to_owned(),
+            every => format!("a row every {every} ticks"),
+        };
         writeln!(
             out,
-            "Written to {}: {}.",
+            "Written to {}: report.json, trace.csv ({rows}), steps.vcd ({:.3} to {:.3} s; --window shows others), scope.svg.",
             args.out.display(),
-            FILES.join(", ")
+            written.window_from_s,
+            written.window_to_s,
         )?;
     }
-    Ok(if outcome.fault.is_some() {
+    Ok(if outcome.fault.is_some() || outcome.slipped_unseen() {
         Status::Fault
     } else {
         Status::Done
@@ -114,7 +119,7 @@ fn record<const N: usize>(
     args: &RunArgs,
     checked: &Checked,
     began: Instant,
-) -> Result<Outcome, String> {
+) -> Result<(Outcome, Written), String> {
     let place = |error: &dyn std::fmt::Display| error.to_string();
     // Found before the run, not after it, when the files before it would be in place already.
     for path in FILES.map(|name| args.out.join(name)) {
@@ -177,7 +182,7 @@ fn record<const N: usize>(
         .map_err(|e| place(&e))?;
     drop((report_file, svg));
     files.commit().map_err(|e| place(&e))?;
-    Ok(outcome)
+    Ok((outcome, written))
 }
 
 fn frame(checked: &Checked) -> ScopeFrame {
@@ -216,8 +221,13 @@ fn mark(scope: &mut ScopeData, outcome: &Outcome) {
                     scope.mark(event.t_s, &format!("axis {axis} slips"));
                 }
             }
-            Happening::Fault(fault, _) => scope.mark(event.t_s, &format!("fault: {}", fault.kind)),
-            Happening::State(_) | Happening::Lagged { .. } => {}
+            Happening::Fault { fault, .. } => {
+                scope.mark(event.t_s, &format!("fault: {}", fault.kind));
+            }
+            Happening::Commanded(_) | Happening::Input { .. } => {
+                scope.mark(event.t_s, &report::describe(&event.what));
+            }
+            Happening::State(_) | Happening::Running { .. } | Happening::Lagged { .. } => {}
         }
     }
 }

@@ -53,6 +53,8 @@ pub struct SimulatedAxis {
     /// What it is slipping right now, in steps, since it lost the field.
     slipping: i64,
     overload: Overload,
+    /// Largest part of the pull-out torque that was asked for, and at which speed.
+    torque_used: Option<(f64, f64)>,
     /// Whole electrical cycles slipped.
     lost_cycles: i64,
     travelled_turns: f64,
@@ -91,6 +93,7 @@ impl SimulatedAxis {
             slipped: 0,
             slipping: 0,
             overload: Overload::None,
+            torque_used: None,
             lost_cycles: 0,
             travelled_turns: 0.0,
         }
@@ -104,6 +107,11 @@ impl SimulatedAxis {
     /// Electrical cycles slipped since power-up: negative behind, positive ahead of the field.
     pub fn slipped_cycles(&self) -> i64 {
         self.lost_cycles
+    }
+
+    /// The largest part of its pull-out torque that the motor was asked for, and at which speed, rev/s.
+    pub fn torque_used(&self) -> Option<(f64, f64)> {
+        self.torque_used
     }
 
     /// Compares what this tick's motion needs with what the motor has.
@@ -120,6 +128,10 @@ impl SimulatedAxis {
         let needed =
             share_nm + friction_nm + self.rotor_inertia_kgm2 * acceleration_rad_s2 * self.ratio;
         let most = pull_out.torque_nm(speed_hz * self.ratio);
+        let used = needed.abs() / most;
+        if self.torque_used.is_none_or(|(worst, _)| used > worst) {
+            self.torque_used = Some((used, speed_hz * self.ratio));
+        }
         self.overload = if needed > most {
             Overload::Driving
         } else if needed < -most {

@@ -1,16 +1,19 @@
 //! What a run comes to: `report.json` for machines, and a page of words for people.
 
 mod summary;
+mod warnings;
+mod words;
 
 pub use summary::summary;
+pub use warnings::warnings;
+pub use words::{describe, is_news};
 
-use cophase_core::supervisor::{Fault, FaultKind, State};
-use cophase_core::units::Turns;
 use serde::Serialize;
 
+use crate::scene::file::Fidelity;
 use crate::scene::{Checked, Scene};
 use crate::sim::Outcome;
-use crate::sim::statistics::{Event, Happening};
+use crate::sim::events::{Event, Happening, StoppedBy};
 use crate::units::degrees;
 
 /// How a trace was written.
@@ -35,6 +38,7 @@ pub struct Report<'a> {
     fidelity: FidelityReport<'a>,
     method: MethodReport,
     ended: Ended,
+    warnings: Vec<String>,
     simulated_s: f64,
     control_ticks: u64,
     time_in_state_s: TimeInState,
@@ -76,6 +80,9 @@ struct MethodReport {
 struct Ended {
     state: &'static str,
     fault: bool,
+    /// What made the machine stop last.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stopped_by: Option<&'static str>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -94,6 +101,9 @@ struct AxisReport {
     command_turns: f64,
     actual_turns: f64,
     slipped_cycles: i64,
+    /// Largest part of the pull-out torque that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pull_out_used: Option<f64>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -136,15 +146,13 @@ impl<'a> Report<'a> {
     ) -> Self {
         let seen = &outcome.statistics;
         let [idle, align, run, stop, parked, fault] = seen.time_in_state_s.map(|s| round(s, 6));
-        let axis =
-            |((&steps, &(command, actual)), &slipped_cycles): ((&i64, &(f64, f64)), &i64)| {
-                AxisReport {
-                    steps,
-                    command_turns: command,
-                    actual_turns: actual,
-                    slipped_cycles,
-                }
-            };
+        let axis = |i: usize| AxisReport {
+            steps: seen.steps[i],
+            command_turns: seen.turns[i].0,
+            actual_turns: seen.turns[i].1,
+            slipped_cycles: seen.slipped_cycles[i],
+            pull_out_used: seen.torque_used[i].map(|(used, _)| used),
+        };
         Self {
             name: &checked.scene.name,
             fidelity: FidelityReport {
@@ -154,12 +162,23 @@ impl<'a> Report<'a> {
             },
             method: MethodReport {
                 name: "closed form",
-                why: "cranks are where pulses and setpoints put them: nothing is integrated",
+                why: match checked.fidelity {
+                    Fidelity::QuasiStatic => {
+                        "torques follow from the motion, and slips from torques: nothing is integrated"
+                    }
+                    _ => "cranks are where pulses and setpoints put them: nothing is integrated",
+                },
             },
             ended: Ended {
                 state: outcome.state.name(),
                 fault: outcome.fault.is_some(),
+                stopped_by: seen.stopped_by.map(|by| match by {
+                    StoppedBy::ProgramEnd => "program end",
+                    StoppedBy::Request => "request",
+                    StoppedBy::Fault => "fault",
+                }),
             },
+            warnings: warnings(checked, outcome, written),
             simulated_s: outcome.simulated_s(),
             control_ticks: outcome.ticks,
             time_in_state_s: TimeInState {
@@ -170,13 +189,7 @@ impl<'a> Report<'a> {
                 parked,
                 fault,
             },
-            axes: seen
-                .steps
-                .iter()
-                .zip(&seen.turns)
-                .zip(&seen.slipped_cycles)
-                .map(axis)
-                .collect(),
+            axes: (0..checked.scene.axes.count).map(axis).collect(),
             phase_spread_worst_deg: seen.worst_spread_deg,
             phase_spread_rms_deg: seen.rms_spread_deg,
             tilt_worst_mrad: seen.worst_tilt_mrad,
@@ -190,11 +203,7 @@ impl<'a> Report<'a> {
             amax_top_mps2: seen.top_amax_mps2,
             late_deadlines: seen.late_deadlines,
             missed_deadlines: seen.missed_deadlines,
-            faults: outcome
-                .fault
-                .iter()
-                .map(|fault| fault_report(fault, outcome.tick_hz))
-                .collect(),
+            faults: seen.events.iter().filter_map(fault_report).collect(),
             events: seen.events.iter().map(event_report).collect(),
             events_left_out: seen.events_left_out,
             written,
@@ -210,21 +219,24 @@ impl<'a> Report<'a> {
 /// What the rung leaves out, for all that read the results.
 fn left_out(checked: &Checked) -> &'static str {
     match checked.fidelity {
-        crate::scene::file::Fidelity::QuasiStatic => {
+        Fidelity::QuasiStatic => {
             "inertia's effect on the cranks' motion, elasticity, and how a slip loads the other motors"
         }
         _ => "torque, inertia and elasticity: no crank ever lags",
     }
 }
 
-fn fault_report(fault: &Fault, tick_hz: u32) -> FaultReport {
-    FaultReport {
-        t_s: fault.tick as f64 / f64::from(tick_hz),
+fn fault_report(event: &Event) -> Option<FaultReport> {
+    let Happening::Fault { fault, .. } = &event.what else {
+        return None;
+    };
+    Some(FaultReport {
+        t_s: round(event.t_s, 9),
         kind: fault.kind.to_string(),
         axis: fault.axis,
         size_deg: degrees(fault.size),
         crank_phase_deg: degrees(fault.phase.within_turn()),
-    }
+    })
 }
 
 fn event_report(event: &Event) -> EventReport {
@@ -232,68 +244,6 @@ fn event_report(event: &Event) -> EventReport {
         t_s: round(event.t_s, 9),
         what: describe(&event.what),
     }
-}
-
-/// An event in words.
-pub fn describe(what: &Happening) -> String {
-    match *what {
-        Happening::State(State::Idle) => "idle".to_owned(),
-        Happening::State(State::Align) => "drives on, aligning".to_owned(),
-        Happening::State(State::Run) => "running the program".to_owned(),
-        Happening::State(State::Stop) => "stopping, all axes together".to_owned(),
-        Happening::State(State::Parked) => "parked".to_owned(),
-        Happening::State(State::Fault) => "drives off, waiting for a reset".to_owned(),
-        Happening::BandCrossed { in_s, upwards } => {
-            format!(
-                "band crossed {} in {in_s:.3} s",
-                if upwards { "upwards" } else { "downwards" }
-            )
-        }
-        Happening::HeldAtBand { for_s } => {
-            format!("program inside a forbidden band for {for_s:.2} s: held at its nearer edge")
-        }
-        Happening::Lagged { for_s, worst_mps2 } => {
-            format!("behind the program for {for_s:.2} s, by at most {worst_mps2:.1} m/s²")
-        }
-        Happening::Slipped { axis, cycles } => {
-            let way = if cycles < 0 { "behind" } else { "ahead" };
-            format!(
-                "axis {axis} slips; electrical cycles {way}: {}",
-                cycles.abs()
-            )
-        }
-        Happening::Missed { deadlines } => {
-            format!("{deadlines} deadlines missed: all axes stood still")
-        }
-        Happening::Fault(fault, leading_deg) if fault.kind == FaultKind::Tilt => {
-            format!(
-                "fault: {}, its {leading_deg:.0}° side leading",
-                fault_words(&fault)
-            )
-        }
-        Happening::Fault(fault, _) => format!("fault: {}", fault_words(&fault)),
-    }
-}
-
-/// Whether people want to be told: what lasts only as long as a band takes to cross is not news.
-pub fn is_news(what: &Happening) -> bool {
-    const SHORT_S: f64 = 0.3;
-    match what {
-        Happening::HeldAtBand { for_s } | Happening::Lagged { for_s, .. } => *for_s >= SHORT_S,
-        _ => true,
-    }
-}
-
-/// A fault in words.
-fn fault_words(fault: &Fault) -> String {
-    let mut words = fault.kind.to_string();
-    if let Some(axis) = fault.axis {
-        words += &format!(", axis {axis}");
-    }
-    if fault.size != Turns::ZERO {
-        words += &format!(" off by {:.2}°", degrees(fault.size));
-    }
-    words
 }
 
 /// Times are sums of ticks: their last digits are rounding, and no use to a reader.

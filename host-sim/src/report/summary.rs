@@ -4,21 +4,28 @@ use std::fmt::Write;
 
 use cophase_core::supervisor::{FaultKind, State};
 
-use super::{describe, fault_words, is_news};
+use super::words::fault_words;
+use super::{Written, describe, is_news, warnings};
 use crate::design::STANDARD_GRAVITY_MPS2;
 use crate::scene::Checked;
-use crate::scene::file::Drive;
+use crate::scene::file::{Drive, Fidelity};
 use crate::sim::Outcome;
-use crate::sim::statistics::Happening;
+use crate::sim::events::{Happening, StoppedBy};
 
-/// More events than this are counted, not listed.
+/// No more events than this are listed, of which so many from the end.
 const LISTED: usize = 24;
+const LISTED_LAST: usize = 8;
 
 /// What a run came to, in words.
-pub fn summary(checked: &Checked, outcome: &Outcome, wall_s: f64) -> String {
+pub fn summary(
+    checked: &Checked,
+    outcome: &Outcome,
+    written: Option<Written>,
+    wall_s: f64,
+) -> String {
     let mut page = String::new();
     // Writing to a String cannot fail.
-    let _ = write_page(&mut page, checked, outcome, wall_s);
+    let _ = write_page(&mut page, checked, outcome, written, wall_s);
     page
 }
 
@@ -26,6 +33,7 @@ fn write_page(
     page: &mut String,
     checked: &Checked,
     outcome: &Outcome,
+    written: Option<Written>,
     wall_s: f64,
 ) -> std::fmt::Result {
     let scene = &checked.scene;
@@ -49,15 +57,27 @@ fn write_page(
         .iter()
         .filter(|event| is_news(&event.what))
         .collect();
-    for event in news.iter().take(LISTED) {
+    // The end is what is most often looked for: where there is too much, the middle is left out.
+    let (first, last) = if news.len() > LISTED {
+        (
+            &news[..LISTED - LISTED_LAST],
+            &news[news.len() - LISTED_LAST..],
+        )
+    } else {
+        (&news[..], &news[..0])
+    };
+    for event in first {
         writeln!(page, "  {:9.3} s  {}", event.t_s, describe(&event.what))?;
     }
-    let more = news.len().saturating_sub(LISTED) + seen.events_left_out;
-    if more > 0 {
+    let between = news.len() - first.len() - last.len() + seen.events_left_out;
+    if between > 0 {
         writeln!(
             page,
-            "               … and {more} more; report.json lists them"
+            "               … {between} more, which report.json lists …"
         )?;
+    }
+    for event in last {
+        writeln!(page, "  {:9.3} s  {}", event.t_s, describe(&event.what))?;
     }
     writeln!(page)?;
 
@@ -66,7 +86,7 @@ fn write_page(
     if holding.held_s > 0.0 {
         writeln!(
             page,
-            "amax was held for {:.1} s in all, within {} of what the program asked; at most {:.1} g, at {:.2} rev/s.",
+            "The commanded amax was held for {:.1} s in all, within {} of the program; at most {:.1} g, at {:.2} rev/s.",
             holding.held_s,
             relative(holding.worst_relative),
             seen.top_amax_mps2 / STANDARD_GRAVITY_MPS2,
@@ -86,7 +106,14 @@ fn write_page(
         )?;
     }
     if seen.worst_spread_deg < 1e-6 {
-        writeln!(page, "The cranks stayed in phase to the last count.")?;
+        let by_model = match checked.fidelity {
+            Fidelity::QuasiStatic => "",
+            _ => " (in this model they cannot do otherwise)",
+        };
+        writeln!(
+            page,
+            "The cranks stayed in phase to the last count{by_model}."
+        )?;
     } else {
         writeln!(
             page,
@@ -96,6 +123,21 @@ fn write_page(
             seen.worst_tilt_mrad,
             scene.drift.tilt_limit_mrad,
         )?;
+    }
+    let closest = seen
+        .torque_used
+        .iter()
+        .enumerate()
+        .filter_map(|(axis, used)| Some((axis, (*used)?)));
+    if let Some((axis, (used, hz))) = closest.max_by(|a, b| a.1.0.total_cmp(&b.1.0)) {
+        writeln!(
+            page,
+            "Closest to pull-out: axis {axis}, asked for {:.0} % of the torque that it has at {hz:.2} rev/s.",
+            used * 100.0
+        )?;
+    }
+    for warning in warnings(checked, outcome, written) {
+        writeln!(page, "Warning: {warning}")?;
     }
     writeln!(page)?;
     steps(page, checked, outcome)?;
@@ -133,29 +175,33 @@ fn steps(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::R
 }
 
 fn ending(outcome: &Outcome) -> String {
-    match (&outcome.fault, outcome.state) {
-        (Some(fault), State::Fault) => format!(
-            "A fault stopped the machine at {:.3} s: {}. {}",
-            fault.tick as f64 / f64::from(outcome.tick_hz),
+    let seen = &outcome.statistics;
+    let faults = || {
+        seen.events.iter().filter_map(|event| match &event.what {
+            Happening::Fault { fault, .. } => Some((event.t_s, fault)),
+            _ => None,
+        })
+    };
+    match (faults().last(), outcome.state) {
+        (Some((t_s, fault)), State::Fault) => format!(
+            "A fault stopped the machine at {t_s:.3} s: {}. {}",
             fault_words(fault),
             match fault.kind {
                 FaultKind::EnableLost => "The drives were switched off the same tick.",
-                _ => "All axes came to rest together.",
+                _ => "All axes were brought to rest together.",
             },
         ),
-        (Some(fault), state) => format!(
-            "There was a fault at {:.3} s: {}. After a reset the machine ended {}.",
-            fault.tick as f64 / f64::from(outcome.tick_hz),
-            fault_words(fault),
+        (Some(_), state) => format!(
+            "There were {} faults, and the machine ended in state `{}`.",
+            faults().count(),
             state.name(),
         ),
-        (None, State::Parked) => {
-            "The program ran to its end, or was stopped, and the machine parked.".to_owned()
+        (None, State::Parked) => match seen.stopped_by {
+            Some(StoppedBy::Request) => "The machine was stopped on request, and parked.",
+            _ => "The program ran to its end, and the machine parked.",
         }
-        (None, state) => format!(
-            "The machine was still in state `{}` when nothing more was to happen; the run ends here.",
-            state.name()
-        ),
+        .to_owned(),
+        (None, state) => format!("The machine ended in state `{}`.", state.name()),
     }
 }
 

@@ -49,6 +49,7 @@ impl Checked {
             numbers::check_apart(&scene, entry, apart)?;
         }
         PullOut::new(&scene.axes.pull_out)?;
+        numbers::check_pull_out(&scene)?;
         numbers::check_times(&scene)?;
         numbers::check_bands(&scene.limits)?;
         let (fidelity, why) = rung(&scene)?;
@@ -104,6 +105,13 @@ impl Checked {
             }
             _ => SceneError::at(key, problem),
         }
+    }
+
+    /// Whether axis `number` has an index sensor.
+    pub fn has_index(&self, number: usize) -> bool {
+        self.apart(number)
+            .and_then(|apart| apart.index)
+            .unwrap_or(self.scene.axes.index)
     }
 
     /// What axis `number` has apart from the others.

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use cophase_core::control_loop::Io;
 use cophase_core::drift::IndexPulse;
 use cophase_core::signals::{Feedback, Output, Telemetry};
-use cophase_core::supervisor::{Fault, State};
+use cophase_core::supervisor::{Command, Fault, State};
 use cophase_core::units::{Phase, Turns};
 use embassy_time::Instant;
 
@@ -18,6 +18,7 @@ use super::schedule::Schedule;
 use super::statistics::Statistics;
 use crate::machine::{Machine, Played};
 use crate::units::turns;
+use crate::virtual_time::TICKS_PER_S;
 
 /// Looks on while a scene runs.
 pub trait Observer<const N: usize> {
@@ -82,7 +83,9 @@ pub struct SimulatedIo<'a, const N: usize, O, P> {
     drives_enabled: bool,
     master: Unwrapped,
     axes: Option<[Unwrapped; N]>,
+    /// Outputs written, and of these the ones played.
     ticks: u64,
+    played: u64,
     state: State,
     fault: Option<Fault>,
     /// Ticks since nothing has happened any more.
@@ -121,6 +124,7 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             master: Unwrapped::default(),
             axes: None,
             ticks: 0,
+            played: 0,
             state: State::Idle,
             fault: None,
             quiet: 0,
@@ -134,7 +138,7 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
         Outcome {
             state: self.state,
             fault: self.fault,
-            ticks: self.ticks,
+            ticks: self.played,
             tick_hz: self.tick_hz,
             statistics,
         }
@@ -168,6 +172,7 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             actual_turns: std::array::from_fn(|i| self.machine.axes[i].turns()),
             machine: &self.machine,
         };
+        self.played += 1;
         self.statistics.tick(&moment);
         self.observer.tick(&moment);
         index
@@ -191,11 +196,20 @@ impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'
             }
             self.spare.push(waiting);
         }
+        let now_s = now as f64 / TICKS_PER_S as f64;
+        while let Some(input) = self.schedule.input(now) {
+            self.statistics.input(now_s, input.line, input.active);
+        }
+        let command = self.schedule.command(now);
+        // That a scene begins with a start is not news.
+        if let Some(command) = command.filter(|command| now > 0 || *command != Command::Start) {
+            self.statistics.commanded(now_s, command);
+        }
         Feedback {
             index,
             alarm: [false; N],
-            inputs: self.schedule.inputs(now),
-            command: self.schedule.command(now),
+            inputs: self.schedule.lines(),
+            command,
         }
     }
 

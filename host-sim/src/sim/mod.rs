@@ -3,12 +3,13 @@
 //! [`simulate`] sets up the two sides, a simulated `Io` stands between them, and an [`Observer`] looks on. What
 //! an observer does, or whether there is one, never changes what happens.
 
+pub mod events;
 mod io;
 mod schedule;
 pub mod statistics;
 
 pub use io::{Moment, Observer};
-pub use statistics::{Event, Statistics};
+pub use statistics::Statistics;
 
 use cophase_core::control_loop;
 use cophase_core::controller::Controller;
@@ -36,6 +37,16 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Whether a motor slipped without a fault: the controller believes the cranks in phase, and they are not.
+    pub fn slipped_unseen(&self) -> bool {
+        self.fault.is_none()
+            && self
+                .statistics
+                .slipped_cycles
+                .iter()
+                .any(|&cycles| cycles != 0)
+    }
+
     /// Simulated time, s.
     pub fn simulated_s(&self) -> f64 {
         self.ticks as f64 / f64::from(self.tick_hz)

@@ -75,18 +75,22 @@ impl Schedule {
         Some(command)
     }
 
-    /// The safety inputs as they are now.
-    pub fn inputs(&mut self, now: u64) -> SafetyInputs {
-        while let Some((at, input)) = self.inputs.get(self.next_input) {
-            if *at > now {
-                break;
-            }
-            match input.line {
-                InputLine::Enable => self.lines.enable = input.active,
-                InputLine::Stop => self.lines.stop = input.active,
-            }
-            self.next_input += 1;
+    /// The next change of a safety input that is due; each is given once.
+    pub fn input(&mut self, now: u64) -> Option<InputAt> {
+        let &(at, input) = self.inputs.get(self.next_input)?;
+        if at > now {
+            return None;
         }
+        self.next_input += 1;
+        match input.line {
+            InputLine::Enable => self.lines.enable = input.active,
+            InputLine::Stop => self.lines.stop = input.active,
+        }
+        Some(input)
+    }
+
+    /// The safety inputs, with all changes so far.
+    pub const fn lines(&self) -> SafetyInputs {
         self.lines
     }
 

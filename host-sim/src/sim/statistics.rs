@@ -1,62 +1,16 @@
 //! What is worth knowing of a run, gathered tick by tick.
 
-use cophase_core::supervisor::{Fault, State};
+use cophase_core::signals::Telemetry;
+use cophase_core::supervisor::{Command, Fault, State};
 use cophase_core::units::Amax;
 
 use super::Moment;
-use crate::machine::Machine;
+use super::events::{Event, Happening, StoppedBy};
+use crate::machine::{Machine, SimulatedAxis};
 use crate::mechanism::slider_crank::SliderCrank;
 use crate::scene::Checked;
+use crate::scene::file::InputLine;
 use crate::units::speed_hz;
-
-/// Something that happened at a time.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Event {
-    /// When, s since power-up.
-    pub t_s: f64,
-    /// What.
-    pub what: Happening,
-}
-
-/// What can happen.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Happening {
-    /// The supervisor changed its state.
-    State(State),
-    /// The shaft went into a forbidden band, and came out of it after that many seconds.
-    BandCrossed {
-        /// Time inside, s.
-        in_s: f64,
-        /// Whether the shaft came out faster than it went in.
-        upwards: bool,
-    },
-    /// The program asked for a speed in a forbidden band, for that many seconds, and got the edge.
-    HeldAtBand {
-        /// For how long, s.
-        for_s: f64,
-    },
-    /// The shaft could not follow the program, for that many seconds.
-    Lagged {
-        /// For how long, s.
-        for_s: f64,
-        /// By at most how much, in amax, m/s².
-        worst_mps2: f64,
-    },
-    /// An axis slipped by whole electrical cycles.
-    Slipped {
-        /// Which.
-        axis: usize,
-        /// How many so far; negative: behind.
-        cycles: i64,
-    },
-    /// Deadlines were missed altogether.
-    Missed {
-        /// How many.
-        deadlines: u32,
-    },
-    /// A fault latched; and which side led then, degrees around the platform from axis 0 towards axis 1.
-    Fault(Fault, f32),
-}
 
 /// How well amax was held where the program holds and the shaft has come to its speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -96,6 +50,11 @@ pub struct Statistics {
     pub turns: Vec<(f64, f64)>,
     /// Electrical cycles slipped, each axis.
     pub slipped_cycles: Vec<i64>,
+    /// The largest part of its pull-out torque that each axis was asked for, and at which speed (rev/s);
+    /// empty where torque is not asked.
+    pub torque_used: Vec<Option<(f64, f64)>>,
+    /// What made the machine stop last.
+    pub stopped_by: Option<StoppedBy>,
     /// Deadlines met late by over half a tick.
     pub late_deadlines: u32,
     /// Deadlines missed altogether.
@@ -106,6 +65,7 @@ pub struct Statistics {
     tick_s: f64,
     running_ticks: u64,
     spread_squares: f64,
+    stop_asked: bool,
     state: Option<State>,
     fault: Option<Fault>,
     band: Option<(f64, f64)>,
@@ -136,6 +96,8 @@ impl Statistics {
             steps: vec![0; axes],
             turns: vec![(0.0, 0.0); axes],
             slipped_cycles: vec![0; axes],
+            torque_used: Vec::new(),
+            stopped_by: None,
             late_deadlines: 0,
             missed_deadlines: 0,
             mechanism: *mechanism,
@@ -143,6 +105,7 @@ impl Statistics {
             tick_s: 1.0 / f64::from(checked.scene.control.tick_hz),
             running_ticks: 0,
             spread_squares: 0.0,
+            stop_asked: false,
             state: None,
             fault: None,
             band: None,
@@ -163,15 +126,46 @@ impl Statistics {
         self.level(moment);
         if self.state != Some(telemetry.state) {
             self.state = Some(telemetry.state);
-            self.note(t_s, Happening::State(telemetry.state));
+            self.enter(telemetry.state, telemetry, t_s);
         }
         if telemetry.fault != self.fault {
             self.fault = telemetry.fault;
             if let Some(fault) = telemetry.fault {
                 let leading_deg = telemetry.modes.tilt_direction_deg().rem_euclid(360.0);
-                self.note(t_s, Happening::Fault(fault, leading_deg));
+                self.note(t_s, Happening::Fault { fault, leading_deg });
             }
         }
+    }
+
+    fn enter<const N: usize>(&mut self, state: State, telemetry: &Telemetry<N>, t_s: f64) {
+        if state == State::Stop {
+            self.stopped_by = Some(match telemetry.fault {
+                Some(_) => StoppedBy::Fault,
+                None if self.stop_asked => StoppedBy::Request,
+                None => StoppedBy::ProgramEnd,
+            });
+        }
+        let what = if state == State::Run {
+            self.stop_asked = false;
+            // The first tick of the program is over already.
+            let from_s = telemetry.program_ticks.saturating_sub(1) as f64 * self.tick_s;
+            Happening::Running { from_s }
+        } else {
+            Happening::State(state)
+        };
+        self.note(t_s, what);
+    }
+
+    /// Takes note of a command that was given.
+    pub fn commanded(&mut self, t_s: f64, command: Command) {
+        self.stop_asked |= command == Command::Stop;
+        self.note(t_s, Happening::Commanded(command));
+    }
+
+    /// Takes note of a change of a safety input.
+    pub fn input(&mut self, t_s: f64, line: InputLine, active: bool) {
+        self.stop_asked |= line == InputLine::Stop && active;
+        self.note(t_s, Happening::Input { line, active });
     }
 
     /// Where the cranks are.
@@ -199,13 +193,16 @@ impl Statistics {
             return;
         }
         let spread_deg = (high - low) * 360.0;
-        // Tilt and warp are differences of errors: where those are none, neither are these.
-        if spread_deg > 1e-9 {
+        self.worst_spread_deg = self.worst_spread_deg.max(spread_deg);
+        // Tilt is a difference of cranks: where they are all alike, there is none.
+        if moment
+            .actual_turns
+            .iter()
+            .any(|&turns| turns != moment.actual_turns[0])
+        {
             let platform = &moment.machine.platform;
-            self.worst_spread_deg = self.worst_spread_deg.max(spread_deg);
-            self.worst_tilt_mrad = self
-                .worst_tilt_mrad
-                .max(platform.tilt_mrad(&moment.actual_turns));
+            let tilt_mrad = platform.tilt_mrad(&moment.actual_turns);
+            self.worst_tilt_mrad = self.worst_tilt_mrad.max(tilt_mrad);
             let warp_deg = platform.warp_deg(&moment.actual_turns, &moment.command_turns);
             self.worst_warp_deg = self.worst_warp_deg.max(warp_deg);
         }
@@ -293,7 +290,12 @@ impl Statistics {
     }
 
     /// Closes what is still open at the end of a run.
-    pub fn finish<const N: usize>(&mut self, _machine: &Machine<N>) {
+    pub fn finish<const N: usize>(&mut self, machine: &Machine<N>) {
+        self.torque_used = machine
+            .axes
+            .iter()
+            .map(SimulatedAxis::torque_used)
+            .collect();
         if self.running_ticks > 0 {
             self.rms_spread_deg = (self.spread_squares / self.running_ticks as f64).sqrt();
         }

@@ -60,6 +60,18 @@ pub enum VcdError {
         /// The file's axes.
         axes: usize,
     },
+    /// There are more edges than any viewer likes.
+    #[error(
+        "from {:.3} to {:.3} s there are more than 60 million edges, about a gigabyte; show less with --window",
+        *from_ns as f64 * 1e-9,
+        *at_ns as f64 * 1e-9
+    )]
+    TooLong {
+        /// Where the window begins.
+        from_ns: u64,
+        /// Where it became too much.
+        at_ns: u64,
+    },
     /// The writer refused.
     #[error("steps not written: {0}")]
     Io(#[from] io::Error),

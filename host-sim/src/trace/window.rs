@@ -22,6 +22,9 @@ pub enum Window {
 /// Without a window of its own, `steps.vcd` shows this much of the first motion.
 const FIRST_MOTION_NS: u64 = 200_000_000;
 
+/// No viewer likes a file of more edges than this; it has about a gigabyte.
+const MOST_EDGES: u64 = 60_000_000;
+
 /// Nanoseconds in a cycle of the step clock.
 const CYCLE_NS: u64 = 1_000_000_000 / cophase_core::settings::CLOCK_HZ as u64;
 
@@ -34,6 +37,8 @@ pub(super) struct StepWindow<V: Write> {
     edges: Vec<(u64, Signal, bool)>,
     ended: Option<(u64, u64)>,
     last_ns: u64,
+    /// Edges shown so far.
+    shown: u64,
 }
 
 enum Begun<V: Write> {
@@ -54,6 +59,7 @@ impl<V: Write> StepWindow<V> {
             edges: Vec::new(),
             ended: None,
             last_ns: 0,
+            shown: 0,
         }
     }
 
@@ -97,11 +103,18 @@ impl<V: Write> StepWindow<V> {
                 self.begin(from_ns, N)?;
                 if let Begun::At(_, vcd) = &mut self.vcd {
                     vcd.change(at, signal, level)?;
+                    self.shown += u64::from(matches!(signal, Signal::Step(_)));
                 }
             }
             self.set(signal, level);
         }
         self.begin(from_ns, N)?;
+        if self.shown > MOST_EDGES {
+            return Err(VcdError::TooLong {
+                from_ns,
+                at_ns: end_ns,
+            });
+        }
         self.close_after(end_ns, to_ns)
     }
 

@@ -3,7 +3,7 @@
 use cophase_core::settings::{MAX_BANDS, Problem};
 
 use crate::scene::SceneError;
-use crate::scene::file::{self, AxisApart, Scene};
+use crate::scene::file::{self, AxisApart, Drive, Scene};
 
 /// More than any motor that a platform of 50 kg needs has to give.
 const MOST_FRICTION_NM: f64 = 1000.0;
@@ -148,4 +148,52 @@ fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
         key,
         Problem::OutOfRange { value, low, high },
     ))
+}
+
+/// What is given of steppers' torque must be able to act.
+pub(super) fn check_pull_out(scene: &Scene) -> Result<(), SceneError> {
+    let axes = &scene.axes;
+    if axes.pull_out.is_empty() {
+        return match scene
+            .axis
+            .iter()
+            .position(|apart| apart.pull_out_scale != 1.0)
+        {
+            Some(entry) => Err(SceneError::at(
+                format!("axis[{entry}].pull_out_scale"),
+                "scales nothing: axes.pull_out is missing; give the motors' torque as [[speed_hz, torque_nm], …]",
+            )),
+            None => Ok(()),
+        };
+    }
+    let drives = (0..axes.count).map(|i| {
+        let apart = scene.axis.iter().find(|apart| apart.number == i);
+        let drive = apart.and_then(|apart| apart.drive).unwrap_or(axes.drive);
+        (
+            drive,
+            apart
+                .and_then(|apart| apart.steps_per_turn)
+                .unwrap_or(axes.steps_per_turn),
+        )
+    });
+    let mut steppers = drives
+        .filter(|(drive, _)| *drive == Drive::Stepper)
+        .peekable();
+    if steppers.peek().is_none() {
+        return Err(SceneError::at(
+            "axes.pull_out",
+            "is the torque at which a stepper loses its step, and no axis here is a stepper; leave it out",
+        ));
+    }
+    match steppers.find(|(_, steps)| steps % axes.full_steps_per_turn != 0) {
+        Some((_, steps)) => Err(SceneError::at(
+            "axes.steps_per_turn",
+            format!(
+                "{steps} is not a whole number of microsteps to each of axes.full_steps_per_turn = {}; a stepper \
+                 that loses its step slips by four of those",
+                axes.full_steps_per_turn
+            ),
+        )),
+        None => Ok(()),
+    }
 }

@@ -74,10 +74,7 @@ impl Checked {
             reversed: apart.is_some_and(|a| a.reversed),
             ratio: apart.and_then(|a| a.ratio).unwrap_or(axes.ratio),
             offset_turns: own(|a| a.offset_deg).unwrap_or(axes.offset_deg) / 360.0,
-            index_turns: apart
-                .and_then(|a| a.index)
-                .unwrap_or(axes.index)
-                .then_some(index_deg / 360.0),
+            index_turns: self.has_index(number).then_some(index_deg / 360.0),
             trim_limit_turns: axes.trim_limit_deg / 360.0,
             trim_rate_hz: axes.trim_rate_deg_per_s / 360.0,
             rotor_inertia_kgm2: axes.rotor_inertia_kgm2,

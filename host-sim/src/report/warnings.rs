@@ -1,0 +1,50 @@
+//! What a reader should not overlook: where the simulated machine and its controller disagree, or where
+//! the run does not show what was asked.
+
+use cophase_core::supervisor::State;
+
+use super::Written;
+use crate::scene::Checked;
+use crate::sim::Outcome;
+
+/// Warnings, a sentence each.
+pub fn warnings(checked: &Checked, outcome: &Outcome, written: Option<Written>) -> Vec<String> {
+    let (scene, seen) = (&checked.scene, &outcome.statistics);
+    let mut warnings = Vec::new();
+    let unwatched: Vec<String> = (0..scene.axes.count)
+        .filter(|&axis| !checked.has_index(axis))
+        .map(|axis| axis.to_string())
+        .collect();
+    if !unwatched.is_empty() {
+        warnings.push(format!(
+            "Without an index sensor the drift of axis {} is not watched; drift_deg is 0 there for want of a measurement.",
+            unwatched.join(", ")
+        ));
+    }
+    if outcome.slipped_unseen() {
+        warnings.push("A motor slipped, and the controller did not see it.".to_owned());
+    }
+    let limit_mrad = scene.drift.tilt_limit_mrad;
+    if seen.worst_tilt_mrad > limit_mrad {
+        warnings.push(format!(
+            "The platform tilted by {:.2} mrad, past its limit of {limit_mrad}: drift is heard once a turn, and a motor \
+             that keeps slipping does so until it stands.",
+            seen.worst_tilt_mrad
+        ));
+    }
+    if let Some(written) = written
+        && written.window_to_s > outcome.simulated_s()
+    {
+        warnings.push(format!(
+            "steps.vcd was to show {} to {} s, which is not within the run.",
+            written.window_from_s, written.window_to_s
+        ));
+    }
+    if !matches!(outcome.state, State::Parked | State::Fault) {
+        warnings.push(format!(
+            "The machine was still in state `{}` when nothing more was to happen; the run was ended there.",
+            outcome.state.name()
+        ));
+    }
+    warnings
+}

@@ -1,0 +1,84 @@
+//! What can happen in a run.
+
+use cophase_core::supervisor::{Command, Fault, State};
+
+use crate::scene::file::InputLine;
+
+/// Something that happened at a time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// When, s since power-up.
+    pub t_s: f64,
+    /// What.
+    pub what: Happening,
+}
+
+/// What can happen.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Happening {
+    /// The supervisor changed its state; to running, see [`Happening::Running`].
+    State(State),
+    /// The program began, or went on.
+    Running {
+        /// From which of its seconds.
+        from_s: f64,
+    },
+    /// A command was given.
+    Commanded(Command),
+    /// A safety input changed.
+    Input {
+        /// Which.
+        line: InputLine,
+        /// To what.
+        active: bool,
+    },
+    /// The shaft went into a forbidden band, and came out of it after that many seconds.
+    BandCrossed {
+        /// Time inside, s.
+        in_s: f64,
+        /// Whether the shaft came out faster than it went in.
+        upwards: bool,
+    },
+    /// The program asked for a speed in a forbidden band, for that many seconds, and got an edge.
+    HeldAtBand {
+        /// For how long, s.
+        for_s: f64,
+    },
+    /// The shaft could not follow the program, for that many seconds.
+    Lagged {
+        /// For how long, s.
+        for_s: f64,
+        /// By at most how much, in amax, m/s².
+        worst_mps2: f64,
+    },
+    /// An axis slipped by whole electrical cycles.
+    Slipped {
+        /// Which.
+        axis: usize,
+        /// How many it is off now; negative: behind.
+        cycles: i64,
+    },
+    /// Deadlines were missed altogether.
+    Missed {
+        /// How many.
+        deadlines: u32,
+    },
+    /// A fault latched.
+    Fault {
+        /// What was seen.
+        fault: Fault,
+        /// Which side of the platform led then, degrees around it from axis 0 towards axis 1.
+        leading_deg: f32,
+    },
+}
+
+/// What made a machine stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StoppedBy {
+    /// The program was over.
+    ProgramEnd,
+    /// A command, or the stop input.
+    Request,
+    /// A fault.
+    Fault,
+}
