@@ -97,11 +97,8 @@ fn the_patent_machines_hold_their_amax() {
             let amax = mechanism.greatest_second_derivative_m() * omega * omega;
             let asked = trace.column("amax_program_mps2")[from];
             let relative = amax / asked - 1.0;
-            // A stepper's crank stands on whole steps: one step more or less over the turns, twice in the
-            // square of the speed. It counts in patent-4's first hold only, of six turns.
-            let grain = 2.0 / (f64::from(checked.scene.axes.steps_per_turn) * whole);
             assert!(
-                relative.abs() < grain.max(1e-4),
+                relative.abs() < 1e-4,
                 "{name}: {amax} m/s² where {asked} was asked"
             );
         }

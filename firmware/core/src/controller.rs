@@ -93,6 +93,7 @@ impl<const N: usize> Controller<N> {
             match axis.drive {
                 DriveKind::Stepper => timing.check_rate(axis, speed_hz, tick_hz).map_err(place)?,
                 DriveKind::Servo => {
+                    PulseTiming::check_counts(axis, speed_hz, tick_hz).map_err(place)?;
                     let acceleration = settings.limits.acceleration_hz_per_s * ratio;
                     *slot = Some(FeedForward::new(
                         &settings.machine,
@@ -266,7 +267,7 @@ impl<const N: usize> Controller<N> {
         }
         match now {
             // Whatever the cranks did while the drives were off, only their index pulses tell.
-            State::Align => {
+            State::Align if before == State::Idle => {
                 self.drift.reset();
                 self.cursor = Cursor::new();
                 self.target = Target::steady(Turns::ZERO);
@@ -369,3 +370,6 @@ impl<const N: usize> Controller<N> {
         telemetry.modes = *self.drift.modes();
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -178,7 +178,7 @@ impl<'a> Report<'a> {
                     StoppedBy::Fault => "fault",
                 }),
             },
-            warnings: warnings(checked, outcome, written),
+            warnings: warnings(checked, outcome),
             simulated_s: outcome.simulated_s(),
             control_ticks: outcome.ticks,
             time_in_state_s: TimeInState {

@@ -136,8 +136,14 @@ fn write_page(
             used * 100.0
         )?;
     }
-    for warning in warnings(checked, outcome, written) {
+    for warning in warnings(checked, outcome) {
         writeln!(page, "Warning: {warning}")?;
+    }
+    if written.is_some_and(|written| written.window_from_s >= written.window_to_s) {
+        writeln!(
+            page,
+            "Warning: steps.vcd is empty: its window lies outside the run."
+        )?;
     }
     writeln!(page)?;
     steps(page, checked, outcome)?;
@@ -182,7 +188,7 @@ fn ending(outcome: &Outcome) -> String {
             _ => None,
         })
     };
-    match (faults().last(), outcome.state) {
+    match (faults().next_back(), outcome.state) {
         (Some((t_s, fault)), State::Fault) => format!(
             "A fault stopped the machine at {t_s:.3} s: {}. {}",
             fault_words(fault),

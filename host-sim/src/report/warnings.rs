@@ -3,12 +3,11 @@
 
 use cophase_core::supervisor::State;
 
-use super::Written;
 use crate::scene::Checked;
 use crate::sim::Outcome;
 
 /// Warnings, a sentence each.
-pub fn warnings(checked: &Checked, outcome: &Outcome, written: Option<Written>) -> Vec<String> {
+pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     let (scene, seen) = (&checked.scene, &outcome.statistics);
     let mut warnings = Vec::new();
     let unwatched: Vec<String> = (0..scene.axes.count)
@@ -30,14 +29,6 @@ pub fn warnings(checked: &Checked, outcome: &Outcome, written: Option<Written>) 
             "The platform tilted by {:.2} mrad, past its limit of {limit_mrad}: drift is heard once a turn, and a motor \
              that keeps slipping does so until it stands.",
             seen.worst_tilt_mrad
-        ));
-    }
-    if let Some(written) = written
-        && written.window_to_s > outcome.simulated_s()
-    {
-        warnings.push(format!(
-            "steps.vcd was to show {} to {} s, which is not within the run.",
-            written.window_from_s, written.window_to_s
         ));
     }
     if !matches!(outcome.state, State::Parked | State::Fault) {

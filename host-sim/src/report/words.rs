@@ -39,7 +39,7 @@ pub fn describe(what: &Happening) -> String {
             )
         }
         Happening::Lagged { for_s, worst_mps2 } => {
-            format!("behind the program for {for_s:.2} s, by at most {worst_mps2:.1} m/s²")
+            format!("behind the program for {for_s:.2} s, by at most {worst_mps2:.2} m/s²")
         }
         Happening::Slipped { axis, cycles: 0 } => format!("axis {axis} slips, and is back in step"),
         Happening::Slipped { axis, cycles } => {

@@ -85,8 +85,9 @@ impl ProgramBuilder {
                 },
             ));
         }
-        let ticks = |seconds: f64| libm::round(seconds * f64::from(self.tick_hz)) as u32;
-        let segment = Segment::new(level, ticks(ramp_s), ticks(hold_s), settings.shape);
+        let ticks = |seconds: f64| libm::round(seconds * f64::from(self.tick_hz));
+        let (ramp_ticks, hold_ticks) = (ticks(ramp_s) as u32, ticks(hold_s) as u64);
+        let segment = Segment::new(level, ramp_ticks, hold_ticks, settings.shape);
         if segment.ticks() == 0 {
             return Err(SettingsError::new("program.ramp_s", Problem::NoDuration));
         }

@@ -21,7 +21,7 @@ pub struct Segment {
     /// Ticks to get there.
     pub ramp_ticks: u32,
     /// Ticks to stay there.
-    pub hold_ticks: u32,
+    pub hold_ticks: u64,
     /// Shape of the way.
     pub shape: Shape,
     /// 2⁶⁴ / `ramp_ticks`: spares the tick a division.
@@ -30,7 +30,7 @@ pub struct Segment {
 
 impl Segment {
     /// A segment; its duration is `ramp_ticks + hold_ticks`.
-    pub const fn new(level: Amax, ramp_ticks: u32, hold_ticks: u32, shape: Shape) -> Self {
+    pub const fn new(level: Amax, ramp_ticks: u32, hold_ticks: u64, shape: Shape) -> Self {
         let per_ramp_tick = match ramp_ticks {
             0 | 1 => u64::MAX, // a ramp of one tick is at its end after that tick: never read
             n => u64::MAX / n as u64,
@@ -46,7 +46,7 @@ impl Segment {
 
     /// Ramp and hold, in ticks.
     pub const fn ticks(&self) -> u64 {
-        self.ramp_ticks as u64 + self.hold_ticks as u64
+        self.ramp_ticks as u64 + self.hold_ticks
     }
 
     /// The level `tick` ticks into the segment, coming from level `from`.

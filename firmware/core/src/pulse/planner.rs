@@ -27,6 +27,9 @@ pub const CHUNK: u32 = 80;
 /// Least distance of an edge from either end of its tick, cycles.
 pub const GUARD: u32 = 8;
 
+/// Most counts of a servo axis in a tick: half of what 64 bits hold, as half-steps of 2⁻⁴⁸.
+const MOST_COUNTS: f64 = 8192.0;
+
 /// One half-step, in the planner's units of 2⁻⁴⁸.
 const HALF_STEP: u64 = 1 << FRACTION_BITS;
 
@@ -52,11 +55,15 @@ impl PulseTiming {
     /// A direction change that needs more than a quarter of a tick.
     pub fn new(settings: &PulseSettings, tick_hz: u32) -> Result<Self, SettingsError> {
         let cycles = |ns: f64| libm::ceil(ns * f64::from(CLOCK_HZ) / 1e9) as u32;
+        let width = cycles(settings.width_ns);
+        let dir_hold = cycles(settings.dir_hold_ns).max(GUARD);
+        let dir_setup = cycles(settings.dir_setup_ns).max(GUARD);
         let timing = Self {
             tick: CLOCK_HZ / tick_hz,
-            width: cycles(settings.width_ns),
-            dir_setup: cycles(settings.dir_setup_ns).max(GUARD),
-            dir_hold: cycles(settings.dir_hold_ns).max(GUARD),
+            width,
+            dir_hold,
+            // A change of direction follows a falling edge, and STEP must stay low for its width, too.
+            dir_setup: dir_setup.max(width.saturating_sub(dir_hold)),
         };
         let turn_round = timing.width + timing.dir_hold + timing.dir_setup + 2 * GUARD;
         if turn_round > timing.tick / 4 {
@@ -101,6 +108,31 @@ impl PulseTiming {
                     rate_hz,
                     most_hz,
                     edges: MAX_EDGES,
+                },
+            ));
+        }
+        Ok(())
+    }
+
+    /// Checks that an axis that is only counted, a servo's, can be: 64 bits hold a tick's counts.
+    ///
+    /// # Errors
+    /// More than [`MOST_COUNTS`] counts a tick.
+    pub fn check_counts(
+        axis: &AxisSettings,
+        axis_speed_hz: f64,
+        tick_hz: u32,
+    ) -> Result<(), SettingsError> {
+        let rate_hz = axis_speed_hz * f64::from(axis.steps_per_turn);
+        let most_hz = MOST_COUNTS * f64::from(tick_hz);
+        if rate_hz > most_hz {
+            return Err(SettingsError::new(
+                "axes.steps_per_turn",
+                Problem::CountRate {
+                    speed_hz: axis_speed_hz,
+                    rate_hz,
+                    most_hz,
+                    most_steps: (most_hz / axis_speed_hz) as u32,
                 },
             ));
         }

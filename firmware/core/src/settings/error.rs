@@ -31,9 +31,20 @@ pub enum Problem {
     )]
     NotWholeMicroseconds(u32),
     #[error(
-        "reaching full speed would take {0:.0} s; with a higher acceleration or jerk it would take 600 s or less"
+        "reaching full speed would take {ramp_s:.0} s, or {turns:.0} turns at that speed; with a higher acceleration or \
+         jerk it would take 600 s and 30000 turns or less"
     )]
-    RampTooLong(f64),
+    RampTooLong { ramp_s: f64, turns: f64 },
+    #[error(
+        "at {speed_hz:.2} rev/s an axis would have {rate_hz:.0} counts/s; at most {most_hz:.0} counts/s can be counted at \
+         this tick rate; give at most {most_steps} counts a turn, a lower limits.speed_hz, or a higher control.tick_hz"
+    )]
+    CountRate {
+        speed_hz: f64,
+        rate_hz: f64,
+        most_hz: f64,
+        most_steps: u32,
+    },
     #[error(
         "the band's upper edge, {} rev/s, is not above its lower edge, {} rev/s; swap or part them", Number(*.1), Number(*.0)
     )]

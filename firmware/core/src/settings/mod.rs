@@ -234,8 +234,22 @@ impl MachineSettings {
 /// rounding would be a noticeable part of the limit.
 const LEAST_JERK_BITS: f64 = 64.0;
 
+/// Longest way to full speed: time, and turns at full speed for that time.
+const MOST_RAMP_S: f64 = 600.0;
+const MOST_RAMP_TURNS: f64 = 30_000.0;
+
+/// Least room between two forbidden bands, and between the creep speed and the first.
+const LEAST_GAP_HZ: f64 = 1e-3;
+
 impl LimitSettings {
-    fn check(&self, tick_hz: f64) -> Result<(), SettingsError> {
+    /// The acceleration limit, or what the jerk lets the shaft reach at all: between rest and full
+    /// speed V its acceleration stays below sqrt(2 J V), as letting it go gains a²/2J of speed.
+    pub(crate) fn reachable_acceleration_hz_per_s(&self) -> f64 {
+        let by_jerk = 2.0 * libm::sqrt(self.jerk_hz_per_s2 * self.speed_hz);
+        self.acceleration_hz_per_s.min(by_jerk)
+    }
+
+    pub(crate) fn check(&self, tick_hz: f64) -> Result<(), SettingsError> {
         let one = (1_u64 << FRACTION_BITS) as f64;
         let speed_hz = inside("limits.speed_hz", self.speed_hz, 0.1, 200.0)?;
         let least = LEAST_JERK_BITS / one * tick_hz * tick_hz;
@@ -251,13 +265,16 @@ impl LimitSettings {
             (least * tick_hz).max(0.01),
             speed_hz * tick_hz * tick_hz,
         )?;
-        // The shaft's stop counts its ticks in 32 bits and their squares in 64.
-        let ramp_s = speed_hz / self.acceleration_hz_per_s
-            + self.acceleration_hz_per_s / self.jerk_hz_per_s2;
-        if ramp_s > 600.0 {
+        // A stop's way is reckoned in the phase's own format, which holds 32,768 turns.
+        let acceleration = self.reachable_acceleration_hz_per_s();
+        let ramp_s = speed_hz / acceleration + acceleration / self.jerk_hz_per_s2;
+        if ramp_s > MOST_RAMP_S || ramp_s * speed_hz > MOST_RAMP_TURNS {
             return Err(SettingsError::new(
                 "limits.acceleration_hz_per_s",
-                Problem::RampTooLong(ramp_s),
+                Problem::RampTooLong {
+                    ramp_s,
+                    turns: ramp_s * speed_hz,
+                },
             ));
         }
         inside("limits.creep_hz", self.creep_hz, 0.01, speed_hz.min(10.0))?;
@@ -272,7 +289,8 @@ impl LimitSettings {
                     Problem::BandUpsideDown(band.from_hz, band.to_hz),
                 )));
             }
-            if band.from_hz <= below {
+            // A hair between two bands would be lost when their edges become whole numbers.
+            if band.from_hz - below < LEAST_GAP_HZ {
                 let problem = if i == 0 {
                     Problem::BandCoversCreep(band.from_hz, below)
                 } else {

@@ -24,7 +24,8 @@ impl ShaftLimits {
     /// From settings that [`crate::settings::Settings::check`] has passed.
     pub fn new(settings: &LimitSettings, tick_hz: u32) -> Self {
         let hz = f64::from(tick_hz);
-        let acceleration = turns_at_most(settings.acceleration_hz_per_s / (hz * hz)).max(1);
+        let acceleration =
+            turns_at_most(settings.reachable_acceleration_hz_per_s() / (hz * hz)).max(1);
         let jerk = turns_at_most(settings.jerk_hz_per_s2 / (hz * hz * hz)).max(1);
         Self {
             speed: turns_at_most(settings.speed_hz / hz),

@@ -175,11 +175,7 @@ impl Shaft {
             (Demand::Stop(None), _) => self.mode = Mode::StopFast,
             (Demand::Stop(Some(stop_at)), Mode::Follow) => {
                 let speed = self.settling_speed();
-                self.mode = if speed == 0 {
-                    Mode::Rest
-                } else {
-                    Mode::Settle { speed, stop_at }
-                };
+                self.mode = Mode::Settle { speed, stop_at };
                 self.plan_stop_if_settled();
             }
             (Demand::Stop(Some(_)), Mode::Settle { .. }) => self.plan_stop_if_settled(),

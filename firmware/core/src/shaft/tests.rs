@@ -105,19 +105,19 @@ fn limits(
     ShaftLimits::new(&settings, tick_hz)
 }
 
+/// Limits over all of what settings accept, as long as a ramp is short enough to be played often.
 fn any_limits() -> impl Strategy<Value = ShaftLimits> {
     (
-        prop::sample::select(std::vec![500_u32, 1000, 2000, 5000, 10_000]),
-        1.0..200.0_f64,
-        0.5_f64.ln()..2000.0_f64.ln(),
-        1.0_f64.ln()..50_000.0_f64.ln(),
+        any_limit_settings(),
         prop::collection::vec(0.1..0.9_f64, 0..=8),
     )
         .prop_filter_map(
-            "ramps of a minute at most",
-            |(tick_hz, speed, a, j, mut edges)| {
-                let (a, j) = (a.exp(), j.exp());
-                if speed / a + a / j > 60.0 {
+            "ramps of 100,000 ticks at most",
+            |((tick_hz, settings), mut edges)| {
+                let speed = settings.speed_hz;
+                let acceleration = settings.reachable_acceleration_hz_per_s();
+                let ramp_s = speed / acceleration + acceleration / settings.jerk_hz_per_s2;
+                if ramp_s * f64::from(tick_hz) > 100_000.0 {
                     return None;
                 }
                 edges.sort_by(f64::total_cmp);
@@ -126,9 +126,41 @@ fn any_limits() -> impl Strategy<Value = ShaftLimits> {
                     .map(|pair| (pair[0] * speed, pair[1] * speed))
                     .filter(|(from, to)| to - from > 1e-3 * speed)
                     .collect();
-                Some(limits(tick_hz, speed, a, j, &bands))
+                let bands = bands
+                    .iter()
+                    .map(|&(from_hz, to_hz)| BandSettings { from_hz, to_hz });
+                Some(ShaftLimits::new(
+                    &LimitSettings {
+                        bands: bands.collect(),
+                        ..settings
+                    },
+                    tick_hz,
+                ))
             },
         )
+}
+
+/// Whatever passes the settings' own check, up to its bounds.
+fn any_limit_settings() -> impl Strategy<Value = (u32, LimitSettings)> {
+    (
+        prop::sample::select(std::vec![500_u32, 1000, 2000, 5000, 10_000]),
+        1.0..200.0_f64,
+        0.0..1.0_f64,
+        0.0..1.0_f64,
+    )
+        .prop_filter_map("what is refused", |(tick_hz, speed_hz, a, j)| {
+            let hz = f64::from(tick_hz);
+            let between =
+                |low: f64, high: f64, part: f64| (low.ln() + (high / low).ln() * part).exp();
+            let settings = LimitSettings {
+                speed_hz,
+                acceleration_hz_per_s: between(0.01, speed_hz * hz, a),
+                jerk_hz_per_s2: between(0.01, speed_hz * hz * hz, j),
+                creep_hz: (speed_hz / 20.0).min(1.0),
+                bands: heapless::Vec::new(),
+            };
+            settings.check(hz).is_ok().then_some((tick_hz, settings))
+        })
 }
 
 /// A program of speeds as a fraction of the greatest: ramps and holds, as `(to, ramp, hold)`.
@@ -217,6 +249,22 @@ proptest! {
         let shortest = ticks_between(&limits, speed, 0) as f64;
         let margin = 4.0 / limits.jerk as f64 + 2.0 / limits.acceleration as f64;
         prop_assert!(f64::from(ramp) <= shortest * (1.0 + margin) + 2.0, "{ramp} over {shortest}");
+    }
+
+    /// The longest ramps that settings accept: planning a stop from full speed overflows nowhere, and its
+    /// sums end where they should.
+    #[test]
+    fn the_longest_ramps_can_be_planned((tick_hz, settings) in any_limit_settings()) {
+        let limits = ShaftLimits::new(&settings, tick_hz);
+        let mut plan = StopPlan::new(limits.speed, Turns::ZERO, &limits);
+        let mut way = 0_i64;
+        for _ in 0..200_000 {
+            if plan.is_done() {
+                prop_assert_eq!(way % ONE_TURN, 0);
+                break;
+            }
+            way = (way + plan.advance()) % ONE_TURN;
+        }
     }
 
     /// No dwell: each visit of a band is over in the time that the limits need from rest at one edge

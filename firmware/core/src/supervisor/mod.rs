@@ -207,7 +207,12 @@ impl Supervisor {
             State::Parked if !inputs.enable => State::Idle,
             State::Parked if !inputs.stop && command == Some(Command::Start) => {
                 self.holding = false;
-                State::Run
+                // It may have been stopped before it was aligned.
+                if seen.aligned {
+                    State::Run
+                } else {
+                    State::Align
+                }
             }
             State::Parked => State::Parked,
             State::Fault if command == Some(Command::Reset) => {

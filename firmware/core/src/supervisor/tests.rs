@@ -183,3 +183,27 @@ fn the_first_fault_is_kept() {
     supervisor.step(SAFE, None, seen(FaultKind::IndexMissing));
     assert_eq!(supervisor.fault().unwrap().kind, FaultKind::Tilt);
 }
+
+/// Whatever comes, in whatever order: the machine does not run before every index has been heard.
+#[test]
+fn nothing_runs_unaligned() {
+    let commands = [
+        None,
+        Some(Command::Start),
+        Some(Command::Stop),
+        Some(Command::Reset),
+    ];
+    // All sequences of five ticks: a command, and whether the shaft has come to rest.
+    for sequence in 0..8_u32.pow(5) {
+        let mut supervisor = Supervisor::new(0);
+        for tick in 0..5 {
+            let choice = sequence / 8_u32.pow(tick) % 8;
+            let seen = Seen {
+                at_rest: choice >= 4,
+                ..Seen::default()
+            };
+            supervisor.step(SAFE, commands[choice as usize % 4], seen);
+            assert_ne!(supervisor.state(), State::Run, "sequence {sequence:o}");
+        }
+    }
+}

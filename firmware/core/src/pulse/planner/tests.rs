@@ -7,10 +7,14 @@ use std::vec::Vec;
 const QUARTER_MICROSECOND: f64 = 0.25e-6 * CLOCK_HZ as f64;
 
 fn timing(tick_hz: u32) -> PulseTiming {
+    timing_of(tick_hz, 200.0, 300.0, 300.0)
+}
+
+fn timing_of(tick_hz: u32, width_ns: f64, dir_setup_ns: f64, dir_hold_ns: f64) -> PulseTiming {
     let settings = PulseSettings {
-        width_ns: 200.0,
-        dir_setup_ns: 300.0,
-        dir_hold_ns: 300.0,
+        width_ns,
+        dir_setup_ns,
+        dir_hold_ns,
     };
     PulseTiming::new(&settings, tick_hz).unwrap()
 }
@@ -97,7 +101,10 @@ impl Drive {
 }
 
 fn play_ticks(tick_hz: u32, steps_per_turn: u32, ticks: &[i64]) -> (Drive, Planner) {
-    let timing = timing(tick_hz);
+    play_with(timing(tick_hz), steps_per_turn, ticks)
+}
+
+fn play_with(timing: PulseTiming, steps_per_turn: u32, ticks: &[i64]) -> (Drive, Planner) {
     let mut planner = Planner::new(timing, steps_per_turn);
     let mut drive = Drive::new(timing);
     let mut runs = Runs::new();
@@ -163,19 +170,29 @@ proptest! {
         prop_assert!(drive.shortest >= u64::from(timing(tick_hz).width));
     }
 
-    /// Whatever way the axis goes, ticks are filled, times kept, and no step is lost or made up.
+    /// Whatever way the axis goes and whatever its drive asks for, ticks are filled, all times are kept,
+    /// and no step is lost or made up. Speeds dwell around zero, where an axis really turns round.
     #[test]
     fn changes_of_direction_lose_nothing(
         tick_hz in any_tick_hz(),
         steps_per_turn in 4_u32..65_536,
-        rates in prop::collection::vec(prop_oneof![-200.0..200.0_f64, -1e4..1e4_f64, -7e5..7e5_f64], 1..60),
+        width_ns in 100.0..5000.0_f64,
+        dir_setup_ns in 10.0..5000.0_f64,
+        dir_hold_ns in 10.0..5000.0_f64,
+        parts in prop::collection::vec(
+            prop_oneof![-1.1e-3..1.1e-3_f64, -0.02..0.02_f64, -1.0..1.0_f64],
+            1..60,
+        ),
     ) {
+        let timing = timing_of(tick_hz, width_ns, dir_setup_ns, dir_hold_ns);
+        let most = timing.most_step_hz(tick_hz);
         let ticks: Vec<i64> =
-            rates.iter().map(|&rate| turns_per_tick(rate, steps_per_turn, tick_hz)).collect();
-        let (drive, planner) = play_ticks(tick_hz, steps_per_turn, &ticks);
+            parts.iter().map(|&part| turns_per_tick(part * most, steps_per_turn, tick_hz)).collect();
+        let (drive, planner) = play_with(timing, steps_per_turn, &ticks);
         let total: i128 = ticks.iter().map(|&t| i128::from(t) * i128::from(steps_per_turn)).sum();
         prop_assert_eq!(i128::from(planner.steps()), total >> FRACTION_BITS);
-        prop_assert!(drive.shortest >= u64::from(timing(tick_hz).width), "{}", drive.shortest);
+        let width = (width_ns / 8.0).ceil() as u64;
+        prop_assert!(drive.shortest >= width, "{} cycles, of {width}", drive.shortest);
     }
 
     /// The most edges that settings allow, at any spacing, fit the runs of a tick.
@@ -206,6 +223,16 @@ fn a_whole_period_needs_few_runs() {
         .map(|run| run.edges)
         .sum();
     assert!(exact >= 500 - CHUNK as u16, "{runs:?}");
+}
+
+/// STEP is low for its width before it rises again, also where set-up and hold are shorter than that.
+#[test]
+fn a_change_of_direction_keeps_the_pulse_width_low() {
+    let timing = timing_of(2000, 2500.0, 500.0, 500.0);
+    let step = HALF_STEP as f64 / 3200.0;
+    let ticks = [1.001, -0.999, 0.9985, -1.0, 1.0].map(|steps| (steps * step) as i64);
+    let (drive, _) = play_with(timing, 3200, &ticks);
+    assert!(drive.shortest >= 313, "{} cycles of 8 ns", drive.shortest);
 }
 
 #[test]

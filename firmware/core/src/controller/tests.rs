@@ -1,0 +1,194 @@
+//! A whole tick: what the parts' own tests cannot see.
+
+use super::*;
+use crate::drift::IndexPulse;
+use crate::program::{SegmentSettings, Shape};
+use crate::settings::{
+    AxisSettings, BandSettings, DriftSettings, LimitSettings, MachineSettings, Platform,
+    PulseSettings,
+};
+use crate::supervisor::Command;
+
+const HZ: u32 = 2000;
+
+fn settings() -> Settings<2> {
+    let axis = AxisSettings {
+        drive: DriveKind::Servo,
+        steps_per_turn: 4096,
+        reversed: false,
+        ratio: (1, 1),
+        offset_turns: 0.0,
+        index_turns: Some(0.0),
+        trim_limit_turns: 0.01,
+        trim_rate_hz: 0.01,
+        rotor_inertia_kgm2: 1e-3,
+    };
+    Settings {
+        tick_hz: HZ,
+        machine: MachineSettings {
+            crank_radius_m: 0.02,
+            lambda: 0.3,
+            load_kg: 10.0,
+            platform: Platform::Below,
+            gravity_mps2: 9.80665,
+            mount_radius_m: 0.25,
+        },
+        limits: LimitSettings {
+            speed_hz: 20.0,
+            acceleration_hz_per_s: 40.0,
+            jerk_hz_per_s2: 1000.0,
+            creep_hz: 5.0,
+            bands: [BandSettings {
+                from_hz: 8.0,
+                to_hz: 10.0,
+            }]
+            .into_iter()
+            .collect(),
+        },
+        pulse: PulseSettings {
+            width_ns: 200.0,
+            dir_setup_ns: 300.0,
+            dir_hold_ns: 300.0,
+        },
+        axes: [
+            axis,
+            AxisSettings {
+                reversed: true,
+                ratio: (1, 2),
+                ..axis
+            },
+        ],
+        drift: DriftSettings {
+            tilt_limit_mrad: 3.0,
+            warp_limit_deg: 3.0,
+            common_limit_deg: 15.0,
+        },
+        park_turns: 0.5,
+        settle_s: 0.0,
+    }
+}
+
+/// A controller with a program of one ramp to `amax_mps2`.
+fn controller(settings: &Settings<2>, amax_mps2: f64) -> Controller<2> {
+    let mut builder = settings.program_builder();
+    let segment = SegmentSettings {
+        amax_mps2,
+        ramp_s: 1.0,
+        hold_s: 4.0,
+        shape: Shape::Smooth,
+    };
+    builder.segment(segment).unwrap();
+    Controller::new(settings, builder.build().unwrap()).unwrap()
+}
+
+/// Ticks with nothing but an index pulse from both axes now and then.
+fn play(controller: &mut Controller<2>, command: Option<Command>, ticks: u32, heard: bool) {
+    for tick in 0..ticks {
+        let mut feedback = Feedback::of(command.filter(|_| tick == 0));
+        if heard && tick == 2 {
+            feedback.index = [Some(IndexPulse { cycle: 0 }); 2];
+        }
+        controller.tick(&feedback);
+    }
+}
+
+/// Running, without sensors, so that nobody need play them.
+fn running(amax_mps2: f64) -> Controller<2> {
+    let mut settings = settings();
+    for axis in &mut settings.axes {
+        axis.index_turns = None;
+    }
+    let mut controller = controller(&settings, amax_mps2);
+    play(&mut controller, Some(Command::Start), 1000, false);
+    assert_eq!(controller.output.telemetry.state, State::Run);
+    controller
+}
+
+#[test]
+fn a_drive_alarm_stops_the_machine_and_names_its_axis() {
+    let mut controller = running(100.0);
+    let mut feedback = Feedback::of(None);
+    feedback.alarm[1] = true;
+    let telemetry = controller.tick(&feedback).telemetry.clone();
+    let fault = telemetry.fault.expect("a fault");
+    assert_eq!((fault.kind, fault.axis), (FaultKind::DriveAlarm, Some(1)));
+    assert_eq!((telemetry.state, fault.tick), (State::Stop, 1000));
+}
+
+/// A level inside the band is held at the nearer edge, and that is reported, and only then.
+#[test]
+fn a_level_in_a_band_is_held_at_its_nearer_edge_and_reported() {
+    // 8.5 rev/s and 9.5 rev/s: R (1 + λ) ω²
+    for (hz, edge_hz) in [(8.5_f64, 8.0), (9.5, 10.0)] {
+        let amax_mps2 = 0.02 * 1.3 * (core::f64::consts::TAU * hz).powi(2);
+        let mut controller = running(amax_mps2);
+        play(&mut controller, None, 4000, false);
+        let motion = controller.output.telemetry.motion;
+        assert!(motion.held_at_band && !motion.crossing_band);
+        let got_hz = motion.speed.to_num::<f64>() * f64::from(HZ);
+        assert!((got_hz - edge_hz).abs() < 1e-9, "{got_hz} rev/s");
+    }
+    let mut outside = running(40.0);
+    play(&mut outside, None, 4000, false);
+    assert!(!outside.output.telemetry.motion.held_at_band);
+}
+
+#[test]
+fn a_seek_goes_on_from_there() {
+    let mut controller = running(100.0);
+    controller.seek(5 * u64::from(HZ) - 10);
+    assert_eq!(controller.program().1.remaining(controller.program().0), 10);
+    play(&mut controller, None, 11, false);
+    assert_eq!(
+        controller.output.telemetry.state,
+        State::Stop,
+        "the program is over"
+    );
+}
+
+/// While the drives were off the cranks may have been turned: what the sensors said before is void.
+#[test]
+fn every_start_from_idle_aligns_anew() {
+    let mut controller = controller(&settings(), 100.0);
+    play(&mut controller, Some(Command::Start), 5, true);
+    assert_eq!(controller.output.telemetry.state, State::Run);
+    let mut lost = Feedback::of(None);
+    lost.inputs.enable = false;
+    controller.tick(&lost);
+    play(&mut controller, Some(Command::Reset), 1, false);
+    play(&mut controller, Some(Command::Start), 100, false);
+    assert_eq!(controller.output.telemetry.state, State::Align);
+}
+
+/// A geared, reversed servo: half the way, half the acceleration, and everything with the other sign.
+#[test]
+fn setpoints_are_in_the_motors_own_sense() {
+    let controller = running(200.0);
+    let [plain, turned] = controller.output.setpoints;
+    let motion = controller.output.telemetry.motion;
+    assert!(motion.acceleration > 0);
+    assert_eq!(plain.velocity, motion.speed);
+    let half = Turns::from_bits(motion.speed.to_bits() / 2);
+    assert!((turned.velocity + half).abs() <= Turns::DELTA, "{turned:?}");
+    // With the crank at the same phase, the geared axis's own share is J α″/2.
+    let alpha =
+        motion.acceleration.to_num::<f64>() * f64::from(HZ).powi(2) * core::f64::consts::TAU;
+    let forward = controller.feed_forward[1].expect("a servo");
+    let phase = controller.axes[1].phase();
+    let still = forward.torque(phase, half, Turns::ZERO).to_num::<f64>();
+    let s_term = forward
+        .torque(
+            phase,
+            Turns::ZERO,
+            Turns::from_bits(motion.acceleration.to_bits() / 2),
+        )
+        .to_num::<f64>()
+        - forward
+            .torque(phase, Turns::ZERO, Turns::ZERO)
+            .to_num::<f64>();
+    assert!((-turned.torque.to_num::<f64>() - (still + s_term)).abs() < 1e-3);
+    assert!(
+        s_term > 0.9 * 1e-3 * alpha / 2.0,
+        "the rotor takes its part"
+    );
+}
