@@ -49,7 +49,6 @@ impl Checked {
             numbers::check_apart(&scene, entry, apart)?;
         }
         PullOut::new(&scene.axes.pull_out)?;
-        numbers::check_pull_out(&scene)?;
         numbers::check_times(&scene)?;
         numbers::check_bands(&scene.limits)?;
         let (fidelity, why) = rung(&scene)?;
@@ -61,6 +60,7 @@ impl Checked {
         };
         // Made once to be checked; it is cheap, and nothing else knows all that the core refuses.
         with_axes!(checked.scene.axes.count, N => checked.controller::<N>().map(|_| ()))?;
+        numbers::check_pull_out(&checked.scene)?;
         Ok(checked)
     }
 

@@ -289,3 +289,31 @@ fn what_one_has_apart() {
         ),
     ]);
 }
+
+/// What is given of a stepper's torque, where it could not act.
+#[test]
+fn torque_that_scales_or_slips_nothing() {
+    assert_all_refused(&[
+        case(
+            "microsteps that are no whole number",
+            set("axes.steps_per_turn", "3201"),
+            "axes.steps_per_turn",
+            "3201 is not a whole number of microsteps",
+            "axes.full_steps_per_turn = 200",
+        ),
+        case(
+            "the torque of servos",
+            set("axes.drive", "\"servo\""),
+            "axes.pull_out",
+            "no axis here is a stepper",
+            "leave it out",
+        ),
+        case(
+            "a weaker motor of unknown torque",
+            without("axes.pull_out").replace("pull_out_scale = 1\n", "pull_out_scale = 0.4\n"),
+            "axis[0].pull_out_scale",
+            "scales nothing",
+            "[[speed_hz, torque_nm], …]",
+        ),
+    ]);
+}
