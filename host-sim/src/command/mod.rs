@@ -1,7 +1,7 @@
 //! The `cophase` command.
 //!
-//! Exit status: 0 done; 1 the run ended in a fault, and everything was still written; 2 bad input, and
-//! nothing was written.
+//! Exit status: 0 done; 1 the run ended in a fault, or a simulated motor slipped and the controller did not
+//! see it, and everything was still written; 2 bad input, and nothing was written.
 
 mod run;
 mod scenes;
@@ -12,9 +12,12 @@ use clap::{Parser, Subcommand};
 
 use crate::design::{self, DesignArgs, DesignCommandError};
 
+const STATUS_HELP: &str = "Exit status: 0 done; 1 a run ended in a fault, or a simulated motor slipped unseen (everything \
+                           is written); 2 bad input (nothing is written).";
+
 /// Multi-axis motion control that stays in phase: simulate, look, design.
 #[derive(Debug, Parser)]
-#[command(name = "cophase", version, arg_required_else_help = true)]
+#[command(name = "cophase", version, arg_required_else_help = true, after_help = STATUS_HELP)]
 pub struct Command {
     #[command(subcommand)]
     what: What,
