@@ -132,4 +132,43 @@ mod tests {
             prop_assert_eq!(gained_letting_go(acceleration, jerk), sum);
         }
     }
+
+    /// An aim that falls at 0.3 A a tick comes to meet a shaft at rest: relative to it the shaft may go up
+    /// to 1.3 A. Ramps from 0.3 A to 1.3 A and from there to 0, with h ticks between, close a gap of
+    /// (0.3 + 1.3)/2 · A²/J + 1.3 A h + 1.3²/2 · A²/J.
+    #[test]
+    fn an_aim_that_comes_to_meet_the_shaft_is_met_in_the_least_time() {
+        let settings = crate::settings::LimitSettings {
+            speed_hz: 100.0,
+            acceleration_hz_per_s: 50.0,
+            jerk_hz_per_s2: 500.0,
+            creep_hz: 1.0,
+            bands: heapless::Vec::new(),
+        };
+        let limits = ShaftLimits::new(&settings, 2000);
+        let fall = limits.acceleration * 3 / 10;
+        let start = limits.speed / 2;
+        let (mut speed, mut a, mut ticks) = (0, 0, 0_i64);
+        loop {
+            let aim = Aim {
+                now: start - fall * ticks,
+                next: start - fall * (ticks + 1),
+            };
+            a = acceleration(&limits, speed, a, aim, 0, limits.speed);
+            speed += a;
+            ticks += 1;
+            if speed == aim.next && a == -fall {
+                break;
+            }
+        }
+        let (most, jerk) = (limits.acceleration as f64, limits.jerk as f64);
+        let ramps = (0.8 + 1.69 / 2.0) * most * most / jerk;
+        let between = (start as f64 - ramps) / (1.3 * most);
+        let least = 2.3 * most / jerk + between;
+        assert!(between > 0.0);
+        assert!(
+            ticks as f64 <= least + 3.0,
+            "{ticks} ticks, where {least} would do"
+        );
+    }
 }
