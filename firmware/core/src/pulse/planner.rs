@@ -117,7 +117,7 @@ impl PulseTiming {
     /// Checks that an axis that is only counted, a servo's, can be: 64 bits hold a tick's counts.
     ///
     /// # Errors
-    /// More than [`MOST_COUNTS`] counts a tick.
+    /// More than 8192 counts a tick.
     pub fn check_counts(
         axis: &AxisSettings,
         axis_speed_hz: f64,
