@@ -124,16 +124,16 @@ impl Statistics {
         self.cranks(moment, t_s);
         self.limits(moment, t_s);
         self.level(moment);
-        if self.state != Some(telemetry.state) {
-            self.state = Some(telemetry.state);
-            self.enter(telemetry.state, telemetry, t_s);
-        }
         if telemetry.fault != self.fault {
             self.fault = telemetry.fault;
             if let Some(fault) = telemetry.fault {
                 let leading_deg = telemetry.modes.tilt_direction_deg().rem_euclid(360.0);
                 self.note(t_s, Happening::Fault { fault, leading_deg });
             }
+        }
+        if self.state != Some(telemetry.state) {
+            self.state = Some(telemetry.state);
+            self.enter(telemetry.state, telemetry, t_s);
         }
     }
 
