@@ -94,7 +94,7 @@ impl<const N: usize> Controller<N> {
                 DriveKind::Stepper => timing.check_rate(axis, speed_hz, tick_hz).map_err(place)?,
                 DriveKind::Servo => {
                     PulseTiming::check_counts(axis, speed_hz, tick_hz).map_err(place)?;
-                    let acceleration = settings.limits.acceleration_hz_per_s * ratio;
+                    let acceleration = settings.limits.reachable_acceleration_hz_per_s() * ratio;
                     *slot = Some(FeedForward::new(
                         &settings.machine,
                         N,
@@ -197,8 +197,8 @@ impl<const N: usize> Controller<N> {
             .is_some_and(|axis| axis.trim_mut().set(turns))
     }
 
-    /// Takes note of a deadline that was met late by `late_cycles` of `tick_cycles`, after `missed`
-    /// deadlines that were not met at all.
+    /// Takes note of a deadline that was met late, by over half a tick or not, after `missed` deadlines
+    /// that were not met at all.
     ///
     /// While deadlines are missed the step hardware has nothing to play: all axes stand, and go on
     /// from where they stood. No phase is lost by that, and none is made up for: the machine's time

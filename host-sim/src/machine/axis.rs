@@ -45,8 +45,7 @@ pub struct SimulatedAxis {
     step_high: bool,
     /// Rising edges counted, with the direction line's sign, in the axis's own sense.
     counted: i64,
-    /// Turns that a servo has been told, since power-up.
-    told_turns: f64,
+    /// Where a servo was told to be last.
     told: Option<Phase>,
     /// What the motor has slipped, in steps.
     slipped: i64,
@@ -88,7 +87,6 @@ impl SimulatedAxis {
             index_turns: settings.index_turns,
             step_high: false,
             counted: 0,
-            told_turns: 0.0,
             told: None,
             slipped: 0,
             slipping: 0,
@@ -176,7 +174,6 @@ impl SimulatedAxis {
                 // The first setpoint says where the loop believes the crank to be.
                 let told = self.told.replace(position).unwrap_or(position);
                 let told_turns: f64 = Turns::to_num(position.since(told));
-                self.told_turns += told_turns;
                 if drives_enabled {
                     self.travelled_turns += told_turns;
                 }

@@ -34,11 +34,6 @@ impl DriftLimits {
         }
     }
 
-    /// The limit on the amplitude of tilt, turns of crank angle.
-    pub const fn tilt(&self) -> Turns {
-        self.tilt
-    }
-
     pub(super) fn check<const N: usize>(
         &self,
         modes: &Modes,

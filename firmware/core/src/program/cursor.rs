@@ -62,20 +62,6 @@ impl Cursor {
         }
     }
 
-    /// What the program said for the tick played last, without playing one.
-    pub fn now(&self, program: &Program) -> Reading {
-        match self.segment(program) {
-            Some(segment) if self.tick > 0 => Reading {
-                level: segment.level_at(self.tick, self.from),
-                end_level: segment.level,
-            },
-            _ => Reading {
-                level: self.from,
-                end_level: self.from,
-            },
-        }
-    }
-
     /// Goes to where the program is after `elapsed` ticks; beyond its end, to the end.
     ///
     /// Costs one look at each entry for each nesting of repeats, not for each pass.
