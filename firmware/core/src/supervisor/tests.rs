@@ -207,3 +207,19 @@ fn nothing_runs_unaligned() {
         }
     }
 }
+
+/// A hold ends with the run that it was asked in: the next start plays.
+#[test]
+fn a_hold_does_not_outlive_its_run() {
+    let mut supervisor = in_state(State::Run);
+    let aligned = Seen {
+        aligned: true,
+        at_rest: true,
+        ..Seen::default()
+    };
+    let mut step = |command| supervisor.step(SAFE, command, aligned);
+    assert_eq!(step(Some(Command::Hold)), Action::Hold);
+    step(Some(Command::Stop));
+    assert_eq!(step(None), Action::Park);
+    assert_eq!(step(Some(Command::Start)), Action::Play);
+}
