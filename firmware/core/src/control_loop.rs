@@ -5,9 +5,8 @@
 //!
 //! Deadlines are absolute, a whole number of ticks apart. A loop that wakes after the next deadline
 //! has already passed does not catch up with a burst: it goes on at the next deadline to come, and
-//! says how many it missed.
-
-use core::ops::ControlFlow;
+//! says how many it missed. What was reckoned too late to be handed over in time is not thrown away
+//! either: it is played a tick later, and counted as a deadline missed.
 
 use embassy_time::{Duration, Instant, Timer};
 
@@ -21,8 +20,20 @@ pub trait Io<const N: usize> {
 
     /// Hands over what is to be played from `start` on, for one tick.
     ///
-    /// The safety lines are set at once. `Break` ends the loop; a board never does that.
-    fn write(&mut self, output: &Output<N>, start: Instant) -> ControlFlow<()>;
+    /// The safety lines are set at once.
+    fn write(&mut self, output: &Output<N>, start: Instant) -> Written;
+}
+
+/// What became of an output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Written {
+    /// It will be played in its tick.
+    InTime,
+    /// It came too late for that: the step hardware was about to run dry, or has, and all axes stand from
+    /// `start` on. The same output is to be offered again a tick later.
+    TooLate,
+    /// There is nothing more to control; a board never says that.
+    Over,
 }
 
 /// Runs the loop from the present time on, until [`Io::write`] ends it.
@@ -42,8 +53,21 @@ pub async fn run<const N: usize>(controller: &mut Controller<N>, io: &mut impl I
         }
         let feedback = io.read();
         deadline += tick;
-        if io.write(controller.tick(&feedback), deadline).is_break() {
-            return;
+        let output = controller.tick(&feedback);
+        let mut held_over = 0;
+        loop {
+            match io.write(output, deadline) {
+                Written::InTime => break,
+                Written::Over => return,
+                Written::TooLate => {
+                    Timer::at(deadline).await;
+                    deadline += tick;
+                    held_over += 1;
+                }
+            }
+        }
+        if held_over > 0 {
+            controller.held_over(held_over);
         }
     }
 }

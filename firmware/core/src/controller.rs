@@ -217,10 +217,27 @@ impl<const N: usize> Controller<N> {
             };
         }
         self.played = self.playing;
+        self.stood(missed);
+    }
+
+    /// Takes note that the last output was handed over `missed` ticks late, and is played by that much
+    /// later. As with [`Self::late`], the machine stands meanwhile, and is behind.
+    pub const fn held_over(&mut self, missed: u32) {
+        let limits = &mut self.output.telemetry.limits;
+        limits.missed_deadlines = limits.missed_deadlines.saturating_add(missed);
+        self.stood(missed);
+    }
+
+    const fn stood(&mut self, missed: u32) {
         self.was_late = true;
         if missed > MOST_MISSED {
             self.overrun = Some(Fault::new(FaultKind::Overrun));
         }
+    }
+
+    /// Begins in the fault state: for what is known before the first tick.
+    pub const fn begin_with(&mut self, fault: Fault) {
+        self.supervisor.begin_with(fault);
     }
 
     /// Plays one tick.
@@ -249,7 +266,10 @@ impl<const N: usize> Controller<N> {
         } else {
             self.drift.observe(&feedback.index, &self.played).err()
         };
-        let fault = self.overrun.take().or(alarm).or(drift);
+        let dry = feedback
+            .ran_dry
+            .map(|axis| Fault::new(FaultKind::RanDry).on_axis(axis));
+        let fault = dry.or(self.overrun.take()).or(alarm).or(drift);
         Seen {
             fault,
             at_rest: self.motion.at_rest,

@@ -25,6 +25,7 @@ pub mod control_loop;
 pub mod controller;
 pub mod drift;
 pub mod functions;
+pub mod panel;
 pub mod profile;
 pub mod program;
 pub mod pulse;

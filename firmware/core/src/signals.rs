@@ -14,6 +14,8 @@ pub struct Feedback<const N: usize> {
     pub index: [Option<IndexPulse>; N],
     /// Alarm outputs of the drives.
     pub alarm: [bool; N],
+    /// An axis whose step hardware ran out of pulses within a tick that it had been given whole.
+    pub ran_dry: Option<usize>,
     /// The enable and stop inputs.
     pub inputs: SafetyInputs,
     /// A command, if one came.
@@ -26,6 +28,7 @@ impl<const N: usize> Feedback<N> {
         Self {
             index: [None; N],
             alarm: [false; N],
+            ran_dry: None,
             inputs: SafetyInputs {
                 enable: true,
                 stop: false,

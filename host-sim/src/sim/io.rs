@@ -4,9 +4,8 @@
 //! their time. The machine is brought up to the present whenever the loop reads.
 
 use std::collections::VecDeque;
-use std::ops::ControlFlow;
 
-use cophase_core::control_loop::Io;
+use cophase_core::control_loop::{Io, Written};
 use cophase_core::drift::IndexPulse;
 use cophase_core::signals::{Feedback, Output, Telemetry};
 use cophase_core::supervisor::{Command, Fault, State};
@@ -208,12 +207,13 @@ impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'
         Feedback {
             index,
             alarm: [false; N],
+            ran_dry: None,
             inputs: self.schedule.lines(),
             command,
         }
     }
 
-    fn write(&mut self, output: &Output<N>, start: Instant) -> ControlFlow<()> {
+    fn write(&mut self, output: &Output<N>, start: Instant) -> Written {
         let start_us = start.as_micros();
         let mut waiting = self.spare.pop().unwrap_or_else(|| {
             Box::new(Waiting {
@@ -243,9 +243,9 @@ impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'
             0
         };
         if self.quiet > tail_ticks(self.tick_hz) || start_us > self.schedule.end_us() {
-            return ControlFlow::Break(());
+            return Written::Over;
         }
-        ControlFlow::Continue(())
+        Written::InTime
     }
 }
 

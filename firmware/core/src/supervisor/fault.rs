@@ -28,6 +28,12 @@ pub enum FaultKind {
     /// The loop missed so many deadlines in a row that the drives saw a standstill.
     #[error("control loop overrun")]
     Overrun,
+    /// The step hardware of an axis ran out of pulses within a tick: that axis is behind the others.
+    #[error("step pulses ran dry")]
+    RanDry,
+    /// The controller restarted by itself, out of a state in which the machine may have been moving.
+    #[error("controller restarted")]
+    Restarted,
 }
 
 /// A fault, and what was seen.

@@ -155,6 +155,12 @@ impl Supervisor {
         )
     }
 
+    /// Goes to the fault state, whatever the state was: for what is known before the first tick.
+    pub const fn begin_with(&mut self, fault: Fault) {
+        self.state = State::Fault;
+        self.fault = Some(fault);
+    }
+
     /// Decides on one tick.
     pub fn step(&mut self, inputs: SafetyInputs, command: Option<Command>, seen: Seen) -> Action {
         self.latch(seen);
