@@ -1,13 +1,36 @@
-//! The Cophase image: `cophase_core`'s control loop on a board.
+//! The Cophase image: `cophase_core`'s control loop on an RP2040.
 //!
-//! Built for a host, as every member of this workspace can be, it has no hardware to drive and says so.
-//! The loop itself runs on a host through `host-sim`.
-#![forbid(unsafe_code)]
+//! Three things run on the one core, each at its own priority, highest first: the *guard*, which cuts the
+//! drives when the enable input goes; the *control loop*; and in what time is left, the log. The step
+//! edges are made by none of these: see [`board::steps`].
+//!
+//! | module | is |
+//! | --- | --- |
+//! | `board` | pins, step output, index capture, safety lines, watchdog: what is soldered |
+//! | `settings` | which settings the image runs on, and where they are kept |
+//! | `control` | the loop's task, and the loop's world as this board has it |
+//! | `report` | what happened, told over the debug probe |
+//!
+//! Built for a host, as every member of this workspace can be, it has no hardware to drive and says so. The
+//! loop itself runs on a host through `host-sim`.
+#![cfg_attr(target_os = "none", no_std, no_main)]
 
+#[cfg(target_os = "none")]
+mod board;
+#[cfg(target_os = "none")]
+mod control;
+#[cfg(target_os = "none")]
+mod report;
+#[cfg(target_os = "none")]
+mod settings;
+#[cfg(target_os = "none")]
+mod start;
+
+#[cfg(not(target_os = "none"))]
 fn main() {
     eprintln!(
         "cophase-firmware drives motors from a microcontroller; this build is for a host and has none.\n\
-         To run the control loop here, against a simulated machine: cargo sim run"
+         To build the image: cargo image. To run the control loop here, against a simulated machine: cargo sim run"
     );
     std::process::exit(2);
 }

@@ -1,0 +1,43 @@
+//! Hands the linker its map, and the image the settings that are built into it.
+//!
+//! A build for a host needs neither.
+
+use std::path::PathBuf;
+use std::{env, fs};
+
+/// Names a blob, as `cophase image` writes it, to be built in instead of the default scene's.
+const BLOB: &str = "COPHASE_BLOB";
+
+fn main() {
+    println!("cargo:rerun-if-changed=build.rs");
+    println!("cargo:rerun-if-env-changed={BLOB}");
+    if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
+        return;
+    }
+    let here = PathBuf::from(env::var("CARGO_MANIFEST_DIR").expect("cargo sets it"));
+    let out = PathBuf::from(env::var("OUT_DIR").expect("cargo sets it"));
+
+    // cortex-m-rt's link.x includes the map by this name.
+    let map = here.join("../memory.x");
+    fs::copy(&map, out.join("memory.x")).expect("memory.x lies at the top of the workspace");
+    println!("cargo:rerun-if-changed={}", map.display());
+    println!("cargo:rustc-link-search={}", out.display());
+    // Flash is what is flashed: no gap between sections for the sake of pages that nobody maps.
+    println!("cargo:rustc-link-arg-bins=--nmagic");
+    for script in ["link.x", "link-rp.x", "defmt.x"] {
+        println!("cargo:rustc-link-arg-bins=-T{script}");
+    }
+
+    let blob = match env::var_os(BLOB) {
+        Some(path) => PathBuf::from(path),
+        None => here.join("blob/golden/default.blob"),
+    };
+    println!("cargo:rerun-if-changed={}", blob.display());
+    let bytes = fs::read(&blob).unwrap_or_else(|error| {
+        panic!(
+            "{}: {error}; {BLOB} names a file that `cophase image SCENE -o FILE` wrote",
+            blob.display()
+        )
+    });
+    fs::write(out.join("built-in.blob"), bytes).expect("cargo's own folder can be written");
+}

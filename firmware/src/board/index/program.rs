@@ -1,0 +1,43 @@
+//! What a state machine does to time the changes of six lines.
+//!
+//! It looks at them once in 7 cycles, and counts these looks down. When a look differs from the one before,
+//! both the levels and the count go out, and the next look comes 14 cycles after: the count is lowered by two
+//! for it, so that it stays a clock. A FIFO that is full loses a change, not the clock.
+
+use pio::{Program, RP2040_MAX_PROGRAM_SIZE};
+
+/// Cycles from one look to the next.
+pub const CYCLES: u32 = 7;
+
+/// Cycles from the beginning of a look to the sampling of the lines.
+pub const SAMPLED_AFTER: u32 = 4;
+
+/// Bits of the count that go out; the levels are above them.
+pub const COUNT_BITS: u32 = 26;
+
+/// The program. IN shifts to the left; x and y are scratch and the last levels, the OSR the count.
+pub fn index_program() -> Program<{ RP2040_MAX_PROGRAM_SIZE }> {
+    pio::pio_asm!(
+        ".wrap_target",
+        "look:",
+        "    mov x, osr",
+        "    jmp x-- counted",
+        "counted:",
+        "    mov osr, x",
+        "    mov isr, null",
+        "    in pins, 6",
+        "    mov x, isr",
+        "    jmp x!=y changed",
+        ".wrap",
+        "changed:",
+        "    mov y, x",
+        "    in osr, 26",
+        "    push noblock",
+        "    mov x, osr",
+        "    jmp x-- also_counted",
+        "also_counted:",
+        "    mov osr, x",
+        "    jmp look",
+    )
+    .program
+}

@@ -1,0 +1,136 @@
+//! The safety lines, the sync output and the lamp: levels that are read and set by the CPU.
+//!
+//! Inputs are pulled up and read low when all is well, so that a broken wire reads as what stops the
+//! machine. All inputs are read in one instant, and all drives are switched by one write.
+//!
+//! **Cutting the drives.** When the enable input goes, the guard switches the drives off at once, without
+//! the loop ([`cut_drives`]), and remembers that it did: the loop can not switch them on again before it has
+//! seen the loss, however short it was.
+
+use core::sync::atomic::{AtomicBool, Ordering};
+
+use cophase_core::supervisor::{SafetyInputs, State};
+use embassy_rp::pac;
+
+use super::pins;
+
+/// Function of a pin that is driven, and read, by the CPU.
+const SIO: u8 = 5;
+
+/// The enable input went, and the loop has not been told yet.
+static CUT: AtomicBool = AtomicBool::new(false);
+
+/// What the inputs said at one instant.
+#[derive(Clone, Copy)]
+pub struct Levels(u32);
+
+impl Levels {
+    const fn is_high(self, pin: u8) -> bool {
+        self.0 & 1 << pin != 0
+    }
+
+    /// Alarm of an axis's drive.
+    pub fn alarm(self, axis: usize) -> bool {
+        pins::ALARM.get(axis).is_some_and(|&pin| self.is_high(pin))
+    }
+
+    /// Whether the button is held down.
+    pub const fn start(self) -> bool {
+        !self.is_high(pins::START)
+    }
+}
+
+/// Sets the lines up: drives off before anything else.
+pub fn set_up() {
+    for pin in [pins::DRIVE_ENABLE, pins::SYNC, pins::LAMP] {
+        output(pin);
+    }
+    let inputs = [pins::ENABLE, pins::STOP, pins::START];
+    for pin in inputs.into_iter().chain(pins::ALARM) {
+        input(pin);
+    }
+}
+
+fn output(pin: u8) {
+    set(pin, false);
+    pac::SIO.gpio_oe(0).value_set().write_value(1 << pin);
+    pac::IO_BANK0
+        .gpio(pin.into())
+        .ctrl()
+        .write(|w| w.set_funcsel(SIO));
+}
+
+fn input(pin: u8) {
+    pac::PADS_BANK0.gpio(pin.into()).modify(|w| {
+        w.set_ie(true);
+        w.set_od(true);
+        w.set_pue(true);
+        w.set_pde(false);
+        w.set_schmitt(true);
+    });
+    pac::IO_BANK0
+        .gpio(pin.into())
+        .ctrl()
+        .write(|w| w.set_funcsel(SIO));
+}
+
+fn set(pin: u8, high: bool) {
+    let out = pac::SIO.gpio_out(0);
+    if high {
+        out.value_set().write_value(1 << pin);
+    } else {
+        out.value_clr().write_value(1 << pin);
+    }
+}
+
+/// Reads all inputs in one instant.
+pub fn read() -> Levels {
+    Levels(pac::SIO.gpio_in(0).read())
+}
+
+/// What the loop is told of the enable and stop inputs. A loss of enable that is over is told once.
+pub fn safety_inputs(levels: Levels) -> SafetyInputs {
+    let was_cut = CUT.load(Ordering::Relaxed);
+    if was_cut {
+        CUT.store(false, Ordering::Relaxed);
+    }
+    SafetyInputs {
+        enable: !levels.is_high(pins::ENABLE) && !was_cut,
+        stop: levels.is_high(pins::STOP),
+    }
+}
+
+/// Switches all drives on or off; on only if the enable input has not gone meanwhile.
+pub fn drives(on: bool) {
+    // The guard may cut in between: then it has the last word.
+    critical_section::with(|_| {
+        let allowed = !CUT.load(Ordering::Relaxed) && !read().is_high(pins::ENABLE);
+        set(pins::DRIVE_ENABLE, on && allowed);
+    });
+}
+
+/// Switches all drives off, now, and keeps them off until the loop has seen why.
+pub fn cut_drives() {
+    CUT.store(true, Ordering::Relaxed);
+    set(pins::DRIVE_ENABLE, false);
+}
+
+/// Sets the oscilloscope's trigger.
+pub fn sync(high: bool) {
+    set(pins::SYNC, high);
+}
+
+/// Shows the state on the lamp: slow blinking in idle, fast in a fault, steady while drives are on.
+pub fn lamp(state: State, tick: u32, tick_hz: u32) {
+    let on = match state {
+        State::Idle => tick % tick_hz < tick_hz / 16,
+        State::Fault => tick % (tick_hz / 4) < tick_hz / 8,
+        _ => true,
+    };
+    set(pins::LAMP, on);
+}
+
+/// Shows that the image has no settings to run on: always dark but for a flash a second, without the loop.
+pub fn lamp_flash(on: bool) {
+    set(pins::LAMP, on);
+}

@@ -1,0 +1,38 @@
+//! Where everything is wired. `docs/wiring.md` shows this table as a diagram, and a test compares the two.
+//!
+//! Five axes fit the 26 pins that a Raspberry Pi Pico brings out. The sixth axis's STEP, DIR and alarm are on
+//! the three that it does not; boards of the same class that bring out all 30 have them.
+
+/// Most axes.
+pub const AXES: usize = 6;
+
+/// STEP of each axis.
+pub const STEP: [u8; AXES] = [0, 2, 4, 6, 8, 23];
+
+/// DIR of each axis.
+pub const DIR: [u8; AXES] = [1, 3, 5, 7, 9, 24];
+
+/// Index sensor of axis 0; those of the others follow. One machine samples them together, so they have
+/// to be neighbours.
+pub const INDEX: u8 = 10;
+
+/// Alarm input of each axis's drive. Low: all is well. High, or a broken wire: alarm.
+pub const ALARM: [u8; AXES] = [16, 17, 18, 19, 20, 29];
+
+/// Switches all drives on. Low, or a controller without power: off.
+pub const DRIVE_ENABLE: u8 = 21;
+
+/// High in the first half of each turn of the master: an oscilloscope's trigger.
+pub const SYNC: u8 = 22;
+
+/// The lamp on the board.
+pub const LAMP: u8 = 25;
+
+/// Enable input. Low: drives may be on. High, or a broken wire: they may not.
+pub const ENABLE: u8 = 26;
+
+/// Stop input. Low: run. High, or a broken wire: stop.
+pub const STOP: u8 = 27;
+
+/// Push button, to ground: start, and reset after a fault.
+pub const START: u8 = 28;

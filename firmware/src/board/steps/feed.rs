@@ -1,0 +1,97 @@
+//! Keeps the machines' FIFOs full: one DMA channel an axis, and behind each a place for the next tick.
+//!
+//! A channel moves a tick's words into its machine's FIFO as fast as that takes them. The words of the tick
+//! after are *queued* long before: when the channel is done, with the last 8 words still to be played, an
+//! interrupt sets it on those. At the highest step rate the 8 words hold over 40 µs of edges (a chunk of 80),
+//! and that is what the interrupt may be late by.
+
+use core::cell::Cell;
+
+use critical_section::{CriticalSection, Mutex};
+use embassy_rp::interrupt;
+use embassy_rp::interrupt::{InterruptExt, Priority};
+use embassy_rp::pac;
+use embassy_rp::pac::dma::regs::CtrlTrig;
+use embassy_rp::pac::dma::vals::{DataSize, TreqSel};
+
+use super::{BLOCKS, block_of, machine_of};
+use crate::board::pins::AXES;
+
+/// What a channel is to move: an address, and how many words stand there.
+#[derive(Clone, Copy)]
+struct Words {
+    address: u32,
+    count: u32,
+}
+
+static QUEUED: Mutex<[Cell<Option<Words>>; AXES]> = Mutex::new([const { Cell::new(None) }; AXES]);
+
+/// Sets up the channel of an axis: channel i is axis i's.
+pub fn set_up(axis: usize) {
+    let channel = pac::DMA.ch(axis);
+    let machine = machine_of(axis);
+    let fifo = BLOCKS[block_of(axis)].txf(machine).as_ptr();
+    channel.al1_write_addr().write_value(fifo as u32);
+    let mut ctrl = CtrlTrig(0);
+    ctrl.set_data_size(DataSize::SIZE_WORD);
+    ctrl.set_incr_read(true);
+    ctrl.set_treq_sel(TreqSel::from_bits((block_of(axis) * 8 + machine) as u8));
+    ctrl.set_chain_to(axis as u8); // to itself: to none
+    ctrl.set_high_priority(true);
+    ctrl.set_en(true);
+    channel.al1_ctrl().write_value(ctrl.0);
+    pac::DMA.inte(1).modify(|enabled| *enabled |= 1 << axis);
+}
+
+/// Lets the interrupt through, above all else: it is short, and what it does must not wait.
+pub fn listen() {
+    interrupt::DMA_IRQ_1.set_priority(Priority::P0);
+    // SAFETY: the handler below is all that this interrupt calls, and what it shares is behind a mutex.
+    unsafe { interrupt::DMA_IRQ_1.enable() };
+}
+
+/// Moves `words` into an axis's FIFO: now, or when those before them are done.
+///
+/// The words must stay as they are until then. [`super::Steps`] owns them, and writes to a buffer again only
+/// when the one after it has been begun.
+pub fn feed(cs: CriticalSection<'_>, axis: usize, words: &[u32]) {
+    let words = Words {
+        address: words.as_ptr() as u32,
+        count: words.len() as u32,
+    };
+    if is_busy(axis) {
+        if let Some(queued) = QUEUED.borrow(cs).get(axis) {
+            queued.set(Some(words));
+        }
+    } else {
+        begin(axis, words);
+    }
+}
+
+/// Whether a channel still has words to move.
+pub fn is_busy(axis: usize) -> bool {
+    CtrlTrig(pac::DMA.ch(axis).al1_ctrl().read()).busy()
+}
+
+fn begin(axis: usize, words: Words) {
+    let channel = pac::DMA.ch(axis);
+    // The channel reads memory behind the compiler's back: what was written there must be there.
+    cortex_m::asm::dmb();
+    channel.al3_trans_count().write_value(words.count);
+    channel.al3_read_addr_trig().write_value(words.address);
+}
+
+#[interrupt]
+fn DMA_IRQ_1() {
+    let done = pac::DMA.ints(1).read();
+    pac::DMA.ints(1).write_value(done);
+    critical_section::with(|cs| {
+        for (axis, queued) in QUEUED.borrow(cs).iter().enumerate() {
+            if done & 1 << axis != 0
+                && let Some(words) = queued.take()
+            {
+                begin(axis, words);
+            }
+        }
+    });
+}

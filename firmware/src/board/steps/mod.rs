@@ -1,0 +1,283 @@
+//! Step output: every edge of STEP and DIR, without the CPU.
+//!
+//! One state machine an axis plays the words that the pulse planner made ([`program`]), and a DMA channel
+//! feeds it ([`feed`]). Axes 0 to 2 are on the first PIO block, 3 to 5 on the second. What a tick asks for
+//! fills exactly a tick, on every axis, so machines that began together stay together.
+//!
+//! **Beginning.** All machines are held until each has words in its FIFO, the first being a pause up to the
+//! deadline at which the tick is to begin. Then they are let go ([`release`]): those of a block in one cycle,
+//! those of the other block by the CPU's very next store, which their first pause is shorter by.
+//!
+//! **Running dry.** The loop hands a tick's words over while the tick before is played. If it is late, all
+//! machines play to the end of what they have, the same tick on every axis, and stop there together, between
+//! two edges; they are held and begun again, together, at a later deadline. To be late for some axes and in
+//! time for others is impossible: [`Steps::offer`] hands over all axes at once or none, and none in the last
+//! [`LEAST_LEAD_US`] before the deadline. If a machine nevertheless ran dry inside a tick that it had been
+//! given whole (a channel that stood still, interrupts that were shut off), its axis is behind the others:
+//! the hardware's own flag shows it, and it is told as a fault.
+
+mod feed;
+mod program;
+mod release;
+
+use cophase_core::pulse::{MAX_RUNS, Run, Runs};
+use critical_section::CriticalSection;
+use embassy_rp::pac;
+use embassy_rp::pac::pio::Pio;
+use embassy_rp::pac::pio::vals::SmExecctrlStatusSel;
+use embassy_time::{Duration, Instant};
+use pio::Wrap;
+
+use super::pins::{self, AXES};
+use super::{CYCLES_PER_US, INDEX_MACHINE, now_us};
+
+/// The PIO blocks.
+const BLOCKS: [Pio; 2] = [pac::PIO0, pac::PIO1];
+
+/// Machines of a block that make steps.
+const MACHINES: usize = 3;
+
+/// No words are handed over later than this before they are due, µs: all axes take less than half of it.
+const LEAST_LEAD_US: i32 = 20;
+
+/// From the moment in which the machines are held to that in which they are let go, µs: time to fill their
+/// FIFOs.
+const HOLD_US: u32 = 10;
+
+/// DIR in a word.
+const DIR: u32 = 1 << 31;
+
+/// The block of an axis.
+const fn block_of(axis: usize) -> usize {
+    axis / MACHINES
+}
+
+/// The machine of an axis within its block.
+const fn machine_of(axis: usize) -> usize {
+    axis % MACHINES
+}
+
+/// Those machines of a block, a bit each, that make steps on a machine of `axes` axes.
+const fn machines(block: usize, axes: usize) -> u8 {
+    let used = axes.saturating_sub(block * MACHINES);
+    let used = if used > MACHINES { MACHINES } else { used };
+    (1 << used) - 1
+}
+
+/// What became of an offer of words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Offer {
+    /// They will be played when they are due.
+    Taken,
+    /// It was too late: the machines stand, or are about to.
+    TooLate,
+    /// An axis ran dry inside a tick: it is behind the others. Nothing was taken.
+    RanDry(usize),
+}
+
+/// The step output of a machine of 2 to 6 axes.
+pub struct Steps {
+    /// Where the next tick's words go.
+    free: &'static mut [Words; AXES],
+    /// What the channels were given last.
+    given: &'static mut [Words; AXES],
+    axes: usize,
+    /// What turns a word's DIR round, or not, for each axis.
+    reversed: [u32; AXES],
+    tick: Duration,
+    /// The deadline up to which the machines have words; none if they stand.
+    until: Option<Instant>,
+}
+
+impl Steps {
+    /// Sets up pins, machines and channels of as many axes as there are in `reversed`. Nothing moves yet.
+    pub fn new(buffers: &'static mut Buffers, reversed: &[bool], tick: Duration) -> Self {
+        let axes = reversed.len().min(AXES);
+        let program = program::step_program();
+        for (block, pio) in BLOCKS.iter().enumerate() {
+            if machines(block, axes) != 0 {
+                for (slot, &instruction) in program.code.iter().enumerate() {
+                    let memory = pio.instr_mem(slot);
+                    memory.write(|w| w.set_instr_mem(instruction));
+                }
+            }
+        }
+        let mut turned = [0; AXES];
+        for (axis, &is_reversed) in reversed.iter().enumerate().take(axes) {
+            set_up_machine(axis, program.wrap);
+            feed::set_up(axis);
+            turned[axis] = if is_reversed { DIR } else { 0 };
+        }
+        feed::listen();
+        let Buffers([free, given]) = buffers;
+        Self {
+            free,
+            given,
+            axes,
+            reversed: turned,
+            tick,
+            until: None,
+        }
+    }
+
+    /// Hands over a tick's runs, to be played from `start` on: those of all axes, or of none.
+    pub fn offer<const N: usize>(&mut self, runs: &[Runs; N], start: Instant) -> Offer {
+        let axes = self.free.iter_mut().zip(runs).zip(&self.reversed);
+        for ((words, runs), &reversed) in axes {
+            words.copy(runs, reversed);
+        }
+        let offer = critical_section::with(|cs| self.hand_over(cs, start));
+        if offer == Offer::Taken {
+            self.until = Some(start + self.tick);
+            core::mem::swap(&mut self.free, &mut self.given);
+        }
+        offer
+    }
+
+    fn hand_over(&mut self, cs: CriticalSection<'_>, start: Instant) -> Offer {
+        let lead_us = (start.as_ticks() as u32).wrapping_sub(now_us());
+        if (lead_us as i32) < LEAST_LEAD_US {
+            return Offer::TooLate;
+        }
+        if self.until == Some(start) {
+            if let Some(axis) = self.dry_axis() {
+                self.until = None;
+                return Offer::RanDry(axis);
+            }
+            for (axis, words) in self.free.iter().enumerate().take(self.axes) {
+                feed::feed(cs, axis, words.tick());
+            }
+        } else if self.all_stand() {
+            self.begin(cs, start);
+        } else {
+            return Offer::TooLate;
+        }
+        Offer::Taken
+    }
+
+    /// Lets all machines go, so that `start` finds them at the end of a pause.
+    fn begin(&mut self, cs: CriticalSection<'_>, start: Instant) {
+        let enabled = |pio: Pio| pio.ctrl().read().sm_enable();
+        let [first, second] = [0, 1].map(|block| machines(block, self.axes));
+        pac::PIO0.ctrl().write(|w| w.set_sm_enable(enabled(pac::PIO0) & !first));
+        pac::PIO1.ctrl().write(|w| w.set_sm_enable(enabled(pac::PIO1) & !second));
+
+        let go_us = now_us().wrapping_add(HOLD_US);
+        let pause = (start.as_ticks() as u32).wrapping_sub(go_us) * CYCLES_PER_US;
+        for (axis, words) in self.free.iter_mut().enumerate().take(self.axes) {
+            let earlier = release::SKEW * block_of(axis) as u32;
+            feed::feed(cs, axis, words.after_pause(pause - earlier));
+        }
+        for (pio, machines) in BLOCKS.into_iter().zip([first, second]) {
+            // Those that have their words are as full as they get.
+            while pio.fstat().read().txempty() & machines != 0 {}
+            // The flags of the stretch before; what happens from here on is what counts.
+            pio.fdebug().write(|w| w.set_txstall(machines));
+        }
+        release::release(go_us, first | 1 << INDEX_MACHINE, second);
+    }
+
+    /// An axis whose machine has waited for words since it was let go.
+    fn dry_axis(&self) -> Option<usize> {
+        let stalled = BLOCKS.map(|pio| pio.fdebug().read().txstall());
+        (0..self.axes).find(|&axis| {
+            let block = stalled.get(block_of(axis)).copied().unwrap_or_default();
+            block & 1 << machine_of(axis) != 0
+        })
+    }
+
+    /// Whether every machine has played all its words and waits for more.
+    fn all_stand(&self) -> bool {
+        (0..self.axes).all(|axis| {
+            let pio = if block_of(axis) == 0 { pac::PIO0 } else { pac::PIO1 };
+            let machine = machine_of(axis);
+            let empty = pio.fstat().read().txempty() & 1 << machine != 0;
+            empty && !feed::is_busy(axis) && pio.sm(machine).addr().read().addr() == 0
+        })
+    }
+}
+
+/// Sets up the state machine of an axis, and its two pins. It waits at the program's first instruction,
+/// which is at address 0.
+fn set_up_machine(axis: usize, wrap: Wrap) {
+    let (block, machine) = (block_of(axis), machine_of(axis));
+    let (step, dir) = (pins::STEP[axis], pins::DIR[axis]);
+    let sm = BLOCKS[block].sm(machine);
+    sm.clkdiv().write(|w| w.set_int(1));
+    sm.execctrl().write(|w| {
+        w.set_side_en(true);
+        w.set_wrap_top(wrap.source);
+        w.set_wrap_bottom(wrap.target);
+        w.set_status_sel(SmExecctrlStatusSel::TXLEVEL);
+    });
+    sm.shiftctrl().write(|w| {
+        w.set_fjoin_tx(true);
+        w.set_out_shiftdir(true); // right: the lowest bits come first
+    });
+    for pin in [step, dir] {
+        // SET is for this only: the machine drives the pin from here on.
+        const SET_PINDIRS_1: u16 = 0xE081;
+        sm.pinctrl().write(|w| {
+            w.set_set_base(pin);
+            w.set_set_count(1);
+        });
+        sm.instr().write(|w| w.set_instr(SET_PINDIRS_1));
+        super::lines::give_to_block(pin, block);
+    }
+    sm.pinctrl().write(|w| {
+        w.set_out_base(step);
+        w.set_out_count(1);
+        w.set_in_base(step);
+        w.set_sideset_base(dir);
+        w.set_sideset_count(2); // the bit that says whether, and the pin's
+    });
+    const JMP_0: u16 = 0;
+    sm.instr().write(|w| w.set_instr(JMP_0));
+}
+
+/// Room for the words of one tick of one axis, behind one for the pause with which to begin.
+struct Words {
+    words: [u32; MAX_RUNS + 1],
+    /// How many of them are used, the first included.
+    used: usize,
+}
+
+impl Words {
+    const EMPTY: Self = Self {
+        words: [0; MAX_RUNS + 1],
+        used: 1,
+    };
+
+    /// Takes a tick's runs over, DIR turned round for an axis that is.
+    fn copy(&mut self, runs: &Runs, reversed: u32) {
+        if let [_, words @ ..] = &mut self.words {
+            for (word, run) in words.iter_mut().zip(runs) {
+                *word = run.bits() ^ reversed;
+            }
+        }
+        self.used = 1 + runs.len();
+    }
+
+    /// The tick's words.
+    fn tick(&self) -> &[u32] {
+        self.words.get(1..self.used).unwrap_or_default()
+    }
+
+    /// A pause of `cycles`, with DIR as the tick begins with it, and the tick's words.
+    fn after_pause(&mut self, cycles: u32) -> &[u32] {
+        if let [pause, first, ..] = &mut self.words {
+            *pause = Run::pause(cycles, *first & DIR != 0).bits();
+        }
+        self.words.get(..self.used).unwrap_or_default()
+    }
+}
+
+/// Room for two ticks of every axis: the one that is played, and the one to come.
+pub struct Buffers([[Words; AXES]; 2]);
+
+impl Buffers {
+    /// Empty.
+    pub const fn new() -> Self {
+        Self([const { [const { Words::EMPTY }; AXES] }; 2])
+    }
+}
