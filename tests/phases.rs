@@ -39,8 +39,8 @@ impl Axis {
 struct Exact<'a> {
     axes: &'a [Axis],
     master: i128,
-    /// Level of each STEP wire, and what its edges came to.
-    counters: Vec<(bool, i64)>,
+    /// Levels of each axis's STEP and DIR, and what the edges came to.
+    counters: Vec<(bool, bool, i64)>,
     /// Ticks in which anything moved; and whether the drives were off meanwhile.
     moved: u64,
     off_while_moving: bool,
@@ -81,11 +81,14 @@ impl<const N: usize> Observer<N> for Exact<'_> {
                 assert_eq!(setpoint.position, phase, "at {at} ns: setpoint of axis {i}");
                 continue;
             }
-            let (high, counted) = &mut self.counters[i];
+            let (high, forward, counted) = &mut self.counters[i];
             for run in &played.runs[i] {
-                for _ in 0..run.edges {
+                if run.is_pause() {
+                    *forward = run.forward();
+                }
+                for _ in 0..run.edges() {
                     *high = !*high;
-                    *counted += i64::from(*high) * if run.forward { 1 } else { -1 };
+                    *counted += i64::from(*high) * if *forward { 1 } else { -1 };
                 }
             }
             assert_eq!(*counted, steps, "at {at} ns: edges of axis {i}");
@@ -106,7 +109,7 @@ fn run(checked: &Checked, axes: &[Axis]) -> u64 {
     let mut exact = Exact {
         axes,
         master: 0,
-        counters: vec![(false, 0); axes.len()],
+        counters: vec![(false, true, 0); axes.len()],
         moved: 0,
         off_while_moving: false,
     };

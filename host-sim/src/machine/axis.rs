@@ -43,6 +43,8 @@ pub struct SimulatedAxis {
     origin_turns: f64,
     index_turns: Option<f64>,
     step_high: bool,
+    /// Level of DIR, in the axis's own sense.
+    forward: bool,
     /// Rising edges counted, with the direction line's sign, in the axis's own sense.
     counted: i64,
     /// Where a servo was told to be last.
@@ -86,6 +88,7 @@ impl SimulatedAxis {
             origin_turns: settings.offset_turns + start_turns,
             index_turns: settings.index_turns,
             step_high: false,
+            forward: true,
             counted: 0,
             told: None,
             slipped: 0,
@@ -180,20 +183,23 @@ impl SimulatedAxis {
                 let after = self.turns();
                 let passed = self.index_passed(before, after)?;
                 let part = (passed - before) / (after - before);
-                let cycles: u32 = runs.iter().map(cophase_core::pulse::Run::cycles).sum();
+                let cycles: u32 = runs.iter().map(|run| run.cycles()).sum();
                 Some((part * f64::from(cycles)) as u32)
             }
         };
         pulse.map(|cycle| IndexPulse { cycle })
     }
 
-    /// Rising edges of a tick, with the sign of the direction line.
+    /// Rising edges of a tick, with the sign of the direction line, which only pauses turn.
     fn count(&mut self, runs: &Runs) -> i64 {
         let mut counted = 0;
         for run in runs {
-            let rises = i64::from(run.edges + u16::from(!self.step_high)) / 2;
-            self.step_high ^= run.edges % 2 == 1;
-            counted += if run.forward { rises } else { -rises };
+            if run.is_pause() {
+                self.forward = run.forward();
+            }
+            let rises = i64::from(run.edges() + u32::from(!self.step_high)) / 2;
+            self.step_high ^= run.edges() % 2 == 1;
+            counted += if self.forward { rises } else { -rises };
         }
         counted
     }
@@ -238,10 +244,10 @@ impl SimulatedAxis {
         let beyond = ((self.turns() - place) * self.steps_per_turn + 1e-6).floor() as i64;
         // Counted from the tick's end: `beyond` rises came after it.
         let mut high = self.step_high;
-        let mut end: u32 = runs.iter().map(cophase_core::pulse::Run::cycles).sum();
+        let mut end: u32 = runs.iter().map(|run| run.cycles()).sum();
         let mut left = beyond;
         for run in runs.iter().rev() {
-            for _ in 0..run.edges {
+            for _ in 0..run.edges() {
                 if high {
                     if left == 0 {
                         return Some(end);
@@ -249,10 +255,10 @@ impl SimulatedAxis {
                     left -= 1;
                 }
                 high = !high;
-                end -= run.period;
+                end -= run.period();
             }
-            if run.edges == 0 {
-                end -= run.period;
+            if run.is_pause() {
+                end -= run.period();
             }
         }
         // A slip, not an edge, took the crank past its index: it passed at some time in the tick.

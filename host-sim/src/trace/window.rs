@@ -5,6 +5,8 @@
 
 use std::io::Write;
 
+use cophase_core::pulse::Run;
+
 use super::{Levels, Signal, StepsVcd, VcdError};
 use crate::sim::Moment;
 
@@ -124,8 +126,10 @@ impl<V: Write> StepWindow<V> {
         self.levels.sync = moment.sync;
         for (i, &reversed) in reversed.iter().enumerate() {
             for run in &moment.played.runs[i] {
-                self.levels.step[i] ^= run.edges % 2 == 1;
-                self.levels.dir[i] = run.forward != reversed;
+                self.levels.step[i] ^= run.edges() % 2 == 1;
+                if run.is_pause() {
+                    self.levels.dir[i] = run.forward() != reversed;
+                }
             }
             let end = moment.index[i]
                 .map(|pulse| moment.start_ns + u64::from(pulse.cycle) * CYCLE_NS + INDEX_NS);
@@ -153,19 +157,20 @@ impl<V: Write> StepWindow<V> {
             let mut cycle = 0_u64;
             let mut high = self.levels.step[i];
             for run in &moment.played.runs[i] {
-                self.edges.push((
-                    start_ns + cycle * CYCLE_NS,
-                    Signal::Dir(i),
-                    run.forward != reversed,
-                ));
-                for _ in 0..run.edges {
-                    cycle += u64::from(run.period);
+                if run.is_pause() {
+                    let turn = cycle + u64::from(Run::DIR_DELAY);
+                    self.edges.push((
+                        start_ns + turn * CYCLE_NS,
+                        Signal::Dir(i),
+                        run.forward() != reversed,
+                    ));
+                    cycle += u64::from(run.period());
+                }
+                for _ in 0..run.edges() {
+                    cycle += u64::from(run.period());
                     high = !high;
                     self.edges
                         .push((start_ns + cycle * CYCLE_NS, Signal::Step(i), high));
-                }
-                if run.edges == 0 {
-                    cycle += u64::from(run.period);
                 }
             }
             if let Some(pulse) = moment.index[i] {

@@ -2,13 +2,15 @@
 //!
 //! STEP is a square wave. It rises where the phase crosses a step and falls half a step later, so
 //! that a pulse may lie across the end of a tick without being cut, and is as wide as can be. A
-//! [`Run`] is a number of *edges* a period apart; with no edges it is a pause. A tick's runs fill
-//! exactly one tick. See [`planner`] for the bound on the
+//! [`Run`] is a number of *edges* a period apart; with no edges it is a pause, and only a pause
+//! changes DIR. A tick's runs fill exactly one tick. See [`planner`] for the bound on the
 //! edges' times, and how it comes about.
 
 pub mod planner;
+mod run;
 
 pub use planner::{Planner, PulseTiming};
+pub use run::Run;
 
 /// Most runs in a tick: two for every [`planner::CHUNK`] edges, and what the ends and a
 /// change of direction take.
@@ -19,24 +21,3 @@ pub const MAX_EDGES: u32 = 4800;
 
 /// The runs of one axis over one tick, in order.
 pub type Runs = heapless::Vec<Run, MAX_RUNS>;
-
-/// Equally spaced edges of STEP: after every `period` cycles STEP changes its level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Run {
-    /// How many edges; 0 is a pause of one period.
-    pub edges: u16,
-    /// Cycles of the step clock before each edge.
-    pub period: u32,
-    /// Level of the direction line from this run's start on: true counts up in the axis's own sense.
-    pub forward: bool,
-}
-
-impl Run {
-    /// How long the run lasts, in cycles.
-    pub const fn cycles(&self) -> u32 {
-        match self.edges {
-            0 => self.period,
-            edges => self.period * edges as u32,
-        }
-    }
-}

@@ -15,7 +15,9 @@
 //!
 //! **Changes of direction.** DIR is changed only for an edge that needs it. The tick then begins
 //! with what STEP and DIR need (end of the pulse, hold, set-up), and its edges share what is left:
-//! they are late by at most that time. The set-up time is at most a quarter of a tick.
+//! they are late by at most that time, which is at most a quarter of a tick. The change is carried by
+//! a pause, and the line follows [`Run::DIR_DELAY`] cycles after that begins; hold and set-up are
+//! reckoned from there.
 
 use super::{MAX_EDGES, Run, Runs};
 use crate::settings::{AxisSettings, CLOCK_HZ, Problem, PulseSettings, SettingsError};
@@ -25,7 +27,7 @@ use crate::units::{FRACTION_BITS, Turns};
 pub const CHUNK: u32 = 80;
 
 /// Least distance of an edge from either end of its tick, cycles.
-pub const GUARD: u32 = 8;
+pub const GUARD: u32 = Run::LEAST_CYCLES;
 
 /// Most counts of a servo axis in a tick: half of what 64 bits hold, as half-steps of 2⁻⁴⁸.
 const MOST_COUNTS: f64 = 8192.0;
@@ -44,8 +46,10 @@ const SCALED_BITS: u32 = 30;
 pub struct PulseTiming {
     tick: u32,
     width: u32,
-    dir_setup: u32,
-    dir_hold: u32,
+    /// The pause before the one that carries a change of direction.
+    before_turn: u32,
+    /// The pause that carries it.
+    turn: u32,
 }
 
 impl PulseTiming {
@@ -56,16 +60,23 @@ impl PulseTiming {
     pub fn new(settings: &PulseSettings, tick_hz: u32) -> Result<Self, SettingsError> {
         let cycles = |ns: f64| libm::ceil(ns * f64::from(CLOCK_HZ) / 1e9) as u32;
         let width = cycles(settings.width_ns);
-        let dir_hold = cycles(settings.dir_hold_ns).max(GUARD);
-        let dir_setup = cycles(settings.dir_setup_ns).max(GUARD);
+        // The line is held for this pause, and turns DIR_DELAY after it.
+        let before_turn = cycles(settings.dir_hold_ns)
+            .saturating_sub(Run::DIR_DELAY)
+            .max(Run::LEAST_CYCLES);
+        // The next edge comes at least GUARD after the pause, which makes up for DIR_DELAY. A change of
+        // direction follows a falling edge, and STEP must stay low for its width, too.
+        const { assert!(GUARD >= Run::DIR_DELAY) };
+        let turn = cycles(settings.dir_setup_ns)
+            .max(width.saturating_sub(before_turn + GUARD))
+            .max(Run::LEAST_CYCLES);
         let timing = Self {
             tick: CLOCK_HZ / tick_hz,
             width,
-            dir_hold,
-            // A change of direction follows a falling edge, and STEP must stay low for its width, too.
-            dir_setup: dir_setup.max(width.saturating_sub(dir_hold)),
+            before_turn,
+            turn,
         };
-        let turn_round = timing.width + timing.dir_hold + timing.dir_setup + 2 * GUARD;
+        let turn_round = width.max(GUARD) + before_turn + turn + 2 * GUARD;
         if turn_round > timing.tick / 4 {
             let us = |cycles: u32| f64::from(cycles) * 1e6 / f64::from(CLOCK_HZ);
             return Err(SettingsError::new(
@@ -224,10 +235,10 @@ impl Planner {
             self.high = false;
         }
         if forward != self.forward {
-            tick.pause(self.timing.dir_hold);
+            tick.pause(self.timing.before_turn);
             tick.forward = forward;
             self.forward = forward;
-            tick.pause(self.timing.dir_setup);
+            tick.pause(self.timing.turn);
         }
     }
 }
@@ -331,29 +342,21 @@ impl<'a> Tick<'a> {
         }
         self.cursor += edges * period;
         if let Some(last) = self.runs.last_mut()
-            && last.edges > 0
-            && last.period == period
-            && last.forward == self.forward
+            && !last.is_pause()
+            && last.period() == period
         {
-            last.edges += edges as u16;
+            *last = Run::new(last.edges() + edges, period, self.forward);
             return;
         }
-        self.push(edges as u16, period);
+        self.push(Run::new(edges, period, self.forward));
     }
 
     fn pause(&mut self, cycles: u32) {
-        if cycles > 0 {
-            self.cursor += cycles;
-            self.push(0, cycles);
-        }
+        self.cursor += cycles;
+        self.push(Run::pause(cycles, self.forward));
     }
 
-    fn push(&mut self, edges: u16, period: u32) {
-        let run = Run {
-            edges,
-            period,
-            forward: self.forward,
-        };
+    fn push(&mut self, run: Run) {
         // MAX_EDGES, which the settings keep, is what MAX_RUNS hold.
         let pushed = self.runs.push(run);
         debug_assert!(pushed.is_ok(), "more runs than a tick holds");

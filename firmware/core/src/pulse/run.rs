@@ -1,0 +1,130 @@
+//! A run: what the step hardware plays by itself, as the one word that it is told.
+
+use core::fmt;
+
+/// Equally spaced edges of STEP, or a pause without any: one word of the step hardware.
+///
+/// The word is a contract with that hardware:
+///
+/// | bits | field | |
+/// | --- | --- | --- |
+/// | 0 to 12 | edges | 0 to 8191; 0 is a pause |
+/// | 13 to 30 | cycles − 8 | between a run's edges, or of the whole pause: 8 to 262,151 cycles of 8 ns |
+/// | 31 | DIR | 1 counts up in the axis's own sense |
+///
+/// In a run STEP changes its level at the end of each period. DIR is taken up only in a pause, [`Run::DIR_DELAY`]
+/// cycles after the pause begins; in a run bit 31 is not looked at, and repeats the level that the line has.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Run(u32);
+
+const EDGE_BITS: u32 = 13;
+const CYCLE_BITS: u32 = 18;
+const DIR_BIT: u32 = EDGE_BITS + CYCLE_BITS;
+
+impl Run {
+    /// Least period, and least pause, in cycles: what the hardware takes to read a word.
+    pub const LEAST_CYCLES: u32 = 8;
+
+    /// Greatest period, and greatest pause, in cycles.
+    pub const MOST_CYCLES: u32 = Self::LEAST_CYCLES + (1 << CYCLE_BITS) - 1;
+
+    /// Most edges of one run.
+    pub const MOST_EDGES: u32 = (1 << EDGE_BITS) - 1;
+
+    /// Cycles from a pause's beginning to where DIR takes up the level that the pause carries.
+    pub const DIR_DELAY: u32 = 8;
+
+    /// `edges` (1 to [`Self::MOST_EDGES`]) edges, each at the end of a `period` of [`Self::LEAST_CYCLES`] to
+    /// [`Self::MOST_CYCLES`]; `forward` must be the level that DIR has.
+    pub const fn new(edges: u32, period: u32, forward: bool) -> Self {
+        debug_assert!(edges > 0 && edges <= Self::MOST_EDGES);
+        Self::word(edges, period, forward)
+    }
+
+    /// No edges for `cycles` ([`Self::LEAST_CYCLES`] to [`Self::MOST_CYCLES`]); DIR has the level `forward` from
+    /// [`Self::DIR_DELAY`] on.
+    pub const fn pause(cycles: u32, forward: bool) -> Self {
+        Self::word(0, cycles, forward)
+    }
+
+    const fn word(edges: u32, cycles: u32, forward: bool) -> Self {
+        debug_assert!(cycles >= Self::LEAST_CYCLES && cycles <= Self::MOST_CYCLES);
+        let cycles = cycles.wrapping_sub(Self::LEAST_CYCLES) << EDGE_BITS;
+        Self(edges | cycles | (forward as u32) << DIR_BIT)
+    }
+
+    /// The word, as the hardware is told it.
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// How many edges; 0 is a pause.
+    pub const fn edges(self) -> u32 {
+        self.0 & Self::MOST_EDGES
+    }
+
+    /// Cycles before each edge, or of the pause.
+    pub const fn period(self) -> u32 {
+        ((self.0 >> EDGE_BITS) & ((1 << CYCLE_BITS) - 1)) + Self::LEAST_CYCLES
+    }
+
+    /// Level of DIR: of a run, what the line has; of a pause, what it gets.
+    pub const fn forward(self) -> bool {
+        self.0 >> DIR_BIT == 1
+    }
+
+    /// Whether this is a pause.
+    pub const fn is_pause(self) -> bool {
+        self.edges() == 0
+    }
+
+    /// How long it lasts in all, in cycles.
+    pub const fn cycles(self) -> u32 {
+        match self.edges() {
+            0 => self.period(),
+            edges => self.period() * edges,
+        }
+    }
+}
+
+impl fmt::Debug for Run {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Run")
+            .field("edges", &self.edges())
+            .field("period", &self.period())
+            .field("forward", &self.forward())
+            .finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The layout, bit for bit: the hardware's program is written against it.
+    #[test]
+    fn the_word_is_as_the_hardware_reads_it() {
+        assert_eq!(Run::new(1, 8, false).bits(), 1);
+        assert_eq!(Run::new(1, 9, false).bits(), 0x2001);
+        assert_eq!(Run::pause(8, true).bits(), 0x8000_0000);
+        assert_eq!(Run::new(8191, 262_151, true).bits(), u32::MAX);
+    }
+
+    proptest! {
+        /// Were two fields to overlap, or one too narrow, what is put in would not come out.
+        #[test]
+        fn what_is_put_in_comes_out(
+            edges in 1..=Run::MOST_EDGES,
+            cycles in Run::LEAST_CYCLES..=Run::MOST_CYCLES,
+            forward: bool,
+        ) {
+            let run = Run::new(edges, cycles, forward);
+            prop_assert_eq!((run.edges(), run.period(), run.forward()), (edges, cycles, forward));
+            prop_assert!(!run.is_pause());
+            let pause = Run::pause(cycles, forward);
+            prop_assert_eq!((pause.edges(), pause.cycles(), pause.forward()), (0, cycles, forward));
+            prop_assert!(pause.is_pause());
+        }
+    }
+}

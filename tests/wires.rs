@@ -1,0 +1,72 @@
+//! STEP and DIR as drives see them: the times that the scene asks for hold on the wires of `steps.vcd`.
+
+use cophase_tests::{record, scene};
+use host_sim::trace::{Every, Window};
+
+/// Axis 0 is trimmed against its sense faster than the shaft starts, so that it turns round. Hold, set-up and width
+/// are as slow drives ask for them, all different.
+const TURNING: &str = r#"
+name = "turning round"
+[machine]
+crank_radius_mm = 20
+lambda = 0.3
+load_kg = 5
+[limits]
+speed_hz = 8
+acceleration_hz_per_s = 60
+jerk_hz_per_s2 = 2000
+creep_hz = 5
+[pulse]
+width_ns = 4000
+dir_setup_ns = 9000
+dir_hold_ns = 7000
+[axes]
+count = 2
+drive = "stepper"
+steps_per_turn = 1000
+trim_rate_deg_per_s = 200
+trim_limit_deg = 30
+[drift]
+tilt_limit_mrad = 20
+[[axis]]
+number = 0
+trim_deg = -30
+index = false
+[[axis]]
+number = 1
+reversed = true
+[[program]]
+amax_g = 5
+ramp_s = 0.5
+hold_s = 0.3
+"#;
+
+/// Were it wrong, a drive would count a step the wrong way, and its crank be two steps off for ever.
+#[test]
+fn direction_lines_keep_their_times() {
+    let run = record(&scene(TURNING), Every::Ticks(1), Window::All);
+    let edges = run.edges();
+    let (step, dir) = (edges.wire("step_0"), edges.wire("dir_0"));
+    assert!(dir.changes.len() >= 2, "it turns round and back");
+    for &(turned, _) in &dir.changes {
+        let before = step.rises().take_while(|&at| at <= turned).last();
+        let after = step.rises().find(|&at| at > turned).expect("a step");
+        let low = step.changes.iter().find(|&&(at, _)| at > turned);
+        assert!(
+            before.is_none_or(|before| turned - before >= 7000),
+            "hold before {turned} ns"
+        );
+        assert!(after - turned >= 9000, "set-up after {turned} ns");
+        assert_eq!(
+            low,
+            Some(&(after, true)),
+            "STEP is low where DIR turns, at {turned} ns"
+        );
+    }
+    let apart = step.changes.windows(2).map(|two| two[1].0 - two[0].0);
+    let shortest = apart.min();
+    assert!(
+        shortest.is_some_and(|ns| ns >= 4000),
+        "width: {shortest:?} ns"
+    );
+}
