@@ -34,6 +34,11 @@ impl Levels {
         pins::ALARM.get(axis).is_some_and(|&pin| self.is_high(pin))
     }
 
+    /// Level of an axis's index sensor.
+    pub fn index(self, axis: usize) -> bool {
+        axis < pins::AXES && self.is_high(pins::INDEX + axis as u8)
+    }
+
     /// Whether the button is held down.
     pub const fn start(self) -> bool {
         !self.is_high(pins::START)
@@ -47,7 +52,7 @@ pub fn set_up() {
     }
     let inputs = [pins::ENABLE, pins::STOP, pins::START];
     for pin in inputs.into_iter().chain(pins::ALARM) {
-        input(pin);
+        input(pin, Pull::Up);
     }
 }
 
@@ -60,18 +65,40 @@ fn output(pin: u8) {
         .write(|w| w.set_funcsel(SIO));
 }
 
-fn input(pin: u8) {
+/// What a pin reads that nothing drives.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Pull {
+    /// High.
+    Up,
+    /// Low.
+    Down,
+}
+
+/// Makes a pin an input.
+pub fn input(pin: u8, pull: Pull) {
     pac::PADS_BANK0.gpio(pin.into()).modify(|w| {
         w.set_ie(true);
         w.set_od(true);
-        w.set_pue(true);
-        w.set_pde(false);
+        w.set_pue(pull == Pull::Up);
+        w.set_pde(pull == Pull::Down);
         w.set_schmitt(true);
     });
-    pac::IO_BANK0
-        .gpio(pin.into())
-        .ctrl()
-        .write(|w| w.set_funcsel(SIO));
+    let ctrl = pac::IO_BANK0.gpio(pin.into()).ctrl();
+    ctrl.write(|w| w.set_funcsel(SIO));
+}
+
+/// Makes a pin one that machines of a PIO block drive.
+pub fn give_to_block(pin: u8, block: usize) {
+    /// Function of a pin that is the first block's; the second's is the next.
+    const PIO0: u8 = 6;
+    pac::PADS_BANK0.gpio(pin.into()).modify(|w| {
+        w.set_ie(true);
+        w.set_od(false);
+        w.set_pue(false);
+        w.set_pde(false);
+    });
+    let ctrl = pac::IO_BANK0.gpio(pin.into()).ctrl();
+    ctrl.write(|w| w.set_funcsel(PIO0 + block as u8));
 }
 
 fn set(pin: u8, high: bool) {

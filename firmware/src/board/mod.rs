@@ -16,5 +16,13 @@ pub mod pins;
 pub mod steps;
 pub mod watchdog;
 
+/// The machine of the first block that times index pulses; those before it make steps.
+const INDEX_MACHINE: usize = 3;
+
 /// Cycles to a microsecond.
 pub const CYCLES_PER_US: u32 = cophase_core::settings::CLOCK_HZ / 1_000_000;
+
+/// The timer's microseconds, the lower half.
+fn now_us() -> u32 {
+    embassy_rp::pac::TIMER.timerawl().read()
+}

@@ -7,7 +7,7 @@
 use pio::{Program, RP2040_MAX_PROGRAM_SIZE};
 
 /// Cycles from one look to the next.
-pub const CYCLES: u32 = 7;
+pub const LOOK_CYCLES: u32 = 7;
 
 /// Cycles from the beginning of a look to the sampling of the lines.
 pub const SAMPLED_AFTER: u32 = 4;

@@ -64,11 +64,17 @@ const fn machines(block: usize, axes: usize) -> u8 {
     (1 << used) - 1
 }
 
+/// Instructions of a block that the program takes, from the first on.
+pub const PROGRAM_LENGTH: usize = 15;
+
 /// What became of an offer of words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Offer {
-    /// They will be played when they are due.
+    /// They will be played when they are due, right behind those before them.
     Taken,
+    /// They will be played when they are due. The machines stood, and have been let go this many cycles
+    /// before that.
+    Begun(u32),
     /// It was too late: the machines stand, or are about to.
     TooLate,
     /// An axis ran dry inside a tick: it is behind the others. Nothing was taken.
@@ -94,6 +100,7 @@ impl Steps {
     pub fn new(buffers: &'static mut Buffers, reversed: &[bool], tick: Duration) -> Self {
         let axes = reversed.len().min(AXES);
         let program = program::step_program();
+        assert!(program.code.len() == PROGRAM_LENGTH);
         for (block, pio) in BLOCKS.iter().enumerate() {
             if machines(block, axes) != 0 {
                 for (slot, &instruction) in program.code.iter().enumerate() {
@@ -120,6 +127,11 @@ impl Steps {
         }
     }
 
+    /// The length of a tick.
+    pub const fn tick(&self) -> Duration {
+        self.tick
+    }
+
     /// Hands over a tick's runs, to be played from `start` on: those of all axes, or of none.
     pub fn offer<const N: usize>(&mut self, runs: &[Runs; N], start: Instant) -> Offer {
         let axes = self.free.iter_mut().zip(runs).zip(&self.reversed);
@@ -127,7 +139,7 @@ impl Steps {
             words.copy(runs, reversed);
         }
         let offer = critical_section::with(|cs| self.hand_over(cs, start));
-        if offer == Offer::Taken {
+        if matches!(offer, Offer::Taken | Offer::Begun(_)) {
             self.until = Some(start + self.tick);
             core::mem::swap(&mut self.free, &mut self.given);
         }
@@ -147,16 +159,16 @@ impl Steps {
             for (axis, words) in self.free.iter().enumerate().take(self.axes) {
                 feed::feed(cs, axis, words.tick());
             }
+            Offer::Taken
         } else if self.all_stand() {
-            self.begin(cs, start);
+            Offer::Begun(self.begin(cs, start))
         } else {
-            return Offer::TooLate;
+            Offer::TooLate
         }
-        Offer::Taken
     }
 
-    /// Lets all machines go, so that `start` finds them at the end of a pause.
-    fn begin(&mut self, cs: CriticalSection<'_>, start: Instant) {
+    /// Lets all machines go, so that `start` finds them at the end of a pause: of so many cycles.
+    fn begin(&mut self, cs: CriticalSection<'_>, start: Instant) -> u32 {
         let enabled = |pio: Pio| pio.ctrl().read().sm_enable();
         let [first, second] = [0, 1].map(|block| machines(block, self.axes));
         pac::PIO0.ctrl().write(|w| w.set_sm_enable(enabled(pac::PIO0) & !first));
@@ -175,6 +187,7 @@ impl Steps {
             pio.fdebug().write(|w| w.set_txstall(machines));
         }
         release::release(go_us, first | 1 << INDEX_MACHINE, second);
+        pause
     }
 
     /// An axis whose machine has waited for words since it was let go.
@@ -250,10 +263,9 @@ impl Words {
 
     /// Takes a tick's runs over, DIR turned round for an axis that is.
     fn copy(&mut self, runs: &Runs, reversed: u32) {
-        if let [_, words @ ..] = &mut self.words {
-            for (word, run) in words.iter_mut().zip(runs) {
-                *word = run.bits() ^ reversed;
-            }
+        let [_, words @ ..] = &mut self.words;
+        for (word, run) in words.iter_mut().zip(runs) {
+            *word = run.bits() ^ reversed;
         }
         self.used = 1 + runs.len();
     }
@@ -265,9 +277,8 @@ impl Words {
 
     /// A pause of `cycles`, with DIR as the tick begins with it, and the tick's words.
     fn after_pause(&mut self, cycles: u32) -> &[u32] {
-        if let [pause, first, ..] = &mut self.words {
-            *pause = Run::pause(cycles, *first & DIR != 0).bits();
-        }
+        let [pause, first, ..] = &mut self.words;
+        *pause = Run::pause(cycles, *first & DIR != 0).bits();
         self.words.get(..self.used).unwrap_or_default()
     }
 }

@@ -20,7 +20,7 @@ pub fn step_program() -> Program<{ RP2040_MAX_PROGRAM_SIZE }> {
     pio::pio_asm!(
         ".side_set 1 opt",
         ".wrap_target",
-        "next:",
+        "word:",
         "    pull block",
         "    out x, 13",
         "    out y, 18",
@@ -29,10 +29,10 @@ pub fn step_program() -> Program<{ RP2040_MAX_PROGRAM_SIZE }> {
         "    jmp !x backward",
         "forward:",
         "    jmp y-- forward side 1",
-        "    jmp next",
+        "    jmp word",
         "backward:",
         "    jmp y-- backward side 0",
-        "    jmp next",
+        "    jmp word",
         "again:",
         "    mov y, isr [3]", // as long as taking up a word
         "edges:",

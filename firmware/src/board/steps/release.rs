@@ -43,21 +43,15 @@ unsafe extern "C" fn release_from_ram(
 ) {
     // SAFETY: the caller's addresses are those of registers.
     unsafe {
+        while (timer.read_volatile().wrapping_sub(at_us) as i32) < 0 {}
         asm!(
-            "2:",
-            "ldr {now}, [{timer}]",
-            "subs {now}, {now}, {at}",
-            "bmi 2b",
             "str {first}, [{first_ctrl}]",
             "str {second}, [{second_ctrl}]",
-            timer = in(reg) timer,
-            at = in(reg) at_us,
             first = in(reg) first,
             first_ctrl = in(reg) first_ctrl,
             second = in(reg) second,
             second_ctrl = in(reg) second_ctrl,
-            now = out(reg) _,
-            options(nostack),
+            options(nostack, preserves_flags),
         );
     }
 }

@@ -1,0 +1,122 @@
+//! The control loop's task, and the loop's world as this board has it.
+//!
+//! The loop is `cophase_core::control_loop::run`, the very function that the host runs. It has the
+//! core's second highest priority, below the guard: nothing but the two of them and short interrupts comes
+//! between a deadline and what it leads to.
+
+use cophase_core::control_loop::{self, Io, Written};
+use cophase_core::controller::Controller;
+use cophase_core::drift::{IndexFilter, IndexPulse};
+use cophase_core::panel::{self, Button};
+use cophase_core::signals::{Feedback, Output};
+use cophase_core::supervisor::State;
+use embassy_time::{Duration, Instant};
+
+use crate::board::index::Index;
+use crate::board::lines;
+use crate::board::steps::{Offer, Steps};
+use crate::board::watchdog::Fed;
+use crate::report::Reporter;
+
+/// The world of a loop of `N` axes.
+pub struct Board<const N: usize> {
+    /// Where step edges are made.
+    pub steps: Steps,
+    /// Where index pulses are timed.
+    pub index: Index,
+    /// What makes pulses of the index lines' changes.
+    pub filters: [IndexFilter; N],
+    /// What restarts a loop that hangs.
+    pub watchdog: Fed,
+    /// Start and reset.
+    pub button: Button,
+    /// Control ticks a second.
+    pub tick_hz: u32,
+    /// Control ticks since power-up.
+    pub ticks: u32,
+    /// What the machine was last said to be doing.
+    pub state: State,
+    /// What is told.
+    pub reporter: Reporter,
+    /// The trigger's level while the output that was handed over last is played.
+    pub sync: bool,
+    /// An axis that ran dry, until the loop has been told.
+    pub ran_dry: Option<usize>,
+    /// The deadline that ends the tick whose index pulses are read next; none before the machines were let go.
+    pub read_to: Option<Instant>,
+}
+
+impl<const N: usize> Board<N> {
+    /// The index pulses of the ticks that are over: of one, unless deadlines were missed.
+    fn read_index(&mut self) -> [Option<IndexPulse>; N] {
+        let mut pulses = [None; N];
+        let Some(mut deadline) = self.read_to else {
+            return pulses;
+        };
+        let now = Instant::now();
+        while deadline <= now {
+            let filters = &mut self.filters;
+            self.index.read(|change| {
+                for (axis, filter) in filters.iter_mut().enumerate() {
+                    filter.change(change.cycle, change.levels & 1 << axis != 0);
+                }
+            });
+            for (filter, pulse) in filters.iter_mut().zip(&mut pulses) {
+                *pulse = filter.end_tick(self.index.tick_cycles()).or(*pulse);
+            }
+            self.index.end_tick();
+            deadline += self.tick();
+        }
+        self.read_to = Some(deadline);
+        pulses
+    }
+
+    fn tick(&self) -> Duration {
+        self.steps.tick()
+    }
+}
+
+impl<const N: usize> Io<N> for Board<N> {
+    fn read(&mut self) -> Feedback<N> {
+        // What was handed over last is played from now on.
+        lines::sync(self.sync);
+        let index = self.read_index();
+        let levels = lines::read();
+        let pressed = self.button.read(levels.start());
+        Feedback {
+            index,
+            alarm: core::array::from_fn(|axis| levels.alarm(axis)),
+            ran_dry: self.ran_dry.take(),
+            inputs: lines::safety_inputs(levels),
+            command: pressed.then(|| panel::command(self.state)),
+        }
+    }
+
+    fn write(&mut self, output: &Output<N>, start: Instant) -> Written {
+        lines::drives(output.drives_enabled);
+        match self.steps.offer(&output.runs, start) {
+            Offer::TooLate => return Written::TooLate,
+            Offer::RanDry(axis) => {
+                self.ran_dry = Some(axis);
+                return Written::TooLate;
+            }
+            Offer::Begun(cycles) if self.read_to.is_none() => {
+                self.index.begin(cycles);
+                self.read_to = Some(start);
+            }
+            Offer::Begun(_) | Offer::Taken => {}
+        }
+        self.sync = output.sync;
+        self.state = output.telemetry.state;
+        self.watchdog.feed(self.state, self.ticks);
+        lines::lamp(self.state, self.ticks, self.tick_hz);
+        self.reporter.observe(self.ticks, &output.telemetry);
+        self.ticks = self.ticks.wrapping_add(1);
+        Written::InTime
+    }
+}
+
+/// Runs the loop, for ever.
+pub async fn run<const N: usize>(mut controller: Controller<N>, mut board: Board<N>) {
+    control_loop::run(&mut controller, &mut board).await;
+}

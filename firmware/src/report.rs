@@ -1,0 +1,116 @@
+//! What happened, told over the debug probe: `probe-rs run`, and any other reader of defmt's log.
+//!
+//! The loop only notes what changed, in a queue; the words are made in what time it leaves. If nothing reads
+//! for long the queue is full, and it is told how much was lost.
+
+use cophase_core::signals::Telemetry;
+use cophase_core::supervisor::{Fault, State};
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use embassy_sync::channel::Channel;
+
+/// Notes that wait to be told.
+const WAITING: usize = 32;
+
+static NOTES: Channel<CriticalSectionRawMutex, Note, WAITING> = Channel::new();
+
+/// Something worth telling, and when.
+struct Note {
+    /// Control ticks since power-up.
+    tick: u32,
+    what: What,
+}
+
+enum What {
+    State(State),
+    Fault(Fault),
+    Missed(u32),
+    Late(u32),
+    Lost(u32),
+}
+
+/// Compares each tick with the one before, and notes what changed.
+pub struct Reporter {
+    state: State,
+    faulty: bool,
+    missed: u32,
+    late: u32,
+    lost: u32,
+}
+
+impl Reporter {
+    /// Of a loop that is idle and has missed nothing.
+    pub const fn new() -> Self {
+        Self {
+            state: State::Idle,
+            faulty: false,
+            missed: 0,
+            late: 0,
+            lost: 0,
+        }
+    }
+
+    /// Takes in what a tick came to.
+    pub fn observe<const N: usize>(&mut self, tick: u32, telemetry: &Telemetry<N>) {
+        if telemetry.fault.is_some() != self.faulty {
+            self.faulty = telemetry.fault.is_some();
+            if let Some(fault) = telemetry.fault {
+                self.note(tick, What::Fault(fault));
+            }
+        }
+        if telemetry.state != self.state {
+            self.state = telemetry.state;
+            self.note(tick, What::State(self.state));
+        }
+        let limits = &telemetry.limits;
+        if limits.missed_deadlines != self.missed {
+            self.missed = limits.missed_deadlines;
+            self.note(tick, What::Missed(self.missed));
+        }
+        if limits.late_deadlines != self.late {
+            self.late = limits.late_deadlines;
+            self.note(tick, What::Late(self.late));
+        }
+    }
+
+    fn note(&mut self, tick: u32, what: What) {
+        if self.lost > 0 {
+            let what = What::Lost(self.lost);
+            if NOTES.try_send(Note { tick, what }).is_ok() {
+                self.lost = 0;
+            }
+        }
+        if NOTES.try_send(Note { tick, what }).is_err() {
+            self.lost = self.lost.saturating_add(1);
+        }
+    }
+}
+
+/// Tells what is noted, for ever.
+#[embassy_executor::task]
+pub async fn tell() -> ! {
+    loop {
+        let Note { tick, what } = NOTES.receive().await;
+        match what {
+            What::State(state) => defmt::info!("tick {=u32}: {}", tick, state),
+            What::Fault(fault) => tell_fault(tick, &fault),
+            What::Missed(all) => defmt::warn!("tick {=u32}: {=u32} deadlines missed in all", tick, all),
+            What::Late(all) => defmt::warn!("tick {=u32}: {=u32} deadlines met late in all", tick, all),
+            What::Lost(notes) => defmt::warn!("tick {=u32}: {=u32} notes lost", tick, notes),
+        }
+    }
+}
+
+fn tell_fault(tick: u32, fault: &Fault) {
+    let size_deg = fault.size.to_num::<f32>() * 360.0;
+    let phase_deg = fault.phase.within_turn().to_num::<f32>() * 360.0;
+    match fault.axis {
+        Some(axis) => defmt::error!(
+            "tick {=u32}: fault: {} on axis {=usize}, {=f32} deg, at crank phase {=f32} deg",
+            tick, fault.kind, axis, size_deg, phase_deg
+        ),
+        None => defmt::error!(
+            "tick {=u32}: fault: {}, {=f32} deg, at crank phase {=f32} deg",
+            tick, fault.kind, size_deg, phase_deg
+        ),
+    }
+}
