@@ -6,6 +6,7 @@
 use std::io::Write;
 
 use super::{Levels, Signal, StepsVcd, VcdError};
+use crate::machine::INDEX_CYCLES;
 use crate::sim::Moment;
 
 /// Which part of the run `steps.vcd` shows.
@@ -47,8 +48,8 @@ enum Begun<V: Write> {
     Over,
 }
 
-/// How long an index pulse is drawn: 20 µs, as wide as a sensor's flag is likely to be.
-const INDEX_NS: u64 = 20_000;
+/// How long an index line stays high.
+const INDEX_NS: u64 = INDEX_CYCLES as u64 * CYCLE_NS;
 
 impl<V: Write> StepWindow<V> {
     pub fn new(vcd: V, window: Window) -> Self {
@@ -128,7 +129,7 @@ impl<V: Write> StepWindow<V> {
                 self.levels.dir[i] = run.forward != reversed;
             }
             let end = moment.index[i]
-                .map(|pulse| moment.start_ns + u64::from(pulse.cycle) * CYCLE_NS + INDEX_NS);
+                .map(|cycle| moment.start_ns + u64::from(cycle) * CYCLE_NS + INDEX_NS);
             self.levels.index[i] = end.is_some_and(|end| end >= moment.end_ns);
             self.edges
                 .extend(end.map(|end| (end, Signal::Index(i), false)));
@@ -168,8 +169,8 @@ impl<V: Write> StepWindow<V> {
                     cycle += u64::from(run.period);
                 }
             }
-            if let Some(pulse) = moment.index[i] {
-                let at = start_ns + u64::from(pulse.cycle) * CYCLE_NS;
+            if let Some(cycle) = moment.index[i] {
+                let at = start_ns + u64::from(cycle) * CYCLE_NS;
                 self.edges.push((at, Signal::Index(i), true));
                 self.edges.push((at + INDEX_NS, Signal::Index(i), false));
             }
