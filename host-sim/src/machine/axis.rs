@@ -8,7 +8,6 @@
 //!
 //! A servo is where its setpoint is, moving evenly between setpoints.
 
-use cophase_core::drift::IndexPulse;
 use cophase_core::pulse::Runs;
 use cophase_core::servo::Setpoint;
 use cophase_core::settings::AxisSettings;
@@ -142,16 +141,16 @@ impl SimulatedAxis {
         };
     }
 
-    /// Plays one tick.
+    /// Plays one tick; the cycle at which the index flag came, if it did.
     pub fn play(
         &mut self,
         runs: &Runs,
         setpoint: &Setpoint,
         steps: i64,
         drives_enabled: bool,
-    ) -> Option<IndexPulse> {
+    ) -> Option<u32> {
         let before = self.turns();
-        let pulse = match self.drive {
+        match self.drive {
             AxisDrive::Stepper { cycle_steps, .. } => {
                 let counted = self.count(runs);
                 if drives_enabled {
@@ -186,8 +185,7 @@ impl SimulatedAxis {
                 let cycles: u32 = runs.iter().map(|run| run.cycles()).sum();
                 Some((part * f64::from(cycles)) as u32)
             }
-        };
-        pulse.map(|cycle| IndexPulse { cycle })
+        }
     }
 
     /// Rising edges of a tick, with the sign of the direction line, which only pauses turn.

@@ -9,20 +9,24 @@
 //! slip), the platform's elasticity, and how the others' torque changes once one axis has slipped.
 
 mod axis;
+mod index;
 mod platform;
 mod pull_out;
 
 pub use axis::{AxisDrive, SimulatedAxis};
+pub use index::IndexSensor;
 pub use platform::{Platform, Pose};
 pub use pull_out::PullOut;
 
-use cophase_core::drift::IndexPulse;
 use cophase_core::pulse::Runs;
 use cophase_core::servo::Setpoint;
 use cophase_core::signals::Output;
 
 use crate::scene::file::{Drive, Fidelity};
 use crate::scene::{Checked, SceneError};
+
+/// How long an index line stays high, cycles: 20 µs, as wide as a sensor's flag is likely to be.
+pub const INDEX_CYCLES: u32 = 2500;
 
 /// What a machine is given to play in one tick.
 #[derive(Clone, Debug)]
@@ -106,7 +110,8 @@ impl<const N: usize> Machine<N> {
         })
     }
 
-    /// Plays one tick and returns the index pulses that came in it. `turns` is what the master makes.
+    /// Plays one tick and returns the cycles in it at which index flags came. `turns` is what the master
+    /// makes.
     ///
     /// Drives that are off do not follow: their cranks stand.
     pub fn play(
@@ -114,7 +119,7 @@ impl<const N: usize> Machine<N> {
         played: &Played<N>,
         drives_enabled: bool,
         master_turns: f64,
-    ) -> [Option<IndexPulse>; N] {
+    ) -> [Option<u32>; N] {
         let omega = master_turns * std::f64::consts::TAU / self.tick_s;
         if self.torques {
             let acceleration = (omega - self.omega_before) / self.tick_s;

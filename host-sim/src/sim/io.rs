@@ -7,6 +7,7 @@ use std::collections::VecDeque;
 
 use cophase_core::control_loop::{Io, Written};
 use cophase_core::drift::IndexPulse;
+use cophase_core::settings::CLOCK_HZ;
 use cophase_core::signals::{Feedback, Output, Telemetry};
 use cophase_core::supervisor::{Command, Fault, State};
 use cophase_core::units::{Phase, Turns};
@@ -15,7 +16,7 @@ use embassy_time::Instant;
 use super::Outcome;
 use super::schedule::Schedule;
 use super::statistics::Statistics;
-use crate::machine::{Machine, Played};
+use crate::machine::{INDEX_CYCLES, IndexSensor, Machine, Played};
 use crate::units::turns;
 use crate::virtual_time::TICKS_PER_S;
 
@@ -45,8 +46,8 @@ pub struct Moment<'a, const N: usize> {
     pub drives_enabled: bool,
     /// Level of the sync line.
     pub sync: bool,
-    /// Index pulses in this tick.
-    pub index: &'a [Option<IndexPulse>; N],
+    /// When index lines rose: cycles from this tick's beginning.
+    pub index: &'a [Option<u32>; N],
     /// Commanded phase of the master at the tick's end, turns since power-up.
     pub master_turns: f64,
     /// Commanded phases, turns since power-up.
@@ -71,6 +72,9 @@ pub struct SimulatedIo<'a, const N: usize, O, P> {
     tick_us: u64,
     tick_hz: u32,
     machine: Machine<N>,
+    sensors: [IndexSensor; N],
+    /// Up to when the sensors have been heard: the end of a tick.
+    sensed_us: u64,
     schedule: Schedule,
     statistics: Statistics,
     observer: &'a mut O,
@@ -96,6 +100,9 @@ const fn tail_ticks(tick_hz: u32) -> u64 {
     (tick_hz / 20) as u64
 }
 
+/// What index filters take for a glitch: 2 µs.
+const FILTER_CYCLES: u32 = 250;
+
 /// How many ticks go by between two reports of progress.
 const PROGRESS_TICKS: u64 = 8192;
 
@@ -113,6 +120,8 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             tick_us: 1_000_000 / u64::from(tick_hz),
             tick_hz,
             machine,
+            sensors: std::array::from_fn(|_| IndexSensor::new(FILTER_CYCLES, INDEX_CYCLES)),
+            sensed_us: 0,
             schedule,
             statistics,
             observer,
@@ -143,8 +152,25 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
         }
     }
 
-    /// Plays one output and shows it round.
-    fn play(&mut self, waiting: &Waiting<N>) -> [Option<IndexPulse>; N] {
+    /// Hears the sensors over ticks in which nothing was played, up to the time `until_us`.
+    fn stand(&mut self, until_us: u64, heard: &mut [Option<IndexPulse>; N]) {
+        while self.sensed_us < until_us {
+            self.hear(&[None; N], heard);
+        }
+    }
+
+    /// Hears the sensors over one tick in which lines rose at the cycles `rises`. Of what is read at one
+    /// deadline the latest counts: the loop asks for no more than one tick, unless it was late.
+    fn hear(&mut self, rises: &[Option<u32>; N], heard: &mut [Option<IndexPulse>; N]) {
+        let cycles = CLOCK_HZ / self.tick_hz;
+        for ((sensor, rise), heard) in self.sensors.iter_mut().zip(rises).zip(heard) {
+            *heard = sensor.tick(*rise, cycles).or(*heard);
+        }
+        self.sensed_us += self.tick_us;
+    }
+
+    /// Plays one output and shows it round; when index lines rose.
+    fn play(&mut self, waiting: &Waiting<N>) -> [Option<u32>; N] {
         let Waiting {
             start_us,
             played,
@@ -181,7 +207,7 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
 impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'_, N, O, P> {
     fn read(&mut self) -> Feedback<N> {
         let now = Instant::now().as_micros();
-        let mut index = [None; N];
+        let mut heard = [None; N];
         while self
             .waiting
             .front()
@@ -190,11 +216,12 @@ impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'
             let Some(waiting) = self.waiting.pop_front() else {
                 break;
             };
-            for (all, new) in index.iter_mut().zip(self.play(&waiting)) {
-                *all = new.or(*all);
-            }
+            let rises = self.play(&waiting);
+            self.stand(waiting.start_us, &mut heard);
+            self.hear(&rises, &mut heard);
             self.spare.push(waiting);
         }
+        self.stand(now - now % self.tick_us, &mut heard);
         let now_s = now as f64 / TICKS_PER_S as f64;
         while let Some(input) = self.schedule.input(now) {
             self.statistics.input(now_s, input.line, input.active);
@@ -205,7 +232,7 @@ impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'
             self.statistics.commanded(now_s, command);
         }
         Feedback {
-            index,
+            index: heard,
             alarm: [false; N],
             ran_dry: None,
             inputs: self.schedule.lines(),

@@ -8,6 +8,7 @@ use std::io::Write;
 use cophase_core::pulse::Run;
 
 use super::{Levels, Signal, StepsVcd, VcdError};
+use crate::machine::INDEX_CYCLES;
 use crate::sim::Moment;
 
 /// Which part of the run `steps.vcd` shows.
@@ -49,8 +50,8 @@ enum Begun<V: Write> {
     Over,
 }
 
-/// How long an index pulse is drawn: 20 µs, as wide as a sensor's flag is likely to be.
-const INDEX_NS: u64 = 20_000;
+/// How long an index line stays high.
+const INDEX_NS: u64 = INDEX_CYCLES as u64 * CYCLE_NS;
 
 impl<V: Write> StepWindow<V> {
     pub fn new(vcd: V, window: Window) -> Self {
@@ -132,7 +133,7 @@ impl<V: Write> StepWindow<V> {
                 }
             }
             let end = moment.index[i]
-                .map(|pulse| moment.start_ns + u64::from(pulse.cycle) * CYCLE_NS + INDEX_NS);
+                .map(|cycle| moment.start_ns + u64::from(cycle) * CYCLE_NS + INDEX_NS);
             self.levels.index[i] = end.is_some_and(|end| end >= moment.end_ns);
             self.edges
                 .extend(end.map(|end| (end, Signal::Index(i), false)));
@@ -173,8 +174,8 @@ impl<V: Write> StepWindow<V> {
                         .push((start_ns + cycle * CYCLE_NS, Signal::Step(i), high));
                 }
             }
-            if let Some(pulse) = moment.index[i] {
-                let at = start_ns + u64::from(pulse.cycle) * CYCLE_NS;
+            if let Some(cycle) = moment.index[i] {
+                let at = start_ns + u64::from(cycle) * CYCLE_NS;
                 self.edges.push((at, Signal::Index(i), true));
                 self.edges.push((at + INDEX_NS, Signal::Index(i), false));
             }

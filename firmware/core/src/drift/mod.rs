@@ -9,22 +9,27 @@
 //! The modes are taken whenever every axis has been heard since they were taken last, so that drifts
 //! of one turn are compared with each other and not with those of the turn before.
 //!
+//! Index lines are noisy; [`IndexFilter`] makes pulses of their levels, which are what is heard here.
+//!
 //! What it does not do yet: name what happened (lost steps, slip, a bad sensor), or use encoders.
 
+pub mod index_filter;
 mod limits;
 mod modes;
 
+pub use index_filter::IndexFilter;
 pub use limits::DriftLimits;
 pub use modes::{Modes, Mount};
 
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{Phase, Turns, nearest};
 
-/// An index pulse: when it came, within the tick that was over when it was read.
+/// An index pulse: when it came, seen from the tick that was over when it was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IndexPulse {
-    /// Cycles of the step clock from the beginning of that tick, 0 up to a tick's cycles.
-    pub cycle: u32,
+    /// Cycles of the step clock from the beginning of that tick, up to a tick's cycles; negative if it
+    /// came in the tick before, and was confirmed in that one.
+    pub cycle: i32,
 }
 
 /// Phase of an axis over one tick: where it began, and how far it went, at constant speed.
@@ -53,8 +58,11 @@ pub struct DriftMonitor<const N: usize> {
     limits: DriftLimits,
     mount: Mount<N>,
     index: [Option<Turns>; N],
+    tick_cycles: u32,
     /// 2⁴⁴ / cycles of a tick.
     per_tick_cycle: u64,
+    /// What was commanded in the tick before the one that is over; none if that is not known.
+    before: Option<[TickPhase; N]>,
     drift: [Turns; N],
     /// Axes heard since the modes were taken last.
     heard: [bool; N],
@@ -72,6 +80,8 @@ impl<const N: usize> DriftMonitor<N> {
             limits,
             mount: Mount::new(),
             index,
+            tick_cycles,
+            before: None,
             per_tick_cycle: (1 << 44) / u64::from(tick_cycles),
             drift: [Turns::ZERO; N],
             heard: [false; N],
@@ -90,20 +100,33 @@ impl<const N: usize> DriftMonitor<N> {
         pulses: &[Option<IndexPulse>; N],
         commanded: &[TickPhase; N],
     ) -> Result<(), Fault> {
+        let before = self.before.replace(*commanded);
         let mut missing = None;
         for axis in 0..N {
             let (Some(index), phase) = (self.index[axis], &commanded[axis]) else {
                 continue;
             };
-            self.since_index[axis] = self.since_index[axis].saturating_add(phase.turns);
-            if let Some(pulse) = pulses[axis] {
-                let at = phase.at(pulse.cycle, self.per_tick_cycle);
+            let Some(pulse) = pulses[axis] else {
+                // The turns of this tick come on top only now: a pulse in it may wait to be confirmed.
+                if self.since_index[axis] > self.limits.index_turns {
+                    missing = Some(axis);
+                }
+                self.since_index[axis] = self.since_index[axis].saturating_add(phase.turns);
+                continue;
+            };
+            let back = pulse.cycle.min(0).unsigned_abs();
+            self.since_index[axis] = Turns::ZERO;
+            let (phase, cycle) = if back == 0 {
+                (Some(phase), pulse.cycle.unsigned_abs())
+            } else {
+                let before = before.as_ref().map(|before| &before[axis]);
+                (before, self.tick_cycles.saturating_sub(back))
+            };
+            if let Some(phase) = phase {
+                let at = phase.at(cycle, self.per_tick_cycle);
                 self.drift[axis] = nearest(Phase::from_turns(index).since(at));
                 self.heard[axis] = true;
                 self.known[axis] = true;
-                self.since_index[axis] = Turns::ZERO;
-            } else if self.since_index[axis] > self.limits.index_turns {
-                missing = Some(axis);
             }
         }
         if let Some(axis) = missing {
@@ -120,6 +143,7 @@ impl<const N: usize> DriftMonitor<N> {
 
     /// Takes note of index pulses that came at times to which no phase belongs: their sensors are alive.
     pub fn disregard(&mut self, pulses: &[Option<IndexPulse>; N]) {
+        self.before = None;
         for (since, pulse) in self.since_index.iter_mut().zip(pulses) {
             if pulse.is_some() {
                 *since = Turns::ZERO;

@@ -49,7 +49,7 @@ fn turn<const N: usize>(
             let (from, to) = (start + errors[i], end + errors[i]);
             let passes = to.floor() > from.floor() && dead != Some(i);
             passes.then(|| IndexPulse {
-                cycle: ((to.floor() - from) / speed * f64::from(TICK_CYCLES)) as u32,
+                cycle: ((to.floor() - from) / speed * f64::from(TICK_CYCLES)) as i32,
             })
         });
         if let Err(fault) = monitor.observe(&pulses, &[commanded; N]) {
@@ -150,4 +150,92 @@ fn a_sensor_that_stays_silent_is_missed_within_its_turn() {
     assert_eq!((fault.kind, fault.axis), (FaultKind::IndexMissing, Some(3)));
     assert!(tick <= 107, "found after {tick} ticks of 0.01 turn");
     assert!(!monitor.is_aligned());
+}
+
+/// A pulse that is confirmed a tick later belongs to the speed of its own tick. Were it reckoned from the
+/// later one's, 2000 rev/s² would make 0.018° of 50 µs. One cycle at 200 rev/s is 0.0006°.
+#[test]
+fn a_pulse_of_the_tick_before_is_measured_as_well() {
+    let tick_s = f64::from(TICK_CYCLES) / f64::from(crate::settings::CLOCK_HZ);
+    let error = [0.01, -0.02, 0.003, 0.0];
+    for (hz_per_s, back_s) in [(2000.0, 50e-6), (-2000.0, 50e-6), (2000.0, 2e-6)] {
+        let mut monitor = monitor::<4>(100.0, 90.0, 180.0);
+        let back = (back_s * f64::from(crate::settings::CLOCK_HZ)) as u32;
+        // Speed is constant within a tick, by definition; the phase at the border is near the index.
+        let before = (200.0 - hz_per_s * tick_s) * tick_s;
+        let now = 200.0 * tick_s;
+        let pulse_at = 1.0 - before * f64::from(back) / f64::from(TICK_CYCLES);
+        for i in 0..4 {
+            let index = pulse_at - 1.0 + error[i];
+            monitor.index[i] = Some(Turns::from_num(index));
+        }
+        let tick = |start: f64, turns: f64| TickPhase {
+            start: Phase::from_turns(Turns::from_num(start)),
+            turns: Turns::from_num(turns),
+        };
+        let pulse = Some(IndexPulse {
+            cycle: -(back as i32),
+        });
+        monitor
+            .observe(&[None; 4], &[tick(1.0 - before, before); 4])
+            .unwrap();
+        monitor.observe(&[pulse; 4], &[tick(1.0, now); 4]).unwrap();
+        for (got, want) in monitor.drift().iter().zip(error) {
+            let off_deg = (got.to_num::<f64>() - want) * 360.0;
+            assert!(off_deg.abs() < 0.0006, "{off_deg}° at {hz_per_s} rev/s²");
+        }
+    }
+}
+
+/// After missed deadlines nobody knows the tick before: a pulse in it shows that its sensor is alive, and
+/// no more.
+#[test]
+fn a_pulse_of_a_tick_that_is_not_known_is_not_measured() {
+    let mut monitor = monitor::<2>(100.0, 90.0, 180.0);
+    let still = [TickPhase::default(); 2];
+    monitor.observe(&[None; 2], &still).unwrap();
+    monitor.disregard(&[None; 2]);
+    let pulse = Some(IndexPulse { cycle: -1 });
+    monitor.observe(&[pulse; 2], &still).unwrap();
+    assert!(!monitor.is_aligned());
+    monitor.observe(&[pulse; 2], &still).unwrap();
+    assert!(monitor.is_aligned());
+}
+
+/// A sensor that bounces at every other passage, at 0.4 turns a tick: three widths or one until a pulse is
+/// confirmed, the width a quarter of a tick. A pulse that waits is not a missing one.
+#[test]
+fn pulses_that_wait_to_be_confirmed_are_not_missed() {
+    let mut monitor = monitor::<2>(100.0, 90.0, 1.0);
+    let tick_cycles = f64::from(TICK_CYCLES);
+    let turns = 0.3987; // so that passages fall anywhere in a tick
+    let mut waiting = None;
+    for tick in 0..1000 {
+        let (start, end) = (f64::from(tick) * turns, f64::from(tick + 1) * turns);
+        let mut told = None;
+        if end.floor() > start.floor() {
+            let widths = if end.floor() % 2.0 == 0.0 { 3.0 } else { 1.0 };
+            let cycle = (end.floor() - start) / turns * tick_cycles;
+            if cycle + widths * 0.25 * tick_cycles <= tick_cycles {
+                told = Some(cycle);
+            } else {
+                waiting = Some(cycle);
+            }
+        } else {
+            told = waiting.take().map(|cycle| cycle - tick_cycles);
+        }
+        let pulse = told.map(|cycle| IndexPulse {
+            cycle: cycle as i32,
+        });
+        let phase = TickPhase {
+            start: Phase::from_turns(Turns::wrapping_from_num(start)),
+            turns: Turns::from_num(turns),
+        };
+        assert_eq!(
+            monitor.observe(&[pulse; 2], &[phase; 2]),
+            Ok(()),
+            "tick {tick}"
+        );
+    }
+    assert!(monitor.is_aligned());
 }

@@ -1,0 +1,117 @@
+//! Debounce and glitch rejection of one index input: from changes of the line's level to index pulses.
+//!
+//! Words: a *stretch* is a time over which the line keeps its level. A stretch of at least *width*
+//! counts; a shorter one is a *glitch*, be it high or low. A *pulse* is what the line does from a rise
+//! that follows a low stretch that counts, until the next such low stretch; it is *confirmed* as soon
+//! as a high stretch in it has lasted for the width. Dropouts after that change nothing.
+//!
+//! The time of a pulse is that of its first edge, so that a sensor that bounces as its flag comes is
+//! heard when it comes, and not when it has calmed down. But noise in front of a pulse looks the same
+//! as bouncing. Hence a rise that comes more than [`BRIDGE_WIDTHS`] widths after the first is a first one
+//! again. That bridges a dropout wherever it lies, and a pulse's time is never further from the stretch
+//! that confirms it than that, whatever noise there is.
+//!
+//! A pulse that began too shortly before the end of a tick is confirmed in the next, and then has a
+//! negative cycle there. From the first edge to the confirmation it is at most three widths, so that
+//! with a width of at most a quarter of a tick ([`MOST_OF_TICK`]) that edge lies in the tick before.
+//!
+//! What it does not do: judge whether a pulse comes at a time at which the crank can have made it.
+
+use super::IndexPulse;
+
+/// How many widths before the confirmed stretch a pulse's first edge may lie.
+pub const BRIDGE_WIDTHS: u32 = 2;
+
+/// The greatest width is this part of a tick: one in four.
+pub const MOST_OF_TICK: u32 = 4;
+
+/// The filter of one line. Each change and each tick cost the same, few operations.
+#[derive(Clone, Copy, Debug)]
+pub struct IndexFilter {
+    /// Cycles that a stretch must last to count.
+    width: i32,
+    /// The line's level, and since when: cycles from the beginning of the present tick.
+    level: bool,
+    since: i32,
+    /// The level of the last stretch that counted.
+    steady: bool,
+    /// First edge of what may become a pulse.
+    first: i32,
+    /// What was confirmed in the present tick.
+    pulse: Option<IndexPulse>,
+    glitches: u32,
+}
+
+impl IndexFilter {
+    /// For stretches of at least `width` cycles, on a line that has been at `level` for long: a crank
+    /// that stands before its sensor at power-up makes no pulse.
+    pub fn new(width: u32, level: bool) -> Self {
+        Self {
+            width: i32::try_from(width).unwrap_or(i32::MAX),
+            level,
+            since: i32::MIN,
+            steady: level,
+            first: i32::MIN,
+            pulse: None,
+            glitches: 0,
+        }
+    }
+
+    /// Takes note that the line has been at `level` from `cycle` of the present tick on, negative for
+    /// the time before it. Changes come in the order of their times; one that is told too late counts
+    /// from the change before it on, and a level that the line has already is no change.
+    pub fn change(&mut self, cycle: i32, level: bool) {
+        if level == self.level {
+            return;
+        }
+        let cycle = cycle.max(self.since);
+        let counted = self.settle(cycle);
+        if !counted {
+            self.glitches = self.glitches.saturating_add(1);
+        }
+        let bridged = i64::from(self.width) * i64::from(BRIDGE_WIDTHS);
+        let from_first = i64::from(cycle) - i64::from(self.first);
+        if level && (counted || from_first > bridged) {
+            self.first = cycle;
+        }
+        self.level = level;
+        self.since = cycle;
+    }
+
+    /// Ends a tick of `cycles`; the pulse that was confirmed in it, if one was. Cycles count from the
+    /// next tick's beginning then.
+    ///
+    /// Were there more, the first is given, and the others count as glitches: no crank turns that fast.
+    pub fn end_tick(&mut self, cycles: u32) -> Option<IndexPulse> {
+        self.settle(i32::try_from(cycles).unwrap_or(i32::MAX));
+        // Saturated times are still further back than any width.
+        self.since = self.since.saturating_sub_unsigned(cycles);
+        self.first = self.first.saturating_sub_unsigned(cycles);
+        self.pulse.take()
+    }
+
+    /// Stretches that were too short to count, and pulses too many, since the start; stays at its
+    /// greatest.
+    pub const fn glitches(&self) -> u32 {
+        self.glitches
+    }
+
+    /// Whether the present stretch, seen at `now`, counts; takes it in if so.
+    fn settle(&mut self, now: i32) -> bool {
+        let counts = i64::from(now) - i64::from(self.since) >= i64::from(self.width);
+        if counts && self.level != self.steady {
+            self.steady = self.level;
+            if self.level {
+                if self.pulse.is_none() {
+                    self.pulse = Some(IndexPulse { cycle: self.first });
+                } else {
+                    self.glitches = self.glitches.saturating_add(1);
+                }
+            }
+        }
+        counts
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,236 @@
+//! The filter against trains of pulses whose edges are known.
+//!
+//! Widths and ticks are small numbers of cycles, so that changes often fall on a tick's border.
+
+use super::*;
+use proptest::prelude::*;
+use std::vec::Vec;
+
+/// A line's stretches from time 0 on, which begins low: how long each lasts, low and high in turn.
+type Stretches = Vec<i64>;
+
+/// Plays a line through a filter, cut into ticks whose lengths repeat, until long after its end. Each
+/// pulse as the time of its edge and that of the tick's end at which it was told.
+///
+/// A change on a border is told before or after the border, as `late_border` says in turn.
+fn play(
+    mut filter: IndexFilter,
+    stretches: &[i64],
+    ticks: &[u32],
+    late_border: &[bool],
+) -> (Vec<(i64, i64)>, IndexFilter) {
+    let mut edges: Vec<(i64, bool)> = Vec::new();
+    let (mut at, mut level) = (0, false);
+    for &stretch in stretches {
+        at += stretch;
+        level = !level;
+        edges.push((at, level));
+    }
+    let mut edges = edges.into_iter().enumerate().peekable();
+    let mut pulses = Vec::new();
+    let mut start = 0_i64;
+    for &tick in ticks.iter().cycle() {
+        let end = start + i64::from(tick);
+        while let Some((_, (at, level))) = edges
+            .next_if(|&(i, (at, _))| at < end || at == end && !late_border[i % late_border.len()])
+        {
+            filter.change((at - start) as i32, level);
+        }
+        if let Some(pulse) = filter.end_tick(tick) {
+            pulses.push((start + i64::from(pulse.cycle), end));
+        }
+        start = end;
+        if edges.peek().is_none() && start > at + 10_000 {
+            break;
+        }
+    }
+    (pulses, filter)
+}
+
+/// A pulse with glitches before it: edges of it that matter come out, the rest goes into the train.
+#[derive(Clone, Debug)]
+struct Pulse {
+    /// High glitches in the gap before, each with the low stretch before it beyond the width.
+    glitches: Vec<(i64, i64)>,
+    gap: i64,
+    /// A dropout before the pulse is confirmed: high so long, then low so long.
+    bounce: Option<(i64, i64)>,
+    /// How long it is high beyond the width.
+    high: i64,
+    /// Dropouts after that: low so long, then high so long.
+    dropouts: Vec<(i64, i64)>,
+}
+
+/// Glitches and dropouts are below the width `w`, gaps of `gap` and more beyond it.
+fn a_pulse(w: i64, gap: i64) -> impl Strategy<Value = Pulse> {
+    let many = |first, second| proptest::collection::vec((first, second), 0..4);
+    (
+        many(0..3 * w, 1..w),
+        gap..gap + 4 * w,
+        proptest::option::of((1..w, 1..w)),
+        0..5 * w,
+        many(1..w, 1..3 * w),
+    )
+        .prop_map(|(glitches, gap, bounce, high, dropouts)| Pulse {
+            glitches,
+            gap,
+            bounce,
+            high,
+            dropouts,
+        })
+}
+
+/// The train's stretches, and for each pulse the times of its first edge and of its confirmation.
+fn train(w: i64, pulses: &[Pulse]) -> (Stretches, Vec<(i64, i64)>) {
+    let (mut stretches, mut truth) = (Vec::new(), Vec::new());
+    for pulse in pulses {
+        for &(before, glitch) in &pulse.glitches {
+            stretches.extend([w + before, glitch]);
+        }
+        stretches.push(w + pulse.gap);
+        let first = stretches.iter().sum();
+        if let Some((high, low)) = pulse.bounce {
+            stretches.extend([high, low]);
+        }
+        let confirmed: i64 = stretches.iter().sum::<i64>() + w;
+        truth.push((first, confirmed));
+        stretches.push(w + pulse.high);
+        for &(low, high) in &pulse.dropouts {
+            stretches.extend([low, high]);
+        }
+    }
+    (stretches, truth)
+}
+
+proptest! {
+    /// If this fails, a passage of the crank is missed, heard twice or heard at a wrong time, or a glitch
+    /// is taken for one.
+    #[test]
+    fn every_pulse_is_told_once_with_its_first_edge(
+        (w, ticks, pulses) in (2..40_i64, 1..8_i64).prop_flat_map(|(w, scale)| (
+            Just(w),
+            // No tick is so long that two pulses are confirmed in it: those are 2 w and the gap apart.
+            proptest::collection::vec(1..2 * (w * scale) as u32, 1..9),
+            proptest::collection::vec(a_pulse(w, 2 * w * scale), 0..9),
+        )),
+        late_border: [bool; 7],
+    ) {
+        let (stretches, truth) = train(w, &pulses);
+        let (told, filter) = play(IndexFilter::new(w as u32, false), &stretches, &ticks, &late_border);
+        let firsts: Vec<i64> = truth.iter().map(|&(first, _)| first).collect();
+        let got: Vec<i64> = told.iter().map(|&(at, _)| at).collect();
+        prop_assert_eq!(got, firsts);
+        let most_tick = i64::from(*ticks.iter().max().unwrap());
+        for (&(first, confirmed), &(_, end)) in truth.iter().zip(&told) {
+            // Neither before it could be known, nor later than the end of the tick in which it could.
+            prop_assert!(confirmed <= end && end < confirmed + most_tick, "{first}, {confirmed}: told at {end}");
+        }
+        let short = stretches.iter().filter(|&&stretch| stretch < w).count();
+        prop_assert_eq!(filter.glitches() as usize, short);
+    }
+
+    /// If this fails, noise alone makes pulses, or a line that is stuck does.
+    #[test]
+    fn what_never_lasts_for_the_width_is_no_pulse(
+        w in 2..40_i64,
+        noise in proptest::collection::vec((1..200_i64, 0.0..1.0_f64), 0..60),
+        ticks in proptest::collection::vec(1..300_u32, 1..9),
+        stuck: bool,
+    ) {
+        // Stuck low with high glitches; or stuck high with dropouts, told from the first change on.
+        let glitch = |part: f64| 1 + (part * (w - 1) as f64) as i64;
+        let stretches: Stretches = noise
+            .iter()
+            .flat_map(|&(steady, part)| [steady, glitch(part).min(w - 1)])
+            .collect();
+        let mut filter = IndexFilter::new(w as u32, stuck);
+        let mut at = 0_i32;
+        let mut level = stuck;
+        let mut ticks = ticks.iter().cycle();
+        for stretch in stretches {
+            at += stretch as i32;
+            level = !level;
+            filter.change(at, level);
+            let tick = *ticks.next().unwrap();
+            if at >= tick as i32 {
+                prop_assert_eq!(filter.end_tick(tick), None);
+                at -= tick as i32;
+            }
+        }
+        for _ in 0..3 {
+            prop_assert_eq!(filter.end_tick(1_000_000), None);
+        }
+    }
+
+    /// Whatever the line does: a pulse for each high stretch that counts after a low one that did, told
+    /// with a rise after that low one, at most two widths before the stretch.
+    #[test]
+    fn noise_moves_a_pulse_by_two_widths_at_most(
+        (w, stretches) in (2..30_i64).prop_flat_map(|w| (
+            Just(w),
+            proptest::collection::vec(1..2 * w, 0..80),
+        )),
+    ) {
+        let mut expected = Vec::new();
+        let (mut at, mut counted_low, mut low_since) = (0, true, 0);
+        for (i, &stretch) in stretches.iter().enumerate() {
+            let high = i % 2 == 1;
+            if stretch >= w && high && counted_low {
+                expected.push((low_since, at));
+            }
+            at += stretch;
+            if stretch >= w {
+                counted_low = !high;
+                low_since = at;
+            }
+        }
+        if stretches.len() % 2 == 1 && counted_low {
+            expected.push((low_since, at)); // it ends high, for good
+        }
+        // Ticks of one cycle: no two pulses fall into one.
+        let (told, _) = play(IndexFilter::new(w as u32, false), &stretches, &[1], &[false]);
+        prop_assert_eq!(told.len(), expected.len());
+        for (&(got, _), &(low_until, stretch)) in told.iter().zip(&expected) {
+            prop_assert!(low_until <= got && got <= stretch, "{got} of {low_until}..{stretch}");
+            prop_assert!(got >= stretch - 2 * w, "{got}, two widths of {w} before {stretch}");
+        }
+    }
+
+    /// Times come from hardware that counts on by itself: none may make the loop panic.
+    #[test]
+    fn no_time_is_too_wild(
+        w: u32,
+        level: bool,
+        calls in proptest::collection::vec((any::<i32>(), any::<bool>(), any::<u32>()), 0..40),
+    ) {
+        let mut filter = IndexFilter::new(w, level);
+        for (cycle, level, tick) in calls {
+            filter.change(cycle, level);
+            filter.end_tick(tick);
+        }
+    }
+}
+
+/// Two pulses in one tick: the first is told, the other is on record.
+#[test]
+fn of_two_pulses_in_a_tick_the_first_is_told() {
+    let mut filter = IndexFilter::new(10, false);
+    for (cycle, level) in [(100, true), (120, false), (140, true), (160, false)] {
+        filter.change(cycle, level);
+    }
+    assert_eq!(filter.end_tick(1000), Some(IndexPulse { cycle: 100 }));
+    assert_eq!(filter.end_tick(1000), None);
+    assert_eq!(filter.glitches(), 1);
+}
+
+/// A crank that stands before its sensor at power-up has not passed it.
+#[test]
+fn a_line_that_is_high_from_the_start_makes_no_pulse_until_it_has_been_low() {
+    let mut filter = IndexFilter::new(10, true);
+    assert_eq!(filter.end_tick(1000), None);
+    filter.change(300, false);
+    assert_eq!(filter.end_tick(1000), None);
+    filter.change(995, true);
+    assert_eq!(filter.end_tick(1000), None);
+    assert_eq!(filter.end_tick(1000), Some(IndexPulse { cycle: -5 }));
+}
