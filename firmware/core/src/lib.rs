@@ -30,6 +30,7 @@ pub mod program;
 pub mod pulse;
 pub mod servo;
 pub mod settings;
+pub mod setup;
 pub mod shaft;
 pub mod signals;
 pub mod supervisor;
