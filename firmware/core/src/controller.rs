@@ -83,7 +83,7 @@ impl<const N: usize> Controller<N> {
             let ratio = f64::from(axis.ratio.0) / f64::from(axis.ratio.1);
             // Trim comes on top of what the gear makes.
             let speed_hz = settings.limits.speed_hz * ratio + axis.trim_rate_hz;
-            let place = |error: SettingsError| error.on_axis(i);
+            let place = |error: SettingsError| error.on_entry(i);
             if speed_hz > 0.5 * hz {
                 let problem = Problem::TooFastForTick {
                     turns_per_tick: speed_hz / hz,

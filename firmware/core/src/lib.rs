@@ -31,6 +31,7 @@ pub mod program;
 pub mod pulse;
 pub mod servo;
 pub mod settings;
+pub mod setup;
 pub mod shaft;
 pub mod signals;
 pub mod supervisor;

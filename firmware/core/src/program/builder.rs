@@ -7,6 +7,7 @@ use crate::units::{Amax, Turns};
 
 /// A segment in the units of the outside world.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SegmentSettings {
     /// Level to reach, m/s², from 0 up to what the shaft's greatest speed gives.
     pub amax_mps2: f64,
@@ -16,6 +17,21 @@ pub struct SegmentSettings {
     pub hold_s: f64,
     /// Shape of the way.
     pub shape: Shape,
+}
+
+/// An entry of a program in the units of the outside world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum EntrySettings {
+    /// Go to a level and stay there.
+    Segment(SegmentSettings),
+    /// Play what stands from entry `first` up to here `times` times in all, 1 to 65,535.
+    Repeat {
+        /// The block's first entry, counted from 0; it stands before this one.
+        first: u8,
+        /// How often.
+        times: u32,
+    },
 }
 
 /// Puts a program together, in the order in which it is to be played.
@@ -60,6 +76,17 @@ impl ProgramBuilder {
         self.program.entries.len()
     }
 
+    /// Appends an entry.
+    ///
+    /// # Errors
+    /// Those of [`Self::segment`] and [`Self::repeat`].
+    pub fn entry(&mut self, entry: &EntrySettings) -> Result<(), SettingsError> {
+        match *entry {
+            EntrySettings::Segment(settings) => self.segment(settings),
+            EntrySettings::Repeat { first, times } => self.repeat(usize::from(first), times),
+        }
+    }
+
     /// Appends a segment.
     ///
     /// # Errors
@@ -67,7 +94,7 @@ impl ProgramBuilder {
     /// than [`CAPACITY`] entries. The program is as before.
     pub fn segment(&mut self, settings: SegmentSettings) -> Result<(), SettingsError> {
         use crate::settings::inside;
-        let amax_mps2 = inside("program.amax_g", settings.amax_mps2, 0.0, 10_000.0)?;
+        let amax_mps2 = inside("program.amax_mps2", settings.amax_mps2, 0.0, 10_000.0)?;
         let ramp_s = inside("program.ramp_s", settings.ramp_s, 0.0, 100_000.0)?;
         let hold_s = inside("program.hold_s", settings.hold_s, 0.0, 1_000_000.0)?;
         let level = Amax::from_num(amax_mps2);
@@ -76,7 +103,7 @@ impl ProgramBuilder {
         let limit = Turns::saturating_from_num(limit_hz / f64::from(self.tick_hz));
         if needed > limit {
             return Err(SettingsError::new(
-                "program.amax_g",
+                "program.amax_mps2",
                 Problem::LevelOutOfReach {
                     asked_mps2: amax_mps2,
                     needed_hz: needed.to_num::<f64>() * f64::from(self.tick_hz),

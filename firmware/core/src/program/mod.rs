@@ -9,7 +9,7 @@ mod builder;
 mod cursor;
 mod segment;
 
-pub use builder::{ProgramBuilder, SegmentSettings};
+pub use builder::{EntrySettings, ProgramBuilder, SegmentSettings};
 pub use cursor::{Cursor, Reading};
 pub use segment::{Segment, Shape};
 

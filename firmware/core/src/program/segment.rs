@@ -4,6 +4,7 @@ use crate::units::Amax;
 
 /// How the level changes over a segment's ramp.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Shape {
     /// In proportion to time.
     Linear,

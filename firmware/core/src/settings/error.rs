@@ -6,10 +6,11 @@ use core::fmt;
 ///
 /// Keys are spelled as scene files spell them, in the same units.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SettingsError {
     /// The setting, as a scene names it.
     pub key: &'static str,
-    /// Which entry of a list of axes or bands, counted from 0.
+    /// Which entry of the list of axes, bands or program entries, counted from 0.
     pub entry: Option<usize>,
     /// What is wrong, and what would be right.
     pub problem: Problem,
@@ -17,6 +18,7 @@ pub struct SettingsError {
 
 /// What is wrong with a setting.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[allow(
     missing_docs,
     reason = "each variant's message says what it and its numbers mean"
@@ -82,6 +84,12 @@ pub enum Problem {
         "the motors of this machine would need more than 30,000 N·m at full speed; lower limits.speed_hz, load_kg or crank_radius_mm"
     )]
     TorqueTooLarge,
+    #[error("these are settings of {0} axes, given to a loop of {1}; run them in a loop of as many axes")]
+    OtherAxisCount(usize, usize),
+    #[error(
+        "{}° is outside -{} to {}°; trim less, or raise axes.trim_limit_deg", Number(*trim_deg), Number(*limit_deg), Number(*limit_deg)
+    )]
+    TrimPastLimit { trim_deg: f64, limit_deg: f64 },
     #[error("the segment takes no time at all; give it a ramp_s or a hold_s of at least one tick")]
     NoDuration,
     #[error(
@@ -234,7 +242,7 @@ impl SettingsError {
 
     /// The same, said of one entry of a list.
     #[must_use]
-    pub const fn on_axis(mut self, entry: usize) -> Self {
+    pub const fn on_entry(mut self, entry: usize) -> Self {
         self.entry = Some(entry);
         self
     }

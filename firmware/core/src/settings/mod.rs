@@ -14,6 +14,9 @@ use crate::units::{FRACTION_BITS, Turns};
 /// Clock of the step hardware: one cycle is 8 ns.
 pub const CLOCK_HZ: u32 = 125_000_000;
 
+/// Most axes that a machine may have; the least are 2.
+pub const MAX_AXES: usize = 6;
+
 /// How many forbidden bands a shaft may have.
 pub const MAX_BANDS: usize = 4;
 
@@ -40,6 +43,7 @@ pub struct Settings<const N: usize> {
 
 /// Which way up the platform is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Platform {
     /// Below the cranks: at phase 0 gravity adds to the greatest acceleration, as in the patent.
     Below,
@@ -59,7 +63,8 @@ impl Platform {
 }
 
 /// The slider-crank platform.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MachineSettings {
     /// Crank radius, metres, 0.1 mm to 0.5 m.
     pub crank_radius_m: f64,
@@ -76,7 +81,8 @@ pub struct MachineSettings {
 }
 
 /// What the master shaft may do.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LimitSettings {
     /// Greatest speed, rev/s, up to 200.
     pub speed_hz: f64,
@@ -91,7 +97,8 @@ pub struct LimitSettings {
 }
 
 /// A band of speeds that is crossed, never dwelt in; its edges are allowed.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct BandSettings {
     /// Lower edge, rev/s.
     pub from_hz: f64,
@@ -100,7 +107,8 @@ pub struct BandSettings {
 }
 
 /// Timing that the drives' inputs ask for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PulseSettings {
     /// Shortest time that STEP must stay high, and low, nanoseconds.
     pub width_ns: f64,
@@ -112,6 +120,7 @@ pub struct PulseSettings {
 
 /// What an axis is driven by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum DriveKind {
     /// Step and direction pulses, open loop.
     Stepper,
@@ -120,7 +129,8 @@ pub enum DriveKind {
 }
 
 /// One motor and its crank.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AxisSettings {
     /// How it is driven.
     pub drive: DriveKind,
@@ -143,7 +153,8 @@ pub struct AxisSettings {
 }
 
 /// Limits on the spatial modes of the measured phase errors.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DriftSettings {
     /// Platform tilt, mrad, above 0, up to 100.
     pub tilt_limit_mrad: f64,
@@ -159,7 +170,7 @@ impl<const N: usize> Settings<N> {
     /// # Errors
     /// The first setting that is wrong, with its key, what it is and what it may be.
     pub fn check(&self) -> Result<(), SettingsError> {
-        const { assert!(2 <= N && N <= 6, "a machine has 2 to 6 axes") };
+        const { assert!(2 <= N && N <= MAX_AXES, "a machine has 2 to 6 axes") };
         inside("control.tick_hz", f64::from(self.tick_hz), 500.0, 10_000.0)?;
         if 1_000_000 % self.tick_hz != 0 {
             return Err(SettingsError::new(
@@ -178,7 +189,7 @@ impl<const N: usize> Settings<N> {
         )?;
         inside("pulse.dir_hold_ns", self.pulse.dir_hold_ns, 0.0, 100_000.0)?;
         for (i, axis) in self.axes.iter().enumerate() {
-            axis.check().map_err(|e| e.on_axis(i))?;
+            axis.check().map_err(|e| e.on_entry(i))?;
         }
         inside(
             "drift.tilt_limit_mrad",
@@ -280,7 +291,7 @@ impl LimitSettings {
         inside("limits.creep_hz", self.creep_hz, 0.01, speed_hz.min(10.0))?;
         let mut below = self.creep_hz;
         for (i, band) in self.bands.iter().enumerate() {
-            let place = |e: SettingsError| e.on_axis(i);
+            let place = |e: SettingsError| e.on_entry(i);
             finite("limits.band.from_hz", band.from_hz).map_err(place)?;
             finite("limits.band.to_hz", band.to_hz).map_err(place)?;
             if band.to_hz <= band.from_hz {
