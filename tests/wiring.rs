@@ -1,0 +1,68 @@
+//! The wiring diagram is of the pins that the image uses.
+//!
+//! Whoever solders goes by `docs/wiring.md`; were it out of step with the table in the code, they would find
+//! out with a drive.
+
+use std::collections::BTreeMap;
+
+#[path = "../firmware/src/board/pins.rs"]
+mod pins;
+
+/// What the code says: the name of each pin that is used.
+fn in_code() -> BTreeMap<u8, String> {
+    let mut names = BTreeMap::new();
+    let mut name = |pin: u8, name: String| {
+        let before = names.insert(pin, name.clone());
+        assert_eq!(before, None, "GP{pin} is both that and {name}");
+    };
+    for axis in 0..pins::AXES {
+        name(pins::STEP[axis], format!("STEP {axis}"));
+        name(pins::DIR[axis], format!("DIR {axis}"));
+        name(pins::INDEX + axis as u8, format!("INDEX {axis}"));
+        name(pins::ALARM[axis], format!("ALARM {axis}"));
+    }
+    name(pins::DRIVE_ENABLE, "DRIVE ENABLE".to_owned());
+    name(pins::SYNC, "SYNC".to_owned());
+    name(pins::LAMP, "LAMP".to_owned());
+    name(pins::ENABLE, "ENABLE".to_owned());
+    name(pins::STOP, "STOP".to_owned());
+    name(pins::START, "START".to_owned());
+    names
+}
+
+/// What the page says: in the diagram a pin's name stands beside it, outside; in the text behind it.
+fn in_docs() -> BTreeMap<u8, String> {
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/wiring.md")).unwrap();
+    let mut names = BTreeMap::new();
+    let number = |word: &str| word.strip_prefix("GP").and_then(|n| n.parse::<u8>().ok());
+    for row in page.lines().filter(|line| line.contains("│               │")) {
+        let (left, right) = row.split_once("│               │").unwrap();
+        let left: Vec<_> = left.split_whitespace().collect();
+        let right: Vec<_> = right.split_whitespace().collect();
+        if let Some(pin) = number(left[left.len() - 2]) {
+            names.insert(pin, left[..left.len() - 2].join(" "));
+        }
+        if let Some(pin) = number(right[1]) {
+            names.insert(pin, right[2..].join(" "));
+        }
+    }
+    let text = page.split_once("On the board:").unwrap().1;
+    let text = text.split_once("\n\n").unwrap().0;
+    for part in text.split("GP").skip(1) {
+        let (pin, rest) = part.split_once(" `").unwrap();
+        let name = rest.split_once('`').unwrap().0;
+        names.insert(pin.parse().unwrap(), name.to_owned());
+    }
+    names
+}
+
+#[test]
+fn the_diagram_shows_the_pins_of_the_code() {
+    assert_eq!(in_docs(), in_code());
+}
+
+/// The index inputs are sampled as neighbours, and all must be pins that the chip has.
+#[test]
+fn every_pin_is_one_of_the_chips() {
+    assert!(in_code().keys().all(|&pin| pin < 30));
+}
