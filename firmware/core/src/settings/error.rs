@@ -84,7 +84,9 @@ pub enum Problem {
         "the motors of this machine would need more than 30,000 N·m at full speed; lower limits.speed_hz, load_kg or crank_radius_mm"
     )]
     TorqueTooLarge,
-    #[error("these are settings of {0} axes, given to a loop of {1}; run them in a loop of as many axes")]
+    #[error(
+        "these are settings of {0} axes, given to a loop of {1}; run them in a loop of as many axes"
+    )]
     OtherAxisCount(usize, usize),
     #[error(
         "{}° is outside -{} to {}°; trim less, or raise axes.trim_limit_deg", Number(*trim_deg), Number(*limit_deg), Number(*limit_deg)

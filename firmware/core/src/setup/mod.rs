@@ -86,7 +86,10 @@ impl Setup {
         settings.check()?;
         let mut controller = Controller::new(&settings, self.program(&settings)?)?;
         for (i, &trim_turns) in self.trims_turns.iter().enumerate() {
-            let limit_turns = settings.axes.get(i).map_or(0.0, |axis| axis.trim_limit_turns);
+            let limit_turns = settings
+                .axes
+                .get(i)
+                .map_or(0.0, |axis| axis.trim_limit_turns);
             // Also refuses what is not a number.
             if !(-limit_turns..=limit_turns).contains(&trim_turns) {
                 let problem = Problem::TrimPastLimit {

@@ -79,7 +79,10 @@ fn another_number_of_axes_is_refused() {
     for axes in [2, 4, 5, 6] {
         let said = refused::<3>(&setup(axes));
         assert!(said.starts_with("axes.count: "), "{said}");
-        assert!(said.contains(&std::format!("settings of {axes} axes")), "{said}");
+        assert!(
+            said.contains(&std::format!("settings of {axes} axes")),
+            "{said}"
+        );
         assert!(said.contains("loop of 3"), "{said}");
     }
     for axes in [0, 1] {
@@ -99,13 +102,18 @@ fn what_is_wrong_is_said_of_its_entry() {
     assert!(refused::<2>(&broken).starts_with("axes.steps_per_turn (number 1): 3 is outside"));
 
     let mut broken = setup(2);
-    let high = SegmentSettings { amax_mps2: -1.0, ..LEVEL };
+    let high = SegmentSettings {
+        amax_mps2: -1.0,
+        ..LEVEL
+    };
     broken.program.push(EntrySettings::Segment(high)).unwrap();
     assert!(refused::<2>(&broken).starts_with("program.amax_mps2 (number 2): -1 m/s² is outside"));
 
     let mut broken = setup(2);
     broken.program[1] = EntrySettings::Repeat { first: 1, times: 3 };
-    assert!(refused::<2>(&broken).starts_with("program.segments (number 1): the repeat block is empty"));
+    assert!(
+        refused::<2>(&broken).starts_with("program.segments (number 1): the repeat block is empty")
+    );
 
     let mut broken = setup(2);
     broken.program.clear();
@@ -119,18 +127,30 @@ fn trims_are_set_within_their_limit() {
         trimmed.trims_turns = Vec::from_array([0.0, trim_deg / 360.0]);
         trimmed.controller::<2>().unwrap();
     }
-    for (trim_deg, said) in [(5.001, "5.001° is outside -5 to 5°"), (f64::NAN, "NaN° is outside")] {
+    for (trim_deg, said) in [
+        (5.001, "5.001° is outside -5 to 5°"),
+        (f64::NAN, "NaN° is outside"),
+    ] {
         trimmed.trims_turns = Vec::from_array([0.0, trim_deg / 360.0]);
         let whole = refused::<2>(&trimmed);
-        assert!(whole.starts_with(&std::format!("axes.trim_deg (number 1): {said}")), "{whole}");
+        assert!(
+            whole.starts_with(&std::format!("axes.trim_deg (number 1): {said}")),
+            "{whole}"
+        );
     }
     trimmed.trims_turns = Vec::from_array([0.0, 0.0, 0.01]);
-    assert!(refused::<2>(&trimmed).starts_with("axes.trim_deg (number 2)"), "an axis that is not there");
+    assert!(
+        refused::<2>(&trimmed).starts_with("axes.trim_deg (number 2)"),
+        "an axis that is not there"
+    );
 }
 
 #[test]
 fn a_long_name_is_cut_between_characters() {
     assert_eq!(short_name("default"), "default");
     assert_eq!(short_name(&"ü".repeat(20)).len(), NAME_BYTES);
-    assert_eq!(short_name(&std::format!("a{}", "ü".repeat(20))).len(), NAME_BYTES - 1);
+    assert_eq!(
+        short_name(&std::format!("a{}", "ü".repeat(20))).len(),
+        NAME_BYTES - 1
+    );
 }
