@@ -1,0 +1,288 @@
+// The board: one RP2040 at 125 MHz, processor and both PIO blocks in lockstep, with everything on its pins recorded and
+// driven to the cycle. README.md says what is modelled and what a cycle number means.
+//
+// How time passes: `cycle` is where the processor is; it executes one instruction from there. Everything else (state
+// machines, alarms of peripherals, stimuli) is an *event* with a cycle of its own. Events up to the present are carried
+// out when the processor is about to touch a peripheral, and after each instruction (`catchUp`).
+
+import { RomBench } from './bootrom.mjs';
+import { buildChip, startCore } from './chip.mjs';
+import { CycleClock } from './clock.mjs';
+import { BenchCore } from './core.mjs';
+import { Edges } from './edges.mjs';
+import { FLASH_SIZE, loadInto, readElf } from './elf.mjs';
+import { Outside } from './pads.mjs';
+import { Rtt } from './rtt.mjs';
+import { Stimulus } from './stimulus.mjs';
+import { Profile, Usage } from './usage.mjs';
+
+const APB_READ_WAIT = 3;
+const APB_WRITE_WAIT = 4;
+const RAM_BYTES = 264 * 1024;
+const POWER_UP_PATTERN = 0xa5;
+
+export class Board {
+  /**
+   * `elf`: bytes of the image's ELF; its segments go into the flash. `flash`: the flash array (Uint8Array, kept and
+   * changed in place) to use instead, or to load the image over. One of them is needed, save for `bare`.
+   * `pins`: { name: GPIO number } to record. `watched`: exceptions whose calls are listed (default SWI_IRQ_0).
+   * `rtt`: true, false, or the cycles between two looks of the host (default: true where the ELF has an RTT block).
+   * `fastForward`: false steps every cycle of everything. `profile`: true counts cycles by address.
+   * `flashTimes`: see bootrom.mjs. `bare`: true builds the chip with its processor asleep, for tests of peripherals.
+   */
+  constructor({
+    elf,
+    flash,
+    pins = {},
+    watched,
+    rtt,
+    fastForward = true,
+    profile = false,
+    flashTimes,
+    bare = false,
+  } = {}) {
+    this.elf = elf && readElf(elf);
+    this.flash = flash ?? new Uint8Array(FLASH_SIZE).fill(0xff);
+    if (this.elf) loadInto(this.flash, this.elf);
+    this.fastForward = fastForward;
+    this.bare = bare;
+    this.cycle = 0;
+    this.done = 0;
+    this.stamp = -1;
+    this.nextEvent = Infinity;
+    this.stopped = null;
+    this.pendingReset = null;
+    this.events = [];
+    this.warnings = new Map();
+    this.outside = new Outside();
+    this.stimulus = new Stimulus();
+    this.stimulus.onSchedule = (cycle) => this.onDue(cycle);
+    this.edges = new Edges(pins);
+    this.usage = new Usage(() => this.cycle, watched);
+    this.profile = profile ? new Profile() : null;
+    this.rom = new RomBench(this, flashTimes);
+    const block = this.elf?.symbols.get('_SEGGER_RTT');
+    this.rtt = block && rtt !== false ? new Rtt(this, block.address, typeof rtt === 'number' ? rtt : 0) : null;
+    this.powerUp();
+  }
+
+  // ---- resets ----
+
+  /** Power comes: RAM holds nothing of use, the flash what it held. */
+  powerUp() {
+    this.sram = new Uint8Array(RAM_BYTES).fill(POWER_UP_PATTERN);
+    this.boot('power', new Uint32Array(8), 0, 0);
+  }
+
+  boot(cause, scratch, reason, levels) {
+    this.note('reset', cause);
+    this.clock = new CycleClock(this.cycle);
+    this.clock.onSchedule = (cycle) => this.onDue(cycle);
+    this.chip = buildChip(this, {
+      clock: this.clock,
+      sram: this.sram,
+      flash: this.flash,
+      rom: this.rom.image,
+      outside: this.outside,
+      levels,
+      scratch,
+      reason,
+    });
+    this.core = this.chip.core;
+    this.pads = this.chip.pads;
+    this.pio = this.chip.pio;
+    this.pads.update(this.stamp);
+    this.nextEvent = this.stimulus.next;
+    this.usage.restart();
+    this.rtt?.attach();
+    if (this.bare) this.core.waiting = true;
+    else startCore(this.core);
+  }
+
+  /** Asked for by the watchdog or by software; carried out once the present instruction is over. */
+  requestReset(cause) {
+    this.pendingReset ??= cause;
+  }
+
+  performReset() {
+    const cause = this.pendingReset;
+    this.pendingReset = null;
+    if (cause === 'watchdog') {
+      const { scratchData, reason } = this.chip.watchdog;
+      this.boot(cause, scratchData, reason, this.pads.levels);
+      return;
+    }
+    // SYSRESETREQ resets the processor and its interrupt controller, and nothing else.
+    this.note('reset', cause);
+    const { lines } = this.core;
+    this.core = new BenchCore(this.chip, this);
+    this.chip.core = this.core;
+    this.core.lines = lines;
+    this.core.setPending(lines);
+    this.usage.restart();
+    this.rtt?.attach();
+    startCore(this.core);
+  }
+
+  // ---- running ----
+
+  /**
+   * Runs for `cycles`, or to `untilCycle`, or until `until(board)` holds (asked every `every` cycles), whichever comes
+   * first. Gives { reason, detail, cycle }: 'cycles', 'until', or what stopped the board for good: 'lockup',
+   * 'power-cut'.
+   */
+  run({ cycles = Infinity, untilCycle = Infinity, until = null, every = 1000 } = {}) {
+    const end = Math.min(this.cycle + cycles, untilCycle);
+    if (end === Infinity && !until) throw new Error('run needs an end');
+    if (until === null) {
+      this.runTo(end);
+    } else {
+      while (!this.stopped && this.cycle < end) {
+        if (until(this)) return { reason: 'until', cycle: this.cycle };
+        this.runTo(Math.min(end, this.cycle + every));
+      }
+    }
+    if (this.stopped) return this.stopped;
+    return { reason: until?.(this) ? 'until' : 'cycles', cycle: this.cycle };
+  }
+
+  runTo(end) {
+    while (this.cycle < end && this.stopped === null) {
+      const { core } = this;
+      if (core.waiting) {
+        this.sleepTo(end);
+      } else if (this.profile !== null) {
+        const pc = (core.registers[15] & ~1) >>> 0;
+        const spent = core.step();
+        this.profile.add(pc, spent);
+        this.cycle += spent;
+      } else {
+        this.cycle += core.step();
+      }
+      if (this.nextEvent < this.cycle) this.catchUp(this.cycle);
+      if (core.left !== 0) {
+        this.usage.leave(core.left);
+        core.left = 0;
+      }
+      if (this.pendingReset !== null) this.performReset();
+    }
+    if (this.stopped === null) this.catchUp(this.cycle);
+  }
+
+  /** The processor sleeps: from event to event until it is woken. */
+  sleepTo(end) {
+    const { core } = this;
+    core.wake();
+    if (!core.waiting) return;
+    this.usage.sleep(true);
+    while (core.waiting && this.cycle < end && this.pendingReset === null && this.stopped === null) {
+      const event = this.fastForward ? this.nextEvent : this.cycle;
+      this.cycle = Math.min(end, event + 1);
+      this.catchUp(this.cycle);
+      core.wake();
+    }
+    this.usage.sleep(false);
+  }
+
+  /** Carries out every event before `target`, in order; afterwards it is `target`. */
+  catchUp(target) {
+    while (this.nextEvent < target || (!this.fastForward && this.done < target)) {
+      const cycle = this.fastForward ? this.nextEvent : this.done;
+      if (!this.fastForward) this.done = cycle + 1;
+      this.carryOut(cycle);
+      if (this.pendingReset !== null) break;
+    }
+    if (target > this.clock.cycle) this.clock.cycle = target;
+    this.stamp = target - 1;
+  }
+
+  /** One cycle's events: state machines first, then alarms, then stimuli. */
+  carryOut(cycle) {
+    const [pio0, pio1] = this.pio;
+    this.stamp = cycle;
+    this.clock.cycle = cycle;
+    this.nextEvent = Infinity;
+    if (!this.fastForward) for (const block of this.pio) block.poll(cycle);
+    let touched = false;
+    if (pio0.due <= cycle) touched = pio0.execute(cycle);
+    if (pio1.due <= cycle && pio1.execute(cycle)) touched = true;
+    if (touched) this.pads.update(cycle);
+    if (this.clock.next <= cycle) this.clock.fire();
+    if (this.stimulus.next <= cycle && this.stimulus.apply(cycle, this.outside)) this.pads.update(cycle);
+    this.nextEvent = Math.min(pio0.due, pio1.due, this.clock.next, this.stimulus.next);
+  }
+
+  // ---- called by the parts ----
+
+  onDue(cycle) {
+    if (cycle < this.nextEvent) this.nextEvent = cycle;
+  }
+
+  /** A load's value is what the peripheral holds at the start of the load's last cycle. */
+  beforeRead(address) {
+    const last = this.cycle + waitOf(address, APB_READ_WAIT);
+    this.catchUp(last);
+    this.stamp = last;
+  }
+
+  /** A store takes effect at the end of its last cycle. */
+  beforeWrite(address) {
+    this.catchUp(this.cycle + waitOf(address, APB_WRITE_WAIT) + 1);
+  }
+
+  pinsChanged(stamp, changed) {
+    this.edges.record(stamp, changed);
+    for (const block of this.pio) block.inputsChanged(stamp);
+  }
+
+  romCall(number, core) {
+    return this.rom.call(number, core);
+  }
+
+  /** Ends the run for good. */
+  stop(reason, detail) {
+    this.stopped ??= { reason, detail, cycle: this.cycle };
+    this.note(reason, detail);
+  }
+
+  note(kind, text) {
+    this.events.push({ cycle: this.cycle, kind, text });
+  }
+
+  /** What rp2040js complains about: counted, since it goes on. */
+  warn(name, text) {
+    const key = `${name}: ${text}`;
+    this.warnings.set(key, (this.warnings.get(key) ?? 0) + 1);
+  }
+
+  // ---- for the bench ----
+
+  /** Least distance of the stack pointer below where it began, in bytes. */
+  get stackDepth() {
+    return this.core.initialSP - this.core.leastSP;
+  }
+
+  /** Reads or writes a register as a debugger would: at the end of the present cycle, in no time. */
+  peek(address) {
+    this.catchUp(this.cycle);
+    return this.chip.readUint32(address) >>> 0;
+  }
+
+  poke(address, value) {
+    this.catchUp(this.cycle);
+    this.chip.writeUint32(address, value);
+  }
+
+  /** Starts a new recording of edges here. */
+  record(pins) {
+    this.catchUp(this.cycle);
+    this.edges = new Edges(pins, { cycle: this.cycle, levels: this.pads.levels });
+    return this.edges;
+  }
+}
+
+function waitOf(address, apbWait) {
+  const region = address >>> 28;
+  if (region === 0xd) return 0;
+  return region === 4 ? apbWait : 1;
+}

@@ -1,0 +1,189 @@
+// A boot ROM of our own: rp2040js has none, and images look up functions in it.
+//
+// The image has the tables and the lookup routine where the RP2040 datasheet (2.8) puts them. A function is a BKPT, which
+// the core hands to `call`, and BX LR. Memory and bit functions are carried out here with about the time that the
+// ROM's take; flash functions change the board's flash array, and take as long as a flash chip does.
+
+import { Flash, PAGE_BYTES, SECTOR_BYTES } from './flash.mjs';
+import { CYCLES_PER_SECOND, CYCLES_PER_US } from './clock.mjs';
+
+const FUNCTIONS = {
+  P3: 'popcount32',
+  R3: 'reverse32',
+  L3: 'clz32',
+  T3: 'ctz32',
+  MS: 'memset',
+  S4: 'memset',
+  MC: 'memcpy',
+  C4: 'memcpy',
+  UB: 'resetToUsbBoot',
+  IF: 'connectInternalFlash',
+  EX: 'flashExitXip',
+  RE: 'flashRangeErase',
+  RP: 'flashRangeProgram',
+  FC: 'flashFlushCache',
+  CX: 'flashEnterCmdXip',
+};
+const CODES = Object.keys(FUNCTIONS);
+
+const LOOKUP_AT = 0x0100;
+const TABLE_AT = 0x0200;
+const STUBS_AT = 0x0400;
+const ROM_VERSION = 3;
+const BX_LR = 0x4770;
+const BKPT = 0xbe00;
+const B_SELF = 0xe7fe;
+
+/** r0 = lookup(r0: table, r1: code): halfword pairs (code, pointer) up to a code of 0; 0 if there is none. */
+// prettier-ignore
+const LOOKUP = [
+  0x8802, //        loop:  ldrh r2, [r0]
+  0x2a00, //               cmp  r2, #0
+  0xd005, //               beq  none
+  0x428a, //               cmp  r2, r1
+  0xd001, //               beq  found
+  0x3004, //               adds r0, #4
+  0xe7f8, //               b    loop
+  0x8840, //        found: ldrh r0, [r0, #2]
+  BX_LR,
+  0x2000, //        none:  movs r0, #0
+  BX_LR,
+];
+
+function assemble() {
+  const words = new Uint32Array(4096);
+  const half = new Uint16Array(words.buffer);
+  const bytes = new Uint8Array(words.buffer);
+  words[0] = 0x2004_1f00;
+  half.set([B_SELF], 0x80 / 2);
+  for (let vector = 1; vector < 4; vector += 1) words[vector] = 0x81;
+  bytes.set([0x4d, 0x75, 0x01, ROM_VERSION], 0x10);
+  half.set([TABLE_AT, TABLE_AT + 4 * CODES.length, LOOKUP_AT | 1], 0x14 / 2);
+  half.set(LOOKUP, LOOKUP_AT / 2);
+  CODES.forEach((code, i) => {
+    half.set([code.charCodeAt(0) | (code.charCodeAt(1) << 8), (STUBS_AT + 4 * i) | 1], TABLE_AT / 2 + 2 * i);
+    half.set([BKPT | i, BX_LR], STUBS_AT / 2 + 2 * i);
+  });
+  return words;
+}
+
+/** What a serial flash of this kind typically takes (W25Q16JV, tSE and tPP). */
+export const FLASH_TIMES = {
+  eraseSector: 0.045 * CYCLES_PER_SECOND,
+  programPage: 0.0007 * CYCLES_PER_SECOND,
+};
+
+export class RomBench {
+  /** `times`: cycles of `eraseSector` and `programPage`. */
+  constructor(board, times = {}) {
+    this.board = board;
+    this.image = assemble();
+    this.times = { ...FLASH_TIMES, ...times };
+    this.flash = new Flash(board.flash);
+    /** Every erase and program so far: [{ cycle, kind, address, length }]. */
+    this.operations = [];
+    this.cut = null;
+  }
+
+  /** Power fails in flash operation number `operation` (the next is 0) from now on, when `bytes` of it are done. */
+  cutPower({ operation, bytes }) {
+    this.cut = { operation: this.operations.length + operation, bytes };
+  }
+
+  /** Called when the core meets stub `number`. Gives the cycles the function takes. */
+  call(number, core) {
+    const name = FUNCTIONS[CODES[number]];
+    if (!name) throw new Error(`there is no ROM function ${number}`);
+    return this[name](core);
+  }
+
+  popcount32(core) {
+    let count = 0;
+    for (let rest = core.registers[0]; rest !== 0; rest &= rest - 1) count += 1;
+    core.registers[0] = count;
+    return 20;
+  }
+
+  reverse32(core) {
+    const value = core.registers[0];
+    let result = 0;
+    for (let i = 0; i < 32; i += 1) result |= ((value >>> i) & 1) << (31 - i);
+    core.registers[0] = result;
+    return 25;
+  }
+
+  clz32(core) {
+    core.registers[0] = Math.clz32(core.registers[0]);
+    return 20;
+  }
+
+  ctz32(core) {
+    const value = core.registers[0];
+    core.registers[0] = value === 0 ? 32 : 31 - Math.clz32(value & -value);
+    return 20;
+  }
+
+  memset(core) {
+    const [to, value, length] = core.registers;
+    for (let i = 0; i < length; i += 1) core.writeUint8(to + i, value);
+    return 20 + length;
+  }
+
+  memcpy(core) {
+    const [to, from, length] = core.registers;
+    for (let i = 0; i < length; i += 1) core.writeUint8(to + i, core.readUint8(from + i));
+    return 20 + length;
+  }
+
+  resetToUsbBoot() {
+    this.board.stop('usb-boot', 'the image asked for BOOTSEL mode');
+    return 1;
+  }
+
+  connectInternalFlash() {
+    return 200;
+  }
+
+  flashExitXip(core) {
+    core.xipOff = true;
+    return 20 * CYCLES_PER_US;
+  }
+
+  flashFlushCache() {
+    return 100;
+  }
+
+  flashEnterCmdXip(core) {
+    core.xipOff = false;
+    return 100;
+  }
+
+  flashRangeErase(core) {
+    const [address, length] = core.registers;
+    const cycles = (length / SECTOR_BYTES) * this.times.eraseSector;
+    return this.operate(core, 'erase', address, length, cycles, (survived) => this.flash.erase(address, length, survived));
+  }
+
+  flashRangeProgram(core) {
+    const [address, from, length] = core.registers;
+    const data = Uint8Array.from({ length }, (_, i) => core.readUint8(from + i));
+    const cycles = (length / PAGE_BYTES) * this.times.programPage;
+    return this.operate(core, 'program', address, length, cycles, (survived) => this.flash.program(address, data, survived));
+  }
+
+  /** Carries out an erase or program, whole or up to where power fails. */
+  operate(core, kind, address, length, cycles, act) {
+    if (!core.xipOff) throw new Error(`flash ${kind} without flash_exit_xip before it`);
+    const number = this.operations.length;
+    this.operations.push({ cycle: this.board.cycle, kind, address, length });
+    if (this.cut?.operation !== number) {
+      act(length);
+      return Math.round(cycles);
+    }
+    const survived = Math.min(this.cut.bytes, length - 1);
+    act(survived);
+    const spent = Math.round((cycles * survived) / length);
+    this.board.stop('power-cut', `in ${kind} at 0x${address.toString(16)}, after ${survived} of ${length} bytes`);
+    return spent;
+  }
+}

@@ -1,0 +1,130 @@
+// One RP2040 as it is after a reset: rp2040js's object with every mend of this folder in it.
+//
+// A reset builds a new one; what survives (RAM, flash, watchdog scratch, what the bench drives) is handed over by the
+// board. So nothing of the old state can be forgotten.
+
+import { BasePeripheral, RP2040 } from 'rp2040js';
+import { BenchCore } from './core.mjs';
+import { mendDma } from './dma.mjs';
+import { Fault } from './core-memory.mjs';
+import { Pads } from './pads.mjs';
+import { Block } from './pio-block.mjs';
+import { mendPpb } from './ppb.mjs';
+
+/** Where the second-stage boot block would have left off: the image's vector table. */
+export const VECTOR_TABLE = 0x1000_0100;
+
+/** Registers that only remember what is written. */
+class Registers extends BasePeripheral {
+  constructor(rp2040, name, initial) {
+    super(rp2040, name);
+    this.values = new Map(Object.entries(initial).map(([offset, value]) => [Number(offset), value]));
+  }
+
+  readUint32(offset) {
+    return this.values.get(offset) ?? 0;
+  }
+
+  writeUint32(offset, value) {
+    this.values.set(offset, value);
+  }
+}
+
+const XIP_STAT = 0x08;
+/** Streaming FIFO empty, flush done. */
+const XIP_READY = 0b011;
+const ROSC_STATUS = 0x18;
+const ROSC_RANDOMBIT = 0x1c;
+const CHIP_RESET_HAD_POR = 1 << 8;
+
+/** The boot ROM starts the processor: stack pointer and entry from the image's vector table. */
+export function startCore(core) {
+  core.VTOR = VECTOR_TABLE;
+  const [stack, entry] = [core.readUint32(VECTOR_TABLE), core.readUint32(VECTOR_TABLE + 4)];
+  core.SP = stack;
+  core.PC = (entry & ~1) >>> 0;
+  core.leastSP = stack;
+  core.initialSP = stack;
+}
+
+/**
+ * Builds the chip. `board`: what the mends call back; `kept`: { clock, sram, flash, rom, outside, levels, scratch,
+ * reason }. The processor is not started.
+ */
+export function buildChip(board, { clock, sram, flash, rom, outside, levels, scratch, reason }) {
+  const chip = new RP2040(clock);
+  chip.logger = {
+    debug() {},
+    info() {},
+    warn: (name, text) => board.warn(name, text),
+    error: (name, text) => board.warn(name, text),
+  };
+  chip.sram = sram;
+  chip.sramView = new DataView(sram.buffer, sram.byteOffset, sram.length);
+  chip.flash = flash;
+  chip.flash16 = new Uint16Array(flash.buffer, flash.byteOffset, flash.length >> 1);
+  chip.flashView = new DataView(flash.buffer, flash.byteOffset, flash.length);
+  chip.bootrom.set(rom);
+  chip.core = new BenchCore(chip, board);
+  chip.onBreak = () => {
+    throw new Fault('breakpoint');
+  };
+
+  const { peripherals } = chip;
+  peripherals[0x14000] = new Registers(chip, 'XIP_CTRL', { [XIP_STAT]: XIP_READY });
+  mendSsi(chip);
+  peripherals[0x40018] = new Registers(chip, 'IO_QSPI', {});
+  peripherals[0x40060] = new Registers(chip, 'ROSC', { [ROSC_STATUS]: 0x8000_1000, [ROSC_RANDOMBIT]: 1 });
+  peripherals[0x40064] = new Registers(chip, 'VREG_AND_CHIP_RESET', { 0: 0xb1, 4: 0x91, 8: CHIP_RESET_HAD_POR });
+  chip.pio = [0, 1].map((index) => {
+    const block = new Block(chip, index, board);
+    peripherals[index === 0 ? 0x50200 : 0x50300] = block;
+    return block;
+  });
+  mendDma(chip);
+  mendPpb(chip, () => board.requestReset('system'));
+  mendDivider(chip.sio);
+
+  const watchdog = peripherals[0x40058];
+  watchdog.scratchData = scratch;
+  watchdog.reason = reason;
+  watchdog.onWatchdogTrigger = () => board.requestReset('watchdog');
+  chip.watchdog = watchdog;
+
+  chip.pads = new Pads(chip, outside, levels, {
+    stampNow: () => board.stamp,
+    onChange: (stamp, changed, now) => board.pinsChanged(stamp, changed, now),
+    onContention: (pins) => board.note('contention', `pins ${pinList(pins)} are driven from both sides`),
+  });
+  return chip;
+}
+
+function pinList(mask) {
+  return [...Array(30).keys()].filter((pin) => (mask >>> pin) & 1).join(', ');
+}
+
+/** The second-stage boot block, copied to RAM, brings XIP back: it enables the SSI in a mode that reads memory. */
+function mendSsi(chip) {
+  const SSIENR = 0x08;
+  const TMOD_EEPROM_READ = 3;
+  const ssi = chip.peripherals[0x18000];
+  const stock = ssi.writeUint32.bind(ssi);
+  ssi.writeUint32 = (offset, value) => {
+    stock(offset, value);
+    if (offset === SSIENR && value & 1 && ((ssi.crtlr0 >>> 8) & 3) === TMOD_EEPROM_READ) chip.core.xipOff = false;
+  };
+}
+
+/** Division by zero gives all ones; signed, minus one or one against the sign of the dividend (datasheet 2.3.1.5). */
+function mendDivider(sio) {
+  const stock = sio.updateHardwareDivider.bind(sio);
+  sio.updateHardwareDivider = (signed) => {
+    if (sio.divDivisor !== 0) {
+      stock(signed);
+      return;
+    }
+    sio.divQuotient = signed && (sio.divDividend | 0) < 0 ? 1 : -1;
+    sio.divRemainder = sio.divDividend;
+    sio.divCSR = 0b11;
+  };
+}

@@ -1,0 +1,51 @@
+// DMA in cycles. rp2040js moves any number of words in no time and asks for no bus; here each transfer has its cycle.
+//
+// Convention: the first transfer after a request (a DREQ that rises, a trigger) lands LATENCY cycles after it; while the
+// request stays, one follows each cycle; all channels together make at most one transfer a cycle. The datasheet gives
+// the throughput (2.5.1) but not the latency: it is an assumption, and much shorter than the eight words of a joined
+// FIFO last.
+//
+// Also mended: CHAN_ABORT reads 0 (rp2040js: all ones, so that a read-modify-write aborts every channel). Pacing timers
+// and the sniffer are not modelled, and refused.
+
+export const LATENCY_CYCLES = 4;
+const CHAN_ABORT = 0x444;
+const SNIFF_CTRL = 0x434;
+const TIMERS = [0x420, 0x42c];
+const PERMANENT = 63;
+
+export function mendDma(rp2040) {
+  const { dma, clock } = rp2040;
+  let freeSlot = 0;
+
+  for (const channel of dma.channels) {
+    const move = channel.transfer;
+    const requested = () => channel.treqValue === PERMANENT || dma.dreq[channel.treqValue];
+    const schedule = (cycle) => {
+      const slot = Math.max(cycle, freeSlot);
+      freeSlot = slot + 1;
+      channel.transferAlarm.at(slot);
+    };
+    channel.transferAlarm.cancel();
+    channel.transferAlarm = clock.createAlarm(() => {
+      if (channel.active && requested()) {
+        channel.moving = true;
+        move();
+        channel.moving = false;
+      }
+    });
+    channel.scheduleTransfer = () => {
+      if (channel.transferAlarm.scheduled || !requested()) return;
+      schedule(clock.cycle + (channel.moving ? 1 : LATENCY_CYCLES));
+    };
+  }
+
+  const stockRead = dma.readUint32.bind(dma);
+  const stockWrite = dma.writeUint32.bind(dma);
+  dma.readUint32 = (offset) => (offset === CHAN_ABORT ? 0 : stockRead(offset));
+  dma.writeUint32 = (offset, value) => {
+    const refused = offset === SNIFF_CTRL || (offset >= TIMERS[0] && offset <= TIMERS[1]);
+    if (refused && value !== 0) throw new Error(`DMA register 0x${offset.toString(16)} is not modelled`);
+    stockWrite(offset, value);
+  };
+}

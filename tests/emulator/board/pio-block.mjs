@@ -1,0 +1,227 @@
+// A PIO block in cycles: four machines, their registers and what they share. Registers that have to do with time are
+// mended here; the rest stay rp2040js's.
+//
+// Convention: machines of one cycle see flags and pins as they were at its start; their own changes show in the next.
+// Machines are executed in order, so that the highest-numbered wins a pin that two write in one cycle (datasheet 3.5.6).
+
+import { RPPIO } from 'rp2040js';
+import { FDEBUG, FLAG, INPUT, Machine, TX } from './pio-machine.mjs';
+
+const REG = { ctrl: 0x000, fdebug: 0x008, irq: 0x030, irqForce: 0x034, bypass: 0x038, memory: 0x048, machines: 0x0c8 };
+const MACHINE_BYTES = 0x18;
+const MACHINES_END = REG.machines + 4 * MACHINE_BYTES;
+const MACHINE_REG = { clkdiv: 0x00, execctrl: 0x04, shiftctrl: 0x08, addr: 0x0c, instr: 0x10, pinctrl: 0x14 };
+const PIN_MASK = 0x3fff_ffff;
+
+/** `value` on `count` pins from `base`, going on at pin 0 after pin 31, in place of those bits of `old`. */
+function placed(old, value, base, count) {
+  const field = count >= 32 ? 0xffff_ffff : (1 << count) - 1;
+  const turn = (bits) => (base === 0 ? bits : (bits << base) | (bits >>> (32 - base)));
+  const mask = turn(field);
+  return ((old & ~mask) | (turn(value & field) & mask)) & PIN_MASK;
+}
+
+export class Block extends RPPIO {
+  /** `host`: the board, asked for the stamp now and told of new due cycles. */
+  constructor(rp2040, index, host) {
+    super(rp2040, `PIO${index}`, 7 + 2 * index, index);
+    this.host = host;
+    this.fastForward = host.fastForward;
+    /** IRQ flags as the machines of the present cycle see them. */
+    this.flags = 0;
+    this.cycle = -1;
+    this.seen = 0;
+    this.seenIn = -1;
+    this.pinsTouched = false;
+    this.machines = [0, 1, 2, 3].map((i) => new Machine(this, i));
+  }
+
+  stampNow() {
+    return this.host.stamp;
+  }
+
+  onDue(cycle) {
+    this.host.onDue(cycle);
+  }
+
+  /** rp2040js would run the machines from a timer of the operating system. */
+  run() {}
+
+  get due() {
+    const [a, b, c, d] = this.machines;
+    return Math.min(a.due, b.due, c.due, d.due);
+  }
+
+  /** Executes what is due in `cycle`. Gives whether pins were written. */
+  execute(cycle) {
+    this.begin(cycle);
+    for (let i = 0; i < 4; i += 1) {
+      const machine = this.machines[i];
+      if (machine.due <= cycle) machine.execute(cycle);
+    }
+    return this.end(cycle);
+  }
+
+  /** Plain stepping: tries every stalled instruction again in every cycle. */
+  poll(cycle) {
+    for (const machine of this.machines) {
+      if (machine.stall !== 0 && (machine.enabled || machine.forced >= 0)) machine.retry(machine.stall, cycle);
+    }
+  }
+
+  begin(cycle) {
+    this.cycle = cycle;
+    this.flags = this.irq;
+    this.pinsTouched = false;
+  }
+
+  end(cycle) {
+    if (this.irq !== this.flags) {
+      this.flags = this.irq;
+      this.flagsChanged(cycle + 1);
+    }
+    return this.pinsTouched;
+  }
+
+  // ---- pins ----
+
+  /** Input pins as the machines see them in the present cycle. */
+  get inputs() {
+    if (this.seenIn !== this.cycle) {
+      this.seen = this.host.pads.inputs(this.cycle, this.inputSyncBypass);
+      this.seenIn = this.cycle;
+    }
+    return this.seen;
+  }
+
+  /** Whether changes of pins are under way that the machines have not seen in `cycle`. */
+  inputsUnsettled(cycle) {
+    return this.host.pads.changedSince(cycle - 3);
+  }
+
+  inputsChanged(stamp) {
+    for (const machine of this.machines) machine.retry(INPUT, stamp + 1);
+  }
+
+  setPins(value, base, count) {
+    this.pinValues = placed(this.pinValues, value, base, count);
+    this.pinsTouched = true;
+  }
+
+  setDirections(value, base, count) {
+    this.pinDirections = placed(this.pinDirections, value, base, count);
+    this.pinsTouched = true;
+  }
+
+  // ---- flags ----
+
+  raiseFlag(flag) {
+    this.irq |= 1 << flag;
+    this.checkInterrupts();
+  }
+
+  clearFlag(flag) {
+    this.irq &= ~(1 << flag);
+    this.checkInterrupts();
+  }
+
+  flagsChanged(cycle) {
+    for (const machine of this.machines) machine.retry(FLAG, cycle);
+  }
+
+  // ---- registers ----
+
+  readUint32(offset) {
+    if (offset < REG.machines || offset >= MACHINES_END) return super.readUint32(offset);
+    const machine = this.machines[Math.floor((offset - REG.machines) / MACHINE_BYTES)];
+    switch ((offset - REG.machines) % MACHINE_BYTES) {
+      case MACHINE_REG.clkdiv:
+        return machine.clkdiv;
+      case MACHINE_REG.execctrl:
+        return machine.execctrl >>> 0;
+      case MACHINE_REG.shiftctrl:
+        return machine.shiftctrl >>> 0;
+      case MACHINE_REG.addr:
+        return machine.pc;
+      case MACHINE_REG.instr:
+        return machine.forced >= 0 ? machine.forced : this.instructions[machine.pc];
+      default:
+        return machine.pinctrl >>> 0;
+    }
+  }
+
+  writeUint32(offset, value) {
+    const now = this.host.stamp + 1;
+    if (offset >= REG.memory && offset < REG.machines) {
+      this.settle(now);
+      super.writeUint32(offset, value);
+    } else if (offset >= REG.machines && offset < MACHINES_END) {
+      this.settle(now);
+      const machine = this.machines[Math.floor((offset - REG.machines) / MACHINE_BYTES)];
+      this.writeMachine(machine, (offset - REG.machines) % MACHINE_BYTES, value >>> 0, now);
+    } else if (offset === REG.ctrl) {
+      this.control(value, now);
+    } else if (offset === REG.fdebug) {
+      this.fdebug &= ~this.rawWriteValue;
+      for (const machine of this.machines) if (machine.stall === TX) machine.flagDebug(FDEBUG.txStall);
+    } else if (offset === REG.irq || offset === REG.irqForce) {
+      if (offset === REG.irq) this.irq &= ~this.rawWriteValue;
+      else this.irq |= value & 0xff;
+      this.checkInterrupts();
+      this.flagsChanged(now);
+    } else {
+      super.writeUint32(offset, value);
+    }
+  }
+
+  /** CTRL: restarts, then enables; machines enabled by one write execute their first instruction in one cycle. */
+  control(value, now) {
+    this.machines.forEach((machine, i) => {
+      if (value & (0x10 << i)) machine.restart(now);
+      if (value & (0x100 << i)) machine.phase = now;
+      machine.enable((value & (1 << i)) !== 0, now);
+    });
+  }
+
+  writeMachine(machine, register, value, now) {
+    switch (register) {
+      case MACHINE_REG.clkdiv:
+        machine.clkdiv = value;
+        break;
+      case MACHINE_REG.execctrl:
+        machine.execctrl = (value & 0x7fff_ffff) | (machine.execctrl & 0x8000_0000);
+        break;
+      case MACHINE_REG.shiftctrl: {
+        const rejoin = ((machine.shiftctrl ^ value) & 0xc000_0000) !== 0;
+        machine.shiftctrl = value;
+        if (rejoin) machine.join();
+        break;
+      }
+      case MACHINE_REG.pinctrl:
+        machine.pinctrl = value;
+        break;
+      case MACHINE_REG.instr:
+        machine.force(value & 0xffff, now);
+        if (this.pinsTouched) this.host.pads.update(now);
+        return;
+      default:
+        return;
+    }
+    machine.decode();
+    if (machine.enabled) machine.refuseUnmodelled();
+  }
+
+  settle(now) {
+    for (const machine of this.machines) machine.settle(now);
+  }
+
+  /** Interrupt sources of the FIFOs: TX not full, RX not empty. */
+  get intRaw() {
+    let raw = (this.irq & 0xf) << 8;
+    this.machines.forEach((machine, i) => {
+      if (!machine.txFIFO.full) raw |= 0x10 << i;
+      if (!machine.rxFIFO.empty) raw |= 1 << i;
+    });
+    return raw;
+  }
+}

@@ -1,0 +1,110 @@
+// Where the processor's cycles go: asleep, and by exception; and how deep its stack goes.
+//
+// Words: *own* cycles of an exception are those from its entry (stacking included) to its return, less those of
+// exceptions that preempted it. Thread mode is number 0; interrupt n is exception 16 + n (SWI_IRQ_0 is 26 + 16 = 42).
+
+export const SWI_IRQ_0 = 42;
+
+export class Usage {
+  /** `now()` gives the present cycle. Calls of the exceptions in `watched` are listed one by one. */
+  constructor(now, watched = [SWI_IRQ_0]) {
+    this.now = now;
+    this.watched = new Set(watched);
+    this.asleep = 0;
+    this.own = new Float64Array(64);
+    this.entries = new Float64Array(64);
+    /** For each watched exception: [{ entry, own, end }], in cycles; `own` as above, `end` the cycle of its return. */
+    this.calls = new Map(watched.map((number) => [number, []]));
+    this.restart();
+  }
+
+  /** After a reset: nothing is under way. */
+  restart() {
+    this.stack = [{ number: 0, entry: this.now(), own: 0 }];
+    this.mark = this.now();
+    this.sleeping = false;
+  }
+
+  /** Books the cycles since the last event. */
+  settle() {
+    const now = this.now();
+    const spent = now - this.mark;
+    this.mark = now;
+    if (this.sleeping) {
+      this.asleep += spent;
+      return;
+    }
+    const top = this.stack[this.stack.length - 1];
+    top.own += spent;
+    this.own[top.number] += spent;
+  }
+
+  sleep(on) {
+    this.settle();
+    this.sleeping = on;
+  }
+
+  enter(number) {
+    this.settle();
+    this.sleeping = false;
+    this.entries[number] += 1;
+    this.stack.push({ number, entry: this.mark, own: 0 });
+  }
+
+  /** The return is under way; the cycles of the returning instruction are booked to what it returns to. */
+  leave(number) {
+    this.settle();
+    if (this.stack.length < 2 || this.stack[this.stack.length - 1].number !== number) return;
+    const call = this.stack.pop();
+    if (this.watched.has(number)) this.calls.get(number).push({ entry: call.entry, own: call.own, end: this.mark });
+  }
+
+  /** The sums up to now: { cycles, asleep, awake, own: Map of exception number to cycles }. */
+  sums() {
+    this.settle();
+    const own = new Map();
+    let awake = 0;
+    this.own.forEach((cycles, number) => {
+      if (cycles > 0 || this.entries[number] > 0) own.set(number, { cycles, entries: this.entries[number] });
+      awake += cycles;
+    });
+    return { cycles: awake + this.asleep, asleep: this.asleep, awake, own };
+  }
+}
+
+/** Own cycles by function, from counts by program address. */
+export class Profile {
+  constructor() {
+    this.counts = new Map();
+  }
+
+  add(pc, cycles) {
+    this.counts.set(pc, (this.counts.get(pc) ?? 0) + cycles);
+  }
+
+  /** [{ name, cycles, share }], the largest first; `functions` from an ELF (see elf.mjs). */
+  byFunction(functions) {
+    const sums = new Map();
+    let total = 0;
+    for (const [pc, cycles] of this.counts) {
+      const name = nameAt(functions, pc);
+      sums.set(name, (sums.get(name) ?? 0) + cycles);
+      total += cycles;
+    }
+    const rows = [...sums].map(([name, cycles]) => ({ name, cycles, share: cycles / total }));
+    return rows.sort((a, b) => b.cycles - a.cycles);
+  }
+}
+
+function nameAt(functions, pc) {
+  let low = 0;
+  let high = functions.length;
+  while (low < high) {
+    const middle = (low + high) >>> 1;
+    if (functions[middle].address <= pc) low = middle + 1;
+    else high = middle;
+  }
+  const found = functions[low - 1];
+  if (found && pc < found.address + found.size) return found.name;
+  return pc < 0x4000 ? '(rom)' : `(0x${pc.toString(16)})`;
+}
