@@ -1,24 +1,78 @@
-//! temp
-use cophase_core::settings::*;
-use cophase_core::controller::Controller;
-use cophase_core::program::*;
+//! Which settings the image runs on, and where they are kept.
+//!
+//! A blob is built in, and two slots at the end of the flash keep what was stored or placed there: see
+//! `docs/blob.md` and the crate `cophase-blob`, where all of this is decided and tested. Here it meets the flash.
+
+use cophase_blob::layout::{FLASH_ADDRESS, FLASH_BYTES, SLOT_A_OFFSET, SLOT_B_OFFSET, SLOT_BYTES};
+use cophase_blob::store::{Choice, Slot, Store, blob_in, choose, inspect};
+use cophase_blob::{BlobError, decode, verify};
+use cophase_core::setup::Setup;
 use embassy_rp::Peri;
+use embassy_rp::flash::{Blocking, Flash};
 use embassy_rp::peripherals::FLASH;
-pub struct Setup { pub axes: [AxisSettings; 6] , pub n: usize}
-const AX: AxisSettings = AxisSettings{drive: DriveKind::Stepper, steps_per_turn: 3200, reversed:false, ratio:(1,1), offset_turns:0.0, index_turns:None, trim_limit_turns:0.01, trim_rate_hz:0.1, rotor_inertia_kgm2:0.0};
-pub static SETUP: Setup = Setup{ axes: [AX;6], n: 6};
-impl Setup {
-    pub fn axes_count(&self) -> usize { self.n }
-    pub fn index_width_cycles(&self) -> u32 { 250 }
-    pub fn controller<const N: usize>(&self) -> Result<Controller<N>, SettingsError> {
-        let s = Settings::<N> { tick_hz: 2000, machine: MachineSettings{crank_radius_m:0.02,lambda:0.3,load_kg:5.0,platform:Platform::Below,gravity_mps2:9.80665,mount_radius_m:0.2},
-          limits: LimitSettings{speed_hz:60.0,acceleration_hz_per_s:400.0,jerk_hz_per_s2:40000.0,creep_hz:1.0,bands:heapless::Vec::new()},
-          pulse: PulseSettings{width_ns:400.0,dir_setup_ns:200.0,dir_hold_ns:200.0}, axes: core::array::from_fn(|_| AX),
-          drift: DriftSettings{tilt_limit_mrad:3.0,warp_limit_deg:3.0,common_limit_deg:20.0}, park_turns:0.0, settle_s:0.01 };
-        let mut b = s.program_builder();
-        b.segment(SegmentSettings{amax_mps2:1000.0, ramp_s:0.1, hold_s:0.2, shape: Shape::Smooth})?;
-        b.segment(SegmentSettings{amax_mps2:0.0, ramp_s:0.1, hold_s:0.0, shape: Shape::Smooth})?;
-        Controller::new(&s, b.build()?)
+use static_cell::StaticCell;
+
+static BUILT_IN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/built-in.blob"));
+
+/// The settings to run on; none if those that should be run cannot be read, which is told.
+pub fn load(flash: Peri<'static, FLASH>) -> Option<&'static Setup> {
+    static SETUP: StaticCell<Setup> = StaticCell::new();
+    match read(flash) {
+        Ok(setup) => {
+            let setup = SETUP.init(setup);
+            defmt::info!(
+                "settings: {=str}, {=usize} axes, {=u32} ticks a second",
+                setup.name.as_str(),
+                setup.axes_count(),
+                setup.tick_hz
+            );
+            Some(setup)
+        }
+        Err(error) => {
+            defmt::error!("settings refused: {}", error);
+            None
+        }
     }
 }
-pub fn load(_f: Peri<'static, FLASH>) -> Option<&'static Setup> { Some(&SETUP) }
+
+fn read(flash: Peri<'static, FLASH>) -> Result<Setup, BlobError> {
+    let built_in = verify(BUILT_IN)?;
+    match choose(&built_in, &inspect(slot(Slot::A), slot(Slot::B))) {
+        Choice::Refuse(slot, error) => {
+            defmt::error!("slot {} is corrupt", slot);
+            Err(error)
+        }
+        Choice::Stored(from) => {
+            defmt::info!("settings from slot {}", from);
+            decode(blob_in(slot(from))?)
+        }
+        Choice::BuiltIn => {
+            defmt::info!("settings built in");
+            store(flash, built_in.mark());
+            decode(BUILT_IN)
+        }
+    }
+}
+
+/// Stores the built-in blob. That it could not be is told; it can be run all the same.
+fn store(flash: Peri<'static, FLASH>, mark: u32) {
+    let flash = Flash::<_, Blocking, { FLASH_BYTES as usize }>::new_blocking(flash);
+    let stored = Store::new(flash, SLOT_A_OFFSET, SLOT_B_OFFSET, SLOT_BYTES)
+        .and_then(|mut store| store.save(BUILT_IN, mark));
+    match stored {
+        Ok((slot, _)) => defmt::info!("stored in slot {}", slot),
+        Err(error) => defmt::warn!("not stored: {}", error),
+    }
+}
+
+/// A slot as the chip shows it, among its other memory.
+fn slot(slot: Slot) -> &'static [u8] {
+    let offset = match slot {
+        Slot::A => SLOT_A_OFFSET,
+        Slot::B => SLOT_B_OFFSET,
+    };
+    let start = (FLASH_ADDRESS + offset) as *const u8;
+    // SAFETY: all of it is flash, which nothing writes while such a slice is in use: `store` is the only one
+    // that does, and it has what was read before copied, or built in.
+    unsafe { core::slice::from_raw_parts(start, SLOT_BYTES as usize) }
+}
