@@ -1,0 +1,90 @@
+// What the host has to say of a scene: its blob, and the edges that `cophase run` predicts.
+
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { parse } from 'smol-toml';
+import { COPHASE, SCENES } from './paths.mjs';
+
+const NANOS_PER_CYCLE = 8;
+
+/** A scene of the bench: its text, and what of it the bench has to act out. */
+export function scene(name) {
+  const file = path.join(SCENES, `${name}.toml`);
+  const toml = parse(fs.readFileSync(file, 'utf8'));
+  return {
+    name,
+    file,
+    axes: toml.axes.count,
+    tickHz: toml.control?.tick_hz ?? 2000,
+    inputs: toml.input ?? [],
+  };
+}
+
+function cophase(args, statuses) {
+  const done = spawnSync(COPHASE, args, { encoding: 'utf8', maxBuffer: 1 << 26 });
+  if (done.error) throw done.error;
+  if (!statuses.includes(done.status)) {
+    throw new Error(`cophase ${args.join(' ')} ended with ${done.status}:\n${done.stderr}`);
+  }
+  return done.stdout;
+}
+
+function withFolder(use) {
+  const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'cophase-bench-'));
+  try {
+    return use(folder);
+  } finally {
+    fs.rmSync(folder, { recursive: true });
+  }
+}
+
+/** The scene's settings as the image takes them. */
+export function blobOf({ file }) {
+  return withFolder((folder) => {
+    const blob = path.join(folder, 'scene.blob');
+    cophase(['image', file, '-o', blob], [0]);
+    return fs.readFileSync(blob);
+  });
+}
+
+/**
+ * The whole run as the host plays it: { edges: Map of wire to [{ cycle, level }], report }. Cycles count from the
+ * deadline at which the host reads the start.
+ */
+export function predict({ file }) {
+  return withFolder((folder) => {
+    cophase(['run', file, '--out', folder, '--window', 'all', '--quiet'], [0, 1]);
+    return {
+      edges: readVcd(fs.readFileSync(path.join(folder, 'steps.vcd'), 'utf8')),
+      report: JSON.parse(fs.readFileSync(path.join(folder, 'report.json'), 'utf8')),
+    };
+  });
+}
+
+/** Reads the one form of VCD that `cophase` writes: one-bit wires, nanoseconds. */
+function readVcd(text) {
+  const names = new Map();
+  const edges = new Map();
+  const levels = new Map();
+  let cycle = 0;
+  for (const line of text.split('\n')) {
+    const wire = line.match(/^\$var wire 1 (\S+) (\S+) \$end$/);
+    if (wire) {
+      names.set(wire[1], wire[2]);
+      edges.set(wire[2], []);
+    } else if (line.startsWith('#')) {
+      const nanos = Number(line.slice(1));
+      if (nanos % NANOS_PER_CYCLE !== 0) throw new Error(`an edge at ${nanos} ns, which is no whole cycle`);
+      cycle = nanos / NANOS_PER_CYCLE;
+    } else if (/^[01]\S+$/.test(line)) {
+      const name = names.get(line.slice(1));
+      const level = Number(line[0]);
+      // The dump at the beginning gives levels; edges are what differs from them.
+      if (levels.has(name) && levels.get(name) !== level) edges.get(name).push({ cycle, level });
+      levels.set(name, level);
+    }
+  }
+  return edges;
+}

@@ -1,0 +1,107 @@
+// A board with the image in its flash, settings in a slot, and an operator at its inputs.
+
+import fs from 'node:fs';
+import { Board } from '../board/board.mjs';
+import { CYCLES_PER_US } from '../board/clock.mjs';
+import { FLASH_SIZE } from '../board/elf.mjs';
+import { SWI_IRQ_0 } from '../board/usage.mjs';
+import * as pins from './pins.mjs';
+import { IMAGE } from './paths.mjs';
+
+export const CYCLES_PER_S = 1e6 * CYCLES_PER_US;
+
+/** Where the first settings slot lies (firmware/blob/src/layout.rs). */
+export const SLOT_A = 0x1f_0000;
+export const SLOT_B = 0x1f_8000;
+
+/** Exception numbers: the timer that the deadlines are on, and the loop. */
+const TIMER_IRQ_0 = 16;
+
+/** The button must be steady this long to count (firmware/core/src/panel.rs), and a little more. */
+const STEADY_S = 0.0105;
+
+let elf;
+
+/** The image's bytes. */
+export function image() {
+  elf ??= fs.readFileSync(IMAGE);
+  return elf;
+}
+
+/** A flash with a blob placed in the first slot, as `probe-rs download` would. */
+export function flashWith(blob) {
+  const flash = new Uint8Array(FLASH_SIZE).fill(0xff);
+  if (blob) flash.set(blob, SLOT_A);
+  return flash;
+}
+
+export class Machine {
+  /** `scene` and `blob` as of host.mjs; `flash`: what the board has instead; `options` go to the board. */
+  constructor({ axes, tickHz, blob, flash, options = {} }) {
+    this.axes = axes;
+    this.tick = CYCLES_PER_S / tickHz;
+    this.board = new Board({
+      elf: image(),
+      flash: flash ?? flashWith(blob),
+      pins: pins.outputs(axes),
+      watched: [TIMER_IRQ_0, SWI_IRQ_0],
+      ...options,
+    });
+    this.set(pins.ENABLE, 0);
+    this.set(pins.STOP, 0);
+    this.set(pins.START, 1);
+    for (let axis = 0; axis < axes; axis += 1) this.set(pins.ALARM[axis], 0);
+  }
+
+  /** Sets an input, now or at a cycle. */
+  set(pin, level, cycle = this.board.cycle) {
+    this.board.stimulus.at(cycle, pin, level);
+  }
+
+  run(seconds) {
+    return this.board.run({ cycles: Math.round(seconds * CYCLES_PER_S) });
+  }
+
+  level(name) {
+    return this.board.edges.levelAt(name, this.board.cycle);
+  }
+
+  /** Runs until the loop meets its deadlines. */
+  boot() {
+    const { calls } = this.board.usage;
+    const met = (board) => board.usage.calls.get(SWI_IRQ_0).length > 3;
+    const { reason } = this.board.run({ cycles: 2 * CYCLES_PER_S, until: met });
+    if (reason !== 'until') throw new Error(`the loop did not begin within 2 s: ${reason}, ${calls.get(SWI_IRQ_0).length} calls`);
+  }
+
+  /** Lets the button go, presses it, and lets it go: what it asks for has been asked. */
+  press() {
+    this.set(pins.START, 1);
+    this.run(STEADY_S);
+    this.set(pins.START, 0);
+    this.run(STEADY_S);
+    this.set(pins.START, 1);
+  }
+
+  /**
+   * Starts the machine. Gives the cycle of the deadline at which the loop read the start, as the timer's interrupt
+   * shows it: what all times of the host count from.
+   */
+  start() {
+    this.set(pins.START, 1);
+    this.run(STEADY_S);
+    this.set(pins.START, 0);
+    const on = (board) => board.edges.levelAt('enable', board.cycle) === 1;
+    const { reason } = this.board.run({ cycles: 0.1 * CYCLES_PER_S, until: on, every: 500 });
+    if (reason !== 'until') throw new Error('pressing the button did not switch the drives on');
+    this.set(pins.START, 1);
+    const [rise] = this.board.edges.to('enable', 1).slice(-1);
+    const timer = this.board.usage.calls.get(TIMER_IRQ_0).filter(({ entry }) => entry <= rise);
+    return timer[timer.length - 1].entry;
+  }
+
+  /** The loop's runs from a cycle on: [{ entry, own, end }]; `own` is what a control tick costs the processor. */
+  ticks(from = 0) {
+    return this.board.usage.calls.get(SWI_IRQ_0).filter(({ entry }) => entry >= from);
+  }
+}

@@ -1,0 +1,18 @@
+// Where things lie that the bench uses.
+
+import { fileURLToPath } from 'node:url';
+import path from 'node:path';
+
+export const HERE = path.resolve(path.dirname(fileURLToPath(import.meta.url)), '..');
+export const ROOT = path.resolve(HERE, '../..');
+export const TARGET = process.env.CARGO_TARGET_DIR ?? path.join(ROOT, 'target');
+
+/** The image as it is flashed. */
+export const IMAGE = path.join(TARGET, 'thumbv6m-none-eabi/image/cophase-firmware');
+
+/** The command, and the tool that reads images and logs. */
+export const COPHASE = path.join(TARGET, 'release/cophase');
+export const INSPECT = path.join(TARGET, 'release/image-inspect');
+
+export const SCENES = path.join(HERE, 'scenes');
+export const DOCS = path.join(ROOT, 'docs');

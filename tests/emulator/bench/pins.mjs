@@ -1,0 +1,39 @@
+// Where the image has everything wired: read from its own table, so that the two cannot differ.
+
+import fs from 'node:fs';
+import path from 'node:path';
+import { ROOT } from './paths.mjs';
+
+const source = fs.readFileSync(path.join(ROOT, 'firmware/src/board/pins.rs'), 'utf8');
+
+function constant(name) {
+  const found = source.match(new RegExp(`pub const ${name}: [^=]+= ([^;]+);`));
+  if (!found) throw new Error(`pins.rs has no ${name}`);
+  return JSON.parse(found[1]);
+}
+
+export const STEP = constant('STEP');
+export const DIR = constant('DIR');
+export const ALARM = constant('ALARM');
+export const INDEX = STEP.map((_, axis) => constant('INDEX') + axis);
+export const DRIVE_ENABLE = constant('DRIVE_ENABLE');
+export const SYNC = constant('SYNC');
+export const LAMP = constant('LAMP');
+export const ENABLE = constant('ENABLE');
+export const STOP = constant('STOP');
+export const START = constant('START');
+
+/** Axes on the first PIO block; the others are on the second. */
+const FIRST_BLOCK = 3;
+
+export const blockOf = (axis) => Math.floor(axis / FIRST_BLOCK);
+
+/** The pins to record for a machine of `axes` axes, by name. */
+export function outputs(axes) {
+  const pins = { enable: DRIVE_ENABLE, sync: SYNC, lamp: LAMP };
+  for (let axis = 0; axis < axes; axis += 1) {
+    pins[`step_${axis}`] = STEP[axis];
+    pins[`dir_${axis}`] = DIR[axis];
+  }
+  return pins;
+}
