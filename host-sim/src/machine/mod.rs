@@ -25,8 +25,9 @@ use cophase_core::signals::Output;
 use crate::scene::file::{Drive, Fidelity};
 use crate::scene::{Checked, SceneError};
 
-/// How long an index line stays high, cycles: 20 µs, as wide as a sensor's flag is likely to be.
-pub const INDEX_CYCLES: u32 = 2500;
+/// How long an index line stays high: 20 µs, as wide as a sensor's flag is likely to be. Whoever has a filter
+/// for longer levels has wider flags.
+const FLAG_CYCLES: u32 = 2500;
 
 /// What a machine is given to play in one tick.
 #[derive(Clone, Debug)]
@@ -68,6 +69,8 @@ pub struct Machine<const N: usize> {
     pub axes: [SimulatedAxis; N],
     /// What they carry.
     pub platform: Platform<N>,
+    /// How long an index line stays high, cycles.
+    pub index_cycles: u32,
     tick_s: f64,
     torques: bool,
     omega_before: f64,
@@ -104,6 +107,7 @@ impl<const N: usize> Machine<N> {
         Ok(Self {
             axes: std::array::from_fn(make),
             platform: Platform::new(checked)?,
+            index_cycles: FLAG_CYCLES.max(2 * settings.index.width_cycles()),
             tick_s: 1.0 / f64::from(settings.tick_hz),
             torques: checked.fidelity == Fidelity::QuasiStatic,
             omega_before: 0.0,

@@ -29,6 +29,9 @@ pub struct Scene {
     /// What single axes have apart.
     #[serde(default, rename = "axis", skip_serializing_if = "Vec::is_empty")]
     pub axis: Vec<AxisApart>,
+    /// What counts as a pulse of an index line.
+    #[serde(default)]
+    pub index: Index,
     /// How far the cranks may be apart.
     #[serde(default)]
     pub drift: Drift,
@@ -280,6 +283,20 @@ pub struct AxisApart {
     /// Factor on its pull-out torque: a weaker motor.
     #[serde(default = "one")]
     pub pull_out_scale: f64,
+}
+
+/// What counts as a pulse of an index line.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Index {
+    /// Shortest time that a level must last to be no glitch, µs.
+    pub width_us: f64,
+}
+
+impl Default for Index {
+    fn default() -> Self {
+        Self { width_us: 2.0 }
+    }
 }
 
 /// How far the cranks may be apart.

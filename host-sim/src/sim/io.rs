@@ -16,7 +16,7 @@ use embassy_time::Instant;
 use super::Outcome;
 use super::schedule::Schedule;
 use super::statistics::Statistics;
-use crate::machine::{INDEX_CYCLES, IndexSensor, Machine, Played};
+use crate::machine::{IndexSensor, Machine, Played};
 use crate::units::turns;
 use crate::virtual_time::TICKS_PER_S;
 
@@ -100,9 +100,6 @@ const fn tail_ticks(tick_hz: u32) -> u64 {
     (tick_hz / 20) as u64
 }
 
-/// What index filters take for a glitch: 2 µs.
-const FILTER_CYCLES: u32 = 250;
-
 /// How many ticks go by between two reports of progress.
 const PROGRESS_TICKS: u64 = 8192;
 
@@ -111,6 +108,7 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
     pub fn new(
         tick_hz: u32,
         machine: Machine<N>,
+        sensors: [IndexSensor; N],
         schedule: Schedule,
         statistics: Statistics,
         observer: &'a mut O,
@@ -120,7 +118,7 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             tick_us: 1_000_000 / u64::from(tick_hz),
             tick_hz,
             machine,
-            sensors: std::array::from_fn(|_| IndexSensor::new(FILTER_CYCLES, INDEX_CYCLES)),
+            sensors,
             sensed_us: 0,
             schedule,
             statistics,

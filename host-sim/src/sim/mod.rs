@@ -15,7 +15,7 @@ use cophase_core::control_loop;
 use cophase_core::controller::Controller;
 use cophase_core::supervisor::{Fault, State};
 
-use crate::machine::Machine;
+use crate::machine::{IndexSensor, Machine};
 use crate::scene::{Checked, SceneError};
 use crate::virtual_time;
 use io::SimulatedIo;
@@ -75,10 +75,13 @@ pub fn simulate<const N: usize>(
     let schedule = Schedule::new(checked, controller.program().0.duration());
     let mut lateness = schedule.lateness();
     let machine = Machine::new(checked)?;
+    let width = checked.settings::<N>().index.width_cycles();
+    let sensors = std::array::from_fn(|_| IndexSensor::new(width, machine.index_cycles));
     let statistics = Statistics::new(checked, machine.platform.mechanism());
     let mut io = SimulatedIo::new(
         controller.tick_hz(),
         machine,
+        sensors,
         schedule,
         statistics,
         observer,

@@ -8,7 +8,6 @@ use std::io::Write;
 use cophase_core::pulse::Run;
 
 use super::{Levels, Signal, StepsVcd, VcdError};
-use crate::machine::INDEX_CYCLES;
 use crate::sim::Moment;
 
 /// Which part of the run `steps.vcd` shows.
@@ -49,9 +48,6 @@ enum Begun<V: Write> {
     At(u64, StepsVcd<V>),
     Over,
 }
-
-/// How long an index line stays high.
-const INDEX_NS: u64 = INDEX_CYCLES as u64 * CYCLE_NS;
 
 impl<V: Write> StepWindow<V> {
     pub fn new(vcd: V, window: Window) -> Self {
@@ -125,6 +121,7 @@ impl<V: Write> StepWindow<V> {
     fn pass<const N: usize>(&mut self, moment: &Moment<'_, N>, reversed: &[bool]) {
         self.levels.enable = moment.drives_enabled;
         self.levels.sync = moment.sync;
+        let index_ns = u64::from(moment.machine.index_cycles) * CYCLE_NS;
         for (i, &reversed) in reversed.iter().enumerate() {
             for run in &moment.played.runs[i] {
                 self.levels.step[i] ^= run.edges() % 2 == 1;
@@ -133,7 +130,7 @@ impl<V: Write> StepWindow<V> {
                 }
             }
             let end = moment.index[i]
-                .map(|cycle| moment.start_ns + u64::from(cycle) * CYCLE_NS + INDEX_NS);
+                .map(|cycle| moment.start_ns + u64::from(cycle) * CYCLE_NS + index_ns);
             self.levels.index[i] = end.is_some_and(|end| end >= moment.end_ns);
             self.edges
                 .extend(end.map(|end| (end, Signal::Index(i), false)));
@@ -151,6 +148,7 @@ impl<V: Write> StepWindow<V> {
     /// Edges of one tick, in no order.
     fn gather<const N: usize>(&mut self, moment: &Moment<'_, N>, reversed: &[bool]) {
         let start_ns = moment.start_ns;
+        let index_ns = u64::from(moment.machine.index_cycles) * CYCLE_NS;
         self.edges
             .push((start_ns, Signal::Enable, moment.drives_enabled));
         self.edges.push((start_ns, Signal::Sync, moment.sync));
@@ -177,7 +175,7 @@ impl<V: Write> StepWindow<V> {
             if let Some(cycle) = moment.index[i] {
                 let at = start_ns + u64::from(cycle) * CYCLE_NS;
                 self.edges.push((at, Signal::Index(i), true));
-                self.edges.push((at + INDEX_NS, Signal::Index(i), false));
+                self.edges.push((at + index_ns, Signal::Index(i), false));
             }
         }
     }

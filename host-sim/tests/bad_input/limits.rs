@@ -237,6 +237,20 @@ fn ticks_and_pulses() {
             "0 to 360°",
         ),
         case(
+            "an index filter slower than any flag",
+            set("index.width_us", "101"),
+            "index.width_us",
+            "101 µs is outside",
+            "0.1 to 100 µs",
+        ),
+        case(
+            "an index filter of over a quarter of a tick",
+            set("index.width_us", "100").replace("tick_hz = 2000", "tick_hz = 4000"),
+            "index.width_us",
+            "100 µs is over a quarter of a tick, 62.5 µs",
+            "shorten it, or lower control.tick_hz",
+        ),
+        case(
             "drift limit of nothing",
             set("drift.warp_limit_deg", "0"),
             "drift.warp_limit_deg",

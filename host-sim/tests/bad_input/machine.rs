@@ -74,6 +74,12 @@ fn wrong_units_name_the_key_with_the_right_one() {
             "`width_ns`, in ns",
         ),
         unit(
+            "index.width_us",
+            "width_ns",
+            "index.width_ns",
+            "`width_us`, in µs",
+        ),
+        unit(
             "axes.offset_deg",
             "offset_rad",
             "axes.offset_rad",

@@ -27,6 +27,7 @@ const NUMBERS: &[(&str, bool)] = &[
     ("axis[0].start_deg", true),
     ("axis[0].trim_deg", true),
     ("axis[0].pull_out_scale", true),
+    ("index.width_us", false),
     ("drift.tilt_limit_mrad", false),
     ("drift.warp_limit_deg", false),
     ("drift.common_limit_deg", false),

@@ -4,8 +4,8 @@ use super::*;
 use crate::drift::IndexPulse;
 use crate::program::{SegmentSettings, Shape};
 use crate::settings::{
-    AxisSettings, BandSettings, DriftSettings, LimitSettings, MachineSettings, Platform,
-    PulseSettings,
+    AxisSettings, BandSettings, DriftSettings, IndexSettings, LimitSettings, MachineSettings,
+    Platform, PulseSettings,
 };
 use crate::supervisor::Command;
 
@@ -50,6 +50,7 @@ fn settings() -> Settings<2> {
             dir_setup_ns: 300.0,
             dir_hold_ns: 300.0,
         },
+        index: IndexSettings { width_us: 2.0 },
         axes: [
             axis,
             AxisSettings {

@@ -77,6 +77,10 @@ pub enum Problem {
     )]
     SetupTooLong { need_us: f64, most_us: f64 },
     #[error(
+        "{} µs is over a quarter of a tick, {} µs, so that a pulse could be known only two ticks later; shorten it, or lower control.tick_hz", Number(*width_us), Number(*most_us)
+    )]
+    IndexTooLong { width_us: f64, most_us: f64 },
+    #[error(
         "the axis would turn {turns_per_tick:.3} turns a tick at full speed; 0.5 is the most that an index pulse a turn can follow; raise control.tick_hz, or lower limits.speed_hz or the ratio"
     )]
     TooFastForTick { turns_per_tick: f64 },

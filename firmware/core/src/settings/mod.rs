@@ -9,6 +9,7 @@ use error::finite;
 pub(crate) use error::inside;
 pub use error::{Problem, SettingsError};
 
+use crate::drift::index_filter::MOST_OF_TICK;
 use crate::units::{FRACTION_BITS, Turns};
 
 /// Clock of the step hardware: one cycle is 8 ns.
@@ -31,6 +32,8 @@ pub struct Settings<const N: usize> {
     pub limits: LimitSettings,
     /// The step lines' timing.
     pub pulse: PulseSettings,
+    /// What counts as a pulse of an index line.
+    pub index: IndexSettings,
     /// One entry an axis.
     pub axes: [AxisSettings; N],
     /// How far the cranks may be apart.
@@ -118,6 +121,14 @@ pub struct PulseSettings {
     pub dir_hold_ns: f64,
 }
 
+/// What counts as a pulse of an index line.
+#[derive(Clone, Copy, Debug)]
+pub struct IndexSettings {
+    /// Shortest time that a level must last to be no glitch, microseconds, 0.1 to 100, at most a quarter
+    /// of a tick.
+    pub width_us: f64,
+}
+
 /// What an axis is driven by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -188,6 +199,7 @@ impl<const N: usize> Settings<N> {
             100_000.0,
         )?;
         inside("pulse.dir_hold_ns", self.pulse.dir_hold_ns, 0.0, 100_000.0)?;
+        self.index.check(self.tick_hz)?;
         for (i, axis) in self.axes.iter().enumerate() {
             axis.check().map_err(|e| e.on_entry(i))?;
         }
@@ -217,6 +229,23 @@ impl<const N: usize> Settings<N> {
     /// Cycles of the step clock in one control tick.
     pub const fn tick_cycles(&self) -> u32 {
         CLOCK_HZ / self.tick_hz
+    }
+}
+
+impl IndexSettings {
+    fn check(&self, tick_hz: u32) -> Result<(), SettingsError> {
+        let width_us = inside("index.width_us", self.width_us, 0.1, 100.0)?;
+        let most_us = 1e6 / f64::from(tick_hz * MOST_OF_TICK);
+        if width_us > most_us {
+            let problem = Problem::IndexTooLong { width_us, most_us };
+            return Err(SettingsError::new("index.width_us", problem));
+        }
+        Ok(())
+    }
+
+    /// The width in cycles of the step clock, to the nearest.
+    pub fn width_cycles(&self) -> u32 {
+        libm::round(self.width_us * 1e-6 * f64::from(CLOCK_HZ)) as u32
     }
 }
 

@@ -3,7 +3,7 @@
 
 use cophase_core::profile::{Profile, SliderCrank};
 use cophase_core::settings::{
-    AxisSettings, BandSettings, DriftSettings, DriveKind, LimitSettings, MAX_BANDS,
+    AxisSettings, BandSettings, DriftSettings, DriveKind, IndexSettings, LimitSettings, MAX_BANDS,
     MachineSettings, PulseSettings, Settings,
 };
 
@@ -45,6 +45,9 @@ impl Checked {
                 width_ns: scene.pulse.width_ns,
                 dir_setup_ns: scene.pulse.dir_setup_ns,
                 dir_hold_ns: scene.pulse.dir_hold_ns,
+            },
+            index: IndexSettings {
+                width_us: scene.index.width_us,
             },
             axes: std::array::from_fn(|i| self.axis(i)),
             drift: DriftSettings {

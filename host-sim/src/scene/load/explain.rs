@@ -9,8 +9,8 @@ use super::place::{example, heading_of};
 const MOST_QUOTED: usize = 48;
 
 /// Tables that stand in a scene once.
-const TABLES: [&str; 7] = [
-    "machine", "control", "limits", "pulse", "axes", "drift", "scope",
+const TABLES: [&str; 8] = [
+    "machine", "control", "limits", "pulse", "axes", "index", "drift", "scope",
 ];
 
 /// What is wrong with a line that is not TOML.
