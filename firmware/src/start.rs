@@ -136,7 +136,7 @@ async fn run<const N: usize>(setup: &Setup, watchdog: Peri<'static, WATCHDOG>, r
         steps: Steps::new(BUFFERS.take(), &reversed, Duration::from_micros(tick_us.into())),
         index: Index::new(tick_us * CYCLES_PER_US),
         filters: core::array::from_fn(|axis| {
-            IndexFilter::new(250, levels.index(axis))
+            IndexFilter::new(setup.index.width_cycles(), levels.index(axis))
         }),
         watchdog: Fed::start(watchdog, tick_us),
         button: Button::new(tick_hz),

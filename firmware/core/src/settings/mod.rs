@@ -122,7 +122,8 @@ pub struct PulseSettings {
 }
 
 /// What counts as a pulse of an index line.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct IndexSettings {
     /// Shortest time that a level must last to be no glitch, microseconds, 0.1 to 100, at most a quarter
     /// of a tick.

@@ -12,7 +12,7 @@ use heapless::{String, Vec};
 use crate::controller::Controller;
 use crate::program::{CAPACITY, EntrySettings, Program};
 use crate::settings::{
-    AxisSettings, DriftSettings, LimitSettings, MAX_AXES, MachineSettings, Problem, PulseSettings,
+    AxisSettings, DriftSettings, IndexSettings, LimitSettings, MAX_AXES, MachineSettings, Problem, PulseSettings,
     Settings, SettingsError, turns,
 };
 
@@ -33,6 +33,8 @@ pub struct Setup {
     pub limits: LimitSettings,
     /// The step lines' timing.
     pub pulse: PulseSettings,
+    /// What counts as a pulse of an index line.
+    pub index: IndexSettings,
     /// One entry an axis.
     pub axes: Vec<AxisSettings, MAX_AXES>,
     /// Trims that are set at start, turns, axis by axis; an axis without an entry has none.
@@ -69,6 +71,7 @@ impl Setup {
             machine: self.machine,
             limits: self.limits.clone(),
             pulse: self.pulse,
+            index: self.index,
             axes,
             drift: self.drift,
             park_turns: self.park_turns,

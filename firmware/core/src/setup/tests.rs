@@ -24,6 +24,7 @@ const LEVEL: SegmentSettings = SegmentSettings {
 
 fn setup(axes: usize) -> Setup {
     Setup {
+        index: IndexSettings { width_us: 2.0 },
         name: short_name("bench"),
         tick_hz: 2000,
         machine: MachineSettings {
