@@ -32,10 +32,14 @@ fn in_code() -> BTreeMap<u8, String> {
 
 /// What the page says: in the diagram a pin's name stands beside it, outside; in the text behind it.
 fn in_docs() -> BTreeMap<u8, String> {
-    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/wiring.md")).unwrap();
+    let page =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/wiring.md")).unwrap();
     let mut names = BTreeMap::new();
     let number = |word: &str| word.strip_prefix("GP").and_then(|n| n.parse::<u8>().ok());
-    for row in page.lines().filter(|line| line.contains("│               │")) {
+    for row in page
+        .lines()
+        .filter(|line| line.contains("│               │"))
+    {
         let (left, right) = row.split_once("│               │").unwrap();
         let left: Vec<_> = left.split_whitespace().collect();
         let right: Vec<_> = right.split_whitespace().collect();

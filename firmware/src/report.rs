@@ -93,8 +93,12 @@ pub async fn tell() -> ! {
         match what {
             What::State(state) => defmt::info!("tick {=u32}: {}", tick, state),
             What::Fault(fault) => tell_fault(tick, &fault),
-            What::Missed(all) => defmt::warn!("tick {=u32}: {=u32} deadlines missed in all", tick, all),
-            What::Late(all) => defmt::warn!("tick {=u32}: {=u32} deadlines met late in all", tick, all),
+            What::Missed(all) => {
+                defmt::warn!("tick {=u32}: {=u32} deadlines missed in all", tick, all)
+            }
+            What::Late(all) => {
+                defmt::warn!("tick {=u32}: {=u32} deadlines met late in all", tick, all)
+            }
             What::Lost(notes) => defmt::warn!("tick {=u32}: {=u32} notes lost", tick, notes),
         }
     }
@@ -106,11 +110,18 @@ fn tell_fault(tick: u32, fault: &Fault) {
     match fault.axis {
         Some(axis) => defmt::error!(
             "tick {=u32}: fault: {} on axis {=usize}, {=f32} deg, at crank phase {=f32} deg",
-            tick, fault.kind, axis, size_deg, phase_deg
+            tick,
+            fault.kind,
+            axis,
+            size_deg,
+            phase_deg
         ),
         None => defmt::error!(
             "tick {=u32}: fault: {}, {=f32} deg, at crank phase {=f32} deg",
-            tick, fault.kind, size_deg, phase_deg
+            tick,
+            fault.kind,
+            size_deg,
+            phase_deg
         ),
     }
 }

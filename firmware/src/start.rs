@@ -6,12 +6,12 @@ use cophase_core::setup::Setup;
 use cophase_core::supervisor::{Fault, FaultKind, State};
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use defmt_rtt as _;
+use embassy_rp::Peri;
 use embassy_rp::executor::{Executor, InterruptExecutor};
 use embassy_rp::gpio::{Input, Pull};
 use embassy_rp::interrupt;
 use embassy_rp::interrupt::{InterruptExt, Priority};
 use embassy_rp::peripherals::WATCHDOG;
-use embassy_rp::Peri;
 use embassy_time::{Duration, Timer};
 use panic_probe as _;
 use static_cell::{ConstStaticCell, StaticCell};
@@ -75,7 +75,11 @@ fn main() -> ! {
         guards.spawn(defmt::unwrap!(guard(enable)));
         interrupt::SWI_IRQ_0.set_priority(Priority::P2);
         let loops = LOOP.start(interrupt::SWI_IRQ_0);
-        loops.spawn(defmt::unwrap!(run_loop(setup, p.WATCHDOG, last_seen.is_some())));
+        loops.spawn(defmt::unwrap!(run_loop(
+            setup,
+            p.WATCHDOG,
+            last_seen.is_some()
+        )));
     })
 }
 
@@ -108,7 +112,10 @@ async fn run_loop(setup: &'static Setup, watchdog: Peri<'static, WATCHDOG>, rest
         4 => run::<4>(setup, watchdog, restarted).await,
         5 => run::<5>(setup, watchdog, restarted).await,
         6 => run::<6>(setup, watchdog, restarted).await,
-        axes => defmt::error!("settings refused: {=usize} axes; this board drives 2 to 6", axes),
+        axes => defmt::error!(
+            "settings refused: {=usize} axes; this board drives 2 to 6",
+            axes
+        ),
     }
 }
 
@@ -133,7 +140,11 @@ async fn run<const N: usize>(setup: &Setup, watchdog: Peri<'static, WATCHDOG>, r
     }
     let levels = lines::read();
     let board = Board {
-        steps: Steps::new(BUFFERS.take(), &reversed, Duration::from_micros(tick_us.into())),
+        steps: Steps::new(
+            BUFFERS.take(),
+            &reversed,
+            Duration::from_micros(tick_us.into()),
+        ),
         index: Index::new(tick_us * CYCLES_PER_US),
         filters: core::array::from_fn(|axis| {
             IndexFilter::new(setup.index.width_cycles(), levels.index(axis))

@@ -5,10 +5,10 @@
 //! restart, in registers that it leaves alone, and told.
 
 use cophase_core::supervisor::State;
+use embassy_rp::Peri;
 use embassy_rp::pac;
 use embassy_rp::peripherals::WATCHDOG;
 use embassy_rp::watchdog::Watchdog;
-use embassy_rp::Peri;
 use embassy_time::Duration;
 
 /// The loop may miss this many deadlines before the controller restarts. It faults by itself, and stops

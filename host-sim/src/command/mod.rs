@@ -3,6 +3,7 @@
 //! Exit status: 0 done; 1 the run ended in a fault, or a simulated motor slipped and the controller did not
 //! see it, and everything was still written; 2 bad input, and nothing was written.
 
+mod image;
 mod run;
 mod scenes;
 
@@ -27,6 +28,8 @@ pub struct Command {
 enum What {
     /// Run a scene: the control loop, in virtual time, against a simulated machine
     Run(run::RunArgs),
+    /// Compile a scene for a board: all that the control loop is told, as a file to be placed in flash
+    Image(image::ImageArgs),
     /// List the built-in scenes, or print one to start your own from
     Scenes(scenes::ScenesArgs),
     Design(DesignArgs),
@@ -60,6 +63,7 @@ impl Command {
     pub fn carry_out(self, out: &mut impl Write) -> Status {
         let done = match self.what {
             What::Run(args) => run::run(&args, out),
+            What::Image(args) => image::image(&args, out),
             What::Scenes(args) => scenes::scenes(&args, out),
             What::Design(args) => match design::run(&args, out) {
                 Ok(()) => Ok(Status::Done),

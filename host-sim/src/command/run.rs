@@ -1,15 +1,15 @@
 //! `cophase run`: a scene goes in, four files and a page of words come out.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{CommandError, Status, scenes};
 use crate::report::{self, Report, Written};
-use crate::scene::library::{self, SCENES};
-use crate::scene::{Checked, load};
+use crate::scene::Checked;
+use crate::scene::library::SCENES;
 use crate::sim::events::Happening;
 use crate::sim::{Outcome, simulate};
 use crate::trace::{Every, Recorder, RunFiles, ScopeData, ScopeFrame, Window};
@@ -67,7 +67,7 @@ fn between(from_s: f64, to_s: f64) -> Window {
 }
 
 pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, CommandError> {
-    let checked = read(&args.scene).map_err(CommandError::Input)?;
+    let checked = scenes::read(&args.scene).map_err(CommandError::Input)?;
     let began = Instant::now();
     let (outcome, written) =
         with_axes!(checked.scene.axes.count, N => record::<N>(args, &checked, began))
@@ -92,24 +92,6 @@ pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, Comman
     } else {
         Status::Done
     })
-}
-
-/// A file if there is one of that name, else a built-in scene.
-fn read(name: &str) -> Result<Checked, String> {
-    let path = Path::new(name);
-    match library::find(name) {
-        Some(built_in) if !path.exists() => {
-            Checked::new(built_in.scene()).map_err(|error| error.in_file(name))
-        }
-        _ if !path.exists() && path.extension().is_none() && path.components().count() == 1 => {
-            return Err(format!(
-                "{}; nor is there a file of that name",
-                scenes::unknown(name)
-            ));
-        }
-        _ => load::checked_from_file(path),
-    }
-    .map_err(|error| error.to_string())
 }
 
 const FILES: [&str; 4] = ["report.json", "trace.csv", "steps.vcd", "scope.svg"];

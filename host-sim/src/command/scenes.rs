@@ -1,10 +1,11 @@
-//! `cophase scenes`: what there is to run, and to start from.
+//! `cophase scenes`: what there is to run, and to start from; and how other commands take a scene.
 
 use std::io::Write;
+use std::path::Path;
 
 use super::{CommandError, Status};
 use crate::scene::library::{self, SCENES};
-use crate::scene::load;
+use crate::scene::{Checked, load};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ScenesArgs {
@@ -46,4 +47,22 @@ pub(super) fn unknown(name: &str) -> String {
         meant.unwrap_or_default(),
         known.join(", ")
     )
+}
+
+/// A file if there is one of that name, else a built-in scene.
+pub(super) fn read(name: &str) -> Result<Checked, String> {
+    let path = Path::new(name);
+    match library::find(name) {
+        Some(built_in) if !path.exists() => {
+            Checked::new(built_in.scene()).map_err(|error| error.in_file(name))
+        }
+        _ if !path.exists() && path.extension().is_none() && path.components().count() == 1 => {
+            return Err(format!(
+                "{}; nor is there a file of that name",
+                unknown(name)
+            ));
+        }
+        _ => load::checked_from_file(path),
+    }
+    .map_err(|error| error.to_string())
 }

@@ -82,7 +82,7 @@ impl<const N: usize> Machine<N> {
     /// # Errors
     /// Numbers that the machine cannot be made of.
     pub fn new(checked: &Checked) -> Result<Self, SceneError> {
-        let settings = checked.settings::<N>();
+        let settings = checked.settings::<N>()?;
         let axes = &checked.scene.axes;
         let pull_out = PullOut::new(&axes.pull_out)?;
         let make = |i: usize| {

@@ -1,7 +1,7 @@
 //! A scene whose numbers have been checked, and what it asks of the core.
 //!
 //! `numbers` checks what the core does not know of, `settings` turns the scene's words into the
-//! core's, and `program` builds its program; what the core refuses is said at the key that stands in
+//! core's, and `program` lays its program out; what the core refuses is said at the key that stands in
 //! the file.
 
 mod numbers;
@@ -9,7 +9,9 @@ mod program;
 mod settings;
 
 use cophase_core::controller::Controller;
-use cophase_core::settings::SettingsError;
+use cophase_core::profile::{Profile, SliderCrank};
+use cophase_core::settings::{Settings, SettingsError};
+use cophase_core::setup::Setup;
 
 use super::SceneError;
 use super::file::{AxisApart, Fidelity, Scene};
@@ -21,6 +23,8 @@ use crate::with_axes;
 pub struct Checked {
     /// The scene.
     pub scene: Scene,
+    /// What the core is told of it: on a board, in a blob, the very same.
+    pub setup: Setup,
     /// Crank radius over rod length, however it was given.
     pub lambda: f64,
     /// The rung of the ladder, `auto` resolved.
@@ -52,7 +56,9 @@ impl Checked {
         numbers::check_times(&scene)?;
         numbers::check_bands(&scene.limits)?;
         let (fidelity, why) = rung(&scene)?;
+        let program = program::flat(&scene.program)?;
         let checked = Self {
+            setup: settings::setup(&scene, lambda, program.into_iter().map(|(entry, _)| entry)),
             scene,
             lambda,
             fidelity,
@@ -69,31 +75,34 @@ impl Checked {
     /// # Errors
     /// Settings or a program that the core refuses.
     pub fn controller<const N: usize>(&self) -> Result<Controller<N>, SceneError> {
-        let settings = self.settings::<N>();
-        let placed = |error| self.placed(error);
-        settings.check().map_err(placed)?;
-        let mut builder = settings.program_builder();
-        program::append(&mut builder, &self.scene.program, "program", 0)?;
-        let program = builder.build().map_err(placed)?;
-        let mut controller = Controller::new(&settings, program).map_err(placed)?;
-        for (entry, apart) in self.scene.axis.iter().enumerate() {
-            let turns = fixed::types::I16F48::saturating_from_num(apart.trim_deg / 360.0);
-            if !controller.set_trim(apart.number, turns) {
-                let limit = self.scene.axes.trim_limit_deg;
-                return Err(SceneError::at(
-                    format!("axis[{entry}].trim_deg"),
-                    format!(
-                        "{}° is outside -{limit} to {limit}°; trim less, or raise axes.trim_limit_deg",
-                        apart.trim_deg
-                    ),
-                ));
-            }
-        }
-        Ok(controller)
+        self.setup.controller().map_err(|error| self.placed(error))
+    }
+
+    /// The core's settings; `N` is the scene's number of axes.
+    ///
+    /// # Errors
+    /// `N` is another number.
+    pub fn settings<const N: usize>(&self) -> Result<Settings<N>, SceneError> {
+        self.setup.settings().map_err(|error| self.placed(error))
+    }
+
+    /// The profile of this scene's machine.
+    pub fn profile(&self) -> Profile {
+        let Setup {
+            machine, tick_hz, ..
+        } = &self.setup;
+        Profile::SliderCrank(SliderCrank::new(
+            machine.crank_radius_m,
+            machine.lambda,
+            *tick_hz,
+        ))
     }
 
     /// The core's error at the key that stands in the file: an axis may have apart what most have in common.
     fn placed(&self, error: SettingsError) -> SceneError {
+        if let Some(error) = program::placed(&self.scene.program, &error) {
+            return error;
+        }
         let SceneError { key, problem, .. } = error.into();
         let Some((axis, name)) = error.entry.zip(key.strip_prefix("axes.")) else {
             return SceneError::at(key, problem);
@@ -109,14 +118,22 @@ impl Checked {
 
     /// Whether axis `number` has an index sensor.
     pub fn has_index(&self, number: usize) -> bool {
-        self.apart(number)
-            .and_then(|apart| apart.index)
-            .unwrap_or(self.scene.axes.index)
+        self.setup
+            .axes
+            .get(number)
+            .is_some_and(|axis| axis.index_turns.is_some())
     }
 
     /// What axis `number` has apart from the others.
     pub fn apart(&self, number: usize) -> Option<&AxisApart> {
-        self.scene.axis.iter().find(|apart| apart.number == number)
+        self.scene.apart(number)
+    }
+}
+
+impl Scene {
+    /// What axis `number` has apart from the others.
+    pub fn apart(&self, number: usize) -> Option<&AxisApart> {
+        self.axis.iter().find(|apart| apart.number == number)
     }
 }
 
@@ -129,6 +146,7 @@ impl AxisApart {
             "ratio" => self.ratio.is_some(),
             "offset_deg" => self.offset_deg.is_some(),
             "index_deg" => self.index_deg.is_some(),
+            "trim_deg" => true, // nothing else trims
             _ => false,
         }
     }

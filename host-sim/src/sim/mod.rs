@@ -75,7 +75,7 @@ pub fn simulate<const N: usize>(
     let schedule = Schedule::new(checked, controller.program().0.duration());
     let mut lateness = schedule.lateness();
     let machine = Machine::new(checked)?;
-    let width = checked.settings::<N>().index.width_cycles();
+    let width = checked.setup.index.width_cycles();
     let sensors = std::array::from_fn(|_| IndexSensor::new(width, machine.index_cycles));
     let statistics = Statistics::new(checked, machine.platform.mechanism());
     let mut io = SimulatedIo::new(

@@ -1,4 +1,4 @@
-//! A run's folder, written all or not at all.
+//! A run's folder, or a file of another command, written all or not at all.
 //!
 //! *Temporary*: a hidden sibling (`.NAME.PID.part`) into which a file is written until the whole run is done;
 //! being in the same folder, it can be renamed into place in one step.

@@ -12,8 +12,8 @@ use heapless::{String, Vec};
 use crate::controller::Controller;
 use crate::program::{CAPACITY, EntrySettings, Program};
 use crate::settings::{
-    AxisSettings, DriftSettings, IndexSettings, LimitSettings, MAX_AXES, MachineSettings, Problem, PulseSettings,
-    Settings, SettingsError, turns,
+    AxisSettings, DriftSettings, IndexSettings, LimitSettings, MAX_AXES, MachineSettings, Problem,
+    PulseSettings, Settings, SettingsError, turns,
 };
 
 /// Longest name, bytes of UTF-8.

@@ -52,9 +52,7 @@ impl Ring {
         ctrl.set_chain_to(CHANNEL as u8); // to itself: to none
         ctrl.set_en(true);
         channel.ctrl_trig().write_value(ctrl);
-        Self {
-            unread_from: WORDS,
-        }
+        Self { unread_from: WORDS }
     }
 
     /// How many words wait to be read. If more came than the ring holds, those that are gone are passed over,

@@ -171,8 +171,12 @@ impl Steps {
     fn begin(&mut self, cs: CriticalSection<'_>, start: Instant) -> u32 {
         let enabled = |pio: Pio| pio.ctrl().read().sm_enable();
         let [first, second] = [0, 1].map(|block| machines(block, self.axes));
-        pac::PIO0.ctrl().write(|w| w.set_sm_enable(enabled(pac::PIO0) & !first));
-        pac::PIO1.ctrl().write(|w| w.set_sm_enable(enabled(pac::PIO1) & !second));
+        pac::PIO0
+            .ctrl()
+            .write(|w| w.set_sm_enable(enabled(pac::PIO0) & !first));
+        pac::PIO1
+            .ctrl()
+            .write(|w| w.set_sm_enable(enabled(pac::PIO1) & !second));
 
         let go_us = now_us().wrapping_add(HOLD_US);
         let pause = (start.as_ticks() as u32).wrapping_sub(go_us) * CYCLES_PER_US;
@@ -202,7 +206,11 @@ impl Steps {
     /// Whether every machine has played all its words and waits for more.
     fn all_stand(&self) -> bool {
         (0..self.axes).all(|axis| {
-            let pio = if block_of(axis) == 0 { pac::PIO0 } else { pac::PIO1 };
+            let pio = if block_of(axis) == 0 {
+                pac::PIO0
+            } else {
+                pac::PIO1
+            };
             let machine = machine_of(axis);
             let empty = pio.fstat().read().txempty() & 1 << machine != 0;
             empty && !feed::is_busy(axis) && pio.sm(machine).addr().read().addr() == 0

@@ -167,7 +167,7 @@ pub(super) fn check_pull_out(scene: &Scene) -> Result<(), SceneError> {
         };
     }
     let drives = (0..axes.count).map(|i| {
-        let apart = scene.axis.iter().find(|apart| apart.number == i);
+        let apart = scene.apart(i);
         let drive = apart.and_then(|apart| apart.drive).unwrap_or(axes.drive);
         (
             drive,

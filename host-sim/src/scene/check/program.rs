@@ -1,6 +1,6 @@
-//! A scene's program: levels and blocks, handed to the core's builder.
+//! A scene's program: levels and blocks, as the flat list of entries that the core has.
 
-use cophase_core::program::{ProgramBuilder, SegmentSettings, Shape as ProgramShape};
+use cophase_core::program::{CAPACITY, EntrySettings, SegmentSettings, Shape as ProgramShape};
 use cophase_core::settings::{Problem, SettingsError};
 
 use crate::design::STANDARD_GRAVITY_MPS2;
@@ -10,9 +10,21 @@ use crate::scene::file::{self, Segment};
 /// Blocks within blocks within blocks: what a person can still read.
 const MOST_NESTING: usize = 8;
 
-/// Appends entries to a program, blocks with all that is in them.
-pub(super) fn append(
-    builder: &mut ProgramBuilder,
+/// An entry, and the key path at which it stands in the file.
+type Placed = (EntrySettings, String);
+
+/// All entries of a program, a block's repeat after all that is in it.
+///
+/// # Errors
+/// An entry that is neither level nor block, or too many.
+pub(super) fn flat(entries: &[Segment]) -> Result<Vec<Placed>, SceneError> {
+    let mut all = Vec::new();
+    append(&mut all, entries, "program", 0)?;
+    Ok(all)
+}
+
+fn append(
+    all: &mut Vec<Placed>,
     entries: &[Segment],
     path: &str,
     depth: usize,
@@ -25,39 +37,51 @@ pub(super) fn append(
     }
     for (i, entry) in entries.iter().enumerate() {
         let here = format!("{path}[{i}]");
-        // The core knows keys, but not which entry they are of.
-        let placed = |error: SettingsError| {
-            let key = error.key.strip_prefix("program").unwrap_or(error.key);
-            in_g(format!("{here}{key}"), error.problem)
-        };
-        match block_or_level(entry, &here)? {
+        let flat = match block_or_level(entry, &here)? {
             Entry::Block { segments, times } => {
-                let first = builder.here();
-                append(builder, segments, &format!("{here}.segments"), depth + 1)?;
-                builder.repeat(first, times).map_err(placed)?;
+                let first = all.len() as u8; // no overflow: at most CAPACITY
+                append(all, segments, &format!("{here}.segments"), depth + 1)?;
+                EntrySettings::Repeat { first, times }
             }
-            Entry::Level(amax_g) => {
-                let settings = SegmentSettings {
-                    amax_mps2: amax_g * STANDARD_GRAVITY_MPS2,
-                    ramp_s: entry.ramp_s.unwrap_or(0.0),
-                    hold_s: entry.hold_s.unwrap_or(0.0),
-                    shape: match entry.shape.unwrap_or_default() {
-                        file::Shape::Linear => ProgramShape::Linear,
-                        file::Shape::Smooth => ProgramShape::Smooth,
-                    },
-                };
-                builder.segment(settings).map_err(placed)?;
-            }
+            Entry::Level(amax_g) => EntrySettings::Segment(SegmentSettings {
+                amax_mps2: amax_g * STANDARD_GRAVITY_MPS2,
+                ramp_s: entry.ramp_s.unwrap_or(0.0),
+                hold_s: entry.hold_s.unwrap_or(0.0),
+                shape: match entry.shape.unwrap_or_default() {
+                    file::Shape::Linear => ProgramShape::Linear,
+                    file::Shape::Smooth => ProgramShape::Smooth,
+                },
+            }),
+        };
+        if all.len() == CAPACITY {
+            return Err(SceneError::of(
+                here,
+                Problem::ProgramTooLong(CAPACITY + 1, CAPACITY),
+            ));
         }
+        all.push((flat, here));
     }
     Ok(())
+}
+
+const _: () = assert!(CAPACITY <= 255, "an entry's number fits a byte");
+
+/// The core's error about one entry, at the key that stands in the file; `None` if it is about something else.
+pub(super) fn placed(entries: &[Segment], error: &SettingsError) -> Option<SceneError> {
+    let name = error.key.strip_prefix("program")?;
+    let all = flat(entries).ok()?;
+    let (_, path) = all.get(error.entry?)?;
+    Some(match name {
+        ".amax_mps2" => in_g(format!("{path}.amax_g"), error.problem),
+        _ => SceneError::of(format!("{path}{name}"), error.problem),
+    })
 }
 
 /// A problem with a level: the core reckons in m/s², the file in g.
 fn in_g(key: String, problem: Problem) -> SceneError {
     let g = |mps2: f64| mps2 / STANDARD_GRAVITY_MPS2;
     match problem {
-        Problem::OutOfRange { value, low, high } if key.ends_with(".amax_g") => {
+        Problem::OutOfRange { value, low, high } => {
             let (value, low, high) = (g(value), g(low), (g(high) * 10.0).floor() / 10.0);
             SceneError::of(key, Problem::OutOfRange { value, low, high })
         }

@@ -1,97 +1,94 @@
-//! The core's settings, from a scene's words: units turned, what axes have in common and apart put
+//! What the core is told, from a scene's words: units turned, what axes have in common and apart put
 //! together.
 
-use cophase_core::profile::{Profile, SliderCrank};
+use cophase_core::program::{CAPACITY, EntrySettings};
 use cophase_core::settings::{
-    AxisSettings, BandSettings, DriftSettings, DriveKind, IndexSettings, LimitSettings, MAX_BANDS,
-    MachineSettings, PulseSettings, Settings,
+    AxisSettings, BandSettings, DriftSettings, DriveKind, IndexSettings, LimitSettings, MAX_AXES,
+    MAX_BANDS, MachineSettings, PulseSettings,
 };
+use cophase_core::setup::{Setup, short_name};
 
-use super::Checked;
-use crate::scene::file::{AxisApart, Drive};
+use crate::scene::file::{AxisApart, Drive, Scene};
 
-impl Checked {
-    /// The core's settings.
-    pub fn settings<const N: usize>(&self) -> Settings<N> {
-        let scene = &self.scene;
-        let (machine, limits, drift) = (&scene.machine, &scene.limits, &scene.drift);
-        let bands: heapless::Vec<_, MAX_BANDS> = limits
-            .band
-            .iter()
-            .take(MAX_BANDS)
-            .map(|band| BandSettings {
-                from_hz: band.from_hz,
-                to_hz: band.to_hz,
-            })
-            .collect();
-        Settings {
-            tick_hz: scene.control.tick_hz,
-            machine: MachineSettings {
-                crank_radius_m: machine.crank_radius_mm / 1e3,
-                lambda: self.lambda,
-                load_kg: machine.load_kg,
-                platform: machine.platform.into(),
-                gravity_mps2: machine.gravity_mps2,
-                mount_radius_m: machine.mount_radius_mm / 1e3,
-            },
-            limits: LimitSettings {
-                speed_hz: limits.speed_hz,
-                acceleration_hz_per_s: limits.acceleration_hz_per_s,
-                jerk_hz_per_s2: limits.jerk_hz_per_s2,
-                creep_hz: limits.creep_hz,
-                bands,
-            },
-            pulse: PulseSettings {
-                width_ns: scene.pulse.width_ns,
-                dir_setup_ns: scene.pulse.dir_setup_ns,
-                dir_hold_ns: scene.pulse.dir_hold_ns,
-            },
-            index: IndexSettings {
-                width_us: scene.index.width_us,
-            },
-            axes: std::array::from_fn(|i| self.axis(i)),
-            drift: DriftSettings {
-                tilt_limit_mrad: drift.tilt_limit_mrad,
-                warp_limit_deg: drift.warp_limit_deg,
-                common_limit_deg: drift.common_limit_deg,
-            },
-            park_turns: scene.control.park_deg / 360.0,
-            settle_s: scene.control.settle_s,
-        }
+/// All that a scene tells the core. Of axes, bands and program entries those that there is room for; more have
+/// been refused before.
+pub(super) fn setup(
+    scene: &Scene,
+    lambda: f64,
+    program: impl IntoIterator<Item = EntrySettings>,
+) -> Setup {
+    let (machine, limits, drift) = (&scene.machine, &scene.limits, &scene.drift);
+    let bands: heapless::Vec<_, MAX_BANDS> = limits
+        .band
+        .iter()
+        .take(MAX_BANDS)
+        .map(|band| BandSettings {
+            from_hz: band.from_hz,
+            to_hz: band.to_hz,
+        })
+        .collect();
+    let numbers = 0..scene.axes.count.min(MAX_AXES);
+    let trim_deg = |i| scene.apart(i).map_or(0.0, |apart| apart.trim_deg);
+    Setup {
+        name: short_name(&scene.name),
+        tick_hz: scene.control.tick_hz,
+        machine: MachineSettings {
+            crank_radius_m: machine.crank_radius_mm / 1e3,
+            lambda,
+            load_kg: machine.load_kg,
+            platform: machine.platform.into(),
+            gravity_mps2: machine.gravity_mps2,
+            mount_radius_m: machine.mount_radius_mm / 1e3,
+        },
+        limits: LimitSettings {
+            speed_hz: limits.speed_hz,
+            acceleration_hz_per_s: limits.acceleration_hz_per_s,
+            jerk_hz_per_s2: limits.jerk_hz_per_s2,
+            creep_hz: limits.creep_hz,
+            bands,
+        },
+        pulse: PulseSettings {
+            width_ns: scene.pulse.width_ns,
+            dir_setup_ns: scene.pulse.dir_setup_ns,
+            dir_hold_ns: scene.pulse.dir_hold_ns,
+        },
+        index: IndexSettings {
+            width_us: scene.index.width_us,
+        },
+        axes: numbers.clone().map(|i| axis(scene, i)).collect(),
+        trims_turns: numbers.map(|i| trim_deg(i) / 360.0).collect(),
+        drift: DriftSettings {
+            tilt_limit_mrad: drift.tilt_limit_mrad,
+            warp_limit_deg: drift.warp_limit_deg,
+            common_limit_deg: drift.common_limit_deg,
+        },
+        park_turns: scene.control.park_deg / 360.0,
+        settle_s: scene.control.settle_s,
+        program: program.into_iter().take(CAPACITY).collect(),
     }
+}
 
-    /// One axis: what all have in common, with what it has apart.
-    fn axis(&self, number: usize) -> AxisSettings {
-        let axes = &self.scene.axes;
-        let apart = self.apart(number);
-        let own = |pick: fn(&AxisApart) -> Option<f64>| apart.and_then(pick);
-        let index_deg = own(|a| a.index_deg).unwrap_or(axes.index_deg);
-        AxisSettings {
-            drive: match apart.and_then(|a| a.drive).unwrap_or(axes.drive) {
-                Drive::Stepper => DriveKind::Stepper,
-                Drive::Servo => DriveKind::Servo,
-            },
-            steps_per_turn: apart
-                .and_then(|a| a.steps_per_turn)
-                .unwrap_or(axes.steps_per_turn),
-            reversed: apart.is_some_and(|a| a.reversed),
-            ratio: apart.and_then(|a| a.ratio).unwrap_or(axes.ratio),
-            offset_turns: own(|a| a.offset_deg).unwrap_or(axes.offset_deg) / 360.0,
-            index_turns: self.has_index(number).then_some(index_deg / 360.0),
-            trim_limit_turns: axes.trim_limit_deg / 360.0,
-            trim_rate_hz: axes.trim_rate_deg_per_s / 360.0,
-            rotor_inertia_kgm2: axes.rotor_inertia_kgm2,
-        }
-    }
-
-    /// The profile of this scene's machine.
-    pub fn profile(&self) -> Profile {
-        let machine = &self.scene.machine;
-        let crank = SliderCrank::new(
-            machine.crank_radius_mm / 1e3,
-            self.lambda,
-            self.scene.control.tick_hz,
-        );
-        Profile::SliderCrank(crank)
+/// One axis: what all have in common, with what it has apart.
+fn axis(scene: &Scene, number: usize) -> AxisSettings {
+    let axes = &scene.axes;
+    let apart = scene.apart(number);
+    let own = |pick: fn(&AxisApart) -> Option<f64>| apart.and_then(pick);
+    let has_index = apart.and_then(|apart| apart.index).unwrap_or(axes.index);
+    let index_deg = own(|a| a.index_deg).unwrap_or(axes.index_deg);
+    AxisSettings {
+        drive: match apart.and_then(|a| a.drive).unwrap_or(axes.drive) {
+            Drive::Stepper => DriveKind::Stepper,
+            Drive::Servo => DriveKind::Servo,
+        },
+        steps_per_turn: apart
+            .and_then(|a| a.steps_per_turn)
+            .unwrap_or(axes.steps_per_turn),
+        reversed: apart.is_some_and(|a| a.reversed),
+        ratio: apart.and_then(|a| a.ratio).unwrap_or(axes.ratio),
+        offset_turns: own(|a| a.offset_deg).unwrap_or(axes.offset_deg) / 360.0,
+        index_turns: has_index.then_some(index_deg / 360.0),
+        trim_limit_turns: axes.trim_limit_deg / 360.0,
+        trim_rate_hz: axes.trim_rate_deg_per_s / 360.0,
+        rotor_inertia_kgm2: axes.rotor_inertia_kgm2,
     }
 }

@@ -1,0 +1,101 @@
+//! Setups to be encoded, and a flash whose power can be cut.
+#![allow(dead_code, reason = "each test uses its part")]
+
+pub mod nor;
+
+use cophase_blob::Setup;
+use cophase_core::program::{CAPACITY, EntrySettings, SegmentSettings, Shape};
+use cophase_core::settings::{
+    AxisSettings, BandSettings, DriftSettings, DriveKind, IndexSettings, LimitSettings, MAX_AXES,
+    MAX_BANDS, MachineSettings, Platform, PulseSettings,
+};
+use cophase_core::setup::{NAME_BYTES, short_name};
+
+/// A setup that runs, with `entries` in its program.
+pub fn setup(axes: usize, bands: usize, entries: usize) -> Setup {
+    Setup {
+        index: IndexSettings { width_us: 2.0 },
+        name: short_name("bench"),
+        tick_hz: 2000,
+        machine: MachineSettings {
+            crank_radius_m: 0.02,
+            lambda: 0.3,
+            load_kg: 5.0,
+            platform: Platform::Above,
+            gravity_mps2: 9.80665,
+            mount_radius_m: 0.25,
+        },
+        limits: LimitSettings {
+            speed_hz: 20.0,
+            acceleration_hz_per_s: 20.0,
+            jerk_hz_per_s2: 200.0,
+            creep_hz: 1.0,
+            bands: (0..bands)
+                .map(|i| BandSettings {
+                    from_hz: 3.0 + i as f64,
+                    to_hz: 3.5 + i as f64,
+                })
+                .collect(),
+        },
+        pulse: PulseSettings {
+            width_ns: 400.0,
+            dir_setup_ns: 500.0,
+            dir_hold_ns: 500.0,
+        },
+        axes: (0..axes)
+            .map(|i| AxisSettings {
+                drive: [DriveKind::Stepper, DriveKind::Servo][i % 2],
+                steps_per_turn: 3200,
+                reversed: i % 2 == 1,
+                ratio: (1, 1),
+                offset_turns: 0.1,
+                index_turns: Some(-0.25),
+                trim_limit_turns: 5.0 / 360.0,
+                trim_rate_hz: 1.0 / 360.0,
+                rotor_inertia_kgm2: 1e-4,
+            })
+            .collect(),
+        trims_turns: (0..axes).map(|i| 1e-3 * i as f64).collect(),
+        drift: DriftSettings {
+            tilt_limit_mrad: 3.0,
+            warp_limit_deg: 3.0,
+            common_limit_deg: 15.0,
+        },
+        park_turns: 0.5,
+        settle_s: 0.1,
+        program: (0..entries)
+            .map(|i| {
+                EntrySettings::Segment(SegmentSettings {
+                    amax_mps2: 10.0 + i as f64,
+                    ramp_s: 1.0,
+                    hold_s: 1.0 / 3.0,
+                    shape: Shape::Smooth,
+                })
+            })
+            .collect(),
+    }
+}
+
+/// The setup with the longest encoding: everything full, every number of variable length as great as can be.
+pub fn longest() -> Setup {
+    let mut longest = setup(MAX_AXES, MAX_BANDS, CAPACITY);
+    longest.name = short_name(&"x".repeat(NAME_BYTES));
+    longest.tick_hz = u32::MAX;
+    for axis in &mut longest.axes {
+        axis.steps_per_turn = u32::MAX;
+        axis.ratio = (u32::MAX, u32::MAX);
+    }
+    longest
+}
+
+/// Makes a controller of as many axes as the setup has, and says what is wrong with it.
+pub fn check(setup: &Setup) -> Result<(), String> {
+    match setup.axes_count() {
+        2 => setup.controller::<2>().map(drop),
+        3 => setup.controller::<3>().map(drop),
+        4 => setup.controller::<4>().map(drop),
+        5 => setup.controller::<5>().map(drop),
+        _ => setup.controller::<6>().map(drop),
+    }
+    .map_err(|error| error.to_string())
+}
