@@ -1,0 +1,89 @@
+//! Products wider than the processor's: a Cortex-M0+ multiplies 32 by 32 bits into 32, in one cycle.
+//!
+//! Through `u64` every product costs a call of some 50 cycles, whatever is known of its factors. These are made of
+//! 16-bit parts in place, 20 to 30 cycles, and give the very same bits.
+
+/// The whole product.
+#[inline(always)]
+pub const fn multiply(a: u32, b: u32) -> u64 {
+    let (high, low) = parts(a, b);
+    (high as u64) << 32 | low as u64
+}
+
+/// The product's upper half, a b / 2³² rounded down.
+#[inline(always)]
+pub const fn multiply_high(a: u32, b: u32) -> u32 {
+    parts(a, b).0
+}
+
+/// Upper and lower half of a product.
+///
+/// The carry is made with `overflowing_add`, not by adding up 16 bits at a time: the latter compilers know, and turn
+/// back into the call.
+#[inline(always)]
+const fn parts(a: u32, b: u32) -> (u32, u32) {
+    let (a_low, a_high) = (a & 0xFFFF, a >> 16);
+    let (b_low, b_high) = (b & 0xFFFF, b >> 16);
+    let low = a_low * b_low;
+    let one = a_high * b_low + (low >> 16);
+    let (middle, carry) = one.overflowing_add(a_low * b_high);
+    let high = a_high * b_high + (middle >> 16) + ((carry as u32) << 16);
+    (high, middle << 16 | low & 0xFFFF)
+}
+
+/// `a b`, which must be below 2⁶⁴; beyond, the lower 64 bits of it.
+#[inline(always)]
+pub const fn multiply_long(a: u64, b: u32) -> u64 {
+    let upper = ((a >> 32) as u32).wrapping_mul(b);
+    multiply(a as u32, b).wrapping_add((upper as u64) << 32)
+}
+
+/// Product of two numbers with 30 fraction bits, rounded down.
+///
+/// The result must lie within ±2: the callers' operands are sines, cosines, and factors from 0.8
+/// to 1.25.
+#[inline(always)]
+pub const fn multiply_q30(a: i32, b: i32) -> i32 {
+    let (a_low, a_high) = (a & 0xFFFF, a >> 16);
+    let (b_low, b_high) = (b & 0xFFFF, b >> 16);
+    let low = (a_low as u32) * (b_low as u32);
+    let one = a_high * b_low + (low >> 16) as i32;
+    let two = a_low * b_high + (one & 0xFFFF);
+    let high = a_high * b_high + (one >> 16) + (two >> 16);
+    high << 2 | (a.wrapping_mul(b) as u32 >> 30) as i32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Factors whose halves are at their ends, where carries are.
+    fn factor() -> impl Strategy<Value = u32> {
+        let half = || {
+            prop_oneof![
+                prop::sample::select(std::vec![0_u32, 1, 0x7FFF, 0x8000, 0xFFFE, 0xFFFF]),
+                0..=0xFFFF_u32
+            ]
+        };
+        (half(), half()).prop_map(|(high, low)| high << 16 | low)
+    }
+
+    proptest! {
+        #[test]
+        fn products_are_exact(a in factor(), b in factor(), c in factor()) {
+            let whole = u64::from(a) * u64::from(b);
+            prop_assert_eq!(multiply(a, b), whole);
+            prop_assert_eq!(multiply_high(a, b), (whole >> 32) as u32);
+            let long = u64::from(c) << 32 | u64::from(a);
+            prop_assert_eq!(multiply_long(long, b), long.wrapping_mul(u64::from(b)));
+        }
+
+        #[test]
+        fn signed_products_are_rounded_down(a in factor(), b in factor()) {
+            let (a, b) = (a as i32, b as i32);
+            let whole = (i64::from(a) * i64::from(b)) >> 30;
+            prop_assert_eq!(multiply_q30(a, b), whole as i32);
+        }
+    }
+}
