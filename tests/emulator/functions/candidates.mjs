@@ -77,6 +77,8 @@ const product = (symbol, name) => ({
 export const candidates = [
   root('root_cophase', 'cophase `root`', 'u64 → 32 significant bits', '1 to 2^64', () => logarithmic(0, 64), words,
     normalised, { ...isNormalisedFloor, ours: true }),
+  root('root_cophase_isqrt', 'cophase `isqrt`', 'u64 → u32', '2^62 to 2^64', () => logarithmic(62, 64), words,
+    (r) => r.r0, { ...isFloor, ours: true }),
   root('root_core_normalised', 'core `u64::isqrt`, normalised', 'u64 → 32 significant bits', '1 to 2^64',
     () => logarithmic(0, 64), words, normalised, isNormalisedFloor),
   root('root_core_u64', 'core `u64::isqrt`', 'u64 → u32', '2^62 to 2^64', () => logarithmic(62, 64), words,

@@ -10,7 +10,7 @@ import { resolve } from 'node:path';
 import { Board, readElf } from './call.mjs';
 import { candidates } from './candidates.mjs';
 import { csv, markdown, parsed } from './report.mjs';
-import { reachableBytes } from './size.mjs';
+import { Sizes } from './size.mjs';
 
 const ROOT = resolve(import.meta.dirname ?? new URL('.', import.meta.url).pathname, '../../..');
 const TARGET = process.env.CARGO_TARGET_DIR ?? `${ROOT}/target`;
@@ -23,12 +23,12 @@ const WRONG = 0.5; // an error beyond this is no rounding: the result overflowed
 
 const text = (x) => (Array.isArray(x) ? x.join(' ') : String(x));
 
-function measure(board, elf, candidate) {
+function measure(board, sizes, candidate) {
   const failures = { hangs: 0, panics: 0, overflows: 0, inexact: 0 };
-  const first = {};
+  const leastFailing = {};
   const fail = (kind, x) => {
     failures[kind] += 1;
-    first[kind] ??= x;
+    if (!(leastFailing[kind] <= x)) leastFailing[kind] = x;
   };
   let [count, sum, squares, worst, argument] = [0, 0, 0, -1, null];
   let [total, least, most] = [0, Infinity, 0];
@@ -56,14 +56,14 @@ function measure(board, elf, candidate) {
   const good = count - failures.overflows;
   const notes = Object.entries(failures)
     .filter(([, n]) => n > 0)
-    .map(([kind, n]) => `${kind} for ${n} of ${list.length} (first ${text(first[kind])})`);
+    .map(([kind, n]) => `${kind} for ${n} of ${list.length} (least ${text(leastFailing[kind])})`);
   return {
     candidate: candidate.name, function: candidate.what, format: candidate.format, range: candidate.range,
     arguments: list.length,
     error_mean: (sum / good).toExponential(2), error_rms: Math.sqrt(squares / good).toExponential(2),
     error_max: worst.toExponential(2), worst_argument: text(argument),
     cycles_min: least, cycles_mean: (total / count).toFixed(1), cycles_max: most,
-    bytes: reachableBytes(elf, candidate.symbol),
+    bytes: sizes.reachable(candidate.symbol),
     notes: notes.join('; '),
   };
 }
@@ -90,7 +90,8 @@ for (const { name } of elf.symbols) {
   if (/^(root|sine|inverse_root|product)_/.test(name) && !known.has(name)) throw new Error(`${name} is measured by nobody`);
 }
 const board = new Board(elf);
-const rows = candidates.map((candidate) => measure(board, elf, candidate));
+const sizes = new Sizes(elf);
+const rows = candidates.map((candidate) => measure(board, sizes, candidate));
 if (process.argv.includes('--check')) {
   const worse = regressions(rows, readFileSync(CSV, 'utf8'));
   worse.forEach((sentence) => console.error(sentence));

@@ -11,6 +11,11 @@ extern "C" fn root_cophase(x: u64) -> u64 {
     pair(root.mantissa, root.shift)
 }
 
+#[unsafe(no_mangle)]
+extern "C" fn root_cophase_isqrt(x: u64) -> u32 {
+    functions::isqrt(x)
+}
+
 /// What `cophase_core::functions::root` would be with core's root behind it.
 #[unsafe(no_mangle)]
 extern "C" fn root_core_normalised(x: u64) -> u64 {
