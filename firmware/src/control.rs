@@ -1,11 +1,10 @@
-//! The control loop's task, and the loop's world as this board has it.
+//! The loop's world, as this board has it.
 //!
 //! The loop is `cophase_core::control_loop::run`, the very function that the host runs. It has the
 //! core's second highest priority, below the guard: nothing but the two of them and short interrupts comes
 //! between a deadline and what it leads to.
 
-use cophase_core::control_loop::{self, Io, Written};
-use cophase_core::controller::Controller;
+use cophase_core::control_loop::{Io, Written};
 use cophase_core::drift::{IndexFilter, IndexPulse};
 use cophase_core::panel::{self, Button};
 use cophase_core::signals::{Feedback, Output};
@@ -77,6 +76,7 @@ impl<const N: usize> Board<N> {
 }
 
 impl<const N: usize> Io<N> for Board<N> {
+    #[inline(never)] // as `Controller::tick`
     fn read(&mut self) -> Feedback<N> {
         // What was handed over last is played from now on.
         lines::sync(self.sync);
@@ -92,6 +92,7 @@ impl<const N: usize> Io<N> for Board<N> {
         }
     }
 
+    #[inline(never)] // as `Controller::tick`
     fn write(&mut self, output: &Output<N>, start: Instant) -> Written {
         lines::drives(output.drives_enabled);
         match self.steps.offer(&output.runs, start) {
@@ -114,9 +115,4 @@ impl<const N: usize> Io<N> for Board<N> {
         self.ticks = self.ticks.wrapping_add(1);
         Written::InTime
     }
-}
-
-/// Runs the loop, for ever.
-pub async fn run<const N: usize>(mut controller: Controller<N>, mut board: Board<N>) {
-    control_loop::run(&mut controller, &mut board).await;
 }

@@ -7,8 +7,10 @@
 //! | module | is |
 //! | --- | --- |
 //! | `board` | pins, step output, index capture, safety lines, watchdog: what is soldered |
+//! | `start` | from power-up to a running loop, and the tasks |
 //! | `settings` | which settings the image runs on, and where they are kept |
-//! | `control` | the loop's task, and the loop's world as this board has it |
+//! | `machine` | loop and world, set up for as many axes as the settings have |
+//! | `control` | the loop's world, as this board has it |
 //! | `report` | what happened, told over the debug probe |
 //!
 //! Built for a host, as every member of this workspace can be, it has no hardware to drive and says so. The
@@ -19,6 +21,8 @@
 mod board;
 #[cfg(target_os = "none")]
 mod control;
+#[cfg(target_os = "none")]
+mod machine;
 #[cfg(target_os = "none")]
 mod report;
 #[cfg(target_os = "none")]

@@ -10,16 +10,13 @@ use cophase_core::setup::Setup;
 use embassy_rp::Peri;
 use embassy_rp::flash::{Blocking, Flash};
 use embassy_rp::peripherals::FLASH;
-use static_cell::StaticCell;
 
 static BUILT_IN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/built-in.blob"));
 
 /// The settings to run on; none if those that should be run cannot be read, which is told.
-pub fn load(flash: Peri<'static, FLASH>) -> Option<&'static Setup> {
-    static SETUP: StaticCell<Setup> = StaticCell::new();
+pub fn load(flash: Peri<'static, FLASH>) -> Option<Setup> {
     match read(flash) {
         Ok(setup) => {
-            let setup = SETUP.init(setup);
             defmt::info!(
                 "settings: {=str}, {=usize} axes, {=u32} ticks a second",
                 setup.name.as_str(),

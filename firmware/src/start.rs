@@ -1,12 +1,8 @@
 //! Power-up: from the reset vector to a running loop, or to a lamp that says why there is none.
 
-use cophase_core::drift::IndexFilter;
-use cophase_core::panel::Button;
-use cophase_core::setup::Setup;
-use cophase_core::supervisor::{Fault, FaultKind, State};
+use cophase_core::control_loop;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use defmt_rtt as _;
-use embassy_rp::Peri;
 use embassy_rp::executor::{Executor, InterruptExecutor};
 use embassy_rp::gpio::{Input, Pull};
 use embassy_rp::interrupt;
@@ -14,15 +10,11 @@ use embassy_rp::interrupt::{InterruptExt, Priority};
 use embassy_rp::peripherals::WATCHDOG;
 use embassy_time::{Duration, Timer};
 use panic_probe as _;
-use static_cell::{ConstStaticCell, StaticCell};
+use static_cell::StaticCell;
 
-use crate::board::index::Index;
-use crate::board::steps::{Buffers, Steps};
-use crate::board::watchdog::{self, Fed};
-use crate::board::{CYCLES_PER_US, lines};
-use crate::control::{self, Board};
-use crate::report::{self, Reporter};
-use crate::settings;
+use crate::board::{lines, watchdog};
+use crate::machine::Machine;
+use crate::{report, settings};
 
 /// Runs the guard: above the loop, so that it cuts the drives even while the loop reckons.
 static GUARD: InterruptExecutor = InterruptExecutor::new();
@@ -60,13 +52,16 @@ fn main() -> ! {
         Some(seen) => defmt::error!("restarted by the watchdog: {}", seen),
         None => defmt::info!("power-up"),
     }
-    let setup = settings::load(p.FLASH);
+    let machine = settings::load(p.FLASH).and_then(|setup| {
+        let made = Machine::new(&setup, p.WATCHDOG, last_seen.is_some());
+        made.inspect_err(|refusal| defmt::error!("settings refused: {}", refusal)).ok()
+    });
     let enable = Input::new(p.PIN_26, Pull::Up);
 
     static EXECUTOR: StaticCell<Executor> = StaticCell::new();
     EXECUTOR.init(Executor::new()).run(|spawner| {
         spawner.spawn(defmt::unwrap!(report::tell()));
-        let Some(setup) = setup else {
+        let Some(machine) = machine else {
             spawner.spawn(defmt::unwrap!(refuse()));
             return;
         };
@@ -105,59 +100,12 @@ async fn refuse() -> ! {
 }
 
 #[embassy_executor::task]
-async fn run_loop(setup: &'static Setup, watchdog: Peri<'static, WATCHDOG>, restarted: bool) {
-    match setup.axes_count() {
-        2 => run::<2>(setup, watchdog, restarted).await,
-        3 => run::<3>(setup, watchdog, restarted).await,
-        4 => run::<4>(setup, watchdog, restarted).await,
-        5 => run::<5>(setup, watchdog, restarted).await,
-        6 => run::<6>(setup, watchdog, restarted).await,
-        axes => defmt::error!(
-            "settings refused: {=usize} axes; this board drives 2 to 6",
-            axes
-        ),
+async fn run_loop(machine: &'static mut Machine) {
+    match machine {
+        Machine::Two(controller, board) => control_loop::run(controller, board).await,
+        Machine::Three(controller, board) => control_loop::run(controller, board).await,
+        Machine::Four(controller, board) => control_loop::run(controller, board).await,
+        Machine::Five(controller, board) => control_loop::run(controller, board).await,
+        Machine::Six(controller, board) => control_loop::run(controller, board).await,
     }
-}
-
-async fn run<const N: usize>(setup: &Setup, watchdog: Peri<'static, WATCHDOG>, restarted: bool) {
-    static BUFFERS: ConstStaticCell<Buffers> = ConstStaticCell::new(Buffers::new());
-
-    let mut controller = match setup.controller::<N>() {
-        Ok(controller) => controller,
-        Err(error) => {
-            defmt::error!("settings refused: {}", defmt::Display2Format(&error));
-            return;
-        }
-    };
-    if restarted {
-        controller.begin_with(Fault::new(FaultKind::Restarted));
-    }
-    let tick_hz = controller.tick_hz();
-    let tick_us = 1_000_000 / tick_hz;
-    let mut reversed = [false; N];
-    for (slot, axis) in reversed.iter_mut().zip(&setup.axes) {
-        *slot = axis.reversed;
-    }
-    let levels = lines::read();
-    let board = Board {
-        steps: Steps::new(
-            BUFFERS.take(),
-            &reversed,
-            Duration::from_micros(tick_us.into()),
-        ),
-        index: Index::new(tick_us * CYCLES_PER_US),
-        filters: core::array::from_fn(|axis| {
-            IndexFilter::new(setup.index.width_cycles(), levels.index(axis))
-        }),
-        watchdog: Fed::start(watchdog, tick_us),
-        button: Button::new(tick_hz),
-        tick_hz,
-        ticks: 0,
-        state: State::Idle,
-        reporter: Reporter::new(),
-        sync: true,
-        ran_dry: None,
-        read_to: None,
-    };
-    control::run(controller, board).await;
 }

@@ -173,6 +173,11 @@ impl<const N: usize> Controller<N> {
         self.tick_hz
     }
 
+    /// Whether an axis is mounted the other way round: its DIR is to be turned. One that is not there is not.
+    pub fn is_reversed(&self, axis: usize) -> bool {
+        self.reversed.get(axis).is_some_and(|&reversed| reversed)
+    }
+
     /// The program, and the place in it.
     pub const fn program(&self) -> (&Program, &Cursor) {
         (&self.program, &self.cursor)
@@ -241,6 +246,10 @@ impl<const N: usize> Controller<N> {
     }
 
     /// Plays one tick.
+    ///
+    /// Never inlined: as part of a task that holds a controller for each number of axes it would be made
+    /// for a frame of kilobytes, at twice the time; and this is the name by which the image's checks find it.
+    #[inline(never)]
     pub fn tick(&mut self, feedback: &Feedback<N>) -> &Output<N> {
         let seen = self.observe(feedback);
         let before = self.supervisor.state();
