@@ -17,6 +17,7 @@ mod modes;
 pub use limits::DriftLimits;
 pub use modes::{Modes, Mount};
 
+use crate::functions::{multiply, multiply_long};
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{Phase, Turns, nearest};
 
@@ -37,15 +38,19 @@ pub struct TickPhase {
 }
 
 impl TickPhase {
-    /// Commanded phase `cycle` cycles into a tick of `tick_cycles`.
-    fn at(&self, cycle: u32, per_tick_cycle: u64) -> Phase {
+    /// Commanded phase `cycle` cycles into a tick, of whose cycles `per_tick_cycle` is the reciprocal.
+    fn at(&self, cycle: u32, per_tick_cycle: u32) -> Phase {
         // cycle / tick_cycles with 44 fraction bits, of which 24 are plenty; and of the turns of a
         // tick, below ½, the upper 40: 2⁻²⁴ of a tick is less than a cycle.
-        let part = (u64::from(cycle) * per_tick_cycle).min(1 << 44) >> 20;
-        let turns = ((self.turns.to_bits() >> 8) * part as i64) >> 16;
+        let part = multiply(cycle, per_tick_cycle).min(1 << 44) >> 20;
+        let turns = (self.turns.to_bits() >> 8) as u64;
+        let turns = multiply_long(turns, part as u32) as i64 >> 16;
         self.start.advanced(Turns::from_bits(turns))
     }
 }
+
+/// A set of axes: a bit for each.
+type Axes = u8;
 
 /// Watches the drift of `N` axes.
 #[derive(Clone, Debug)]
@@ -53,15 +58,17 @@ pub struct DriftMonitor<const N: usize> {
     limits: DriftLimits,
     mount: Mount<N>,
     index: [Option<Turns>; N],
+    /// Axes that have a sensor.
+    sensed: Axes,
     /// 2⁴⁴ / cycles of a tick.
-    per_tick_cycle: u64,
+    per_tick_cycle: u32,
     drift: [Turns; N],
     /// Axes heard since the modes were taken last.
-    heard: [bool; N],
+    heard: Axes,
     /// Commanded turns of each axis since its last index pulse.
     since_index: [Turns; N],
-    /// Whether an axis has been heard at all.
-    known: [bool; N],
+    /// Axes that have been heard at all.
+    known: Axes,
     modes: Modes,
 }
 
@@ -72,11 +79,15 @@ impl<const N: usize> DriftMonitor<N> {
             limits,
             mount: Mount::new(),
             index,
-            per_tick_cycle: (1 << 44) / u64::from(tick_cycles),
+            sensed: (0..N)
+                .filter(|&axis| index[axis].is_some())
+                .fold(0, |axes, axis| axes | 1 << axis),
+            // Ticks have 12,500 cycles and more: 31 bits.
+            per_tick_cycle: ((1 << 44) / u64::from(tick_cycles)) as u32,
             drift: [Turns::ZERO; N],
-            heard: [false; N],
+            heard: 0,
             since_index: [Turns::ZERO; N],
-            known: [false; N],
+            known: 0,
             modes: Modes::default(),
         }
     }
@@ -91,27 +102,33 @@ impl<const N: usize> DriftMonitor<N> {
         commanded: &[TickPhase; N],
     ) -> Result<(), Fault> {
         let mut missing = None;
+        let mut heard = 0;
         for axis in 0..N {
             let (Some(index), phase) = (self.index[axis], &commanded[axis]) else {
                 continue;
             };
-            self.since_index[axis] = self.since_index[axis].saturating_add(phase.turns);
-            if let Some(pulse) = pulses[axis] {
+            // Bounded: beyond the limit it is a fault and begins anew, and no axis goes back by more than its trim.
+            let since = self.since_index[axis].wrapping_add(phase.turns);
+            self.since_index[axis] = if let Some(pulse) = pulses[axis] {
                 let at = phase.at(pulse.cycle, self.per_tick_cycle);
                 self.drift[axis] = nearest(Phase::from_turns(index).since(at));
-                self.heard[axis] = true;
-                self.known[axis] = true;
-                self.since_index[axis] = Turns::ZERO;
-            } else if self.since_index[axis] > self.limits.index_turns {
-                missing = Some(axis);
-            }
+                heard |= 1 << axis;
+                Turns::ZERO
+            } else {
+                if since > self.limits.index_turns {
+                    missing = Some(axis);
+                }
+                since
+            };
         }
+        self.heard |= heard;
+        self.known |= heard;
         if let Some(axis) = missing {
             self.since_index[axis] = Turns::ZERO;
             return Err(Fault::new(FaultKind::IndexMissing).on_axis(axis));
         }
-        if self.all_sensed(&self.heard) {
-            self.heard = [false; N];
+        if heard != 0 && self.heard == self.sensed {
+            self.heard = 0;
             self.modes = self.mount.modes(&self.drift);
             return self.limits.check(&self.modes, &self.drift);
         }
@@ -128,21 +145,14 @@ impl<const N: usize> DriftMonitor<N> {
     }
 
     /// Whether every axis that has a sensor has been heard since [`Self::reset`].
-    pub fn is_aligned(&self) -> bool {
-        self.all_sensed(&self.known)
-    }
-
-    fn all_sensed(&self, flags: &[bool; N]) -> bool {
-        self.index
-            .iter()
-            .zip(flags)
-            .all(|(index, &flag)| flag || index.is_none())
+    pub const fn is_aligned(&self) -> bool {
+        self.known == self.sensed
     }
 
     /// Forgets what was measured: the cranks may have been turned while the drives were off.
     pub fn reset(&mut self) {
-        self.heard = [false; N];
-        self.known = [false; N];
+        self.heard = 0;
+        self.known = 0;
         self.since_index = [Turns::ZERO; N];
         self.drift = [Turns::ZERO; N];
         self.modes = Modes::default();
