@@ -7,7 +7,6 @@ use embassy_rp::executor::{Executor, InterruptExecutor};
 use embassy_rp::gpio::{Input, Pull};
 use embassy_rp::interrupt;
 use embassy_rp::interrupt::{InterruptExt, Priority};
-use embassy_rp::peripherals::WATCHDOG;
 use embassy_time::{Duration, Timer};
 use panic_probe as _;
 use static_cell::StaticCell;
@@ -54,7 +53,8 @@ fn main() -> ! {
     }
     let machine = settings::load(p.FLASH).and_then(|setup| {
         let made = Machine::new(&setup, p.WATCHDOG, last_seen.is_some());
-        made.inspect_err(|refusal| defmt::error!("settings refused: {}", refusal)).ok()
+        made.inspect_err(|refusal| defmt::error!("settings refused: {}", refusal))
+            .ok()
     });
     let enable = Input::new(p.PIN_26, Pull::Up);
 
@@ -70,11 +70,7 @@ fn main() -> ! {
         guards.spawn(defmt::unwrap!(guard(enable)));
         interrupt::SWI_IRQ_0.set_priority(Priority::P2);
         let loops = LOOP.start(interrupt::SWI_IRQ_0);
-        loops.spawn(defmt::unwrap!(run_loop(
-            setup,
-            p.WATCHDOG,
-            last_seen.is_some()
-        )));
+        loops.spawn(defmt::unwrap!(run_loop(machine)));
     })
 }
 

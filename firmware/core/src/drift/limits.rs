@@ -1,6 +1,7 @@
 //! How far the modes may go.
 
 use super::Modes;
+use crate::functions::multiply;
 use crate::settings::{DriftSettings, MachineSettings, turns};
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::Turns;
@@ -12,7 +13,7 @@ use crate::units::Turns;
 /// that one measurement a turn bounds the tilt over the whole turn.
 #[derive(Clone, Copy, Debug)]
 pub struct DriftLimits {
-    tilt: Turns,
+    tilt_squared: u64,
     warp: Turns,
     common: Turns,
     /// Turns after which an index pulse is overdue: one, and what the common limit allows.
@@ -27,7 +28,7 @@ impl DriftLimits {
                 / machine.mount_radius_m;
         let common = settings.common_limit_deg / 360.0;
         Self {
-            tilt: turns((settings.tilt_limit_mrad / mrad_per_turn).min(0.5)),
+            tilt_squared: square(turns((settings.tilt_limit_mrad / mrad_per_turn).min(0.5))),
             warp: turns(settings.warp_limit_deg / 360.0),
             common: turns(common),
             index_turns: turns(1.0 + common.max(0.02)),
@@ -39,29 +40,28 @@ impl DriftLimits {
         modes: &Modes,
         drift: &[Turns; N],
     ) -> Result<(), Fault> {
-        let worst = (0..N)
-            .max_by_key(|&axis| (drift[axis] - modes.common).abs())
-            .unwrap_or(0);
-        let square = |turns: Turns| {
-            let scaled = turns.to_bits() >> 18; // below 2^30: the sum of two squares fits
-            scaled * scaled
-        };
-        if square(modes.tilt_x) + square(modes.tilt_y) > square(self.tilt) {
-            return Err(Fault::new(FaultKind::Tilt)
-                .on_axis(worst)
-                .with_size(drift[worst]));
+        if square(modes.tilt_x) + square(modes.tilt_y) > self.tilt_squared {
+            let axes = drift.iter().enumerate();
+            let worst = axes.max_by_key(|(_, drift)| (**drift - modes.common).abs());
+            let fault = Fault::new(FaultKind::Tilt);
+            return Err(worst.map_or(fault, |(axis, &drift)| fault.on_axis(axis).with_size(drift)));
         }
         if modes.warp > self.warp {
-            let axis = modes.warp_axis;
-            return Err(Fault::new(FaultKind::Warp)
-                .on_axis(axis)
-                .with_size(drift[axis]));
+            let fault = Fault::new(FaultKind::Warp).on_axis(modes.warp_axis);
+            let size = drift.get(modes.warp_axis).copied();
+            return Err(fault.with_size(size.unwrap_or_default()));
         }
         if modes.common.abs() > self.common {
             return Err(Fault::new(FaultKind::CommonLag).with_size(modes.common));
         }
         Ok(())
     }
+}
+
+/// The square, in units of 2⁻³⁰ turn, of up to 2 turns: the sum of two fits.
+const fn square(turns: Turns) -> u64 {
+    let scaled = (turns.to_bits().unsigned_abs() >> 18) as u32;
+    multiply(scaled, scaled)
 }
 
 /// Greatest way of the platform per radian of crank and metre of radius, max s(α) = max (sin α + λ sin α cos α / cos β).

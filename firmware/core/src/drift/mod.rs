@@ -21,6 +21,7 @@ pub use index_filter::IndexFilter;
 pub use limits::DriftLimits;
 pub use modes::{Modes, Mount};
 
+use crate::functions::{multiply, multiply_long};
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{Phase, Turns, nearest};
 
@@ -42,15 +43,19 @@ pub struct TickPhase {
 }
 
 impl TickPhase {
-    /// Commanded phase `cycle` cycles into a tick of `tick_cycles`.
-    fn at(&self, cycle: u32, per_tick_cycle: u64) -> Phase {
+    /// Commanded phase `cycle` cycles into a tick, of whose cycles `per_tick_cycle` is the reciprocal.
+    fn at(&self, cycle: u32, per_tick_cycle: u32) -> Phase {
         // cycle / tick_cycles with 44 fraction bits, of which 24 are plenty; and of the turns of a
         // tick, below ½, the upper 40: 2⁻²⁴ of a tick is less than a cycle.
-        let part = (u64::from(cycle) * per_tick_cycle).min(1 << 44) >> 20;
-        let turns = ((self.turns.to_bits() >> 8) * part as i64) >> 16;
+        let part = multiply(cycle, per_tick_cycle).min(1 << 44) >> 20;
+        let turns = (self.turns.to_bits() >> 8) as u64;
+        let turns = multiply_long(turns, part as u32) as i64 >> 16;
         self.start.advanced(Turns::from_bits(turns))
     }
 }
+
+/// A set of axes: a bit for each.
+type Axes = u8;
 
 /// Watches the drift of `N` axes.
 #[derive(Clone, Debug)]
@@ -58,18 +63,20 @@ pub struct DriftMonitor<const N: usize> {
     limits: DriftLimits,
     mount: Mount<N>,
     index: [Option<Turns>; N],
+    /// Axes that have a sensor.
+    sensed: Axes,
     tick_cycles: u32,
     /// 2⁴⁴ / cycles of a tick.
-    per_tick_cycle: u64,
+    per_tick_cycle: u32,
     /// What was commanded in the tick before the one that is over; none if that is not known.
     before: Option<[TickPhase; N]>,
     drift: [Turns; N],
     /// Axes heard since the modes were taken last.
-    heard: [bool; N],
+    heard: Axes,
     /// Commanded turns of each axis since its last index pulse.
     since_index: [Turns; N],
-    /// Whether an axis has been heard at all.
-    known: [bool; N],
+    /// Axes that have been heard at all.
+    known: Axes,
     modes: Modes,
 }
 
@@ -80,13 +87,17 @@ impl<const N: usize> DriftMonitor<N> {
             limits,
             mount: Mount::new(),
             index,
+            sensed: (0..N)
+                .filter(|&axis| index[axis].is_some())
+                .fold(0, |axes, axis| axes | 1 << axis),
             tick_cycles,
+            // Ticks have 12,500 cycles and more: 31 bits.
+            per_tick_cycle: ((1 << 44) / u64::from(tick_cycles)) as u32,
             before: None,
-            per_tick_cycle: (1 << 44) / u64::from(tick_cycles),
             drift: [Turns::ZERO; N],
-            heard: [false; N],
+            heard: 0,
             since_index: [Turns::ZERO; N],
-            known: [false; N],
+            known: 0,
             modes: Modes::default(),
         }
     }
@@ -102,6 +113,7 @@ impl<const N: usize> DriftMonitor<N> {
     ) -> Result<(), Fault> {
         let before = self.before.replace(*commanded);
         let mut missing = None;
+        let mut heard = 0;
         for axis in 0..N {
             let (Some(index), phase) = (self.index[axis], &commanded[axis]) else {
                 continue;
@@ -111,7 +123,9 @@ impl<const N: usize> DriftMonitor<N> {
                 if self.since_index[axis] > self.limits.index_turns {
                     missing = Some(axis);
                 }
-                self.since_index[axis] = self.since_index[axis].saturating_add(phase.turns);
+                // Bounded: beyond the limit it is a fault and begins anew, and no axis goes back by more than
+                // its trim.
+                self.since_index[axis] = self.since_index[axis].wrapping_add(phase.turns);
                 continue;
             };
             let back = pulse.cycle.min(0).unsigned_abs();
@@ -125,16 +139,17 @@ impl<const N: usize> DriftMonitor<N> {
             if let Some(phase) = phase {
                 let at = phase.at(cycle, self.per_tick_cycle);
                 self.drift[axis] = nearest(Phase::from_turns(index).since(at));
-                self.heard[axis] = true;
-                self.known[axis] = true;
+                heard |= 1 << axis;
             }
         }
+        self.heard |= heard;
+        self.known |= heard;
         if let Some(axis) = missing {
             self.since_index[axis] = Turns::ZERO;
             return Err(Fault::new(FaultKind::IndexMissing).on_axis(axis));
         }
-        if self.all_sensed(&self.heard) {
-            self.heard = [false; N];
+        if heard != 0 && self.heard == self.sensed {
+            self.heard = 0;
             self.modes = self.mount.modes(&self.drift);
             return self.limits.check(&self.modes, &self.drift);
         }
@@ -152,21 +167,14 @@ impl<const N: usize> DriftMonitor<N> {
     }
 
     /// Whether every axis that has a sensor has been heard since [`Self::reset`].
-    pub fn is_aligned(&self) -> bool {
-        self.all_sensed(&self.known)
-    }
-
-    fn all_sensed(&self, flags: &[bool; N]) -> bool {
-        self.index
-            .iter()
-            .zip(flags)
-            .all(|(index, &flag)| flag || index.is_none())
+    pub const fn is_aligned(&self) -> bool {
+        self.known == self.sensed
     }
 
     /// Forgets what was measured: the cranks may have been turned while the drives were off.
     pub fn reset(&mut self) {
-        self.heard = [false; N];
-        self.known = [false; N];
+        self.heard = 0;
+        self.known = 0;
         self.since_index = [Turns::ZERO; N];
         self.drift = [Turns::ZERO; N];
         self.modes = Modes::default();

@@ -6,7 +6,7 @@
 //! b = 2/N Σ e sin θ. Two axes have only one tilt, a = (e₀ − e₁)/2, and b is 0. Up to three axes
 //! there is no warp.
 
-use crate::functions::sine_cosine;
+use crate::functions::{multiply_q30, sine_cosine};
 use crate::units::Turns;
 
 /// The modes of one set of drifts, turns of crank angle.
@@ -41,7 +41,14 @@ pub struct Mount<const N: usize> {
     sine: [i32; N],
 }
 
+/// Fraction bits that are dropped of a drift: ±½ turn then has 30 bits, and so has a sum of six, each below its drift.
+const DROPPED_BITS: u32 = 19;
+
 impl<const N: usize> Mount<N> {
+    /// 1/N, and the share that a tilt takes of a projection: 30 fraction bits.
+    const MEAN: i32 = (1 << 30) / N as i32;
+    const SHARE: i32 = if N == 2 { Self::MEAN } else { 2 * Self::MEAN };
+
     /// Evenly around the circle, axis 0 at θ = 0.
     pub fn new() -> Self {
         let place =
@@ -52,38 +59,38 @@ impl<const N: usize> Mount<N> {
         }
     }
 
-    /// Takes the drifts, each within ±1 turn, apart. Error below 1e-6 of the largest.
+    /// Takes the drifts, each from −½ to ½ turn, apart.
+    ///
+    /// Error below 1e-6 of the largest, and 2⁻²⁵ turn: drifts are taken with 29 fraction bits, and up to twelve
+    /// products are rounded down.
     pub fn modes(&self, drift: &[Turns; N]) -> Modes {
-        let count = N as i64;
-        let share = if N == 2 { 1 } else { 2 };
+        let drift = drift.map(|e| (e.to_bits() >> DROPPED_BITS) as i32);
         let project = |weights: &[i32; N]| {
-            let sum: i64 = drift
-                .iter()
-                .zip(weights)
-                .map(|(&e, &weight)| weigh(e, weight))
-                .sum();
-            sum * share / count
+            let products = drift.iter().zip(weights);
+            let sum = products.map(|(&e, &weight)| multiply_q30(e, weight)).sum();
+            multiply_q30(sum, Self::SHARE)
         };
-        let common = drift.iter().map(|e| e.to_bits()).sum::<i64>() / count;
+        let common = multiply_q30(drift.iter().sum(), Self::MEAN);
         let tilt_x = project(&self.cosine);
         let tilt_y = project(&self.sine);
         let (mut warp, mut warp_axis) = (0, 0);
         if N > 3 {
-            for (axis, e) in drift.iter().enumerate() {
-                let plane = common
-                    + weigh(Turns::from_bits(tilt_x), self.cosine[axis])
-                    + weigh(Turns::from_bits(tilt_y), self.sine[axis]);
-                let off = (e.to_bits() - plane).abs();
+            for (axis, ((e, &cosine), &sine)) in
+                drift.iter().zip(&self.cosine).zip(&self.sine).enumerate()
+            {
+                let plane = common + multiply_q30(tilt_x, cosine) + multiply_q30(tilt_y, sine);
+                let off = (e - plane).abs();
                 if off > warp {
                     (warp, warp_axis) = (off, axis);
                 }
             }
         }
+        let turns = |value: i32| Turns::from_bits(i64::from(value) << DROPPED_BITS);
         Modes {
-            common: Turns::from_bits(common),
-            tilt_x: Turns::from_bits(tilt_x),
-            tilt_y: Turns::from_bits(tilt_y),
-            warp: Turns::from_bits(warp),
+            common: turns(common),
+            tilt_x: turns(tilt_x),
+            tilt_y: turns(tilt_y),
+            warp: turns(warp),
             warp_axis,
         }
     }
@@ -93,12 +100,6 @@ impl<const N: usize> Default for Mount<N> {
     fn default() -> Self {
         Self::new()
     }
-}
-
-/// `turns * weight`, the weight with 30 fraction bits.
-const fn weigh(turns: Turns, weight: i32) -> i64 {
-    // 16 bits off first: below 2^33 · 2^30 of 2^63; 2^-32 turn is 8e-8 degrees.
-    ((turns.to_bits() >> 16) * weight as i64) >> 14
 }
 
 #[cfg(test)]

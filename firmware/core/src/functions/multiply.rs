@@ -31,7 +31,7 @@ const fn parts(a: u32, b: u32) -> (u32, u32) {
     (high, middle << 16 | low & 0xFFFF)
 }
 
-/// `a b`, which must be below 2⁶⁴; beyond, the lower 64 bits of it.
+/// The lower 64 bits of `a b`: all of it, below 2⁶⁴. Of a negative number's bits it gives the product's.
 #[inline(always)]
 pub const fn multiply_long(a: u64, b: u32) -> u64 {
     let upper = ((a >> 32) as u32).wrapping_mul(b);

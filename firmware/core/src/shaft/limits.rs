@@ -1,6 +1,7 @@
 //! The master shaft's limits, as the tick uses them.
 
 use super::Band;
+use super::gain::Gain;
 use crate::settings::{LimitSettings, MAX_BANDS, turns_at_most};
 
 /// Limits in units of 2⁻⁴⁸ turn and one tick, rounded so that keeping to them keeps to the settings.
@@ -16,8 +17,10 @@ pub struct ShaftLimits {
     pub(crate) creep: i64,
     /// Forbidden bands, lowest first, apart from each other, between creep and greatest speed.
     pub(crate) bands: heapless::Vec<Band, MAX_BANDS>,
-    /// What the speed still gains when the acceleration is let go from its limit.
-    pub(crate) gain_from_limit: u64,
+    /// What the speed gains while an acceleration is let go.
+    pub(super) gain: Gain,
+    /// What it still gains from the limit.
+    pub(super) gain_from_limit: u64,
 }
 
 impl ShaftLimits {
@@ -27,8 +30,14 @@ impl ShaftLimits {
         let acceleration =
             turns_at_most(settings.reachable_acceleration_hz_per_s() / (hz * hz)).max(1);
         let jerk = turns_at_most(settings.jerk_hz_per_s2 / (hz * hz * hz)).max(1);
+        let speed = turns_at_most(settings.speed_hz / hz);
+        let gain = Gain::new(
+            jerk.unsigned_abs(),
+            acceleration.unsigned_abs(),
+            speed.unsigned_abs(),
+        );
         Self {
-            speed: turns_at_most(settings.speed_hz / hz),
+            speed,
             acceleration,
             jerk,
             creep: turns_at_most(settings.creep_hz / hz).max(1),
@@ -40,7 +49,8 @@ impl ShaftLimits {
                     to: turns_at_most(band.to_hz / hz) + 1,
                 })
                 .collect(),
-            gain_from_limit: super::regulator::gained_settling(acceleration as u64, jerk),
+            gain_from_limit: gain.of(acceleration.unsigned_abs()),
+            gain,
         }
     }
 

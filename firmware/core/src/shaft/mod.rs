@@ -11,6 +11,7 @@
 //! What it does not do: know why it should turn (the supervisor does), or what an axis makes of it.
 
 mod bands;
+mod gain;
 mod limits;
 mod regulator;
 mod stop;
@@ -186,8 +187,8 @@ impl Shaft {
     /// The constant speed from which to stop at a phase: what the speed comes to when the
     /// acceleration is let go, but outside the forbidden bands and not below creeping.
     fn settling_speed(&self) -> i64 {
-        let gained =
-            regulator::gained_letting_go(self.acceleration.unsigned_abs(), self.limits.jerk);
+        let acceleration = self.acceleration.unsigned_abs();
+        let gained = self.limits.gain.of(acceleration) - acceleration;
         let coasting = self.speed + self.acceleration.signum() * gained as i64;
         let outside = bands::below_band(&self.limits.bands, coasting);
         outside.clamp(self.limits.creep, self.limits.speed)

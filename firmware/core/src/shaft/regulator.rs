@@ -1,19 +1,16 @@
 //! The time-optimal way to a speed, in whole ticks: which acceleration to take next.
 //!
-//! Let the acceleration be a now, and let it go towards zero by the jerk J a tick. While it goes,
-//! the speed still gains
-//!
-//! D(a) = (a − J) + (a − 2J) + …  (as long as the terms are positive).
-//!
-//! Taking acceleration a for one tick and then letting it go gains g(a) = a + D(a) in all. With
-//! n = ⌊a/J⌋ that is (n + 1) a − J n (n + 1)/2: it grows with a, and its inverse needs one integer
-//! root. The fastest way to a speed that is e away, arriving without acceleration, is therefore to
-//! take, in each tick, the largest a with g(a) ≤ e that the limits allow. Near the end n is 0, a is
-//! e itself, and the speed is met exactly: nothing is rounded, and nothing hunts.
+//! Taking acceleration a for one tick and then letting it go gains the speed g(a) (see [`super::gain`]). The fastest
+//! way to a speed that is e away, arriving without acceleration, is therefore to
+//! take, in each tick, the largest a with g(a) ≤ e that the limits allow. Near the end a is less than a jerk, g(a) is
+//! a itself, and the speed is met exactly: nothing is rounded, and nothing hunts.
 //!
 //! A speed that moves at a constant rate is a speed at rest in a frame that moves along: the same
 //! law for the acceleration relative to that rate. A floor and a ceiling are kept by the same law,
 //! too: as g(a) ≤ ceiling − speed held a tick ago, letting go now still meets it.
+//!
+//! Whatever is wanted, the jerk leaves a range for the next acceleration. All is looked for within that range only,
+//! and most often its end is the answer.
 
 use super::ShaftLimits;
 
@@ -33,51 +30,87 @@ impl Aim {
     }
 }
 
-/// What the speed gains in the ticks after this one while `acceleration` is let go: D(a).
-pub(super) const fn gained_letting_go(acceleration: u64, jerk: i64) -> u64 {
-    gained_settling(acceleration, jerk) - acceleration
+/// The accelerations that the jerk allows.
+#[derive(Clone, Copy)]
+struct Range {
+    least: i64,
+    most: i64,
 }
 
-/// What the speed gains by `acceleration` in this tick and by letting it go: g(a).
-pub(super) const fn gained_settling(acceleration: u64, jerk: i64) -> u64 {
-    let jerk = jerk as u64;
-    let n = acceleration / jerk;
-    (n + 1) * acceleration - jerk * (n * (n + 1) / 2)
+impl Range {
+    fn clamp(self, acceleration: i64) -> i64 {
+        acceleration.max(self.least).min(self.most)
+    }
+
+    /// The same, as seen from a frame that accelerates by `rate`.
+    const fn relative_to(self, rate: i64) -> Self {
+        Self {
+            least: self.least - rate,
+            most: self.most - rate,
+        }
+    }
+
+    /// The same for the other sense.
+    const fn mirrored(self) -> Self {
+        Self {
+            least: -self.most,
+            most: -self.least,
+        }
+    }
 }
 
-/// The largest a with g(a) ≤ `gain`.
-const fn settling(gain: u64, jerk: i64) -> u64 {
-    let jerk = jerk as u64;
-    // J n (n + 1)/2 ≤ gain  ⇔  n (n + 1)/2 ≤ ⌊gain / J⌋, all being whole numbers.
-    let n = ((8 * (gain / jerk) + 1).isqrt() - 1) / 2;
-    (gain + jerk * (n * (n + 1) / 2)) / (n + 1)
+/// What gains `way` (not negative) and no more, up to `limit`; clamped to the range.
+fn settling(way: i64, limit: i64, range: Range, limits: &ShaftLimits) -> i64 {
+    let most = range.most.min(limit);
+    if most <= 0 || most <= range.least {
+        return range.clamp(most);
+    }
+    // No more than the limit of acceleration is ever wanted of a way that is enough for that.
+    if limit == limits.acceleration && way.unsigned_abs() >= limits.gain_from_limit {
+        return most;
+    }
+    let least = range.least.max(0);
+    let gain = &limits.gain;
+    gain.inverse(
+        way.unsigned_abs(),
+        least.unsigned_abs(),
+        most.unsigned_abs(),
+    ) as i64
 }
 
-/// The same with the sign of `way`, and no further than the limit: all that can be taken of it.
-fn towards(way: i64, limits: &ShaftLimits) -> i64 {
-    let gain = way.unsigned_abs();
-    let a = if gain >= limits.gain_from_limit {
-        limits.acceleration
+/// The same for a way of either sign.
+fn towards(way: i64, limit: i64, range: Range, limits: &ShaftLimits) -> i64 {
+    if way < 0 {
+        -settling(-way, limit, range.mirrored(), limits)
     } else {
-        (settling(gain, limits.jerk) as i64).min(limits.acceleration)
-    };
-    a * way.signum()
+        settling(way, limit, range, limits)
+    }
 }
 
-/// What to take to meet an aim that moves at `rate` and is `way` ahead.
-fn pursuing(way: i64, rate: i64, limits: &ShaftLimits) -> i64 {
+/// What to take, within the range, to meet an aim that moves at `rate` and is `way` ahead.
+fn pursuing(way: i64, rate: i64, range: Range, limits: &ShaftLimits) -> i64 {
     if way == 0 {
-        return rate;
+        return range.clamp(rate);
     }
     // Where the aim runs away, the limit is soon reached. Where it comes to meet the shaft, the two
     // close in on each other faster than the shaft alone could, and have that much more to let go.
-    let coming = rate.signum() == -way.signum();
-    let relative = if coming {
-        settling(way.unsigned_abs(), limits.jerk) as i64 * way.signum()
+    let coming = (rate < 0) != (way < 0) && rate != 0;
+    let limit = if coming {
+        i64::MAX
     } else {
-        towards(way, limits)
+        limits.acceleration
     };
-    rate + relative
+    rate + towards(way, limit, range.relative_to(rate), limits)
+}
+
+/// `wanted`, or what of it still meets a ceiling that is `way` above; below the ceiling's, the fastest way back to it.
+fn bounded(wanted: i64, way: i64, range: Range, limits: &ShaftLimits) -> i64 {
+    if way >= 0 && wanted <= 0 {
+        return wanted;
+    }
+    let most = if way < 0 { range.most } else { wanted };
+    let range = Range { most, ..range };
+    towards(way, limits.acceleration, range, limits).min(wanted)
 }
 
 /// The acceleration of the coming tick.
@@ -92,46 +125,19 @@ pub(super) fn acceleration(
     floor: i64,
     ceiling: i64,
 ) -> i64 {
-    let rate = aim.next - aim.now;
-    let wanted = pursuing(aim.now - speed, rate, limits);
+    let range = Range {
+        least: acceleration - limits.jerk,
+        most: acceleration + limits.jerk,
+    };
+    let wanted = pursuing(aim.now - speed, aim.next - aim.now, range, limits);
     // Outside the two, these are the fastest way back between them.
-    let most = towards(ceiling - speed, limits);
-    let least = towards(floor - speed, limits);
-    // The jerk's range comes last: it holds whatever happened to floor and ceiling.
-    wanted
-        .min(most)
-        .max(least)
-        .clamp(acceleration - limits.jerk, acceleration + limits.jerk)
+    let below = bounded(wanted, ceiling - speed, range, limits);
+    -bounded(-below, speed - floor, range.mirrored(), limits)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        /// The inverse is exact: the next larger acceleration would overshoot.
-        #[test]
-        fn settling_is_the_largest_that_does_not_overshoot(gain in 0_u64..1 << 47, jerk in 1_i64..1 << 40) {
-            // Keep n where the limits keep it: below 2^21 ticks of letting go.
-            let gain = gain.min((jerk as u64).saturating_mul(1 << 40));
-            let a = settling(gain, jerk);
-            prop_assert!(gained_settling(a, jerk) <= gain);
-            prop_assert!(gained_settling(a + 1, jerk) > gain);
-        }
-
-        /// The closed form of D against its sum.
-        #[test]
-        fn letting_go_gains_the_sum(acceleration in 0_u64..100_000, jerk in 1_i64..5_000) {
-            let mut sum = 0;
-            let mut a = acceleration;
-            while a > jerk as u64 {
-                a -= jerk as u64;
-                sum += a;
-            }
-            prop_assert_eq!(gained_letting_go(acceleration, jerk), sum);
-        }
-    }
 
     /// An aim that falls at 0.3 A a tick comes to meet a shaft at rest: relative to it the shaft may go up
     /// to 1.3 A. Ramps from 0.3 A to 1.3 A and from there to 0, with h ticks between, close a gap of
