@@ -232,7 +232,7 @@ export class Board {
 
   pinsChanged(stamp, changed) {
     this.edges.record(stamp, changed);
-    for (const block of this.pio) block.inputsChanged(stamp);
+    for (const block of this.pio) block.inputsChanged(stamp, changed);
   }
 
   romCall(number, core) {

@@ -5,7 +5,8 @@
 // Machines are executed in order, so that the highest-numbered wins a pin that two write in one cycle (datasheet 3.5.6).
 
 import { RPPIO } from 'rp2040js';
-import { FDEBUG, FLAG, INPUT, Machine, TX } from './pio-machine.mjs';
+import { Machine } from './pio-machine.mjs';
+import { FDEBUG, FLAG, INPUT, NONE, TX } from './pio-operations.mjs';
 
 const REG = { ctrl: 0x000, fdebug: 0x008, irq: 0x030, irqForce: 0x034, bypass: 0x038, memory: 0x048, machines: 0x0c8 };
 const MACHINE_BYTES = 0x18;
@@ -65,7 +66,7 @@ export class Block extends RPPIO {
   /** Plain stepping: tries every stalled instruction again in every cycle. */
   poll(cycle) {
     for (const machine of this.machines) {
-      if (machine.stall !== 0 && (machine.enabled || machine.forced >= 0)) machine.retry(machine.stall, cycle);
+      if (machine.stall !== NONE && (machine.enabled || machine.forced >= 0)) machine.retry(machine.stall, cycle);
     }
   }
 
@@ -99,8 +100,11 @@ export class Block extends RPPIO {
     return this.host.pads.changedSince(cycle - 3);
   }
 
-  inputsChanged(stamp) {
-    for (const machine of this.machines) machine.retry(INPUT, stamp + 1);
+  inputsChanged(stamp, changed) {
+    for (const machine of this.machines) {
+      if (machine.stall === INPUT) machine.retry(INPUT, stamp + 1);
+      else if (machine.saved.ahead && machine.pinsRead & changed) machine.settle(stamp + 1);
+    }
   }
 
   setPins(value, base, count) {
@@ -142,8 +146,10 @@ export class Block extends RPPIO {
       case MACHINE_REG.shiftctrl:
         return machine.shiftctrl >>> 0;
       case MACHINE_REG.addr:
+        machine.settle(this.rp2040.clock.cycle);
         return machine.pc;
       case MACHINE_REG.instr:
+        machine.settle(this.rp2040.clock.cycle);
         return machine.forced >= 0 ? machine.forced : this.instructions[machine.pc];
       default:
         return machine.pinctrl >>> 0;
@@ -211,6 +217,7 @@ export class Block extends RPPIO {
     if (machine.enabled) machine.refuseUnmodelled();
   }
 
+  /** Machines that ran ahead come back: what they are to execute may be about to change. */
   settle(now) {
     for (const machine of this.machines) machine.settle(now);
   }
