@@ -30,6 +30,8 @@ class Registers extends BasePeripheral {
   }
 }
 
+/** What rp2040js says where the bus would answer with an error, or the core with a fault. */
+const UNMAPPED = /invalid memory address|undefined address|is not implemented yet/;
 const XIP_STAT = 0x08;
 /** Streaming FIFO empty, flush done. */
 const XIP_READY = 0b011;
@@ -56,7 +58,10 @@ export function buildChip(board, { clock, sram, flash, rom, outside, levels, scr
   chip.logger = {
     debug() {},
     info() {},
-    warn: (name, text) => board.warn(name, text),
+    warn: (name, text) => {
+      if (UNMAPPED.test(text)) throw new Fault(text);
+      board.warn(name, text);
+    },
     error: (name, text) => board.warn(name, text),
   };
   chip.sram = sram;

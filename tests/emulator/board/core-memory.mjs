@@ -60,6 +60,8 @@ export class MemoryCore extends StockCore {
       case 0:
         if (a < ROM_SIZE) return this.rom32[a >>> 2];
         break;
+      case 3:
+        break;
       default:
         this.board.beforeRead(a);
         return this.rp2040.readUint32(a);
@@ -80,6 +82,8 @@ export class MemoryCore extends StockCore {
       case 0:
         if (a < ROM_SIZE) return this.rom16[a >>> 1];
         break;
+      case 3:
+        break;
       default:
         this.board.beforeRead(a);
         return this.rp2040.readUint16(a);
@@ -98,6 +102,8 @@ export class MemoryCore extends StockCore {
         break;
       case 0:
         if (a < ROM_SIZE) return this.rom8[a];
+        break;
+      case 3:
         break;
       default:
         this.board.beforeRead(a);
