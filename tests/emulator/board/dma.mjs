@@ -5,8 +5,8 @@
 // the throughput (2.5.1) but not the latency: it is an assumption, and much shorter than the eight words of a joined
 // FIFO last.
 //
-// Also mended: CHAN_ABORT reads 0 (rp2040js: all ones, so that a read-modify-write aborts every channel); a trigger with a count of zero leaves no channel busy. Pacing timers
-// and the sniffer are not modelled, and refused.
+// Also mended: CHAN_ABORT reads 0 (rp2040js: all ones, so that a read-modify-write aborts every channel); a trigger with
+// a count of zero leaves no channel busy. Pacing timers and the sniffer are not modelled, and refused.
 
 import { Fault } from './core-memory.mjs';
 

@@ -2,6 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
+import * as pio from '../support/pio-words.mjs';
 import * as t from '../support/thumb.mjs';
 
 const CORNERS = [0, 1, 2, 31, 32, 33, 255, 256, 0x7fff_ffff, 0x8000_0000, 0x8000_0001, 0xffff_fffe, 0xffff_ffff];
@@ -168,6 +169,21 @@ test('a store takes effect at the end of its last cycle, a load sees the start o
   early.cycle = 121;
   early.run({ cycles: 4 });
   assert.equal(early.core.registers[1], 0);
+});
+
+test('two stores that enable a machine in each block start them two cycles apart, after the end of each store', () => {
+  const board = t.boardWith([t.NOP, t.str(2, 0), t.str(2, 1)], { options: { pins: { a: 4, b: 5 } } });
+  [0, 1].forEach((block) => {
+    pio.givePins(board, block, [4 + block]);
+    pio.makeOutputs(board, block, 0, [4 + block]);
+    pio.load(board, block, [pio.set('pins', 1), pio.jmp('always', 1)]);
+    pio.configure(board, block, 0, { wrapTop: 1, setBase: 4 + block, setCount: 1 });
+    board.core.registers[block] = pio.PIO_BASE[block];
+  });
+  board.core.registers[2] = 1;
+  board.run({ cycles: 12 });
+  // NOP in cycle 0, stores in 1 to 2 and 3 to 4; the first instruction in the cycle after.
+  assert.deepEqual([board.edges.to('a', 1), board.edges.to('b', 1)], [[3], [5]]);
 });
 
 test('what faults on the chip faults here, with the address of the instruction on the stack', () => {
