@@ -10,6 +10,7 @@ import { Fault } from './core-memory.mjs';
 import { Pads } from './pads.mjs';
 import { Block } from './pio-block.mjs';
 import { mendPpb } from './ppb.mjs';
+import { mendTimer } from './timer.mjs';
 
 /** Where the second-stage boot block would have left off: the image's vector table. */
 export const VECTOR_TABLE = 0x1000_0100;
@@ -88,6 +89,7 @@ export function buildChip(board, { clock, sram, flash, rom, outside, levels, scr
   });
   mendDma(chip);
   mendPpb(chip, () => board.requestReset('system'));
+  mendTimer(chip);
   mendDivider(chip.sio);
 
   const watchdog = peripherals[0x40058];

@@ -10,13 +10,14 @@
 //   which is then due in its own cycle. Should an input pin that they read change, or anybody look, the registers are
 //   taken back to where they were and brought to that cycle (`settle`). So nothing shows but the speed.
 //
-// Integer clock dividers are modelled; fractional ones and autopull are refused. Running ahead supposes that no other
+// Integer clock dividers are modelled; fractional ones, autopull and OUT_STICKY are refused. Running ahead supposes that no other
 // machine drives the pins that this one side-sets.
 
 import { FDEBUG, INPUT, NONE, Operations, RX, TX } from './pio-operations.mjs';
 import { FIFO } from 'rp2040js';
 
 const EXECCTRL_STALLED = 0x8000_0000;
+const OUT_STICKY = (1 << 17) | (1 << 18);
 const MOST_AHEAD = 2048;
 const LEAST_AHEAD = 16;
 
@@ -74,6 +75,7 @@ export class Machine extends Operations {
     const name = `${this.block.name} state machine ${this.index}`;
     if ((this.clkdiv >>> 8) & 0xff) throw new Error(`${name}: fractional clock dividers are not modelled`);
     if (this.shiftctrl & (1 << 17)) throw new Error(`${name}: autopull is not modelled`);
+    if (this.execctrl & OUT_STICKY) throw new Error(`${name}: OUT_STICKY is not modelled`);
   }
 
   // ---- FIFOs ----

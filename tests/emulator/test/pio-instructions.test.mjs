@@ -263,6 +263,7 @@ test('what is not modelled is refused', () => {
   for (const [register, value, refusal] of [
     [0x00, 0x0001_8000, /fractional/],
     [0x08, 1 << 17, /autopull/],
+    [0x04, 1 << 17, /OUT_STICKY/],
   ]) {
     const board = machine([pio.jmp('always', 0)]);
     board.poke(pio.machineRegister(0, 0, register), value);
