@@ -1,8 +1,8 @@
 // A boot ROM of our own: rp2040js has none, and images look up functions in it.
 //
-// The image has the tables and the lookup routine where the RP2040 datasheet (2.8) puts them. A function is a BKPT, which
-// the core hands to `call`, and BX LR. Memory and bit functions are carried out here with about the time that the
-// ROM's take; flash functions change the board's flash array, and take as long as a flash chip does.
+// The image has the tables and the lookup routine where the RP2040 datasheet (2.8) puts them. A function is a BKPT,
+// which the core hands to `call`, and BX LR. Memory and bit functions are carried out here with about the time that
+// the ROM's take; flash functions change the board's flash array, and take as long as a flash chip does.
 
 import { Flash, PAGE_BYTES, SECTOR_BYTES } from './flash.mjs';
 import { CYCLES_PER_SECOND, CYCLES_PER_US } from './clock.mjs';
@@ -161,14 +161,18 @@ export class RomBench {
   flashRangeErase(core) {
     const [address, length] = core.registers;
     const cycles = (length / SECTOR_BYTES) * this.times.eraseSector;
-    return this.operate(core, 'erase', address, length, cycles, (survived) => this.flash.erase(address, length, survived));
+    return this.operate(core, 'erase', address, length, cycles, (survived) =>
+      this.flash.erase(address, length, survived),
+    );
   }
 
   flashRangeProgram(core) {
     const [address, from, length] = core.registers;
     const data = Uint8Array.from({ length }, (_, i) => core.readUint8(from + i));
     const cycles = (length / PAGE_BYTES) * this.times.programPage;
-    return this.operate(core, 'program', address, length, cycles, (survived) => this.flash.program(address, data, survived));
+    return this.operate(core, 'program', address, length, cycles, (survived) =>
+      this.flash.program(address, data, survived),
+    );
   }
 
   /** Carries out an erase or program, whole or up to where power fails. */

@@ -1,7 +1,8 @@
 // Calls one function of an image, alone on the chip: for measuring routines.
 //
-// The function runs with interrupts masked, statics initialised as the start-up code would, and nothing else happening.
-// Arguments and results are those of the procedure call standard (AAPCS): r0 to r3, then the stack; r0 and r1.
+// The function runs with interrupts masked, statics initialised as the start-up code would, and nothing else
+// happening. Arguments and results are those of the procedure call standard (AAPCS): r0 to r3, then the stack; r0 and
+// r1.
 
 import { Board } from './board.mjs';
 

@@ -97,6 +97,7 @@ export function buildChip(board, { clock, sram, flash, rom, outside, levels, scr
   watchdog.reason = reason;
   watchdog.onWatchdogTrigger = () => board.requestReset('watchdog');
   chip.watchdog = watchdog;
+  chip.psm = peripherals[0x40010];
 
   chip.pads = new Pads(chip, outside, levels, {
     stampNow: () => board.stamp,

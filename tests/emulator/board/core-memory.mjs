@@ -115,7 +115,7 @@ export class MemoryCore extends StockCore {
   writeUint32(address, value) {
     const a = address >>> 0;
     if (a & 3) throw this.fault('unaligned write', a);
-    if (a - SRAM_BASE >>> 0 < SRAM_SIZE) {
+    if ((a - SRAM_BASE) >>> 0 < SRAM_SIZE) {
       this.ram32[(a - SRAM_BASE) >>> 2] = value;
       if (a === this.watch) this.onWatch();
       return;
@@ -126,7 +126,7 @@ export class MemoryCore extends StockCore {
   writeUint16(address, value) {
     const a = address >>> 0;
     if (a & 1) throw this.fault('unaligned write', a);
-    if (a - SRAM_BASE >>> 0 < SRAM_SIZE) {
+    if ((a - SRAM_BASE) >>> 0 < SRAM_SIZE) {
       this.ram16[(a - SRAM_BASE) >>> 1] = value;
       return;
     }
@@ -135,7 +135,7 @@ export class MemoryCore extends StockCore {
 
   writeUint8(address, value) {
     const a = address >>> 0;
-    if (a - SRAM_BASE >>> 0 < SRAM_SIZE) {
+    if ((a - SRAM_BASE) >>> 0 < SRAM_SIZE) {
       this.ram8[a - SRAM_BASE] = value;
       return;
     }

@@ -2,13 +2,22 @@
 // mended here; the rest stay rp2040js's.
 //
 // Convention: machines of one cycle see flags and pins as they were at its start; their own changes show in the next.
-// Machines are executed in order, so that the highest-numbered wins a pin that two write in one cycle (datasheet 3.5.6).
+// Machines are executed in order, so that the highest-numbered wins a pin that two write in one cycle (datasheet
+// 3.5.6).
 
 import { RPPIO } from 'rp2040js';
 import { Machine } from './pio-machine.mjs';
 import { FDEBUG, FLAG, INPUT, NONE, TX } from './pio-operations.mjs';
 
-const REG = { ctrl: 0x000, fdebug: 0x008, irq: 0x030, irqForce: 0x034, bypass: 0x038, memory: 0x048, machines: 0x0c8 };
+const REG = {
+  ctrl: 0x000,
+  fdebug: 0x008,
+  irq: 0x030,
+  irqForce: 0x034,
+  bypass: 0x038,
+  memory: 0x048,
+  machines: 0x0c8,
+};
 const MACHINE_BYTES = 0x18;
 const MACHINES_END = REG.machines + 4 * MACHINE_BYTES;
 const MACHINE_REG = { clkdiv: 0x00, execctrl: 0x04, shiftctrl: 0x08, addr: 0x0c, instr: 0x10, pinctrl: 0x14 };
@@ -49,8 +58,8 @@ export class Block extends RPPIO {
   run() {}
 
   get due() {
-    const [a, b, c, d] = this.machines;
-    return Math.min(a.due, b.due, c.due, d.due);
+    const { machines } = this;
+    return Math.min(machines[0].due, machines[1].due, machines[2].due, machines[3].due);
   }
 
   /** Executes what is due in `cycle`. Gives whether pins were written. */

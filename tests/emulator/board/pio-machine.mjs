@@ -3,15 +3,15 @@
 // Words:
 // - an instruction *executes* in one cycle, `due`; its outputs and side-set take that cycle as their stamp; the next
 //   executes 1 + delay cycles later (times the clock divider);
-// - an instruction *stalls* when it cannot complete: it has side-set in its first cycle, and is tried again in the cycle
-//   after what it waits for may have come;
+// - an instruction *stalls* when it cannot complete: it has side-set in its first cycle, and is tried again in the
+//   cycle after what it waits for may have come;
 // - a *quiet* instruction touches nothing but the machine's own registers, and nothing but the pins touches it;
-// - *running ahead*: after each instruction the quiet ones that follow are executed at once, up to the next that is not,
-//   which is then due in its own cycle. Should an input pin that they read change, or anybody look, the registers are
-//   taken back to where they were and brought to that cycle (`settle`). So nothing shows but the speed.
+// - *running ahead*: after each instruction the quiet ones that follow are executed at once, up to the next that is
+//   not, which is then due in its own cycle. Should an input pin that they read change, or anybody look, the
+//   registers are taken back to where they were and brought to that cycle (`settle`). So nothing shows but the speed.
 //
-// Integer clock dividers are modelled; fractional ones, autopull and OUT_STICKY are refused. Running ahead supposes that no other
-// machine drives the pins that this one side-sets.
+// Integer clock dividers are modelled; fractional ones, autopull and OUT_STICKY are refused. Running ahead supposes
+// that no other machine drives the pins that this one side-sets.
 
 import { FDEBUG, INPUT, NONE, Operations, RX, TX } from './pio-operations.mjs';
 import { FIFO } from 'rp2040js';
@@ -129,7 +129,10 @@ export class Machine extends Operations {
   get fifoStat() {
     const { txFIFO, rxFIFO } = this;
     const bits =
-      (txFIFO.empty ? 1 << 24 : 0) | (txFIFO.full ? 1 << 16 : 0) | (rxFIFO.empty ? 1 << 8 : 0) | (rxFIFO.full ? 1 : 0);
+      (txFIFO.empty ? 1 << 24 : 0) |
+      (txFIFO.full ? 1 << 16 : 0) |
+      (rxFIFO.empty ? 1 << 8 : 0) |
+      (rxFIFO.full ? 1 : 0);
     return bits << this.index;
   }
 

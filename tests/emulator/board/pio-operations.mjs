@@ -1,7 +1,8 @@
 // What the instructions of a PIO state machine do, after chapter 3.4 of the RP2040 datasheet. When they do it is
 // pio-machine.mjs.
 //
-// All registers are kept as unsigned 32-bit numbers. Autopull is not modelled (it is refused when a machine is enabled).
+// All registers are kept as unsigned 32-bit numbers. Autopull is not modelled (it is refused when a machine is
+// enabled).
 
 import { FIFO } from 'rp2040js';
 
@@ -70,8 +71,8 @@ export class Operations {
     this.autopush = (shiftctrl & (1 << 16)) !== 0;
     this.inRight = (shiftctrl & (1 << 18)) !== 0;
     this.outRight = (shiftctrl & (1 << 19)) !== 0;
-    this.pushThreshold = ((shiftctrl >>> 20) & 0x1f) || 32;
-    this.pullThreshold = ((shiftctrl >>> 25) & 0x1f) || 32;
+    this.pushThreshold = (shiftctrl >>> 20) & 0x1f || 32;
+    this.pullThreshold = (shiftctrl >>> 25) & 0x1f || 32;
     this.divider = this.clkdiv >>> 16 || 0x1_0000;
   }
 

@@ -1,8 +1,8 @@
-// Alarms of the 64-bit microsecond timer, mended: rp2040js counts from the middle of a microsecond and drops the rest, so
-// that an alarm may come up to a microsecond before its time, and the image has to arm it again and again.
+// Alarms of the 64-bit microsecond timer, mended: rp2040js counts from the middle of a microsecond and drops the
+// rest, so that an alarm may come up to a microsecond before its time, and the image has to arm it again and again.
 //
-// Convention: the timer's microseconds begin with the reset. On hardware they begin when the image starts the tick, and
-// stand in no fixed relation to the system clock.
+// Convention: the timer's microseconds begin with the reset. On hardware they begin when the image starts the tick,
+// and stand in no fixed relation to the system clock.
 
 import { CYCLES_PER_US } from './clock.mjs';
 

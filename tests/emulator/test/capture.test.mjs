@@ -1,5 +1,5 @@
-// A capture program of the image's kind: six pins sampled every 7 cycles, a word pushed at each change, moved to RAM by
-// DMA. It is the one program that never waits, so running ahead must be exact here above all.
+// A capture program of the image's kind: six pins sampled every 7 cycles, a word pushed at each change, moved to RAM
+// by DMA. It is the one program that never waits, so running ahead must be exact here above all.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
@@ -39,7 +39,7 @@ function capture(fastForward, stimulate) {
 
 function pulses(stimulus) {
   let state = 12345;
-  for (let cycle = 100; cycle < 50_000; ) {
+  for (let cycle = 100; cycle < 50_000;) {
     state = (Math.imul(state, 1_103_515_245) + 12_345) >>> 0;
     stimulus.pulse(cycle, FIRST_PIN + ((state >>> 16) % 6), 3 + ((state >>> 20) % 900));
     cycle += 1 + ((state >>> 8) % 2000);
@@ -60,6 +60,6 @@ test('a change is captured within one round of seven cycles, and counted by roun
     assert.equal(words[0] >>> 26, 0b000100);
     // The sample of round n is taken in cycle start + 7 n + 4 and sees stamps up to three cycles before.
     const round = Math.ceil((at + 3 - 4 - start) / 7);
-    assert.equal((-words[0]) & 0x3ff_ffff, round + 1, `change in cycle ${at}`);
+    assert.equal(-words[0] & 0x3ff_ffff, round + 1, `change in cycle ${at}`);
   }
 });

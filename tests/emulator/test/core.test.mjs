@@ -39,10 +39,11 @@ function shift(kind) {
     const by = y & 0xff;
     if (by === 0) return { result: x, C: carry === 1 };
     const n = wide(by);
-    if (kind === 'lsl') return { result: Number((wide(x) << n) & 0xffff_ffffn), C: ((wide(x) << n) >> 32n) % 2n === 1n };
+    if (kind === 'lsl')
+      return { result: Number((wide(x) << n) & 0xffff_ffffn), C: ((wide(x) << n) >> 32n) % 2n === 1n };
     if (kind === 'ror') {
       const turn = by % 32;
-      const result = Number(((wide(x) << 32n) | wide(x)) >> wide(turn) & 0xffff_ffffn);
+      const result = Number((((wide(x) << 32n) | wide(x)) >> wide(turn)) & 0xffff_ffffn);
       return { result, C: result >= 0x8000_0000 };
     }
     const value = kind === 'asr' ? wide(x | 0) : wide(x);
@@ -128,8 +129,16 @@ test('cycles are those of the Cortex-M0+ manual, table 3-1, with a bus that neve
   };
   assert.equal(cyclesOf(t.pop(0, 1, 15), RAM, returnTo), 6, 'POP with PC: 3 + N, PC counted');
   assert.equal(cyclesOf(t.b(8)), 2);
-  assert.equal(cyclesOf(t.beq(8), RAM, (core) => (core.Z = true)), 2, 'taken');
-  assert.equal(cyclesOf(t.beq(8), RAM, (core) => (core.Z = false)), 1, 'not taken');
+  assert.equal(
+    cyclesOf(t.beq(8), RAM, (core) => (core.Z = true)),
+    2,
+    'taken',
+  );
+  assert.equal(
+    cyclesOf(t.beq(8), RAM, (core) => (core.Z = false)),
+    1,
+    'not taken',
+  );
   assert.equal(cyclesOf(t.bl(8)), 3);
   assert.equal(cyclesOf(t.bx(3)), 2);
   assert.equal(cyclesOf(t.blx(3)), 2);

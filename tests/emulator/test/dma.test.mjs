@@ -92,7 +92,10 @@ test('a ring wraps its address, and a chain starts the next channel', () => {
   board.poke(channel(1, CONTROL), control({ chain: 1 }));
   start(board, 0, RAM, RAM + 0x1000, 12, { ring: 4, chain: 1 });
   board.run({ cycles: 100 });
-  assert.deepEqual(words(board, RAM + 0x1000, 12).map((w) => w - 1000), [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3]);
+  assert.deepEqual(
+    words(board, RAM + 0x1000, 12).map((w) => w - 1000),
+    [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3],
+  );
   assert.deepEqual(words(board, RAM + 0x3000, 2), [1000, 1001]);
 });
 

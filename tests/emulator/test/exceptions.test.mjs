@@ -30,7 +30,11 @@ function idle(handlers, { code = [t.b(0)], priorities = [0, 0] } = {}) {
 }
 
 const count = (board, slot) => board.peek(COUNTERS + 4 * slot);
-const pend = (board, ...irqs) => board.poke(ISPR, irqs.reduce((mask, irq) => mask | (1 << irq), 0));
+const pend = (board, ...irqs) =>
+  board.poke(
+    ISPR,
+    irqs.reduce((mask, irq) => mask | (1 << irq), 0),
+  );
 
 test('an interrupt pended by software runs its handler once, after 15 cycles', () => {
   const board = idle({ [E0]: counted(0) });

@@ -43,7 +43,10 @@ test('memory and bit functions', () => {
   const { board, rom, data } = flashBoard();
   data([1, 2, 3, 4, 5]);
   assert.equal(rom('MC', RAM + 64, RAM, 5).r0, RAM + 64);
-  assert.deepEqual([0, 4].map((i) => board.core.readUint8(RAM + 64 + i)), [1, 5]);
+  assert.deepEqual(
+    [0, 4].map((i) => board.core.readUint8(RAM + 64 + i)),
+    [1, 5],
+  );
   rom('MS', RAM, 0xee, 2);
   assert.equal(board.core.readUint32(RAM), 0x0403_eeee);
   assert.equal(rom('P3', 0xf0f0).r0, 8);
@@ -95,7 +98,10 @@ test('power that fails in an erase leaves it half done, and the next board finds
   assert.equal(board.stopped.reason, 'power-cut');
   assert.ok(board.cycle - before < TIMES.eraseSector / 3, 'it ends the run where it happens');
   const next = new Board({ flash: board.flash, bare: true });
-  assert.deepEqual([999, 1000, 1001].map((i) => next.flash[i]), [0xff, 0x55, 0x00]);
+  assert.deepEqual(
+    [999, 1000, 1001].map((i) => next.flash[i]),
+    [0xff, 0x55, 0x00],
+  );
 });
 
 test('power that fails in a program leaves a prefix and one byte half written', () => {
@@ -104,7 +110,10 @@ test('power that fails in a program leaves a prefix and one byte half written', 
   rom('EX');
   board.rom.cutPower({ operation: 0, bytes: 300 });
   assert.throws(() => rom('RP', 0, RAM, 512), /power-cut|after 300/);
-  assert.deepEqual([299, 300, 301].map((i) => board.flash[i]), [0x00, 0x55, 0xff]);
+  assert.deepEqual(
+    [299, 300, 301].map((i) => board.flash[i]),
+    [0x00, 0x55, 0xff],
+  );
 });
 
 test('an interrupt taken while XIP is off locks the processor up, as its vector is in flash', () => {

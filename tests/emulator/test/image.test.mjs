@@ -1,10 +1,11 @@
-// What the bench reads of an image: ELF files, the RTT channel, cycles by function, interrupts of pins. And, where an image
-// is at hand, that the whole of it runs the same with and without skipping.
+// What the bench reads of an image: ELF files, the RTT channel, cycles by function, interrupts of pins. And, where an
+// image is at hand, that the whole of it runs the same with and without skipping.
 
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { test } from 'node:test';
 import { Board } from '../board/board.mjs';
+import { Caller } from '../board/call.mjs';
 import { readElf } from '../board/elf.mjs';
 import { Rtt } from '../board/rtt.mjs';
 import { Profile } from '../board/usage.mjs';
@@ -55,8 +56,17 @@ test('segments and symbols of an ELF file; what is none is refused', () => {
     ['COUNT', 0x2000_0000, 4, 1],
   ]);
   const elf = readElf(file);
-  assert.deepEqual(elf.segments.map(({ physical, bytes }) => [physical, bytes.length]), [[0x1000_0100, 0x102]]);
-  assert.deepEqual(elf.functions.map(({ name, address }) => [name, address]), [['early', 0x1000_0200], ['late', 0x1000_0300]]);
+  assert.deepEqual(
+    elf.segments.map(({ physical, bytes }) => [physical, bytes.length]),
+    [[0x1000_0100, 0x102]],
+  );
+  assert.deepEqual(
+    elf.functions.map(({ name, address }) => [name, address]),
+    [
+      ['early', 0x1000_0200],
+      ['late', 0x1000_0300],
+    ],
+  );
   assert.equal(elf.symbols.get('COUNT').address, 0x2000_0000);
   assert.throws(() => readElf(new Uint8Array(100)), /not a 32-bit/);
 });
@@ -70,13 +80,38 @@ test('an image is loaded over what the flash holds, and runs from its vector tab
 });
 
 test('cycles by function', () => {
-  const symbols = [['spin', 0x1000_0201, 2, 2], ['other', 0x1000_0203, 4, 2]];
-  const board = new Board({ elf: elfFile(0x1000_0100, imageBytes(t.b(2), t.movs(0, 0), t.b(-4)), symbols), profile: true });
+  const symbols = [
+    ['spin', 0x1000_0201, 2, 2],
+    ['other', 0x1000_0203, 4, 2],
+  ];
+  const board = new Board({
+    elf: elfFile(0x1000_0100, imageBytes(t.b(2), t.movs(0, 0), t.b(-4)), symbols),
+    profile: true,
+  });
   board.run({ cycles: 500 });
   assert.ok(board.profile instanceof Profile);
   const rows = board.profile.byFunction(board.elf.functions);
-  assert.deepEqual(rows.map(({ name }) => name), ['other', 'spin']);
+  assert.deepEqual(
+    rows.map(({ name }) => name),
+    ['other', 'spin'],
+  );
   assert.ok(Math.abs(rows[0].share - 3 / 5) < 0.01, `${rows[0].share}`);
+});
+
+test('one routine is called by its symbol: results, cycles, depth of stack', () => {
+  const LDR_R1_SP = 0x9900;
+  const code = [t.push(4, 14), 0x9902, t.adds(0, 0, 1), t.pop(4, 15), t.b(0)];
+  const symbols = [
+    ['add_fifth', 0x1000_0201, 8, 2],
+    ['forever', 0x1000_0209, 2, 2],
+  ];
+  const caller = new Caller(elfFile(0x1000_0100, imageBytes(...code), symbols));
+  assert.equal(code[1], LDR_R1_SP | 2, 'behind the two words pushed');
+  const result = caller.call('add_fifth', [40, 0, 0, 0], { stack: [2] });
+  // PUSH 3, LDR 2, ADDS 1, POP with PC 5.
+  assert.deepEqual(result, { r0: 42, r1: 2, cycles: 11, stackBytes: 8 });
+  assert.throws(() => caller.call('absent'), /no symbol absent/);
+  assert.throws(() => caller.call('forever', [], { mostCycles: 1000 }), /did not return/);
 });
 
 const BLOCK = 0x2000_0100;
@@ -104,7 +139,13 @@ test('the log is taken in the cycle in which it is written, also around the end 
   say(1, 2, 3, 4, 5, 6, 7, 8, 9, 10);
   board.run({ cycles: 100 });
   say(11, 12, 13, 14, 15, 16, 17, 18);
-  assert.deepEqual(rtt.pieces.map(({ cycle, bytes }) => [cycle, bytes.length]), [[0, 10], [100, 8]]);
+  assert.deepEqual(
+    rtt.pieces.map(({ cycle, bytes }) => [cycle, bytes.length]),
+    [
+      [0, 10],
+      [100, 8],
+    ],
+  );
   assert.deepEqual([...rtt.bytes], [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18]);
   assert.equal(board.peek(BLOCK + 40), board.peek(BLOCK + 36), 'read offset follows');
 });
@@ -136,14 +177,29 @@ test('an interrupt of a pin comes for a level that was there before it was enabl
   assert.equal(line(), 1);
 });
 
-const IMAGE = process.env.COPHASE_ELF ?? new URL('../../../target/thumbv6m-none-eabi/image/cophase-firmware', import.meta.url);
+const IMAGE =
+  process.env.COPHASE_ELF ?? new URL('../../../target/thumbv6m-none-eabi/image/cophase-firmware', import.meta.url);
 
-test('the image runs the same whether every cycle is stepped or not', { skip: !fs.existsSync(IMAGE) && 'no image built' }, () => {
-  const pins = Object.fromEntries([...Array(30).keys()].map((pin) => [`gpio${pin}`, pin]));
-  const [plain, skipping] = [false, true].map((fastForward) => {
-    const board = new Board({ elf: fs.readFileSync(IMAGE), pins, fastForward, flashTimes: { eraseSector: 100_000 } });
-    board.run({ cycles: 10_000_000 });
-    return { tracks: board.edges.tracks, log: board.rtt?.pieces, usage: board.usage.sums(), registers: board.core.registers };
-  });
-  assert.deepEqual(skipping, plain);
-});
+test(
+  'the image runs the same whether every cycle is stepped or not',
+  { skip: !fs.existsSync(IMAGE) && 'no image built' },
+  () => {
+    const pins = Object.fromEntries([...Array(30).keys()].map((pin) => [`gpio${pin}`, pin]));
+    const [plain, skipping] = [false, true].map((fastForward) => {
+      const board = new Board({
+        elf: fs.readFileSync(IMAGE),
+        pins,
+        fastForward,
+        flashTimes: { eraseSector: 100_000 },
+      });
+      board.run({ cycles: 10_000_000 });
+      return {
+        tracks: board.edges.tracks,
+        log: board.rtt?.pieces,
+        usage: board.usage.sums(),
+        registers: board.core.registers,
+      };
+    });
+    assert.deepEqual(skipping, plain);
+  },
+);

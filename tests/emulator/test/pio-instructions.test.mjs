@@ -10,7 +10,11 @@ import * as pio from '../support/pio-words.mjs';
 const BASE = pio.PIO_BASE[0];
 const OUT_PIN = 5;
 
-function machine(program, options = {}, board = new Board({ bare: true, pins: { out: OUT_PIN, next: OUT_PIN + 1 } })) {
+function machine(
+  program,
+  options = {},
+  board = new Board({ bare: true, pins: { out: OUT_PIN, next: OUT_PIN + 1 } }),
+) {
   pio.load(board, 0, program);
   pio.givePins(board, 0, [OUT_PIN, OUT_PIN + 1]);
   pio.makeOutputs(board, 0, 0, [OUT_PIN, OUT_PIN + 1]);
@@ -92,7 +96,10 @@ test('MOV PINS, ~PINS toggles: a pin reads what the machine itself drives, three
   start(board);
   board.run({ cycles: 12 });
   // Every cycle writes the inverse of the level that was decided three cycles before.
-  assert.deepEqual(board.edges.track('out').cycles, [0, 3, 6, 9].map((c) => from + c));
+  assert.deepEqual(
+    board.edges.track('out').cycles,
+    [0, 3, 6, 9].map((c) => from + c),
+  );
 });
 
 test('OUT shifts right from bit 0, or left from bit 31, and 32 bits at once', () => {
@@ -166,7 +173,10 @@ test('PUSH NOBLOCK on a full FIFO drops the word, empties ISR and flags it once'
   assert.equal(board.peek(BASE + pio.FDEBUG) & 1, 1);
   board.poke(BASE + pio.FDEBUG, 1);
   assert.equal(board.peek(BASE + pio.FDEBUG) & 1, 0, 'the flag can be cleared');
-  assert.deepEqual([1, 2, 3, 4].map(() => receive(board)), [1, 2, 3, 4]);
+  assert.deepEqual(
+    [1, 2, 3, 4].map(() => receive(board)),
+    [1, 2, 3, 4],
+  );
 });
 
 test('PUSH on a full FIFO stalls until there is room', () => {
@@ -190,7 +200,7 @@ test('joined FIFOs hold eight words one way and none the other', () => {
   assert.equal(board.peek(BASE + pio.FSTAT) & 0x101, 0x101, 'RX both full and empty');
 });
 
-test('side-set acts in the cycle of its instruction, also when that stalls, and shares its field with the delay', () => {
+test('side-set acts in the cycle of its instruction, also when that stalls, beside the delay', () => {
   const program = [pio.side(pio.delay(pio.jmp('always', 1), 3), 1), pio.side(pio.pull(), 0), pio.jmp('always', 2)];
   const board = machine(program, { sideOptional: true, sideCount: 2, sideBase: OUT_PIN + 1 });
   const from = board.cycle;
@@ -217,7 +227,10 @@ test('the program wraps from its top to its bottom without a cycle lost', () => 
   const from = board.cycle;
   start(board);
   board.run({ cycles: 6 });
-  assert.deepEqual(board.edges.track('out').cycles, [1, 2, 3, 4, 5].map((c) => from + c));
+  assert.deepEqual(
+    board.edges.track('out').cycles,
+    [1, 2, 3, 4, 5].map((c) => from + c),
+  );
 });
 
 test('WAIT on a pin ends three cycles after the pin changed: two flip-flops and the cycle itself', () => {
@@ -244,7 +257,10 @@ test('a clock divider of three stretches every instruction threefold', () => {
   const from = board.cycle;
   start(board);
   board.run({ cycles: 12 });
-  assert.deepEqual(board.edges.track('out').cycles, [0, 3, 6, 9].map((c) => from + c));
+  assert.deepEqual(
+    board.edges.track('out').cycles,
+    [0, 3, 6, 9].map((c) => from + c),
+  );
 });
 
 test('a disabled machine keeps the rest of its delay', () => {

@@ -7,6 +7,7 @@ import * as t from '../support/thumb.mjs';
 
 const WATCHDOG = 0x4005_8000;
 const [CTRL, LOAD, REASON, SCRATCH0] = [0x00, 0x04, 0x08, 0x0c].map((offset) => WATCHDOG + offset);
+const PSM_WDSEL = 0x4001_0008;
 const ENABLE = 0x4000_0000;
 const TIMER_LOW = 0x4005_4028;
 const RAM = 0x2000_3000;
@@ -23,6 +24,7 @@ function watched(us) {
   board.poke(RAM, 0xcafe_f00d);
   board.poke(SCRATCH0, 0x1234);
   board.poke(0xe000_e100, 0xff);
+  board.poke(PSM_WDSEL, 0x1_fffc);
   // Erratum E1: it counts down twice a microsecond.
   board.poke(LOAD, 2 * us);
   board.poke(CTRL, ENABLE);
@@ -66,6 +68,12 @@ test('the reset clears processor, PIO, pins and timer, and keeps RAM, reason and
   assert.equal(board.peek(CTRL) & ENABLE, 0);
 });
 
+test('a watchdog that has nothing to reset is a mistake', () => {
+  const board = watched(100);
+  board.poke(PSM_WDSEL, 0);
+  assert.throws(() => board.run({ cycles: 200 * CYCLES_PER_US }), /WDSEL/);
+});
+
 test('a forced reset is told from one by time', () => {
   const board = watched(1000);
   board.poke(CTRL, 0x8000_0000);
@@ -82,6 +90,14 @@ test('a system reset starts the processor anew and leaves the peripherals alone'
   assert.equal(board.peek(pio.PIO_BASE[0]), 1, 'the machine runs on');
   assert.equal(board.edges.of('out').length, 1);
   assert.equal(board.peek(0xe000_e100), 0);
+});
+
+test('levels between edges are told from the recording', () => {
+  const board = watched(100);
+  board.run({ cycles: 200 * CYCLES_PER_US });
+  const [up, down] = board.edges.track('out').cycles;
+  const levels = [up - 1, up, down - 1, down].map((cycle) => board.edges.levelAt('out', cycle));
+  assert.deepEqual(levels, [0, 1, 1, 0]);
 });
 
 test('power-up leaves nothing of use in RAM', () => {

@@ -30,7 +30,12 @@ const AXES = [0, 1, 2, 3, 4, 5].map((axis) => ({
   step: 2 * axis,
   dir: 2 * axis + 1,
 }));
-const PINS = Object.fromEntries(AXES.flatMap(({ axis, step, dir }) => [[`step${axis}`, step], [`dir${axis}`, dir]]));
+const PINS = Object.fromEntries(
+  AXES.flatMap(({ axis, step, dir }) => [
+    [`step${axis}`, step],
+    [`dir${axis}`, dir],
+  ]),
+);
 
 /** Edges that `words` must make when the first is pulled in cycle `start`: toggles of STEP, changes of DIR. */
 function model(words, start, dirBefore = 0) {

@@ -9,7 +9,12 @@ const [ALARM0, ARMED, TIME, INTR, INTE] = [0x10, 0x20, 0x28, 0x34, 0x38].map((of
 
 test('it counts every 125 cycles from reset', () => {
   const board = new Board({ bare: true });
-  for (const [cycle, micros] of [[0, 0], [124, 0], [125, 1], [125_000_000, 1_000_000]]) {
+  for (const [cycle, micros] of [
+    [0, 0],
+    [124, 0],
+    [125, 1],
+    [125_000_000, 1_000_000],
+  ]) {
     board.run({ untilCycle: cycle });
     assert.equal(board.peek(TIME), micros);
   }
