@@ -5,6 +5,7 @@
 
 import { BasePeripheral, RP2040 } from 'rp2040js';
 import { BenchCore } from './core.mjs';
+import { mendDivider } from './divider.mjs';
 import { mendDma } from './dma.mjs';
 import { Fault } from './core-memory.mjs';
 import { Pads } from './pads.mjs';
@@ -90,7 +91,7 @@ export function buildChip(board, { clock, sram, flash, rom, outside, levels, scr
   mendDma(chip);
   mendPpb(chip, () => board.requestReset('system'));
   mendTimer(chip);
-  mendDivider(chip.sio);
+  mendDivider(chip);
 
   const watchdog = peripherals[0x40058];
   watchdog.scratchData = scratch;
@@ -120,19 +121,5 @@ function mendSsi(chip) {
   ssi.writeUint32 = (offset, value) => {
     stock(offset, value);
     if (offset === SSIENR && value & 1 && ((ssi.crtlr0 >>> 8) & 3) === TMOD_EEPROM_READ) chip.core.xipOff = false;
-  };
-}
-
-/** Division by zero gives all ones; signed, minus one or one against the sign of the dividend (datasheet 2.3.1.5). */
-function mendDivider(sio) {
-  const stock = sio.updateHardwareDivider.bind(sio);
-  sio.updateHardwareDivider = (signed) => {
-    if (sio.divDivisor !== 0) {
-      stock(signed);
-      return;
-    }
-    sio.divQuotient = signed && (sio.divDividend | 0) < 0 ? 1 : -1;
-    sio.divRemainder = sio.divDividend;
-    sio.divCSR = 0b11;
   };
 }
