@@ -39,16 +39,44 @@ test('functions are found by their two letters, and unknown letters give null', 
   assert.equal(rom.lookup('zz'), 0);
 });
 
-test('memory and bit functions', () => {
+test('memory is copied and set whatever its alignment and length, and nothing beside it', () => {
   const { board, rom, data } = flashBoard();
-  data([1, 2, 3, 4, 5]);
-  assert.equal(rom('MC', RAM + 64, RAM, 5).r0, RAM + 64);
-  assert.deepEqual(
-    [0, 4].map((i) => board.core.readUint8(RAM + 64 + i)),
-    [1, 5],
-  );
-  rom('MS', RAM, 0xee, 2);
-  assert.equal(board.core.readUint32(RAM), 0x0403_eeee);
+  const SIZE = 64;
+  const TO = RAM + 256;
+  const source = Array.from({ length: SIZE }, (_, i) => i + 1);
+  const result = () => Array.from({ length: SIZE }, (_, i) => board.core.readUint8(TO + i));
+  for (const copy of [true, false]) {
+    for (const [from, to] of [
+      [0, 0],
+      [4, 8],
+      [1, 0],
+      [0, 3],
+      [3, 3],
+    ]) {
+      for (const length of [0, 1, 3, 4, 7, 8, 15, 16, 17, 37]) {
+        data(source);
+        for (let i = 0; i < SIZE; i += 1) board.core.writeUint8(TO + i, 0xee);
+        const { r0 } = copy ? rom('MC', TO + to, RAM + from, length) : rom('MS', TO + to, 0x1234_5678, length);
+        const expected = Array(SIZE).fill(0xee);
+        for (let i = 0; i < length; i += 1) expected[to + i] = copy ? source[from + i] : 0x78;
+        assert.deepEqual(result(), expected, `${copy ? 'copy' : 'set'} ${length} bytes from ${from} to ${to}`);
+        assert.equal(r0, TO + to);
+      }
+    }
+  }
+});
+
+test('floating point of the ROM is refused', () => {
+  const { board, rom } = flashBoard();
+  const caller = Object.assign(Object.create(Caller.prototype), { board });
+  const code = 'S'.charCodeAt(0) | ('F'.charCodeAt(0) << 8);
+  const table = caller.call(board.core.readUint16(0x18), [board.core.readUint16(0x16), code]).r0;
+  assert.throws(() => caller.call(board.core.readUint32(table), [0, 0]), /floating point/);
+  assert.equal(rom.lookup('SF'), 0, 'not among the functions');
+});
+
+test('bit functions', () => {
+  const { rom } = flashBoard();
   assert.equal(rom('P3', 0xf0f0).r0, 8);
   assert.equal(rom('R3', 1).r0, 0x8000_0000);
   assert.equal(rom('L3', 1).r0, 31);
