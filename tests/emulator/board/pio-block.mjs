@@ -110,6 +110,8 @@ export class Block extends RPPIO {
   }
 
   inputsChanged(stamp, changed) {
+    // A machine that ran ahead may have looked at a cycle that is yet to come.
+    this.seenIn = -1;
     for (const machine of this.machines) {
       if (machine.stall === INPUT) machine.retry(INPUT, stamp + 1);
       else if (machine.saved.ahead && machine.pinsRead & changed) machine.settle(stamp + 1);
