@@ -1,9 +1,9 @@
-// The board: one RP2040 at 125 MHz, processor and both PIO blocks in lockstep, with everything on its pins recorded and
-// driven to the cycle. README.md says what is modelled and what a cycle number means.
+// The board: one RP2040 at 125 MHz, processor and both PIO blocks in lockstep, with everything on its pins recorded
+// and driven to the cycle. README.md says what is modelled and what a cycle number means.
 //
 // How time passes: `cycle` is where the processor is; it executes one instruction from there. Everything else (state
-// machines, alarms of peripherals, stimuli) is an *event* with a cycle of its own. Events up to the present are carried
-// out when the processor is about to touch a peripheral, and after each instruction (`catchUp`).
+// machines, alarms of peripherals, stimuli) is an *event* with a cycle of its own. Events up to the present are
+// carried out when the processor is about to touch a peripheral, and after each instruction (`catchUp`).
 
 import { RomBench } from './bootrom.mjs';
 import { buildChip, startCore } from './chip.mjs';
@@ -19,6 +19,8 @@ import { Profile, Usage } from './usage.mjs';
 const APB_READ_WAIT = 3;
 const APB_WRITE_WAIT = 4;
 const RAM_BYTES = 264 * 1024;
+/** PSM: RESETS, SIO and processor 0. The register is zero after reset: then a watchdog resets nothing. */
+const WDSEL_NEEDED = (1 << 3) | (1 << 14) | (1 << 15);
 const POWER_UP_PATTERN = 0xa5;
 
 export class Board {
@@ -108,6 +110,9 @@ export class Board {
     const cause = this.pendingReset;
     this.pendingReset = null;
     if (cause === 'watchdog') {
+      if ((this.chip.psm.wdsel & WDSEL_NEEDED) !== WDSEL_NEEDED) {
+        throw new Error('the watchdog bites, but PSM WDSEL does not select what it should reset');
+      }
       const { scratchData, reason } = this.chip.watchdog;
       this.boot(cause, scratchData, reason, this.pads.levels);
       return;
@@ -198,7 +203,8 @@ export class Board {
 
   /** One cycle's events: state machines first, then alarms, then stimuli. */
   carryOut(cycle) {
-    const [pio0, pio1] = this.pio;
+    const pio0 = this.pio[0];
+    const pio1 = this.pio[1];
     this.stamp = cycle;
     this.clock.cycle = cycle;
     this.nextEvent = Infinity;
@@ -232,7 +238,7 @@ export class Board {
 
   pinsChanged(stamp, changed) {
     this.edges.record(stamp, changed);
-    for (const block of this.pio) block.inputsChanged(stamp);
+    for (const block of this.pio) block.inputsChanged(stamp, changed);
   }
 
   romCall(number, core) {

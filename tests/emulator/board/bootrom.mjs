@@ -1,9 +1,11 @@
 // A boot ROM of our own: rp2040js has none, and images look up functions in it.
 //
-// The image has the tables and the lookup routine where the RP2040 datasheet (2.8) puts them. A function is a BKPT, which
-// the core hands to `call`, and BX LR. Memory and bit functions are carried out here with about the time that the
-// ROM's take; flash functions change the board's flash array, and take as long as a flash chip does.
+// The image has the tables where the RP2040 datasheet (2.8) puts them. What moves memory is code (rom-code.mjs). Other
+// functions are a BKPT, which the core hands to `call`, and BX LR: bit functions take about the time that the chip's
+// take; flash functions change the board's flash array, and take as long as a flash chip does. Floating point is
+// refused when it is called.
 
+import { LOOKUP, MEMCPY, MEMSET } from './rom-code.mjs';
 import { Flash, PAGE_BYTES, SECTOR_BYTES } from './flash.mjs';
 import { CYCLES_PER_SECOND, CYCLES_PER_US } from './clock.mjs';
 
@@ -12,10 +14,6 @@ const FUNCTIONS = {
   R3: 'reverse32',
   L3: 'clz32',
   T3: 'ctz32',
-  MS: 'memset',
-  S4: 'memset',
-  MC: 'memcpy',
-  C4: 'memcpy',
   UB: 'resetToUsbBoot',
   IF: 'connectInternalFlash',
   EX: 'flashExitXip',
@@ -26,29 +24,24 @@ const FUNCTIONS = {
 };
 const CODES = Object.keys(FUNCTIONS);
 
+const MEMCPY_AT = 0x0800;
+const MEMSET_AT = 0x0900;
+/** Functions that are code: where. */
+const ROUTINES = { MC: MEMCPY_AT, C4: MEMCPY_AT, MS: MEMSET_AT, S4: MEMSET_AT };
+
+/** What each BKPT calls: the functions above, and whatever is called through the tables of floating point. */
+const STUBS = [...Object.values(FUNCTIONS), 'floatingPoint'];
+const FLOAT_FUNCTIONS = 32;
+
 const LOOKUP_AT = 0x0100;
 const TABLE_AT = 0x0200;
+const DATA_TABLE_AT = 0x0300;
 const STUBS_AT = 0x0400;
+const FLOATS_AT = 0x0a00;
 const ROM_VERSION = 3;
 const BX_LR = 0x4770;
 const BKPT = 0xbe00;
 const B_SELF = 0xe7fe;
-
-/** r0 = lookup(r0: table, r1: code): halfword pairs (code, pointer) up to a code of 0; 0 if there is none. */
-// prettier-ignore
-const LOOKUP = [
-  0x8802, //        loop:  ldrh r2, [r0]
-  0x2a00, //               cmp  r2, #0
-  0xd005, //               beq  none
-  0x428a, //               cmp  r2, r1
-  0xd001, //               beq  found
-  0x3004, //               adds r0, #4
-  0xe7f8, //               b    loop
-  0x8840, //        found: ldrh r0, [r0, #2]
-  BX_LR,
-  0x2000, //        none:  movs r0, #0
-  BX_LR,
-];
 
 function assemble() {
   const words = new Uint32Array(4096);
@@ -58,12 +51,25 @@ function assemble() {
   half.set([B_SELF], 0x80 / 2);
   for (let vector = 1; vector < 4; vector += 1) words[vector] = 0x81;
   bytes.set([0x4d, 0x75, 0x01, ROM_VERSION], 0x10);
-  half.set([TABLE_AT, TABLE_AT + 4 * CODES.length, LOOKUP_AT | 1], 0x14 / 2);
+  const entries = [...CODES.map((code, i) => [code, STUBS_AT + 4 * i]), ...Object.entries(ROUTINES)];
+  half.set([TABLE_AT, DATA_TABLE_AT, LOOKUP_AT | 1], 0x14 / 2);
+  const table = (at, rows) =>
+    rows.forEach(([code, pointer], i) => {
+      half.set([code.charCodeAt(0) | (code.charCodeAt(1) << 8), pointer], at / 2 + 2 * i);
+    });
+  table(
+    TABLE_AT,
+    entries.map(([code, address]) => [code, address | 1]),
+  );
+  table(DATA_TABLE_AT, [
+    ['SF', FLOATS_AT],
+    ['SD', FLOATS_AT],
+  ]);
+  words.fill((STUBS_AT + 4 * CODES.length) | 1, FLOATS_AT / 4, FLOATS_AT / 4 + FLOAT_FUNCTIONS);
+  STUBS.forEach((_, i) => half.set([BKPT | i, BX_LR], (STUBS_AT + 4 * i) / 2));
   half.set(LOOKUP, LOOKUP_AT / 2);
-  CODES.forEach((code, i) => {
-    half.set([code.charCodeAt(0) | (code.charCodeAt(1) << 8), (STUBS_AT + 4 * i) | 1], TABLE_AT / 2 + 2 * i);
-    half.set([BKPT | i, BX_LR], STUBS_AT / 2 + 2 * i);
-  });
+  half.set(MEMCPY, MEMCPY_AT / 2);
+  half.set(MEMSET, MEMSET_AT / 2);
   return words;
 }
 
@@ -92,9 +98,13 @@ export class RomBench {
 
   /** Called when the core meets stub `number`. Gives the cycles the function takes. */
   call(number, core) {
-    const name = FUNCTIONS[CODES[number]];
+    const name = STUBS[number];
     if (!name) throw new Error(`there is no ROM function ${number}`);
     return this[name](core);
+  }
+
+  floatingPoint() {
+    throw new Error('floating point of the ROM is not modelled');
   }
 
   popcount32(core) {
@@ -123,18 +133,6 @@ export class RomBench {
     return 20;
   }
 
-  memset(core) {
-    const [to, value, length] = core.registers;
-    for (let i = 0; i < length; i += 1) core.writeUint8(to + i, value);
-    return 20 + length;
-  }
-
-  memcpy(core) {
-    const [to, from, length] = core.registers;
-    for (let i = 0; i < length; i += 1) core.writeUint8(to + i, core.readUint8(from + i));
-    return 20 + length;
-  }
-
   resetToUsbBoot() {
     this.board.stop('usb-boot', 'the image asked for BOOTSEL mode');
     return 1;
@@ -161,14 +159,18 @@ export class RomBench {
   flashRangeErase(core) {
     const [address, length] = core.registers;
     const cycles = (length / SECTOR_BYTES) * this.times.eraseSector;
-    return this.operate(core, 'erase', address, length, cycles, (survived) => this.flash.erase(address, length, survived));
+    return this.operate(core, 'erase', address, length, cycles, (survived) =>
+      this.flash.erase(address, length, survived),
+    );
   }
 
   flashRangeProgram(core) {
     const [address, from, length] = core.registers;
     const data = Uint8Array.from({ length }, (_, i) => core.readUint8(from + i));
     const cycles = (length / PAGE_BYTES) * this.times.programPage;
-    return this.operate(core, 'program', address, length, cycles, (survived) => this.flash.program(address, data, survived));
+    return this.operate(core, 'program', address, length, cycles, (survived) =>
+      this.flash.program(address, data, survived),
+    );
   }
 
   /** Carries out an erase or program, whole or up to where power fails. */

@@ -5,11 +5,13 @@
 
 import { BasePeripheral, RP2040 } from 'rp2040js';
 import { BenchCore } from './core.mjs';
+import { mendDivider } from './divider.mjs';
 import { mendDma } from './dma.mjs';
 import { Fault } from './core-memory.mjs';
 import { Pads } from './pads.mjs';
 import { Block } from './pio-block.mjs';
 import { mendPpb } from './ppb.mjs';
+import { mendTimer } from './timer.mjs';
 
 /** Where the second-stage boot block would have left off: the image's vector table. */
 export const VECTOR_TABLE = 0x1000_0100;
@@ -30,6 +32,8 @@ class Registers extends BasePeripheral {
   }
 }
 
+/** What rp2040js says where the bus would answer with an error, or the core with a fault. */
+const UNMAPPED = /invalid memory address|undefined address|is not implemented yet/;
 const XIP_STAT = 0x08;
 /** Streaming FIFO empty, flush done. */
 const XIP_READY = 0b011;
@@ -56,7 +60,10 @@ export function buildChip(board, { clock, sram, flash, rom, outside, levels, scr
   chip.logger = {
     debug() {},
     info() {},
-    warn: (name, text) => board.warn(name, text),
+    warn: (name, text) => {
+      if (UNMAPPED.test(text)) throw new Fault(text);
+      board.warn(name, text);
+    },
     error: (name, text) => board.warn(name, text),
   };
   chip.sram = sram;
@@ -83,13 +90,15 @@ export function buildChip(board, { clock, sram, flash, rom, outside, levels, scr
   });
   mendDma(chip);
   mendPpb(chip, () => board.requestReset('system'));
-  mendDivider(chip.sio);
+  mendTimer(chip);
+  mendDivider(chip);
 
   const watchdog = peripherals[0x40058];
   watchdog.scratchData = scratch;
   watchdog.reason = reason;
   watchdog.onWatchdogTrigger = () => board.requestReset('watchdog');
   chip.watchdog = watchdog;
+  chip.psm = peripherals[0x40010];
 
   chip.pads = new Pads(chip, outside, levels, {
     stampNow: () => board.stamp,
@@ -112,19 +121,5 @@ function mendSsi(chip) {
   ssi.writeUint32 = (offset, value) => {
     stock(offset, value);
     if (offset === SSIENR && value & 1 && ((ssi.crtlr0 >>> 8) & 3) === TMOD_EEPROM_READ) chip.core.xipOff = false;
-  };
-}
-
-/** Division by zero gives all ones; signed, minus one or one against the sign of the dividend (datasheet 2.3.1.5). */
-function mendDivider(sio) {
-  const stock = sio.updateHardwareDivider.bind(sio);
-  sio.updateHardwareDivider = (signed) => {
-    if (sio.divDivisor !== 0) {
-      stock(signed);
-      return;
-    }
-    sio.divQuotient = signed && (sio.divDividend | 0) < 0 ? 1 : -1;
-    sio.divRemainder = sio.divDividend;
-    sio.divCSR = 0b11;
   };
 }

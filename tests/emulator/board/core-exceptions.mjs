@@ -1,7 +1,7 @@
 // Exceptions of the Cortex-M0+: what may preempt what, when, and at which cost.
 //
-// rp2040js keeps interrupts pending by level alone, enters handlers in no time, lets PRIMASK be overridden by a wake-up
-// and has no HardFault. Here, after the ARMv6-M Architecture Reference Manual (B1.5, B3.4):
+// rp2040js keeps interrupts pending by level alone, enters handlers in no time, lets PRIMASK be overridden by a
+// wake-up and has no HardFault. Here, after the ARMv6-M Architecture Reference Manual (B1.5, B3.4):
 // - an interrupt becomes pending when its line rises, or by software; it stops being so when its handler is entered;
 //   a line still high when the handler returns makes it pending again;
 // - of what is pending, the lowest priority number wins, then the lowest exception number; it preempts only what has a
@@ -9,8 +9,8 @@
 // - WFI ends when something could preempt were PRIMASK clear; WFE when something does preempt, or on an event, and
 //   exception entry and return are events.
 //
-// Costs: ENTRY is the latency of the Cortex-M0+ Technical Reference Manual with memory without wait states. What return
-// and tail-chaining cost is not documented; EXIT and CHAIN are the bus cycles they cannot do without.
+// Costs: ENTRY is the latency of the Cortex-M0+ Technical Reference Manual with memory without wait states. What
+// return and tail-chaining cost is not documented; EXIT and CHAIN are the bus cycles they cannot do without.
 
 import { Fault, MemoryCore } from './core-memory.mjs';
 

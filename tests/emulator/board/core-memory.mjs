@@ -60,6 +60,8 @@ export class MemoryCore extends StockCore {
       case 0:
         if (a < ROM_SIZE) return this.rom32[a >>> 2];
         break;
+      case 3:
+        break;
       default:
         this.board.beforeRead(a);
         return this.rp2040.readUint32(a);
@@ -80,6 +82,8 @@ export class MemoryCore extends StockCore {
       case 0:
         if (a < ROM_SIZE) return this.rom16[a >>> 1];
         break;
+      case 3:
+        break;
       default:
         this.board.beforeRead(a);
         return this.rp2040.readUint16(a);
@@ -99,6 +103,8 @@ export class MemoryCore extends StockCore {
       case 0:
         if (a < ROM_SIZE) return this.rom8[a];
         break;
+      case 3:
+        break;
       default:
         this.board.beforeRead(a);
         return this.rp2040.readUint8(a);
@@ -109,7 +115,7 @@ export class MemoryCore extends StockCore {
   writeUint32(address, value) {
     const a = address >>> 0;
     if (a & 3) throw this.fault('unaligned write', a);
-    if (a - SRAM_BASE >>> 0 < SRAM_SIZE) {
+    if ((a - SRAM_BASE) >>> 0 < SRAM_SIZE) {
       this.ram32[(a - SRAM_BASE) >>> 2] = value;
       if (a === this.watch) this.onWatch();
       return;
@@ -120,7 +126,7 @@ export class MemoryCore extends StockCore {
   writeUint16(address, value) {
     const a = address >>> 0;
     if (a & 1) throw this.fault('unaligned write', a);
-    if (a - SRAM_BASE >>> 0 < SRAM_SIZE) {
+    if ((a - SRAM_BASE) >>> 0 < SRAM_SIZE) {
       this.ram16[(a - SRAM_BASE) >>> 1] = value;
       return;
     }
@@ -129,7 +135,7 @@ export class MemoryCore extends StockCore {
 
   writeUint8(address, value) {
     const a = address >>> 0;
-    if (a - SRAM_BASE >>> 0 < SRAM_SIZE) {
+    if ((a - SRAM_BASE) >>> 0 < SRAM_SIZE) {
       this.ram8[a - SRAM_BASE] = value;
       return;
     }

@@ -2,9 +2,9 @@
 //
 // Mended: carry and overflow of ADCS and SBCS with a carry out of the second operand; flags of shifts by register with
 // counts 0 and over 32; STM with its base among the registers; the cycles of PUSH and POP with LR or PC; SEV; WFE and
-// WFI; undefined instructions, BKPT, branches to ARM state and SVC where it cannot be taken, which fault. Everything else
-// is rp2040js's own. Cycles are those of the Cortex-M0+ Technical Reference Manual, table 3-1, without wait states:
-// flash counts as always cached.
+// WFI; undefined instructions, BKPT, branches to ARM state and SVC where it cannot be taken, which fault. Everything
+// else is rp2040js's own. Cycles are those of the Cortex-M0+ Technical Reference Manual, table 3-1, without wait
+// states: flash counts as always cached.
 
 import { ExceptionCore } from './core-exceptions.mjs';
 import { Fault } from './core-memory.mjs';

@@ -1,18 +1,31 @@
 // DMA in cycles. rp2040js moves any number of words in no time and asks for no bus; here each transfer has its cycle.
 //
-// Convention: the first transfer after a request (a DREQ that rises, a trigger) lands LATENCY cycles after it; while the
-// request stays, one follows each cycle; all channels together make at most one transfer a cycle. The datasheet gives
-// the throughput (2.5.1) but not the latency: it is an assumption, and much shorter than the eight words of a joined
-// FIFO last.
+// Convention: the first transfer after a request (a DREQ that rises, a trigger) lands LATENCY cycles after it; while
+// the request stays, one follows each cycle; all channels together make at most one transfer a cycle. The datasheet
+// gives the throughput (2.5.1) but not the latency: it is an assumption, and much shorter than the eight words of a
+// joined FIFO last.
 //
-// Also mended: CHAN_ABORT reads 0 (rp2040js: all ones, so that a read-modify-write aborts every channel). Pacing timers
-// and the sniffer are not modelled, and refused.
+// Also mended: CHAN_ABORT reads 0 (rp2040js: all ones, so that a read-modify-write aborts every channel); a trigger
+// with a count of zero leaves no channel busy. Pacing timers and the sniffer are not modelled, and refused.
+
+import { Fault } from './core-memory.mjs';
 
 export const LATENCY_CYCLES = 4;
 const CHAN_ABORT = 0x444;
 const SNIFF_CTRL = 0x434;
 const TIMERS = [0x420, 0x42c];
 const PERMANENT = 63;
+const BUSY = 1 << 24;
+
+/** A bus error of a channel is a mistake of the image, not a fault of the instruction under way. */
+function moveOrSay(move, index) {
+  try {
+    move();
+  } catch (error) {
+    if (error instanceof Fault) throw new Error(`DMA channel ${index}: ${error.message}`);
+    throw error;
+  }
+}
 
 export function mendDma(rp2040) {
   const { dma, clock } = rp2040;
@@ -30,10 +43,15 @@ export function mendDma(rp2040) {
     channel.transferAlarm = clock.createAlarm(() => {
       if (channel.active && requested()) {
         channel.moving = true;
-        move();
+        moveOrSay(move, channel.index);
         channel.moving = false;
       }
     });
+    const stockStart = channel.start;
+    channel.start = () => {
+      stockStart.call(channel);
+      if (channel.transCount === 0) channel.ctrl &= ~BUSY;
+    };
     channel.scheduleTransfer = () => {
       if (channel.transferAlarm.scheduled || !requested()) return;
       schedule(clock.cycle + (channel.moving ? 1 : LATENCY_CYCLES));

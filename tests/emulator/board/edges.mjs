@@ -43,9 +43,14 @@ export class Edges {
   /** Level of a pin after the edges with stamps up to `cycle`. */
   levelAt(name, cycle) {
     const { first, cycles } = this.track(name);
-    let count = 0;
-    while (count < cycles.length && cycles[count] <= cycle) count += 1;
-    return first ^ (count & 1);
+    let low = 0;
+    let high = cycles.length;
+    while (low < high) {
+      const middle = (low + high) >>> 1;
+      if (cycles[middle] <= cycle) low = middle + 1;
+      else high = middle;
+    }
+    return first ^ (low & 1);
   }
 }
 
@@ -53,7 +58,8 @@ const NANOS_PER_CYCLE = 8;
 
 /** The edges as a VCD file, for GTKWave, PulseView and sigrok. Time unit: 1 ns. */
 export function toVcd(edges, module = 'board') {
-  const id = (i) => String.fromCharCode(33 + (i % 94)) + (i >= 94 ? String.fromCharCode(33 + Math.floor(i / 94)) : '');
+  const id = (i) =>
+    String.fromCharCode(33 + (i % 94)) + (i >= 94 ? String.fromCharCode(33 + Math.floor(i / 94)) : '');
   const lines = ['$timescale 1 ns $end', `$scope module ${module} $end`];
   edges.tracks.forEach(({ name }, i) => lines.push(`$var wire 1 ${id(i)} ${name} $end`));
   lines.push('$upscope $end', '$enddefinitions $end', `#${edges.start * NANOS_PER_CYCLE}`, '$dumpvars');

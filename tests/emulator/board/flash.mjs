@@ -13,7 +13,9 @@ export class Flash {
 
   check(name, address, length, unit) {
     if (address % unit !== 0 || length % unit !== 0 || length === 0) {
-      throw new Error(`${name} of 0x${length.toString(16)} bytes at 0x${address.toString(16)}: not in units of ${unit}`);
+      throw new Error(
+        `${name} of 0x${length.toString(16)} bytes at 0x${address.toString(16)}: not in units of ${unit}`,
+      );
     }
     if (address + length > this.array.length) throw new Error(`${name} beyond the end of the flash`);
   }

@@ -3,9 +3,10 @@
 // Words:
 // - *stamp*: the cycle at whose end a level changes. An instruction of a state machine in cycle k, a store whose last
 //   cycle is k, a stimulus at k: all change levels with stamp k;
-// - *outside*: what the bench drives. A pin driven by nobody follows its pulls; with none, or both, it keeps its level;
-// - *synchroniser*: two flip-flops between pad and inside: a level of stamp k is seen by what happens in cycle k + 3 and
-//   later (k + 1 where INPUT_SYNC_BYPASS is set). Interrupts of IO_BANK0 are raised with the stamp itself.
+// - *outside*: what the bench drives. A pin driven by nobody follows its pulls; with none, or both, it keeps its
+//   level;
+// - *synchroniser*: two flip-flops between pad and inside: a level of stamp k is seen by what happens in cycle k + 3
+//   and later (k + 1 where INPUT_SYNC_BYPASS is set). Interrupts of IO_BANK0 are raised with the stamp itself.
 //
 // A chip pin and the outside that drive one pin to different levels are a *contention*: noted, and the chip wins.
 
@@ -79,22 +80,23 @@ export class Pads {
   /** Works the levels out anew; what changes gets this stamp. */
   update(stamp) {
     const { rp2040, outside } = this;
-    const [pio0, pio1] = rp2040.pio;
+    const pio0 = rp2040.pio[0];
+    const pio1 = rp2040.pio[1];
     const out =
-      (((pio0.pinValues & this.ofPio0) |
+      ((((pio0.pinValues & this.ofPio0) |
         (pio1.pinValues & this.ofPio1) |
         (rp2040.sio.gpioValue & this.ofSio) |
         (rp2040.pwm.gpioValue & this.ofPwm)) ^
         this.outInvert) &
-        this.outKeep |
+        this.outKeep) |
       this.outHigh;
     const enable =
-      (((pio0.pinDirections & this.ofPio0) |
+      ((((pio0.pinDirections & this.ofPio0) |
         (pio1.pinDirections & this.ofPio1) |
         (rp2040.sio.gpioOutputEnable & this.ofSio) |
         (rp2040.pwm.gpioDirection & this.ofPwm)) ^
         this.enableInvert) &
-        this.enableKeep |
+        this.enableKeep) |
       this.enableHigh;
     const contended = enable & outside.enable & (out ^ outside.levels) & PIN_MASK;
     if (contended & ~this.contended) this.onContention(contended & ~this.contended);
@@ -125,13 +127,14 @@ export class Pads {
 
   /** Tells a pin of rp2040js its level: interrupts, and PWM counting on it. */
   feed(pin, level, edge) {
-    const before = pin.irqValue;
+    const watched = pin.irqEnableMask !== 0;
+    const before = watched && pin.irqValue;
     pin.rawInputValue = level === 1;
     const high = level === 1 && pin.inputEnable;
     pin.irqStatus &= ~(LEVEL_HIGH | LEVEL_LOW);
     pin.irqStatus |= high ? LEVEL_HIGH : LEVEL_LOW;
     if (edge) pin.irqStatus |= high ? EDGE_HIGH : EDGE_LOW;
-    if (pin.irqValue !== before) this.rp2040.updateIOInterrupt();
+    if (watched && pin.irqValue !== before) this.rp2040.updateIOInterrupt();
     if (edge && pin.functionSelect === 4) this.rp2040.pwm.gpioOnInput(pin.index);
   }
 

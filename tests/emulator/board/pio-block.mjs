@@ -2,12 +2,22 @@
 // mended here; the rest stay rp2040js's.
 //
 // Convention: machines of one cycle see flags and pins as they were at its start; their own changes show in the next.
-// Machines are executed in order, so that the highest-numbered wins a pin that two write in one cycle (datasheet 3.5.6).
+// Machines are executed in order, so that the highest-numbered wins a pin that two write in one cycle (datasheet
+// 3.5.6).
 
 import { RPPIO } from 'rp2040js';
-import { FDEBUG, FLAG, INPUT, Machine, TX } from './pio-machine.mjs';
+import { Machine } from './pio-machine.mjs';
+import { FDEBUG, FLAG, INPUT, NONE, TX } from './pio-operations.mjs';
 
-const REG = { ctrl: 0x000, fdebug: 0x008, irq: 0x030, irqForce: 0x034, bypass: 0x038, memory: 0x048, machines: 0x0c8 };
+const REG = {
+  ctrl: 0x000,
+  fdebug: 0x008,
+  irq: 0x030,
+  irqForce: 0x034,
+  bypass: 0x038,
+  memory: 0x048,
+  machines: 0x0c8,
+};
 const MACHINE_BYTES = 0x18;
 const MACHINES_END = REG.machines + 4 * MACHINE_BYTES;
 const MACHINE_REG = { clkdiv: 0x00, execctrl: 0x04, shiftctrl: 0x08, addr: 0x0c, instr: 0x10, pinctrl: 0x14 };
@@ -48,8 +58,8 @@ export class Block extends RPPIO {
   run() {}
 
   get due() {
-    const [a, b, c, d] = this.machines;
-    return Math.min(a.due, b.due, c.due, d.due);
+    const { machines } = this;
+    return Math.min(machines[0].due, machines[1].due, machines[2].due, machines[3].due);
   }
 
   /** Executes what is due in `cycle`. Gives whether pins were written. */
@@ -65,7 +75,7 @@ export class Block extends RPPIO {
   /** Plain stepping: tries every stalled instruction again in every cycle. */
   poll(cycle) {
     for (const machine of this.machines) {
-      if (machine.stall !== 0 && (machine.enabled || machine.forced >= 0)) machine.retry(machine.stall, cycle);
+      if (machine.stall !== NONE && (machine.enabled || machine.forced >= 0)) machine.retry(machine.stall, cycle);
     }
   }
 
@@ -99,8 +109,13 @@ export class Block extends RPPIO {
     return this.host.pads.changedSince(cycle - 3);
   }
 
-  inputsChanged(stamp) {
-    for (const machine of this.machines) machine.retry(INPUT, stamp + 1);
+  inputsChanged(stamp, changed) {
+    // A machine that ran ahead may have looked at a cycle that is yet to come.
+    this.seenIn = -1;
+    for (const machine of this.machines) {
+      if (machine.stall === INPUT) machine.retry(INPUT, stamp + 1);
+      else if (machine.saved.ahead && machine.pinsRead & changed) machine.settle(stamp + 1);
+    }
   }
 
   setPins(value, base, count) {
@@ -142,8 +157,10 @@ export class Block extends RPPIO {
       case MACHINE_REG.shiftctrl:
         return machine.shiftctrl >>> 0;
       case MACHINE_REG.addr:
+        machine.settle(this.rp2040.clock.cycle);
         return machine.pc;
       case MACHINE_REG.instr:
+        machine.settle(this.rp2040.clock.cycle);
         return machine.forced >= 0 ? machine.forced : this.instructions[machine.pc];
       default:
         return machine.pinctrl >>> 0;
@@ -211,6 +228,7 @@ export class Block extends RPPIO {
     if (machine.enabled) machine.refuseUnmodelled();
   }
 
+  /** Machines that ran ahead come back: what they are to execute may be about to change. */
   settle(now) {
     for (const machine of this.machines) machine.settle(now);
   }

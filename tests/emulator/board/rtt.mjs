@@ -1,8 +1,8 @@
 // The log: what the image writes into its RTT up channel, as raw bytes with the cycle of each piece.
 //
-// By default the host's side is ideal: the channel is emptied in the cycle in which the image moves its write offset, so
-// nothing is ever lost and each piece has its exact cycle. With `interval` it is emptied every so many cycles, as a probe
-// would; then what the image does when the channel is full can be seen.
+// By default the host's side is ideal: the channel is emptied in the cycle in which the image moves its write offset,
+// so nothing is ever lost and each piece has its exact cycle. With `interval` it is emptied every so many cycles, as
+// a probe would; then what the image does when the channel is full can be seen.
 
 const UP_CHANNEL = 24;
 const BUFFER = 4;
