@@ -1,0 +1,44 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::Parser;
+
+use crate::error::Error;
+use crate::log;
+
+/// Looks into the Cophase image.
+#[derive(Debug, Parser)]
+#[command(version, about)]
+pub enum Command {
+    /// Decode the log: bytes of the RTT channel to lines
+    Log {
+        /// The image
+        elf: PathBuf,
+        /// The bytes that it logged; `-` reads standard input
+        bytes: PathBuf,
+        /// When the bytes were written: a line `CYCLE LENGTH` for each piece of them, in order
+        #[arg(long, value_name = "STAMPS")]
+        cycles: Option<PathBuf>,
+        /// One JSON object a line: timestamp, level, message, location
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+impl Command {
+    /// Does it; false if a check failed.
+    ///
+    /// # Errors
+    /// A question that makes no sense.
+    pub fn run(self) -> Result<bool, Error> {
+        match self {
+            Self::Log {
+                elf,
+                bytes,
+                cycles,
+                json,
+            } => log::print(&elf, &bytes, cycles.as_deref(), json),
+        }
+    }
+}

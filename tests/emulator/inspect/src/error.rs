@@ -1,0 +1,54 @@
+//! Why a question could not be answered.
+
+use std::path::{Path, PathBuf};
+
+/// A question that makes no sense.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "each variant's message says what it means")]
+pub enum Error {
+    #[error("{}: {error}", path.display())]
+    File {
+        path: PathBuf,
+        error: std::io::Error,
+    },
+    #[error("{}: {problem}", path.display())]
+    Content { path: PathBuf, problem: String },
+    #[error("standard output: {0}")]
+    Output(#[from] std::io::Error),
+}
+
+impl Error {
+    /// What is wrong inside a file.
+    pub fn content(path: &Path, problem: impl ToString) -> Self {
+        Self::Content {
+            path: path.to_owned(),
+            problem: problem.to_string(),
+        }
+    }
+}
+
+/// Reads a file; `-` is the standard input.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn read(path: &Path) -> Result<Vec<u8>, Error> {
+    use std::io::Read;
+    let mut bytes = Vec::new();
+    let read = if path == Path::new("-") {
+        std::io::stdin().read_to_end(&mut bytes).map(|_| bytes)
+    } else {
+        std::fs::read(path)
+    };
+    read.map_err(|error| Error::File {
+        path: path.to_owned(),
+        error,
+    })
+}
+
+/// Reads a file of text.
+///
+/// # Errors
+/// A file that cannot be read, or that is not UTF-8.
+pub fn read_text(path: &Path) -> Result<String, Error> {
+    String::from_utf8(read(path)?).map_err(|_| Error::content(path, "is not UTF-8 text"))
+}

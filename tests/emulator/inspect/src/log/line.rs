@@ -1,0 +1,61 @@
+//! One line of the log, for people and as JSON.
+
+use std::fmt;
+
+use defmt_decoder::{Frame, Locations};
+use serde::Serialize;
+
+/// A frame in words.
+#[derive(Clone, Debug, Serialize)]
+pub struct Line {
+    /// The cycle in which the frame's last byte was out, if the stream has stamps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cycle: Option<u64>,
+    /// As the image's timestamp formats it; none if it has no timestamp.
+    timestamp: Option<String>,
+    /// `trace` to `error`; none for `println`.
+    level: Option<&'static str>,
+    message: String,
+    /// Where the statement stands; none without debug information.
+    location: Option<Location>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Location {
+    file: String,
+    line: u64,
+    module: String,
+}
+
+impl Line {
+    /// Of a frame.
+    pub fn new(frame: &Frame<'_>, cycle: Option<u64>, locations: &Locations) -> Self {
+        Self {
+            cycle,
+            timestamp: frame.display_timestamp().map(|time| time.to_string()),
+            level: frame.level().map(|level| level.as_str()),
+            message: frame.display_message().to_string(),
+            location: locations.get(&frame.index()).map(|place| Location {
+                file: place.file.display().to_string(),
+                line: place.line,
+                module: place.module.clone(),
+            }),
+        }
+    }
+}
+
+/// Cycle, if there is one, time, level and message; a message of many lines goes on below itself.
+impl fmt::Display for Line {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(cycle) = self.cycle {
+            write!(f, "{cycle:>12} ")?;
+        }
+        write!(
+            f,
+            "{:>10} {:<5} {}",
+            self.timestamp.as_deref().unwrap_or("-"),
+            self.level.unwrap_or("-"),
+            self.message
+        )
+    }
+}

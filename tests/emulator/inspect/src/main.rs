@@ -1,0 +1,25 @@
+//! `image-inspect`: looks into the image's ELF file, so that tests know what the flashed bytes are.
+//!
+//! - `log` decodes what the image logged over RTT.
+//!
+//! Exit status: 0 all is well; 1 a check failed; 2 the question makes no sense, with a sentence that says
+//! why: a file that is not there, a name that matches nothing.
+
+mod command;
+mod error;
+mod log;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+fn main() -> ExitCode {
+    match command::Command::parse().run() {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("image-inspect: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
