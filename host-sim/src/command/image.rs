@@ -68,7 +68,7 @@ fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, Co
     let left_out = left_out(&checked.scene);
     if !left_out.is_empty() {
         text += &format!(
-            "Not in it, as only a simulation can be told: {}.\n",
+            "Not in it, as they belong to the simulation: {}.\n",
             left_out.join(", ")
         );
     }
