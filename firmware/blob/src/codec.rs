@@ -107,7 +107,8 @@ pub(crate) fn verify_payload(header: &Header, blob: &[u8]) -> Result<(), BlobErr
 
 /// The setup in a blob.
 ///
-/// Its numbers are whatever was written; [`Setup::controller`] checks them.
+/// Its numbers are whatever was written; [`Setup::controller`] checks them. On a board this takes up to 36 KiB of
+/// stack: a setup has 5 KiB, and passes through several hands.
 ///
 /// # Errors
 /// Anything but exactly one whole blob of this version. Never panics, whatever the bytes.

@@ -68,7 +68,7 @@ fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, Co
     let left_out = left_out(&checked.scene);
     if !left_out.is_empty() {
         text += &format!(
-            "Not in it, as only a simulation can be told: {}.\n",
+            "Not in it, as they belong to the simulation: {}.\n",
             left_out.join(", ")
         );
     }
@@ -85,11 +85,13 @@ fn left_out(scene: &Scene) -> Vec<String> {
         ("axes.pull_out", !axes.pull_out.is_empty()),
         ("axes.full_steps_per_turn", !axes.pull_out.is_empty()),
     ];
-    let apart: [(&str, fn(&AxisApart) -> bool); 3] = [
-        ("start_deg", |axis| axis.start_deg != 0.0),
-        ("friction_nm", |axis| axis.friction_nm.is_some()),
-        ("pull_out_scale", |axis| axis.pull_out_scale != 1.0),
-    ];
+    let apart = |axis: &AxisApart| {
+        [
+            ("start_deg", axis.start_deg != 0.0),
+            ("friction_nm", axis.friction_nm.is_some()),
+            ("pull_out_scale", axis.pull_out_scale != 1.0),
+        ]
+    };
     let happenings = [
         ("[[command]]", !scene.command.is_empty()),
         ("[[input]]", !scene.input.is_empty()),
@@ -102,8 +104,8 @@ fn left_out(scene: &Scene) -> Vec<String> {
     };
     let mut keys = given(&common);
     for (i, axis) in scene.axis.iter().enumerate() {
-        let own = apart.iter().filter(|(_, given)| given(axis));
-        keys.extend(own.map(|(key, _)| format!("axis[{i}].{key}")));
+        let own = given(&apart(axis));
+        keys.extend(own.iter().map(|key| format!("axis[{i}].{key}")));
     }
     keys.extend(given(&happenings));
     keys

@@ -1,7 +1,8 @@
-//! Setups to be encoded, and a flash whose power can be cut.
+//! Setups to be encoded, and two slots in a flash whose power can be cut.
 #![allow(dead_code, reason = "each test uses its part")]
 
 pub mod nor;
+pub mod slots;
 
 use cophase_blob::Setup;
 use cophase_core::program::{CAPACITY, EntrySettings, SegmentSettings, Shape};
