@@ -5,8 +5,11 @@
 
 use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::{Fault, State};
+use cophase_core::units::Turns;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::channel::Channel;
+
+use crate::board::pins::AXES;
 
 /// Notes that wait to be told.
 const WAITING: usize = 32;
@@ -21,7 +24,12 @@ struct Note {
 }
 
 enum What {
-    State(State),
+    /// What the machine does from now on, and how far its cranks were off when that began.
+    State {
+        state: State,
+        drift: [Turns; AXES],
+        axes: usize,
+    },
     Fault(Fault),
     Missed(u32),
     Late(u32),
@@ -59,7 +67,12 @@ impl Reporter {
         }
         if telemetry.state != self.state {
             self.state = telemetry.state;
-            self.note(tick, What::State(self.state));
+            let mut drift = [Turns::ZERO; AXES];
+            for (slot, &axis) in drift.iter_mut().zip(&telemetry.drift) {
+                *slot = axis;
+            }
+            let state = self.state;
+            self.note(tick, What::State { state, drift, axes: N });
         }
         let limits = &telemetry.limits;
         if limits.missed_deadlines != self.missed {
@@ -91,7 +104,11 @@ pub async fn tell() -> ! {
     loop {
         let Note { tick, what } = NOTES.receive().await;
         match what {
-            What::State(state) => defmt::info!("tick {=u32}: {}", tick, state),
+            What::State { state, drift, axes } => {
+                let drift_deg = drift.map(degrees);
+                let drift_deg = drift_deg.get(..axes).unwrap_or_default();
+                defmt::info!("tick {=u32}: {}, drift {} deg", tick, state, drift_deg);
+            }
             What::Fault(fault) => tell_fault(tick, &fault),
             What::Missed(all) => {
                 defmt::warn!("tick {=u32}: {=u32} deadlines missed in all", tick, all)
@@ -105,8 +122,8 @@ pub async fn tell() -> ! {
 }
 
 fn tell_fault(tick: u32, fault: &Fault) {
-    let size_deg = fault.size.to_num::<f32>() * 360.0;
-    let phase_deg = fault.phase.within_turn().to_num::<f32>() * 360.0;
+    let size_deg = degrees(fault.size);
+    let phase_deg = degrees(fault.phase.within_turn());
     match fault.axis {
         Some(axis) => defmt::error!(
             "tick {=u32}: fault: {} on axis {=usize}, {=f32} deg, at crank phase {=f32} deg",
@@ -124,4 +141,9 @@ fn tell_fault(tick: u32, fault: &Fault) {
             phase_deg
         ),
     }
+}
+
+/// For the eye: floats are for what is told, and never for what is done.
+fn degrees(turns: Turns) -> f32 {
+    turns.to_num::<f32>() * 360.0
 }

@@ -4,21 +4,32 @@ import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
-import { parse } from 'smol-toml';
+import { parse, stringify } from 'smol-toml';
 import { COPHASE, SCENES } from './paths.mjs';
 
 const NANOS_PER_CYCLE = 8;
 
-/** A scene of the bench: its text, and what of it the bench has to act out. */
-export function scene(name) {
-  const file = path.join(SCENES, `${name}.toml`);
-  const toml = parse(fs.readFileSync(file, 'utf8'));
+/**
+ * A scene of the bench: what is in its file, or what `change` makes of that, and what of it the bench has to know.
+ */
+export function scene(name, change = () => {}) {
+  const toml = parse(fs.readFileSync(path.join(SCENES, `${name}.toml`), 'utf8'));
+  change(toml);
   return {
     name,
-    file,
+    text: stringify(toml),
+    toml,
     axes: toml.axes.count,
     tickHz: toml.control?.tick_hz ?? 2000,
     inputs: toml.input ?? [],
+  };
+}
+
+/** The same scene with fewer axes: those with the lowest numbers. */
+export function withAxes(count) {
+  return (toml) => {
+    toml.axes.count = count;
+    toml.axis = (toml.axis ?? []).filter(({ number }) => number < count);
   };
 }
 
@@ -31,18 +42,20 @@ function cophase(args, statuses) {
   return done.stdout;
 }
 
-function withFolder(use) {
+function withScene({ text }, use) {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'cophase-bench-'));
   try {
-    return use(folder);
+    const file = path.join(folder, 'scene.toml');
+    fs.writeFileSync(file, text);
+    return use(file, folder);
   } finally {
     fs.rmSync(folder, { recursive: true });
   }
 }
 
 /** The scene's settings as the image takes them. */
-export function blobOf({ file }) {
-  return withFolder((folder) => {
+export function blobOf(played) {
+  return withScene(played, (file, folder) => {
     const blob = path.join(folder, 'scene.blob');
     cophase(['image', file, '-o', blob], [0]);
     return fs.readFileSync(blob);
@@ -53,8 +66,8 @@ export function blobOf({ file }) {
  * The whole run as the host plays it: { edges: Map of wire to [{ cycle, level }], report }. Cycles count from the
  * deadline at which the host reads the start.
  */
-export function predict({ file }) {
-  return withFolder((folder) => {
+export function predict(played) {
+  return withScene(played, (file, folder) => {
     cophase(['run', file, '--out', folder, '--window', 'all', '--quiet'], [0, 1]);
     return {
       edges: readVcd(fs.readFileSync(path.join(folder, 'steps.vcd'), 'utf8')),

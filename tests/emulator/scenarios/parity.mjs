@@ -6,8 +6,9 @@
 // first cycle of the tick that begins there.
 
 import { blobOf, predict, scene } from '../bench/host.mjs';
-import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
+import { Machine } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
+import { act } from '../bench/play.mjs';
 
 const SCENES = ['start-stop', 'band', 'reversal', 'index', 'gears', 'fast'];
 
@@ -38,19 +39,22 @@ export function run(outcome, { scenes = SCENES } = {}) {
 
 function compare(outcome, played) {
   const predicted = predict(played);
-  const machine = play(played, predicted);
+  const machine = new Machine({ ...played, blob: blobOf(played) });
+  machine.boot();
+  const began = machine.start();
+  act(machine, played, predicted, began);
   const offsets = [];
   let count = 0;
   for (let axis = 0; axis < played.axes; axis += 1) {
     for (const wire of [`step_${axis}`, `dir_${axis}`]) {
       const want = predicted.edges.get(wire);
-      const got = machine.board.edges.of(wire).filter(({ cycle }) => cycle >= machine.began);
+      const got = machine.board.edges.of(wire).filter(({ cycle }) => cycle >= began);
       const where = `${played.name}, ${wire}`;
       outcome.check(got.length === want.length, `${where}: ${want.length} edges, not ${got.length}`);
       const block = pins.blockOf(axis);
       const worst = { at: -1, off: 0 };
       for (let i = 0; i < Math.min(got.length, want.length); i += 1) {
-        const off = got[i].cycle - machine.began - want[i].cycle;
+        const off = got[i].cycle - began - want[i].cycle;
         offsets[block] ??= off;
         if (off !== offsets[block] || got[i].level !== want[i].level) {
           worst.at = i;
@@ -63,27 +67,4 @@ function compare(outcome, played) {
     }
   }
   return { edges: count, offsets };
-}
-
-/** Runs the image through a scene, up to half a tick after the last edge that is predicted. */
-export function play(played, predicted, options = {}) {
-  const machine = new Machine({ ...played, blob: blobOf(played), options });
-  machine.boot();
-  machine.began = machine.start();
-  const at = (seconds) => machine.began + Math.round(seconds * CYCLES_PER_S);
-  for (const { at_s: seconds, line, active } of played.inputs) {
-    // Both lines are low when all is well: stop goes high when it is active, enable when it is not.
-    const [pin, level] = line === 'stop' ? [pins.STOP, active] : [pins.ENABLE, !active];
-    machine.set(pin, Number(level), at(seconds));
-  }
-  let last = 0;
-  for (const [wire, edges] of predicted.edges) {
-    const [, kind, axis] = wire.match(/^(index|step|dir)_(\d)$/) ?? [];
-    for (const { cycle, level } of edges) {
-      if (kind) last = Math.max(last, cycle);
-      if (kind === 'index') machine.set(pins.INDEX[axis], level, machine.began + cycle);
-    }
-  }
-  machine.board.run({ untilCycle: machine.began + last + machine.tick / 2 });
-  return machine;
 }

@@ -1,0 +1,25 @@
+// Acting a scene out on a machine that has been started.
+
+import { CYCLES_PER_S } from './machine.mjs';
+import * as pins from './pins.mjs';
+
+/**
+ * Gives the machine the scene's inputs, and the index pulses that the host has, at their times from `began` on; runs it
+ * up to half a tick after the last edge that is predicted.
+ */
+export function act(machine, { inputs }, predicted, began) {
+  for (const { at_s: seconds, line, active } of inputs) {
+    // Both lines are low when all is well: stop goes high when it is active, enable when it is not.
+    const [pin, level] = line === 'stop' ? [pins.STOP, active] : [pins.ENABLE, !active];
+    machine.set(pin, Number(level), began + Math.round(seconds * CYCLES_PER_S));
+  }
+  let last = 0;
+  for (const [wire, edges] of predicted.edges) {
+    const [, kind, axis] = wire.match(/^(index|step|dir)_(\d)$/) ?? [];
+    for (const { cycle, level } of edges) {
+      if (kind) last = Math.max(last, cycle);
+      if (kind === 'index') machine.set(pins.INDEX[axis], level, began + cycle);
+    }
+  }
+  machine.board.run({ untilCycle: began + last + machine.tick / 2 });
+}

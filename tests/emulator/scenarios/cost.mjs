@@ -1,0 +1,42 @@
+// Cost: what a control tick takes of the processor, for 2, 4 and 6 axes, with everything on.
+//
+// A tick is what the loop's interrupt takes from the moment in which its deadline wakes it to that in which it sleeps
+// again: reading, reckoning and handing over. What the timer's and the channels' interrupts take beside it is counted
+// too, and told apart. Flash and bus are as fast as the emulator has them: without waiting.
+
+import { blobOf, predict, scene, withAxes } from '../bench/host.mjs';
+import { Machine } from '../bench/machine.mjs';
+import { act } from '../bench/play.mjs';
+
+const AXES = [2, 4, 6];
+
+/** Cycles of the worst tick of six axes: 48 µs. */
+const MOST_CYCLES = 6000;
+
+export const title = 'Cost: a control tick with everything on';
+
+export function run(outcome) {
+  for (const axes of AXES) {
+    const played = scene('everything', withAxes(axes));
+    const predicted = predict(played);
+    const machine = new Machine({ ...played, blob: blobOf(played) });
+    machine.boot();
+    const began = machine.start();
+    const before = machine.board.usage.sums();
+    act(machine, played, predicted, began);
+    const after = machine.board.usage.sums();
+    const ticks = machine.ticks(began).map(({ own }) => own);
+    const mean = ticks.reduce((sum, own) => sum + own, 0) / ticks.length;
+    const worst = Math.max(...ticks);
+    const all = (after.awake - before.awake) / ticks.length;
+    outcome.say(
+      `${axes} axes: worst ${worst}, mean ${mean.toFixed(0)} cycles a tick of ${machine.tick}; with all interrupts ${all.toFixed(0)}`,
+    );
+    outcome.figure(`tick of ${axes} axes, worst, cycles`, worst);
+    outcome.figure(`tick of ${axes} axes, mean, cycles`, Math.round(mean));
+    if (axes === 6) {
+      outcome.check(worst <= MOST_CYCLES, `the worst tick of 6 axes takes at most ${MOST_CYCLES} cycles, not ${worst}`);
+      outcome.figure('stack, deepest, bytes', machine.board.stackDepth);
+    }
+  }
+}
