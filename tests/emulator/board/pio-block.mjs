@@ -43,6 +43,8 @@ export class Block extends RPPIO {
     this.seen = 0;
     this.seenIn = -1;
     this.pinsTouched = false;
+    /** A flag was raised or cleared in the present cycle, be it that it came to the same. */
+    this.flagsTouched = false;
     this.machines = [0, 1, 2, 3].map((i) => new Machine(this, i));
   }
 
@@ -83,10 +85,11 @@ export class Block extends RPPIO {
     this.cycle = cycle;
     this.flags = this.irq;
     this.pinsTouched = false;
+    this.flagsTouched = false;
   }
 
   end(cycle) {
-    if (this.irq !== this.flags) {
+    if (this.flagsTouched) {
       this.flags = this.irq;
       this.flagsChanged(cycle + 1);
     }
@@ -132,11 +135,13 @@ export class Block extends RPPIO {
 
   raiseFlag(flag) {
     this.irq |= 1 << flag;
+    this.flagsTouched = true;
     this.checkInterrupts();
   }
 
   clearFlag(flag) {
     this.irq &= ~(1 << flag);
+    this.flagsTouched = true;
     this.checkInterrupts();
   }
 
@@ -219,7 +224,7 @@ export class Block extends RPPIO {
         break;
       case MACHINE_REG.instr:
         machine.force(value & 0xffff, now);
-        if (this.pinsTouched) this.host.pads.update(now);
+        if (this.pinsTouched) this.host.pads.update(now - 1);
         return;
       default:
         return;

@@ -178,14 +178,17 @@ export class Machine extends Operations {
     if (this.enabled) this.setDue(now);
   }
 
-  /** An instruction written by the processor executes at once, whatever the program is doing. */
+  /**
+   * An instruction written by the processor executes at the end of the store's last cycle, the one before `now`,
+   * whatever the program is doing.
+   */
   force(opcode, now) {
     this.settle(now);
     this.stall = NONE;
     this.forced = opcode;
-    this.block.begin(now);
-    this.execute(now);
-    this.block.end(now);
+    this.block.begin(now - 1);
+    this.execute(now - 1);
+    this.block.end(now - 1);
     this.execctrl = this.stall === NONE ? this.execctrl & ~EXECCTRL_STALLED : this.execctrl | EXECCTRL_STALLED;
   }
 
