@@ -1,8 +1,8 @@
 // Random programs, inputs and meddling: running ahead must not show, whatever a program does.
 //
-// Each seed makes two machines with programs of random instructions, toggles pins that they read, writes and reads their
-// FIFOs, forces instructions, stops and starts them, and looks at their program counters; once stepping every cycle, once
-// running ahead. Everything that can be seen is compared.
+// Each seed makes two machines with programs of random instructions, toggles pins that they read, writes and reads
+// their FIFOs, forces instructions, stops and starts them, and looks at their program counters; once stepping every
+// cycle, once running ahead. Everything that can be seen is compared.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
@@ -34,7 +34,8 @@ function instruction(below) {
   const kinds = [
     () => pio.jmp(pick(below, ['always', '!x', 'x--', '!y', 'y--', 'x!=y', 'pin', '!osre']), below(LENGTH)),
     () => pio.jmp(pick(below, ['x--', 'y--', 'x!=y']), below(LENGTH)),
-    () => pio.mov(pick(below, [...registers, 'pins']), pick(below, [...registers, 'pins', 'null', 'status']), below(3)),
+    () =>
+      pio.mov(pick(below, [...registers, 'pins']), pick(below, [...registers, 'pins', 'null', 'status']), below(3)),
     () => pio.mov(pick(below, registers), pick(below, registers), below(3)),
     () => pio.shiftIn(pick(below, ['pins', 'x', 'y', 'osr', 'null']), below(32)),
     () => pio.out(pick(below, ['pins', 'x', 'y', 'null', 'isr', 'pindirs', 'pc', 'exec']), below(32)),
@@ -52,7 +53,11 @@ function play(seed, fastForward) {
   const below = source(seed);
   const board = new Board({ bare: true, fastForward, pins: PINS });
   const seen = [];
-  pio.load(board, 0, Array.from({ length: LENGTH }, () => instruction(below)));
+  pio.load(
+    board,
+    0,
+    Array.from({ length: LENGTH }, () => instruction(below)),
+  );
   for (const machine of [0, 1]) {
     const base = 6 * machine;
     const own = [0, 1, 2, 3, 4, 5].map((pin) => base + pin);
