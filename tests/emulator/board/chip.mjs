@@ -102,6 +102,7 @@ export function buildChip(board, { clock, sram, flash, rom, outside, levels, scr
 
   chip.pads = new Pads(chip, outside, levels, {
     stampNow: () => board.stamp,
+    onConfigure: () => chip.pio.forEach((block) => block.settle(board.stamp + 1)),
     onChange: (stamp, changed, now) => board.pinsChanged(stamp, changed, now),
     onContention: (pins) => board.note('contention', `pins ${pinList(pins)} are driven from both sides`),
   });

@@ -26,9 +26,10 @@ export class Outside {
 }
 
 export class Pads {
-  /** `onChange(stamp, changed, levels)` hears of every change of levels; `onContention(pins)` of contention. */
-  constructor(rp2040, outside, levels, { onChange, onContention, stampNow }) {
-    Object.assign(this, { rp2040, outside, onChange, onContention, stampNow });
+  /** `onChange(stamp, changed, levels)` hears of every change of levels; `onContention(pins)` of contention;
+   * `onConfigure()` before functions, overrides or pulls change. */
+  constructor(rp2040, outside, levels, { onChange, onConfigure, onContention, stampNow }) {
+    Object.assign(this, { rp2040, outside, onChange, onConfigure, onContention, stampNow });
     this.levels = levels;
     this.contended = 0;
     /** The last changes, newest last: stamps and the levels from then on. */
@@ -42,6 +43,7 @@ export class Pads {
     for (const peripheral of [rp2040.peripherals[0x40014], rp2040.peripherals[0x4001c]]) {
       const stock = peripheral.writeUint32.bind(peripheral);
       peripheral.writeUint32 = (offset, value) => {
+        this.onConfigure();
         stock(offset, value);
         this.refresh();
         this.update(this.stampNow());
@@ -142,7 +144,19 @@ export class Pads {
   inputs(cycle, bypass = 0) {
     let seen = this.levelsBefore(cycle - SYNC_CYCLES);
     if (bypass !== 0) seen = (seen & ~bypass) | (this.levelsBefore(cycle - 1) & bypass);
-    return (((seen & this.inEnable) ^ this.inInvert) & this.inKeep) | this.inHigh;
+    return this.inside(seen);
+  }
+
+  /** What the inside makes of levels. */
+  inside(levels) {
+    return (((levels & this.inEnable) ^ this.inInvert) & this.inKeep) | this.inHigh;
+  }
+
+  /** Whether in `cycle` the inside sees other levels on `pins` than there are now, synchroniser or not. */
+  moving(cycle, pins) {
+    const { levels } = this;
+    const seen = (this.levelsBefore(cycle - SYNC_CYCLES) ^ levels) | (this.levelsBefore(cycle - 1) ^ levels);
+    return (seen & pins) !== 0;
   }
 
   /** Whether a level changed with a stamp after `stamp`. */

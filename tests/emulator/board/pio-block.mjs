@@ -43,6 +43,8 @@ export class Block extends RPPIO {
     this.seen = 0;
     this.seenIn = -1;
     this.pinsTouched = false;
+    /** A flag was raised or cleared in the present cycle, be it that it came to the same. */
+    this.flagsTouched = false;
     this.machines = [0, 1, 2, 3].map((i) => new Machine(this, i));
   }
 
@@ -83,10 +85,11 @@ export class Block extends RPPIO {
     this.cycle = cycle;
     this.flags = this.irq;
     this.pinsTouched = false;
+    this.flagsTouched = false;
   }
 
   end(cycle) {
-    if (this.irq !== this.flags) {
+    if (this.flagsTouched) {
       this.flags = this.irq;
       this.flagsChanged(cycle + 1);
     }
@@ -104,14 +107,30 @@ export class Block extends RPPIO {
     return this.seen;
   }
 
+  /** What the machines see once no level moves. */
+  steadyInputs() {
+    const { pads } = this.host;
+    return pads.inside(pads.levels);
+  }
+
+  /** Whether `pins` are seen with other levels in `cycle` than they will be once nothing moves. */
+  inputsMoving(cycle, pins) {
+    return this.host.pads.moving(cycle, pins);
+  }
+
+  /** What a machine that runs ahead sees in `cycle`. */
+  fixInputs(cycle, levels) {
+    this.cycle = cycle;
+    this.seenIn = cycle;
+    this.seen = levels;
+  }
+
   /** Whether changes of pins are under way that the machines have not seen in `cycle`. */
   inputsUnsettled(cycle) {
     return this.host.pads.changedSince(cycle - 3);
   }
 
   inputsChanged(stamp, changed) {
-    // A machine that ran ahead may have looked at a cycle that is yet to come.
-    this.seenIn = -1;
     for (const machine of this.machines) {
       if (machine.stall === INPUT) machine.retry(INPUT, stamp + 1);
       else if (machine.saved.ahead && machine.pinsRead & changed) machine.settle(stamp + 1);
@@ -132,11 +151,13 @@ export class Block extends RPPIO {
 
   raiseFlag(flag) {
     this.irq |= 1 << flag;
+    this.flagsTouched = true;
     this.checkInterrupts();
   }
 
   clearFlag(flag) {
     this.irq &= ~(1 << flag);
+    this.flagsTouched = true;
     this.checkInterrupts();
   }
 
@@ -176,6 +197,9 @@ export class Block extends RPPIO {
       this.settle(now);
       const machine = this.machines[Math.floor((offset - REG.machines) / MACHINE_BYTES)];
       this.writeMachine(machine, (offset - REG.machines) % MACHINE_BYTES, value >>> 0, now);
+    } else if (offset === REG.bypass) {
+      this.settle(now);
+      super.writeUint32(offset, value);
     } else if (offset === REG.ctrl) {
       this.control(value, now);
     } else if (offset === REG.fdebug) {
@@ -219,7 +243,7 @@ export class Block extends RPPIO {
         break;
       case MACHINE_REG.instr:
         machine.force(value & 0xffff, now);
-        if (this.pinsTouched) this.host.pads.update(now);
+        if (this.pinsTouched) this.host.pads.update(now - 1);
         return;
       default:
         return;

@@ -63,8 +63,8 @@ export class Machine extends Operations {
     this.held = 0;
     /** Where the divided clock's grid begins. */
     this.phase = 0;
-    /** While ahead: the registers as they were in cycle `from`, and the pins read since. */
-    this.saved = { ahead: false, from: 0, x: 0, y: 0, pc: 0, isr: 0, isrCount: 0, osr: 0, osrCount: 0 };
+    /** While ahead: the registers as they were in cycle `from`, the levels of the pins, and which of them are read. */
+    this.saved = { ahead: false, from: 0, inputs: 0, x: 0, y: 0, pc: 0, isr: 0, isrCount: 0, osr: 0, osrCount: 0 };
     this.pinsRead = 0;
     this.mostAhead = MOST_AHEAD;
     this.updateTx();
@@ -146,8 +146,13 @@ export class Machine extends Operations {
   /** What a stalled instruction waits for may have come: it is tried again in `cycle`, or on the divider's grid. */
   retry(kind, cycle = this.block.stampNow() + 1) {
     if (this.stall !== kind || (!this.enabled && this.forced < 0)) return;
-    const past = this.divider === 1 ? 0 : (cycle - this.phase) % this.divider;
-    this.setDue(past === 0 ? cycle : cycle + this.divider - past);
+    this.setDue(this.onGrid(cycle));
+  }
+
+  /** The first cycle from `cycle` on in which the divided clock ticks. */
+  onGrid(cycle) {
+    const { divider, phase } = this;
+    return divider === 1 ? cycle : phase + Math.ceil((cycle - phase) / divider) * divider;
   }
 
   enable(on, now) {
@@ -157,7 +162,7 @@ export class Machine extends Operations {
     if (on) {
       this.refuseUnmodelled();
       this.phase = now;
-      this.setDue(now + this.held);
+      this.setDue(this.onGrid(now + this.held));
       this.held = 0;
     } else {
       this.held = this.due === Infinity ? 0 : Math.max(0, this.due - now);
@@ -175,17 +180,20 @@ export class Machine extends Operations {
     this.held = 0;
     this.stall = NONE;
     this.execctrl &= ~EXECCTRL_STALLED;
-    if (this.enabled) this.setDue(now);
+    if (this.enabled) this.setDue(this.onGrid(now));
   }
 
-  /** An instruction written by the processor executes at once, whatever the program is doing. */
+  /**
+   * An instruction written by the processor executes at the end of the store's last cycle, the one before `now`,
+   * whatever the program is doing.
+   */
   force(opcode, now) {
     this.settle(now);
     this.stall = NONE;
     this.forced = opcode;
-    this.block.begin(now);
-    this.execute(now);
-    this.block.end(now);
+    this.block.begin(now - 1);
+    this.execute(now - 1);
+    this.block.end(now - 1);
     this.execctrl = this.stall === NONE ? this.execctrl & ~EXECCTRL_STALLED : this.execctrl | EXECCTRL_STALLED;
   }
 
@@ -207,7 +215,7 @@ export class Machine extends Operations {
     if (this.stall !== NONE) {
       if (isForced) this.forced = opcode;
       this.due = Infinity;
-      if (this.stall === INPUT && this.block.inputsUnsettled(cycle)) this.setDue(cycle + this.divider);
+      if (this.stall === INPUT && this.block.inputsUnsettled(cycle)) this.setDue(this.onGrid(cycle + 1));
       return;
     }
     this.flagSet = false;
@@ -217,7 +225,7 @@ export class Machine extends Operations {
       this.due = Infinity;
       return;
     }
-    this.due = cycle + this.divider * (this.forced >= 0 ? 1 : 1 + (field & this.delayMask));
+    this.due = this.onGrid(cycle + this.divider * (this.forced >= 0 ? 1 : 1 + (field & this.delayMask)));
     if (this.block.fastForward && this.forced < 0 && KIND[this.block.instructions[this.pc]] !== LOUD) this.runAhead();
     this.block.onDue(this.due);
   }
@@ -238,6 +246,7 @@ export class Machine extends Operations {
     saved.isrCount = this.isrCount;
     saved.osr = this.osr;
     saved.osrCount = this.osrCount;
+    saved.inputs = this.block.steadyInputs();
     this.pinsRead = 0;
     this.quietUntil(Infinity);
     saved.ahead = this.due !== saved.from;
@@ -285,8 +294,11 @@ export class Machine extends Operations {
           continue;
         }
       } else if (kind >= JMP_PIN && kind !== IN) {
-        block.cycle = at;
-        this.pinsRead |= this.pinsOf(kind, opcode);
+        // Ahead of time pins may only be read that are steady; coming back, they are read as they were.
+        const pins = this.pinsOf(kind, opcode);
+        if (limit === Infinity && block.inputsMoving(at, pins)) break;
+        this.pinsRead |= pins;
+        block.fixInputs(at, this.saved.inputs);
       }
       this.jumped = false;
       this.operate(opcode);
@@ -294,6 +306,7 @@ export class Machine extends Operations {
       at += period;
     }
     block.cycle = present;
+    block.seenIn = -1;
     this.due = at;
   }
 

@@ -1,6 +1,7 @@
 // Thumb code of the bench's boot ROM: what has to run as code, because an interrupt may come in the middle of it.
 //
-// Each routine is a list of half-words, labels and branches to them. They are our own, and about as fast as the chip's.
+// Each routine is a list of half-words, labels and branches to them. They are our own, and about as fast as the
+// chip's.
 
 const BRANCHES = { b: null, beq: 0, bne: 1, bhs: 2 };
 const at = (label) => ({ label });

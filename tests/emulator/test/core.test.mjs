@@ -94,6 +94,84 @@ test('arithmetic, logic and shifts: results and flags over corner values, each i
   }
 });
 
+test('bytes reversed and extended', () => {
+  const { core } = t.boardWith([]);
+  const cases = {
+    REV: [0xba08, (x) => ((x << 24) | ((x & 0xff00) << 8) | ((x >>> 8) & 0xff00) | (x >>> 24)) >>> 0],
+    REV16: [0xba48, (x) => (((x & 0x00ff_00ff) << 8) | ((x >>> 8) & 0x00ff_00ff)) >>> 0],
+    REVSH: [0xbac8, (x) => ((((x & 0xff) << 24) >> 16) | ((x >>> 8) & 0xff)) >>> 0],
+    SXTH: [0xb208, (x) => ((x << 16) >> 16) >>> 0],
+    SXTB: [0xb248, (x) => ((x << 24) >> 24) >>> 0],
+    UXTH: [0xb288, (x) => x & 0xffff],
+    UXTB: [0xb2c8, (x) => x & 0xff],
+  };
+  for (const [name, [instruction, reference]] of Object.entries(cases)) {
+    for (const x of [...CORNERS, 0x1234_5678, 0x89ab_cdef, 0x0000_80ff]) {
+      const { result } = execute(core, instruction, 0, x, 0);
+      assert.equal(result, reference(x), `${name} of ${x.toString(16)}`);
+    }
+  }
+});
+
+test('each condition branches on its flags and on no others', () => {
+  const { core } = t.boardWith([]);
+  const holds = [
+    ({ Z }) => Z,
+    ({ C }) => C,
+    ({ N }) => N,
+    ({ V }) => V,
+    ({ C, Z }) => C && !Z,
+    ({ N, V }) => N === V,
+    ({ N, V, Z }) => N === V && !Z,
+  ];
+  const at = 0x2000_1000;
+  for (let condition = 0; condition < 14; condition += 1) {
+    for (let bits = 0; bits < 16; bits += 1) {
+      const flags = { N: (bits & 8) !== 0, Z: (bits & 4) !== 0, C: (bits & 2) !== 0, V: (bits & 1) !== 0 };
+      core.writeUint16(at, 0xd000 | (condition << 8) | 0x80);
+      Object.assign(core, flags);
+      core.registers[15] = at;
+      core.step();
+      const taken = holds[condition >> 1](flags) !== ((condition & 1) === 1);
+      assert.equal(core.registers[15], taken ? at + 4 - 256 : at + 2, `condition ${condition}, flags ${bits}`);
+    }
+  }
+});
+
+test('BL reaches both ways and links to the instruction behind it', () => {
+  const { core } = t.boardWith([]);
+  const at = 0x2000_1000;
+  for (const offset of [4, 0x2000, -0x800, 0x3_0000 - 4, -0x0fe0]) {
+    t.bl(offset).forEach((half, i) => core.writeUint16(at + 2 * i, half));
+    core.registers[15] = at;
+    core.step();
+    assert.deepEqual([core.registers[15], core.registers[14]], [at + offset, (at + 4) | 1], `${offset}`);
+  }
+});
+
+test('loads of signed bytes and half-words extend the sign', () => {
+  const { core } = t.boardWith([]);
+  core.writeUint32(RAM, 0x8081_ff7f);
+  const load = (instruction, index) => execute(core, instruction, RAM, index, 0).result;
+  const [LDRSB, LDRSH, LDRB, LDRH] = [0x5640, 0x5e40, 0x5c40, 0x5a40];
+  assert.deepEqual(
+    [0, 1, 2, 3].map((i) => load(LDRSB, i)),
+    [0x7f, 0xffff_ffff, 0xffff_ff81, 0xffff_ff80],
+  );
+  assert.deepEqual(
+    [0, 2].map((i) => load(LDRSH, i)),
+    [0xffff_ff7f, 0xffff_8081],
+  );
+  assert.deepEqual(
+    [0, 3].map((i) => load(LDRB, i)),
+    [0x7f, 0x80],
+  );
+  assert.deepEqual(
+    [0, 2].map((i) => load(LDRH, i)),
+    [0xff7f, 0x8081],
+  );
+});
+
 const RAM = 0x2000_2000;
 const TIMER = 0x4005_4028;
 const PIO = 0x5020_0004;
