@@ -9,7 +9,7 @@ use crate::axes::Axis;
 use crate::drift::{DriftLimits, DriftMonitor, Modes, TickPhase};
 use crate::profile::{Profile, SliderCrank};
 use crate::program::{Cursor, Program, ProgramBuilder};
-use crate::pulse::{Planner, PulseTiming, Runs};
+use crate::pulse::{Pace, Planner, PulseTiming, Runs};
 use crate::servo::{FeedForward, Setpoint};
 use crate::settings::{DriveKind, Problem, Settings, SettingsError, turns};
 use crate::shaft::{Demand, Motion, Shaft, ShaftLimits, Target};
@@ -35,6 +35,7 @@ pub struct Controller<const N: usize> {
     axes: [Axis; N],
     reversed: [bool; N],
     planners: [Planner; N],
+    pace: Pace,
     /// Of servo axes; an axis without one is a stepper.
     feed_forward: [Option<FeedForward>; N],
     drift: DriftMonitor<N>,
@@ -128,6 +129,7 @@ impl<const N: usize> Controller<N> {
             planners: core::array::from_fn(|i| {
                 Planner::new(timing, settings.axes[i].steps_per_turn)
             }),
+            pace: Pace::new(),
             feed_forward,
             drift: DriftMonitor::new(
                 DriftLimits::new(&settings.drift, &settings.machine),
@@ -325,10 +327,10 @@ impl<const N: usize> Controller<N> {
             };
             self.playing[i] = TickPhase { start, turns };
             let Some(feed_forward) = &self.feed_forward[i] else {
-                self.planners[i].plan(turns, &mut self.output.runs[i]);
+                self.planners[i].plan(turns, &mut self.pace, &mut self.output.runs[i]);
                 continue;
             };
-            self.planners[i].count(turns, &mut self.output.runs[i]);
+            self.planners[i].count(turns, &mut self.pace, &mut self.output.runs[i]);
             let (numerator, denominator) = axis.gear().ratio();
             let acceleration = self.motion.acceleration.to_bits() * numerator / denominator;
             let torque = feed_forward.torque(axis.phase(), turns, Turns::from_bits(acceleration));
