@@ -189,6 +189,7 @@ impl Planner {
     ///
     /// `turns` must not ask for more edges than [`PulseTiming::check_rate`] allowed. `pace` is what the last axis left
     /// there, or any other.
+    #[inline(never)]
     pub fn plan(&mut self, turns: Turns, pace: &mut Pace, runs: &mut Runs) {
         runs.clear();
         let tick_cycles = self.timing.tick;
