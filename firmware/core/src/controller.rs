@@ -15,7 +15,7 @@ use crate::settings::{DriveKind, Problem, Settings, SettingsError, turns};
 use crate::shaft::{Demand, Motion, Shaft, ShaftLimits, Target};
 use crate::signals::{Feedback, Limits, Output, Telemetry};
 use crate::supervisor::{Action, Fault, FaultKind, Seen, State, Supervisor};
-use crate::units::{Amax, ONE_TURN, Phase, Turns};
+use crate::units::{Amax, ONE_TURN, Phase, Torque, Turns};
 
 /// Most deadlines missed in a row before that is a fault.
 const MOST_MISSED: u32 = 2;
@@ -32,12 +32,8 @@ pub struct Controller<const N: usize> {
     end: (Amax, Turns),
     shaft: Shaft,
     park: Turns,
-    axes: [Axis; N],
-    reversed: [bool; N],
-    planners: [Planner; N],
+    channels: [Channel; N],
     pace: Pace,
-    /// Of servo axes; an axis without one is a stepper.
-    feed_forward: [Option<FeedForward>; N],
     drift: DriftMonitor<N>,
     supervisor: Supervisor,
     motion: Motion,
@@ -49,6 +45,16 @@ pub struct Controller<const N: usize> {
     /// Deadlines were missed: what the index sensors said since belongs to no known phase.
     was_late: bool,
     output: Output<N>,
+}
+
+/// One axis, from the master's turns to what its drive is told.
+#[derive(Clone, Debug)]
+struct Channel {
+    axis: Axis,
+    planner: Planner,
+    reversed: bool,
+    /// Of a servo axis; one without is a stepper.
+    feed_forward: Option<FeedForward>,
 }
 
 impl<const N: usize> Settings<N> {
@@ -107,13 +113,15 @@ impl<const N: usize> Controller<N> {
                 }
             }
         }
-        let axes = core::array::from_fn(|i| Axis::new(&settings.axes[i], tick_hz));
-        let still = core::array::from_fn(|i: usize| {
-            let axis: &Axis = &axes[i];
-            TickPhase {
-                start: axis.phase(),
-                turns: Turns::ZERO,
-            }
+        let channels: [Channel; N] = core::array::from_fn(|i| Channel {
+            axis: Axis::new(&settings.axes[i], tick_hz),
+            planner: Planner::new(timing, settings.axes[i].steps_per_turn),
+            reversed: settings.axes[i].reversed,
+            feed_forward: feed_forward[i],
+        });
+        let still = core::array::from_fn(|i: usize| TickPhase {
+            start: channels[i].axis.phase(),
+            turns: Turns::ZERO,
         });
         let index = core::array::from_fn(|i| settings.axes[i].index_turns.map(turns));
         Ok(Self {
@@ -125,12 +133,7 @@ impl<const N: usize> Controller<N> {
             end: (Amax::ZERO, Turns::ZERO),
             shaft: Shaft::new(limits),
             park: Phase::from_turns(turns(settings.park_turns)).within_turn(),
-            reversed: core::array::from_fn(|i| settings.axes[i].reversed),
-            planners: core::array::from_fn(|i| {
-                Planner::new(timing, settings.axes[i].steps_per_turn)
-            }),
             pace: Pace::new(),
-            feed_forward,
             drift: DriftMonitor::new(
                 DriftLimits::new(&settings.drift, &settings.machine),
                 index,
@@ -158,7 +161,7 @@ impl<const N: usize> Controller<N> {
                     program_ticks: 0,
                     motion: Motion::default(),
                     phase: Phase::ZERO,
-                    axis_phase: core::array::from_fn(|i| axes[i].phase()),
+                    axis_phase: core::array::from_fn(|i| channels[i].axis.phase()),
                     steps: [0; N],
                     drift: [Turns::ZERO; N],
                     modes: Modes::default(),
@@ -166,7 +169,7 @@ impl<const N: usize> Controller<N> {
                     limits: Limits::default(),
                 },
             },
-            axes,
+            channels,
         })
     }
 
@@ -194,9 +197,9 @@ impl<const N: usize> Controller<N> {
     /// Sets an axis's trim; says whether its limit allowed all of it. An axis that is not there has
     /// no trim: false.
     pub fn set_trim(&mut self, axis: usize, turns: Turns) -> bool {
-        self.axes
+        self.channels
             .get_mut(axis)
-            .is_some_and(|axis| axis.trim_mut().set(turns))
+            .is_some_and(|channel| channel.axis.trim_mut().set(turns))
     }
 
     /// Takes note of a deadline that was met late, by over half a tick or not, after `missed` deadlines
@@ -212,9 +215,9 @@ impl<const N: usize> Controller<N> {
             return;
         }
         limits.missed_deadlines = limits.missed_deadlines.saturating_add(missed);
-        for (playing, axis) in self.playing.iter_mut().zip(&self.axes) {
+        for (playing, channel) in self.playing.iter_mut().zip(&self.channels) {
             *playing = TickPhase {
-                start: axis.phase(),
+                start: channel.axis.phase(),
                 turns: Turns::ZERO,
             };
         }
@@ -307,7 +310,11 @@ impl<const N: usize> Controller<N> {
         }
         self.target = Target {
             now: self.target.next,
-            next: self.profile.speed(reading.level),
+            next: if reading.level == reading.end_level {
+                self.end.1
+            } else {
+                self.profile.speed(reading.level)
+            },
             end: self.end.1,
         };
         self.target
@@ -316,34 +323,30 @@ impl<const N: usize> Controller<N> {
     /// Moves the axes and makes their pulses and setpoints. While the machine is to stand, trims stand
     /// too: drives that are off would not follow them.
     fn drive(&mut self, moving: bool) {
-        self.played = self.playing;
+        let Output {
+            runs,
+            setpoints,
+            telemetry,
+            ..
+        } = &mut self.output;
         for i in 0..N {
-            let axis = &mut self.axes[i];
-            let start = axis.phase();
+            let channel = &mut self.channels[i];
+            let start = channel.axis.phase();
             let turns = if moving {
-                axis.advance(self.motion.speed)
+                channel.axis.advance(self.motion.speed)
             } else {
                 Turns::ZERO
             };
+            self.played[i] = self.playing[i];
             self.playing[i] = TickPhase { start, turns };
-            let Some(feed_forward) = &self.feed_forward[i] else {
-                self.planners[i].plan(turns, &mut self.pace, &mut self.output.runs[i]);
-                continue;
-            };
-            self.planners[i].count(turns, &mut self.pace, &mut self.output.runs[i]);
-            let (numerator, denominator) = axis.gear().ratio();
-            let acceleration = self.motion.acceleration.to_bits() * numerator / denominator;
-            let torque = feed_forward.torque(axis.phase(), turns, Turns::from_bits(acceleration));
-            let setpoint = Setpoint {
-                position: axis.phase(),
-                velocity: turns,
-                torque,
-            };
-            self.output.setpoints[i] = if self.reversed[i] {
-                setpoint.reversed()
+            if channel.feed_forward.is_none() {
+                channel.planner.plan(turns, &mut self.pace, &mut runs[i]);
             } else {
-                setpoint
-            };
+                channel.planner.count(turns, &mut self.pace, &mut runs[i]);
+                setpoints[i] = channel.setpoint(turns, self.motion.acceleration);
+            }
+            telemetry.axis_phase[i] = channel.axis.phase();
+            telemetry.steps[i] = channel.planner.steps();
         }
     }
 
@@ -362,14 +365,28 @@ impl<const N: usize> Controller<N> {
         telemetry.holding = action == Action::Hold;
         telemetry.motion = self.motion;
         telemetry.phase = self.shaft.phase();
-        for (slot, axis) in telemetry.axis_phase.iter_mut().zip(&self.axes) {
-            *slot = axis.phase();
-        }
-        for (slot, planner) in telemetry.steps.iter_mut().zip(&self.planners) {
-            *slot = planner.steps();
-        }
         telemetry.drift = *self.drift.drift();
         telemetry.modes = *self.drift.modes();
+    }
+}
+
+impl Channel {
+    /// What a servo is told of a tick in which it made `turns`, while the master accelerated.
+    fn setpoint(&self, turns: Turns, acceleration: Turns) -> Setpoint {
+        let position = self.axis.phase();
+        let torque = self.feed_forward.map_or(Torque::ZERO, |forward| {
+            forward.torque(position, turns, self.axis.gear().share(acceleration))
+        });
+        let setpoint = Setpoint {
+            position,
+            velocity: turns,
+            torque,
+        };
+        if self.reversed {
+            setpoint.reversed()
+        } else {
+            setpoint
+        }
     }
 }
 
