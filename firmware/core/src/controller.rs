@@ -245,6 +245,7 @@ impl<const N: usize> Controller<N> {
     }
 
     /// What has been seen since the last tick.
+    #[inline(never)]
     fn observe(&mut self, feedback: &Feedback<N>) -> Seen {
         let alarm = feedback.alarm.iter().position(|&alarm| alarm);
         let alarm = alarm.map(|axis| Fault::new(FaultKind::DriveAlarm).on_axis(axis));
@@ -302,6 +303,7 @@ impl<const N: usize> Controller<N> {
     }
 
     /// Reads one tick of the program.
+    #[inline(never)]
     fn play(&mut self) -> Target {
         let reading = self.cursor.next(&self.program);
         self.output.telemetry.amax_program = reading.level;
@@ -322,6 +324,7 @@ impl<const N: usize> Controller<N> {
 
     /// Moves the axes and makes their pulses and setpoints. While the machine is to stand, trims stand
     /// too: drives that are off would not follow them.
+    #[inline(never)]
     fn drive(&mut self, moving: bool) {
         let Output {
             runs,
@@ -350,6 +353,7 @@ impl<const N: usize> Controller<N> {
         }
     }
 
+    #[inline(never)]
     fn report(&mut self, action: Action) {
         let output = &mut self.output;
         output.drives_enabled = self.supervisor.drives_enabled();

@@ -39,6 +39,7 @@ pub struct TickPhase {
 
 impl TickPhase {
     /// Commanded phase `cycle` cycles into a tick, of whose cycles `per_tick_cycle` is the reciprocal.
+    #[inline(never)]
     fn at(&self, cycle: u32, per_tick_cycle: u32) -> Phase {
         // cycle / tick_cycles with 44 fraction bits, of which 24 are plenty; and of the turns of a
         // tick, below ½, the upper 40: 2⁻²⁴ of a tick is less than a cycle.
@@ -52,12 +53,21 @@ impl TickPhase {
 /// A set of axes: a bit for each.
 type Axes = u8;
 
+/// The index sensor of one axis, if it has one.
+#[derive(Clone, Debug)]
+struct Sensor {
+    /// The phase at which it stands.
+    index: Option<Turns>,
+    /// Commanded turns since its last pulse.
+    since: Turns,
+}
+
 /// Watches the drift of `N` axes.
 #[derive(Clone, Debug)]
 pub struct DriftMonitor<const N: usize> {
     limits: DriftLimits,
     mount: Mount<N>,
-    index: [Option<Turns>; N],
+    sensors: [Sensor; N],
     /// Axes that have a sensor.
     sensed: Axes,
     /// 2⁴⁴ / cycles of a tick.
@@ -65,8 +75,6 @@ pub struct DriftMonitor<const N: usize> {
     drift: [Turns; N],
     /// Axes heard since the modes were taken last.
     heard: Axes,
-    /// Commanded turns of each axis since its last index pulse.
-    since_index: [Turns; N],
     /// Axes that have been heard at all.
     known: Axes,
     modes: Modes,
@@ -78,7 +86,10 @@ impl<const N: usize> DriftMonitor<N> {
         Self {
             limits,
             mount: Mount::new(),
-            index,
+            sensors: index.map(|index| Sensor {
+                index,
+                since: Turns::ZERO,
+            }),
             sensed: (0..N)
                 .filter(|&axis| index[axis].is_some())
                 .fold(0, |axes, axis| axes | 1 << axis),
@@ -86,7 +97,6 @@ impl<const N: usize> DriftMonitor<N> {
             per_tick_cycle: ((1 << 44) / u64::from(tick_cycles)) as u32,
             drift: [Turns::ZERO; N],
             heard: 0,
-            since_index: [Turns::ZERO; N],
             known: 0,
             modes: Modes::default(),
         }
@@ -96,35 +106,39 @@ impl<const N: usize> DriftMonitor<N> {
     ///
     /// # Errors
     /// A mode past its limit, or an index pulse that stays away for over a turn.
+    #[inline(never)]
     pub fn observe(
         &mut self,
         pulses: &[Option<IndexPulse>; N],
         commanded: &[TickPhase; N],
     ) -> Result<(), Fault> {
+        let limit = self.limits.index_turns;
         let mut missing = None;
         let mut heard = 0;
-        for axis in 0..N {
-            let (Some(index), phase) = (self.index[axis], &commanded[axis]) else {
+        let axes = self.sensors.iter_mut().zip(pulses).zip(commanded);
+        for (axis, ((sensor, pulse), commanded)) in axes.enumerate() {
+            let Some(index) = sensor.index else {
                 continue;
             };
-            // Bounded: beyond the limit it is a fault and begins anew, and no axis goes back by more than its trim.
-            let since = self.since_index[axis].wrapping_add(phase.turns);
-            self.since_index[axis] = if let Some(pulse) = pulses[axis] {
-                let at = phase.at(pulse.cycle, self.per_tick_cycle);
+            if let Some(pulse) = pulse {
+                let at = commanded.at(pulse.cycle, self.per_tick_cycle);
                 self.drift[axis] = nearest(Phase::from_turns(index).since(at));
+                sensor.since = Turns::ZERO;
                 heard |= 1 << axis;
-                Turns::ZERO
-            } else {
-                if since > self.limits.index_turns {
-                    missing = Some(axis);
-                }
-                since
-            };
+                continue;
+            }
+            // Bounded: beyond the limit it is a fault and begins anew, and no axis goes back by more than its trim.
+            sensor.since = sensor.since.wrapping_add(commanded.turns);
+            if sensor.since > limit {
+                missing = Some(axis);
+            }
         }
         self.heard |= heard;
         self.known |= heard;
         if let Some(axis) = missing {
-            self.since_index[axis] = Turns::ZERO;
+            if let Some(sensor) = self.sensors.get_mut(axis) {
+                sensor.since = Turns::ZERO;
+            }
             return Err(Fault::new(FaultKind::IndexMissing).on_axis(axis));
         }
         if heard != 0 && self.heard == self.sensed {
@@ -137,9 +151,9 @@ impl<const N: usize> DriftMonitor<N> {
 
     /// Takes note of index pulses that came at times to which no phase belongs: their sensors are alive.
     pub fn disregard(&mut self, pulses: &[Option<IndexPulse>; N]) {
-        for (since, pulse) in self.since_index.iter_mut().zip(pulses) {
+        for (sensor, pulse) in self.sensors.iter_mut().zip(pulses) {
             if pulse.is_some() {
-                *since = Turns::ZERO;
+                sensor.since = Turns::ZERO;
             }
         }
     }
@@ -153,7 +167,9 @@ impl<const N: usize> DriftMonitor<N> {
     pub fn reset(&mut self) {
         self.heard = 0;
         self.known = 0;
-        self.since_index = [Turns::ZERO; N];
+        for sensor in &mut self.sensors {
+            sensor.since = Turns::ZERO;
+        }
         self.drift = [Turns::ZERO; N];
         self.modes = Modes::default();
     }

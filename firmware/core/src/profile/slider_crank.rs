@@ -41,6 +41,7 @@ impl SliderCrank {
     /// Turns a tick for an amplitude; relative error below 2⁻³⁰ and 2⁻⁴⁸ turns a tick.
     ///
     /// Saturates beyond 2 turns a tick, four times what a shaft may do.
+    #[inline(never)]
     pub fn speed(&self, amax: Amax) -> Turns {
         let Root { mantissa, shift } = root(amax.to_bits());
         let product = multiply(mantissa, self.mantissa);
