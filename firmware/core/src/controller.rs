@@ -15,7 +15,7 @@ use crate::settings::{DriveKind, Problem, Settings, SettingsError, turns};
 use crate::shaft::{Demand, Motion, Shaft, ShaftLimits, Target};
 use crate::signals::{Feedback, Limits, Output, Telemetry};
 use crate::supervisor::{Action, Fault, FaultKind, Seen, State, Supervisor};
-use crate::units::{Amax, ONE_TURN, Phase, Torque, Turns};
+use crate::units::{Amax, ONE_TURN, Phase, Turns};
 
 /// Most deadlines missed in a row before that is a fault.
 const MOST_MISSED: u32 = 2;
@@ -37,9 +37,6 @@ pub struct Controller<const N: usize> {
     drift: DriftMonitor<N>,
     supervisor: Supervisor,
     motion: Motion,
-    /// Phases of the last two outputs: the one being played, and the one before.
-    playing: [TickPhase; N],
-    played: [TickPhase; N],
     ticks: u64,
     overrun: Option<Fault>,
     /// Deadlines were missed: what the index sensors said since belongs to no known phase.
@@ -55,6 +52,9 @@ struct Channel {
     reversed: bool,
     /// Of a servo axis; one without is a stepper.
     feed_forward: Option<FeedForward>,
+    /// Phases of the last two outputs: the one being played, and the one before.
+    playing: TickPhase,
+    played: TickPhase,
 }
 
 impl<const N: usize> Settings<N> {
@@ -113,15 +113,17 @@ impl<const N: usize> Controller<N> {
                 }
             }
         }
-        let channels: [Channel; N] = core::array::from_fn(|i| Channel {
-            axis: Axis::new(&settings.axes[i], tick_hz),
-            planner: Planner::new(timing, settings.axes[i].steps_per_turn),
-            reversed: settings.axes[i].reversed,
-            feed_forward: feed_forward[i],
-        });
-        let still = core::array::from_fn(|i: usize| TickPhase {
-            start: channels[i].axis.phase(),
-            turns: Turns::ZERO,
+        let channels: [Channel; N] = core::array::from_fn(|i| {
+            let axis = Axis::new(&settings.axes[i], tick_hz);
+            let still = TickPhase::still(axis.phase());
+            Channel {
+                axis,
+                planner: Planner::new(timing, settings.axes[i].steps_per_turn),
+                reversed: settings.axes[i].reversed,
+                feed_forward: feed_forward[i],
+                playing: still,
+                played: still,
+            }
         });
         let index = core::array::from_fn(|i| settings.axes[i].index_turns.map(turns));
         Ok(Self {
@@ -144,8 +146,6 @@ impl<const N: usize> Controller<N> {
                 at_rest: true,
                 ..Motion::default()
             },
-            playing: still,
-            played: still,
             ticks: 0,
             overrun: None,
             was_late: false,
@@ -215,13 +215,10 @@ impl<const N: usize> Controller<N> {
             return;
         }
         limits.missed_deadlines = limits.missed_deadlines.saturating_add(missed);
-        for (playing, channel) in self.playing.iter_mut().zip(&self.channels) {
-            *playing = TickPhase {
-                start: channel.axis.phase(),
-                turns: Turns::ZERO,
-            };
+        for channel in &mut self.channels {
+            channel.playing = TickPhase::still(channel.axis.phase());
+            channel.played = channel.playing;
         }
-        self.played = self.playing;
         self.was_late = true;
         if missed > MOST_MISSED {
             self.overrun = Some(Fault::new(FaultKind::Overrun));
@@ -253,7 +250,8 @@ impl<const N: usize> Controller<N> {
             self.drift.disregard(&feedback.index);
             None
         } else {
-            self.drift.observe(&feedback.index, &self.played).err()
+            let played = self.channels.iter().map(|channel| &channel.played);
+            self.drift.observe(&feedback.index, played).err()
         };
         let fault = self.overrun.take().or(alarm).or(drift);
         Seen {
@@ -332,21 +330,11 @@ impl<const N: usize> Controller<N> {
             telemetry,
             ..
         } = &mut self.output;
-        for i in 0..N {
-            let channel = &mut self.channels[i];
-            let start = channel.axis.phase();
-            let turns = if moving {
-                channel.axis.advance(self.motion.speed)
-            } else {
-                Turns::ZERO
-            };
-            self.played[i] = self.playing[i];
-            self.playing[i] = TickPhase { start, turns };
-            if channel.feed_forward.is_none() {
-                channel.planner.plan(turns, &mut self.pace, &mut runs[i]);
-            } else {
-                channel.planner.count(turns, &mut self.pace, &mut runs[i]);
-                setpoints[i] = channel.setpoint(turns, self.motion.acceleration);
+        let master = moving.then_some(self.motion.speed);
+        for (i, channel) in self.channels.iter_mut().enumerate() {
+            channel.advance(master.as_ref(), &mut self.pace, &mut runs[i]);
+            if let Some(forward) = &channel.feed_forward {
+                setpoints[i] = channel.setpoint(forward, self.motion.acceleration);
             }
             telemetry.axis_phase[i] = channel.axis.phase();
             telemetry.steps[i] = channel.planner.steps();
@@ -375,16 +363,32 @@ impl<const N: usize> Controller<N> {
 }
 
 impl Channel {
-    /// What a servo is told of a tick in which it made `turns`, while the master accelerated.
-    fn setpoint(&self, turns: Turns, acceleration: Turns) -> Setpoint {
-        let position = self.axis.phase();
-        let torque = self.feed_forward.map_or(Torque::ZERO, |forward| {
-            forward.torque(position, turns, self.axis.gear().share(acceleration))
-        });
+    /// Moves on with the master, if it is to move, and fills `runs`.
+    #[inline(never)]
+    fn advance(&mut self, master: Option<&Turns>, pace: &mut Pace, runs: &mut Runs) {
+        self.played = self.playing;
+        self.playing.start = self.axis.phase();
+        let turns = match master {
+            Some(&speed) => self.axis.advance(speed),
+            None => Turns::ZERO,
+        };
+        self.playing.turns = turns;
+        if self.feed_forward.is_none() {
+            self.planner.plan(turns, pace, runs);
+        } else {
+            self.planner.count(turns, pace, runs);
+        }
+    }
+
+    /// What a servo is told at the end of a tick in which the master accelerated.
+    #[inline(never)]
+    fn setpoint(&self, forward: &FeedForward, acceleration: Turns) -> Setpoint {
+        let (position, velocity) = (self.axis.phase(), self.playing.turns);
+        let acceleration = self.axis.gear().share(acceleration);
         let setpoint = Setpoint {
             position,
-            velocity: turns,
-            torque,
+            velocity,
+            torque: forward.torque(position, velocity, acceleration),
         };
         if self.reversed {
             setpoint.reversed()

@@ -38,6 +38,14 @@ pub struct TickPhase {
 }
 
 impl TickPhase {
+    /// A tick in which nothing moves.
+    pub const fn still(phase: Phase) -> Self {
+        Self {
+            start: phase,
+            turns: Turns::ZERO,
+        }
+    }
+
     /// Commanded phase `cycle` cycles into a tick, of whose cycles `per_tick_cycle` is the reciprocal.
     #[inline(never)]
     fn at(&self, cycle: u32, per_tick_cycle: u32) -> Phase {
@@ -107,10 +115,10 @@ impl<const N: usize> DriftMonitor<N> {
     /// # Errors
     /// A mode past its limit, or an index pulse that stays away for over a turn.
     #[inline(never)]
-    pub fn observe(
+    pub fn observe<'a>(
         &mut self,
         pulses: &[Option<IndexPulse>; N],
-        commanded: &[TickPhase; N],
+        commanded: impl IntoIterator<Item = &'a TickPhase>,
     ) -> Result<(), Fault> {
         let limit = self.limits.index_turns;
         let mut missing = None;
