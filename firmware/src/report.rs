@@ -72,7 +72,14 @@ impl Reporter {
                 *slot = axis;
             }
             let state = self.state;
-            self.note(tick, What::State { state, drift, axes: N });
+            self.note(
+                tick,
+                What::State {
+                    state,
+                    drift,
+                    axes: N,
+                },
+            );
         }
         let limits = &telemetry.limits;
         if limits.missed_deadlines != self.missed {

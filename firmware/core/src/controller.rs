@@ -9,7 +9,7 @@ use crate::axes::Axis;
 use crate::drift::{DriftLimits, DriftMonitor, Modes, TickPhase};
 use crate::profile::{Profile, SliderCrank};
 use crate::program::{Cursor, Program, ProgramBuilder};
-use crate::pulse::{Planner, PulseTiming, Runs};
+use crate::pulse::{Pace, Planner, PulseTiming, Runs};
 use crate::servo::{FeedForward, Setpoint};
 use crate::settings::{DriveKind, Problem, Settings, SettingsError, turns};
 use crate::shaft::{Demand, Motion, Shaft, ShaftLimits, Target};
@@ -32,22 +32,29 @@ pub struct Controller<const N: usize> {
     end: (Amax, Turns),
     shaft: Shaft,
     park: Turns,
-    axes: [Axis; N],
-    reversed: [bool; N],
-    planners: [Planner; N],
-    /// Of servo axes; an axis without one is a stepper.
-    feed_forward: [Option<FeedForward>; N],
+    channels: [Channel; N],
+    pace: Pace,
     drift: DriftMonitor<N>,
     supervisor: Supervisor,
     motion: Motion,
-    /// Phases of the last two outputs: the one being played, and the one before.
-    playing: [TickPhase; N],
-    played: [TickPhase; N],
     ticks: u64,
     overrun: Option<Fault>,
     /// Deadlines were missed: what the index sensors said since belongs to no known phase.
     was_late: bool,
     output: Output<N>,
+}
+
+/// One axis, from the master's turns to what its drive is told.
+#[derive(Clone, Debug)]
+struct Channel {
+    axis: Axis,
+    planner: Planner,
+    reversed: bool,
+    /// Of a servo axis; one without is a stepper.
+    feed_forward: Option<FeedForward>,
+    /// Phases of the last two outputs: the one being played, and the one before.
+    playing: TickPhase,
+    played: TickPhase,
 }
 
 impl<const N: usize> Settings<N> {
@@ -106,12 +113,16 @@ impl<const N: usize> Controller<N> {
                 }
             }
         }
-        let axes = core::array::from_fn(|i| Axis::new(&settings.axes[i], tick_hz));
-        let still = core::array::from_fn(|i: usize| {
-            let axis: &Axis = &axes[i];
-            TickPhase {
-                start: axis.phase(),
-                turns: Turns::ZERO,
+        let channels: [Channel; N] = core::array::from_fn(|i| {
+            let axis = Axis::new(&settings.axes[i], tick_hz);
+            let still = TickPhase::still(axis.phase());
+            Channel {
+                axis,
+                planner: Planner::new(timing, settings.axes[i].steps_per_turn),
+                reversed: settings.axes[i].reversed,
+                feed_forward: feed_forward[i],
+                playing: still,
+                played: still,
             }
         });
         let index = core::array::from_fn(|i| settings.axes[i].index_turns.map(turns));
@@ -124,11 +135,7 @@ impl<const N: usize> Controller<N> {
             end: (Amax::ZERO, Turns::ZERO),
             shaft: Shaft::new(limits),
             park: Phase::from_turns(turns(settings.park_turns)).within_turn(),
-            reversed: core::array::from_fn(|i| settings.axes[i].reversed),
-            planners: core::array::from_fn(|i| {
-                Planner::new(timing, settings.axes[i].steps_per_turn)
-            }),
-            feed_forward,
+            pace: Pace::new(),
             drift: DriftMonitor::new(
                 DriftLimits::new(&settings.drift, &settings.machine),
                 index,
@@ -139,8 +146,6 @@ impl<const N: usize> Controller<N> {
                 at_rest: true,
                 ..Motion::default()
             },
-            playing: still,
-            played: still,
             ticks: 0,
             overrun: None,
             was_late: false,
@@ -156,7 +161,7 @@ impl<const N: usize> Controller<N> {
                     program_ticks: 0,
                     motion: Motion::default(),
                     phase: Phase::ZERO,
-                    axis_phase: core::array::from_fn(|i| axes[i].phase()),
+                    axis_phase: core::array::from_fn(|i| channels[i].axis.phase()),
                     steps: [0; N],
                     drift: [Turns::ZERO; N],
                     modes: Modes::default(),
@@ -164,7 +169,7 @@ impl<const N: usize> Controller<N> {
                     limits: Limits::default(),
                 },
             },
-            axes,
+            channels,
         })
     }
 
@@ -175,7 +180,9 @@ impl<const N: usize> Controller<N> {
 
     /// Whether an axis is mounted the other way round: its DIR is to be turned. One that is not there is not.
     pub fn is_reversed(&self, axis: usize) -> bool {
-        self.reversed.get(axis).is_some_and(|&reversed| reversed)
+        self.channels
+            .get(axis)
+            .is_some_and(|channel| channel.reversed)
     }
 
     /// The program, and the place in it.
@@ -197,9 +204,9 @@ impl<const N: usize> Controller<N> {
     /// Sets an axis's trim; says whether its limit allowed all of it. An axis that is not there has
     /// no trim: false.
     pub fn set_trim(&mut self, axis: usize, turns: Turns) -> bool {
-        self.axes
+        self.channels
             .get_mut(axis)
-            .is_some_and(|axis| axis.trim_mut().set(turns))
+            .is_some_and(|channel| channel.axis.trim_mut().set(turns))
     }
 
     /// Takes note of a deadline that was met late, by over half a tick or not, after `missed` deadlines
@@ -215,13 +222,10 @@ impl<const N: usize> Controller<N> {
             return;
         }
         limits.missed_deadlines = limits.missed_deadlines.saturating_add(missed);
-        for (playing, axis) in self.playing.iter_mut().zip(&self.axes) {
-            *playing = TickPhase {
-                start: axis.phase(),
-                turns: Turns::ZERO,
-            };
+        for channel in &mut self.channels {
+            channel.playing = TickPhase::still(channel.axis.phase());
+            channel.played = channel.playing;
         }
-        self.played = self.playing;
         self.stood(missed);
     }
 
@@ -266,6 +270,7 @@ impl<const N: usize> Controller<N> {
     }
 
     /// What has been seen since the last tick.
+    #[inline(never)]
     fn observe(&mut self, feedback: &Feedback<N>) -> Seen {
         let alarm = feedback.alarm.iter().position(|&alarm| alarm);
         let alarm = alarm.map(|axis| Fault::new(FaultKind::DriveAlarm).on_axis(axis));
@@ -273,7 +278,8 @@ impl<const N: usize> Controller<N> {
             self.drift.disregard(&feedback.index);
             None
         } else {
-            self.drift.observe(&feedback.index, &self.played).err()
+            let played = self.channels.iter().map(|channel| &channel.played);
+            self.drift.observe(&feedback.index, played).err()
         };
         let dry = feedback
             .ran_dry
@@ -326,6 +332,7 @@ impl<const N: usize> Controller<N> {
     }
 
     /// Reads one tick of the program.
+    #[inline(never)]
     fn play(&mut self) -> Target {
         let reading = self.cursor.next(&self.program);
         self.output.telemetry.amax_program = reading.level;
@@ -334,7 +341,11 @@ impl<const N: usize> Controller<N> {
         }
         self.target = Target {
             now: self.target.next,
-            next: self.profile.speed(reading.level),
+            next: if reading.level == reading.end_level {
+                self.end.1
+            } else {
+                self.profile.speed(reading.level)
+            },
             end: self.end.1,
         };
         self.target
@@ -342,38 +353,26 @@ impl<const N: usize> Controller<N> {
 
     /// Moves the axes and makes their pulses and setpoints. While the machine is to stand, trims stand
     /// too: drives that are off would not follow them.
+    #[inline(never)]
     fn drive(&mut self, moving: bool) {
-        self.played = self.playing;
-        for i in 0..N {
-            let axis = &mut self.axes[i];
-            let start = axis.phase();
-            let turns = if moving {
-                axis.advance(self.motion.speed)
-            } else {
-                Turns::ZERO
-            };
-            self.playing[i] = TickPhase { start, turns };
-            let Some(feed_forward) = &self.feed_forward[i] else {
-                self.planners[i].plan(turns, &mut self.output.runs[i]);
-                continue;
-            };
-            self.planners[i].count(turns, &mut self.output.runs[i]);
-            let (numerator, denominator) = axis.gear().ratio();
-            let acceleration = self.motion.acceleration.to_bits() * numerator / denominator;
-            let torque = feed_forward.torque(axis.phase(), turns, Turns::from_bits(acceleration));
-            let setpoint = Setpoint {
-                position: axis.phase(),
-                velocity: turns,
-                torque,
-            };
-            self.output.setpoints[i] = if self.reversed[i] {
-                setpoint.reversed()
-            } else {
-                setpoint
-            };
+        let Output {
+            runs,
+            setpoints,
+            telemetry,
+            ..
+        } = &mut self.output;
+        let master = moving.then_some(self.motion.speed);
+        for (i, channel) in self.channels.iter_mut().enumerate() {
+            channel.advance(master.as_ref(), &mut self.pace, &mut runs[i]);
+            if let Some(forward) = &channel.feed_forward {
+                setpoints[i] = channel.setpoint(forward, self.motion.acceleration);
+            }
+            telemetry.axis_phase[i] = channel.axis.phase();
+            telemetry.steps[i] = channel.planner.steps();
         }
     }
 
+    #[inline(never)]
     fn report(&mut self, action: Action) {
         let output = &mut self.output;
         output.drives_enabled = self.supervisor.drives_enabled();
@@ -389,14 +388,44 @@ impl<const N: usize> Controller<N> {
         telemetry.holding = action == Action::Hold;
         telemetry.motion = self.motion;
         telemetry.phase = self.shaft.phase();
-        for (slot, axis) in telemetry.axis_phase.iter_mut().zip(&self.axes) {
-            *slot = axis.phase();
-        }
-        for (slot, planner) in telemetry.steps.iter_mut().zip(&self.planners) {
-            *slot = planner.steps();
-        }
         telemetry.drift = *self.drift.drift();
         telemetry.modes = *self.drift.modes();
+    }
+}
+
+impl Channel {
+    /// Moves on with the master, if it is to move, and fills `runs`.
+    #[inline(never)]
+    fn advance(&mut self, master: Option<&Turns>, pace: &mut Pace, runs: &mut Runs) {
+        self.played = self.playing;
+        self.playing.start = self.axis.phase();
+        let turns = match master {
+            Some(&speed) => self.axis.advance(speed),
+            None => Turns::ZERO,
+        };
+        self.playing.turns = turns;
+        if self.feed_forward.is_none() {
+            self.planner.plan(turns, pace, runs);
+        } else {
+            self.planner.count(turns, pace, runs);
+        }
+    }
+
+    /// What a servo is told at the end of a tick in which the master accelerated.
+    #[inline(never)]
+    fn setpoint(&self, forward: &FeedForward, acceleration: Turns) -> Setpoint {
+        let (position, velocity) = (self.axis.phase(), self.playing.turns);
+        let acceleration = self.axis.gear().share(acceleration);
+        let setpoint = Setpoint {
+            position,
+            velocity,
+            torque: forward.torque(position, velocity, acceleration),
+        };
+        if self.reversed {
+            setpoint.reversed()
+        } else {
+            setpoint
+        }
     }
 }
 

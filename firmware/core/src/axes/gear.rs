@@ -1,39 +1,56 @@
 //! An electronic gear with an exact ratio.
 
+use crate::functions::{Divisor, multiply_long};
 use crate::units::Turns;
 
 /// Turns of the axis per turn of the master, as a ratio of two whole numbers; nothing is lost.
 #[derive(Clone, Debug)]
 pub struct Gear {
-    numerator: i64,
-    denominator: i64,
+    numerator: u32,
+    denominator: u32,
+    divisor: Divisor,
     /// What division has left over, 0 ≤ rest < denominator.
-    rest: i64,
+    rest: u32,
 }
 
 impl Gear {
     /// `numerator / denominator`, each 1 to 1000.
     pub const fn new(numerator: u32, denominator: u32) -> Self {
         Self {
-            numerator: numerator as i64,
-            denominator: denominator as i64,
+            numerator,
+            denominator,
+            divisor: Divisor::new(denominator),
             rest: 0,
         }
     }
 
-    /// The ratio: numerator and denominator.
-    pub const fn ratio(&self) -> (i64, i64) {
-        (self.numerator, self.denominator)
-    }
-
     /// The axis's share of the master's turns, which must be within ±1 turn.
+    #[inline]
     pub fn advance(&mut self, master: Turns) -> Turns {
         if self.numerator == self.denominator {
             return master; // the usual case, and no division
         }
-        let all = master.to_bits() * self.numerator + self.rest;
-        self.rest = all.rem_euclid(self.denominator);
-        Turns::from_bits(all.div_euclid(self.denominator))
+        let all = multiply_long(master.to_bits().unsigned_abs(), self.numerator);
+        if master >= 0 {
+            let (turns, rest) = self.divisor.divide(all + u64::from(self.rest));
+            self.rest = rest;
+            return Turns::from_bits(turns as i64);
+        }
+        // Backwards what is left over is missing from the next whole.
+        let missing = self.denominator - 1 - self.rest;
+        let (turns, missing) = self.divisor.divide(all + u64::from(missing));
+        self.rest = self.denominator - 1 - missing;
+        Turns::from_bits(-(turns as i64))
+    }
+
+    /// The same share of an acceleration, below 1 turn a tick², rounded towards zero; it leaves nothing for the next.
+    pub fn share(&self, acceleration: Turns) -> Turns {
+        if self.numerator == self.denominator {
+            return acceleration;
+        }
+        let all = multiply_long(acceleration.to_bits().unsigned_abs(), self.numerator);
+        let share = self.divisor.divide(all).0 as i64;
+        Turns::from_bits(if acceleration < 0 { -share } else { share })
     }
 }
 
@@ -58,6 +75,8 @@ mod tests {
                 axis += i128::from(gear.advance(Turns::from_bits(turns)).to_bits());
                 let exact = sum * i128::from(numerator);
                 prop_assert_eq!(axis, exact.div_euclid(i128::from(denominator)));
+                let share = i128::from(turns) * i128::from(numerator) / i128::from(denominator);
+                prop_assert_eq!(i128::from(gear.share(Turns::from_bits(turns)).to_bits()), share);
             }
         }
     }

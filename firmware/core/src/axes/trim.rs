@@ -34,7 +34,11 @@ impl Trim {
     }
 
     /// The change of trim in the coming tick.
+    #[inline]
     pub(super) fn advance(&mut self) -> Turns {
+        if self.now == self.target {
+            return Turns::ZERO;
+        }
         let change = (self.target - self.now).clamp(-self.rate, self.rate);
         self.now += change;
         Turns::from_bits(change)

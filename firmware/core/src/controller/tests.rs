@@ -174,8 +174,8 @@ fn setpoints_are_in_the_motors_own_sense() {
     // With the crank at the same phase, the geared axis's own share is J α″/2.
     let alpha =
         motion.acceleration.to_num::<f64>() * f64::from(HZ).powi(2) * core::f64::consts::TAU;
-    let forward = controller.feed_forward[1].expect("a servo");
-    let phase = controller.axes[1].phase();
+    let forward = controller.channels[1].feed_forward.expect("a servo");
+    let phase = controller.channels[1].axis.phase();
     let still = forward.torque(phase, half, Turns::ZERO).to_num::<f64>();
     let s_term = forward
         .torque(

@@ -43,7 +43,16 @@ pub struct TickPhase {
 }
 
 impl TickPhase {
+    /// A tick in which nothing moves.
+    pub const fn still(phase: Phase) -> Self {
+        Self {
+            start: phase,
+            turns: Turns::ZERO,
+        }
+    }
+
     /// Commanded phase `cycle` cycles into a tick, of whose cycles `per_tick_cycle` is the reciprocal.
+    #[inline(never)]
     fn at(&self, cycle: u32, per_tick_cycle: u32) -> Phase {
         // cycle / tick_cycles with 44 fraction bits, of which 24 are plenty; and of the turns of a
         // tick, below ½, the upper 40: 2⁻²⁴ of a tick is less than a cycle.
@@ -57,24 +66,31 @@ impl TickPhase {
 /// A set of axes: a bit for each.
 type Axes = u8;
 
+/// The index sensor of one axis, if it has one.
+#[derive(Clone, Debug)]
+struct Sensor {
+    /// The phase at which it stands.
+    index: Option<Turns>,
+    /// Commanded turns since its last pulse.
+    since: Turns,
+    /// What was commanded in the tick before the one that is over; none if that is not known.
+    before: Option<TickPhase>,
+}
+
 /// Watches the drift of `N` axes.
 #[derive(Clone, Debug)]
 pub struct DriftMonitor<const N: usize> {
     limits: DriftLimits,
     mount: Mount<N>,
-    index: [Option<Turns>; N],
+    sensors: [Sensor; N],
     /// Axes that have a sensor.
     sensed: Axes,
     tick_cycles: u32,
     /// 2⁴⁴ / cycles of a tick.
     per_tick_cycle: u32,
-    /// What was commanded in the tick before the one that is over; none if that is not known.
-    before: Option<[TickPhase; N]>,
     drift: [Turns; N],
     /// Axes heard since the modes were taken last.
     heard: Axes,
-    /// Commanded turns of each axis since its last index pulse.
-    since_index: [Turns; N],
     /// Axes that have been heard at all.
     known: Axes,
     modes: Modes,
@@ -86,17 +102,19 @@ impl<const N: usize> DriftMonitor<N> {
         Self {
             limits,
             mount: Mount::new(),
-            index,
+            sensors: index.map(|index| Sensor {
+                index,
+                since: Turns::ZERO,
+                before: None,
+            }),
             sensed: (0..N)
                 .filter(|&axis| index[axis].is_some())
                 .fold(0, |axes, axis| axes | 1 << axis),
             tick_cycles,
             // Ticks have 12,500 cycles and more: 31 bits.
             per_tick_cycle: ((1 << 44) / u64::from(tick_cycles)) as u32,
-            before: None,
             drift: [Turns::ZERO; N],
             heard: 0,
-            since_index: [Turns::ZERO; N],
             known: 0,
             modes: Modes::default(),
         }
@@ -106,34 +124,36 @@ impl<const N: usize> DriftMonitor<N> {
     ///
     /// # Errors
     /// A mode past its limit, or an index pulse that stays away for over a turn.
-    pub fn observe(
+    #[inline(never)]
+    pub fn observe<'a>(
         &mut self,
         pulses: &[Option<IndexPulse>; N],
-        commanded: &[TickPhase; N],
+        commanded: impl IntoIterator<Item = &'a TickPhase>,
     ) -> Result<(), Fault> {
-        let before = self.before.replace(*commanded);
+        let limit = self.limits.index_turns;
         let mut missing = None;
         let mut heard = 0;
-        for axis in 0..N {
-            let (Some(index), phase) = (self.index[axis], &commanded[axis]) else {
+        let axes = self.sensors.iter_mut().zip(pulses).zip(commanded);
+        for (axis, ((sensor, pulse), commanded)) in axes.enumerate() {
+            let Some(index) = sensor.index else {
                 continue;
             };
-            let Some(pulse) = pulses[axis] else {
+            let before = sensor.before.replace(*commanded);
+            let Some(pulse) = pulse else {
                 // The turns of this tick come on top only now: a pulse in it may wait to be confirmed.
-                if self.since_index[axis] > self.limits.index_turns {
+                if sensor.since > limit {
                     missing = Some(axis);
                 }
                 // Bounded: beyond the limit it is a fault and begins anew, and no axis goes back by more than
                 // its trim.
-                self.since_index[axis] = self.since_index[axis].wrapping_add(phase.turns);
+                sensor.since = sensor.since.wrapping_add(commanded.turns);
                 continue;
             };
+            sensor.since = Turns::ZERO;
             let back = pulse.cycle.min(0).unsigned_abs();
-            self.since_index[axis] = Turns::ZERO;
             let (phase, cycle) = if back == 0 {
-                (Some(phase), pulse.cycle.unsigned_abs())
+                (Some(*commanded), pulse.cycle.unsigned_abs())
             } else {
-                let before = before.as_ref().map(|before| &before[axis]);
                 (before, self.tick_cycles.saturating_sub(back))
             };
             if let Some(phase) = phase {
@@ -145,7 +165,9 @@ impl<const N: usize> DriftMonitor<N> {
         self.heard |= heard;
         self.known |= heard;
         if let Some(axis) = missing {
-            self.since_index[axis] = Turns::ZERO;
+            if let Some(sensor) = self.sensors.get_mut(axis) {
+                sensor.since = Turns::ZERO;
+            }
             return Err(Fault::new(FaultKind::IndexMissing).on_axis(axis));
         }
         if heard != 0 && self.heard == self.sensed {
@@ -158,10 +180,10 @@ impl<const N: usize> DriftMonitor<N> {
 
     /// Takes note of index pulses that came at times to which no phase belongs: their sensors are alive.
     pub fn disregard(&mut self, pulses: &[Option<IndexPulse>; N]) {
-        self.before = None;
-        for (since, pulse) in self.since_index.iter_mut().zip(pulses) {
+        for (sensor, pulse) in self.sensors.iter_mut().zip(pulses) {
+            sensor.before = None;
             if pulse.is_some() {
-                *since = Turns::ZERO;
+                sensor.since = Turns::ZERO;
             }
         }
     }
@@ -175,7 +197,9 @@ impl<const N: usize> DriftMonitor<N> {
     pub fn reset(&mut self) {
         self.heard = 0;
         self.known = 0;
-        self.since_index = [Turns::ZERO; N];
+        for sensor in &mut self.sensors {
+            sensor.since = Turns::ZERO;
+        }
         self.drift = [Turns::ZERO; N];
         self.modes = Modes::default();
     }

@@ -63,6 +63,7 @@ impl<const N: usize> Mount<N> {
     ///
     /// Error below 1e-6 of the largest, and 2⁻²⁵ turn: drifts are taken with 29 fraction bits, and up to twelve
     /// products are rounded down.
+    #[inline(never)]
     pub fn modes(&self, drift: &[Turns; N]) -> Modes {
         let drift = drift.map(|e| (e.to_bits() >> DROPPED_BITS) as i32);
         let project = |weights: &[i32; N]| {

@@ -165,7 +165,9 @@ fn a_pulse_of_the_tick_before_is_measured_as_well() {
         let before = (200.0 - hz_per_s * tick_s) * tick_s;
         let now = 200.0 * tick_s;
         let pulse_at = 1.0 - before * f64::from(back) / f64::from(TICK_CYCLES);
-        monitor.index = error.map(|error| Some(Turns::from_num(pulse_at - 1.0 + error)));
+        for (sensor, error) in monitor.sensors.iter_mut().zip(error) {
+            sensor.index = Some(Turns::from_num(pulse_at - 1.0 + error));
+        }
         let tick = |start: f64, turns: f64| TickPhase {
             start: Phase::from_turns(Turns::from_num(start)),
             turns: Turns::from_num(turns),

@@ -5,7 +5,7 @@
 //! sqrt(amax / (R (1 + λ))), has an infinite slope at rest: the master shaft's limits, not this
 //! root, decide how a machine starts.
 
-use crate::functions::{Root, root};
+use crate::functions::{Root, multiply, root};
 use crate::units::{Amax, Turns};
 
 /// The coefficients of one slider-crank at one tick rate.
@@ -41,9 +41,10 @@ impl SliderCrank {
     /// Turns a tick for an amplitude; relative error below 2⁻³⁰ and 2⁻⁴⁸ turns a tick.
     ///
     /// Saturates beyond 2 turns a tick, four times what a shaft may do.
+    #[inline(never)]
     pub fn speed(&self, amax: Amax) -> Turns {
         let Root { mantissa, shift } = root(amax.to_bits());
-        let product = u64::from(mantissa) * u64::from(self.mantissa);
+        let product = multiply(mantissa, self.mantissa);
         // root(bits) is sqrt(amax) · 2²⁴; 48 fraction bits are wanted.
         let down = (shift + self.shift + 24).saturating_sub(Turns::FRAC_NBITS);
         let bits = product.checked_shr(down).unwrap_or(0);

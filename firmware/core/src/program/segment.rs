@@ -1,5 +1,6 @@
 //! One segment: the way to a level, and the time at it.
 
+use crate::functions::{multiply, multiply_high, multiply_long};
 use crate::units::Amax;
 
 /// How the level changes over a segment's ramp.
@@ -58,9 +59,9 @@ impl Segment {
             return self.level;
         }
         // Way done, 32 fraction bits. No overflow: tick < ramp_ticks, so the product is below 2⁶⁴.
-        let x = (tick * self.per_ramp_tick) >> 32;
+        let x = (multiply_long(self.per_ramp_tick, tick as u32) >> 32) as u32;
         let part = match self.shape {
-            Shape::Linear => x,
+            Shape::Linear => u64::from(x),
             Shape::Smooth => smooth(x),
         };
         if self.level >= from {
@@ -72,24 +73,27 @@ impl Segment {
 }
 
 /// x³ (10 − 15 x + 6 x²), all with 32 fraction bits, for x from 0 up to, not including, 1.
-const fn smooth(x: u64) -> u64 {
+const fn smooth(x: u32) -> u64 {
     // Power by power, so that each product fits 64 bits.
-    let cube = (((x * x) >> 32) * x) >> 32;
-    let fourth = (cube * x) >> 32;
-    let fifth = (fourth * x) >> 32;
-    let sum = 10 * cube + 6 * fifth;
-    let part = sum.saturating_sub(15 * fourth);
+    let cube = multiply_high(multiply_high(x, x), x);
+    let fourth = multiply_high(cube, x);
+    let fifth = multiply_high(fourth, x);
+    let sum = multiply(cube, 10) + multiply(fifth, 6);
+    let part = sum.saturating_sub(multiply(fourth, 15));
     // The powers are rounded down by up to 2, 3 and 4 units: near the end the sum may pass 1.
     if part > 1 << 32 { 1 << 32 } else { part }
 }
 
 /// `difference * part`, `part` with 32 fraction bits, up to 1.
 const fn scale(difference: Amax, part: u64) -> Amax {
+    if part >> 32 != 0 {
+        return difference;
+    }
     // Upper and lower half apart: the whole product has 96 bits.
-    let bits = difference.to_bits();
-    let high = (bits >> 32) * part;
-    let low = ((bits & 0xFFFF_FFFF) * part) >> 32;
-    Amax::from_bits(high + low)
+    let (bits, part) = (difference.to_bits(), part as u32);
+    let high = multiply((bits >> 32) as u32, part);
+    let low = multiply_high(bits as u32, part);
+    Amax::from_bits(high + low as u64)
 }
 
 #[cfg(test)]
@@ -106,9 +110,9 @@ mod tests {
     fn smooth_follows_its_polynomial() {
         let mut worst = 0.0_f64;
         for i in 0..100_000_u64 {
-            let x = (i << 32) / 100_000;
+            let x = ((i << 32) / 100_000) as u32;
             let got = smooth(x) as f64 / 4294967296.0;
-            worst = worst.max((got - quintic(x as f64 / 4294967296.0)).abs());
+            worst = worst.max((got - quintic(f64::from(x) / 4294967296.0)).abs());
         }
         assert!(worst < 45.0 / 4294967296.0, "{worst:e}");
     }

@@ -6,9 +6,11 @@
 //! changes DIR. A tick's runs fill exactly one tick. See [`planner`] for the bound on the
 //! edges' times, and how it comes about.
 
+mod pace;
 pub mod planner;
 mod run;
 
+pub use pace::Pace;
 pub use planner::{Planner, PulseTiming};
 pub use run::Run;
 

@@ -22,8 +22,8 @@
 //! a pause, and the line follows [`Run::DIR_DELAY`] cycles after that begins; hold and set-up are
 //! reckoned from there.
 
+use super::pace::{HALF_STEP, Pace, TIME_BITS};
 use super::{MAX_EDGES, Run, Runs};
-use crate::functions::{multiply_high, multiply_long, reciprocal};
 use crate::settings::{AxisSettings, CLOCK_HZ, Problem, PulseSettings, SettingsError};
 use crate::units::{FRACTION_BITS, Turns};
 
@@ -36,12 +36,6 @@ pub const GUARD: u32 = Run::LEAST_CYCLES;
 
 /// Most counts of a servo axis in a tick: half of what 64 bits hold, as half-steps of 2⁻⁴⁸.
 const MOST_COUNTS: f64 = 8192.0;
-
-/// One half-step, in the planner's units of 2⁻⁴⁸.
-const HALF_STEP: u64 = 1 << FRACTION_BITS;
-
-/// Fraction bits of times within a tick: the longest tick, 250,000 cycles, then has 32 bits.
-const TIME_BITS: u32 = 14;
 
 /// Timing of the step and direction lines, in cycles.
 #[derive(Clone, Copy, Debug)]
@@ -193,79 +187,90 @@ impl Planner {
 
     /// Replaces `runs` with those of a tick in which the axis makes `turns`.
     ///
-    /// `turns` must not ask for more edges than [`PulseTiming::check_rate`] allowed.
-    pub fn plan(&mut self, turns: Turns, runs: &mut Runs) {
-        let way = self.travel(turns);
-        let mut tick = Tick::new(runs, self.forward);
+    /// `turns` must not ask for more edges than [`PulseTiming::check_rate`] allowed. `pace` is what the last axis left
+    /// there, or any other.
+    #[inline(never)]
+    pub fn plan(&mut self, turns: Turns, pace: &mut Pace, runs: &mut Runs) {
+        runs.clear();
+        let tick_cycles = self.timing.tick;
+        let way = self.travel(turns, pace);
+        let forward = turns >= 0;
+        let mut end = 0;
 
         // Where STEP's level is not what the phase and the way it moves would have it (at the very
         // start, and after a change of direction), the first crossing must not, or must also, fall.
-        let due_high = way.begins_low == way.forward;
+        let due_high = way.begins_low == forward;
         let skipped = u32::from(way.crossings > 0 && due_high && !self.high);
         let edges = way.crossings - skipped;
         if edges > 0 {
-            if way.forward != self.forward || self.high != due_high {
-                self.turn_round(way.forward, &mut tick);
+            if forward != self.forward || self.high != due_high {
+                end = self.turn_round(forward, runs);
             }
-            tick.edges(&way, 1 + skipped, self.timing.tick);
+            let (to_first, spacing) = pace.times(way.to_first, tick_cycles - end);
+            let first = if skipped == 0 {
+                to_first
+            } else {
+                to_first + spacing
+            };
             self.high ^= edges % 2 == 1;
+            end = spread(edges, end, first, spacing, tick_cycles, self.forward, runs);
         }
-        tick.pause(self.timing.tick - tick.cursor);
+        append(Run::pause(tick_cycles - end, self.forward), runs);
     }
 
     /// Counts on without pulses, for a servo axis: `runs` is one pause of a tick.
-    pub fn count(&mut self, turns: Turns, runs: &mut Runs) {
-        self.travel(turns);
-        Tick::new(runs, self.forward).pause(self.timing.tick);
+    pub fn count(&mut self, turns: Turns, pace: &mut Pace, runs: &mut Runs) {
+        self.travel(turns, pace);
+        runs.clear();
+        append(Run::pause(self.timing.tick, self.forward), runs);
     }
 
     /// Moves on, and says over which steps.
-    fn travel(&mut self, turns: Turns) -> Way {
-        let turns = turns.to_bits();
-        let length = multiply_long(turns.unsigned_abs(), self.half_steps_per_turn);
-        let forward = turns >= 0;
+    #[inline(always)]
+    fn travel(&mut self, turns: Turns, pace: &mut Pace) -> Way {
+        pace.take(turns.to_bits(), self.half_steps_per_turn);
         let begin = self.within;
-        let end = if forward {
-            begin.wrapping_add(length)
-        } else {
-            begin.wrapping_sub(length)
-        } as i64;
-        // Half-steps by number: even in the first half of a step. Below 2^15 of them, so the upper word has room.
-        let number = |place: i64| (place >> 32) as i32 >> (FRACTION_BITS - 32);
-        let (first, last) = (number(begin as i64), number(end));
-        self.steps += i64::from(last >> 1);
-        self.within = end as u64 & (2 * HALF_STEP - 1);
         let past = begin & (HALF_STEP - 1);
+        let (end, to_first) = if turns >= 0 {
+            (begin.wrapping_add(pace.length), HALF_STEP - past)
+        } else {
+            (begin.wrapping_sub(pace.length), past)
+        };
+        // Half-steps by number: even in the first half of a step. Below 2^15 of them, so the upper word has room.
+        let number = |place: u64| (place >> 32) as i32 >> (FRACTION_BITS - 32);
+        let (first, last) = (number(begin), number(end));
+        self.steps += i64::from(last >> 1);
+        self.within = end & (2 * HALF_STEP - 1);
         Way {
-            forward,
-            length,
-            to_first: if forward { HALF_STEP - past } else { past },
+            to_first,
             crossings: last.abs_diff(first),
             begins_low: first == 0,
         }
     }
 
-    /// Ends a pulse that is still high, and changes direction if that is needed.
-    fn turn_round(&mut self, forward: bool, tick: &mut Tick<'_>) {
+    /// Ends a pulse that is still high, and changes direction if that is needed; says how many cycles that takes.
+    #[cold]
+    #[inline(never)]
+    fn turn_round(&mut self, forward: bool, runs: &mut Runs) -> u32 {
+        let mut end = 0;
         if self.high {
-            tick.run(1, self.timing.width.max(GUARD));
+            end = self.timing.width.max(GUARD);
+            append(Run::new(1, end, self.forward), runs);
             self.high = false;
         }
         if forward != self.forward {
-            tick.pause(self.timing.before_turn);
-            tick.forward = forward;
+            append(Run::pause(self.timing.before_turn, self.forward), runs);
+            append(Run::pause(self.timing.turn, forward), runs);
+            end += self.timing.before_turn + self.timing.turn;
             self.forward = forward;
-            tick.pause(self.timing.turn);
         }
+        end
     }
 }
 
 /// The half-steps of one tick.
 struct Way {
-    forward: bool,
-    /// Half-steps made, without their sign, in 2⁻⁴⁸.
-    length: u64,
-    /// Half-steps to the first crossing, in 2⁻⁴⁸; at most `length`, if there is a crossing.
+    /// Half-steps to the first crossing, in 2⁻⁴⁸; at most the tick's, if there is a crossing.
     to_first: u64,
     /// Crossings of whole or half steps.
     crossings: u32,
@@ -273,132 +278,88 @@ struct Way {
     begins_low: bool,
 }
 
-impl Way {
-    /// Times within a tick of `window` cycles, with [`TIME_BITS`]: of the first crossing, and between two.
-    fn times(&self, window: u32) -> (u32, u32) {
-        // Both scaled alike, so that the length has 32 bits: d and f.
-        let words = |x: u64| ((x >> 32) as u32, x as u32);
-        let ((high, low), (first_high, first_low)) = (words(self.length), words(self.to_first));
-        let slow = high == 0;
-        let ((high, low), (first_high, first_low)) = if slow {
-            ((low, 0), (first_low, 0))
-        } else {
-            ((high, low), (first_high, first_low))
-        };
-        let zeros = high.leading_zeros();
-        let scale = |high: u32, low: u32| high << zeros | low >> 1 >> (31 - zeros);
-        let (d, f) = (scale(high, low), scale(first_high, first_low));
-        // With r = 2^63/d: m is T r / 2^32, a crossing at f comes at T f/d = 2 f m / 2^32, and a half-step,
-        // 2^48 of length d 2^(32 − zeros), takes m 2^(zeros − 15). Below one half-step there are no two crossings.
-        let m = multiply_high(window << TIME_BITS, reciprocal(d));
-        let spacing = if slow || zeros > 15 {
-            0
-        } else {
-            m >> (15 - zeros)
-        };
-        (multiply_high(f, m) << 1, spacing)
-    }
-}
-
-/// A tick being filled.
-struct Tick<'a> {
-    runs: &'a mut Runs,
-    /// The last run, which may still grow; none if its edges are 0.
-    last: (u32, u32),
+/// Spreads `edges` (at least 1) over what is left of the tick from `start` on, and says where the last one is.
+///
+/// The first is due after `first`, the others `spacing` apart, both with [`TIME_BITS`].
+#[inline(never)]
+fn spread(
+    edges: u32,
+    start: u32,
+    first: u32,
+    spacing: u32,
+    tick: u32,
     forward: bool,
-    /// Cycles filled so far.
-    cursor: u32,
+    runs: &mut Runs,
+) -> u32 {
+    let half_a_cycle = 1 << (TIME_BITS - 1);
+    let mut time = (start << TIME_BITS) + half_a_cycle + first;
+    let latest = tick - GUARD;
+    // Only the first edge may come too soon, and only the last too late: half a step is longer than the guard.
+    let mut end = (time >> TIME_BITS).min(latest).max(start + GUARD);
+    let mut last = Run::new(1, end - start, forward);
+    let mut left = edges - 1;
+    while left > CHUNK {
+        left -= CHUNK;
+        time += spacing << CHUNK_BITS;
+        let begin = end;
+        end = time >> TIME_BITS;
+        let cycles = end - begin;
+        let slower = cycles % CHUNK;
+        last = chunk(CHUNK, cycles >> CHUNK_BITS, slower, last, runs);
+    }
+    if left > 0 {
+        time += left * spacing;
+        let begin = end;
+        end = (time >> TIME_BITS).min(latest);
+        let (period, slower) = shares(end - begin, left, spacing >> TIME_BITS);
+        last = chunk(left, period, slower, last, runs);
+    }
+    append(last, runs);
+    end
 }
 
-impl<'a> Tick<'a> {
-    fn new(runs: &'a mut Runs, forward: bool) -> Self {
-        runs.clear();
-        Self {
-            runs,
-            last: (0, 0),
-            forward,
-            cursor: 0,
+/// The least of two periods that `edges` edges in `cycles` have, and how many are a cycle longer. It is `near` but for
+/// what rounding and the guards have moved, so that a few corrections do instead of a division.
+#[inline(always)]
+fn shares(cycles: u32, edges: u32, near: u32) -> (u32, u32) {
+    let (mut period, edges) = (near, edges as i32);
+    let mut slower = cycles as i32 - period as i32 * edges;
+    while slower < 0 {
+        slower += edges;
+        period -= 1;
+    }
+    while slower >= edges {
+        slower -= edges;
+        period += 1;
+    }
+    (period, slower as u32)
+}
+
+/// Appends `edges` edges of a `period`, `slower` of them a cycle longer, after the run `last`, which may still grow;
+/// first those that `last` goes on with. Returns the run that may grow now.
+#[inline(always)]
+fn chunk(edges: u32, period: u32, slower: u32, last: Run, runs: &mut Runs) -> Run {
+    let short = last.with(edges - slower, period);
+    let long = last.with(slower, period + 1);
+    let (grown, next) = match last.slower_by(period) {
+        0 => (last.lengthened(edges - slower), long),
+        1 if slower > 0 => (last.lengthened(slower), short),
+        _ => {
+            append(last, runs);
+            (short, long)
         }
+    };
+    if slower == 0 {
+        return grown;
     }
+    append(grown, runs);
+    next
+}
 
-    /// Spreads the crossings from number `first` (1 or 2) on over what is left of the tick.
-    fn edges(&mut self, way: &Way, first: u32, tick: u32) {
-        let start = self.cursor;
-        let window = tick - start;
-        let (to_first, spacing) = way.times(window);
-        let due = |time: u32| start + (time >> TIME_BITS).clamp(GUARD, window - GUARD);
-
-        let half_a_cycle = 1 << (TIME_BITS - 1);
-        let mut time = half_a_cycle + to_first + (first - 1) * spacing;
-        self.run(1, due(time) - self.cursor);
-        let mut left = way.crossings - first;
-        while left >= CHUNK {
-            left -= CHUNK;
-            time += spacing << CHUNK_BITS;
-            let cycles = due(time) - self.cursor;
-            self.chunk(CHUNK, cycles >> CHUNK_BITS, cycles & (CHUNK - 1));
-        }
-        if left > 0 {
-            time += left * spacing;
-            let cycles = due(time) - self.cursor;
-            // The spacing says the period, but for what rounding and the guards have moved: a few corrections cost
-            // less than a division.
-            let mut period = spacing >> TIME_BITS;
-            while period * left > cycles {
-                period -= 1;
-            }
-            let mut longer = cycles - period * left;
-            while longer >= left {
-                longer -= left;
-                period += 1;
-            }
-            self.chunk(left, period, longer);
-        }
-    }
-
-    /// `edges` edges, `longer` of them after `period + 1` cycles, the others after `period`.
-    fn chunk(&mut self, edges: u32, period: u32, longer: u32) {
-        if longer > 0 && self.last.1 == period + 1 {
-            self.run(longer, period + 1);
-            self.run(edges - longer, period);
-        } else {
-            self.run(edges - longer, period);
-            if longer > 0 {
-                self.run(longer, period + 1);
-            }
-        }
-    }
-
-    /// Appends a run, or lengthens the last one if it is alike.
-    fn run(&mut self, edges: u32, period: u32) {
-        self.cursor += edges * period;
-        if self.last.1 == period {
-            self.last.0 += edges;
-        } else {
-            self.end_run();
-            self.last = (edges, period);
-        }
-    }
-
-    fn end_run(&mut self) {
-        let (edges, period) = self.last;
-        if edges > 0 {
-            self.push(Run::new(edges, period, self.forward));
-            self.last = (0, 0);
-        }
-    }
-
-    fn pause(&mut self, cycles: u32) {
-        self.end_run();
-        self.cursor += cycles;
-        self.push(Run::pause(cycles, self.forward));
-    }
-
-    fn push(&mut self, run: Run) {
-        // MAX_EDGES, which the settings keep, is what MAX_RUNS hold.
-        let pushed = self.runs.push(run);
-        debug_assert!(pushed.is_ok(), "more runs than a tick holds");
-    }
+fn append(run: Run, runs: &mut Runs) {
+    // MAX_EDGES, which the settings keep, is what MAX_RUNS hold.
+    let pushed = runs.push(run);
+    debug_assert!(pushed.is_ok(), "more runs than a tick holds");
 }
 
 #[cfg(test)]

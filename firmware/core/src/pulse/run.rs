@@ -53,6 +53,26 @@ impl Run {
         Self(edges | cycles | (forward as u32) << DIR_BIT)
     }
 
+    /// A run of the same direction.
+    #[inline(always)]
+    pub(super) const fn with(self, edges: u32, period: u32) -> Self {
+        let cycles = period.wrapping_sub(Self::LEAST_CYCLES) << EDGE_BITS;
+        Self((self.0 & 1 << DIR_BIT) | cycles | edges)
+    }
+
+    /// By how many cycles the period is longer than `period`; a great number, if it is shorter.
+    #[inline(always)]
+    pub(super) const fn slower_by(self, period: u32) -> u32 {
+        self.period().wrapping_sub(period)
+    }
+
+    /// This run with `edges` more.
+    #[inline(always)]
+    pub(super) const fn lengthened(self, edges: u32) -> Self {
+        debug_assert!(!self.is_pause() && self.edges() + edges <= Self::MOST_EDGES);
+        Self(self.0 + edges)
+    }
+
     /// The word, as the hardware is told it.
     pub const fn bits(self) -> u32 {
         self.0

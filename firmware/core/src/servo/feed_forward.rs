@@ -27,13 +27,13 @@ pub struct FeedForward {
     /// Accelerations likewise.
     acceleration_shift: u32,
     /// Torque (2⁻¹⁶ N·m) of h ω² at a scaled speed of 1.
-    centripetal: i64,
+    centripetal: i32,
     /// Torque of s α″ at a scaled acceleration of 1.
-    tangential: i64,
+    tangential: i32,
     /// Torque of gravity at s = 1, with its sign.
-    gravity: i64,
+    gravity: i32,
     /// Torque of the rotor's own inertia at a scaled acceleration of 1.
-    rotor: i64,
+    rotor: i32,
 }
 
 /// Greatest torque that a setpoint holds, with room for the sum of its parts, N·m.
@@ -76,7 +76,7 @@ impl FeedForward {
                 Problem::TorqueTooLarge,
             ));
         }
-        let fixed = |nm: f64| libm::round(nm * 65_536.0) as i64;
+        let fixed = |nm: f64| libm::round(nm * 65_536.0) as i32;
         Ok(Self {
             lambda: libm::round(machine.lambda * one_q30) as i32,
             lambda_squared: libm::round(machine.lambda * machine.lambda * one_q30) as i32,
@@ -97,11 +97,11 @@ impl FeedForward {
         let speed = (speed.to_bits() >> self.speed_shift) as i32;
         let acceleration = (acceleration.to_bits() >> self.acceleration_shift) as i32;
         let speed_squared = multiply_q30(speed, speed);
-        let force = scaled(self.centripetal, multiply_q30(h, speed_squared))
-            + scaled(self.tangential, multiply_q30(s, acceleration))
+        // All of it, and each part, is below MOST_NM, which is below 2^31.
+        let force = multiply_q30(self.centripetal, multiply_q30(h, speed_squared))
+            + multiply_q30(self.tangential, multiply_q30(s, acceleration))
             + self.gravity;
-        let torque = scaled(force, s) + scaled(self.rotor, acceleration);
-        Torque::from_bits(torque.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32)
+        Torque::from_bits(multiply_q30(force, s) + multiply_q30(self.rotor, acceleration))
     }
 
     /// s and h, 30 fraction bits, of an angle with 2³² to the turn.
@@ -128,11 +128,6 @@ impl FeedForward {
 fn shift_to_30_bits(most: Turns) -> u32 {
     let bits = i64::BITS - most.to_bits().unsigned_abs().leading_zeros();
     bits.saturating_sub(30)
-}
-
-/// `torque * factor`, the factor with 30 fraction bits and within ±2.
-const fn scaled(torque: i64, factor: i32) -> i64 {
-    (torque * factor as i64) >> 30
 }
 
 #[cfg(test)]

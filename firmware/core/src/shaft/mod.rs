@@ -125,6 +125,7 @@ impl Shaft {
     }
 
     /// Plays one tick.
+    #[inline(never)]
     pub fn advance(&mut self, demand: Demand) -> Motion {
         self.heed(demand);
         let mut motion = Motion::default();
@@ -204,6 +205,7 @@ impl Shaft {
         }
     }
 
+    #[inline(never)]
     fn follow(&self, target: Target, motion: &mut Motion) -> i64 {
         let asked = (target.now.to_bits(), target.next.to_bits());
         let corridor = Corridor::new(&self.limits, self.speed, self.passage, asked.1);
