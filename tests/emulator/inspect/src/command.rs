@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Parser;
 
 use crate::error::Error;
-use crate::log;
+use crate::{log, panics};
 
 /// Looks into the Cophase image.
 #[derive(Debug, Parser)]
@@ -24,6 +24,17 @@ pub enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Prove that no panic can be reached from functions, and bound their stack
+    Panics {
+        /// The image
+        elf: PathBuf,
+        /// A function to begin at, or several: a path or a part of it; generic arguments do not matter
+        #[arg(long = "root", value_name = "NAME")]
+        roots: Vec<String>,
+        /// Calls that are known and harmless, each with its reason
+        #[arg(long, value_name = "FILE")]
+        allow: Option<PathBuf>,
+    },
 }
 
 impl Command {
@@ -39,6 +50,7 @@ impl Command {
                 cycles,
                 json,
             } => log::print(&elf, &bytes, cycles.as_deref(), json),
+            Self::Panics { elf, roots, allow } => panics::check(&elf, &roots, allow.as_deref()),
         }
     }
 }

@@ -15,6 +15,12 @@ pub enum Error {
     Content { path: PathBuf, problem: String },
     #[error("standard output: {0}")]
     Output(#[from] std::io::Error),
+    #[error(
+        "no function's name matches the root `{0}`; if it was inlined into its caller, name that instead{1}"
+    )]
+    NoRoot(String, String),
+    #[error("no root was given, so that nothing would be checked; give --root NAME")]
+    NothingToCheck,
 }
 
 impl Error {

@@ -1,13 +1,17 @@
 //! `image-inspect`: looks into the image's ELF file, so that tests know what the flashed bytes are.
 //!
-//! - `log` decodes what the image logged over RTT.
+//! - `log` decodes what the image logged over RTT;
+//! - `panics` proves that no panic can be reached from given functions, and bounds their stack.
 //!
 //! Exit status: 0 all is well; 1 a check failed; 2 the question makes no sense, with a sentence that says
 //! why: a file that is not there, a name that matches nothing.
 
 mod command;
 mod error;
+mod image;
 mod log;
+mod name;
+mod panics;
 
 use std::process::ExitCode;
 

@@ -1,6 +1,8 @@
 //! ELF files, made here of bytes and names, so that no binary needs to be kept.
 #![allow(dead_code, reason = "each test uses a part of it")]
 
+pub mod code;
+
 use std::path::{Path, PathBuf};
 use std::process::Output;
 

@@ -1,0 +1,98 @@
+//! Calls that are known and harmless, each with its reason: a TOML file of entries
+//!
+//! ```toml
+//! [[allow]]
+//! from = "defmt_rtt::acquire"      # patterns, as roots are
+//! to = "core::panicking::panic"    # or "unknown", for a call through a register; or "trap"
+//! reason = "why this cannot happen, or does no harm"
+//! calls = []                       # what it may call instead: bounds a call through a register
+//! ```
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::flow::Callee;
+use crate::error::{self, Error};
+use crate::image::Image;
+use crate::name;
+
+/// The entries, and which of them were met.
+#[derive(Clone, Debug, Default)]
+pub struct Allowed {
+    entries: Vec<(Entry, Vec<Callee>, bool)>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    #[serde(default)]
+    allow: Vec<Entry>,
+}
+
+/// One entry.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Entry {
+    /// Who calls.
+    pub from: String,
+    /// Who is called.
+    pub to: String,
+    /// Why that is no matter.
+    pub reason: String,
+    /// Who is called instead.
+    #[serde(default)]
+    pub calls: Vec<String>,
+}
+
+impl Allowed {
+    /// Reads the file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, an entry without a reason, or one whose `calls` match nothing.
+    pub fn read(path: &Path, image: &Image) -> Result<Self, Error> {
+        let text = error::read_text(path)?;
+        let file: File = toml::from_str(&text).map_err(|error| Error::content(path, error))?;
+        let mut entries = Vec::new();
+        for entry in file.allow {
+            if entry.reason.trim().is_empty() {
+                let problem = format!("the entry from `{}` has no reason; give one", entry.from);
+                return Err(Error::content(path, problem));
+            }
+            let mut instead = Vec::new();
+            for pattern in &entry.calls {
+                let found = super::find(image, pattern);
+                if found.is_empty() {
+                    let problem = format!("no function's name matches `{pattern}` in calls");
+                    return Err(Error::content(path, problem));
+                }
+                instead.extend(found.into_iter().map(Callee::Function));
+            }
+            entries.push((entry, instead, false));
+        }
+        Ok(Self { entries })
+    }
+
+    /// If a call is allowed, what is called instead; and the entry is noted as met.
+    pub fn take(&mut self, image: &Image, from: usize, callee: Callee) -> Option<Vec<Callee>> {
+        let is = |pattern: &str, function: usize| {
+            let names = &image.functions[function].names;
+            names.iter().any(|name| name::matches(pattern, name))
+        };
+        let (_, instead, met) = self.entries.iter_mut().find(|(entry, ..)| {
+            is(&entry.from, from)
+                && match callee {
+                    Callee::Function(to) => is(&entry.to, to),
+                    Callee::Unknown | Callee::Nowhere(_) => entry.to == "unknown",
+                    Callee::Trap => entry.to == "trap",
+                }
+        })?;
+        *met = true;
+        Some(instead.clone())
+    }
+
+    /// Entries with whether they were met.
+    pub fn entries(&self) -> impl Iterator<Item = (&Entry, bool)> {
+        self.entries.iter().map(|(entry, _, met)| (entry, *met))
+    }
+}

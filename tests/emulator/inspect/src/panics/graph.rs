@@ -1,0 +1,174 @@
+//! Who calls whom: what is reached from a function, on which shortest path, and how deep the stack gets.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use super::allow::Allowed;
+use super::flow::{Body, Callee};
+use crate::image::Image;
+use crate::name;
+
+/// The call graph of an image, read as far as it is walked.
+pub struct Graph<'a> {
+    image: &'a Image,
+    allowed: &'a mut Allowed,
+    /// What a function calls less what is allowed, with the depth of its own stack then.
+    bodies: BTreeMap<usize, Calls>,
+}
+
+/// What a function calls.
+#[derive(Clone, Debug)]
+struct Calls {
+    calls: Vec<(Callee, u32)>,
+    depth: Option<u32>,
+}
+
+/// What was found from one root.
+#[derive(Clone, Debug)]
+pub struct Reached {
+    /// Functions that are reached, the root counted, panics not.
+    pub functions: usize,
+    /// What must not be reached: for each the functions on the way, root first, and what ends it.
+    pub forbidden: Vec<(Vec<usize>, Callee)>,
+    /// How deep the stack gets.
+    pub stack: Stack,
+}
+
+/// How deep the stack gets, panics and what was allowed not counted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Stack {
+    /// So many bytes at most, on a path of functions with what each of them takes.
+    Bytes(u32, Vec<(usize, u32)>),
+    /// No bound is known, and why.
+    Unbounded(String),
+}
+
+impl<'a> Graph<'a> {
+    /// Of an image, less the edges that are allowed.
+    pub fn new(image: &'a Image, allowed: &'a mut Allowed) -> Self {
+        Self {
+            image,
+            allowed,
+            bodies: BTreeMap::new(),
+        }
+    }
+
+    /// Walks from a root.
+    pub fn reach(&mut self, root: usize) -> Reached {
+        let mut from = BTreeMap::from([(root, root)]);
+        let mut waiting = VecDeque::from([root]);
+        let mut forbidden = Vec::new();
+        while let Some(function) = waiting.pop_front() {
+            for (callee, _) in self.calls(function).calls {
+                match callee {
+                    Callee::Function(next) if !self.is_panic(next) => {
+                        from.entry(next).or_insert_with(|| {
+                            waiting.push_back(next);
+                            function
+                        });
+                    }
+                    end => forbidden.push((path(&from, root, function), end)),
+                }
+            }
+        }
+        forbidden.sort_by_key(|(path, _)| path.len());
+        let mut known = BTreeMap::new();
+        let stack = match self.stack(root, &mut Vec::new(), &mut known) {
+            Err(why) => Stack::Unbounded(why),
+            Ok(bytes) => Stack::Bytes(bytes, deepest(root, &known)),
+        };
+        Reached {
+            functions: from.len(),
+            forbidden,
+            stack,
+        }
+    }
+
+    fn is_panic(&self, function: usize) -> bool {
+        let names = &self.image.functions[function].names;
+        names.iter().any(|name| name::is_panic(name))
+    }
+
+    fn calls(&mut self, function: usize) -> Calls {
+        if let Some(calls) = self.bodies.get(&function) {
+            return calls.clone();
+        }
+        let body = Body::new(self.image, &self.image.functions[function]);
+        let mut calls = Vec::new();
+        for (callee, depth) in body.calls {
+            match self.allowed.take(self.image, function, callee) {
+                None => calls.push((callee, depth)),
+                Some(instead) => calls.extend(instead.into_iter().map(|callee| (callee, depth))),
+            }
+        }
+        let depth = body.depth;
+        let calls = Calls { calls, depth };
+        self.bodies.insert(function, calls.clone());
+        calls
+    }
+
+    /// The depth below a function, on `above` of which it stands. `known`: depth, own part of it, and the
+    /// deepest callee.
+    fn stack(
+        &mut self,
+        function: usize,
+        above: &mut Vec<usize>,
+        known: &mut BTreeMap<usize, (u32, u32, Option<usize>)>,
+    ) -> Result<u32, String> {
+        if let Some(&(bytes, ..)) = known.get(&function) {
+            return Ok(bytes);
+        }
+        let name = self.image.functions[function].name();
+        if above.contains(&function) {
+            return Err(format!(
+                "{name} may call itself, directly or through others"
+            ));
+        }
+        let body = self.calls(function);
+        let Some(own) = body.depth else {
+            return Err(format!(
+                "{name} moves its stack by amounts that are not constant"
+            ));
+        };
+        let mut most = (own, own, None);
+        above.push(function);
+        for (callee, depth) in body.calls {
+            match callee {
+                Callee::Function(next) if !self.is_panic(next) => {
+                    let bytes = depth + self.stack(next, above, known)?;
+                    if bytes > most.0 {
+                        most = (bytes, depth, Some(next));
+                    }
+                }
+                Callee::Unknown | Callee::Nowhere(_) => {
+                    return Err(format!("{name} calls what is not known"));
+                }
+                Callee::Function(_) | Callee::Trap => {}
+            }
+        }
+        above.pop();
+        known.insert(function, most);
+        Ok(most.0)
+    }
+}
+
+fn path(from: &BTreeMap<usize, usize>, root: usize, end: usize) -> Vec<usize> {
+    let mut path = vec![end];
+    let mut at = end;
+    while at != root {
+        at = from[&at];
+        path.push(at);
+    }
+    path.reverse();
+    path
+}
+
+fn deepest(root: usize, known: &BTreeMap<usize, (u32, u32, Option<usize>)>) -> Vec<(usize, u32)> {
+    let mut path = Vec::new();
+    let mut at = Some(root);
+    while let Some(function) = at {
+        let (_, own, next) = known[&function];
+        path.push((function, own));
+        at = next;
+    }
+    path
+}
