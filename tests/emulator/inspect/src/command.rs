@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Parser;
 
 use crate::error::Error;
-use crate::{log, panics};
+use crate::{log, panics, size};
 
 /// Looks into the Cophase image.
 #[derive(Debug, Parser)]
@@ -35,6 +35,20 @@ pub enum Command {
         #[arg(long, value_name = "FILE")]
         allow: Option<PathBuf>,
     },
+    /// Tell what the image takes of flash and RAM, and compare it with what it took
+    Size {
+        /// The image
+        elf: PathBuf,
+        /// What it took: a file of `key = value`
+        #[arg(long, value_name = "FILE")]
+        golden: Option<PathBuf>,
+        /// Write the golden file anew
+        #[arg(long, requires = "golden")]
+        bless: bool,
+        /// The deepest stack that was measured, kept with the rest
+        #[arg(long, value_name = "N")]
+        stack_bytes: Option<u64>,
+    },
 }
 
 impl Command {
@@ -51,6 +65,12 @@ impl Command {
                 json,
             } => log::print(&elf, &bytes, cycles.as_deref(), json),
             Self::Panics { elf, roots, allow } => panics::check(&elf, &roots, allow.as_deref()),
+            Self::Size {
+                elf,
+                golden,
+                bless,
+                stack_bytes,
+            } => size::check(&elf, golden.as_deref(), bless, stack_bytes),
         }
     }
 }

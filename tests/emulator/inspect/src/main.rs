@@ -1,7 +1,8 @@
 //! `image-inspect`: looks into the image's ELF file, so that tests know what the flashed bytes are.
 //!
 //! - `log` decodes what the image logged over RTT;
-//! - `panics` proves that no panic can be reached from given functions, and bounds their stack.
+//! - `panics` proves that no panic can be reached from given functions, and bounds their stack;
+//! - `size` tells what the image takes of flash and RAM, and compares with what it took.
 //!
 //! Exit status: 0 all is well; 1 a check failed; 2 the question makes no sense, with a sentence that says
 //! why: a file that is not there, a name that matches nothing.
@@ -12,6 +13,7 @@ mod image;
 mod log;
 mod name;
 mod panics;
+mod size;
 
 use std::process::ExitCode;
 

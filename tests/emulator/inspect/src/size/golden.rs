@@ -1,0 +1,125 @@
+//! Figures that are kept with the code, a line each: `flash_bytes = 48120`.
+
+use std::collections::BTreeMap;
+use std::fmt::{self, Write};
+use std::path::Path;
+
+use crate::error::{self, Error};
+
+/// A figure may grow by so many parts of a hundred before it has to be blessed.
+const MOST_GROWTH: u64 = 5;
+
+/// And shrink by so many; then it is blessed so that it cannot grow back unseen.
+const MOST_SHRINKAGE: u64 = 20;
+
+/// Changes of fewer bytes are no matter, whatever part they are: small figures move by a few words.
+const LEAST_CHANGE: u64 = 64;
+
+/// The figures by their names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Golden(BTreeMap<String, u64>);
+
+/// A figure that is not what it was.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Change {
+    name: &'static str,
+    was: Option<u64>,
+    is: u64,
+}
+
+impl Golden {
+    /// Reads the file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or that holds other things than figures.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let text = error::read_text(path)?;
+        let figures = toml::from_str(&text).map_err(|error| Error::content(path, error))?;
+        Ok(Self(figures))
+    }
+
+    /// Writes the file anew. Figures that were not taken this time stay as they were.
+    ///
+    /// # Errors
+    /// A file that cannot be written, or that held other things than figures.
+    pub fn bless(path: &Path, figures: &[(&'static str, u64)]) -> Result<(), Error> {
+        let mut golden = if path.exists() {
+            Self::read(path)?
+        } else {
+            Self(BTreeMap::new())
+        };
+        golden
+            .0
+            .extend(figures.iter().map(|&(name, is)| (name.to_owned(), is)));
+        let mut text = String::from(
+            "# What the image takes, bytes. Written by `image-inspect size --bless`.\n",
+        );
+        for (name, figure) in &golden.0 {
+            let _ = writeln!(text, "{name} = {figure}"); // a string takes everything
+        }
+        std::fs::write(path, text).map_err(|error| Error::File {
+            path: path.to_owned(),
+            error,
+        })
+    }
+
+    /// The figures that are not what they were.
+    pub fn compare(&self, figures: &[(&'static str, u64)]) -> Vec<Change> {
+        let change = |&(name, is): &(&'static str, u64)| {
+            let was = self.0.get(name).copied();
+            was.is_none_or(|was| differs(was, is))
+                .then_some(Change { name, was, is })
+        };
+        figures.iter().filter_map(change).collect()
+    }
+}
+
+fn differs(was: u64, is: u64) -> bool {
+    let most = was.saturating_add(was.saturating_mul(MOST_GROWTH) / 100);
+    let least = was - was.saturating_mul(MOST_SHRINKAGE) / 100;
+    is.abs_diff(was) >= LEAST_CHANGE && !(least..=most).contains(&is)
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, was, is } = self;
+        let Some(was) = *was else {
+            return write!(f, "{name}: is {is} and was never kept");
+        };
+        if was == 0 {
+            return write!(f, "{name}: grew from 0 to {is}");
+        }
+        let percent = (*is as f64 / was as f64 - 1.0) * 100.0;
+        let (verb, most) = if *is > was {
+            ("grew", MOST_GROWTH)
+        } else {
+            ("shrank", MOST_SHRINKAGE)
+        };
+        write!(
+            f,
+            "{name}: {verb} from {was} to {is}, by {:.1} %; up to {most} % goes unremarked",
+            percent.abs()
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_figure_differs_past_its_margins_only() {
+        for (was, is, expected) in [
+            (10_000, 10_500, false),
+            (10_000, 10_501, true),
+            (10_000, 8000, false),
+            (10_000, 7999, true),
+            (100, 163, false), // below 64 bytes
+            (100, 164, true),
+            (0, 63, false),
+            (0, 64, true),
+        ] {
+            assert_eq!(differs(was, is), expected, "{was} to {is}");
+        }
+    }
+}

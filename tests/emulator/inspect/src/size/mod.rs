@@ -1,0 +1,148 @@
+//! What the image takes of the chip, and whether that is still what it was.
+//!
+//! Words: *text* is code in flash, *rodata* what is constant there, *data* what is copied from flash to RAM at
+//! the start (code that runs from RAM too), *bss* the rest of RAM that is given away. *Golden* figures are
+//! those of a file that is kept with the code.
+
+mod golden;
+
+use std::io::Write;
+use std::path::Path;
+
+use crate::error::Error;
+use crate::image::{Image, Kind};
+use golden::Golden;
+
+/// How many functions and variables are named.
+const NAMED: usize = 10;
+
+/// Smaller variables are no buffers.
+const LEAST_BUFFER: u32 = 64;
+
+/// What the image takes, bytes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Size {
+    text: u64,
+    rodata: u64,
+    data: u64,
+    bss: u64,
+    /// As measured elsewhere; none if it was not.
+    stack: Option<u64>,
+}
+
+impl Size {
+    fn new(image: &Image, stack: Option<u64>) -> Self {
+        let sum = |kind| {
+            let sections = image.sections.iter().filter(|section| section.kind == kind);
+            sections.map(|section| u64::from(section.size)).sum()
+        };
+        Self {
+            text: sum(Kind::Text),
+            rodata: sum(Kind::Constants),
+            data: sum(Kind::Data),
+            bss: sum(Kind::Bss),
+            stack,
+        }
+    }
+
+    fn flash(&self) -> u64 {
+        self.text + self.rodata + self.data
+    }
+
+    fn ram(&self) -> u64 {
+        self.data + self.bss
+    }
+
+    /// The figures that are kept, by name.
+    fn figures(&self) -> Vec<(&'static str, u64)> {
+        let mut figures = vec![
+            ("flash_bytes", self.flash()),
+            ("text_bytes", self.text),
+            ("rodata_bytes", self.rodata),
+            ("ram_bytes", self.ram()),
+            ("data_bytes", self.data),
+            ("bss_bytes", self.bss),
+        ];
+        figures.extend(self.stack.map(|stack| ("stack_bytes", stack)));
+        figures
+    }
+}
+
+/// The command: prints what the image takes and compares it with the golden figures, or rewrites them.
+///
+/// `stack`: the deepest stack that was measured. False if a figure is not what it was.
+///
+/// # Errors
+/// Files that cannot be read or written.
+pub fn check(
+    elf: &Path,
+    golden: Option<&Path>,
+    bless: bool,
+    stack: Option<u64>,
+) -> Result<bool, Error> {
+    let image = Image::read(elf)?;
+    let size = Size::new(&image, stack);
+    let mut out = std::io::stdout().lock();
+    print(&mut out, &image, &size)?;
+    let Some(path) = golden else {
+        return Ok(true);
+    };
+    let figures = size.figures();
+    if bless {
+        Golden::bless(path, &figures)?;
+        writeln!(out, "written: {}", path.display())?;
+        return Ok(true);
+    }
+    let changes = Golden::read(path)?.compare(&figures);
+    for change in &changes {
+        writeln!(out, "CHANGED {change}")?;
+    }
+    if !changes.is_empty() {
+        writeln!(
+            out,
+            "If that is meant, run this again with --bless and keep {}.",
+            path.display()
+        )?;
+    }
+    Ok(changes.is_empty())
+}
+
+fn print(out: &mut impl Write, image: &Image, size: &Size) -> Result<(), Error> {
+    let Size {
+        text,
+        rodata,
+        data,
+        bss,
+        ..
+    } = size;
+    writeln!(
+        out,
+        "flash {:>7} bytes: text {text}, rodata {rodata}, data {data}",
+        size.flash()
+    )?;
+    writeln!(out, "RAM   {:>7} bytes: data {data}, bss {bss}", size.ram())?;
+    if let Some(stack) = size.stack {
+        writeln!(out, "stack {stack:>7} bytes at most, measured")?;
+    }
+    let functions = image
+        .functions
+        .iter()
+        .map(|f| (f.end - f.address, f.name()));
+    list(out, "largest functions", functions.collect())?;
+    let buffers = image.variables.iter().filter(|v| v.size >= LEAST_BUFFER);
+    list(
+        out,
+        "largest variables in RAM",
+        buffers.map(|v| (v.size, v.name.clone())).collect(),
+    )
+}
+
+fn list(out: &mut impl Write, title: &str, mut entries: Vec<(u32, String)>) -> Result<(), Error> {
+    // By name where sizes are equal, so that the same image gives the same list.
+    entries.sort_by(|a, b| b.0.cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
+    writeln!(out, "{title}:")?;
+    for (size, name) in entries.iter().take(NAMED) {
+        writeln!(out, "{size:>8} {name}")?;
+    }
+    Ok(())
+}
