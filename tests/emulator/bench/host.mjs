@@ -63,17 +63,23 @@ export function blobOf(played) {
 }
 
 /**
- * The whole run as the host plays it: { edges: Map of wire to [{ cycle, level }], report }. Cycles count from the
+ * The whole run as the host plays it: { edges: Map of wire to [{ cycle, level }], trace: rows by column, report }. Cycles count from the
  * deadline at which the host reads the start.
  */
 export function predict(played) {
   return withScene(played, (file, folder) => {
-    cophase(['run', file, '--out', folder, '--window', 'all', '--quiet'], [0, 1]);
+    cophase(['run', file, '--out', folder, '--window', 'all', '--every', '1', '--quiet'], [0, 1]);
     return {
       edges: readVcd(fs.readFileSync(path.join(folder, 'steps.vcd'), 'utf8')),
+      trace: readCsv(fs.readFileSync(path.join(folder, 'trace.csv'), 'utf8')),
       report: JSON.parse(fs.readFileSync(path.join(folder, 'report.json'), 'utf8')),
     };
   });
+}
+
+function readCsv(text) {
+  const [header, ...rows] = text.trimEnd().split('\n').map((line) => line.split(','));
+  return rows.map((row) => Object.fromEntries(header.map((name, i) => [name, row[i]])));
 }
 
 /** Reads the one form of VCD that `cophase` writes: one-bit wires, nanoseconds. */
