@@ -3,7 +3,7 @@
 
 import { Outcome } from './bench/outcome.mjs';
 
-const SCENARIOS = ['parity', 'rate', 'cost', 'index'];
+const SCENARIOS = ['parity', 'rate', 'cost', 'index', 'safety', 'store'];
 
 const asked = process.argv.slice(2);
 const unknown = asked.filter((name) => !SCENARIOS.includes(name));

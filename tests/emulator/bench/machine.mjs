@@ -100,6 +100,25 @@ export class Machine {
     return timer[timer.length - 1].entry;
   }
 
+  /** The processor stands for `seconds`, or up to a reset, and everything else goes on: as if something kept it. */
+  freeze(seconds) {
+    const { board } = this;
+    const end = board.cycle + Math.round(seconds * CYCLES_PER_S);
+    while (board.cycle < end && board.pendingReset === null) {
+      board.cycle = Math.min(end, board.cycle + CYCLES_PER_US);
+      board.catchUp(board.cycle);
+    }
+  }
+
+  /** Steps that each axis has made, in its own sense, since the recording began; DIR high is forward. */
+  steps(reversed = []) {
+    const { edges } = this.board;
+    return Array.from({ length: this.axes }, (_, axis) => {
+      const forward = (cycle) => edges.levelAt(`dir_${axis}`, cycle) !== Number(reversed[axis] ?? 0);
+      return edges.to(`step_${axis}`, 1).reduce((sum, cycle) => sum + (forward(cycle) ? 1 : -1), 0);
+    });
+  }
+
   /** The loop's runs from a cycle on: [{ entry, own, end }]; `own` is what a control tick costs the processor. */
   ticks(from = 0) {
     return this.board.usage.calls.get(SWI_IRQ_0).filter(({ entry }) => entry >= from);

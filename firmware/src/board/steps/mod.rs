@@ -185,12 +185,14 @@ impl Steps {
             feed::feed(cs, axis, words.after_pause(pause - earlier));
         }
         for (pio, machines) in BLOCKS.into_iter().zip([first, second]) {
-            // Those that have their words are as full as they get.
+            // Until the channels have moved a first word into every FIFO.
             while pio.fstat().read().txempty() & machines != 0 {}
-            // The flags of the stretch before; what happens from here on is what counts.
-            pio.fdebug().write(|w| w.set_txstall(machines));
         }
         release::release(go_us, first | 1 << INDEX_MACHINE, second);
+        for (pio, machines) in BLOCKS.into_iter().zip([first, second]) {
+            // That they waited is over now. The pause is not: none can have run dry again.
+            pio.fdebug().write(|w| w.set_txstall(machines));
+        }
         pause
     }
 

@@ -1,0 +1,190 @@
+// Safety: what goes wrong, where the machine ends, and what the log says of it.
+//
+// A machine of four axes turns at a constant speed. Then one thing happens to it; each must end in the state that
+// docs/image.md states for it, with the reason in the log. "In step" is that all axes have made the same number of steps
+// when they stand. Times of the drives' enable line are from what happened to its fall.
+
+import { blobOf, scene } from '../bench/host.mjs';
+import { log } from '../bench/log.mjs';
+import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
+import * as pins from '../bench/pins.mjs';
+
+const DMA = 0x5000_0000;
+const CHANNEL_BYTES = 0x40;
+const AL1_CTRL = 0x10;
+const DMA_ENABLE = 1;
+
+/** Halfway into a tick, so that nothing is decided by a race with the deadline. */
+const HALF_TICK_S = 250e-6;
+
+export const title = 'Safety: what goes wrong, and where it ends';
+
+export function run(outcome) {
+  const played = scene('hold');
+  const blob = blobOf(played);
+  for (const [name, happens, ends] of CASES) {
+    const machine = new Machine({ ...played, blob });
+    machine.boot();
+    machine.start();
+    machine.run(0.25);
+    machine.happened = machine.board.cycle;
+    happens(machine);
+    const wrong = [];
+    const tale = ends(machine, (holds, text) => holds || wrong.push(text)) ?? '';
+    const lines = log(machine.board);
+    outcome.say(`${name.padEnd(24)} ${tale}`);
+    for (const text of wrong) outcome.check(false, `${name}: ${text}; the log:\n    ${lines.slice(-6).join('\n    ')}`);
+  }
+}
+
+// ---- what happens ----
+
+const halfATickLater = (machine) => machine.board.cycle + Math.round(HALF_TICK_S * CYCLES_PER_S);
+
+/** Sets an input halfway into a tick, and says when. */
+const input = (pin, level) => (machine) => {
+  machine.happened = halfATickLater(machine);
+  machine.set(pin, level, machine.happened);
+};
+
+// ---- where it ends ----
+
+const told = (machine, pattern) => log(machine.board).some((line) => pattern.test(line));
+
+function drivesFell(machine, must, mostS) {
+  const [fall] = machine.board.edges.to('enable', 0).filter((cycle) => cycle >= machine.happened);
+  must(fall !== undefined, 'the drives are switched off');
+  const seconds = (fall - machine.happened) / CYCLES_PER_S;
+  must(seconds <= mostS, `the drives are off within ${mostS * 1e6} µs, not ${seconds * 1e6}`);
+  return `drives off after ${(seconds * 1e6).toFixed(1)} µs`;
+}
+
+function inStep(machine, must) {
+  const steps = machine.steps([0, 0, 1, 0]);
+  must(new Set(steps).size === 1, `all axes made the same steps, not ${steps.join(', ')}`);
+  const before = machine.board.edges.to('step_0', 1).length;
+  machine.run(0.05);
+  must(machine.board.edges.to('step_0', 1).length === before, 'nothing moves any more');
+}
+
+/** A coordinated stop on request: at rest, in step, drives on. */
+function parks(machine, must) {
+  machine.run(0.5);
+  must(told(machine, /: Parked/), 'the log says Parked');
+  must(machine.level('enable') === 1, 'the drives hold');
+  inStep(machine, must);
+  return 'parked in step, drives on';
+}
+
+/** A fault that stops all axes together, and only then switches the drives off. */
+const faults = (pattern) => (machine, must) => {
+  machine.run(0.5);
+  must(told(machine, pattern), `the log says ${pattern}`);
+  must(told(machine, /: Fault/), 'the log says Fault');
+  must(machine.level('enable') === 0, 'the drives are off');
+  inStep(machine, must);
+  resets(machine, must);
+  return `stopped in step, then drives off: ${pattern.source}`;
+};
+
+/** Drives off at once, and nothing waits for the shaft. */
+const cuts = (pattern, mostS) => (machine, must) => {
+  machine.run(0.1);
+  const tale = drivesFell(machine, must, mostS);
+  must(told(machine, pattern), `the log says ${pattern}`);
+  must(machine.level('enable') === 0, 'the drives stay off');
+  machine.set(pins.ENABLE, 0);
+  resets(machine, must);
+  return `${tale}: ${pattern.source}`;
+};
+
+/** A fault latches: the first press resets, the second starts. */
+function resets(machine, must) {
+  for (const pin of [pins.STOP, ...pins.ALARM.slice(0, machine.axes)]) machine.set(pin, 0);
+  machine.press();
+  must(machine.level('enable') === 0, 'a reset does not switch the drives on');
+  machine.press();
+  must(machine.level('enable') === 1, 'after a reset, a start does');
+}
+
+const CASES = [
+  ['stop input', input(pins.STOP, 1), parks],
+  ['stop, broken wire', input(pins.STOP, null), parks],
+  ['enable lost', input(pins.ENABLE, 1), cuts(/EnableLost/, 20e-6)],
+  ['enable, broken wire', input(pins.ENABLE, null), cuts(/EnableLost/, 20e-6)],
+  [
+    'enable lost for 20 µs',
+    (machine) => {
+      machine.happened = halfATickLater(machine);
+      machine.board.stimulus.pulse(machine.happened, pins.ENABLE, Math.round(20e-6 * CYCLES_PER_S));
+    },
+    cuts(/EnableLost/, 20e-6),
+  ],
+  ['drive alarm', input(pins.ALARM[1], 1), faults(/DriveAlarm on axis 1/)],
+  ['alarm, broken wire', input(pins.ALARM[3], null), faults(/DriveAlarm on axis 3/)],
+  ['loop late by a deadline', (machine) => machine.freeze(0.0012), goesOn],
+  ['loop overrun', (machine) => machine.freeze(0.0031), faults(/Overrun/)],
+  ['FIFO run dry', starve, driesUp],
+  ['loop hangs', (machine) => machine.freeze(0.03), restarts],
+  ['panic', breakIn, restarts],
+];
+
+/** Missed deadlines that are no fault yet: all axes stand alike, go on alike, and it is told. */
+function goesOn(machine, must) {
+  machine.run(0.1);
+  must(told(machine, /deadlines missed/), 'the log says so');
+  must(machine.level('enable') === 1, 'the drives are on');
+  const skew = Math.max(...[1, 2, 3].map((axis) => skewAfter(machine, axis)));
+  must(skew === 0, `the axes step together, not ${skew} cycles apart`);
+  input(pins.STOP, 1)(machine);
+  return `told, and ${parks(machine, must)}`;
+}
+
+/** Cycles between the edges of axis 0 and of another, at most, after what happened. */
+function skewAfter(machine, axis) {
+  const from = machine.happened + 0.01 * CYCLES_PER_S;
+  const edges = (name) => machine.board.edges.to(name, 1).filter((cycle) => cycle >= from);
+  const other = edges(`step_${axis}`);
+  return edges('step_0').reduce((most, cycle, i) => Math.max(most, Math.abs((other[i] ?? cycle) - cycle)), 0);
+}
+
+/** The channel of axis 1 stands still for longer than its FIFO lasts. */
+function starve(machine) {
+  const ctrl = DMA + CHANNEL_BYTES * 1 + AL1_CTRL;
+  machine.board.poke(ctrl, machine.board.peek(ctrl) & ~DMA_ENABLE);
+  machine.run(0.0008);
+  machine.board.poke(ctrl, machine.board.peek(ctrl) | DMA_ENABLE);
+}
+
+/** What a channel did not move is lost to its axis; that is what the fault says. */
+function driesUp(machine, must) {
+  machine.run(0.5);
+  must(told(machine, /RanDry on axis 1/), 'the log says RanDry on axis 1');
+  must(machine.level('enable') === 0, 'the drives are off');
+  const before = machine.board.edges.to('step_0', 1).length;
+  machine.run(0.05);
+  must(machine.board.edges.to('step_0', 1).length === before, 'nothing moves any more');
+  resets(machine, must);
+  return 'stopped, then drives off: RanDry on axis 1';
+}
+
+/** The processor meets what is no instruction, as after a panic. */
+function breakIn(machine) {
+  const UNDEFINED = 0x1_0000 * 0xde00 + 0xde00;
+  const nowhere = 0x2003_f000;
+  machine.board.poke(nowhere, UNDEFINED);
+  machine.board.core.registers[15] = nowhere;
+  machine.board.core.waiting = false;
+}
+
+/** The watchdog restarts the controller: drives off from then on, until somebody resets and starts it. */
+function restarts(machine, must) {
+  machine.run(0.5);
+  const tale = drivesFell(machine, must, 0.0101);
+  must(machine.board.events.some(({ kind, text }) => kind === 'reset' && text === 'watchdog'), 'the watchdog restarts it');
+  must(told(machine, /restarted by the watchdog.*Run/), 'the log says what the machine was doing');
+  must(told(machine, /Restarted/), 'the log says Restarted');
+  must(machine.level('enable') === 0, 'the drives stay off');
+  resets(machine, must);
+  return `${tale}, by the watchdog; stays off until reset`;
+}

@@ -1,0 +1,131 @@
+// Store: what the image does with blobs that it finds, and what a power cut while it writes one can do.
+//
+// Whatever the flash holds, either the image runs on settings that are whole, or it refuses, keeps the drives off whatever
+// is pressed, and says why. A cut at any point of storing leaves a flash with which the next start runs.
+
+import { crc32 } from '../bench/crc.mjs';
+import { blobOf, scene } from '../bench/host.mjs';
+import { log } from '../bench/log.mjs';
+import { flashWith, Machine } from '../bench/machine.mjs';
+
+/** Where things lie in a blob's header (docs/blob.md). */
+const HEADER_BYTES = 256;
+const VERSION_AT = 8;
+const SEQUENCE_AT = 16;
+const ORIGIN_AT = 20;
+
+/** Flash operations as quick as they may be: their order is what matters here. */
+const QUICK = { flashTimes: { eraseSector: 2000, programPage: 500 } };
+
+export const title = 'Store: settings found, refused, stored, and torn by power cuts';
+
+export function run(outcome) {
+  const blob = blobOf(scene('hold'));
+  refusals(outcome, blob);
+  stores(outcome, blob);
+  cuts(outcome, blob);
+}
+
+/** A machine on a flash, powered up; how many axes it has does not matter to what is asked here. */
+const powered = (flash) => new Machine({ axes: 6, tickHz: 2000, flash, options: QUICK });
+
+// ---- what is refused ----
+
+function refusals(outcome, blob) {
+  const flipped = Buffer.from(blob);
+  flipped[HEADER_BYTES + 37] ^= 0x10;
+  const newer = withHeader(blob, (header) => header.writeUInt16LE(2, VERSION_AT));
+  const servo = blobOf(scene('hold', (toml) => (toml.axis[0].drive = 'servo')));
+  for (const [name, bytes, reason] of [
+    ['a bit of the payload', flipped, /settings refused: PayloadCrc/],
+    ['another version', newer, /settings refused: Version.*2/],
+    ['a servo axis', servo, /settings refused: Servo\(2\)/],
+  ]) {
+    const machine = powered(flashWith(bytes));
+    machine.run(0.3);
+    machine.press();
+    machine.press();
+    const lines = log(machine.board);
+    outcome.check(lines.some((line) => reason.test(line)), `${name}: the log says ${reason}, not\n    ${lines.join('\n    ')}`);
+    outcome.check(machine.board.edges.to('enable', 1).length === 0, `${name}: the drives are never on`);
+    outcome.check(machine.board.edges.to('step_0', 1).length === 0, `${name}: nothing moves`);
+    outcome.check(machine.board.edges.to('lamp', 1).length > 0, `${name}: the lamp flashes`);
+    outcome.say(`${name.padEnd(24)} drives stay off: ${reason.source}`);
+  }
+}
+
+/** The blob with its header changed, and the header's own CRC right again. */
+function withHeader(blob, change) {
+  const changed = Buffer.from(blob);
+  change(changed);
+  changed.writeUInt32LE(crc32(changed.subarray(0, HEADER_BYTES - 4)), HEADER_BYTES - 4);
+  return changed;
+}
+
+// ---- what is stored ----
+
+/** Starts the image on a flash; it must come to run the loop. Gives the log and how often the flash was changed. */
+function starts(outcome, name, flash) {
+  const machine = powered(flash);
+  let lines = [];
+  try {
+    machine.boot();
+    machine.press();
+    lines = log(machine.board);
+    outcome.check(machine.level('enable') === 0 || /Align|Run/.test(lines.join()), `${name}: the drives are on for a reason`);
+  } catch (error) {
+    outcome.check(false, `${name}: ${error.message}; the log:\n    ${log(machine.board).join('\n    ')}`);
+  }
+  return { lines, operations: machine.board.rom.operations.length };
+}
+
+const says = (lines, pattern) => lines.some((line) => pattern.test(line));
+
+function stores(outcome, blob) {
+  const flash = flashWith();
+  const first = starts(outcome, 'empty flash', flash);
+  outcome.check(says(first.lines, /stored in slot A/), 'an empty flash: what is built in is stored');
+  const second = starts(outcome, 'second start', flash);
+  outcome.check(says(second.lines, /settings from slot A/), 'the second start takes what was stored');
+  outcome.check(second.operations === 0, 'and writes nothing');
+  const placed = starts(outcome, 'placed blob', flashWith(blob));
+  outcome.check(says(placed.lines, /settings: hold, 4 axes/), 'a blob that was placed is run');
+  outcome.check(placed.operations === 0, 'and nothing is written');
+  outcome.say('empty flash: built-in settings run and are stored; the next start takes them from there');
+  outcome.say('a blob that was placed from outside is run as it is');
+}
+
+// ---- what a power cut does ----
+
+const CUT_AFTER = [0, 1, 97, 255, 2048, 4095];
+
+function cuts(outcome, blob) {
+  const older = withHeader(blob, (header) => {
+    header.writeUInt32LE(7, SEQUENCE_AT);
+    header.writeUInt32LE(0x1234_5678, ORIGIN_AT); // stored by another image
+  });
+  let count = 0;
+  for (const [name, fresh] of [['empty flash', () => flashWith()], ['older settings', () => flashWith(older)]]) {
+    for (let operation = 0; ; operation += 1) {
+      const torn = CUT_AFTER.map((bytes) => cut(outcome, `${name}, cut in operation ${operation} after ${bytes}`, fresh(), { operation, bytes }));
+      count += torn.filter(Boolean).length;
+      if (!torn.some(Boolean)) break;
+    }
+  }
+  outcome.check(count > 40, `at least 40 cuts are tried, not ${count}`);
+  outcome.say(`${count} power cuts while storing: every next start ran, on whole settings`);
+}
+
+/** Cuts the power, and starts again twice. Says whether the cut came at all. */
+function cut(outcome, name, flash, where) {
+  const machine = powered(flash);
+  machine.board.rom.cutPower(where);
+  if (machine.run(0.4).reason !== 'power-cut') return false;
+  outcome.check(machine.board.edges.to('enable', 1).length === 0, `${name}: the drives were never on`);
+  const again = starts(outcome, name, flash);
+  outcome.check(says(again.lines, /settings: (default|hold), 4 axes/), `${name}: the next start runs`);
+  const third = starts(outcome, name, flash);
+  outcome.check(third.operations === 0, `${name}: the start after that writes nothing`);
+  return true;
+}
+
