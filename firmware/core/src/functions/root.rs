@@ -20,6 +20,13 @@ pub struct Root {
     pub shift: u32,
 }
 
+impl Root {
+    /// The integer root: the largest whole number whose square is not above the argument.
+    pub const fn whole(self) -> u64 {
+        (self.mantissa >> self.shift) as u64
+    }
+}
+
 /// The root of `x`, rounded down; relative error below 2⁻³¹.
 pub const fn root(x: u64) -> Root {
     if x == 0 {
@@ -77,6 +84,13 @@ mod tests {
             prop_assert_eq!(u64::from(root_of_normalised(x)), x.isqrt());
             let x = multiply(s, s).saturating_add_signed(off).max(1 << 62);
             prop_assert_eq!(u64::from(root_of_normalised(x)), x.isqrt());
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_whole_root_is_the_integer_root(x in any::<u64>(), shift in 0_u32..64) {
+            prop_assert_eq!(root(x >> shift).whole(), (x >> shift).isqrt());
         }
     }
 

@@ -100,7 +100,7 @@ impl Gain {
         match gain.checked_sub(step.gain) {
             Some(more) => {
                 let (above, _) = Divisor::new(step.number + 1).divide(more);
-                (step.base + above).clamp(least, most)
+                (step.base + above).max(least).min(most)
             }
             None => least,
         }
