@@ -29,7 +29,7 @@ impl Trim {
 
     /// Sets where the trim is to go; says whether the limit allowed all of it.
     pub fn set(&mut self, target: Turns) -> bool {
-        self.target = target.to_bits().clamp(-self.limit, self.limit);
+        self.target = target.to_bits().max(-self.limit).min(self.limit);
         self.target == target.to_bits()
     }
 
@@ -39,7 +39,7 @@ impl Trim {
         if self.now == self.target {
             return Turns::ZERO;
         }
-        let change = (self.target - self.now).clamp(-self.rate, self.rate);
+        let change = (self.target - self.now).max(-self.rate).min(self.rate);
         self.now += change;
         Turns::from_bits(change)
     }

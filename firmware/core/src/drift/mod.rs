@@ -21,7 +21,7 @@ pub use index_filter::IndexFilter;
 pub use limits::DriftLimits;
 pub use modes::{Modes, Mount};
 
-use crate::functions::{multiply, multiply_long};
+use crate::functions::{multiply_high, multiply_long};
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{Phase, Turns, nearest};
 
@@ -54,14 +54,17 @@ impl TickPhase {
     /// Commanded phase `cycle` cycles into a tick, of whose cycles `per_tick_cycle` is the reciprocal.
     #[inline(never)]
     fn at(&self, cycle: u32, per_tick_cycle: u32) -> Phase {
-        // cycle / tick_cycles with 44 fraction bits, of which 24 are plenty; and of the turns of a
-        // tick, below ½, the upper 40: 2⁻²⁴ of a tick is less than a cycle.
-        let part = multiply(cycle, per_tick_cycle).min(1 << 44) >> 20;
+        // cycle / tick_cycles with 24 fraction bits; and of the turns of a tick, below ½, the upper 40: 2⁻²⁴ of a tick
+        // is less than a cycle.
+        let part = multiply_high(cycle << CYCLE_SPARE_BITS, per_tick_cycle).min(1 << 24);
         let turns = (self.turns.to_bits() >> 8) as u64;
-        let turns = multiply_long(turns, part as u32) as i64 >> 16;
+        let turns = multiply_long(turns, part) as i64 >> 16;
         self.start.advanced(Turns::from_bits(turns))
     }
 }
+
+/// A tick has at most 18 bits of cycles: 250,000.
+const CYCLE_SPARE_BITS: u32 = 14;
 
 /// A set of axes: a bit for each.
 type Axes = u8;
@@ -86,7 +89,7 @@ pub struct DriftMonitor<const N: usize> {
     /// Axes that have a sensor.
     sensed: Axes,
     tick_cycles: u32,
-    /// 2⁴⁴ / cycles of a tick.
+    /// 2⁴² / cycles of a tick.
     per_tick_cycle: u32,
     drift: [Turns; N],
     /// Axes heard since the modes were taken last.
@@ -111,8 +114,8 @@ impl<const N: usize> DriftMonitor<N> {
                 .filter(|&axis| index[axis].is_some())
                 .fold(0, |axes, axis| axes | 1 << axis),
             tick_cycles,
-            // Ticks have 12,500 cycles and more: 31 bits.
-            per_tick_cycle: ((1 << 44) / u64::from(tick_cycles)) as u32,
+            // Ticks have 12,500 cycles and more: 29 bits.
+            per_tick_cycle: ((1 << (24 + 32 - CYCLE_SPARE_BITS)) / u64::from(tick_cycles)) as u32,
             drift: [Turns::ZERO; N],
             heard: 0,
             known: 0,

@@ -100,7 +100,7 @@ impl Gain {
         match gain.checked_sub(step.gain) {
             Some(more) => {
                 let (above, _) = Divisor::new(step.number + 1).divide(more);
-                (step.base + above).clamp(least, most)
+                (step.base + above).max(least).min(most)
             }
             None => least,
         }
@@ -125,7 +125,7 @@ mod tests {
         limits.prop_map(|(jerk_bits, ticks_bits, (a, b))| {
             let jerk = (1 << jerk_bits) + a % (1 << jerk_bits);
             // Of the speed, 2^47 at most, 8 V/J < ticks².
-            let speed = (jerk as u128) << (2 * ticks_bits) >> 4;
+            let speed = u128::from(jerk) << (2 * ticks_bits) >> 4;
             let speed = u64::try_from(speed).unwrap_or(u64::MAX).clamp(2, 1 << 47);
             let reached = (8.0 * jerk as f64 * speed as f64).sqrt() as u64;
             let most = 1 + b % reached.max(1);

@@ -192,7 +192,7 @@ impl Shaft {
         let gained = self.limits.gain.of(acceleration) - acceleration;
         let coasting = self.speed + self.acceleration.signum() * gained as i64;
         let outside = bands::below_band(&self.limits.bands, coasting);
-        outside.clamp(self.limits.creep, self.limits.speed)
+        outside.max(self.limits.creep).min(self.limits.speed)
     }
 
     fn plan_stop_if_settled(&mut self) {

@@ -16,6 +16,7 @@
 //! gentler than the limits.
 
 use super::ShaftLimits;
+use crate::functions::isqrt;
 use crate::units::{ONE_TURN, Turns};
 
 /// A stop that is under way.
@@ -29,6 +30,8 @@ pub(super) struct StopPlan {
     /// The boxcars' lengths, `short ≤ long`.
     short: u64,
     long: u64,
+    /// Their product.
+    denominator: u64,
     /// `speed · w / (short · long)` and its sums: acceleration, speed taken, way taken.
     weight: Ladder,
     /// `rest · w / (short · long)` and its sum.
@@ -41,20 +44,21 @@ impl StopPlan {
     /// From constant `speed` (above 0), a stop at the first possible passage through the phase that
     /// lies `ahead` turns (modulo 1).
     pub fn new(speed: i64, ahead: Turns, limits: &ShaftLimits) -> Self {
-        let v = speed.unsigned_abs();
+        let v = speed.unsigned_abs().max(1);
         let (short, long) = boxcars(v, limits);
         // After short + long ticks the ramp that starts now has taken v (short + long + 2)/2.
         let ticks = short + long;
         let ramp_way = ticks * v - (v * (ticks + 2)) / 2;
         let left = ahead.to_bits().wrapping_sub(ramp_way as i64) & (ONE_TURN - 1);
         let left = left as u64;
-        let denominator = short * long;
+        let denominator = (short * long).max(1);
         Self {
             speed,
             wait: left / v,
             tick: 0,
             short,
             long,
+            denominator,
             weight: Ladder::new(v, denominator),
             blend: Ladder::new(left % v, denominator),
             taken: 0,
@@ -75,7 +79,7 @@ impl StopPlan {
         } else {
             Slope::Down
         };
-        let denominator = self.short * self.long;
+        let denominator = self.denominator;
         self.weight.step(slope, denominator);
         self.blend.step(slope, denominator);
         let taken = self
@@ -99,14 +103,15 @@ fn boxcars(v: u64, limits: &ShaftLimits) -> (u64, u64) {
     let acceleration = (limits.acceleration - 2).max(1).unsigned_abs();
     let jerk = (limits.jerk - 4).max(1).unsigned_abs();
     let long = v.div_ceil(acceleration);
-    let short = v.div_ceil(jerk * long);
+    let short = v.div_ceil((jerk * long).max(1));
     if short <= long {
         return (short, long);
     }
     // The jerk alone decides. Two equal boxcars, or one shorter by a tick where that is enough.
-    let root = v.div_ceil(jerk);
-    let long = root.isqrt() + u64::from(root.isqrt() * root.isqrt() < root);
-    (v.div_ceil(jerk * long), long)
+    let square = v.div_ceil(jerk);
+    let root = u64::from(isqrt(square));
+    let long = root + u64::from(root * root < square);
+    (v.div_ceil((jerk * long).max(1)), long)
 }
 
 #[derive(Clone, Copy)]
