@@ -9,7 +9,7 @@ use cophase_core::drift::{IndexFilter, IndexPulse};
 use cophase_core::panel::{self, Button};
 use cophase_core::signals::{Feedback, Output};
 use cophase_core::supervisor::State;
-use embassy_time::{Duration, Instant};
+use embassy_time::Instant;
 
 use crate::board::index::Index;
 use crate::board::lines;
@@ -29,8 +29,6 @@ pub struct Board<const N: usize> {
     pub watchdog: Fed,
     /// Start and reset.
     pub button: Button,
-    /// Control ticks a second.
-    pub tick_hz: u32,
     /// Control ticks since power-up.
     pub ticks: u32,
     /// What the machine was last said to be doing.
@@ -64,14 +62,13 @@ impl<const N: usize> Board<N> {
                 *pulse = filter.end_tick(self.index.tick_cycles()).or(*pulse);
             }
             self.index.end_tick();
-            deadline += self.tick();
+            match deadline.checked_add(self.steps.tick()) {
+                Some(next) => deadline = next,
+                None => break, // half a million years from power-up
+            }
         }
         self.read_to = Some(deadline);
         pulses
-    }
-
-    fn tick(&self) -> Duration {
-        self.steps.tick()
     }
 }
 
@@ -110,7 +107,7 @@ impl<const N: usize> Io<N> for Board<N> {
         self.sync = output.sync;
         self.state = output.telemetry.state;
         self.watchdog.feed(self.state, self.ticks);
-        lines::lamp(self.state, self.ticks, self.tick_hz);
+        lines::lamp(self.state);
         self.reporter.observe(self.ticks, &output.telemetry);
         self.ticks = self.ticks.wrapping_add(1);
         Written::InTime

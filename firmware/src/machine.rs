@@ -52,17 +52,18 @@ impl Machine {
         setup: &Setup,
         watchdog: Peri<'static, WATCHDOG>,
         restarted: bool,
+        reporter: Reporter,
     ) -> Result<&'static mut Self, Refusal> {
         let servo = |axis: &AxisSettings| axis.drive == DriveKind::Servo;
         if let Some(axis) = setup.axes.iter().position(servo) {
             return Err(Refusal::Servo(axis));
         }
         match setup.axes_count() {
-            2 => make(setup, watchdog, restarted, Self::Two),
-            3 => make(setup, watchdog, restarted, Self::Three),
-            4 => make(setup, watchdog, restarted, Self::Four),
-            5 => make(setup, watchdog, restarted, Self::Five),
-            6 => make(setup, watchdog, restarted, Self::Six),
+            2 => make(setup, watchdog, restarted, reporter, Self::Two),
+            3 => make(setup, watchdog, restarted, reporter, Self::Three),
+            4 => make(setup, watchdog, restarted, reporter, Self::Four),
+            5 => make(setup, watchdog, restarted, reporter, Self::Five),
+            6 => make(setup, watchdog, restarted, reporter, Self::Six),
             axes => Err(Refusal::Axes(axes)),
         }
     }
@@ -73,6 +74,7 @@ fn make<const N: usize>(
     setup: &Setup,
     watchdog: Peri<'static, WATCHDOG>,
     restarted: bool,
+    reporter: Reporter,
     machine: impl FnOnce(Controller<N>, Board<N>) -> Machine,
 ) -> Result<&'static mut Machine, Refusal> {
     static MACHINE: StaticCell<Machine> = StaticCell::new();
@@ -94,10 +96,9 @@ fn make<const N: usize>(
         filters: core::array::from_fn(|axis| IndexFilter::new(width, levels.index(axis))),
         watchdog: Fed::start(watchdog, tick_us),
         button: Button::new(tick_hz),
-        tick_hz,
         ticks: 0,
         state: State::Idle,
-        reporter: Reporter::new(),
+        reporter,
         sync: true,
         ran_dry: None,
         read_to: None,

@@ -1,23 +1,31 @@
 //! What happened, told over the debug probe: `probe-rs run`, and any other reader of defmt's log.
 //!
-//! The loop only notes what changed, in a queue; the words are made in what time it leaves. If nothing reads
-//! for long the queue is full, and it is told how much was lost.
+//! The loop only notes what changed, in a queue; the words are made in what time it leaves, a few milliseconds
+//! later. More than the queue holds is lost, and it is told how much.
 
 use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::{Fault, State};
 use cophase_core::units::Turns;
-use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use embassy_sync::channel::Channel;
+use embassy_time::{Duration, Timer};
+use heapless::spsc::{Consumer, Producer, Queue};
+use static_cell::ConstStaticCell;
 
 use crate::board::pins::AXES;
 
 /// Notes that wait to be told.
 const WAITING: usize = 32;
 
-static NOTES: Channel<CriticalSectionRawMutex, Note, WAITING> = Channel::new();
+/// From one look at the queue to the next.
+const LOOK: Duration = Duration::from_millis(5);
+
+/// The two ends of the queue: the loop's, and the log's. To be called once.
+pub fn queue() -> (Producer<'static, Note>, Consumer<'static, Note>) {
+    static NOTES: ConstStaticCell<Queue<Note, WAITING>> = ConstStaticCell::new(Queue::new());
+    NOTES.take().split()
+}
 
 /// Something worth telling, and when.
-struct Note {
+pub struct Note {
     /// Control ticks since power-up.
     tick: u32,
     what: What,
@@ -38,6 +46,7 @@ enum What {
 
 /// Compares each tick with the one before, and notes what changed.
 pub struct Reporter {
+    notes: Producer<'static, Note>,
     state: State,
     faulty: bool,
     missed: u32,
@@ -47,8 +56,9 @@ pub struct Reporter {
 
 impl Reporter {
     /// Of a loop that is idle and has missed nothing.
-    pub const fn new() -> Self {
+    pub const fn new(notes: Producer<'static, Note>) -> Self {
         Self {
+            notes,
             state: State::Idle,
             faulty: false,
             missed: 0,
@@ -92,14 +102,16 @@ impl Reporter {
         }
     }
 
+    #[cold]
+    #[inline(never)] // the image's check for panics knows it by name
     fn note(&mut self, tick: u32, what: What) {
         if self.lost > 0 {
             let what = What::Lost(self.lost);
-            if NOTES.try_send(Note { tick, what }).is_ok() {
+            if self.notes.enqueue(Note { tick, what }).is_ok() {
                 self.lost = 0;
             }
         }
-        if NOTES.try_send(Note { tick, what }).is_err() {
+        if self.notes.enqueue(Note { tick, what }).is_err() {
             self.lost = self.lost.saturating_add(1);
         }
     }
@@ -107,9 +119,12 @@ impl Reporter {
 
 /// Tells what is noted, for ever.
 #[embassy_executor::task]
-pub async fn tell() -> ! {
+pub async fn tell(mut notes: Consumer<'static, Note>) -> ! {
     loop {
-        let Note { tick, what } = NOTES.receive().await;
+        let Some(Note { tick, what }) = notes.dequeue() else {
+            Timer::after(LOOK).await;
+            continue;
+        };
         match what {
             What::State { state, drift, axes } => {
                 let drift_deg = drift.map(degrees);

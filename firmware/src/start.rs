@@ -13,7 +13,8 @@ use static_cell::StaticCell;
 
 use crate::board::{lines, watchdog};
 use crate::machine::Machine;
-use crate::{report, settings};
+use crate::report::{self, Reporter};
+use crate::settings;
 
 /// Runs the guard: above the loop, so that it cuts the drives even while the loop reckons.
 static GUARD: InterruptExecutor = InterruptExecutor::new();
@@ -51,8 +52,14 @@ fn main() -> ! {
         Some(seen) => defmt::error!("restarted by the watchdog: {}", seen),
         None => defmt::info!("power-up"),
     }
+    let (to_tell, told) = report::queue();
     let machine = settings::load(p.FLASH).and_then(|setup| {
-        let made = Machine::new(&setup, p.WATCHDOG, last_seen.is_some());
+        let made = Machine::new(
+            &setup,
+            p.WATCHDOG,
+            last_seen.is_some(),
+            Reporter::new(to_tell),
+        );
         made.inspect_err(|refusal| defmt::error!("settings refused: {}", refusal))
             .ok()
     });
@@ -60,7 +67,7 @@ fn main() -> ! {
 
     static EXECUTOR: StaticCell<Executor> = StaticCell::new();
     EXECUTOR.init(Executor::new()).run(|spawner| {
-        spawner.spawn(defmt::unwrap!(report::tell()));
+        spawner.spawn(defmt::unwrap!(report::tell(told)));
         let Some(machine) = machine else {
             spawner.spawn(defmt::unwrap!(refuse()));
             return;
@@ -88,9 +95,9 @@ async fn guard(mut enable: Input<'static>) -> ! {
 #[embassy_executor::task]
 async fn refuse() -> ! {
     loop {
-        lines::lamp_flash(true);
+        lines::light(true);
         Timer::after(Duration::from_millis(50)).await;
-        lines::lamp_flash(false);
+        lines::light(false);
         Timer::after(Duration::from_millis(950)).await;
     }
 }

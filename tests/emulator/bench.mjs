@@ -1,22 +1,55 @@
 // The bench: runs scenarios on the image, prints what they found, and fails if anything does not hold.
-//   node bench.mjs [SCENARIO ...]
 
 import { Outcome } from './bench/outcome.mjs';
+import { worse, write } from './bench/figures.mjs';
 
-const SCENARIOS = ['parity', 'rate', 'cost', 'index', 'safety', 'store'];
+const SCENARIOS = ['image', 'parity', 'rate', 'cost', 'index', 'safety', 'store'];
 
-const asked = process.argv.slice(2);
-const unknown = asked.filter((name) => !SCENARIOS.includes(name));
+const HELP = `usage: tests/emulator/run [--write] [--no-figures] [SCENARIO ...]
+
+Builds the image, runs it in the emulator, and compares what it does with what it should.
+Scenarios: ${SCENARIOS.join(', ')}; all of them if none is named.
+
+  --write       keep the figures: docs/emulated.csv, the table in docs/image.md, and tests/emulator/image-size.toml
+  --no-figures  do not compare figures with those that are kept: for another compiler than theirs
+
+Exit status: 0 all holds; 1 something does not, or a figure is worse by over 5 %; 2 a question that makes no sense.`;
+
+const args = process.argv.slice(2);
+if (args.includes('--help') || args.includes('-h')) {
+  console.log(HELP);
+  process.exit(0);
+}
+const asked = args.filter((arg) => !arg.startsWith('--'));
+const unknown = args.filter((arg) => !['--write', '--no-figures', ...SCENARIOS].includes(arg));
 if (unknown.length > 0) {
-  console.error(`bench: no scenario called ${unknown.join(', ')}; there are ${SCENARIOS.join(', ')}`);
+  console.error(`bench: nothing is called ${unknown.join(', ')}\n\n${HELP}`);
   process.exit(2);
 }
-let failed = 0;
+const writing = args.includes('--write');
+if (writing && asked.length > 0) {
+  console.error('bench: --write keeps the figures of all scenarios, so name none');
+  process.exit(2);
+}
+
+const figures = [];
+let failures = 0;
 for (const name of asked.length > 0 ? asked : SCENARIOS) {
   const scenario = await import(`./scenarios/${name}.mjs`);
   console.log(scenario.title);
   const outcome = new Outcome(name);
-  scenario.run(outcome);
-  failed += outcome.failures.length;
+  scenario.run(outcome, { write: writing });
+  figures.push(...outcome.figures);
+  failures += outcome.failures.length;
 }
-process.exit(failed > 0 ? 1 : 0);
+if (writing) {
+  write(figures);
+  console.log('Figures written to docs/emulated.csv and docs/image.md.');
+} else if (!args.includes('--no-figures')) {
+  for (const sentence of worse(figures)) {
+    console.log(`FAILED: ${sentence}`);
+    failures += 1;
+  }
+}
+console.log(failures === 0 ? 'All of it holds.' : `${failures} of it do not hold.`);
+process.exit(failures === 0 ? 0 : 1);

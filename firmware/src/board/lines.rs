@@ -12,7 +12,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use cophase_core::supervisor::{SafetyInputs, State};
 use embassy_rp::pac;
 
-use super::pins;
+use super::{now_us, pins};
 
 /// Function of a pin that is driven, and read, by the CPU.
 const SIO: u8 = 5;
@@ -147,17 +147,19 @@ pub fn sync(high: bool) {
     set(pins::SYNC, high);
 }
 
-/// Shows the state on the lamp: slow blinking in idle, fast in a fault, steady while drives are on.
-pub fn lamp(state: State, tick: u32, tick_hz: u32) {
+/// Shows the state on the lamp: a short flash a second in idle, quick blinking in a fault, steady light while
+/// drives are on.
+pub fn lamp(state: State) {
+    let now_us = now_us();
     let on = match state {
-        State::Idle => tick % tick_hz < tick_hz / 16,
-        State::Fault => tick % (tick_hz / 4) < tick_hz / 8,
+        State::Idle => (now_us >> 16) % 16 == 0, // 66 ms in 1.05 s
+        State::Fault => (now_us >> 17) % 2 == 0, // 131 ms on, 131 ms off
         _ => true,
     };
     set(pins::LAMP, on);
 }
 
-/// Shows that the image has no settings to run on: always dark but for a flash a second, without the loop.
-pub fn lamp_flash(on: bool) {
+/// Lights the lamp, or not: for an image that has no settings to run on, and no state.
+pub fn light(on: bool) {
     set(pins::LAMP, on);
 }

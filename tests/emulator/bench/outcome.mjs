@@ -1,16 +1,14 @@
-// What a scenario found: figures to print and to keep, and what must hold.
+// What a scenario found: lines to print, figures to keep, and what must hold.
 
 export class Outcome {
   constructor(name) {
     this.name = name;
     this.failures = [];
-    this.lines = [];
-    /** Figures that the docs show and that must not get worse: name to number. */
-    this.figures = new Map();
+    /** Figures that the docs show and that must not get worse: { name, value, better }. */
+    this.figures = [];
   }
 
   say(text) {
-    this.lines.push(text);
     console.log(`  ${text}`);
   }
 
@@ -21,7 +19,8 @@ export class Outcome {
     console.log(`  FAILED: ${text}`);
   }
 
-  figure(name, value) {
-    this.figures.set(name, value);
+  /** A figure, of which the lower is the better, unless it is said to be the other way. */
+  figure(name, value, better = 'lower') {
+    this.figures.push({ name, value: Number(value.toPrecision(6)), better });
   }
 }

@@ -25,6 +25,10 @@ pub const BRIDGE_WIDTHS: u32 = 2;
 /// The greatest width is this part of a tick: one in four.
 pub const MOST_OF_TICK: u32 = 4;
 
+/// Times further back than this are as good as any that are further: it is more than every width, and far enough
+/// from the ends of 32 bits that differences of times fit too.
+const LONG_AGO: i32 = -(1 << 29);
+
 /// The filter of one line. Each change and each tick cost the same, few operations.
 #[derive(Clone, Copy, Debug)]
 pub struct IndexFilter {
@@ -47,11 +51,11 @@ impl IndexFilter {
     /// that stands before its sensor at power-up makes no pulse.
     pub fn new(width: u32, level: bool) -> Self {
         Self {
-            width: i32::try_from(width).unwrap_or(i32::MAX),
+            width: at_most_long(width),
             level,
-            since: i32::MIN,
+            since: LONG_AGO,
             steady: level,
-            first: i32::MIN,
+            first: LONG_AGO,
             pulse: None,
             glitches: 0,
         }
@@ -64,14 +68,13 @@ impl IndexFilter {
         if level == self.level {
             return;
         }
-        let cycle = cycle.max(self.since);
+        let cycle = cycle.min(-LONG_AGO).max(self.since);
         let counted = self.settle(cycle);
         if !counted {
             self.glitches = self.glitches.saturating_add(1);
         }
-        let bridged = i64::from(self.width) * i64::from(BRIDGE_WIDTHS);
-        let from_first = i64::from(cycle) - i64::from(self.first);
-        if level && (counted || from_first > bridged) {
+        let bridged = self.width.saturating_mul(BRIDGE_WIDTHS as i32);
+        if level && (counted || cycle - self.first > bridged) {
             self.first = cycle;
         }
         self.level = level;
@@ -83,10 +86,12 @@ impl IndexFilter {
     ///
     /// Were there more, the first is given, and the others count as glitches: no crank turns that fast.
     pub fn end_tick(&mut self, cycles: u32) -> Option<IndexPulse> {
-        self.settle(i32::try_from(cycles).unwrap_or(i32::MAX));
-        // Saturated times are still further back than any width.
-        self.since = self.since.saturating_sub_unsigned(cycles);
-        self.first = self.first.saturating_sub_unsigned(cycles);
+        let cycles = at_most_long(cycles);
+        if self.level != self.steady {
+            self.settle(cycles);
+        }
+        self.since = (self.since - cycles).max(LONG_AGO);
+        self.first = (self.first - cycles).max(LONG_AGO);
         self.pulse.take()
     }
 
@@ -98,7 +103,7 @@ impl IndexFilter {
 
     /// Whether the present stretch, seen at `now`, counts; takes it in if so.
     fn settle(&mut self, now: i32) -> bool {
-        let counts = i64::from(now) - i64::from(self.since) >= i64::from(self.width);
+        let counts = now - self.since >= self.width;
         if counts && self.level != self.steady {
             self.steady = self.level;
             if self.level {
@@ -110,6 +115,15 @@ impl IndexFilter {
             }
         }
         counts
+    }
+}
+
+/// Cycles, none so many that a time that many later would not fit: beyond 4 s all are alike.
+const fn at_most_long(cycles: u32) -> i32 {
+    if cycles < LONG_AGO.unsigned_abs() {
+        cycles as i32
+    } else {
+        -LONG_AGO
     }
 }
 

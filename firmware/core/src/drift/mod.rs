@@ -136,8 +136,9 @@ impl<const N: usize> DriftMonitor<N> {
         let limit = self.limits.index_turns;
         let mut missing = None;
         let mut heard = 0;
-        let axes = self.sensors.iter_mut().zip(pulses).zip(commanded);
-        for (axis, ((sensor, pulse), commanded)) in axes.enumerate() {
+        let sensors = self.sensors.iter_mut().zip(&mut self.drift);
+        let axes = sensors.zip(pulses).zip(commanded);
+        for (axis, (((sensor, drift), pulse), commanded)) in axes.enumerate() {
             let Some(index) = sensor.index else {
                 continue;
             };
@@ -161,7 +162,7 @@ impl<const N: usize> DriftMonitor<N> {
             };
             if let Some(phase) = phase {
                 let at = phase.at(cycle, self.per_tick_cycle);
-                self.drift[axis] = nearest(Phase::from_turns(index).since(at));
+                *drift = nearest(Phase::from_turns(index).since(at));
                 heard |= 1 << axis;
             }
         }

@@ -47,14 +47,16 @@ const HOLD_US: u32 = 10;
 /// DIR in a word.
 const DIR: u32 = 1 << 31;
 
-/// The block of an axis.
+/// The block of an axis. Looked up: the board has no instruction that divides.
 const fn block_of(axis: usize) -> usize {
-    axis / MACHINES
+    const BLOCK: [u8; AXES] = [0, 0, 0, 1, 1, 1];
+    BLOCK[axis] as usize
 }
 
 /// The machine of an axis within its block.
 const fn machine_of(axis: usize) -> usize {
-    axis % MACHINES
+    const MACHINE: [u8; AXES] = [0, 1, 2, 0, 1, 2];
+    MACHINE[axis] as usize
 }
 
 /// Those machines of a block, a bit each, that make steps on a machine of `axes` axes.
@@ -140,7 +142,7 @@ impl Steps {
         }
         let offer = critical_section::with(|cs| self.hand_over(cs, start));
         if matches!(offer, Offer::Taken | Offer::Begun(_)) {
-            self.until = Some(start + self.tick);
+            self.until = start.checked_add(self.tick);
             core::mem::swap(&mut self.free, &mut self.given);
         }
         offer
@@ -199,7 +201,7 @@ impl Steps {
     /// An axis whose machine has waited for words since it was let go.
     fn dry_axis(&self) -> Option<usize> {
         let stalled = BLOCKS.map(|pio| pio.fdebug().read().txstall());
-        (0..self.axes).find(|&axis| {
+        (0..self.axes.min(AXES)).find(|&axis| {
             let block = stalled.get(block_of(axis)).copied().unwrap_or_default();
             block & 1 << machine_of(axis) != 0
         })
@@ -207,7 +209,7 @@ impl Steps {
 
     /// Whether every machine has played all its words and waits for more.
     fn all_stand(&self) -> bool {
-        (0..self.axes).all(|axis| {
+        (0..self.axes.min(AXES)).all(|axis| {
             let pio = if block_of(axis) == 0 {
                 pac::PIO0
             } else {
@@ -268,7 +270,7 @@ struct Words {
 impl Words {
     const EMPTY: Self = Self {
         words: [0; MAX_RUNS + 1],
-        used: 1,
+        used: 0,
     };
 
     /// Takes a tick's runs over, DIR turned round for an axis that is.

@@ -1,0 +1,44 @@
+// The figures that are kept: docs/emulated.csv, and the table of them in docs/image.md.
+
+import fs from 'node:fs';
+import path from 'node:path';
+import { DOCS } from './paths.mjs';
+
+const CSV = path.join(DOCS, 'emulated.csv');
+const PAGE = path.join(DOCS, 'image.md');
+const BEGIN = '<!-- written by tests/emulator/run --write -->';
+const END = '<!-- end -->';
+
+/** A figure may get worse by this part before it is a failure. */
+const MOST_WORSE = 0.05;
+
+/** What was kept: name to number. */
+function kept() {
+  if (!fs.existsSync(CSV)) return new Map();
+  const [, ...rows] = fs.readFileSync(CSV, 'utf8').trimEnd().split('\n');
+  return new Map(rows.map((row) => row.match(/^"(.*)",(.*),(.*)$/)).map(([, name, value]) => [name, Number(value)]));
+}
+
+/** Figures that got worse, as sentences. */
+export function worse(figures) {
+  const before = kept();
+  return figures.flatMap(({ name, value, better }) => {
+    const was = before.get(name);
+    if (was === undefined) return [`${name}: ${value} is not kept yet; --write keeps it`];
+    const by = better === 'lower' ? value / was - 1 : was / value - 1;
+    return by > MOST_WORSE ? [`${name}: ${value}, and was ${was}: worse by ${(by * 100).toFixed(1)} %`] : [];
+  });
+}
+
+/** Keeps the figures, all of them. */
+export function write(figures) {
+  const rows = figures.map(({ name, value, better }) => `"${name}",${value},${better}`);
+  fs.writeFileSync(CSV, `figure,value,better\n${rows.join('\n')}\n`);
+  const table = ['| figure, emulated | |', '| --- | ---: |', ...figures.map(({ name, value }) => `| ${name} | ${grouped(value)} |`)];
+  const page = fs.readFileSync(PAGE, 'utf8');
+  const [head, rest] = page.split(BEGIN);
+  const [, tail] = rest.split(END);
+  fs.writeFileSync(PAGE, `${head}${BEGIN}\n\n${table.join('\n')}\n\n${END}${tail}`);
+}
+
+const grouped = (value) => (Number.isInteger(value) ? value.toLocaleString('en-US') : String(value));
