@@ -24,6 +24,10 @@ use crate::report::Reporter;
 
 /// A loop and its world, of as many axes as the settings have.
 #[allow(missing_docs, reason = "they are what they are called")]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is one, in a place of its own"
+)]
 pub enum Machine {
     Two(Controller<2>, Board<2>),
     Three(Controller<3>, Board<3>),

@@ -133,10 +133,10 @@ pub async fn tell(mut notes: Consumer<'static, Note>) -> ! {
             }
             What::Fault(fault) => tell_fault(tick, &fault),
             What::Missed(all) => {
-                defmt::warn!("tick {=u32}: {=u32} deadlines missed in all", tick, all)
+                defmt::warn!("tick {=u32}: {=u32} deadlines missed in all", tick, all);
             }
             What::Late(all) => {
-                defmt::warn!("tick {=u32}: {=u32} deadlines met late in all", tick, all)
+                defmt::warn!("tick {=u32}: {=u32} deadlines met late in all", tick, all);
             }
             What::Lost(notes) => defmt::warn!("tick {=u32}: {=u32} notes lost", tick, notes),
         }

@@ -152,8 +152,8 @@ pub fn sync(high: bool) {
 pub fn lamp(state: State) {
     let now_us = now_us();
     let on = match state {
-        State::Idle => (now_us >> 16) % 16 == 0, // 66 ms in 1.05 s
-        State::Fault => (now_us >> 17) % 2 == 0, // 131 ms on, 131 ms off
+        State::Idle => (now_us >> 16) & 15 == 0, // 66 ms in 1.05 s
+        State::Fault => (now_us >> 17) & 1 == 0, // 131 ms on, 131 ms off
         _ => true,
     };
     set(pins::LAMP, on);

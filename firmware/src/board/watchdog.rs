@@ -34,16 +34,9 @@ pub fn last_seen() -> Option<LastSeen> {
         return None;
     }
     let left = pac::WATCHDOG.scratch0().read();
-    let state = (left & !0xFF == LEFT).then(|| match left & 0xFF {
-        1 => State::Align,
-        2 => State::Run,
-        3 => State::Stop,
-        4 => State::Parked,
-        5 => State::Fault,
-        _ => State::Idle,
-    });
+    let number = (left ^ LEFT) as usize; // beyond all states, if it is not ours
     Some(LastSeen {
-        state,
+        state: State::ALL.get(number).copied(),
         tick: pac::WATCHDOG.scratch1().read(),
     })
 }

@@ -1,50 +1,91 @@
-// Rate: how many steps a second the image sustains, and what they cost the processor.
+// Rate: how many steps a second the image sustains on six axes, and what they cost the processor.
 //
-// Six axes at the highest rate that the settings accept, 1 M steps/s each, for 100 ms; then scenes of 2, 4 and 6 axes at
-// the same rate for the cost of a tick. Steps are counted at the pins. A machine that ran dry, or a deadline that was
-// missed, would be a fault, and the log and the state would show it.
+// First the rate that is promised, 1 M steps/s on each axis for 100 ms. Then upwards, with pulses as narrow as each rate
+// needs, up to the last at which every deadline is met. Steps are counted at the pins; that a machine ran dry, or a
+// deadline was missed, the log tells.
 
 import { blobOf, predict, scene } from '../bench/host.mjs';
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
 
 const SECONDS = 0.1;
-const LEAST_RATE = 1e6 * 0.999;
+const PROMISED = 1e6;
 const MOST_BUSY = 0.5;
+const RISE = 250e3;
+/** The settings accept no more than 2.93 M steps/s, however narrow the pulse. */
+const MOST = 2.9e6;
 
-export const title = 'Rate: a million steps a second on each axis';
+export const title = 'Rate: six axes at a million steps a second each, and more';
 
 export function run(outcome) {
-  const played = scene('fast');
+  const promised = sustain(PROMISED);
+  say(outcome, promised);
+  outcome.check(promised.slowest >= PROMISED * 0.9999, `every axis makes ${PROMISED} steps/s, not ${promised.slowest}`);
+  outcome.check(promised.busy < MOST_BUSY, `the processor is less than half busy, not ${(promised.busy * 100).toFixed(1)} %`);
+  outcome.check(promised.trouble === undefined, `the log tells of no trouble: ${promised.trouble}`);
+  outcome.figure('six axes at 1 M steps/s: processor busy, %', promised.busy * 100);
+  outcome.figure('six axes at 1 M steps/s: processor cycles a step', promised.cyclesPerStep);
+  outcome.figure('six axes at 1 M steps/s: worst tick, cycles', promised.worst);
+
+  let highest = promised;
+  for (let rate = PROMISED + RISE; rate <= MOST; rate += RISE) {
+    const tried = sustain(rate);
+    if (tried.trouble !== undefined) {
+      outcome.say(`${(rate / 1e6).toFixed(2)} M steps/s do not hold: ${tried.trouble}`);
+      break;
+    }
+    highest = tried;
+  }
+  say(outcome, highest);
+  outcome.figure('six axes, highest rate that holds, steps/s each', Math.round(highest.rate), 'higher');
+}
+
+function say(outcome, { rate, axes, busy, worst, cyclesPerStep }) {
+  outcome.say(
+    `${axes} axes at ${(rate / 1e6).toFixed(2)} M steps/s each, ${((axes * rate) / 1e6).toFixed(1)} M in all, for ${SECONDS * 1e3} ms: ` +
+      `processor ${(busy * 100).toFixed(1)} % busy, worst tick ${worst} cycles, ${cyclesPerStep.toFixed(2)} cycles a step`,
+  );
+}
+
+/** Runs the scene `fast` at another rate. `trouble` is what the log tells of, if it is anything bad. */
+function sustain(rate) {
+  const played = scene('fast', (toml) => {
+    const hz = rate / toml.axes.steps_per_turn;
+    const omega = 2 * Math.PI * hz;
+    const { crank_radius_mm: radius, lambda } = toml.machine;
+    toml.limits.speed_hz = hz * 1.0002;
+    toml.limits.acceleration_hz_per_s *= rate / PROMISED;
+    toml.limits.jerk_hz_per_s2 *= rate / PROMISED;
+    toml.program[0].hold_s = 0.2;
+    toml.program[0].amax_g = ((omega * omega * radius) / 1e3) * (1 + lambda) * (1.00001 / 9.80665);
+    // What a change of direction leaves of a tick must hold the pulse and 80 ns of guard, both ways (docs/loop.md); two
+    // cycles less for the rate's own slack, and for being whole.
+    toml.pulse.width_ns = 8 * Math.floor((375e6 / rate - 80) / 8 - 2);
+  });
   const { report } = predict(played);
   const machine = new Machine({ ...played, blob: blobOf(played) });
   machine.boot();
   const began = machine.start();
-  // The program's hold begins after its ramp, and what the shaft's limits add to that.
-  const from = began + Math.round((report.time_in_state_s.align + 0.062) * CYCLES_PER_S);
+  // The hold begins after the ramp, and what the shaft's limits add to that.
+  const { align } = report.time_in_state_s;
+  const from = began + Math.round((align + 0.08) * CYCLES_PER_S);
   machine.board.run({ untilCycle: from });
   const before = machine.board.usage.sums();
   machine.board.run({ untilCycle: from + SECONDS * CYCLES_PER_S });
   const after = machine.board.usage.sums();
 
-  const rates = [];
-  for (let axis = 0; axis < played.axes; axis += 1) {
-    const steps = machine.board.edges.to(`step_${axis}`, 1).filter((cycle) => cycle >= from).length;
-    rates.push(steps / SECONDS);
-  }
-  const busy = (after.awake - before.awake) / (after.cycles - before.cycles);
-  const steps = rates.reduce((sum, rate) => sum + rate * SECONDS, 0);
-  const ticks = machine.ticks(from).map(({ own }) => own);
-  const worst = Math.max(...ticks);
-  outcome.say(`${played.axes} axes, ${(Math.min(...rates) / 1e6).toFixed(4)} M steps/s each for ${SECONDS * 1e3} ms, ${(steps / SECONDS / 1e6).toFixed(2)} M in all`);
-  outcome.say(`processor ${(busy * 100).toFixed(1)} % busy, worst tick ${worst} cycles, ${((after.awake - before.awake) / steps).toFixed(2)} cycles a step`);
-  outcome.check(Math.min(...rates) >= LEAST_RATE, `every axis makes 1 M steps/s, not ${rates.join(', ')}`);
-  outcome.check(busy < MOST_BUSY, `the processor is less than half busy, not ${(busy * 100).toFixed(1)} %`);
-  const lines = log(machine.board);
-  const bad = lines.filter((line) => /fault|missed|late|lost/.test(line));
-  outcome.check(bad.length === 0, `the log tells of no fault: ${bad.join('; ')}`);
-  outcome.check(machine.level('enable') === 1, 'the drives are still on');
-  outcome.figure('processor busy at 6 × 1 M steps/s, %', busy * 100);
-  outcome.figure('processor cycles a step at 6 × 1 M steps/s', (after.awake - before.awake) / steps);
-  outcome.figure('worst tick at 6 × 1 M steps/s, cycles', worst);
+  const counts = Array.from(
+    { length: played.axes },
+    (_, axis) => machine.board.edges.to(`step_${axis}`, 1).filter((cycle) => cycle >= from).length,
+  );
+  const awake = after.awake - before.awake;
+  return {
+    rate,
+    axes: played.axes,
+    slowest: Math.min(...counts) / SECONDS,
+    busy: awake / (after.cycles - before.cycles),
+    worst: Math.max(...machine.ticks(from).map(({ own }) => own)),
+    cyclesPerStep: awake / counts.reduce((sum, count) => sum + count, 0),
+    trouble: log(machine.board).find((line) => /fault|missed|late|lost/.test(line))?.trim(),
+  };
 }

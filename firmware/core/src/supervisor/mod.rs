@@ -42,6 +42,16 @@ pub enum State {
 }
 
 impl State {
+    /// All of them; each at the place that it has as a number.
+    pub const ALL: [Self; 6] = [
+        Self::Idle,
+        Self::Align,
+        Self::Run,
+        Self::Stop,
+        Self::Parked,
+        Self::Fault,
+    ];
+
     /// The state's name, in lower case.
     pub const fn name(self) -> &'static str {
         match self {

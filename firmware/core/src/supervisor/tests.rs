@@ -53,14 +53,15 @@ fn in_state(state: State) -> Supervisor {
     supervisor
 }
 
-const STATES: [State; 6] = [
-    State::Idle,
-    State::Align,
-    State::Run,
-    State::Stop,
-    State::Parked,
-    State::Fault,
-];
+const STATES: [State; 6] = State::ALL;
+
+/// A state is kept as its number over a restart, and told by it.
+#[test]
+fn every_state_is_at_its_number() {
+    for (number, state) in State::ALL.into_iter().enumerate() {
+        assert_eq!(state as usize, number);
+    }
+}
 const COMMANDS: [Option<Command>; 6] = [
     None,
     Some(Command::Start),
