@@ -9,10 +9,12 @@
 mod pace;
 pub mod planner;
 mod run;
+mod timing;
 
 pub use pace::Pace;
-pub use planner::{Planner, PulseTiming};
+pub use planner::Planner;
 pub use run::Run;
+pub use timing::PulseTiming;
 
 /// Most edges in a tick of a stepper axis; the settings keep to it.
 pub const MAX_EDGES: u32 = 4800;

@@ -23,8 +23,7 @@
 //! reckoned from there.
 
 use super::pace::{HALF_STEP, Pace, TIME_BITS};
-use super::{MAX_EDGES, Run, Runs};
-use crate::settings::{AxisSettings, CLOCK_HZ, Problem, PulseSettings, SettingsError};
+use super::{PulseTiming, Run, Runs};
 use crate::units::{FRACTION_BITS, Turns};
 
 /// Most edges that share a chunk.
@@ -33,124 +32,6 @@ const CHUNK_BITS: u32 = 6;
 
 /// Least distance of an edge from either end of its tick, cycles.
 pub const GUARD: u32 = Run::LEAST_CYCLES;
-
-/// Most counts of a servo axis in a tick: half of what 64 bits hold, as half-steps of 2⁻⁴⁸.
-const MOST_COUNTS: f64 = 8192.0;
-
-/// Timing of the step and direction lines, in cycles.
-#[derive(Clone, Copy, Debug)]
-pub struct PulseTiming {
-    tick: u32,
-    width: u32,
-    /// The pause before the one that carries a change of direction.
-    before_turn: u32,
-    /// The pause that carries it.
-    turn: u32,
-}
-
-impl PulseTiming {
-    /// Timing for a tick rate.
-    ///
-    /// # Errors
-    /// A direction change that needs more than a quarter of a tick.
-    pub fn new(settings: &PulseSettings, tick_hz: u32) -> Result<Self, SettingsError> {
-        let cycles = |ns: f64| libm::ceil(ns * f64::from(CLOCK_HZ) / 1e9) as u32;
-        let width = cycles(settings.width_ns);
-        // The line is held for this pause, and turns DIR_DELAY after it.
-        let before_turn = cycles(settings.dir_hold_ns)
-            .saturating_sub(Run::DIR_DELAY)
-            .max(Run::LEAST_CYCLES);
-        // The next edge comes at least GUARD after the pause, which makes up for DIR_DELAY. A change of
-        // direction follows a falling edge, and STEP must stay low for its width, too.
-        const { assert!(GUARD >= Run::DIR_DELAY) };
-        let turn = cycles(settings.dir_setup_ns)
-            .max(width.saturating_sub(before_turn + GUARD))
-            .max(Run::LEAST_CYCLES);
-        let timing = Self {
-            tick: CLOCK_HZ / tick_hz,
-            width,
-            before_turn,
-            turn,
-        };
-        let turn_round = width.max(GUARD) + before_turn + turn + 2 * GUARD;
-        if turn_round > timing.tick / 4 {
-            let us = |cycles: u32| f64::from(cycles) * 1e6 / f64::from(CLOCK_HZ);
-            return Err(SettingsError::new(
-                "pulse.dir_setup_ns",
-                Problem::SetupTooLong {
-                    need_us: us(turn_round),
-                    most_us: us(timing.tick / 4),
-                },
-            ));
-        }
-        Ok(timing)
-    }
-
-    /// Most steps a second: the pulse's width must be left when an edge has moved by the guard, also
-    /// in the three quarters of a tick that a change of direction leaves.
-    fn most_step_hz(&self, tick_hz: u32) -> f64 {
-        let half_step = f64::from((self.width + GUARD + 2).max(2 * GUARD)) * 4.0 / 3.0;
-        let by_width = f64::from(CLOCK_HZ) / (2.0 * half_step);
-        let by_edges = f64::from(MAX_EDGES - 2) * f64::from(tick_hz) / 2.0;
-        by_width.min(by_edges)
-    }
-
-    /// Checks that an axis can make its steps at its greatest speed.
-    ///
-    /// # Errors
-    /// More steps a second than the pulse width, or the edges of a tick, allow.
-    pub fn check_rate(
-        &self,
-        axis: &AxisSettings,
-        axis_speed_hz: f64,
-        tick_hz: u32,
-    ) -> Result<(), SettingsError> {
-        let rate_hz = axis_speed_hz * f64::from(axis.steps_per_turn);
-        let most_hz = self.most_step_hz(tick_hz);
-        if rate_hz > most_hz {
-            return Err(SettingsError::new(
-                "axes.steps_per_turn",
-                Problem::StepRate {
-                    speed_hz: axis_speed_hz,
-                    rate_hz,
-                    most_hz,
-                    edges: MAX_EDGES,
-                },
-            ));
-        }
-        Ok(())
-    }
-
-    /// Checks that an axis that is only counted, a servo's, can be: 64 bits hold a tick's counts.
-    ///
-    /// # Errors
-    /// More than 8192 counts a tick.
-    pub fn check_counts(
-        axis: &AxisSettings,
-        axis_speed_hz: f64,
-        tick_hz: u32,
-    ) -> Result<(), SettingsError> {
-        let rate_hz = axis_speed_hz * f64::from(axis.steps_per_turn);
-        let most_hz = MOST_COUNTS * f64::from(tick_hz);
-        if rate_hz > most_hz {
-            return Err(SettingsError::new(
-                "axes.steps_per_turn",
-                Problem::CountRate {
-                    speed_hz: axis_speed_hz,
-                    rate_hz,
-                    most_hz,
-                    most_steps: (most_hz / axis_speed_hz) as u32,
-                },
-            ));
-        }
-        Ok(())
-    }
-
-    /// Cycles in a tick.
-    pub const fn tick(&self) -> u32 {
-        self.tick
-    }
-}
 
 /// Plans the pulses of one axis.
 #[derive(Clone, Debug)]

@@ -1,6 +1,7 @@
 //! The runs, integrated again edge by edge, against the phase that they were made from.
 
 use super::*;
+use crate::settings::{CLOCK_HZ, PulseSettings};
 use proptest::prelude::*;
 use std::vec::Vec;
 
