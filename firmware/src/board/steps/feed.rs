@@ -2,8 +2,8 @@
 //!
 //! A channel moves a tick's words into its machine's FIFO as fast as that takes them. The words of the tick
 //! after are *queued* long before: when the channel is done, with the last 8 words still to be played, an
-//! interrupt sets it on those. At the highest step rate the 8 words hold over 40 µs of edges (a chunk of 80),
-//! and that is what the interrupt may be late by.
+//! interrupt sets it on those. Among the last 8 words of a tick of many edges are whole chunks of 64: at 1 M steps/s
+//! over 30 µs, which is what the interrupt may be late by. A tick of fewer words is in the FIFO at once.
 
 use core::cell::Cell;
 
