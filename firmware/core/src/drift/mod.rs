@@ -76,8 +76,9 @@ struct Sensor {
     index: Option<Turns>,
     /// Commanded turns since its last pulse.
     since: Turns,
-    /// What was commanded in the tick before the one that is over; none if that is not known.
-    before: Option<TickPhase>,
+    /// Turns commanded in the tick before the one that is over; none if that is not known. It ended where the
+    /// one that is over began.
+    before: Option<Turns>,
 }
 
 /// Watches the drift of `N` axes.
@@ -142,7 +143,7 @@ impl<const N: usize> DriftMonitor<N> {
             let Some(index) = sensor.index else {
                 continue;
             };
-            let before = sensor.before.replace(*commanded);
+            let before = sensor.before.replace(commanded.turns);
             let Some(pulse) = pulse else {
                 // The turns of this tick come on top only now: a pulse in it may wait to be confirmed.
                 if sensor.since > limit {
@@ -158,6 +159,10 @@ impl<const N: usize> DriftMonitor<N> {
             let (phase, cycle) = if back == 0 {
                 (Some(*commanded), pulse.cycle.unsigned_abs())
             } else {
+                let before = before.map(|turns| TickPhase {
+                    start: commanded.start.advanced(turns.wrapping_neg()),
+                    turns,
+                });
                 (before, self.tick_cycles.saturating_sub(back))
             };
             if let Some(phase) = phase {
