@@ -24,11 +24,13 @@ export function run(outcome, { scenes = SCENES } = {}) {
   let total = 0;
   let skew = 0;
   for (const name of scenes) {
+    const before = outcome.failures.length;
     const { edges, offsets } = compare(outcome, scene(name));
+    const off = outcome.failures.length > before ? 'not all where they should be' : '0 cycles off';
     total += edges;
     const [first, second = first] = offsets;
     skew = Math.max(skew, Math.abs(first - second));
-    outcome.say(`${name.padEnd(12)} ${edges.toString().padStart(8)} edges, 0 cycles off (blocks begin at ${offsets.join(', ')})`);
+    outcome.say(`${name.padEnd(12)} ${edges.toString().padStart(8)} edges, ${off} (blocks begin at ${offsets.join(', ')})`);
   }
   outcome.say(`${total} edges compared; skew within a block 0 cycles, across blocks ${skew}`);
   outcome.check(total >= LEAST_EDGES, `at least ${LEAST_EDGES} edges are compared, not ${total}`);
