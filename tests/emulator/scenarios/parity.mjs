@@ -18,6 +18,9 @@ const LEAST_EDGES = 100_000;
 /** Edges due at one instant, across blocks: at most this far apart. */
 const MOST_SKEW = 2;
 
+/** From a deadline to the first cycle of its tick: the µs and a little that letting the machines go takes. */
+const MOST_OFFSET = 140;
+
 export const title = 'Parity: edges against the host’s prediction';
 
 export function run(outcome, { scenes = SCENES } = {}) {
@@ -29,6 +32,7 @@ export function run(outcome, { scenes = SCENES } = {}) {
     const off = outcome.failures.length > before ? 'not all where they should be' : '0 cycles off';
     total += edges;
     const [first, second = first] = offsets;
+    outcome.check(first >= 0 && first <= MOST_OFFSET, `${name}: a tick begins at its deadline, not ${first} cycles from it`);
     skew = Math.max(skew, Math.abs(first - second));
     outcome.say(`${name.padEnd(12)} ${edges.toString().padStart(8)} edges, ${off} (blocks begin at ${offsets.join(', ')})`);
   }
