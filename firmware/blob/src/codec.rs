@@ -19,6 +19,7 @@ pub const MAX_PAYLOAD_BYTES: usize = {
     let machine = 5 * F64 + SMALL;
     let limits = 4 * F64 + SMALL + MAX_BANDS * 2 * F64;
     let pulse = 3 * F64;
+    let index_width = F64;
     let axis = SMALL + U32 + SMALL + 2 * U32 + F64 + (SMALL + F64) + 3 * F64;
     let axes = SMALL + MAX_AXES * axis;
     let trims = SMALL + MAX_AXES * F64;
@@ -26,7 +27,16 @@ pub const MAX_PAYLOAD_BYTES: usize = {
     let park_settle = 2 * F64;
     let segment = SMALL + 3 * F64 + SMALL;
     let program = 2 * SMALL + CAPACITY * segment;
-    name + U32 + machine + limits + pulse + axes + trims + drift + park_settle + program
+    name + U32
+        + machine
+        + limits
+        + pulse
+        + index_width
+        + axes
+        + trims
+        + drift
+        + park_settle
+        + program
 };
 
 /// Longest blob, bytes.
