@@ -2,7 +2,7 @@
 //!
 //! Three things run on the one core, each at its own priority, highest first: the *guard*, which cuts the
 //! drives when the enable input goes; the *control loop*; and in what time is left, the log. The step
-//! edges are made by none of these: see [`board::steps`].
+//! edges are made by none of these: see `board::steps`.
 //!
 //! | module | is |
 //! | --- | --- |
