@@ -2,7 +2,7 @@
 //!
 //! A build for a host needs neither.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// Names a blob, as `cophase image` writes it, to be built in instead of the default scene's.
@@ -29,15 +29,32 @@ fn main() {
     }
 
     let blob = match env::var_os(BLOB) {
-        Some(path) => PathBuf::from(path),
-        None => here.join("blob/golden/default.blob"),
+        // Cargo runs this in the package's folder; whoever gave the path was most often at the top.
+        Some(path) if !path.is_empty() => here.join("..").join(path),
+        _ => here.join("blob/golden/default.blob"),
     };
     println!("cargo:rerun-if-changed={}", blob.display());
-    let bytes = fs::read(&blob).unwrap_or_else(|error| {
-        panic!(
-            "{}: {error}; {BLOB} names a file that `cophase image SCENE -o FILE` wrote",
-            blob.display()
-        )
-    });
-    fs::write(out.join("built-in.blob"), bytes).expect("cargo's own folder can be written");
+    match check(&blob) {
+        Ok((bytes, told)) => {
+            if env::var_os(BLOB).is_some_and(|path| !path.is_empty()) {
+                println!("cargo::warning=settings built in: {told}");
+            }
+            fs::write(out.join("built-in.blob"), bytes).expect("cargo's own folder can be written");
+        }
+        Err(problem) => {
+            println!(
+                "cargo::error={}: {problem}; {BLOB} names a file that `cophase image SCENE -o FILE` wrote, \
+                 counted from the top of the workspace",
+                blob.display()
+            );
+        }
+    }
+}
+
+/// A blob that the image will be able to read, and what is in it.
+fn check(path: &Path) -> Result<(Vec<u8>, String), String> {
+    let bytes = fs::read(path).map_err(|error| error.to_string())?;
+    let setup = cophase_blob::decode(&bytes).map_err(|error| error.to_string())?;
+    let told = format!("{}, {} axes", setup.name, setup.axes_count());
+    Ok((bytes, told))
 }

@@ -91,14 +91,16 @@ async fn guard(mut enable: Input<'static>) -> ! {
     }
 }
 
-/// Says with the lamp that there is nothing to run on: a short flash a second. The drives are off.
+/// Says with the lamp that there is nothing to run on: two short flashes a second. The drives are off.
 #[embassy_executor::task]
 async fn refuse() -> ! {
     loop {
-        lines::light(true);
-        Timer::after(Duration::from_millis(50)).await;
-        lines::light(false);
-        Timer::after(Duration::from_millis(950)).await;
+        for dark_ms in [150, 750] {
+            lines::light(true);
+            Timer::after(Duration::from_millis(50)).await;
+            lines::light(false);
+            Timer::after(Duration::from_millis(dark_ms)).await;
+        }
     }
 }
 

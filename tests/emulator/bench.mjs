@@ -1,14 +1,18 @@
 // The bench: runs scenarios on the image, prints what they found, and fails if anything does not hold.
 
+import fs from 'node:fs';
+import path from 'node:path';
 import { Outcome } from './bench/outcome.mjs';
 import { worse, write } from './bench/figures.mjs';
 
 const SCENARIOS = ['image', 'parity', 'rate', 'cost', 'index', 'safety', 'store'];
 
-const HELP = `usage: tests/emulator/run [--write] [--no-figures] [SCENARIO ...]
+const HELP = `usage: tests/emulator/run [--write] [--no-figures] [SCENARIO ... | SCENE.toml ...]
 
 Builds the image, runs it in the emulator, and compares what it does with what it should.
 Scenarios: ${SCENARIOS.join(', ')}; all of them if none is named.
+A scene of your own is run as it is, and every edge compared with what \`cophase run\` predicts: a minute of three axes
+takes about five.
 
   --write       keep the figures: docs/emulated.csv, the table in docs/image.md, and tests/emulator/image-size.toml
   --no-figures  do not compare figures, and the image's size, with those that are kept: for another compiler than theirs
@@ -20,22 +24,33 @@ if (args.includes('--help') || args.includes('-h')) {
   console.log(HELP);
   process.exit(0);
 }
-const asked = args.filter((arg) => !arg.startsWith('--'));
-const unknown = args.filter((arg) => !['--write', '--no-figures', ...SCENARIOS].includes(arg));
+const OPTIONS = ['--write', '--no-figures', '--only-arguments'];
+const scenes = args.filter((arg) => arg.endsWith('.toml')).map((file) => path.resolve(file));
+const missing = scenes.filter((file) => !fs.existsSync(file));
+const asked = args.filter((arg) => !arg.startsWith('--') && !arg.endsWith('.toml'));
+const unknown = [...args.filter((arg) => ![...OPTIONS, ...SCENARIOS].includes(arg) && !arg.endsWith('.toml')), ...missing];
 if (unknown.length > 0) {
   console.error(`bench: nothing is called ${unknown.join(', ')}\n\n${HELP}`);
   process.exit(2);
 }
 const writing = args.includes('--write');
-if (writing && asked.length > 0) {
+if (writing && asked.length + scenes.length > 0) {
   console.error('bench: --write keeps the figures of all scenarios, so name none');
   process.exit(2);
 }
+if (args.includes('--only-arguments')) process.exit(0);
 
 const compare = !args.includes('--no-figures');
 const figures = [];
 let failures = 0;
-for (const name of asked.length > 0 ? asked : SCENARIOS) {
+if (scenes.length > 0) {
+  const parity = await import('./scenarios/parity.mjs');
+  console.log(parity.title);
+  const outcome = new Outcome('parity');
+  parity.own(outcome, scenes);
+  failures += outcome.failures.length;
+}
+for (const name of asked.length + scenes.length > 0 ? asked : SCENARIOS) {
   const scenario = await import(`./scenarios/${name}.mjs`);
   console.log(scenario.title);
   const outcome = new Outcome(name);

@@ -4,8 +4,10 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use cophase_blob::header::{FIRST_SEQUENCE, HEADER_BYTES, OUTSIDE};
+use cophase_blob::header::{FIRST_SEQUENCE, HEADER_BYTES, MAGIC, OUTSIDE};
 use cophase_blob::{Header, MAX_BLOB_BYTES, encode};
+
+use cophase_core::settings::{AxisSettings, DriveKind};
 
 use super::{CommandError, Status, scenes};
 use crate::scene::file::{AxisApart, Fidelity};
@@ -50,12 +52,13 @@ fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, Co
     .map_err(|error| CommandError::Input(error.to_string()))?;
     let seconds = ticks as f64 / f64::from(setup.tick_hz);
     let mut text = format!(
-        "{}: {} axes, {} ticks a second, a program of {} entries that lasts {seconds:.1} s.\n\
+        "{}: {} axes, {} ticks a second, a program of {} entr{} that lasts {seconds:.1} s.\n\
          Written to {}: {} bytes (header {HEADER_BYTES}, payload {}), format {}, CRC-32 {:#010x}.\n",
         checked.scene.name,
         setup.axes_count(),
         setup.tick_hz,
         setup.program.len(),
+        if setup.program.len() == 1 { "y" } else { "ies" },
         path.display(),
         header.blob_bytes(),
         header.length,
@@ -72,7 +75,13 @@ fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, Co
             left_out.join(", ")
         );
     }
-    text += "How to place it on a board: docs/blob.md.\n";
+    let servo = |axis: &AxisSettings| axis.drive == DriveKind::Servo;
+    if let Some(axis) = setup.axes.iter().position(servo) {
+        text += &format!(
+            "Axis {axis} is a servo: the RP2040 board has outputs for steppers only, and will refuse this.\n"
+        );
+    }
+    text += "How to get it onto a board: docs/image.md, docs/blob.md.\n";
     Ok(text)
 }
 
@@ -122,6 +131,14 @@ fn put(path: &Path, bytes: &[u8]) -> Result<(), String> {
     if fs::symlink_metadata(path).is_ok_and(|there| !there.is_file()) {
         return Err(format!(
             "{show} is there and is not a plain file; take it away, or give another name"
+        ));
+    }
+    // A slip of the pen must not cost somebody the scene, or whatever it is.
+    if let Ok(there) = fs::read(path)
+        && !there.starts_with(&MAGIC)
+    {
+        return Err(format!(
+            "{show} is there and is no blob; take it away, or give another name, such as my.blob"
         ));
     }
     let told = |error: &dyn std::fmt::Display| format!("{error}; give a file that can be written");

@@ -10,10 +10,11 @@ import { COPHASE, SCENES } from './paths.mjs';
 const NANOS_PER_CYCLE = 8;
 
 /**
- * A scene of the bench: what is in its file, or what `change` makes of that, and what of it the bench has to know.
+ * A scene, by its name if it is the bench's, or by its file: what is in it, or what `change` makes of that, and what of it the bench has to know.
  */
 export function scene(name, change = () => {}) {
-  const toml = parse(fs.readFileSync(path.join(SCENES, `${name}.toml`), 'utf8'));
+  const file = name.endsWith('.toml') ? name : path.join(SCENES, `${name}.toml`);
+  const toml = parse(fs.readFileSync(file, 'utf8'));
   change(toml);
   return {
     name,
