@@ -215,6 +215,11 @@ fn nowhere_to_write() {
                 "give another name",
             ],
         ),
+        // As good as a scene written over: `-o my.toml` is a slip that is easily made.
+        (
+            "taken",
+            ["-o: taken is there and is no blob", "give another name"],
+        ),
         (
             "..",
             ["-o: .. is not the name of a file", "such as my.blob"],
@@ -233,4 +238,19 @@ fn nowhere_to_write() {
         }
     }
     assert_eq!(fs::read(dir.path().join("taken")).unwrap(), b"a file");
+}
+
+/// A board that refuses what was flashed costs more than a sentence here.
+#[test]
+fn a_servo_is_said_to_be_refused_by_the_board() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = BASE.replacen("drive = \"stepper\"", "drive = \"servo\"", 1);
+    let (text, _) = text.split_once("[[command]]").unwrap();
+    let text = text.replace("pull_out = [[0, 20.0], [10, 18.0], [20, 15.0]]\n", "");
+    fs::write(dir.path().join("scene.toml"), text).unwrap();
+    let summary = said(&image(dir.path(), &["scene.toml"]));
+    assert!(
+        summary.contains("is a servo: the RP2040 board has outputs for steppers only"),
+        "{summary}"
+    );
 }
