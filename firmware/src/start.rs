@@ -63,7 +63,8 @@ fn main() -> ! {
         made.inspect_err(|refusal| defmt::error!("settings refused: {}", refusal))
             .ok()
     });
-    let enable = Input::new(p.PIN_26, Pull::Up);
+    let mut enable = Input::new(p.PIN_26, Pull::Up);
+    enable.set_schmitt(true);
 
     static EXECUTOR: StaticCell<Executor> = StaticCell::new();
     EXECUTOR.init(Executor::new()).run(|spawner| {
@@ -72,6 +73,8 @@ fn main() -> ! {
             spawner.spawn(defmt::unwrap!(refuse()));
             return;
         };
+        // What wakes the guard must not wait for the loop either.
+        interrupt::IO_IRQ_BANK0.set_priority(Priority::P0);
         interrupt::SWI_IRQ_1.set_priority(Priority::P1);
         let guards = GUARD.start(interrupt::SWI_IRQ_1);
         guards.spawn(defmt::unwrap!(guard(enable)));

@@ -18,6 +18,9 @@ const TICKS: u32 = 20;
 /// Says that the registers hold what this image left there. Its last byte is the state.
 const LEFT: u32 = 0xC0F4_5E00;
 
+/// In place of a state, before the loop's first tick.
+const NOT_BEGUN: u32 = 0xFF;
+
 /// What was going on when the watchdog restarted the controller.
 #[derive(Clone, Copy, Debug, defmt::Format)]
 pub struct LastSeen {
@@ -30,11 +33,13 @@ pub struct LastSeen {
 /// Whether it was the watchdog that started the controller, and what it was doing before.
 pub fn last_seen() -> Option<LastSeen> {
     let reason = pac::WATCHDOG.reason().read();
-    if !(reason.timer() || reason.force()) {
+    let left = pac::WATCHDOG.scratch0().read();
+    pac::WATCHDOG.scratch0().write_value(0);
+    // The boot ROM restarts through the watchdog too, after a download.
+    if !(reason.timer() || reason.force()) || left & !0xFF != LEFT {
         return None;
     }
-    let left = pac::WATCHDOG.scratch0().read();
-    let number = (left ^ LEFT) as usize; // beyond all states, if it is not ours
+    let number = (left ^ LEFT) as usize; // beyond all states, if the loop had not begun
     Some(LastSeen {
         state: State::ALL.get(number).copied(),
         tick: pac::WATCHDOG.scratch1().read(),
@@ -50,9 +55,10 @@ pub struct Fed {
 impl Fed {
     /// Starts the watchdog for a loop of `tick_us` µs.
     pub fn start(watchdog: Peri<'static, WATCHDOG>, tick_us: u32) -> Self {
-        pac::WATCHDOG.scratch0().write_value(0);
+        pac::WATCHDOG.scratch0().write_value(LEFT | NOT_BEGUN);
         let mut watchdog = Watchdog::new(watchdog);
-        watchdog.pause_on_debug(true);
+        // A core that a debugger has halted is a loop that hangs: the motors do not know the difference.
+        watchdog.pause_on_debug(false);
         let timeout_us = TICKS * tick_us;
         watchdog.start(Duration::from_micros(timeout_us.into()));
         Self {

@@ -17,10 +17,10 @@ const SCENES = ['start-stop', 'band', 'reversal', 'index', 'gears', 'fast'];
 const LEAST_EDGES = 100_000;
 
 /** Edges due at one instant, across blocks: at most this far apart. */
-const MOST_SKEW = 2;
+const MOST_SKEW = 0;
 
-/** From a deadline to the first cycle of its tick: the µs and a little that letting the machines go takes. */
-const MOST_OFFSET = 140;
+/** From a deadline to the first cycle of its tick: the few cycles that letting the machines go takes. */
+const MOST_OFFSET = 20;
 
 export const title = 'Parity: edges against the host’s prediction';
 

@@ -107,28 +107,6 @@ function resets(machine, must) {
   must(machine.level('enable') === 1, 'after a reset, a start does');
 }
 
-const CASES = [
-  ['stop input', input(pins.STOP, 1), parks],
-  ['stop, broken wire', input(pins.STOP, null), parks],
-  ['enable lost', input(pins.ENABLE, 1), cuts(/EnableLost/, 20e-6)],
-  ['enable, broken wire', input(pins.ENABLE, null), cuts(/EnableLost/, 20e-6)],
-  [
-    'enable lost for 20 µs',
-    (machine) => {
-      machine.happened = halfATickLater(machine);
-      machine.board.stimulus.pulse(machine.happened, pins.ENABLE, Math.round(20e-6 * CYCLES_PER_S));
-    },
-    cuts(/EnableLost/, 20e-6),
-  ],
-  ['drive alarm', input(pins.ALARM[1], 1), faults(/DriveAlarm on axis 1/)],
-  ['alarm, broken wire', input(pins.ALARM[3], null), faults(/DriveAlarm on axis 3/)],
-  ['loop late by a deadline', (machine) => machine.freeze(0.0012), goesOn],
-  ['loop overrun', (machine) => machine.freeze(0.0031), faults(/Overrun/)],
-  ['FIFO run dry', starve, driesUp],
-  ['loop hangs', (machine) => machine.freeze(0.03), restarts],
-  ['panic', breakIn, restarts],
-];
-
 /** Missed deadlines that are no fault yet: all axes stand alike, go on alike, and it is told. */
 function goesOn(machine, must) {
   machine.run(0.1);
@@ -177,14 +155,44 @@ function breakIn(machine) {
   machine.board.core.waiting = false;
 }
 
+/** The enable input goes for 20 µs, 40 µs after a deadline: in the midst of the loop's tick. */
+function losesEnableInATick(machine) {
+  const [last] = machine.ticks().slice(-1);
+  machine.happened = last.entry + machine.tick + Math.round(40e-6 * CYCLES_PER_S);
+  machine.board.stimulus.pulse(machine.happened, pins.ENABLE, Math.round(20e-6 * CYCLES_PER_S));
+}
+
 /** The watchdog restarts the controller: drives off from then on, until somebody resets and starts it. */
-function restarts(machine, must) {
+const restarts = (mostS) => (machine, must) => {
   machine.run(0.5);
-  const tale = drivesFell(machine, must, 0.0101);
+  const tale = drivesFell(machine, must, mostS);
   must(machine.board.events.some(({ kind, text }) => kind === 'reset' && text === 'watchdog'), 'the watchdog restarts it');
   must(told(machine, /restarted by the watchdog.*Run/), 'the log says what the machine was doing');
   must(told(machine, /Restarted/), 'the log says Restarted');
   must(machine.level('enable') === 0, 'the drives stay off');
   resets(machine, must);
-  return `${tale}, by the watchdog; stays off until reset`;
-}
+  return `${tale}, restarted by the watchdog; stays off until reset`;
+};
+
+const CASES = [
+  ['stop input', input(pins.STOP, 1), parks],
+  ['stop, broken wire', input(pins.STOP, null), parks],
+  ['enable lost', input(pins.ENABLE, 1), cuts(/EnableLost/, 20e-6)],
+  ['enable, broken wire', input(pins.ENABLE, null), cuts(/EnableLost/, 20e-6)],
+  [
+    'enable lost for 20 µs',
+    (machine) => {
+      machine.happened = halfATickLater(machine);
+      machine.board.stimulus.pulse(machine.happened, pins.ENABLE, Math.round(20e-6 * CYCLES_PER_S));
+    },
+    cuts(/EnableLost/, 20e-6),
+  ],
+  ['… while the loop reckons', losesEnableInATick, cuts(/EnableLost/, 20e-6)],
+  ['drive alarm', input(pins.ALARM[1], 1), faults(/DriveAlarm on axis 1/)],
+  ['alarm, broken wire', input(pins.ALARM[3], null), faults(/DriveAlarm on axis 3/)],
+  ['loop late by a deadline', (machine) => machine.freeze(0.0012), goesOn],
+  ['loop overrun', (machine) => machine.freeze(0.0031), faults(/Overrun/)],
+  ['FIFO run dry', starve, driesUp],
+  ['loop hangs', (machine) => machine.freeze(0.03), restarts(0.0101)],
+  ['a fault of the core', breakIn, restarts(20e-6)],
+];

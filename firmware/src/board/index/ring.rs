@@ -17,8 +17,9 @@ const RING_BITS: u32 = (CHANGES * size_of::<u32>()).trailing_zeros();
 /// The channel; those before it are the axes'.
 const CHANNEL: usize = crate::board::pins::AXES;
 
-/// Words that the channel moves before it has to be set on again: as many as can be told apart from none.
-const WORDS: u32 = u32::MAX;
+/// Words that the channel moves before it has to be set on again: many, and whole rounds of the ring, so that it goes on
+/// where it began.
+const WORDS: u32 = u32::MAX - (CHANGES as u32 - 1);
 
 /// The ring's memory; it must lie at a multiple of its size. Atomic, since the channel writes there.
 #[repr(C, align(256))]
@@ -61,15 +62,14 @@ impl Ring {
         let channel = pac::DMA.ch(CHANNEL);
         let left = channel.trans_count().read();
         let waiting = self.unread_from.wrapping_sub(left);
-        if left == 0 {
-            // After four billion changes. What comes before it is set on again stays in the FIFO.
-            channel.al1_trans_count_trig().write_value(WORDS);
-            self.unread_from = WORDS;
-            return 0;
-        }
         if waiting as usize > CHANGES {
             self.unread_from = left;
             return 0;
+        }
+        if left == 0 && waiting == 0 {
+            // After four billion changes, all of them read. What came since waits in the FIFO.
+            channel.al1_trans_count_trig().write_value(WORDS);
+            self.unread_from = WORDS;
         }
         waiting
     }

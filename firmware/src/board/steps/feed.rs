@@ -6,6 +6,7 @@
 //! over 30 µs, which is what the interrupt may be late by. A tick of fewer words is in the FIFO at once.
 
 use core::cell::Cell;
+use core::sync::atomic::{AtomicU8, Ordering};
 
 use critical_section::{CriticalSection, Mutex};
 use embassy_rp::interrupt;
@@ -23,6 +24,9 @@ struct Words {
     address: u32,
     count: u32,
 }
+
+/// Axes, a bit each, whose words came too late: their machine had run dry, or those before them were never begun.
+static LATE: AtomicU8 = AtomicU8::new(0);
 
 static QUEUED: Mutex<[Cell<Option<Words>>; AXES]> = Mutex::new([const { Cell::new(None) }; AXES]);
 
@@ -60,8 +64,10 @@ pub fn feed(cs: CriticalSection<'_>, axis: usize, words: &[u32]) {
         count: words.len() as u32,
     };
     if is_busy(axis) {
-        if let Some(queued) = QUEUED.borrow(cs).get(axis) {
-            queued.set(Some(words));
+        if let Some(queued) = QUEUED.borrow(cs).get(axis)
+            && queued.replace(Some(words)).is_some()
+        {
+            tell_late(axis);
         }
     } else {
         begin(axis, words);
@@ -71,6 +77,28 @@ pub fn feed(cs: CriticalSection<'_>, axis: usize, words: &[u32]) {
 /// Whether a channel still has words to move.
 pub fn is_busy(axis: usize) -> bool {
     CtrlTrig(pac::DMA.ch(axis).al1_ctrl().read()).busy()
+}
+
+/// Whether words of an axis wait for its channel.
+pub fn is_waiting(cs: CriticalSection<'_>, axis: usize) -> bool {
+    let queued = QUEUED.borrow(cs).get(axis);
+    queued.is_some_and(|queued| {
+        let words = queued.take();
+        queued.set(words);
+        words.is_some()
+    })
+}
+
+/// Notes that an axis is behind. To be called with interrupts shut off.
+pub fn tell_late(axis: usize) {
+    LATE.store(LATE.load(Ordering::Relaxed) | 1 << axis, Ordering::Relaxed);
+}
+
+/// An axis that is behind, told once. To be called with interrupts shut off.
+pub fn take_late() -> Option<usize> {
+    let late = LATE.load(Ordering::Relaxed);
+    LATE.store(0, Ordering::Relaxed);
+    (0..AXES).find(|&axis| late & 1 << axis != 0)
 }
 
 fn begin(axis: usize, words: Words) {
@@ -90,6 +118,9 @@ fn DMA_IRQ_1() {
             if done & 1 << axis != 0
                 && let Some(words) = queued.take()
             {
+                if super::has_run_dry(axis) {
+                    tell_late(axis);
+                }
                 begin(axis, words);
             }
         }

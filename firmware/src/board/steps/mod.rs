@@ -41,8 +41,11 @@ const MACHINES: usize = 3;
 const LEAST_LEAD_US: i32 = 20;
 
 /// From the moment in which the machines are held to that in which they are let go, µs: time to fill their
-/// FIFOs.
-const HOLD_US: u32 = 10;
+/// FIFOs, by code that may have to come from flash first.
+const HOLD_US: u32 = 50;
+
+/// Machines that stand are not begun later than this before a tick is due, µs.
+const LEAST_BEGIN_US: u32 = HOLD_US + 20;
 
 /// DIR in a word.
 const DIR: u32 = 1 << 31;
@@ -153,6 +156,10 @@ impl Steps {
         if (lead_us as i32) < LEAST_LEAD_US {
             return Offer::TooLate;
         }
+        if let Some(axis) = feed::take_late() {
+            self.until = None;
+            return Offer::RanDry(axis);
+        }
         if self.until == Some(start) {
             if let Some(axis) = self.dry_axis() {
                 self.until = None;
@@ -162,7 +169,7 @@ impl Steps {
                 feed::feed(cs, axis, words.tick());
             }
             Offer::Taken
-        } else if self.all_stand() {
+        } else if lead_us >= LEAST_BEGIN_US && self.all_stand(cs) {
             Offer::Begun(self.begin(cs, start))
         } else {
             Offer::TooLate
@@ -191,6 +198,10 @@ impl Steps {
             while pio.fstat().read().txempty() & machines != 0 {}
         }
         release::release(go_us, first | 1 << INDEX_MACHINE, second);
+        if now_us().wrapping_sub(go_us) > 1 {
+            // Whatever held it up, the machines' ticks are not the timer's now: the next offer tells.
+            feed::tell_late(0);
+        }
         for (pio, machines) in BLOCKS.into_iter().zip([first, second]) {
             // That they waited is over now. The pause is not: none can have run dry again.
             pio.fdebug().write(|w| w.set_txstall(machines));
@@ -200,15 +211,11 @@ impl Steps {
 
     /// An axis whose machine has waited for words since it was let go.
     fn dry_axis(&self) -> Option<usize> {
-        let stalled = BLOCKS.map(|pio| pio.fdebug().read().txstall());
-        (0..self.axes.min(AXES)).find(|&axis| {
-            let block = stalled.get(block_of(axis)).copied().unwrap_or_default();
-            block & 1 << machine_of(axis) != 0
-        })
+        (0..self.axes.min(AXES)).find(|&axis| has_run_dry(axis))
     }
 
     /// Whether every machine has played all its words and waits for more.
-    fn all_stand(&self) -> bool {
+    fn all_stand(&self, cs: CriticalSection<'_>) -> bool {
         (0..self.axes.min(AXES)).all(|axis| {
             let pio = if block_of(axis) == 0 {
                 pac::PIO0
@@ -217,9 +224,22 @@ impl Steps {
             };
             let machine = machine_of(axis);
             let empty = pio.fstat().read().txempty() & 1 << machine != 0;
-            empty && !feed::is_busy(axis) && pio.sm(machine).addr().read().addr() == 0
+            empty
+                && !feed::is_busy(axis)
+                && !feed::is_waiting(cs, axis)
+                && pio.sm(machine).addr().read().addr() == 0
         })
     }
+}
+
+/// Whether the machine of an axis has waited for words since it was let go.
+fn has_run_dry(axis: usize) -> bool {
+    let pio = if block_of(axis) == 0 {
+        pac::PIO0
+    } else {
+        pac::PIO1
+    };
+    pio.fdebug().read().txstall() & 1 << machine_of(axis) != 0
 }
 
 /// Sets up the state machine of an axis, and its two pins. It waits at the program's first instruction,
