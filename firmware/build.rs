@@ -24,6 +24,9 @@ fn main() {
     println!("cargo:rustc-link-search={}", out.display());
     // Flash is what is flashed: no gap between sections for the sake of pages that nobody maps.
     println!("cargo:rustc-link-arg-bins=--nmagic");
+    let from_ram = here.join("from-ram.x");
+    println!("cargo:rerun-if-changed={}", from_ram.display());
+    println!("cargo:rustc-link-arg-bins=-T{}", from_ram.display());
     for script in ["link.x", "link-rp.x", "defmt.x"] {
         println!("cargo:rustc-link-arg-bins=-T{script}");
     }

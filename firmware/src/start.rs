@@ -1,5 +1,7 @@
 //! Power-up: from the reset vector to a running loop, or to a lamp that says why there is none.
 
+use core::sync::atomic::{Ordering, compiler_fence};
+
 use cophase_core::control_loop;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use defmt_rtt as _;
@@ -43,8 +45,32 @@ unsafe fn HardFault(_frame: &ExceptionFrame) -> ! {
     }
 }
 
+unsafe extern "C" {
+    /// What runs from RAM: where it belongs, and where in the flash it lies (`firmware/from-ram.x`).
+    static mut __from_ram_start: u32;
+    static mut __from_ram_end: u32;
+    static __from_ram_load: u32;
+}
+
+/// Puts in place what runs from RAM. Nothing of that may be called before; hence word by word, and not by
+/// `memcpy`, which is among it.
+fn place_code() {
+    // SAFETY: the linker's addresses, of words; nothing else knows that part of RAM.
+    unsafe {
+        let (mut to, end) = (&raw mut __from_ram_start, &raw mut __from_ram_end);
+        let mut from = &raw const __from_ram_load;
+        while to < end {
+            to.write_volatile(from.read_volatile());
+            to = to.add(1);
+            from = from.add(1);
+        }
+    }
+    compiler_fence(Ordering::SeqCst);
+}
+
 #[entry]
 fn main() -> ! {
+    place_code();
     let p = embassy_rp::init(embassy_rp::config::Config::default());
     lines::set_up();
     let last_seen = watchdog::last_seen();

@@ -5,6 +5,7 @@ import { Board } from '../board/board.mjs';
 import { CYCLES_PER_US } from '../board/clock.mjs';
 import { FLASH_SIZE } from '../board/elf.mjs';
 import { SWI_IRQ_0 } from '../board/usage.mjs';
+import { MISS_CYCLES } from '../board/xip-cache.mjs';
 import * as pins from './pins.mjs';
 import { IMAGE } from './paths.mjs';
 
@@ -45,6 +46,7 @@ export class Machine {
       flash: flash ?? flashWith(blob),
       pins: pins.outputs(axes),
       watched: [TIMER_IRQ_0, SWI_IRQ_0],
+      missCycles: MISS_CYCLES,
       ...options,
     });
     this.set(pins.ENABLE, 0);

@@ -30,7 +30,7 @@ export class Board {
    * `pins`: { name: GPIO number } to record. `watched`: exceptions whose calls are listed (default SWI_IRQ_0).
    * `rtt`: true, false, or the cycles between two looks of the host (default: true where the ELF has an RTT block).
    * `fastForward`: false steps every cycle of everything. `profile`: true counts cycles by address.
-   * `flashTimes`: see bootrom.mjs. `bare`: true builds the chip with its processor asleep, for tests of peripherals.
+   * `flashTimes`: see bootrom.mjs. `missCycles`: what a miss of the flash's cache costs (xip-cache.mjs). `bare`: true builds the chip with its processor asleep, for tests of peripherals.
    */
   constructor({
     elf,
@@ -41,6 +41,7 @@ export class Board {
     fastForward = true,
     profile = false,
     flashTimes,
+    missCycles = 0,
     bare = false,
   } = {}) {
     this.elf = elf && readElf(elf);
@@ -48,6 +49,7 @@ export class Board {
     if (this.elf) loadInto(this.flash, this.elf);
     this.fastForward = fastForward;
     this.bare = bare;
+    this.missCycles = missCycles;
     this.cycle = 0;
     this.done = 0;
     this.stamp = -1;

@@ -147,8 +147,10 @@ export class RomBench {
     return 20 * CYCLES_PER_US;
   }
 
-  flashFlushCache() {
-    return 100;
+  /** An internal counter clears the tags, one a cycle (RP2040 datasheet, 2.6.3.2). */
+  flashFlushCache(core) {
+    core.cache.flush();
+    return 1024;
   }
 
   flashEnterCmdXip(core) {

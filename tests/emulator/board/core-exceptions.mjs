@@ -36,8 +36,6 @@ export class ExceptionCore extends MemoryCore {
     this.active = 0;
     this.sleepsByEvent = false;
     this.chained = false;
-    /** Cycles of the present instruction beyond what its own table gives. */
-    this.extra = 0;
     /** The exception that the present instruction returned from, or 0; the board clears it. */
     this.left = 0;
   }

@@ -1,10 +1,11 @@
-// The processor's view of memory: flash and RAM at full speed, faults where the chip faults, and the right cycle for
+// The processor's view of memory: RAM at full speed, flash behind its cache, faults where the chip faults, and the right cycle for
 // every access to a peripheral.
 //
 // Words: a *fault* is what makes a Cortex-M0+ take HardFault (unaligned or unmapped access, undefined instruction).
 // rp2040js logs these and goes on; here they are thrown, and the core turns them into the exception.
 
 import { RP2040 } from 'rp2040js';
+import { XipCache } from './xip-cache.mjs';
 
 /** rp2040js does not export its core class; an instance knows it. */
 const StockCore = new RP2040().core.constructor;
@@ -30,6 +31,9 @@ export class MemoryCore extends StockCore {
     this.onWatch = () => {};
     /** True while the flash is not readable: between flash_exit_xip and the return to XIP. */
     this.xipOff = false;
+    this.cache = new XipCache(board.missCycles);
+    /** Cycles of the present instruction beyond what its own table gives. */
+    this.extra = 0;
   }
 
   /** Takes the arrays of the RP2040 object; to be called when they are replaced. */
@@ -54,7 +58,7 @@ export class MemoryCore extends StockCore {
         if (a - SRAM_BASE < SRAM_SIZE) return this.ram32[(a - SRAM_BASE) >>> 2];
         break;
       case 1:
-        if (this.inFlash(a)) return this.flash32[(a & XIP_MASK) >>> 2];
+        if (this.inFlash(a)) return this.flash32[this.flashOffset(a) >>> 2];
         if (isXipRegister(a)) return this.rp2040.readUint32(a);
         break;
       case 0:
@@ -74,7 +78,7 @@ export class MemoryCore extends StockCore {
     if (a & 1) throw this.fault('unaligned read', a);
     switch (a >>> 28) {
       case 1:
-        if (this.inFlash(a)) return this.flash16[(a & XIP_MASK) >>> 1];
+        if (this.inFlash(a)) return this.flash16[this.flashOffset(a) >>> 1];
         break;
       case 2:
         if (a - SRAM_BASE < SRAM_SIZE) return this.ram16[(a - SRAM_BASE) >>> 1];
@@ -98,7 +102,7 @@ export class MemoryCore extends StockCore {
         if (a - SRAM_BASE < SRAM_SIZE) return this.ram8[a - SRAM_BASE];
         break;
       case 1:
-        if (this.inFlash(a)) return this.flash8[a & XIP_MASK];
+        if (this.inFlash(a)) return this.flash8[this.flashOffset(a)];
         break;
       case 0:
         if (a < ROM_SIZE) return this.rom8[a];
@@ -154,6 +158,13 @@ export class MemoryCore extends StockCore {
     if (a >= XIP_END || (a & XIP_MASK) >= this.flash8.length) return false;
     if (this.xipOff) throw this.fault('flash read while XIP is off', a);
     return true;
+  }
+
+  /** The offset into the flash that `a` stands for; what the access has to wait is counted. */
+  flashOffset(a) {
+    const offset = a & XIP_MASK;
+    this.extra += this.cache.wait(offset);
+    return offset;
   }
 
   fault(what, address) {

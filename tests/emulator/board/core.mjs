@@ -3,8 +3,8 @@
 // Mended: carry and overflow of ADCS and SBCS with a carry out of the second operand; flags of shifts by register with
 // counts 0 and over 32; STM with its base among the registers; the cycles of PUSH and POP with LR or PC; SEV; WFE and
 // WFI; undefined instructions, BKPT, branches to ARM state and SVC where it cannot be taken, which fault. Everything
-// else is rp2040js's own. Cycles are those of the Cortex-M0+ Technical Reference Manual, table 3-1, without wait
-// states: flash counts as always cached.
+// else is rp2040js's own. Cycles are those of the Cortex-M0+ Technical Reference Manual, table 3-1, and what the flash
+// makes it wait.
 
 import { ExceptionCore } from './core-exceptions.mjs';
 import { Fault } from './core-memory.mjs';
@@ -60,7 +60,7 @@ export class BenchCore extends ExceptionCore {
     }
     const pc = (this.registers[15] & ~1) >>> 0;
     try {
-      const opcode = pc >>> 28 === 1 && !this.xipOff ? this.flash16[(pc & 0xff_ffff) >>> 1] : this.readUint16(pc);
+      const opcode = pc >>> 28 === 1 && !this.xipOff ? this.flash16[this.flashOffset(pc) >>> 1] : this.readUint16(pc);
       const mend = MEND_OF[opcode];
       let cycles;
       if (mend === 0) {

@@ -1,0 +1,47 @@
+// The cache between processor and flash: 16 KiB, two ways of 1,024 lines of 8 bytes (RP2040 datasheet, 2.6.3). A hit
+// costs nothing here, a miss what it takes to fetch a line from the flash chip.
+//
+// Not documented, and assumed: of the two ways the one that was used longer ago is replaced. Not modelled: DMA from the
+// flash, and the other aliases of the window; the image uses neither.
+
+const SETS = 1024;
+const LINE_BITS = 3;
+const EMPTY = -1;
+
+/**
+ * Cycles that a line takes: in quad mode with continuous read, which the second-stage boot block sets up, 8 clocks of
+ * address and mode, 4 of waiting and 16 of data, each two cycles of the processor long.
+ */
+export const MISS_CYCLES = 56;
+
+export class XipCache {
+  constructor(missCycles = MISS_CYCLES) {
+    this.missCycles = missCycles;
+    /** Of each set, the line in either way: first the one that was used last. */
+    this.lines = new Int32Array(2 * SETS);
+    this.misses = 0;
+    this.flush();
+  }
+
+  /** Nothing is cached any more. */
+  flush() {
+    this.lines.fill(EMPTY);
+    this.last = EMPTY;
+  }
+
+  /** Cycles that an access to `address`, an offset into the flash, has to wait. */
+  wait(address) {
+    const line = address >>> LINE_BITS;
+    if (line === this.last) return 0;
+    this.last = line;
+    const { lines } = this;
+    const set = (line & (SETS - 1)) << 1;
+    if (lines[set] === line) return 0;
+    const hit = lines[set + 1] === line;
+    lines[set + 1] = lines[set];
+    lines[set] = line;
+    if (hit) return 0;
+    this.misses += 1;
+    return this.missCycles;
+  }
+}
