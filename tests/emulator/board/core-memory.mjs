@@ -32,6 +32,8 @@ export class MemoryCore extends StockCore {
     /** True while the flash is not readable: between flash_exit_xip and the return to XIP. */
     this.xipOff = false;
     this.cache = new XipCache(board.missCycles);
+    /** Cycles that interrupts' handlers waited for the flash since reset. */
+    this.waitedInHandlers = 0;
     /** Cycles of the present instruction beyond what its own table gives. */
     this.extra = 0;
   }
@@ -163,7 +165,11 @@ export class MemoryCore extends StockCore {
   /** The offset into the flash that `a` stands for; what the access has to wait is counted. */
   flashOffset(a) {
     const offset = a & XIP_MASK;
-    this.extra += this.cache.wait(offset);
+    const wait = this.cache.wait(offset);
+    if (wait !== 0) {
+      this.extra += wait;
+      if (this.IPSR !== 0) this.waitedInHandlers += wait;
+    }
     return offset;
   }
 

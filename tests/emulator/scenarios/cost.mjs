@@ -2,7 +2,7 @@
 //
 // A tick is what the loop's interrupt takes from the moment in which its deadline wakes it to that in which it sleeps
 // again: reading, reckoning and handing over. What the timer's and the channels' interrupts take beside it is counted
-// too, and told apart. Flash and bus are as fast as the emulator has them: without waiting.
+// too, and told apart. Nothing in them waits for the flash: all of it runs from RAM.
 
 import { blobOf, predict, scene, withAxes } from '../bench/host.mjs';
 import { Machine } from '../bench/machine.mjs';
@@ -23,6 +23,7 @@ export function run(outcome) {
     machine.boot();
     const began = machine.start();
     const before = machine.board.usage.sums();
+    const waited = machine.board.core.waitedInHandlers;
     act(machine, played, predicted, began);
     const after = machine.board.usage.sums();
     const ticks = machine.ticks(began).map(({ own }) => own);
@@ -32,6 +33,8 @@ export function run(outcome) {
     outcome.say(
       `${axes} axes: worst ${worst}, mean ${mean.toFixed(0)} cycles a tick of ${machine.tick}; with all interrupts ${all.toFixed(0)}`,
     );
+    const waits = machine.board.core.waitedInHandlers - waited;
+    outcome.check(waits === 0, `${axes} axes: no interrupt waits for the flash, not for ${waits} cycles in all`);
     outcome.figure(`tick of ${axes} axes, worst, cycles`, worst);
     outcome.figure(`tick of ${axes} axes, mean, cycles`, Math.round(mean));
     if (axes === 6) {

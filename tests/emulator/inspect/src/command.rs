@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Parser;
 
 use crate::error::Error;
-use crate::{log, panics, size};
+use crate::{log, panics, places, size};
 
 /// Looks into the Cophase image.
 #[derive(Debug, Parser)]
@@ -34,6 +34,14 @@ pub enum Command {
         /// Calls that are known and harmless, each with its reason
         #[arg(long, value_name = "FILE")]
         allow: Option<PathBuf>,
+    },
+    /// Check that functions, and all that they may call, lie in RAM
+    Places {
+        /// The image
+        elf: PathBuf,
+        /// A function to begin at, or several, as of `panics`
+        #[arg(long = "root", value_name = "NAME")]
+        roots: Vec<String>,
     },
     /// Tell what the image takes of flash and RAM, and compare it with what it took
     Size {
@@ -65,6 +73,7 @@ impl Command {
                 json,
             } => log::print(&elf, &bytes, cycles.as_deref(), json),
             Self::Panics { elf, roots, allow } => panics::check(&elf, &roots, allow.as_deref()),
+            Self::Places { elf, roots } => places::check(&elf, &roots),
             Self::Size {
                 elf,
                 golden,

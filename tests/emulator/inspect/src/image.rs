@@ -207,6 +207,11 @@ impl Function {
     }
 }
 
+/// Whether an address is in the chip's RAM.
+pub fn in_ram(address: u32) -> bool {
+    address >> 28 == 2
+}
+
 /// None: it takes no room in the chip.
 fn kind<'a>(section: &impl ObjectSection<'a>) -> Option<Kind> {
     let SectionFlags::Elf { sh_flags, sh_type } = section.flags() else {
@@ -217,7 +222,7 @@ fn kind<'a>(section: &impl ObjectSection<'a>) -> Option<Kind> {
         None
     } else if sh_type == elf::SHT_NOBITS {
         Some(Kind::Bss)
-    } else if has(elf::SHF_WRITE) {
+    } else if has(elf::SHF_WRITE) || in_ram(section.address() as u32) {
         Some(Kind::Data)
     } else if has(elf::SHF_EXECINSTR) {
         Some(Kind::Text)

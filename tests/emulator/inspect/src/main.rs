@@ -2,17 +2,20 @@
 //!
 //! - `log` decodes what the image logged over RTT;
 //! - `panics` proves that no panic can be reached from given functions, and bounds their stack;
+//! - `places` checks that what functions may call lies in RAM;
 //! - `size` tells what the image takes of flash and RAM, and compares with what it took.
 //!
 //! Exit status: 0 all is well; 1 a check failed; 2 the question makes no sense, with a sentence that says
 //! why: a file that is not there, a name that matches nothing.
 
+mod calls;
 mod command;
 mod error;
 mod image;
 mod log;
 mod name;
 mod panics;
+mod places;
 mod size;
 
 use std::process::ExitCode;

@@ -106,6 +106,11 @@ const TRAPS: [&str; 9] = [
     "core::intrinsics::abort",
 ];
 
+/// Whether a function is one that the linker puts between two that are too far apart for a jump.
+pub fn is_thunk(name: &str) -> bool {
+    name.starts_with("__Thumbv6M")
+}
+
 /// Whether a function is one that a panic consists of, or a trap.
 pub fn is_panic(name: &str) -> bool {
     let plain = plain(name);

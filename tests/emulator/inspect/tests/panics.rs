@@ -346,3 +346,17 @@ fn an_entry_needs_a_reason() {
         assert!(err.contains("reason"), "{err}");
     }
 }
+
+/// push {r0, r1}; ldr r0, [pc, #4]; str r0, [sp, #4]; pop {r0, pc}; then the address: as the linker makes them.
+#[test]
+fn a_thunk_is_the_function_behind_it() {
+    let code = [0xb403, 0x4801, 0x9001, 0xbd01].map(Part::Is);
+    let thunk = with_data("__Thumbv6MABSLongThunk_a", &code, &[Word::Of("a")]);
+    let functions = [
+        calls("root", "__Thumbv6MABSLongThunk_a"),
+        thunk,
+        calls("a", PANIC),
+        a_panic(),
+    ];
+    assert_reached(&functions, &[REACHED, "root", "a"]);
+}

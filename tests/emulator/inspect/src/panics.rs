@@ -1,35 +1,17 @@
 //! The proof that no panic can be reached from given functions, and a bound on their stack.
 //!
-//! Words: the *root* is the function from which everything is walked. A function *may call* what it calls or
-//! jumps to, and every function whose address stands among its literals. A *panic* is a function that
-//! belongs to Rust's or defmt's panics, or a trap.
-//!
-//! The proof is as good as its reading: code is what mapping symbols say that it is; a call through a
-//! register to an unknown place counts as forbidden, until an entry of the allow file bounds it; interrupts
-//! are no part of the walk, nor are faults of the processor. The stack is without interrupts' frames.
-
-mod allow;
-mod flow;
-mod graph;
-mod thumb;
+//! A *panic* is a function that belongs to Rust's or defmt's panics, or a trap. A call through a register to an
+//! unknown place counts as forbidden, until an entry of the allow file bounds it.
 
 use std::io::Write;
 use std::path::Path;
 
+use crate::calls::allow::Allowed;
+use crate::calls::flow::Callee;
+use crate::calls::graph::{Graph, Reached, Stack};
+use crate::calls::roots;
 use crate::error::Error;
 use crate::image::Image;
-use crate::name;
-use allow::Allowed;
-use flow::Callee;
-use graph::{Graph, Reached, Stack};
-
-/// Functions whose names a pattern matches.
-pub fn find(image: &Image, pattern: &str) -> Vec<usize> {
-    let is = |names: &[String]| names.iter().any(|name| name::matches(pattern, name));
-    (0..image.functions.len())
-        .filter(|&function| is(&image.functions[function].names))
-        .collect()
-}
 
 /// The command: walks from every function that a root matches and prints what is reached.
 ///
@@ -43,22 +25,7 @@ pub fn check(elf: &Path, patterns: &[String], allow: Option<&Path>) -> Result<bo
         Some(path) => Allowed::read(path, &image)?,
         None => Allowed::default(),
     };
-    let mut roots = Vec::new();
-    for pattern in patterns {
-        let found = find(&image, pattern);
-        if found.is_empty() {
-            return Err(Error::NoRoot(pattern.clone(), near(&image, pattern)));
-        }
-        roots.extend(
-            found
-                .into_iter()
-                .filter(|root| !roots.contains(root))
-                .collect::<Vec<_>>(),
-        );
-    }
-    if roots.is_empty() {
-        return Err(Error::NothingToCheck);
-    }
+    let roots = roots(&image, patterns)?;
     let mut out = std::io::stdout().lock();
     let mut holds = true;
     let mut graph = Graph::new(&image, &mut allowed);
@@ -85,7 +52,7 @@ pub fn check(elf: &Path, patterns: &[String], allow: Option<&Path>) -> Result<bo
 fn print(out: &mut impl Write, image: &Image, root: usize, reached: &Reached) -> Result<(), Error> {
     let name = |function: usize| image.functions[function].name();
     writeln!(out, "{}", name(root))?;
-    writeln!(out, "  functions reached: {}", reached.functions)?;
+    writeln!(out, "  functions reached: {}", reached.functions.len())?;
     match &reached.stack {
         Stack::Unbounded(why) => writeln!(out, "  stack: no bound, as {why}")?,
         Stack::Bytes(bytes, path) => {
@@ -111,20 +78,4 @@ fn print(out: &mut impl Write, image: &Image, root: usize, reached: &Reached) ->
         }
     }
     Ok(())
-}
-
-/// Names that share a pattern's last segment, for whoever gave a wrong root.
-fn near(image: &Image, pattern: &str) -> String {
-    let plain = name::plain(pattern);
-    let last = plain.rsplit("::").next().unwrap_or(&plain);
-    let mut found: Vec<&str> = find(image, last)
-        .into_iter()
-        .map(|function| image.functions[function].names[0].as_str())
-        .collect();
-    found.truncate(3);
-    if found.is_empty() {
-        String::new()
-    } else {
-        format!(". Names alike: {}", found.join(", "))
-    }
 }

@@ -25,8 +25,8 @@ struct Calls {
 /// What was found from one root.
 #[derive(Clone, Debug)]
 pub struct Reached {
-    /// Functions that are reached, the root counted, panics not.
-    pub functions: usize,
+    /// Functions that are reached, the root counted, panics not, and by whom first; the root by itself.
+    pub functions: BTreeMap<usize, usize>,
     /// What must not be reached: for each the functions on the way, root first, and what ends it.
     pub forbidden: Vec<(Vec<usize>, Callee)>,
     /// How deep the stack gets.
@@ -77,10 +77,24 @@ impl<'a> Graph<'a> {
             Ok(bytes) => Stack::Bytes(bytes, deepest(root, &known)),
         };
         Reached {
-            functions: from.len(),
+            functions: from,
             forbidden,
             stack,
         }
+    }
+
+    /// What a callee comes to: the linker reaches between flash and RAM by way of *thunks*, which do nothing but
+    /// jump to the function whose address they hold.
+    fn through(&self, callee: Callee) -> Callee {
+        let Callee::Function(thunk) = callee else {
+            return callee;
+        };
+        let thunk = &self.image.functions[thunk];
+        if !thunk.names.iter().any(|name| name::is_thunk(name)) {
+            return callee;
+        }
+        let body = Body::new(self.image, thunk);
+        body.calls.into_keys().next().unwrap_or(Callee::Unknown)
     }
 
     fn is_panic(&self, function: usize) -> bool {
@@ -95,6 +109,7 @@ impl<'a> Graph<'a> {
         let body = Body::new(self.image, &self.image.functions[function]);
         let mut calls = Vec::new();
         for (callee, depth) in body.calls {
+            let callee = self.through(callee);
             match self.allowed.take(self.image, function, callee) {
                 None => calls.push((callee, depth)),
                 Some(instead) => calls.extend(instead.into_iter().map(|callee| (callee, depth))),

@@ -1,0 +1,35 @@
+//! What lies in the flash and what in RAM, in images whose code is made here and stands in the flash.
+
+mod support;
+
+use support::code::{POP_R4_PC, PUSH_R4_LR, Part, RETURN, function, image};
+use support::{inspect, said};
+
+/// If this fails, something of the tick path could wait for the flash unseen.
+#[test]
+fn what_lies_in_the_flash_is_named_with_its_caller() {
+    let functions = [
+        function("root", &[PUSH_R4_LR, Part::Call("a"), POP_R4_PC]),
+        function("a", &[RETURN]),
+        function("b", &[RETURN]),
+    ];
+    let (_dir, elf) = image(&functions);
+    let elf = elf.to_str().unwrap();
+    let (status, out, err) = said(&inspect(&["places", elf, "--root", "root"], &[]));
+    assert_eq!(status, 1, "{out}{err}");
+    assert!(
+        out.contains("NOT IN RAM a, which is called by root\n"),
+        "{out}"
+    );
+    assert!(out.contains("functions reached: 2\n"), "{out}");
+    assert!(!out.contains("RAM b"), "{out}");
+}
+
+#[test]
+fn a_root_that_is_not_there_is_no_proof() {
+    let (_dir, elf) = image(&[function("root", &[RETURN])]);
+    let elf = elf.to_str().unwrap();
+    let (status, _, err) = said(&inspect(&["places", elf, "--root", "other"], &[]));
+    assert_eq!(status, 2);
+    assert!(err.contains("`other`"), "{err}");
+}
