@@ -174,6 +174,35 @@ fn three_missed_in_a_row_stop_the_machine_in_phase() {
     }
 }
 
+/// The scene, with so many deadlines missed, one every so many ticks.
+fn missing_one_in(ticks: u32, times: u32) -> Watched {
+    let late: String = (0..times)
+        .map(|i| {
+            let at_s = LATE_S + f64::from(i * ticks) * TICK_NS as f64 * 1e-9;
+            format!("[[late]]\nat_s = {at_s}\nby_us = 550\n")
+        })
+        .collect();
+    watch(&scene(&format!("{SCENE}{late}")))
+}
+
+/// Were it wrong, a loop with more to do than a tick has time for would go on for ever, at a fraction of its
+/// speed, all axes in phase and nobody told but by a counter.
+#[test]
+fn a_loop_that_misses_again_and_again_is_a_fault() {
+    for (ticks, misses_before_the_fault) in [(2, 3), (3, 3), (5, 4)] {
+        let watched = missing_one_in(ticks, 40);
+        let fault = watched.outcome.fault.expect("an overrun is a fault");
+        assert_eq!(fault.kind, FaultKind::Overrun, "one in {ticks}");
+        // A tick that is missed is none of those that the fault counts.
+        let passed = fault.tick - (LATE_S * 2000.0) as u64;
+        let most = u64::from(ticks * misses_before_the_fault);
+        assert!(passed < most, "one in {ticks}: {passed} ticks");
+    }
+    let watched = missing_one_in(9, 60);
+    assert_eq!(watched.outcome.fault, None);
+    assert_eq!(watched.last().missed, 60);
+}
+
 /// Were it wrong, an index pulse that came while deadlines were missed would be compared with a phase that
 /// was never played then, and one axis be taken to be off: with sensors that stand apart, at some times.
 #[test]

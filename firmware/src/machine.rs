@@ -4,10 +4,11 @@
 //! in, and one is made. It is made in functions of its own, once, and not in the loop's task: that would have
 //! what it takes on its stack, and on its way, in every tick.
 
+use cophase_blob::board::{self, Unfit};
 use cophase_core::controller::Controller;
 use cophase_core::drift::IndexFilter;
 use cophase_core::panel::Button;
-use cophase_core::settings::{AxisSettings, DriveKind, SettingsError};
+use cophase_core::settings::SettingsError;
 use cophase_core::setup::Setup;
 use cophase_core::supervisor::{Fault, FaultKind, State};
 use embassy_rp::Peri;
@@ -43,8 +44,8 @@ pub enum Refusal {
     Settings(#[defmt(Display2Format)] SettingsError),
     /// The board drives 2 to 6 axes, and not this many.
     Axes(usize),
-    /// The board has no outputs for servos, and this axis is one.
-    Servo(usize),
+    /// The board cannot run them.
+    Unfit(Unfit),
 }
 
 impl Machine {
@@ -58,10 +59,7 @@ impl Machine {
         restarted: bool,
         reporter: Reporter,
     ) -> Result<&'static mut Self, Refusal> {
-        let servo = |axis: &AxisSettings| axis.drive == DriveKind::Servo;
-        if let Some(axis) = setup.axes.iter().position(servo) {
-            return Err(Refusal::Servo(axis));
-        }
+        board::check(setup).map_err(Refusal::Unfit)?;
         match setup.axes_count() {
             2 => make(setup, watchdog, restarted, reporter, Self::Two),
             3 => make(setup, watchdog, restarted, reporter, Self::Three),

@@ -242,7 +242,7 @@ fn nowhere_to_write() {
 
 /// A board that refuses what was flashed costs more than a sentence here.
 #[test]
-fn a_servo_is_said_to_be_refused_by_the_board() {
+fn what_the_board_will_refuse_is_said() {
     let dir = tempfile::tempdir().unwrap();
     let text = BASE.replacen("drive = \"stepper\"", "drive = \"servo\"", 1);
     let (text, _) = text.split_once("[[command]]").unwrap();
@@ -250,7 +250,7 @@ fn a_servo_is_said_to_be_refused_by_the_board() {
     fs::write(dir.path().join("scene.toml"), text).unwrap();
     let summary = said(&image(dir.path(), &["scene.toml"]));
     assert!(
-        summary.contains("is a servo: the RP2040 board has outputs for steppers only"),
+        summary.contains("RP2040 board will refuse this: axis 0 is a servo, and the board has outputs for steppers only.\n"),
         "{summary}"
     );
 }

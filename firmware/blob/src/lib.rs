@@ -13,6 +13,8 @@
 //! That a blob is whole says nothing about its numbers. They are checked like a scene's, when the controller is
 //! made ([`Setup::controller`]).
 //!
+//! What the board is able to run is in [`board`].
+//!
 //! `docs/blob.md` has the format as a table.
 #![no_std]
 #![forbid(unsafe_code)]
@@ -20,6 +22,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod board;
 pub mod codec;
 mod error;
 pub mod header;

@@ -5,6 +5,8 @@
 //! for one tick. The index pulses handed to it came between the deadline before and this one, while
 //! the output of two ticks ago was played.
 
+mod punctuality;
+
 use crate::axes::Axis;
 use crate::drift::{DriftLimits, DriftMonitor, Modes, TickPhase};
 use crate::profile::{Profile, SliderCrank};
@@ -16,9 +18,7 @@ use crate::shaft::{Demand, Motion, Shaft, ShaftLimits, Target};
 use crate::signals::{Feedback, Limits, Output, Telemetry};
 use crate::supervisor::{Action, Fault, FaultKind, Seen, State, Supervisor};
 use crate::units::{Amax, ONE_TURN, Phase, Turns};
-
-/// Most deadlines missed in a row before that is a fault.
-const MOST_MISSED: u32 = 2;
+use punctuality::Punctuality;
 
 /// The control loop's state, less its waiting.
 #[derive(Clone, Debug)]
@@ -38,6 +38,7 @@ pub struct Controller<const N: usize> {
     supervisor: Supervisor,
     motion: Motion,
     ticks: u64,
+    punctuality: Punctuality,
     overrun: Option<Fault>,
     /// Deadlines were missed: what the index sensors said since belongs to no known phase.
     was_late: bool,
@@ -147,6 +148,7 @@ impl<const N: usize> Controller<N> {
                 ..Motion::default()
             },
             ticks: 0,
+            punctuality: Punctuality::default(),
             overrun: None,
             was_late: false,
             output: Output {
@@ -239,7 +241,7 @@ impl<const N: usize> Controller<N> {
 
     const fn stood(&mut self, missed: u32) {
         self.was_late = true;
-        if missed > MOST_MISSED {
+        if self.punctuality.missed(missed) {
             self.overrun = Some(Fault::new(FaultKind::Overrun));
         }
     }
@@ -266,6 +268,7 @@ impl<const N: usize> Controller<N> {
         self.drive(action != Action::Stand);
         self.report(action);
         self.ticks += 1;
+        self.punctuality.met();
         &self.output
     }
 

@@ -5,9 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use cophase_blob::header::{FIRST_SEQUENCE, HEADER_BYTES, MAGIC, OUTSIDE};
-use cophase_blob::{Header, MAX_BLOB_BYTES, encode};
-
-use cophase_core::settings::{AxisSettings, DriveKind};
+use cophase_blob::{Header, MAX_BLOB_BYTES, board, encode};
 
 use super::{CommandError, Status, scenes};
 use crate::scene::file::{AxisApart, Fidelity};
@@ -75,11 +73,8 @@ fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, Co
             left_out.join(", ")
         );
     }
-    let servo = |axis: &AxisSettings| axis.drive == DriveKind::Servo;
-    if let Some(axis) = setup.axes.iter().position(servo) {
-        text += &format!(
-            "Axis {axis} is a servo: the RP2040 board has outputs for steppers only, and will refuse this.\n"
-        );
+    if let Err(unfit) = board::check(setup) {
+        text += &format!("The RP2040 board will refuse this: {unfit}.\n");
     }
     text += "How to get it onto a board: docs/image.md, docs/blob.md.\n";
     Ok(text)

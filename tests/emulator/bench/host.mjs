@@ -63,6 +63,12 @@ export function blobOf(played) {
   });
 }
 
+/** Why the board will refuse the scene; undefined if it will not. */
+export function refusedBy(played) {
+  const said = withScene(played, (file, folder) => cophase(['image', file, '-o', path.join(folder, 'scene.blob')], [0]));
+  return said.match(/board will refuse this: (.*)/)?.[1];
+}
+
 /**
  * The whole run as the host plays it: { edges: Map of wire to [{ cycle, level }], trace: rows by column, report }. Cycles count from the
  * deadline at which the host reads the start.

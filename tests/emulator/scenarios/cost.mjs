@@ -1,10 +1,12 @@
-// Cost: what a control tick takes of the processor, for 2, 4 and 6 axes, with everything on.
+// Cost: what a control tick takes of the processor, for 2, 4 and 6 axes, with everything on; and the most ticks a second
+// that the board accepts.
 //
 // A tick is what the loop's interrupt takes from the moment in which its deadline wakes it to that in which it sleeps
 // again: reading, reckoning and handing over. What the timer's and the channels' interrupts take beside it is counted
 // too, and told apart. Nothing in them waits for the flash: all of it runs from RAM.
 
-import { blobOf, predict, scene, withAxes } from '../bench/host.mjs';
+import { blobOf, predict, refusedBy, scene, withAxes } from '../bench/host.mjs';
+import { log } from '../bench/log.mjs';
 import { Machine } from '../bench/machine.mjs';
 import { act } from '../bench/play.mjs';
 
@@ -42,4 +44,21 @@ export function run(outcome) {
       outcome.figure('stack, deepest, bytes', machine.board.stackDepth);
     }
   }
+  for (let axes = 2; axes <= 6; axes += 1) fastest(outcome, axes);
+}
+
+/** The shortest tick that the board accepts, with everything on: every deadline is met. */
+function fastest(outcome, axes) {
+  const at = (tickHz) => scene('everything', (toml) => {
+    withAxes(axes)(toml);
+    toml.control.tick_hz = tickHz;
+  });
+  const [, most] = refusedBy(at(10_000))?.match(/give at most (\d+) Hz/) ?? [undefined, 10_000];
+  const played = at(Number(most));
+  const machine = new Machine({ ...played, blob: blobOf(played) });
+  machine.boot();
+  act(machine, played, predict(played), machine.start());
+  const trouble = log(machine.board).find((line) => /fault|missed|late|lost|refused/i.test(line))?.trim();
+  outcome.check(trouble === undefined, `${axes} axes at ${most} ticks a second: the log tells of no trouble: ${trouble}`);
+  outcome.say(`${axes} axes: up to ${most} ticks a second, every deadline met`);
 }

@@ -36,10 +36,12 @@ function refusals(outcome, blob) {
   flipped[HEADER_BYTES + 37] ^= 0x10;
   const newer = withHeader(blob, (header) => header.writeUInt16LE(2, VERSION_AT));
   const servo = blobOf(scene('hold', (toml) => (toml.axis[0].drive = 'servo')));
+  const hasty = blobOf(scene('hold', (toml) => (toml.control.tick_hz = 10_000)));
   for (const [name, bytes, reason] of [
     ['a bit of the payload', flipped, /settings refused: PayloadCrc/],
     ['another version', newer, /settings refused: Version.*2/],
-    ['a servo axis', servo, /settings refused: Servo\(2\)/],
+    ['a servo axis', servo, /settings refused: Unfit\(Servo\(2\)\)/],
+    ['a tick too short', hasty, /settings refused: Unfit\(TickTooShort.*tick_hz: 10000/],
   ]) {
     const machine = powered(flashWith(bytes));
     machine.run(0.3);

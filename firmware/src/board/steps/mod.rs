@@ -12,7 +12,7 @@
 //! machines play to the end of what they have, the same tick on every axis, and stop there together, between
 //! two edges; they are held and begun again, together, at a later deadline. To be late for some axes and in
 //! time for others is impossible: [`Steps::offer`] hands over all axes at once or none, and none in the last
-//! [`LEAST_LEAD_US`] before the deadline. If a machine nevertheless ran dry inside a tick that it had been
+//! [`LEAST_LEAD_US`] before the deadline: twice what all axes take. If a machine nevertheless ran dry inside a tick that it had been
 //! given whole (a channel that stood still, interrupts that were shut off), its axis is behind the others:
 //! the hardware's own flag shows it, and it is told as a fault.
 
@@ -20,6 +20,7 @@ mod feed;
 mod program;
 mod release;
 
+use cophase_blob::board::LEAST_LEAD_US;
 use cophase_core::pulse::{MAX_RUNS, Run, Runs};
 use critical_section::CriticalSection;
 use embassy_rp::pac;
@@ -36,9 +37,6 @@ const BLOCKS: [Pio; 2] = [pac::PIO0, pac::PIO1];
 
 /// Machines of a block that make steps.
 const MACHINES: usize = 3;
-
-/// No words are handed over later than this before they are due, µs: all axes take less than half of it.
-const LEAST_LEAD_US: i32 = 20;
 
 /// From the moment in which the machines are held to that in which they are let go, µs: time to fill their
 /// FIFOs, by code that may have to come from flash first.
@@ -153,7 +151,7 @@ impl Steps {
 
     fn hand_over(&mut self, cs: CriticalSection<'_>, start: Instant) -> Offer {
         let lead_us = (start.as_ticks() as u32).wrapping_sub(now_us());
-        if (lead_us as i32) < LEAST_LEAD_US {
+        if (lead_us as i32) < LEAST_LEAD_US as i32 {
             return Offer::TooLate;
         }
         if let Some(axis) = feed::take_late() {
