@@ -1,8 +1,7 @@
 //! The loop's world, as this board has it.
 //!
-//! The loop is `cophase_core::control_loop::run`, the very function that the host runs. It has the
-//! core's second highest priority, below the guard: nothing but the two of them and short interrupts comes
-//! between a deadline and what it leads to.
+//! The loop is `cophase_core::control_loop::run`, the very function that the host runs. Nothing but short
+//! interrupts comes between a deadline and what it leads to.
 
 use cophase_core::control_loop::{Io, Written};
 use cophase_core::drift::{IndexFilter, IndexPulse};

@@ -1,15 +1,15 @@
 //! The Cophase image: `cophase_core`'s control loop on an RP2040.
 //!
-//! Three things run on the one core, each at its own priority, highest first: the *guard*, which cuts the
-//! drives when the enable input goes; the *control loop*; and in what time is left, the log. The step
-//! edges are made by none of these: see `board::steps`.
+//! Two things run on the one core: the *control loop*, and in what time it leaves, the log. Step edges are made by
+//! neither of them (`board::steps`), and neither cuts the drives when the enable input goes (`board::guard`).
 //!
 //! | module | is |
 //! | --- | --- |
-//! | `board` | pins, step output, index capture, safety lines, watchdog: what is soldered |
+//! | `board` | pins, step output, index capture, guard, safety lines, watchdog: what is soldered |
 //! | `start` | from power-up to a running loop, and the tasks |
 //! | `settings` | which settings the image runs on, and where they are kept |
 //! | `machine` | loop and world, set up for as many axes as the settings have |
+//! | `from_ram` | code that is copied to RAM before all else |
 //! | `control` | the loop's world, as this board has it |
 //! | `report` | what happened, told over the debug probe |
 //!
@@ -21,6 +21,8 @@
 mod board;
 #[cfg(target_os = "none")]
 mod control;
+#[cfg(target_os = "none")]
+mod from_ram;
 #[cfg(target_os = "none")]
 mod machine;
 #[cfg(target_os = "none")]

@@ -1,25 +1,22 @@
 //! Power-up: from the reset vector to a running loop, or to a lamp that says why there is none.
 
-use core::sync::atomic::{Ordering, compiler_fence};
+use core::panic::PanicInfo;
+use core::sync::atomic::{AtomicBool, Ordering};
 
 use cophase_core::control_loop;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use defmt_rtt as _;
 use embassy_rp::executor::{Executor, InterruptExecutor};
-use embassy_rp::gpio::{Input, Pull};
 use embassy_rp::interrupt;
 use embassy_rp::interrupt::{InterruptExt, Priority};
 use embassy_time::{Duration, Timer};
-use panic_probe as _;
 use static_cell::StaticCell;
 
 use crate::board::{lines, watchdog};
+use crate::from_ram;
 use crate::machine::Machine;
 use crate::report::{self, Reporter};
 use crate::settings;
-
-/// Runs the guard: above the loop, so that it cuts the drives even while the loop reckons.
-static GUARD: InterruptExecutor = InterruptExecutor::new();
 
 /// Runs the loop: above all that may wait.
 static LOOP: InterruptExecutor = InterruptExecutor::new();
@@ -30,47 +27,32 @@ fn SWI_IRQ_0() {
     unsafe { LOOP.on_interrupt() }
 }
 
-#[interrupt]
-fn SWI_IRQ_1() {
-    // SAFETY: as above.
-    unsafe { GUARD.on_interrupt() }
-}
-
-/// What a panic and a fault of the core come to: drives off, and the watchdog does the rest.
+/// A fault of the core: drives off, and the watchdog does the rest.
 #[exception]
 unsafe fn HardFault(_frame: &ExceptionFrame) -> ! {
-    lines::cut_drives();
+    lines::drives(false);
     loop {
         cortex_m::asm::nop();
     }
 }
 
-unsafe extern "C" {
-    /// What runs from RAM: where it belongs, and where in the flash it lies (`firmware/from-ram.x`).
-    static mut __from_ram_start: u32;
-    static mut __from_ram_end: u32;
-    static __from_ram_load: u32;
-}
-
-/// Puts in place what runs from RAM. Nothing of that may be called before; hence word by word, and not by
-/// `memcpy`, which is among it.
-fn place_code() {
-    // SAFETY: the linker's addresses, of words; nothing else knows that part of RAM.
-    unsafe {
-        let (mut to, end) = (&raw mut __from_ram_start, &raw mut __from_ram_end);
-        let mut from = &raw const __from_ram_load;
-        while to < end {
-            to.write_volatile(from.read_volatile());
-            to = to.add(1);
-            from = from.add(1);
-        }
+/// A panic: drives off before anything else, then what it has to say, then as a fault of the core.
+#[panic_handler]
+fn panic(info: &PanicInfo<'_>) -> ! {
+    static IS_SECOND: AtomicBool = AtomicBool::new(false);
+    cortex_m::interrupt::disable();
+    lines::drives(false);
+    // Another, from within the message, has nothing to say.
+    if !IS_SECOND.load(Ordering::Relaxed) {
+        IS_SECOND.store(true, Ordering::Relaxed);
+        defmt::error!("{}", defmt::Display2Format(info));
     }
-    compiler_fence(Ordering::SeqCst);
+    cortex_m::asm::udf();
 }
 
 #[entry]
 fn main() -> ! {
-    place_code();
+    from_ram::place();
     let p = embassy_rp::init(embassy_rp::config::Config::default());
     lines::set_up();
     let last_seen = watchdog::last_seen();
@@ -89,8 +71,6 @@ fn main() -> ! {
         made.inspect_err(|refusal| defmt::error!("settings refused: {}", refusal))
             .ok()
     });
-    let mut enable = Input::new(p.PIN_26, Pull::Up);
-    enable.set_schmitt(true);
 
     static EXECUTOR: StaticCell<Executor> = StaticCell::new();
     EXECUTOR.init(Executor::new()).run(|spawner| {
@@ -99,25 +79,10 @@ fn main() -> ! {
             spawner.spawn(defmt::unwrap!(refuse()));
             return;
         };
-        // What wakes the guard must not wait for the loop either.
-        interrupt::IO_IRQ_BANK0.set_priority(Priority::P0);
-        interrupt::SWI_IRQ_1.set_priority(Priority::P1);
-        let guards = GUARD.start(interrupt::SWI_IRQ_1);
-        guards.spawn(defmt::unwrap!(guard(enable)));
         interrupt::SWI_IRQ_0.set_priority(Priority::P2);
         let loops = LOOP.start(interrupt::SWI_IRQ_0);
         loops.spawn(defmt::unwrap!(run_loop(machine)));
     })
-}
-
-/// Cuts the drives whenever the enable input goes.
-#[embassy_executor::task]
-async fn guard(mut enable: Input<'static>) -> ! {
-    loop {
-        enable.wait_for_high().await;
-        lines::cut_drives();
-        enable.wait_for_low().await;
-    }
 }
 
 /// Says with the lamp that there is nothing to run on: two short flashes a second. The drives are off.

@@ -1,24 +1,16 @@
 //! The safety lines, the sync output and the lamp: levels that are read and set by the CPU.
 //!
 //! Inputs are pulled up and read low when all is well, so that a broken wire reads as what stops the
-//! machine. All inputs are read in one instant, and all drives are switched by one write.
-//!
-//! **Cutting the drives.** When the enable input goes, the guard switches the drives off at once, without
-//! the loop ([`cut_drives`]), and remembers that it did: the loop can not switch them on again before it has
-//! seen the loss, however short it was.
-
-use core::sync::atomic::{AtomicBool, Ordering};
+//! machine. All inputs are read in one instant, and all drives are switched by one write: but on only as far as the
+//! [`guard`] lets them, which looks after the enable input.
 
 use cophase_core::supervisor::{SafetyInputs, State};
 use embassy_rp::pac;
 
-use super::{now_us, pins};
+use super::{guard, now_us, pins};
 
 /// Function of a pin that is driven, and read, by the CPU.
 const SIO: u8 = 5;
-
-/// The enable input went, and the loop has not been told yet.
-static CUT: AtomicBool = AtomicBool::new(false);
 
 /// What the inputs said at one instant.
 #[derive(Clone, Copy)]
@@ -45,7 +37,10 @@ impl Levels {
     }
 }
 
-/// Sets the lines up: drives off before anything else.
+/// Function of a pin that the first block's machines drive; the second's is the next.
+pub(super) const PIO0: u8 = 6;
+
+/// Sets the lines up: drives off before anything else, and the guard before any may be on.
 pub fn set_up() {
     for pin in [pins::DRIVE_ENABLE, pins::SYNC, pins::LAMP] {
         output(pin);
@@ -54,6 +49,7 @@ pub fn set_up() {
     for pin in inputs.into_iter().chain(pins::ALARM) {
         input(pin, Pull::Up);
     }
+    guard::set_up();
 }
 
 fn output(pin: u8) {
@@ -89,8 +85,6 @@ pub fn input(pin: u8, pull: Pull) {
 
 /// Makes a pin one that machines of a PIO block drive.
 pub fn give_to_block(pin: u8, block: usize) {
-    /// Function of a pin that is the first block's; the second's is the next.
-    const PIO0: u8 = 6;
     pac::PADS_BANK0.gpio(pin.into()).modify(|w| {
         w.set_ie(true);
         w.set_od(false);
@@ -117,29 +111,15 @@ pub fn read() -> Levels {
 
 /// What the loop is told of the enable and stop inputs. A loss of enable that is over is told once.
 pub fn safety_inputs(levels: Levels) -> SafetyInputs {
-    let was_cut = CUT.load(Ordering::Relaxed);
-    if was_cut {
-        CUT.store(false, Ordering::Relaxed);
-    }
     SafetyInputs {
-        enable: !levels.is_high(pins::ENABLE) && !was_cut,
+        enable: !guard::take_loss(),
         stop: levels.is_high(pins::STOP),
     }
 }
 
 /// Switches all drives on or off; on only if the enable input has not gone meanwhile.
 pub fn drives(on: bool) {
-    // The guard may cut in between: then it has the last word.
-    critical_section::with(|_| {
-        let allowed = !CUT.load(Ordering::Relaxed) && !read().is_high(pins::ENABLE);
-        set(pins::DRIVE_ENABLE, on && allowed);
-    });
-}
-
-/// Switches all drives off, now, and keeps them off until the loop has seen why.
-pub fn cut_drives() {
-    CUT.store(true, Ordering::Relaxed);
-    set(pins::DRIVE_ENABLE, false);
+    guard::permit(on);
 }
 
 /// Sets the oscilloscope's trigger.

@@ -93,6 +93,7 @@ class Divider {
 export function mendDivider(rp2040) {
   const { sio, clock } = rp2040;
   const divider = new Divider(clock);
+  sio.divider = divider;
   const stockRead = sio.readUint32.bind(sio);
   const stockWrite = sio.writeUint32.bind(sio);
   const isOurs = (offset) => offset >= UDIVIDEND && offset <= CSR;

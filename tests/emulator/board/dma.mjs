@@ -29,14 +29,15 @@ function moveOrSay(move, index) {
 
 export function mendDma(rp2040) {
   const { dma, clock } = rp2040;
-  let freeSlot = 0;
+  /** The first cycle in which no channel moves a word yet. */
+  dma.freeSlot = 0;
 
   for (const channel of dma.channels) {
     const move = channel.transfer;
     const requested = () => channel.treqValue === PERMANENT || dma.dreq[channel.treqValue];
     const schedule = (cycle) => {
-      const slot = Math.max(cycle, freeSlot);
-      freeSlot = slot + 1;
+      const slot = Math.max(cycle, dma.freeSlot);
+      dma.freeSlot = slot + 1;
       channel.transferAlarm.at(slot);
     };
     channel.transferAlarm.cancel();

@@ -91,6 +91,7 @@ export function mendPpb(rp2040, onSystemReset) {
   const { ppb } = rp2040;
   ppb.systickAlarm.enable = false;
   const systick = new SysTick(rp2040);
+  ppb.systick = systick;
   const stockRead = ppb.readUint32.bind(ppb);
   const stockWrite = ppb.writeUint32.bind(ppb);
 

@@ -13,7 +13,7 @@ mod ring;
 use embassy_rp::pac;
 use embassy_rp::pac::pio::vals::SmExecctrlStatusSel;
 
-use super::{INDEX_MACHINE, lines, pins, steps};
+use super::{INDEX_MACHINE, lines, pins, relocated, steps};
 use program::{COUNT_BITS, LOOK_CYCLES, SAMPLED_AFTER};
 use ring::Ring;
 
@@ -125,15 +125,5 @@ impl Index {
         const UNUSED_BITS: u32 = u32::BITS - COUNT_BITS;
         let looks = (looks << UNUSED_BITS) as i32 >> UNUSED_BITS;
         looks * LOOK_CYCLES as i32 + (SAMPLED_AFTER - LOOK_CYCLES / 2) as i32 - self.rest as i32
-    }
-}
-
-/// A jump's address is counted from the beginning of its program.
-const fn relocated(instruction: u16, origin: usize) -> u16 {
-    const OPCODE: u16 = 0xE000;
-    if instruction & OPCODE == 0 {
-        instruction + origin as u16
-    } else {
-        instruction
     }
 }

@@ -30,7 +30,7 @@ use embassy_time::{Duration, Instant};
 use pio::Wrap;
 
 use super::pins::{self, AXES};
-use super::{CYCLES_PER_US, INDEX_MACHINE, now_us};
+use super::{CYCLES_PER_US, GUARD_MACHINE, INDEX_MACHINE, now_us};
 
 /// The PIO blocks.
 const BLOCKS: [Pio; 2] = [pac::PIO0, pac::PIO1];
@@ -195,7 +195,11 @@ impl Steps {
             // Until the channels have moved a first word into every FIFO.
             while pio.fstat().read().txempty() & machines != 0 {}
         }
-        release::release(go_us, first | 1 << INDEX_MACHINE, second);
+        release::release(
+            go_us,
+            first | 1 << INDEX_MACHINE,
+            second | 1 << GUARD_MACHINE,
+        );
         if now_us().wrapping_sub(go_us) > 1 {
             // Whatever held it up, the machines' ticks are not the timer's now: the next offer tells.
             feed::tell_late(0);

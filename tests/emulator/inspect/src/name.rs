@@ -78,13 +78,12 @@ pub fn matches(pattern: &str, name: &str) -> bool {
 }
 
 /// Paths below which everything is a panic, or belongs to one.
-const PANIC_PATHS: [&str; 6] = [
+const PANIC_PATHS: [&str; 5] = [
     "core::panicking",
     "core::panic",
     "std::panicking",
     "defmt::export::panic",
     "defmt::panic",
-    "panic_probe",
 ];
 
 /// Types of the language on which it has functions of its own.

@@ -1,0 +1,38 @@
+// Many cases of one kind: numbered, spread evenly, and each the same every time.
+//
+// Case n has two numbers from 0 to 1, of a sequence (R2) of which any first so many lie evenly in the square. So more
+// cases are those that there were and others between them, and a case that failed can be run alone by its number:
+// COPHASE_SWEEP makes so many times as many, COPHASE_CASE='freezes 17' runs that one.
+
+const SIZE = Number(process.env.COPHASE_SWEEP || 1);
+const ONLY = process.env.COPHASE_CASE;
+if (!(SIZE > 0)) throw new Error(`COPHASE_SWEEP is a number of times, such as 20, not ${process.env.COPHASE_SWEEP}`);
+
+/** The real root of x³ = x + 1, of which the sequence is made. */
+const ROOT = 1.324717957244746;
+
+export const spread = (number) => [(0.5 + number / ROOT) % 1, (0.5 + number / ROOT ** 2) % 1];
+
+/** Whether any case of these sweeps is asked for. */
+export const wanted = (...names) => ONLY === undefined || names.some((name) => ONLY.startsWith(`${name} `));
+
+/**
+ * A sweep. Runs `count` cases, or as many times that as are asked for. `play(u, v, number)` plays one and gives { name, wrong: what does
+ * not hold, ended: in a word, worst: a figure }; `unit` says of what.
+ */
+export function sweep(outcome, name, count, unit, play) {
+  if (!wanted(name)) return;
+  const numbers = [...Array(Math.round(count * SIZE)).keys()];
+  const ends = new Map();
+  let worst = -Infinity;
+  for (const number of ONLY === undefined ? numbers : [Number(ONLY.slice(name.length))]) {
+    const done = play(...spread(number), number);
+    ends.set(done.ended, (ends.get(done.ended) ?? 0) + 1);
+    worst = Math.max(worst, done.worst ?? -Infinity);
+    for (const text of done.wrong) outcome.check(false, `${name} ${number} (${done.name}): ${text}`);
+    if (ONLY !== undefined) outcome.say(`${name} ${number} (${done.name}): ${done.ended}${done.log ? `; the log:\n    ${done.log().join('\n    ')}` : ''}`);
+  }
+  const told = [...ends].sort(([, a], [, b]) => b - a).map(([end, times]) => `${times} ${end}`);
+  const ran = [...ends.values()].reduce((sum, times) => sum + times, 0);
+  outcome.say(`${name.padEnd(10)} ${String(ran).padStart(4)} cases: ${told.join(', ')}${worst > -Infinity ? `; at most ${Number(worst.toPrecision(4))} ${unit}` : ''}`);
+}

@@ -1,0 +1,96 @@
+// Edges against the host's prediction, with standstills in between.
+//
+// A machine that misses deadlines stands for whole ticks and goes on. So each edge comes where it is predicted and so
+// many ticks later: the same number for all edges of a tick, on all axes, and never fewer than in the tick before. To a
+// tick belong the edges after its first cycle, up to the first of the next.
+
+import { log } from '../bench/log.mjs';
+
+/** From a deadline to the first cycle of its tick, where all machines are begun anew: as in scenarios/parity.mjs. */
+const MOST_OFFSET = 20;
+
+export class Follow {
+  /** Of a machine that has made some steps, and made them as `predicted` from `began` on; that is checked. */
+  constructor(machine, predicted, began) {
+    const { edges } = machine.board;
+    this.machine = machine;
+    this.origin = undefined;
+    this.wires = [];
+    for (let axis = 0; axis < machine.axes; axis += 1) {
+      for (const name of [`step_${axis}`, `dir_${axis}`]) {
+        const want = Float64Array.from(predicted.edges.get(name), ({ cycle }) => cycle);
+        const { cycles } = edges.track(name);
+        const before = cycles.findIndex((cycle) => cycle >= began);
+        const first = before < 0 ? cycles.length : before;
+        this.wires.push({ name, want, first });
+        if (name === 'step_0') this.origin = cycles[first] - want[0];
+      }
+    }
+    const { wrong } = this.compare();
+    if (wrong.length > 0) throw new Error(`not as predicted before anything happened: ${wrong.join('; ')}`);
+  }
+
+  /**
+   * All edges so far: { stood: ticks that the machine stood for, off: cycles by which it is off its grid besides that, wrong }. `untilTick`:
+   * what was predicted for later ticks is not looked at.
+   */
+  compare({ untilTick = Infinity } = {}) {
+    const { tick } = this.machine;
+    const late = new Map();
+    const wrong = [];
+    let next = Infinity;
+    for (const { name, want, first } of this.wires) {
+      const { cycles } = this.machine.board.edges.track(name);
+      for (let i = first; i < cycles.length; i += 1) {
+        const due = want[i - first];
+        if (due === undefined) {
+          wrong.push(`${name} has an edge more than predicted, at ${cycles[i]}`);
+          break;
+        }
+        const number = Math.ceil(due / tick) - 1;
+        if (number >= untilTick) break;
+        const by = cycles[i] - this.origin - due;
+        const others = late.get(number);
+        if (others === undefined) late.set(number, { by, name });
+        else if (others.by !== by) {
+          wrong.push(`in tick ${number}, ${name} is ${by} cycles late, and ${others.name} ${others.by}`);
+          break;
+        }
+      }
+      // What is missing at the end: the first edge that has not come, of the wire that is the furthest behind.
+      next = Math.min(next, want[cycles.length - first] ?? Infinity);
+    }
+    let stood = 0;
+    let off = 0;
+    let last = 0;
+    for (const [number, { by }] of [...late].sort(([a], [b]) => a - b)) {
+      const ticks = Math.round(by / tick);
+      const rest = Math.abs(by - ticks * tick);
+      off = Math.max(off, rest);
+      if (ticks < stood) wrong.push(`tick ${number} is ${ticks} late, and the one before it ${stood}`);
+      if (rest > MOST_OFFSET) wrong.push(`tick ${number} is ${by - ticks * tick} cycles off the deadlines' grid`);
+      stood = Math.max(stood, ticks);
+      last = number;
+    }
+    if (wrong.length === 0 && Math.min(untilTick - 1, last) * tick > next) wrong.push(`an edge of cycle ${next} is missing`);
+    return { stood, off, wrong, last };
+  }
+}
+
+/** Deadlines missed since power-up, as the log tells. */
+export function missed(lines) {
+  const told = lines.map((line) => line.match(/(\d+) deadlines missed in all/)).filter(Boolean);
+  return told.length === 0 ? 0 : Number(told[told.length - 1][1]);
+}
+
+/**
+ * Whether axes that stand are where one phase of the master puts all of them: within a step, each. `perTurn`: steps of each
+ * for a turn of the master.
+ */
+export function inProportion(steps, perTurn) {
+  const least = Math.max(...steps.map((count, axis) => (count - 1) / perTurn[axis]));
+  const most = Math.min(...steps.map((count, axis) => (count + 1) / perTurn[axis]));
+  return least <= most;
+}
+
+export const told = (machine, pattern) => log(machine.board).some((line) => pattern.test(line));
