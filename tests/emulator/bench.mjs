@@ -17,6 +17,12 @@ takes about five.
   --write       keep the figures: docs/emulated.csv, the table in docs/image.md, and tests/emulator/image-size.toml
   --no-figures  do not compare figures, and the image's size, with those that are kept: for another compiler than theirs
 
+In the environment, for \`sweeps\`:
+  COPHASE_SWEEP=20            twenty times as many cases, the usual ones among them: half an hour
+  COPHASE_CASE='freezes 17'   this case alone, with its log
+
+The image is built with the default settings, whatever COPHASE_BLOB says; scenes are placed in its flash.
+
 Exit status: 0 all holds; 1 something does not, or a figure is worse by over 5 %; 2 a question that makes no sense.`;
 
 const args = process.argv.slice(2);

@@ -35,6 +35,14 @@ export class Rtt {
     alarm.at(clock.cycle + this.interval);
   }
 
+  /** The host takes nothing any more, and the channel is full; up to the next reset. */
+  stall() {
+    const { core } = this.board;
+    core.watch = -1;
+    const at = (offset) => (this.channel + offset - 0x2000_0000) >>> 2;
+    core.ram32[at(READ)] = (core.ram32[at(WRITE)] + 1) % core.ram32[at(SIZE)];
+  }
+
   /** Takes what is in the channel and moves the read offset. */
   drain() {
     const { core } = this.board;

@@ -10,7 +10,10 @@ import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
 import { act } from '../bench/play.mjs';
 
-const MOST_DEG = 0.01;
+export const MOST_DEG = 0.01;
+
+/** Of the scene `two-hundred`. */
+export const TURN_HZ = 200;
 
 export const title = 'Index: six cranks at 200 rev/s';
 
@@ -28,7 +31,7 @@ export function run(outcome) {
 }
 
 /** The drift that each axis's last pulse before the stop stands for: the sensor's phase less the commanded one. */
-function standsFor({ toml, inputs, tickHz, axes }, { edges, trace }) {
+export function standsFor({ toml, inputs, tickHz, axes }, { edges, trace }) {
   const [{ at_s: stop }] = inputs;
   return Array.from({ length: axes }, (_, axis) => {
     const rises = edges.get(`index_${axis}`).filter(({ level }) => level === 1);
@@ -52,10 +55,8 @@ function measure(played, predicted, disturb) {
     machine.boot();
     return [machine, machine.start()];
   };
-  // Cranks turn with the steps, which begin some cycles after the deadline; the same each time.
   const [first, began] = started();
-  first.run(0.02);
-  const offset = first.board.edges.of('step_0')[0].cycle - began - predicted.edges.get('step_0')[0].cycle;
+  const offset = offsetOf(first, began, predicted);
   const [machine] = started();
   disturb(machine, predicted, began + offset);
   act(machine, played, predicted, began + offset);
@@ -63,6 +64,12 @@ function measure(played, predicted, disturb) {
   const line = lines.find((text) => /Stop, drift/.test(text));
   if (!line) throw new Error(`the log tells of no stop:\n${lines.join('\n')}`);
   return line.match(/drift \[(.*)\]/)[1].split(',').map(Number);
+}
+
+/** Cranks turn with the steps, which begin some cycles after the deadline; the same each time. */
+export function offsetOf(machine, began, predicted) {
+  machine.run(0.02);
+  return machine.board.edges.of('step_0')[0].cycle - began - predicted.edges.get('step_0')[0].cycle;
 }
 
 /** Twenty glitches a turn on each line, half a microsecond long, kept clear of the pulses themselves. */

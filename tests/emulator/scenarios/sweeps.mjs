@@ -5,33 +5,101 @@
 // one alone.
 
 import { blobOf, predict, scene } from '../bench/host.mjs';
-import { Machine } from '../bench/machine.mjs';
+import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
+import * as pins from '../bench/pins.mjs';
 import { wanted } from '../bench/sweep.mjs';
 import { Snapshot } from '../board/snapshot.mjs';
+import { enablePulses } from '../sweeps/enable.mjs';
 import { Follow } from '../sweeps/follow.mjs';
 import { freezes } from '../sweeps/freezes.mjs';
+import { noise } from '../sweeps/noise.mjs';
+import { panics } from '../sweeps/panics.mjs';
+import { releases, starts } from '../sweeps/release.mjs';
+import { stops } from '../sweeps/stops.mjs';
+import { offsetOf, standsFor } from './index.mjs';
 
 export const title = 'Sweeps: mishaps at every moment';
 
 export function run(outcome) {
-  if (wanted('freezes')) freezes(outcome, running(0.09));
+  if (wanted('freezes', 'releases', 'enable', 'panics', 'starts')) {
+    const played = scene('sweep');
+    const blob = blobOf(played);
+    const predicted = predict(played);
+    const fresh = () => new Machine({ ...played, blob });
+    if (wanted('freezes', 'releases', 'enable', 'panics')) {
+      const moving = running(played, fresh(), 0.09, predicted);
+      freezes(outcome, moving);
+      releases(outcome, moving);
+      enablePulses(outcome, moving);
+      panics(outcome, moving);
+    }
+    starts(outcome, { fresh, predicted });
+  }
+  if (wanted('stops')) {
+    const played = scene('hold', quick);
+    stops(outcome, running(played, new Machine({ ...played, blob: blobOf(played) }), 0.12));
+  }
+  if (wanted('noise')) noise(outcome, aboutToStop());
 }
 
-/** The scene `sweep`, `seconds` after its start, at a deadline. */
-function running(seconds) {
-  const played = scene('sweep');
-  const predicted = predict(played);
-  const machine = new Machine({ ...played, blob: blobOf(played) });
+/** The scene `hold` with gears, and quick to get to its level and to rest. */
+function quick(toml) {
+  toml.limits.acceleration_hz_per_s = 400;
+  toml.limits.jerk_hz_per_s2 = 40_000;
+  toml.program[0].ramp_s = 0.05;
+  toml.axis.push({ number: 1, ratio: [3, 2] }, { number: 3, ratio: [1, 4], steps_per_turn: 25_600 });
+}
+
+/** The scene, `seconds` after its start, shortly before a deadline. */
+function running(played, machine, seconds, predicted) {
   machine.boot();
   const began = machine.start();
   const deadline = began + Math.round(seconds * played.tickHz) * machine.tick;
   machine.board.run({ untilCycle: deadline - machine.tick / 8 });
-  const follow = new Follow(machine, predicted, began);
+  const follow = predicted && new Follow(machine, predicted, began);
+  const wrong = follow?.compare().wrong ?? [];
+  if (wrong.length > 0) throw new Error(`not as predicted before anything happened: ${wrong.join('; ')}`);
   const perTurn = Array.from({ length: played.axes }, (_, axis) => {
     const own = played.toml.axis.find(({ number }) => number === axis) ?? {};
     const [over, under] = own.ratio ?? [1, 1];
     return ((own.steps_per_turn ?? played.toml.axes.steps_per_turn) * over) / under;
   });
   const reversed = perTurn.map((_, axis) => Number(played.toml.axis.some((own) => own.number === axis && own.reversed)));
-  return { machine, follow, began, deadline, perTurn, reversed, snapshot: new Snapshot(machine.board) };
+  const parkDeg = played.toml.machine.park_deg ?? 180;
+  return { machine, follow, deadline, parkDeg, perTurn, reversed, snapshot: new Snapshot(machine.board) };
+}
+
+/** What is looked at is its end. */
+function shorter(toml) {
+  toml.program[0].hold_s = 0.15;
+  toml.input[0].at_s = 0.30012;
+}
+
+/** The scene `two-hundred`, shortly before the last pulses that come before its stop. */
+function aboutToStop() {
+  const played = scene('two-hundred', shorter);
+  const predicted = predict(played);
+  const blob = blobOf(played);
+  const started = () => {
+    const machine = new Machine({ ...played, blob });
+    machine.boot();
+    return [machine, machine.start()];
+  };
+  const offset = offsetOf(...started(), predicted);
+  const [machine, deadline] = started();
+  const began = deadline + offset;
+  const [{ at_s: seconds }] = played.inputs;
+  const stop = began + Math.round(seconds * CYCLES_PER_S);
+  machine.set(pins.STOP, 1, stop);
+  const pulses = [];
+  for (let axis = 0; axis < played.axes; axis += 1) {
+    const edges = predicted.edges.get(`index_${axis}`);
+    for (const { cycle, level } of edges) machine.set(pins.INDEX[axis], level, began + cycle);
+    const at = edges.findLastIndex(({ cycle, level }) => level === 1 && began + cycle < stop - machine.tick);
+    pulses.push([at - 2, at].map((i) => ({ rise: began + edges[i].cycle, fall: began + edges[i + 1].cycle })));
+  }
+  const first = Math.min(...pulses.map(([{ rise }]) => rise));
+  machine.board.run({ untilCycle: first - machine.tick / 4 });
+  const end = stop + Math.round(0.009 * CYCLES_PER_S);
+  return { machine, pulses, end, stands: standsFor(played, predicted), snapshot: new Snapshot(machine.board) };
 }

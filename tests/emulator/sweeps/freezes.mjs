@@ -9,7 +9,7 @@ import { Follow, inProportion, missed } from './follow.mjs';
 
 /** Cases, and the longest that the processor stands, in ticks. */
 const FREEZES = 60;
-const LONGEST = 3.3;
+const LONGEST = 2.4;
 
 /** More missed deadlines in a row are a fault (firmware/core/src/controller.rs). */
 const MOST_MISSED = 2;
@@ -28,7 +28,8 @@ export function freezes(outcome, running) {
     machine.board.run({ untilCycle: running.deadline + Math.round(u * machine.tick) });
     machine.freeze((ticks * machine.tick) / 125e6);
     machine.run(TOLD_S + ticks * machine.tick / 125e6);
-    return { name: `begun ${u.toFixed(4)} ticks after a deadline, for ${ticks.toFixed(4)}`, ...judge(running) };
+    const judged = judge(running);
+    return { name: `begun ${u.toFixed(4)} ticks after a deadline, for ${ticks.toFixed(4)}`, worst: judged.stood, ...judged };
   });
 }
 
@@ -37,13 +38,14 @@ export function judge({ machine, follow, perTurn, reversed }) {
   let lines = log(machine.board);
   const fault = lines.map((line) => line.match(/fault: (\w+)( on axis \d)?/)).find(Boolean);
   if (!fault) {
-    const { stood, off, wrong, last } = follow.compare();
+    const { stood, apart, wrong, last } = follow.compare();
+    if (stood === 0 && apart > 0) wrong.push(`the blocks are ${apart} cycles apart`);
     const before = missed(lines);
     if (stood !== before) wrong.push(`the log tells of ${before} deadlines missed, and the machine stood for ${stood} ticks`);
     if (machine.level('enable') !== 1) wrong.push('the drives are off, and there is no fault');
     if (last * machine.tick < machine.board.cycle - follow.origin - (stood + 2) * machine.tick) wrong.push(`nothing moves since tick ${last}`);
     if (stood > MOST_MISSED) wrong.push(`the machine stood for ${stood} ticks, and there is no fault`);
-    return { wrong, worst: stood, off, ended: 'in step', log: () => lines };
+    return { wrong, stood, apart, ended: 'in step', log: () => lines };
   }
   const [, kind] = fault;
   machine.run(STOPPED_S);

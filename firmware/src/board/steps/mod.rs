@@ -119,6 +119,7 @@ impl Steps {
             turned[axis] = if is_reversed { DIR } else { 0 };
         }
         feed::listen();
+        release::set_up();
         let Buffers([free, given]) = buffers;
         Self {
             free,
@@ -195,13 +196,14 @@ impl Steps {
             // Until the channels have moved a first word into every FIFO.
             while pio.fstat().read().txempty() & machines != 0 {}
         }
-        release::release(
+        let in_time = release::release(
             go_us,
             first | 1 << INDEX_MACHINE,
             second | 1 << GUARD_MACHINE,
         );
-        if now_us().wrapping_sub(go_us) > 1 {
-            // Whatever held it up, the machines' ticks are not the timer's now: the next offer tells.
+        if !in_time {
+            // Whatever held it up, the machines' ticks are not the timer's now, or one block's not the other's: the
+            // next offer tells.
             feed::tell_late(0);
         }
         for (pio, machines) in BLOCKS.into_iter().zip([first, second]) {

@@ -1,0 +1,73 @@
+// Glitches on the index lines close to the pulses' own edges.
+//
+// A glitch is a stretch shorter than `index.width_us`: high before a pulse, low within it, high after it. In each case the
+// last two pulses of six lines before a stop are disturbed, each line in another place. The drift that the image tells
+// of may then be off by what the filter states (firmware/core/src/drift/index_filter.rs): a glitch up to two widths
+// before a pulse is taken for its bouncing; nothing else moves it.
+
+import { log } from '../bench/log.mjs';
+import { CYCLES_PER_S } from '../bench/machine.mjs';
+import * as pins from '../bench/pins.mjs';
+import { spread, sweep, wanted } from '../bench/sweep.mjs';
+import { MOST_DEG, standsFor, TURN_HZ } from '../scenarios/index.mjs';
+
+const NOISES = 12;
+
+const WIDTH = 250; // index.width_us, 2 µs
+const BRIDGED = 2;
+/** What a look at the lines takes, and another after a change: a stretch is known to that. */
+const LOOK = 21;
+
+const DEG_PER_CYCLE = (360 * TURN_HZ) / CYCLES_PER_S;
+
+/** `ready`: a machine about to be stopped, as scenarios/sweeps.mjs has it. */
+export function noise(outcome, ready) {
+  if (!wanted('noise')) return;
+  const { machine, snapshot, pulses, stands } = ready;
+  sweep(outcome, 'noise', NOISES, '° off the phase', (u, v, number) => {
+    snapshot.restore();
+    const places = pulses.map((own, axis) => own.map((pulse) => disturb(machine, axis, pulse, spread(6 * number + axis))));
+    machine.board.run({ untilCycle: ready.end });
+    const lines = log(machine.board);
+    const line = lines.find((text) => /Stop, drift/.test(text));
+    const drift = line?.match(/drift \[(.*)\]/)[1].split(',').map(Number);
+    const wrong = drift ? [] : ['the log tells of no stop'];
+    const off = (drift ?? []).map((deg, axis) => deg - stands[axis]);
+    off.forEach((deg, axis) => {
+      const [{ text, early }] = places[axis].slice(-1);
+      // A pulse that comes early is of a crank that is ahead.
+      const most = MOST_DEG + early * DEG_PER_CYCLE;
+      if (!(deg >= -MOST_DEG && deg <= most)) wrong.push(`axis ${axis}, ${text}: ${deg.toFixed(4)}° off, and not -${MOST_DEG} to ${most.toFixed(4)}`);
+    });
+    return {
+      name: places.map((own, axis) => `axis ${axis}: ${own[own.length - 1].text}`).join('; '),
+      wrong,
+      worst: Math.max(...off.map(Math.abs)),
+      ended: 'in bounds',
+      log: () => [line, stands.join(', ')],
+    };
+  });
+}
+
+/** Whether a glitch may be taken for the pulse's own bouncing: close to it, and no stretch that counts between. */
+const isBridged = (length, apart) => apart < WIDTH + LOOK && apart + length <= BRIDGED * WIDTH + LOOK;
+
+/** One glitch of up to a width; gives what it is, and by how many cycles it may make the pulse seem early. */
+function disturb(machine, axis, { rise, fall }, [u, v]) {
+  const { stimulus } = machine.board;
+  const pin = pins.INDEX[axis];
+  const length = 10 + Math.round(u * (WIDTH - LOOK - 10));
+  const apart = 10 + Math.round((v * 4 - Math.floor(v * 4)) * 3 * WIDTH);
+  switch (Math.floor(v * 4)) {
+    case 0:
+    case 1:
+      stimulus.pulse(rise - apart - length, pin, length);
+      return { text: `${length} cycles high, ${apart} before the pulse`, early: isBridged(length, apart) ? apart + length : 0 };
+    case 2:
+      stimulus.pulse(rise + apart, pin, length, 0);
+      return { text: `${length} cycles low, ${apart} after the pulse came`, early: 0 };
+    default:
+      stimulus.pulse(fall + apart, pin, length);
+      return { text: `${length} cycles high, ${apart} after the pulse went`, early: 0 };
+  }
+}

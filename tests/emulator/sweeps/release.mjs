@@ -1,0 +1,99 @@
+// The processor stands for a moment while it lets the machines go: for the first time, and again after a deadline missed.
+//
+// Half of the cases lie around the two stores that let the blocks go, where a cycle matters; the others are spread over all
+// that leads there. Afterwards both blocks go together, or it is told as a fault.
+
+import { log } from '../bench/log.mjs';
+import { CYCLES_PER_S } from '../bench/machine.mjs';
+import { sweep, wanted } from '../bench/sweep.mjs';
+import { Snapshot } from '../board/snapshot.mjs';
+import { Follow } from './follow.mjs';
+import { judge } from './freezes.mjs';
+
+const RELEASES = 40;
+const STARTS = 16;
+
+/** The loop misses a deadline, and no axis runs dry by that: from and for how many ticks. */
+const FROZEN_FROM = 0.15;
+const FROZEN_FOR = 1.2;
+
+/** What lies before the stores: reading and reckoning as well; and what lies after them, and still belongs to it. */
+const BEFORE = 20_000;
+const AFTER = 250;
+/** Around the stores, every cycle. */
+const NEAR = 32;
+/** The processor stands this long, cycles: from one to a quarter of a tick. */
+const LONGEST = 16_000;
+
+/** From a deadline to the first cycle of its tick: as in scenarios/parity.mjs, and what is too short to be told. */
+const MOST_OFFSET = 20 + 31;
+
+/** Where, and for how long: near the stores short, else any. */
+function moment(u, v, number) {
+  const near = number % 2 === 0;
+  const at = near ? Math.round((2 * u - 1) * NEAR) : Math.round(u * (BEFORE + AFTER)) - BEFORE;
+  const length = Math.max(1, Math.round(LONGEST ** v));
+  return { at, length };
+}
+
+const name = ({ at, length }) => `standing for ${length} cycles from ${at} cycles after the machines are let go`;
+
+/** The cycle in which the machines of the first block are let go, from now on. */
+function letGo(machine) {
+  const { board } = machine;
+  const on = () => board.pio[0].machines[0].enabled;
+  while (on()) machine.run(1e-6);
+  while (!on()) board.run({ cycles: 1 });
+  return board.cycle;
+}
+
+/** Begun again, after the loop stood for over a tick. */
+export function releases(outcome, running) {
+  if (!wanted('releases')) return;
+  const { machine, snapshot } = running;
+  const missed = () => {
+    snapshot.restore();
+    machine.board.run({ untilCycle: running.deadline + FROZEN_FROM * machine.tick });
+    machine.freeze((FROZEN_FOR * machine.tick) / CYCLES_PER_S);
+  };
+  missed();
+  const go = letGo(machine);
+  missed();
+  machine.board.run({ untilCycle: go - BEFORE });
+  const before = new Snapshot(machine.board);
+  sweep(outcome, 'releases', RELEASES, 'cycles between the blocks', (u, v, number) => {
+    before.restore();
+    const when = moment(u, v, number);
+    machine.board.run({ untilCycle: go + when.at });
+    machine.freeze(when.length / CYCLES_PER_S);
+    machine.run(0.01);
+    const judged = judge(running);
+    return { name: name(when), worst: judged.apart, ...judged };
+  });
+}
+
+/** The first time, at power-up: then the machine is started. */
+export function starts(outcome, { fresh, predicted }) {
+  if (!wanted('starts')) return;
+  const go = letGo(fresh());
+  const machine = fresh();
+  machine.board.run({ untilCycle: go - BEFORE });
+  const before = new Snapshot(machine.board);
+  sweep(outcome, 'starts', STARTS, 'cycles between the blocks', (u, v, number) => {
+    before.restore();
+    const when = moment(u, v, number);
+    machine.board.run({ untilCycle: go + when.at });
+    machine.freeze(when.length / CYCLES_PER_S);
+    machine.run(0.008);
+    const lines = log(machine.board);
+    const fault = lines.map((line) => line.match(/fault: (\w+)/)).find(Boolean);
+    if (fault) return { name: name(when), wrong: [], ended: fault[1], log: () => lines };
+    const began = machine.start();
+    machine.run(0.03);
+    const follow = new Follow(machine, predicted, began);
+    const { wrong, apart } = follow.compare();
+    const from = follow.origin - began;
+    if (from < 0 || from > MOST_OFFSET) wrong.push(`a tick begins ${from} cycles from its deadline`);
+    return { name: name(when), wrong, worst: apart, ended: 'in step', log: () => lines };
+  });
+}
