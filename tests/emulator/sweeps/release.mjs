@@ -1,11 +1,12 @@
 // The processor stands for a moment while it lets the machines go: for the first time, and again after a deadline missed.
 //
-// Half of the cases lie around the two stores that let the blocks go, where a cycle matters; the others are spread over all
-// that leads there. Afterwards both blocks go together, or it is told as a fault.
+// Half of the cases lie around the two stores that let the blocks go, where a cycle matters, most of them between the two;
+// the others are spread over all that leads there. Afterwards both blocks go together, or it is told as a fault, or, of a
+// machine that stands, they are let go anew.
 
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S } from '../bench/machine.mjs';
-import { sweep, wanted } from '../bench/sweep.mjs';
+import { spread, sweep, wanted } from '../bench/sweep.mjs';
 import { Snapshot } from '../board/snapshot.mjs';
 import { Follow } from './follow.mjs';
 import { judge } from './freezes.mjs';
@@ -20,7 +21,7 @@ const FROZEN_FOR = 1.2;
 /** What lies before the stores: reading and reckoning as well; and what lies after them, and still belongs to it. */
 const BEFORE = 20_000;
 const AFTER = 250;
-/** Around the stores, every cycle. */
+/** Around the stores. */
 const NEAR = 32;
 /** The processor stands this long, cycles: from one to a quarter of a tick. */
 const LONGEST = 16_000;
@@ -29,9 +30,10 @@ const LONGEST = 16_000;
 const MOST_OFFSET = 20 + 31;
 
 /** Where, and for how long: near the stores short, else any. */
-function moment(u, v, number) {
+function moment(number) {
   const near = number % 2 === 0;
-  const at = near ? Math.round((2 * u - 1) * NEAR) : Math.round(u * (BEFORE + AFTER)) - BEFORE;
+  const [u, v] = spread(number >> 1);
+  const at = near ? Math.round((2 * u - 1) ** 3 * NEAR) : Math.round(u * (BEFORE + AFTER)) - BEFORE;
   const length = Math.max(1, Math.round(LONGEST ** v));
   return { at, length };
 }
@@ -61,9 +63,9 @@ export function releases(outcome, running) {
   missed();
   machine.board.run({ untilCycle: go - BEFORE });
   const before = new Snapshot(machine.board);
-  sweep(outcome, 'releases', RELEASES, 'cycles between the blocks', (u, v, number) => {
+  sweep(outcome, 'releases', RELEASES, 'cycles between the blocks', (_u, _v, number) => {
     before.restore();
-    const when = moment(u, v, number);
+    const when = moment(number);
     machine.board.run({ untilCycle: go + when.at });
     machine.freeze(when.length / CYCLES_PER_S);
     machine.run(0.01);
@@ -79,9 +81,9 @@ export function starts(outcome, { fresh, predicted }) {
   const machine = fresh();
   machine.board.run({ untilCycle: go - BEFORE });
   const before = new Snapshot(machine.board);
-  sweep(outcome, 'starts', STARTS, 'cycles between the blocks', (u, v, number) => {
+  sweep(outcome, 'starts', STARTS, 'cycles between the blocks', (_u, _v, number) => {
     before.restore();
-    const when = moment(u, v, number);
+    const when = moment(number);
     machine.board.run({ untilCycle: go + when.at });
     machine.freeze(when.length / CYCLES_PER_S);
     machine.run(0.008);

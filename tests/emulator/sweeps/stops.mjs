@@ -8,7 +8,7 @@ const STOPS = 10;
 
 /** A turn of the scene, and what it takes to stop, and to tell. */
 const TURN_S = 1 / 12;
-const PARKED_S = 0.14;
+const PARKED_S = 0.2;
 
 export function stops(outcome, running) {
   if (!wanted('stops')) return;
