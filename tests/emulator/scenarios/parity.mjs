@@ -20,7 +20,7 @@ const LEAST_EDGES = 100_000;
 const MOST_SKEW = 0;
 
 /** From a deadline to the first cycle of its tick: the few cycles that letting the machines go takes. */
-const MOST_OFFSET = 20;
+const MOST_OFFSET = 25;
 
 export const title = 'Parity: edges against the host’s prediction';
 

@@ -10,7 +10,7 @@
 import * as pins from '../bench/pins.mjs';
 
 /** From a deadline to the first cycle of its tick, where all machines are begun anew: as in scenarios/parity.mjs. */
-const MOST_OFFSET = 20;
+const MOST_OFFSET = 25;
 
 /** What is too short to be told when machines are let go, cycles. */
 const MOST_APART = 31;

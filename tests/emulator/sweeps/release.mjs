@@ -27,7 +27,7 @@ const NEAR = 32;
 const LONGEST = 16_000;
 
 /** From a deadline to the first cycle of its tick: as in scenarios/parity.mjs, and what is too short to be told. */
-const MOST_OFFSET = 20 + 31;
+const MOST_OFFSET = 25 + 31;
 
 /** Where, and for how long: near the stores short, else any. */
 function moment(number) {

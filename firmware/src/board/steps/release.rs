@@ -15,7 +15,7 @@ use embassy_rp::pac;
 /// Cycles from the first block's beginning to the second's: a store to these registers takes two.
 pub const SKEW: u32 = 2;
 
-/// From the timer's last look before its time to both blocks let go, cycles: it takes 34, and may not take more by a
+/// From the timer's last look before its time to both blocks let go, cycles: it takes 36, and may not take more by a
 /// quarter of a microsecond.
 const MOST_CYCLES: u32 = 64;
 
