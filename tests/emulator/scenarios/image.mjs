@@ -18,11 +18,8 @@ const ROOTS = ['cophase_core::controller::Controller<_>::tick', 'cophase_firmwar
 const BESIDE = [
   'TIMER_IRQ_0',
   'SWI_IRQ_0',
-  'SWI_IRQ_1',
-  'IO_IRQ_BANK0',
   'HardFault',
   'embassy_executor::raw::Executor::poll',
-  'embassy_rp::gpio::InputFuture',
 ];
 
 export const title = 'Image: panics, what runs from RAM, size, stack';

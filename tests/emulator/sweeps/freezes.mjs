@@ -9,9 +9,9 @@ import { Follow, inProportion, missed } from './follow.mjs';
 
 /** Cases, and the longest that the processor stands, in ticks. */
 const FREEZES = 60;
-const LONGEST = 2.4;
+const LONGEST = 3.3;
 
-/** More missed deadlines in a row are a fault (firmware/core/src/controller.rs). */
+/** More missed deadlines in a row are a fault (firmware/core/src/controller/punctuality.rs). */
 const MOST_MISSED = 2;
 
 /** Until all is told, and until a machine that stops has stopped. */

@@ -45,7 +45,7 @@ pub fn release(at_us: u32, first: u8, second: u8) -> bool {
     // SAFETY: the addresses are those of the timer, and of the blocks' control registers, in which these
     // values do nothing but enable.
     let took = unsafe {
-        release_from_ram(
+        let_go(
             timer.cast(),
             at_us,
             first_ctrl.cast(),
@@ -57,9 +57,8 @@ pub fn release(at_us: u32, first: u8, second: u8) -> bool {
     took <= MOST_CYCLES
 }
 
-#[unsafe(link_section = ".data.release")]
 #[inline(never)]
-unsafe extern "C" fn release_from_ram(
+unsafe extern "C" fn let_go(
     timer: *const u32,
     at_us: u32,
     first_ctrl: *mut u32,
