@@ -275,19 +275,21 @@ impl<const N: usize> Controller<N> {
     /// What has been seen since the last tick.
     #[inline(never)]
     fn observe(&mut self, feedback: &Feedback<N>) -> Seen {
-        let alarm = feedback.alarm.iter().position(|&alarm| alarm);
-        let alarm = alarm.map(|axis| Fault::new(FaultKind::DriveAlarm).on_axis(axis));
         let drift = if core::mem::take(&mut self.was_late) {
             self.drift.disregard(&feedback.index);
-            None
+            Ok(())
         } else {
             let played = self.channels.iter().map(|channel| &channel.played);
-            self.drift.observe(&feedback.index, played).err()
+            self.drift.observe(&feedback.index, played)
         };
-        let dry = feedback
-            .ran_dry
-            .map(|axis| Fault::new(FaultKind::RanDry).on_axis(axis));
-        let fault = dry.or(self.overrun.take()).or(alarm).or(drift);
+        let alarm = feedback.alarm.iter().fold(false, |any, alarm| any | alarm);
+        let all_is_well =
+            !alarm && drift.is_ok() && feedback.ran_dry.is_none() && self.overrun.is_none();
+        let fault = if all_is_well {
+            None
+        } else {
+            self.blame(feedback, drift.err())
+        };
         Seen {
             fault,
             at_rest: self.motion.at_rest,
@@ -296,6 +298,18 @@ impl<const N: usize> Controller<N> {
             tick: self.ticks,
             phase: self.shaft.phase(),
         }
+    }
+
+    /// Which of all that is wrong is told, when the drift monitor says `drift`.
+    #[cold]
+    #[inline(never)] // a fault has 48 bytes, to be moved about only where there is one
+    fn blame(&mut self, feedback: &Feedback<N>, drift: Option<Fault>) -> Option<Fault> {
+        let dry = feedback
+            .ran_dry
+            .map(|axis| Fault::new(FaultKind::RanDry).on_axis(axis));
+        let alarm = feedback.alarm.iter().position(|&alarm| alarm);
+        let alarm = alarm.map(|axis| Fault::new(FaultKind::DriveAlarm).on_axis(axis));
+        dry.or(self.overrun.take()).or(alarm).or(drift)
     }
 
     /// Sets up for a state that was just entered.
@@ -365,13 +379,18 @@ impl<const N: usize> Controller<N> {
             ..
         } = &mut self.output;
         let master = moving.then_some(self.motion.speed);
-        for (i, channel) in self.channels.iter_mut().enumerate() {
-            channel.advance(master.as_ref(), &mut self.pace, &mut runs[i]);
+        for (channel, runs) in self.channels.iter_mut().zip(runs) {
+            channel.advance(master.as_ref(), &mut self.pace, runs);
+        }
+        for (channel, setpoint) in self.channels.iter().zip(setpoints) {
             if let Some(forward) = &channel.feed_forward {
-                setpoints[i] = channel.setpoint(forward, self.motion.acceleration);
+                *setpoint = channel.setpoint(forward, self.motion.acceleration);
             }
-            telemetry.axis_phase[i] = channel.axis.phase();
-            telemetry.steps[i] = channel.planner.steps();
+        }
+        let told = telemetry.axis_phase.iter_mut().zip(&mut telemetry.steps);
+        for (channel, (phase, steps)) in self.channels.iter().zip(told) {
+            *phase = channel.axis.phase();
+            *steps = channel.planner.steps();
         }
     }
 

@@ -26,6 +26,19 @@ impl Levels {
         pins::ALARM.get(axis).is_some_and(|&pin| self.is_high(pin))
     }
 
+    /// Whether any drive's alarm is on, or would be if there were one.
+    pub const fn any_alarm(self) -> bool {
+        const ALARMS: u32 = {
+            let (mut mask, mut axis) = (0, 0);
+            while axis < pins::ALARM.len() {
+                mask |= 1 << pins::ALARM[axis];
+                axis += 1;
+            }
+            mask
+        };
+        self.0 & ALARMS != 0
+    }
+
     /// Level of an axis's index sensor.
     pub fn index(self, axis: usize) -> bool {
         axis < pins::AXES && self.is_high(pins::INDEX + axis as u8)

@@ -26,6 +26,11 @@ const GUARD_MACHINE: usize = 3;
 /// Cycles to a microsecond.
 pub const CYCLES_PER_US: u32 = cophase_core::settings::CLOCK_HZ / 1_000_000;
 
+/// Whether an instant less than half an hour away has come: a tenth of what asking for the time costs.
+pub fn is_past(instant: embassy_time::Instant) -> bool {
+    now_us().wrapping_sub(instant.as_ticks() as u32) as i32 >= 0
+}
+
 /// The timer's microseconds, the lower half.
 fn now_us() -> u32 {
     embassy_rp::pac::TIMER.timerawl().read()

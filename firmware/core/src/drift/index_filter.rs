@@ -95,6 +95,15 @@ impl IndexFilter {
         self.pulse.take()
     }
 
+    /// Whether nothing is under way, and has been for a tick of `cycles`. Then [`Self::end_tick`] has nothing to tell, and
+    /// need not be called until the next change: all that a change looks back for, [`BRIDGE_WIDTHS`] widths and one, is
+    /// less than a tick.
+    pub fn is_quiet(&self, cycles: u32) -> bool {
+        self.level == self.steady
+            && self.pulse.is_none()
+            && self.since.max(self.first) <= -at_most_long(cycles)
+    }
+
     /// Stretches that were too short to count, and pulses too many, since the start; stays at its
     /// greatest.
     pub const fn glitches(&self) -> u32 {

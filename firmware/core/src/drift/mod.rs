@@ -51,12 +51,11 @@ impl TickPhase {
         }
     }
 
-    /// Commanded phase `cycle` cycles into a tick, of whose cycles `per_tick_cycle` is the reciprocal.
-    #[inline(never)]
-    fn at(&self, cycle: u32, per_tick_cycle: u32) -> Phase {
+    /// Commanded phase `cycle` cycles into a tick.
+    fn at(&self, cycle: u32, clock: TickClock) -> Phase {
         // cycle / tick_cycles with 24 fraction bits; and of the turns of a tick, below ½, the upper 40: 2⁻²⁴ of a tick
         // is less than a cycle.
-        let part = multiply_high(cycle << CYCLE_SPARE_BITS, per_tick_cycle).min(1 << 24);
+        let part = multiply_high(cycle << CYCLE_SPARE_BITS, clock.per_cycle).min(1 << 24);
         let turns = (self.turns.to_bits() >> 8) as u64;
         let turns = multiply_long(turns, part) as i64 >> 16;
         self.start.advanced(Turns::from_bits(turns))
@@ -65,6 +64,14 @@ impl TickPhase {
 
 /// A tick has at most 18 bits of cycles: 250,000.
 const CYCLE_SPARE_BITS: u32 = 14;
+
+/// How long a tick is.
+#[derive(Clone, Copy, Debug)]
+struct TickClock {
+    cycles: u32,
+    /// 2⁴² / cycles.
+    per_cycle: u32,
+}
 
 /// A set of axes: a bit for each.
 type Axes = u8;
@@ -76,9 +83,35 @@ struct Sensor {
     index: Option<Turns>,
     /// Commanded turns since its last pulse.
     since: Turns,
-    /// Turns commanded in the tick before the one that is over; none if that is not known. It ended where the
-    /// one that is over began.
-    before: Option<Turns>,
+    /// Turns commanded in the tick before the one that is over, which ended where the one that is over began.
+    before: Turns,
+}
+
+impl Sensor {
+    /// The drift that a pulse shows; none if it came in a tick of which nothing is known.
+    #[inline(never)] // seldom, and what it needs of registers the loop over all axes would lack
+    fn drift(
+        &self,
+        index: Turns,
+        pulse: IndexPulse,
+        commanded: &TickPhase,
+        before_is_known: bool,
+        clock: TickClock,
+    ) -> Option<Turns> {
+        let back = pulse.cycle.min(0).unsigned_abs();
+        let at = if back == 0 {
+            commanded.at(pulse.cycle.unsigned_abs(), clock)
+        } else if before_is_known {
+            let before = TickPhase {
+                start: commanded.start.advanced(self.before.wrapping_neg()),
+                turns: self.before,
+            };
+            before.at(clock.cycles.saturating_sub(back), clock)
+        } else {
+            return None;
+        };
+        Some(nearest(Phase::from_turns(index).since(at)))
+    }
 }
 
 /// Watches the drift of `N` axes.
@@ -89,9 +122,9 @@ pub struct DriftMonitor<const N: usize> {
     sensors: [Sensor; N],
     /// Axes that have a sensor.
     sensed: Axes,
-    tick_cycles: u32,
-    /// 2⁴² / cycles of a tick.
-    per_tick_cycle: u32,
+    clock: TickClock,
+    /// The last call of [`Self::observe`] told of the tick before the one that is over.
+    before_is_known: bool,
     drift: [Turns; N],
     /// Axes heard since the modes were taken last.
     heard: Axes,
@@ -109,14 +142,17 @@ impl<const N: usize> DriftMonitor<N> {
             sensors: index.map(|index| Sensor {
                 index,
                 since: Turns::ZERO,
-                before: None,
+                before: Turns::ZERO,
             }),
             sensed: (0..N)
                 .filter(|&axis| index[axis].is_some())
                 .fold(0, |axes, axis| axes | 1 << axis),
-            tick_cycles,
-            // Ticks have 12,500 cycles and more: 29 bits.
-            per_tick_cycle: ((1 << (24 + 32 - CYCLE_SPARE_BITS)) / u64::from(tick_cycles)) as u32,
+            clock: TickClock {
+                cycles: tick_cycles,
+                // Ticks have 12,500 cycles and more: 29 bits.
+                per_cycle: ((1 << (24 + 32 - CYCLE_SPARE_BITS)) / u64::from(tick_cycles)) as u32,
+            },
+            before_is_known: false,
             drift: [Turns::ZERO; N],
             heard: 0,
             known: 0,
@@ -137,14 +173,24 @@ impl<const N: usize> DriftMonitor<N> {
         let limit = self.limits.index_turns;
         let mut missing = None;
         let mut heard = 0;
-        let sensors = self.sensors.iter_mut().zip(&mut self.drift);
-        let axes = sensors.zip(pulses).zip(commanded);
-        for (axis, (((sensor, drift), pulse), commanded)) in axes.enumerate() {
+        let before_is_known = core::mem::replace(&mut self.before_is_known, true);
+        let mut commanded = commanded.into_iter();
+        for (axis, (sensor, pulse)) in self.sensors.iter_mut().zip(pulses).enumerate() {
+            // Not zipped: the board would multiply for each axis's place.
+            let Some(commanded) = commanded.next() else {
+                break;
+            };
             let Some(index) = sensor.index else {
                 continue;
             };
-            let before = sensor.before.replace(commanded.turns);
-            let Some(pulse) = pulse else {
+            if let Some(pulse) = *pulse {
+                let drift = sensor.drift(index, pulse, commanded, before_is_known, self.clock);
+                if let (Some(drift), Some(slot)) = (drift, self.drift.get_mut(axis)) {
+                    *slot = drift;
+                    heard |= 1 << axis;
+                }
+                sensor.since = Turns::ZERO;
+            } else {
                 // The turns of this tick come on top only now: a pulse in it may wait to be confirmed.
                 if sensor.since > limit {
                     missing = Some(axis);
@@ -152,24 +198,8 @@ impl<const N: usize> DriftMonitor<N> {
                 // Bounded: beyond the limit it is a fault and begins anew, and no axis goes back by more than
                 // its trim.
                 sensor.since = sensor.since.wrapping_add(commanded.turns);
-                continue;
-            };
-            sensor.since = Turns::ZERO;
-            let back = pulse.cycle.min(0).unsigned_abs();
-            let (phase, cycle) = if back == 0 {
-                (Some(*commanded), pulse.cycle.unsigned_abs())
-            } else {
-                let before = before.map(|turns| TickPhase {
-                    start: commanded.start.advanced(turns.wrapping_neg()),
-                    turns,
-                });
-                (before, self.tick_cycles.saturating_sub(back))
-            };
-            if let Some(phase) = phase {
-                let at = phase.at(cycle, self.per_tick_cycle);
-                *drift = nearest(Phase::from_turns(index).since(at));
-                heard |= 1 << axis;
             }
+            sensor.before = commanded.turns;
         }
         self.heard |= heard;
         self.known |= heard;
@@ -189,8 +219,8 @@ impl<const N: usize> DriftMonitor<N> {
 
     /// Takes note of index pulses that came at times to which no phase belongs: their sensors are alive.
     pub fn disregard(&mut self, pulses: &[Option<IndexPulse>; N]) {
+        self.before_is_known = false;
         for (sensor, pulse) in self.sensors.iter_mut().zip(pulses) {
-            sensor.before = None;
             if pulse.is_some() {
                 sensor.since = Turns::ZERO;
             }

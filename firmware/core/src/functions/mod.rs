@@ -8,6 +8,7 @@
 mod divide;
 mod inverse_root;
 mod multiply;
+mod normalise;
 mod reciprocal;
 mod root;
 mod sine;
@@ -15,6 +16,7 @@ mod sine;
 pub use divide::Divisor;
 pub use inverse_root::inverse_root_of_one_minus;
 pub use multiply::{multiply, multiply_high, multiply_long, multiply_q30};
+pub use normalise::{normalised, upper_word};
 pub use reciprocal::reciprocal;
 pub use root::{Root, isqrt, root};
 pub use sine::{SineCosine, sine_cosine};

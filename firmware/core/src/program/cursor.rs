@@ -118,9 +118,9 @@ impl Cursor {
         self.index >= program.entries.len()
     }
 
-    fn segment(&self, program: &Program) -> Option<Segment> {
+    fn segment<'a>(&self, program: &'a Program) -> Option<&'a Segment> {
         match program.entries.get(self.index) {
-            Some(&Entry::Segment(segment)) => Some(segment),
+            Some(Entry::Segment(segment)) => Some(segment),
             _ => None,
         }
     }

@@ -9,20 +9,14 @@
 mod pace;
 pub mod planner;
 mod run;
+mod runs;
 mod timing;
 
 pub use pace::Pace;
 pub use planner::Planner;
 pub use run::Run;
+pub use runs::{BLOCK, MAX_RUNS, Runs};
 pub use timing::PulseTiming;
 
 /// Most edges in a tick of a stepper axis; the settings keep to it.
 pub const MAX_EDGES: u32 = 4800;
-
-/// Most runs in a tick: one for every [`planner::CHUNK`] edges, and what a change of direction (3), the first edge, the
-/// two chunks after it and the last one (which the guards make differ from the others: 1 more each, and the last for
-/// being short), and the pause at the end take.
-pub const MAX_RUNS: usize = (MAX_EDGES / planner::CHUNK) as usize + 9;
-
-/// The runs of one axis over one tick, in order.
-pub type Runs = heapless::Vec<Run, MAX_RUNS>;

@@ -3,7 +3,7 @@
 //! Axes that make the same way in as many steps have the same pace, as the cranks of a machine mostly do: it is
 //! reckoned once for all of them.
 
-use crate::functions::{multiply_high, multiply_long, reciprocal};
+use crate::functions::{multiply_high, multiply_long, normalised, reciprocal, upper_word};
 use crate::units::FRACTION_BITS;
 
 /// One half-step, in the planner's units of 2⁻⁴⁸.
@@ -51,22 +51,21 @@ impl Pace {
         self.turns = turns;
         self.half_steps_per_turn = half_steps_per_turn;
         self.length = multiply_long(turns.unsigned_abs(), half_steps_per_turn);
-        self.up = self.length.leading_zeros();
-        self.inverse = match self.up {
-            64.. => 0, // it stands: nothing will be asked
-            up => reciprocal(((self.length << up) >> 32) as u32),
-        };
+        let (scaled, up) = normalised(self.length);
+        self.up = up;
+        // If it stands nothing will be asked.
+        self.inverse = if scaled == 0 { 0 } else { reciprocal(scaled) };
     }
 
     /// Times within `window` cycles, with [`TIME_BITS`]: of the first crossing, `to_first` half-steps of 2⁻⁴⁸ away (at
     /// most the length), and between two.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn times(&self, to_first: u64, window: u32) -> (u32, u32) {
         // With d the scaled length, r = 2^63/d and T the window: m is T r / 2^32. A crossing at f, scaled likewise,
         // comes at T f/d = 2 f m / 2^32, and a half-step, 2^48 of length d 2^(32 − up), takes m 2^(up − 15). Below one
         // half-step there are no two crossings.
         let m = multiply_high(window << TIME_BITS, self.inverse);
-        let f = ((to_first << self.up) >> 32) as u32;
+        let f = upper_word(to_first, self.up);
         let spacing = match 15_u32.checked_sub(self.up) {
             Some(down) => m >> down,
             None => 0,

@@ -78,25 +78,64 @@ impl Planner {
         let forward = turns >= 0;
         let mut end = 0;
 
-        // Where STEP's level is not what the phase and the way it moves would have it (at the very
-        // start, and after a change of direction), the first crossing must not, or must also, fall.
         let due_high = way.begins_low == forward;
-        let skipped = u32::from(way.crossings > 0 && due_high && !self.high);
-        let edges = way.crossings - skipped;
-        if edges > 0 {
-            if forward != self.forward || self.high != due_high {
-                end = self.turn_round(forward, runs);
-            }
-            let (to_first, spacing) = pace.times(way.to_first, tick_cycles - end);
-            let first = if skipped == 0 {
-                to_first
+        if way.crossings > 0 {
+            if forward == self.forward && self.high == due_high {
+                let (first, spacing) = pace.times(way.to_first, tick_cycles);
+                self.high ^= way.crossings % 2 == 1;
+                end = spread(
+                    way.crossings,
+                    0,
+                    first,
+                    spacing,
+                    tick_cycles,
+                    forward,
+                    runs,
+                );
             } else {
-                to_first + spacing
-            };
-            self.high ^= edges % 2 == 1;
-            end = spread(edges, end, first, spacing, tick_cycles, self.forward, runs);
+                end = self.plan_turning(&way, forward, due_high, pace, runs);
+            }
         }
         append(Run::pause(tick_cycles - end, self.forward), runs);
+    }
+
+    /// The pulses of a tick that does not go on as the one before ended; says where the last edge is.
+    ///
+    /// Where STEP's level is not what the phase and the way it moves would have it (at the very start, and after a change
+    /// of direction), the first crossing must not, or must also, fall.
+    #[cold]
+    #[inline(never)]
+    fn plan_turning(
+        &mut self,
+        way: &Way,
+        forward: bool,
+        due_high: bool,
+        pace: &Pace,
+        runs: &mut Runs,
+    ) -> u32 {
+        let tick_cycles = self.timing.tick;
+        let skipped = u32::from(due_high && !self.high);
+        let edges = way.crossings - skipped;
+        if edges == 0 {
+            return 0;
+        }
+        let start = self.turn_round(forward, runs);
+        let (to_first, spacing) = pace.times(way.to_first, tick_cycles - start);
+        let first = if skipped == 0 {
+            to_first
+        } else {
+            to_first + spacing
+        };
+        self.high ^= edges % 2 == 1;
+        spread(
+            edges,
+            start,
+            first,
+            spacing,
+            tick_cycles,
+            self.forward,
+            runs,
+        )
     }
 
     /// Counts on without pulses, for a servo axis: `runs` is one pause of a tick.
@@ -130,8 +169,6 @@ impl Planner {
     }
 
     /// Ends a pulse that is still high, and changes direction if that is needed; says how many cycles that takes.
-    #[cold]
-    #[inline(never)]
     fn turn_round(&mut self, forward: bool, runs: &mut Runs) -> u32 {
         let mut end = 0;
         if self.high {
@@ -240,7 +277,7 @@ fn chunk(edges: u32, period: u32, slower: u32, last: Run, runs: &mut Runs) -> Ru
 fn append(run: Run, runs: &mut Runs) {
     // MAX_EDGES, which the settings keep, is what MAX_RUNS hold.
     let pushed = runs.push(run);
-    debug_assert!(pushed.is_ok(), "more runs than a tick holds");
+    debug_assert!(pushed, "more runs than a tick holds");
 }
 
 #[cfg(test)]

@@ -25,6 +25,8 @@ const COUNT: u32 = (1 << COUNT_BITS) - 1;
 pub struct Change {
     /// All levels after it, a bit an axis.
     pub levels: u8,
+    /// Those that differ from the change before; of the first one all.
+    pub changed: u8,
     /// When, in cycles from the beginning of the tick that is over; within ±3.5, or ±7 if the change before
     /// it is less than 14 away.
     pub cycle: i32,
@@ -41,6 +43,11 @@ pub struct Index {
     /// with the words' count.
     looks: u32,
     rest: u32,
+    /// What the lines were after the last change that was read, and which of them are not known.
+    levels: u8,
+    unknown: u8,
+    /// Lines that changed and have not been said to be quiet again.
+    stirred: u8,
 }
 
 impl Index {
@@ -74,6 +81,9 @@ impl Index {
             tick_rest: tick_cycles % LOOK_CYCLES,
             looks: 0,
             rest: 0,
+            levels: 0,
+            unknown: u8::MAX,
+            stirred: u8::MAX,
         }
     }
 
@@ -94,13 +104,28 @@ impl Index {
             if cycle >= self.tick_cycles {
                 return; // the next tick's
             }
+            let levels = (word >> COUNT_BITS) as u8;
+            let changed = (levels ^ self.levels) | self.unknown;
+            (self.levels, self.unknown) = (levels, 0);
+            self.stirred |= changed;
             change(Change {
-                levels: (word >> COUNT_BITS) as u8,
+                levels,
+                changed,
                 cycle,
             });
             self.ring.advance();
             waiting -= 1;
         }
+    }
+
+    /// Lines, a bit each, that have changed since they were [`Self::calmed`].
+    pub const fn stirred(&self) -> u8 {
+        self.stirred
+    }
+
+    /// Takes note that nothing that a line did is of consequence any more, until it changes again.
+    pub const fn calmed(&mut self, axis: usize) {
+        self.stirred &= !(1 << axis);
     }
 
     /// Cycles of a tick.

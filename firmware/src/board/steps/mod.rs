@@ -21,7 +21,7 @@ mod program;
 mod release;
 
 use cophase_blob::board::LEAST_LEAD_US;
-use cophase_core::pulse::{MAX_RUNS, Run, Runs};
+use cophase_core::pulse::{BLOCK, MAX_RUNS, Run, Runs};
 use critical_section::CriticalSection;
 use embassy_rp::pac;
 use embassy_rp::pac::pio::Pio;
@@ -298,10 +298,14 @@ impl Words {
     };
 
     /// Takes a tick's runs over, DIR turned round for an axis that is.
+    #[inline(never)] // six times the same, and it needs all registers
     fn copy(&mut self, runs: &Runs, reversed: u32) {
         let [_, words @ ..] = &mut self.words;
-        for (word, run) in words.iter_mut().zip(runs) {
-            *word = run.bits() ^ reversed;
+        let (blocks, _) = words.as_chunks_mut::<BLOCK>();
+        for (words, runs) in blocks.iter_mut().zip(runs.blocks()) {
+            for (word, run) in words.iter_mut().zip(runs) {
+                *word = run.bits() ^ reversed;
+            }
         }
         self.used = 1 + runs.len();
     }

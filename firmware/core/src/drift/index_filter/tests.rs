@@ -29,6 +29,8 @@ fn play(
     let mut edges = edges.into_iter().enumerate().peekable();
     let mut pulses = Vec::new();
     let mut start = 0_i64;
+    let longest = ticks.iter().copied().fold(MOST_OF_TICK * filter.width as u32, u32::max);
+    let mut is_quiet = false;
     for &tick in ticks.iter().cycle() {
         let end = start + i64::from(tick);
         while let Some((_, (at, level))) = edges
@@ -36,9 +38,13 @@ fn play(
         {
             filter.change((at - start) as i32, level);
         }
-        if let Some(pulse) = filter.end_tick(tick) {
-            pulses.push((start + i64::from(pulse.cycle), end));
+        // A filter that was passed over while it was quiet must tell the same.
+        if !(is_quiet && filter.is_quiet(longest)) {
+            if let Some(pulse) = filter.end_tick(tick) {
+                pulses.push((start + i64::from(pulse.cycle), end));
+            }
         }
+        is_quiet = filter.is_quiet(longest);
         start = end;
         if edges.peek().is_none() && start > at + 10_000 {
             break;

@@ -1,0 +1,110 @@
+//! Room for the runs of a tick.
+
+use core::fmt;
+use core::ops::Deref;
+
+use super::planner::CHUNK;
+use super::{MAX_EDGES, Run};
+
+/// Most runs in a tick: one for every [`super::planner::CHUNK`] edges, and what a change of direction (3), the first edge,
+/// the two chunks after it and the last one (which the guards make differ from the others: 1 more each, and the last for
+/// being short), and the pause at the end take.
+pub const MAX_RUNS: usize = (MAX_EDGES / CHUNK) as usize + 9;
+
+/// Runs are copied by so many at a time.
+pub const BLOCK: usize = 4;
+
+const _: () = assert!(MAX_RUNS.is_multiple_of(BLOCK));
+
+/// The runs of one axis over one tick, in order.
+///
+/// All of the room is always initialised, so that what copies runs to the hardware can do so in whole [`Self::blocks`]:
+/// a third less time than run by run.
+#[derive(Clone)]
+pub struct Runs {
+    room: [Run; MAX_RUNS],
+    used: usize,
+}
+
+impl Runs {
+    /// None.
+    pub const fn new() -> Self {
+        Self {
+            room: [Run::pause(Run::LEAST_CYCLES, true); MAX_RUNS],
+            used: 0,
+        }
+    }
+
+    /// Removes all.
+    pub const fn clear(&mut self) {
+        self.used = 0;
+    }
+
+    /// Appends a run; says whether there was room.
+    #[inline(always)]
+    pub fn push(&mut self, run: Run) -> bool {
+        let Some(place) = self.room.get_mut(self.used) else {
+            return false;
+        };
+        *place = run;
+        self.used += 1;
+        true
+    }
+
+    /// All runs, by blocks; behind the last run the last block holds any others.
+    pub fn blocks(&self) -> &[[Run; BLOCK]] {
+        let (blocks, _) = self.room.as_chunks();
+        blocks
+            .get(..self.used.div_ceil(BLOCK))
+            .unwrap_or_default()
+    }
+}
+
+impl Default for Runs {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Deref for Runs {
+    type Target = [Run];
+
+    fn deref(&self) -> &[Run] {
+        self.room.get(..self.used).unwrap_or_default()
+    }
+}
+
+impl<'a> IntoIterator for &'a Runs {
+    type Item = &'a Run;
+    type IntoIter = core::slice::Iter<'a, Run>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+impl fmt::Debug for Runs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self).finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Were a block left out, the hardware would lack its runs.
+    #[test]
+    fn blocks_hold_all_runs_and_no_more_blocks_than_that() {
+        let mut runs = Runs::new();
+        for n in 1..=MAX_RUNS {
+            assert!(runs.push(Run::new(n as u32, Run::LEAST_CYCLES, true)));
+            assert_eq!(runs.len(), n);
+            assert_eq!(runs.blocks().len(), n.div_ceil(BLOCK));
+            assert_eq!(runs.blocks().as_flattened()[..n], runs[..]);
+        }
+        assert!(!runs.push(Run::pause(Run::LEAST_CYCLES, true)));
+        runs.clear();
+        assert!(runs.is_empty() && runs.blocks().is_empty());
+    }
+}
