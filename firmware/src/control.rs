@@ -11,9 +11,9 @@ use cophase_core::supervisor::State;
 use embassy_time::Instant;
 
 use crate::board::index::Index;
-use crate::board::{is_past, lines};
 use crate::board::steps::{Offer, Steps};
 use crate::board::watchdog::Fed;
+use crate::board::{is_past, lines};
 use crate::report::Reporter;
 
 /// The world of a loop of `N` axes.

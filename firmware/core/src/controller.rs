@@ -11,7 +11,7 @@ use crate::axes::Axis;
 use crate::drift::{DriftLimits, DriftMonitor, Modes, TickPhase};
 use crate::profile::{Profile, SliderCrank};
 use crate::program::{Cursor, Program, ProgramBuilder};
-use crate::pulse::{Pace, Planner, PulseTiming, Runs};
+use crate::pulse::{Paces, Planner, PulseTiming, Runs};
 use crate::servo::{FeedForward, Setpoint};
 use crate::settings::{DriveKind, Problem, Settings, SettingsError, turns};
 use crate::shaft::{Demand, Motion, Shaft, ShaftLimits, Target};
@@ -33,7 +33,7 @@ pub struct Controller<const N: usize> {
     shaft: Shaft,
     park: Turns,
     channels: [Channel; N],
-    pace: Pace,
+    pace: Paces,
     drift: DriftMonitor<N>,
     supervisor: Supervisor,
     motion: Motion,
@@ -136,7 +136,7 @@ impl<const N: usize> Controller<N> {
             end: (Amax::ZERO, Turns::ZERO),
             shaft: Shaft::new(limits),
             park: Phase::from_turns(turns(settings.park_turns)).within_turn(),
-            pace: Pace::new(),
+            pace: Paces::new(),
             drift: DriftMonitor::new(
                 DriftLimits::new(&settings.drift, &settings.machine),
                 index,
@@ -279,8 +279,8 @@ impl<const N: usize> Controller<N> {
             self.drift.disregard(&feedback.index);
             Ok(())
         } else {
-            let played = self.channels.iter().map(|channel| &channel.played);
-            self.drift.observe(&feedback.index, played)
+            let played = core::array::from_fn(|axis| &self.channels[axis].played);
+            self.drift.observe(&feedback.index, &played)
         };
         let alarm = feedback.alarm.iter().fold(false, |any, alarm| any | alarm);
         let all_is_well =
@@ -418,7 +418,7 @@ impl<const N: usize> Controller<N> {
 impl Channel {
     /// Moves on with the master, if it is to move, and fills `runs`.
     #[inline(never)]
-    fn advance(&mut self, master: Option<&Turns>, pace: &mut Pace, runs: &mut Runs) {
+    fn advance(&mut self, master: Option<&Turns>, pace: &mut Paces, runs: &mut Runs) {
         self.played = self.playing;
         self.playing.start = self.axis.phase();
         let turns = match master {

@@ -165,21 +165,18 @@ impl<const N: usize> DriftMonitor<N> {
     /// # Errors
     /// A mode past its limit, or an index pulse that stays away for over a turn.
     #[inline(never)]
-    pub fn observe<'a>(
+    pub fn observe(
         &mut self,
         pulses: &[Option<IndexPulse>; N],
-        commanded: impl IntoIterator<Item = &'a TickPhase>,
+        commanded: &[&TickPhase; N],
     ) -> Result<(), Fault> {
         let limit = self.limits.index_turns;
         let mut missing = None;
         let mut heard = 0;
         let before_is_known = core::mem::replace(&mut self.before_is_known, true);
-        let mut commanded = commanded.into_iter();
-        for (axis, (sensor, pulse)) in self.sensors.iter_mut().zip(pulses).enumerate() {
-            // Not zipped: the board would multiply for each axis's place.
-            let Some(commanded) = commanded.next() else {
-                break;
-            };
+        for axis in 0..N {
+            let (sensor, pulse, commanded) =
+                (&mut self.sensors[axis], &pulses[axis], commanded[axis]);
             let Some(index) = sensor.index else {
                 continue;
             };

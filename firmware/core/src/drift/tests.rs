@@ -52,7 +52,7 @@ fn turn<const N: usize>(
                 cycle: ((to.floor() - from) / speed * f64::from(TICK_CYCLES)) as i32,
             })
         });
-        if let Err(fault) = monitor.observe(&pulses, &[commanded; N]) {
+        if let Err(fault) = monitor.observe(&pulses, &[commanded; N].each_ref()) {
             return Some((tick, fault));
         }
     }
@@ -176,9 +176,11 @@ fn a_pulse_of_the_tick_before_is_measured_as_well() {
             cycle: -(back as i32),
         });
         monitor
-            .observe(&[None; 4], &[tick(1.0 - before, before); 4])
+            .observe(&[None; 4], &[tick(1.0 - before, before); 4].each_ref())
             .unwrap();
-        monitor.observe(&[pulse; 4], &[tick(1.0, now); 4]).unwrap();
+        monitor
+            .observe(&[pulse; 4], &[tick(1.0, now); 4].each_ref())
+            .unwrap();
         for (got, want) in monitor.drift().iter().zip(error) {
             let off_deg = (got.to_num::<f64>() - want) * 360.0;
             assert!(off_deg.abs() < 0.0006, "{off_deg}° at {hz_per_s} rev/s²");
@@ -192,12 +194,12 @@ fn a_pulse_of_the_tick_before_is_measured_as_well() {
 fn a_pulse_of_a_tick_that_is_not_known_is_not_measured() {
     let mut monitor = monitor::<2>(100.0, 90.0, 180.0);
     let still = [TickPhase::default(); 2];
-    monitor.observe(&[None; 2], &still).unwrap();
+    monitor.observe(&[None; 2], &still.each_ref()).unwrap();
     monitor.disregard(&[None; 2]);
     let pulse = Some(IndexPulse { cycle: -1 });
-    monitor.observe(&[pulse; 2], &still).unwrap();
+    monitor.observe(&[pulse; 2], &still.each_ref()).unwrap();
     assert!(!monitor.is_aligned());
-    monitor.observe(&[pulse; 2], &still).unwrap();
+    monitor.observe(&[pulse; 2], &still.each_ref()).unwrap();
     assert!(monitor.is_aligned());
 }
 
@@ -231,7 +233,7 @@ fn pulses_that_wait_to_be_confirmed_are_not_missed() {
             turns: Turns::from_num(turns),
         };
         assert_eq!(
-            monitor.observe(&[pulse; 2], &[phase; 2]),
+            monitor.observe(&[pulse; 2], &[phase; 2].each_ref()),
             Ok(()),
             "tick {tick}"
         );

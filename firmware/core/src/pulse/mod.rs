@@ -12,7 +12,7 @@ mod run;
 mod runs;
 mod timing;
 
-pub use pace::Pace;
+pub use pace::Paces;
 pub use planner::Planner;
 pub use run::Run;
 pub use runs::{BLOCK, MAX_RUNS, Runs};

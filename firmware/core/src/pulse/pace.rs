@@ -12,9 +12,46 @@ pub(super) const HALF_STEP: u64 = 1 << FRACTION_BITS;
 /// Fraction bits of times within a tick: the longest tick, 250,000 cycles, then has 32 bits.
 pub(super) const TIME_BITS: u32 = 14;
 
-/// The pace of one axis in one tick, kept for the next axis.
+/// The last two paces that were reckoned, for the axes to come: cranks of a machine mostly have one, or, while trims go
+/// either way, two.
+#[derive(Clone, Debug, Default)]
+pub struct Paces {
+    kept: [Pace; 2],
+    /// The one that was reckoned last.
+    newer: usize,
+}
+
+impl Paces {
+    /// Of axes that stand.
+    pub const fn new() -> Self {
+        Self {
+            kept: [const { Pace::new() }; 2],
+            newer: 0,
+        }
+    }
+
+    /// The pace of an axis that makes `turns`, in 2⁻⁴⁸.
+    #[inline(always)]
+    pub(super) fn take(&mut self, turns: i64, half_steps_per_turn: u32) -> &Pace {
+        let is_it =
+            |pace: &Pace| pace.turns == turns && pace.half_steps_per_turn == half_steps_per_turn;
+        let [one, other] = &mut self.kept;
+        if is_it(one) {
+            return one;
+        }
+        if is_it(other) {
+            return other;
+        }
+        self.newer ^= 1;
+        let older = if self.newer == 0 { one } else { other };
+        older.reckon(turns, half_steps_per_turn);
+        older
+    }
+}
+
+/// The pace of one axis in one tick.
 #[derive(Clone, Debug)]
-pub struct Pace {
+pub(super) struct Pace {
     /// What it was reckoned from: turns in 2⁻⁴⁸, and half-steps per turn.
     turns: i64,
     half_steps_per_turn: u32,
@@ -28,21 +65,13 @@ pub struct Pace {
 
 impl Pace {
     /// Of an axis that stands.
-    pub const fn new() -> Self {
+    const fn new() -> Self {
         Self {
             turns: 0,
             half_steps_per_turn: 0,
             length: 0,
             up: 0,
             inverse: 0,
-        }
-    }
-
-    /// Takes up the pace of an axis.
-    #[inline(always)]
-    pub(super) fn take(&mut self, turns: i64, half_steps_per_turn: u32) {
-        if self.turns != turns || self.half_steps_per_turn != half_steps_per_turn {
-            self.reckon(turns, half_steps_per_turn);
         }
     }
 

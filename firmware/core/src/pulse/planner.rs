@@ -22,7 +22,9 @@
 //! a pause, and the line follows [`Run::DIR_DELAY`] cycles after that begins; hold and set-up are
 //! reckoned from there.
 
-use super::pace::{HALF_STEP, Pace, TIME_BITS};
+use super::pace::{HALF_STEP, Pace, Paces, TIME_BITS};
+use super::run::RunsOf;
+use super::runs::Appending;
 use super::{PulseTiming, Run, Runs};
 use crate::units::{FRACTION_BITS, Turns};
 
@@ -68,38 +70,28 @@ impl Planner {
 
     /// Replaces `runs` with those of a tick in which the axis makes `turns`.
     ///
-    /// `turns` must not ask for more edges than [`PulseTiming::check_rate`] allowed. `pace` is what the last axis left
+    /// `turns` must not ask for more edges than [`PulseTiming::check_rate`] allowed. `pace` is what the axes before left
     /// there, or any other.
     #[inline(never)]
-    pub fn plan(&mut self, turns: Turns, pace: &mut Pace, runs: &mut Runs) {
+    pub fn plan(&mut self, turns: Turns, pace: &mut Paces, runs: &mut Runs) {
         runs.clear();
         let tick_cycles = self.timing.tick;
+        let pace = pace.take(turns.to_bits(), self.half_steps_per_turn);
         let way = self.travel(turns, pace);
         let forward = turns >= 0;
-        let mut end = 0;
-
         let due_high = way.begins_low == forward;
-        if way.crossings > 0 {
-            if forward == self.forward && self.high == due_high {
-                let (first, spacing) = pace.times(way.to_first, tick_cycles);
-                self.high ^= way.crossings % 2 == 1;
-                end = spread(
-                    way.crossings,
-                    0,
-                    first,
-                    spacing,
-                    tick_cycles,
-                    forward,
-                    runs,
-                );
-            } else {
-                end = self.plan_turning(&way, forward, due_high, pace, runs);
-            }
+        if way.crossings == 0 {
+            append(Run::pause(tick_cycles, self.forward), runs);
+        } else if forward == self.forward && self.high == due_high {
+            let times = pace.times(way.to_first, tick_cycles);
+            self.high ^= way.crossings % 2 == 1;
+            spread(way.crossings, 0, times, tick_cycles, forward, runs);
+        } else {
+            self.plan_turning(&way, forward, due_high, pace, runs);
         }
-        append(Run::pause(tick_cycles - end, self.forward), runs);
     }
 
-    /// The pulses of a tick that does not go on as the one before ended; says where the last edge is.
+    /// The runs of a tick that does not go on as the one before ended.
     ///
     /// Where STEP's level is not what the phase and the way it moves would have it (at the very start, and after a change
     /// of direction), the first crossing must not, or must also, fall.
@@ -112,12 +104,13 @@ impl Planner {
         due_high: bool,
         pace: &Pace,
         runs: &mut Runs,
-    ) -> u32 {
+    ) {
         let tick_cycles = self.timing.tick;
         let skipped = u32::from(due_high && !self.high);
         let edges = way.crossings - skipped;
         if edges == 0 {
-            return 0;
+            append(Run::pause(tick_cycles, self.forward), runs);
+            return;
         }
         let start = self.turn_round(forward, runs);
         let (to_first, spacing) = pace.times(way.to_first, tick_cycles - start);
@@ -127,19 +120,13 @@ impl Planner {
             to_first + spacing
         };
         self.high ^= edges % 2 == 1;
-        spread(
-            edges,
-            start,
-            first,
-            spacing,
-            tick_cycles,
-            self.forward,
-            runs,
-        )
+        let times = (first, spacing);
+        spread(edges, start, times, tick_cycles, self.forward, runs);
     }
 
     /// Counts on without pulses, for a servo axis: `runs` is one pause of a tick.
-    pub fn count(&mut self, turns: Turns, pace: &mut Pace, runs: &mut Runs) {
+    pub fn count(&mut self, turns: Turns, pace: &mut Paces, runs: &mut Runs) {
+        let pace = pace.take(turns.to_bits(), self.half_steps_per_turn);
         self.travel(turns, pace);
         runs.clear();
         append(Run::pause(self.timing.tick, self.forward), runs);
@@ -147,8 +134,7 @@ impl Planner {
 
     /// Moves on, and says over which steps.
     #[inline(always)]
-    fn travel(&mut self, turns: Turns, pace: &mut Pace) -> Way {
-        pace.take(turns.to_bits(), self.half_steps_per_turn);
+    fn travel(&mut self, turns: Turns, pace: &Pace) -> Way {
         let begin = self.within;
         let past = begin & (HALF_STEP - 1);
         let (end, to_first) = if turns >= 0 {
@@ -196,25 +182,26 @@ struct Way {
     begins_low: bool,
 }
 
-/// Spreads `edges` (at least 1) over what is left of the tick from `start` on, and says where the last one is.
+/// Spreads `edges` (at least 1) over what is left of the tick from `start` on, and appends them and the pause after them.
 ///
 /// The first is due after `first`, the others `spacing` apart, both with [`TIME_BITS`].
 #[inline(never)]
 fn spread(
     edges: u32,
     start: u32,
-    first: u32,
-    spacing: u32,
+    (first, spacing): (u32, u32),
     tick: u32,
     forward: bool,
     runs: &mut Runs,
-) -> u32 {
+) {
     let half_a_cycle = 1 << (TIME_BITS - 1);
     let mut time = (start << TIME_BITS) + half_a_cycle + first;
     let latest = tick - GUARD;
+    let way = RunsOf::new(forward);
+    let mut runs = runs.append();
     // Only the first edge may come too soon, and only the last too late: half a step is longer than the guard.
     let mut end = (time >> TIME_BITS).min(latest).max(start + GUARD);
-    let mut last = Run::new(1, end - start, forward);
+    let mut last = way.run(1, end - start);
     let mut left = edges - 1;
     while left > CHUNK {
         left -= CHUNK;
@@ -222,18 +209,25 @@ fn spread(
         let begin = end;
         end = time >> TIME_BITS;
         let cycles = end - begin;
-        let slower = cycles % CHUNK;
-        last = chunk(CHUNK, cycles >> CHUNK_BITS, slower, last, runs);
+        last = chunk(
+            way,
+            CHUNK,
+            cycles >> CHUNK_BITS,
+            cycles % CHUNK,
+            last,
+            &mut runs,
+        );
     }
     if left > 0 {
         time += left * spacing;
         let begin = end;
         end = (time >> TIME_BITS).min(latest);
         let (period, slower) = shares(end - begin, left, spacing >> TIME_BITS);
-        last = chunk(left, period, slower, last, runs);
+        last = chunk(way, left, period, slower, last, &mut runs);
     }
-    append(last, runs);
-    end
+    runs.push(last);
+    runs.push(way.run(0, tick - end));
+    runs.finish();
 }
 
 /// The least of two periods that `edges` edges in `cycles` have, and how many are a cycle longer. It is `near` but for
@@ -256,21 +250,28 @@ fn shares(cycles: u32, edges: u32, near: u32) -> (u32, u32) {
 /// Appends `edges` edges of a `period`, `slower` of them a cycle longer, after the run `last`, which may still grow;
 /// first those that `last` goes on with. Returns the run that may grow now.
 #[inline(always)]
-fn chunk(edges: u32, period: u32, slower: u32, last: Run, runs: &mut Runs) -> Run {
-    let short = last.with(edges - slower, period);
-    let long = last.with(slower, period + 1);
-    let (grown, next) = match last.slower_by(period) {
-        0 => (last.lengthened(edges - slower), long),
-        1 if slower > 0 => (last.lengthened(slower), short),
-        _ => {
-            append(last, runs);
-            (short, long)
-        }
+fn chunk(
+    way: RunsOf,
+    edges: u32,
+    period: u32,
+    slower: u32,
+    last: Run,
+    runs: &mut Appending<'_>,
+) -> Run {
+    let short = way.run(edges - slower, period);
+    let long = way.run(slower, period + 1);
+    let (grown, next) = if last.goes_on_with(short) {
+        (last.lengthened(edges - slower), long)
+    } else if slower > 0 && last.goes_on_with(long) {
+        (last.lengthened(slower), short)
+    } else {
+        runs.push(last);
+        (short, long)
     };
     if slower == 0 {
         return grown;
     }
-    append(grown, runs);
+    runs.push(grown);
     next
 }
 

@@ -53,17 +53,10 @@ impl Run {
         Self(edges | cycles | (forward as u32) << DIR_BIT)
     }
 
-    /// A run of the same direction.
+    /// Whether another's edges come as if they were this one's: at the same period, in the same direction.
     #[inline(always)]
-    pub(super) const fn with(self, edges: u32, period: u32) -> Self {
-        let cycles = period.wrapping_sub(Self::LEAST_CYCLES) << EDGE_BITS;
-        Self((self.0 & 1 << DIR_BIT) | cycles | edges)
-    }
-
-    /// By how many cycles the period is longer than `period`; a great number, if it is shorter.
-    #[inline(always)]
-    pub(super) const fn slower_by(self, period: u32) -> u32 {
-        self.period().wrapping_sub(period)
+    pub(super) const fn goes_on_with(self, other: Self) -> bool {
+        (self.0 ^ other.0) >> EDGE_BITS == 0
     }
 
     /// This run with `edges` more.
@@ -107,6 +100,23 @@ impl Run {
     }
 }
 
+/// What all runs of one direction have in common, so that making one takes a shift and two additions.
+#[derive(Clone, Copy)]
+pub(super) struct RunsOf(u32);
+
+impl RunsOf {
+    #[inline(always)]
+    pub(super) const fn new(forward: bool) -> Self {
+        Self(((forward as u32) << DIR_BIT).wrapping_sub(Run::LEAST_CYCLES << EDGE_BITS))
+    }
+
+    /// As [`Run::new`]; without edges [`Run::pause`].
+    #[inline(always)]
+    pub(super) const fn run(self, edges: u32, period: u32) -> Run {
+        Run(self.0.wrapping_add(period << EDGE_BITS).wrapping_add(edges))
+    }
+}
+
 impl fmt::Debug for Run {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Run")
@@ -142,6 +152,11 @@ mod tests {
             let run = Run::new(edges, cycles, forward);
             prop_assert_eq!((run.edges(), run.period(), run.forward()), (edges, cycles, forward));
             prop_assert!(!run.is_pause());
+            prop_assert_eq!(RunsOf::new(forward).run(edges, cycles), run);
+            prop_assert_eq!(RunsOf::new(forward).run(0, cycles), Run::pause(cycles, forward));
+            prop_assert!(run.goes_on_with(Run::new(1, cycles, forward)));
+            prop_assert!(!run.goes_on_with(Run::new(edges, cycles, !forward)));
+            prop_assert!(!run.goes_on_with(Run::new(edges, cycles ^ 1, forward)));
             let pause = Run::pause(cycles, forward);
             prop_assert_eq!((pause.edges(), pause.cycles(), pause.forward()), (0, cycles, forward));
             prop_assert!(pause.is_pause());

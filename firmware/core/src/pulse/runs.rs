@@ -21,17 +21,42 @@ const _: () = assert!(MAX_RUNS.is_multiple_of(BLOCK));
 /// All of the room is always initialised, so that what copies runs to the hardware can do so in whole [`Self::blocks`]:
 /// a third less time than run by run.
 #[derive(Clone)]
+#[repr(C)] // behind the room its length would be out of a load's reach
 pub struct Runs {
-    room: [Run; MAX_RUNS],
     used: usize,
+    room: [Run; MAX_RUNS],
+}
+
+/// Runs that are being appended to: how many there are is in a register meanwhile.
+pub(super) struct Appending<'a> {
+    room: &'a mut [Run; MAX_RUNS],
+    used: usize,
+    length: &'a mut usize,
+}
+
+impl Appending<'_> {
+    #[inline(always)]
+    pub(super) fn push(&mut self, run: Run) {
+        // MAX_EDGES, which the settings keep, is what MAX_RUNS hold.
+        debug_assert!(self.used < MAX_RUNS, "more runs than a tick holds");
+        if let Some(place) = self.room.get_mut(self.used) {
+            *place = run;
+            self.used += 1;
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn finish(self) {
+        *self.length = self.used;
+    }
 }
 
 impl Runs {
     /// None.
     pub const fn new() -> Self {
         Self {
-            room: [Run::pause(Run::LEAST_CYCLES, true); MAX_RUNS],
             used: 0,
+            room: [Run::pause(Run::LEAST_CYCLES, true); MAX_RUNS],
         }
     }
 
@@ -51,12 +76,19 @@ impl Runs {
         true
     }
 
+    #[inline(always)]
+    pub(super) fn append(&mut self) -> Appending<'_> {
+        Appending {
+            room: &mut self.room,
+            used: self.used,
+            length: &mut self.used,
+        }
+    }
+
     /// All runs, by blocks; behind the last run the last block holds any others.
     pub fn blocks(&self) -> &[[Run; BLOCK]] {
         let (blocks, _) = self.room.as_chunks();
-        blocks
-            .get(..self.used.div_ceil(BLOCK))
-            .unwrap_or_default()
+        blocks.get(..self.used.div_ceil(BLOCK)).unwrap_or_default()
     }
 }
 

@@ -29,7 +29,10 @@ fn play(
     let mut edges = edges.into_iter().enumerate().peekable();
     let mut pulses = Vec::new();
     let mut start = 0_i64;
-    let longest = ticks.iter().copied().fold(MOST_OF_TICK * filter.width as u32, u32::max);
+    let longest = ticks
+        .iter()
+        .copied()
+        .fold(MOST_OF_TICK * filter.width as u32, u32::max);
     let mut is_quiet = false;
     for &tick in ticks.iter().cycle() {
         let end = start + i64::from(tick);
