@@ -33,6 +33,7 @@ pub struct Controller<const N: usize> {
     shaft: Shaft,
     park: Turns,
     channels: [Channel; N],
+    has_servos: bool,
     pace: Paces,
     drift: DriftMonitor<N>,
     supervisor: Supervisor,
@@ -136,6 +137,7 @@ impl<const N: usize> Controller<N> {
             end: (Amax::ZERO, Turns::ZERO),
             shaft: Shaft::new(limits),
             park: Phase::from_turns(turns(settings.park_turns)).within_turn(),
+            has_servos: feed_forward.iter().any(Option::is_some),
             pace: Paces::new(),
             drift: DriftMonitor::new(
                 DriftLimits::new(&settings.drift, &settings.machine),
@@ -382,9 +384,11 @@ impl<const N: usize> Controller<N> {
         for (channel, runs) in self.channels.iter_mut().zip(runs) {
             channel.advance(master.as_ref(), &mut self.pace, runs);
         }
-        for (channel, setpoint) in self.channels.iter().zip(setpoints) {
-            if let Some(forward) = &channel.feed_forward {
-                *setpoint = channel.setpoint(forward, self.motion.acceleration);
+        if self.has_servos {
+            for (channel, setpoint) in self.channels.iter().zip(setpoints) {
+                if let Some(forward) = &channel.feed_forward {
+                    *setpoint = channel.setpoint(forward, self.motion.acceleration);
+                }
             }
         }
         let told = telemetry.axis_phase.iter_mut().zip(&mut telemetry.steps);

@@ -72,7 +72,7 @@ impl Planner {
     ///
     /// `turns` must not ask for more edges than [`PulseTiming::check_rate`] allowed. `pace` is what the axes before left
     /// there, or any other.
-    #[inline(never)]
+    #[inline]
     pub fn plan(&mut self, turns: Turns, pace: &mut Paces, runs: &mut Runs) {
         runs.clear();
         let tick_cycles = self.timing.tick;

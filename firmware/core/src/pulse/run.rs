@@ -15,6 +15,7 @@ use core::fmt;
 /// In a run STEP changes its level at the end of each period. DIR is taken up only in a pause, [`Run::DIR_DELAY`]
 /// cycles after the pause begins; in a run bit 31 is not looked at, and repeats the level that the line has.
 #[derive(Clone, Copy, PartialEq, Eq)]
+#[repr(transparent)]
 pub struct Run(u32);
 
 const EDGE_BITS: u32 = 13;

@@ -15,20 +15,27 @@ pub struct Band {
 }
 
 impl Band {
-    const fn contains(self, speed: i64) -> bool {
-        self.from < speed && speed < self.to
-    }
-
     /// Whether the far (upper) edge is the nearer one to `speed`, or `speed` is above the band.
     const fn sends_up(self, speed: i64) -> bool {
         speed - self.from >= self.to - speed
     }
 }
 
+/// The band that a speed lies in, and its number. Bands are in order and apart from each other.
+#[inline(always)]
+fn find(bands: &[Band], speed: i64) -> Option<(usize, &Band)> {
+    for (number, band) in bands.iter().enumerate() {
+        if speed < band.to {
+            return (band.from < speed).then_some((number, band));
+        }
+    }
+    None
+}
+
 /// `speed`, or the lower edge of the band that it lies in.
 pub(super) fn below_band(bands: &[Band], speed: i64) -> i64 {
-    match bands.iter().find(|band| band.contains(speed)) {
-        Some(band) => band.from,
+    match find(bands, speed) {
+        Some((_, band)) => band.from,
         None => speed,
     }
 }
@@ -36,7 +43,8 @@ pub(super) fn below_band(bands: &[Band], speed: i64) -> i64 {
 /// Which band the shaft is passing through, and which way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Passage {
-    inside: Option<(Band, Way)>,
+    /// The band, by its number.
+    inside: Option<(usize, Way)>,
     last_speed: i64,
 }
 
@@ -56,16 +64,15 @@ impl Passage {
 
     /// Takes note of the shaft's speed in the tick that was just played.
     pub fn observe(&mut self, bands: &[Band], speed: i64) {
-        let band = bands.iter().find(|band| band.contains(speed)).copied();
-        self.inside = match (band, self.inside) {
-            (Some(band), Some((before, way))) if before == band => Some((band, way)),
-            (Some(band), _) => {
+        self.inside = match (find(bands, speed), self.inside) {
+            (Some((number, _)), Some((before, way))) if before == number => Some((number, way)),
+            (Some((number, band)), _) => {
                 let way = if self.last_speed <= band.from {
                     Way::Up
                 } else {
                     Way::Down
                 };
-                Some((band, way))
+                Some((number, way))
             }
             (None, _) => None,
         };
@@ -93,35 +100,34 @@ impl<'a> Corridor<'a> {
             ceiling: limits.speed,
             bands: &limits.bands,
         };
-        for &band in &limits.bands {
-            let up = match passage.inside {
-                Some((inside, way)) if inside == band => way == Way::Up,
-                _ => band.sends_up(asked),
+        for (number, band) in limits.bands.iter().enumerate() {
+            let through = passage.inside.filter(|&(inside, _)| inside == number);
+            let up = match through {
+                Some((_, way)) => way == Way::Up,
+                None => band.sends_up(asked),
             };
             // A band is a floor to be kept, or come to, from above; else a ceiling.
             if up {
-                if speed >= band.to || passage.inside.is_some_and(|(inside, _)| inside == band) {
+                if speed >= band.to || through.is_some() {
                     corridor.floor = corridor.floor.max(band.to);
                 }
-            } else if speed <= band.from || passage.inside.is_some_and(|(inside, _)| inside == band)
-            {
+            } else if speed <= band.from || through.is_some() {
                 corridor.ceiling = corridor.ceiling.min(band.from);
             }
         }
         corridor
     }
 
-    /// The speed to aim at for a speed asked for: within the corridor and outside the bands.
-    pub fn clamp(&self, asked: i64) -> i64 {
-        let outside = match self.bands.iter().find(|band| band.contains(asked)) {
-            Some(band) if band.sends_up(asked) => band.to,
-            Some(band) => band.from,
+    /// The speed to aim at for a speed asked for, within the corridor and outside the bands; and whether the speed asked
+    /// for lies in one.
+    #[inline(never)]
+    pub fn clamp(&self, asked: i64) -> (i64, bool) {
+        let band = find(self.bands, asked);
+        let outside = match band {
+            Some((_, band)) if band.sends_up(asked) => band.to,
+            Some((_, band)) => band.from,
             None => asked,
         };
-        outside.min(self.ceiling).max(self.floor)
-    }
-
-    pub fn is_in_band(&self, asked: i64) -> bool {
-        self.bands.iter().any(|band| band.contains(asked))
+        (outside.min(self.ceiling).max(self.floor), band.is_some())
     }
 }

@@ -209,23 +209,24 @@ impl Shaft {
     fn follow(&self, target: Target, motion: &mut Motion) -> i64 {
         let asked = (target.now.to_bits(), target.next.to_bits());
         let corridor = Corridor::new(&self.limits, self.speed, self.passage, asked.1);
+        let (next, held_at_band) = corridor.clamp(asked.1);
         let aim = Aim {
-            now: corridor.clamp(asked.0),
-            next: corridor.clamp(asked.1),
+            now: corridor.clamp(asked.0).0,
+            next,
         };
+        motion.held_at_band = held_at_band;
         // Where the two differ by what the corridor cut off, the rest is a jump, not a rate.
         let aim = if (aim.now, aim.next) == asked {
             aim
         } else {
             Aim::steady(aim.next)
         };
-        let end = corridor.clamp(target.end.to_bits());
+        let (end, _) = corridor.clamp(target.end.to_bits());
         let (floor, ceiling) = if end >= aim.next {
             (corridor.floor, corridor.ceiling.min(end))
         } else {
             (corridor.floor.max(end), corridor.ceiling)
         };
-        motion.held_at_band = corridor.is_in_band(asked.1);
         let speed = self.regulate(aim, floor, ceiling);
         motion.lagging = speed.abs_diff(aim.next) > aim.next.unsigned_abs() >> 8;
         speed
