@@ -138,7 +138,7 @@ impl<const N: usize> Controller<N> {
             shaft: Shaft::new(limits),
             park: Phase::from_turns(turns(settings.park_turns)).within_turn(),
             has_servos: feed_forward.iter().any(Option::is_some),
-            pace: Paces::new(),
+            pace: Paces::new(timing.tick()),
             drift: DriftMonitor::new(
                 DriftLimits::new(&settings.drift, &settings.machine),
                 index,

@@ -71,7 +71,7 @@ impl Planner {
     /// Replaces `runs` with those of a tick in which the axis makes `turns`.
     ///
     /// `turns` must not ask for more edges than [`PulseTiming::check_rate`] allowed. `pace` is what the axes before left
-    /// there, or any other.
+    /// there, or any other that is for the same tick.
     #[inline]
     pub fn plan(&mut self, turns: Turns, pace: &mut Paces, runs: &mut Runs) {
         runs.clear();
@@ -83,7 +83,7 @@ impl Planner {
         if way.crossings == 0 {
             append(Run::pause(tick_cycles, self.forward), runs);
         } else if forward == self.forward && self.high == due_high {
-            let times = pace.times(way.to_first, tick_cycles);
+            let times = (pace.first(way.to_first), pace.spacing);
             self.high ^= way.crossings % 2 == 1;
             spread(way.crossings, 0, times, tick_cycles, forward, runs);
         } else {

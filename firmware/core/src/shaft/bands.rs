@@ -32,6 +32,16 @@ fn find(bands: &[Band], speed: i64) -> Option<(usize, &Band)> {
     None
 }
 
+/// `speed`, or the nearer edge of the band that it lies in, which is another speed.
+#[inline(never)] // three times a tick, with all that it needs in registers
+pub(super) fn outside(bands: &[Band], speed: i64) -> i64 {
+    match find(bands, speed) {
+        Some((_, band)) if band.sends_up(speed) => band.to,
+        Some((_, band)) => band.from,
+        None => speed,
+    }
+}
+
 /// `speed`, or the lower edge of the band that it lies in.
 pub(super) fn below_band(bands: &[Band], speed: i64) -> i64 {
     match find(bands, speed) {
@@ -86,19 +96,17 @@ impl Passage {
 
 /// The speeds between which the shaft may move now.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Corridor<'a> {
+pub(super) struct Corridor {
     pub floor: i64,
     pub ceiling: i64,
-    bands: &'a [Band],
 }
 
-impl<'a> Corridor<'a> {
+impl Corridor {
     /// Around the shaft's `speed`, when `asked` is asked of it.
-    pub fn new(limits: &'a ShaftLimits, speed: i64, passage: Passage, asked: i64) -> Self {
+    pub fn new(limits: &ShaftLimits, speed: i64, passage: Passage, asked: i64) -> Self {
         let mut corridor = Self {
             floor: 0,
             ceiling: limits.speed,
-            bands: &limits.bands,
         };
         for (number, band) in limits.bands.iter().enumerate() {
             let through = passage.inside.filter(|&(inside, _)| inside == number);
@@ -118,16 +126,9 @@ impl<'a> Corridor<'a> {
         corridor
     }
 
-    /// The speed to aim at for a speed asked for, within the corridor and outside the bands; and whether the speed asked
-    /// for lies in one.
-    #[inline(never)]
-    pub fn clamp(&self, asked: i64) -> (i64, bool) {
-        let band = find(self.bands, asked);
-        let outside = match band {
-            Some((_, band)) if band.sends_up(asked) => band.to,
-            Some((_, band)) => band.from,
-            None => asked,
-        };
-        (outside.min(self.ceiling).max(self.floor), band.is_some())
+    /// The speed to aim at for a speed, which must lie outside the bands.
+    #[inline(always)]
+    pub fn clamp(&self, speed: i64) -> i64 {
+        speed.min(self.ceiling).max(self.floor)
     }
 }

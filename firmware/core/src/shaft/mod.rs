@@ -209,19 +209,20 @@ impl Shaft {
     fn follow(&self, target: Target, motion: &mut Motion) -> i64 {
         let asked = (target.now.to_bits(), target.next.to_bits());
         let corridor = Corridor::new(&self.limits, self.speed, self.passage, asked.1);
-        let (next, held_at_band) = corridor.clamp(asked.1);
+        let bands = &self.limits.bands;
+        let next = bands::outside(bands, asked.1);
+        motion.held_at_band = next != asked.1;
         let aim = Aim {
-            now: corridor.clamp(asked.0).0,
-            next,
+            now: corridor.clamp(bands::outside(bands, asked.0)),
+            next: corridor.clamp(next),
         };
-        motion.held_at_band = held_at_band;
         // Where the two differ by what the corridor cut off, the rest is a jump, not a rate.
         let aim = if (aim.now, aim.next) == asked {
             aim
         } else {
             Aim::steady(aim.next)
         };
-        let (end, _) = corridor.clamp(target.end.to_bits());
+        let end = corridor.clamp(bands::outside(bands, target.end.to_bits()));
         let (floor, ceiling) = if end >= aim.next {
             (corridor.floor, corridor.ceiling.min(end))
         } else {
