@@ -52,10 +52,16 @@ impl<const N: usize> Board<N> {
         while is_past(deadline) {
             let filters = &mut self.filters;
             self.index.read(|change| {
-                for (axis, filter) in filters.iter_mut().enumerate() {
-                    if change.changed & 1 << axis != 0 {
-                        filter.change(change.cycle, change.levels & 1 << axis != 0);
+                let (mut changed, mut levels) = (change.changed, change.levels);
+                for filter in filters.iter_mut() {
+                    if changed == 0 {
+                        break;
                     }
+                    if changed & 1 != 0 {
+                        filter.change(change.cycle, levels & 1 != 0);
+                    }
+                    changed >>= 1;
+                    levels >>= 1;
                 }
             });
             // In most ticks no line did anything, and all filters can be passed over: half of what reading costs.
@@ -75,18 +81,18 @@ impl<const N: usize> Board<N> {
 
     /// Ends a tick for those filters that have something under way, and takes what pulses they confirmed.
     #[inline(never)]
-    fn end_index_tick(&mut self, stirred: u8, pulses: &mut [Option<IndexPulse>; N]) {
+    fn end_index_tick(&mut self, mut stirred: u8, pulses: &mut [Option<IndexPulse>; N]) {
         let cycles = self.index.tick_cycles();
         for (axis, (filter, pulse)) in self.filters.iter_mut().zip(pulses).enumerate() {
-            if stirred & 1 << axis == 0 {
-                continue;
+            if stirred & 1 != 0 {
+                if let Some(confirmed) = filter.end_tick(cycles) {
+                    *pulse = Some(confirmed);
+                }
+                if filter.is_quiet(cycles) {
+                    self.index.calmed(axis);
+                }
             }
-            if let Some(confirmed) = filter.end_tick(cycles) {
-                *pulse = Some(confirmed);
-            }
-            if filter.is_quiet(cycles) {
-                self.index.calmed(axis);
-            }
+            stirred >>= 1;
         }
     }
 }

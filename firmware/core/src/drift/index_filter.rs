@@ -34,6 +34,8 @@ const LONG_AGO: i32 = -(1 << 29);
 pub struct IndexFilter {
     /// Cycles that a stretch must last to count.
     width: i32,
+    /// Cycles that are bridged: [`BRIDGE_WIDTHS`] widths.
+    bridged: i32,
     /// The line's level, and since when: cycles from the beginning of the present tick.
     level: bool,
     since: i32,
@@ -52,6 +54,7 @@ impl IndexFilter {
     pub fn new(width: u32, level: bool) -> Self {
         Self {
             width: at_most_long(width),
+            bridged: at_most_long(width).saturating_mul(BRIDGE_WIDTHS as i32),
             level,
             since: LONG_AGO,
             steady: level,
@@ -73,8 +76,7 @@ impl IndexFilter {
         if !counted {
             self.glitches = self.glitches.saturating_add(1);
         }
-        let bridged = self.width.saturating_mul(BRIDGE_WIDTHS as i32);
-        if level && (counted || cycle - self.first > bridged) {
+        if level && (counted || cycle - self.first > self.bridged) {
             self.first = cycle;
         }
         self.level = level;

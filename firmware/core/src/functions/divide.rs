@@ -5,6 +5,7 @@
 //! "Improved division by invariant integers", IEEE Transactions on Computers 60 (2011), algorithm 4.
 
 use super::multiply::{multiply, multiply_high};
+use super::normalise::normalised;
 use super::reciprocal;
 
 /// A number to divide by.
@@ -22,8 +23,7 @@ impl Divisor {
     #[inline]
     pub const fn new(divisor: u32) -> Self {
         let divisor = if divisor == 0 { 1 } else { divisor };
-        let shift = divisor.leading_zeros();
-        let normalised = divisor << shift;
+        let (normalised, shift) = normalised((divisor as u64) << 32);
         // From below: the reciprocal may be two units too high, of the 2^33 that are wanted.
         let near = reciprocal(normalised);
         let mut quotient = ((near as u64) << 1) - 4;

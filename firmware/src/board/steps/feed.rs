@@ -97,6 +97,9 @@ pub fn tell_late(axis: usize) {
 /// An axis that is behind, told once. To be called with interrupts shut off.
 pub fn take_late() -> Option<usize> {
     let late = LATE.load(Ordering::Relaxed);
+    if late == 0 {
+        return None;
+    }
     LATE.store(0, Ordering::Relaxed);
     (0..AXES).find(|&axis| late & 1 << axis != 0)
 }

@@ -217,6 +217,13 @@ impl Steps {
 
     /// An axis whose machine has waited for words since it was let go.
     fn dry_axis(&self) -> Option<usize> {
+        // Most often none has, which two registers tell.
+        let stalled = |block: usize, pio: Pio| {
+            pio.fdebug().read().txstall() & machines(block, self.axes) != 0
+        };
+        if !stalled(0, pac::PIO0) && !stalled(1, pac::PIO1) {
+            return None;
+        }
         (0..self.axes.min(AXES)).find(|&axis| has_run_dry(axis))
     }
 
