@@ -106,6 +106,16 @@ impl Deref for Runs {
     }
 }
 
+impl Extend<Run> for Runs {
+    /// Appends runs; those that there is no room for are left out.
+    fn extend<T: IntoIterator<Item = Run>>(&mut self, runs: T) {
+        for run in runs {
+            let pushed = self.push(run);
+            debug_assert!(pushed, "more runs than a tick holds");
+        }
+    }
+}
+
 impl<'a> IntoIterator for &'a Runs {
     type Item = &'a Run;
     type IntoIter = core::slice::Iter<'a, Run>;
@@ -136,6 +146,9 @@ mod tests {
             assert_eq!(runs.blocks().as_flattened()[..n], runs[..]);
         }
         assert!(!runs.push(Run::pause(Run::LEAST_CYCLES, true)));
+        let mut copy = Runs::new();
+        copy.extend(runs.iter().copied());
+        assert_eq!(copy[..], runs[..]);
         runs.clear();
         assert!(runs.is_empty() && runs.blocks().is_empty());
     }
