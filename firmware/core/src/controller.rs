@@ -8,14 +8,14 @@
 mod punctuality;
 
 use crate::axes::Axis;
-use crate::drift::{DriftLimits, DriftMonitor, Modes, TickPhase};
+use crate::drift::{DriftLimits, DriftMonitor, TickPhase};
 use crate::profile::{Profile, SliderCrank};
 use crate::program::{Cursor, Program, ProgramBuilder};
 use crate::pulse::{Paces, Planner, PulseTiming, Runs};
 use crate::servo::{FeedForward, Setpoint};
 use crate::settings::{DriveKind, Problem, Settings, SettingsError, turns};
 use crate::shaft::{Demand, Motion, Shaft, ShaftLimits, Target};
-use crate::signals::{Feedback, Limits, Output, Telemetry};
+use crate::signals::{Feedback, Output};
 use crate::supervisor::{Action, Fault, FaultKind, Seen, State, Supervisor};
 use crate::units::{Amax, ONE_TURN, Phase, Turns};
 use punctuality::Punctuality;
@@ -153,26 +153,7 @@ impl<const N: usize> Controller<N> {
             punctuality: Punctuality::default(),
             overrun: None,
             was_late: false,
-            output: Output {
-                runs: core::array::from_fn(|_| Runs::new()),
-                setpoints: [Setpoint::default(); N],
-                drives_enabled: false,
-                sync: true,
-                telemetry: Telemetry {
-                    state: State::Idle,
-                    fault: None,
-                    amax_program: Amax::ZERO,
-                    program_ticks: 0,
-                    motion: Motion::default(),
-                    phase: Phase::ZERO,
-                    axis_phase: core::array::from_fn(|i| channels[i].axis.phase()),
-                    steps: [0; N],
-                    drift: [Turns::ZERO; N],
-                    modes: Modes::default(),
-                    holding: false,
-                    limits: Limits::default(),
-                },
-            },
+            output: Output::idle(core::array::from_fn(|i| channels[i].axis.phase())),
             channels,
         })
     }

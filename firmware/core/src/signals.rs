@@ -53,6 +53,33 @@ pub struct Output<const N: usize> {
     pub telemetry: Telemetry<N>,
 }
 
+impl<const N: usize> Output<N> {
+    /// Of a loop that has not begun, its axes at these phases.
+    #[inline(never)] // with all its room for runs it is large, and would be on the stack once more
+    pub(crate) fn idle(axis_phase: [Phase; N]) -> Self {
+        Self {
+            runs: [const { Runs::new() }; N],
+            setpoints: [Setpoint::default(); N],
+            drives_enabled: false,
+            sync: true,
+            telemetry: Telemetry {
+                state: State::Idle,
+                fault: None,
+                amax_program: Amax::ZERO,
+                program_ticks: 0,
+                motion: Motion::default(),
+                phase: Phase::ZERO,
+                axis_phase,
+                steps: [0; N],
+                drift: [Turns::ZERO; N],
+                modes: Modes::default(),
+                holding: false,
+                limits: Limits::default(),
+            },
+        }
+    }
+}
+
 /// What the loop knows at the end of a tick.
 #[derive(Clone, Debug)]
 pub struct Telemetry<const N: usize> {

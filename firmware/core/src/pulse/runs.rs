@@ -56,7 +56,7 @@ impl Runs {
     pub const fn new() -> Self {
         Self {
             used: 0,
-            room: [Run::pause(Run::LEAST_CYCLES, true); MAX_RUNS],
+            room: [Run::pause(Run::LEAST_CYCLES, false); MAX_RUNS], // all zeros
         }
     }
 
