@@ -42,10 +42,9 @@ fn play(
             filter.change((at - start) as i32, level);
         }
         // A filter that was passed over while it was quiet must tell the same.
-        if !(is_quiet && filter.is_quiet(longest)) {
-            if let Some(pulse) = filter.end_tick(tick) {
-                pulses.push((start + i64::from(pulse.cycle), end));
-            }
+        let passed_over = is_quiet && filter.is_quiet(longest);
+        if !passed_over && let Some(pulse) = filter.end_tick(tick) {
+            pulses.push((start + i64::from(pulse.cycle), end));
         }
         is_quiet = filter.is_quiet(longest);
         start = end;
