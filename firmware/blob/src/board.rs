@@ -13,7 +13,7 @@ pub const LEAST_LEAD_US: u32 = 20;
 /// interrupts and something to spare.
 const TICK_CYCLES: u32 = 8000;
 /// What each axis adds,
-const AXIS_CYCLES: u32 = 1500;
+const AXIS_CYCLES: u32 = 1100;
 /// and each piece of its step pulses that the planner takes at once.
 const CHUNK_CYCLES: u32 = 90;
 const CHUNK_EDGES: f64 = 64.0;

@@ -146,6 +146,14 @@ function driesUp(machine, must) {
   return 'stopped, then drives off: RanDry on axis 1';
 }
 
+/** The loop has more to do than time: now and then it misses a deadline, never three in a row. */
+function stumble(machine) {
+  for (let i = 0; i < 8; i += 1) {
+    machine.freeze(0.0009);
+    machine.run(0.0011);
+  }
+}
+
 /** The processor meets what is no instruction, as after a panic. */
 function breakIn(machine) {
   const UNDEFINED = 0x1_0000 * 0xde00 + 0xde00;
@@ -192,6 +200,7 @@ const CASES = [
   ['alarm, broken wire', input(pins.ALARM[3], null), faults(/DriveAlarm on axis 3/)],
   ['loop late by a deadline', (machine) => machine.freeze(0.0012), goesOn],
   ['loop overrun', (machine) => machine.freeze(0.0031), faults(/Overrun/)],
+  ['… again and again', stumble, faults(/Overrun/)],
   ['FIFO run dry', starve, driesUp],
   ['loop hangs', (machine) => machine.freeze(0.03), restarts(0.0101)],
   ['a fault of the core', breakIn, restarts(20e-6)],
