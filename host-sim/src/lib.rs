@@ -8,6 +8,7 @@
 
 pub mod command;
 pub mod design;
+pub mod dynamics;
 pub mod machine;
 pub mod mechanism;
 pub mod report;

@@ -1,0 +1,107 @@
+//! Where the corners are around the circle, and the plane through them.
+
+/// Most axes.
+pub const MOST: usize = 6;
+
+/// Heave and two tilts: what a plane has, and so a platform on it.
+pub const FREEDOMS: usize = 3;
+
+/// N corners, evenly around a circle.
+///
+/// The plane closest to their heights has the mean height, and along two axes the slopes
+/// `share/ρ · Σ height · cos` (or sin). Two corners give it a slope along one axis only.
+#[derive(Clone, Debug)]
+pub struct Corners {
+    count: usize,
+    /// Row f, column i: what a metre at corner i adds to freedom f.
+    plane: [[f64; MOST]; FREEDOMS],
+    /// Row f, column i: what freedom f adds to the height of corner i.
+    height: [[f64; MOST]; FREEDOMS],
+}
+
+impl Corners {
+    /// `count` corners, 2 to 6, on a circle of `radius_m`.
+    pub fn new(count: usize, radius_m: f64) -> Self {
+        assert!((2..=MOST).contains(&count), "2 to {MOST} corners");
+        let mut corners = Self {
+            count,
+            plane: [[0.0; MOST]; FREEDOMS],
+            height: [[0.0; MOST]; FREEDOMS],
+        };
+        let share = if count == 2 { 0.5 } else { 2.0 / count as f64 };
+        for i in 0..count {
+            let angle = std::f64::consts::TAU * i as f64 / count as f64;
+            let around = [
+                angle.cos(),
+                if count == 2 { 0.0 } else { angle.sin() },
+            ];
+            corners.plane[0][i] = 1.0 / count as f64;
+            corners.height[0][i] = 1.0;
+            for (axis, around) in around.into_iter().enumerate() {
+                corners.plane[axis + 1][i] = share * around / radius_m;
+                corners.height[axis + 1][i] = radius_m * around;
+            }
+        }
+        corners
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Heave (m, or m/s …) and slopes (rad …) of the plane closest to corners of these heights.
+    pub fn plane(&self, heights: &[f64]) -> [f64; FREEDOMS] {
+        self.plane
+            .map(|row| row.iter().zip(heights).map(|(a, h)| a * h).sum())
+    }
+
+    /// Height of corner `i` on a plane.
+    pub fn height(&self, plane: &[f64; FREEDOMS], i: usize) -> f64 {
+        (0..FREEDOMS).map(|f| self.height[f][i] * plane[f]).sum()
+    }
+
+    /// What corner `i` adds to each freedom of the plane, by metre.
+    pub fn share(&self, i: usize) -> [f64; FREEDOMS] {
+        self.plane.map(|row| row[i])
+    }
+
+    /// Heave and tilting moments of a force of 1 N at corner `i`.
+    pub fn force(&self, i: usize) -> [f64; FREEDOMS] {
+        self.height.map(|row| row[i])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Were it wrong, corners that lie in a plane would be taken to be bent, or bent ones to lie in it.
+    #[test]
+    fn what_a_plane_makes_of_corners_gives_the_plane() {
+        for count in 2..=MOST {
+            let corners = Corners::new(count, 0.25);
+            let slope_y = if count == 2 { 0.0 } else { -0.02 };
+            let plane = [0.1, 0.03, slope_y];
+            let heights: Vec<f64> = (0..count).map(|i| corners.height(&plane, i)).collect();
+            for (found, given) in corners.plane(&heights).into_iter().zip(plane) {
+                assert!((found - given).abs() < 1e-15, "{count} corners");
+            }
+        }
+    }
+
+    /// The plane is the closest: what is left over is at right angles to every plane.
+    #[test]
+    fn what_is_left_over_has_no_plane_in_it() {
+        for count in 4..=MOST {
+            let corners = Corners::new(count, 0.25);
+            let heights: Vec<f64> = (0..count).map(|i| ((7 * i * i) % 11) as f64 * 1e-3).collect();
+            let plane = corners.plane(&heights);
+            let left: Vec<f64> = (0..count)
+                .map(|i| heights[i] - corners.height(&plane, i))
+                .collect();
+            assert!(left.iter().any(|left| left.abs() > 1e-4), "{count} corners");
+            assert!(corners.plane(&left).iter().all(|f| f.abs() < 1e-15));
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Equations of motion: what forces make of a machine, where the cranks are not simply where they are told
+//! to be.
+//!
+//! Three rungs of the ladder, each with more freedom than the one before:
+//! - [`Rigid`]: all cranks on one shaft, one angle, with the inertia that the platform has at that angle;
+//! - [`Phased`]: every crank a rotor of its own, the platform heaving and tilting as they push it; rods that are
+//!   rigid, or settle where they must give;
+//! - [`Sprung`]: the same with rods as stiff springs, and the platform free.
+//!
+//! Words: a *rotor* is all that turns with one crank: motor, coupling, crank. A *corner* is where its rod carries
+//! the platform. The *plane* is the one closest to the corners' heights, which the platform lies in; what a corner
+//! is away from it is its *warp*. A *field* is where a motor's stator points, in crank angle: where it would like
+//! its rotor to be.
+//!
+//! State vectors have positions first, then their speeds, in rad, m, rad/s and m/s. Kinematics are those of
+//! [`crate::mechanism`], exact.
+
+mod corners;
+mod motor;
+mod phased;
+mod rigid;
+mod sprung;
+
+pub use corners::Corners;
+pub use motor::{Field, Motor, Servo, Stepper};
+pub use phased::{Phased, PlaneMotion};
+pub use rigid::Rigid;
+pub use sprung::Sprung;
+
+use crate::mechanism::slider_crank::{Load, SliderCrank};
+
+/// What all rungs share: the mechanism, what it carries, and what turns.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Crank and rod, alike on all axes.
+    pub mechanism: SliderCrank,
+    /// Platform and what stands on it, as one mass.
+    pub load: Load,
+    /// Inertia of the platform about either tilt axis, kg·m².
+    pub tilt_inertia_kgm2: f64,
+    /// Inertia of each rotor, kg·m²; its length is the number of axes.
+    pub rotors_kgm2: Vec<f64>,
+    /// Radius of the circle on which the cranks stand, m.
+    pub mount_radius_m: f64,
+    /// Stiffness of a rod with its bearings, along the line of travel, N/m.
+    pub rod_n_per_m: f64,
+    /// Viscous friction of each rotor, N·m·s.
+    pub friction_nms: f64,
+}
+
+impl Body {
+    /// Number of axes.
+    pub fn axes(&self) -> usize {
+        self.rotors_kgm2.len()
+    }
+
+    /// +1 where a crank at angle 0 holds its corner up, −1 where it lets it down.
+    pub fn upwards(&self) -> f64 {
+        -self.load.platform.gravity_sign()
+    }
+
+    /// Height of a corner over its crank's axis, m, upwards.
+    pub fn height_m(&self, alpha_rad: f64) -> f64 {
+        self.upwards() * self.mechanism.x_m(alpha_rad)
+    }
+
+    /// dh/dα, m.
+    pub fn lever_m(&self, alpha_rad: f64) -> f64 {
+        -self.upwards() * self.mechanism.crank_radius_m() * self.mechanism.s(alpha_rad)
+    }
+
+    /// d²h/dα², m.
+    pub fn lever_rate_m(&self, alpha_rad: f64) -> f64 {
+        -self.upwards() * self.mechanism.crank_radius_m() * self.mechanism.h(alpha_rad)
+    }
+
+    /// Weight of the load, N.
+    pub fn weight_n(&self) -> f64 {
+        self.load.mass_kg * self.load.gravity_mps2
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,50 @@
+//! All cranks on one shaft.
+//!
+//! With J(α) = Σ J_rotor + m R² s(α)² the kinetic energy is ½ J ω², and Lagrange gives
+//! J α″ + ½ J′ ω² + dV/dα = torque, where J′ = 2 m R² s h: the platform at speed gives the shaft back at one angle
+//! what it takes at another.
+
+use super::Body;
+
+/// A machine of one angle. The state is `[α, ω]`.
+#[derive(Clone, Debug)]
+pub struct Rigid {
+    body: Body,
+    rotors_kgm2: f64,
+}
+
+impl Rigid {
+    /// Of a body, whose rotors turn as one.
+    pub fn new(body: Body) -> Self {
+        let rotors_kgm2 = body.rotors_kgm2.iter().sum();
+        Self { body, rotors_kgm2 }
+    }
+
+    /// The body.
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// Equivalent inertia at an angle, kg·m².
+    pub fn inertia_kgm2(&self, alpha_rad: f64) -> f64 {
+        let lever = self.body.lever_m(alpha_rad);
+        self.rotors_kgm2 + self.body.load.mass_kg * lever * lever
+    }
+
+    /// α″, rad/s², under a torque of all motors together, N·m.
+    pub fn acceleration_rad_s2(&self, alpha_rad: f64, omega_rad_s: f64, torque_nm: f64) -> f64 {
+        let body = &self.body;
+        let lever = body.lever_m(alpha_rad);
+        let inertia = self.rotors_kgm2 + body.load.mass_kg * lever * lever;
+        let push_n = body.load.mass_kg * body.lever_rate_m(alpha_rad) * omega_rad_s * omega_rad_s
+            + body.weight_n();
+        let friction_nm = body.axes() as f64 * body.friction_nms * omega_rad_s;
+        (torque_nm - friction_nm - lever * push_n) / inertia
+    }
+
+    /// Kinetic and potential energy, J; without friction and motor it stays.
+    pub fn energy_j(&self, alpha_rad: f64, omega_rad_s: f64) -> f64 {
+        0.5 * self.inertia_kgm2(alpha_rad) * omega_rad_s * omega_rad_s
+            + self.body.weight_n() * self.body.height_m(alpha_rad)
+    }
+}
