@@ -1,0 +1,102 @@
+//! What a method is given: a machine as first-order equations y′ = f(t, y).
+//!
+//! Words:
+//! - **rates**: f(t, y), the derivative of every component of the state;
+//! - **second-order**: y = (q, v), positions then their velocities, and the rates of q *are* v. Symplectic methods
+//!   need this;
+//! - **linear**: y′ = A y + b(t) with a constant matrix A. The exact discretisation needs this;
+//! - **Jacobian**: ∂f/∂y. Implicit methods use it to iterate, never for the answer itself: a rough one costs
+//!   iterations and not accuracy.
+//!
+//! A machine that has more than its rates to offer says so by overriding a default; nothing else changes.
+
+use nalgebra::DMatrix;
+
+/// A system of ordinary differential equations in `f64`, y′ = f(t, y), time in s.
+pub trait Equations {
+    /// Number of components of the state.
+    fn dimension(&self) -> usize;
+
+    /// Writes f(t, y) into `rates`. Both slices have [`Equations::dimension`] components.
+    ///
+    /// The same arguments must give the same rates: methods evaluate where they like, and as often.
+    fn rates(&self, t_s: f64, y: &[f64], rates: &mut [f64]);
+
+    /// Whether the state is (q, v), each half of it, with q′ = v. False unless overridden.
+    fn is_second_order(&self) -> bool {
+        false
+    }
+
+    /// Writes ∂f/∂y into `jacobian`, a square matrix of [`Equations::dimension`]. By forward differences unless
+    /// overridden ([`Differences::take`]).
+    fn jacobian(
+        &self,
+        t_s: f64,
+        y: &[f64],
+        differences: &mut Differences,
+        jacobian: &mut DMatrix<f64>,
+    ) {
+        differences.take(self, t_s, y, jacobian);
+    }
+
+    /// The same system as y′ = A y + b(t), if it is one. `None` unless overridden.
+    fn linear(&self) -> Option<&dyn Linear> {
+        None
+    }
+}
+
+/// A linear system y′ = A y + b(t) with constant A.
+pub trait Linear {
+    /// A.
+    fn matrix(&self) -> DMatrix<f64>;
+
+    /// Writes b(t) into `input`.
+    fn input(&self, t_s: f64, input: &mut [f64]);
+}
+
+/// Forward differences, with the memory they need.
+#[derive(Clone, Debug)]
+pub struct Differences {
+    moved: Vec<f64>,
+    here: Vec<f64>,
+    there: Vec<f64>,
+}
+
+impl Differences {
+    /// Differences for systems of `dimension` components.
+    pub fn new(dimension: usize) -> Self {
+        Self {
+            moved: vec![0.0; dimension],
+            here: vec![0.0; dimension],
+            there: vec![0.0; dimension],
+        }
+    }
+
+    /// Writes the difference quotients of `equations` at (t, y) into `jacobian`, one column for each component.
+    ///
+    /// A component is moved by √ε = 1.5e-8 of the larger of its size and 1e-3, away from 0, which balances
+    /// rounding against curvature for rates that change by their own size over the component's own size: relative
+    /// error some 1e-8.
+    pub fn take(
+        &mut self,
+        equations: &(impl Equations + ?Sized),
+        t_s: f64,
+        y: &[f64],
+        jacobian: &mut DMatrix<f64>,
+    ) {
+        equations.rates(t_s, y, &mut self.here);
+        self.moved.copy_from_slice(y);
+        for (component, mut column) in jacobian.column_iter_mut().enumerate() {
+            let size = y[component].abs().max(1e-3);
+            self.moved[component] += (f64::EPSILON.sqrt() * size).copysign(y[component]);
+            let by = self.moved[component] - y[component]; // what rounding left of it
+            equations.rates(t_s, &self.moved, &mut self.there);
+            for (quotient, (there, here)) in
+                column.iter_mut().zip(self.there.iter().zip(&self.here))
+            {
+                *quotient = (there - here) / by;
+            }
+            self.moved[component] = y[component];
+        }
+    }
+}

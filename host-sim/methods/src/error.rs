@@ -1,0 +1,62 @@
+//! What can go wrong: before the first step, and in one.
+
+use crate::Needs;
+
+/// Why a method cannot be made for a machine and a step.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Refused {
+    /// The step is no length of time.
+    #[error("step {0} s: must be a finite time above 0")]
+    Step(f64),
+    /// The machine lacks the structure that the method rests on.
+    #[error("{method} needs {needs}, which these equations do not offer: {instead}")]
+    Structure {
+        /// The method's name.
+        method: &'static str,
+        /// What it needs.
+        needs: Needs,
+        /// What would be right.
+        instead: &'static str,
+    },
+    /// The exponential of the system's matrix over one step has no finite value.
+    #[error("step {step_s} s: the system grows beyond f64 within it; take a shorter step")]
+    Exponential {
+        /// The step asked for.
+        step_s: f64,
+    },
+}
+
+/// Why a step was not made. The state is as it was before.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// A component of the new state is infinite or not a number.
+    #[error(
+        "component {component} is not finite after the step from t = {t_s} s: the step is too long for this method, or the equations have no value there"
+    )]
+    NotFinite {
+        /// Start of the step.
+        t_s: f64,
+        /// The first such component.
+        component: usize,
+    },
+    /// The implicit equation of a stage was not solved within the iteration limit.
+    #[error(
+        "no solution of the implicit equation within {iterations} iterations in the step from t = {t_s} s (the last one still moved {excess:.1e} times what is allowed): take a shorter step"
+    )]
+    NotConverged {
+        /// Start of the step.
+        t_s: f64,
+        /// Iterations made.
+        iterations: u32,
+        /// The last correction, as a multiple of the tolerance.
+        excess: f64,
+    },
+    /// The matrix of the implicit equation cannot be inverted.
+    #[error(
+        "the matrix of the implicit equation is singular in the step from t = {t_s} s: take another step length"
+    )]
+    Singular {
+        /// Start of the step.
+        t_s: f64,
+    },
+}

@@ -1,0 +1,151 @@
+//! SDIRK4: a singly diagonally implicit Runge-Kutta method of five stages and order 4, L-stable and stiffly accurate.
+//!
+//! For machines with modes far faster than the step, and for equations with very different time constants: what the step
+//! does not resolve is damped away at once (L-stable), and the step ends on the last stage, so that what must hold
+//! at its end holds exactly there (stiffly accurate). It damps a resolved oscillation a little, too: energy is lost as
+//! (hω)⁶.
+//!
+//! Coefficients: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., 1996, section IV.6,
+//! formula (6.16), γ = 1/4. All five stages share the matrix I − hγJ, factored once a step.
+//!
+//! The implicit equations are solved by [`newton`](crate::newton), with the tolerance stated there.
+
+use crate::method::commit;
+use crate::newton::Stage;
+use crate::{Equations, Facts, Method, Needs, Refused, StepError, checked_step};
+
+/// What is known of SDIRK4.
+pub const FACTS: Facts = Facts {
+    name: "SDIRK4",
+    order: 4,
+    needs: Needs::Rates,
+    keeps_energy: false,
+    evaluations: 10,
+};
+
+const STAGES: usize = 5;
+
+/// The diagonal of A.
+const GAMMA: f64 = 0.25;
+
+/// Where in the step each stage lies.
+const C: [f64; STAGES] = [0.25, 0.75, 11.0 / 20.0, 0.5, 1.0];
+
+/// A below its diagonal. The last row is also the weights.
+const A: [[f64; STAGES - 1]; STAGES] = [
+    [0.0, 0.0, 0.0, 0.0],
+    [0.5, 0.0, 0.0, 0.0],
+    [17.0 / 50.0, -1.0 / 25.0, 0.0, 0.0],
+    [371.0 / 1360.0, -137.0 / 2720.0, 15.0 / 544.0, 0.0],
+    [25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0],
+];
+
+/// SDIRK4, made for a machine and a step.
+#[derive(Clone, Debug)]
+pub struct Sdirk4 {
+    step_s: f64,
+    stage: Stage,
+    /// hγ k of each stage.
+    moves: [Vec<f64>; STAGES],
+    base: Vec<f64>,
+}
+
+impl Sdirk4 {
+    /// Refuses a step that is not finite and above 0.
+    pub fn new(equations: &dyn Equations, step_s: f64) -> Result<Self, Refused> {
+        let step_s = checked_step(&FACTS, equations, step_s)?;
+        let dimension = equations.dimension();
+        Ok(Self {
+            step_s,
+            stage: Stage::new(dimension, GAMMA * step_s),
+            moves: core::array::from_fn(|_| vec![0.0; dimension]),
+            base: vec![0.0; dimension],
+        })
+    }
+}
+
+impl Method for Sdirk4 {
+    fn facts(&self) -> &'static Facts {
+        &FACTS
+    }
+
+    fn step_s(&self) -> f64 {
+        self.step_s
+    }
+
+    fn step(
+        &mut self,
+        equations: &dyn Equations,
+        t_s: f64,
+        y: &mut [f64],
+    ) -> Result<(), StepError> {
+        self.stage.begin(equations, t_s, y)?;
+        for i in 0..STAGES {
+            let (earlier, rest) = self.moves.split_at_mut(i);
+            let this = &mut rest[0];
+            self.base.copy_from_slice(y);
+            for (a, earlier) in A[i].iter().zip(&*earlier) {
+                for (base, earlier) in self.base.iter_mut().zip(earlier) {
+                    *base += a / GAMMA * earlier;
+                }
+            }
+            // The first guess: as fast as in the stage before.
+            match earlier.last() {
+                Some(before) => this.copy_from_slice(before),
+                None => this.fill(0.0),
+            }
+            let at_s = t_s + C[i] * self.step_s;
+            self.stage.solve(equations, at_s, &self.base, this)?;
+        }
+        for (base, last) in self.base.iter_mut().zip(&self.moves[STAGES - 1]) {
+            *base += last;
+        }
+        commit(t_s, &self.base, y)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The whole of A, its diagonal included.
+    fn a(i: usize, j: usize) -> f64 {
+        if i == j {
+            GAMMA
+        } else {
+            A[i].get(j).copied().unwrap_or(0.0)
+        }
+    }
+
+    /// Were a coefficient wrong, one of the eight conditions for order 4 would fail (Hairer, Nørsett, Wanner,
+    /// *Solving ODEs I*, table II.2.1), or a row would not sum to its place in the step. Rounding only: 1e-13, for sums of
+    /// terms up to 10.
+    #[test]
+    fn fulfils_the_order_conditions() {
+        let b = |i| a(STAGES - 1, i);
+        let sum = |term: &dyn Fn(usize) -> f64| (0..STAGES).map(term).sum::<f64>();
+        for i in 0..STAGES {
+            assert!((sum(&|j| a(i, j)) - C[i]).abs() < 1e-13, "row {i}");
+        }
+        let through = |i: usize, f: &dyn Fn(usize) -> f64| sum(&|j| a(i, j) * f(j));
+        let conditions = [
+            (sum(&b), 1.0),
+            (sum(&|i| b(i) * C[i]), 1.0 / 2.0),
+            (sum(&|i| b(i) * C[i].powi(2)), 1.0 / 3.0),
+            (sum(&|i| b(i) * through(i, &|j| C[j])), 1.0 / 6.0),
+            (sum(&|i| b(i) * C[i].powi(3)), 1.0 / 4.0),
+            (sum(&|i| b(i) * C[i] * through(i, &|j| C[j])), 1.0 / 8.0),
+            (sum(&|i| b(i) * through(i, &|j| C[j].powi(2))), 1.0 / 12.0),
+            (
+                sum(&|i| b(i) * through(i, &|j| through(j, &|k| C[k]))),
+                1.0 / 24.0,
+            ),
+        ];
+        for (number, (is, must)) in conditions.into_iter().enumerate() {
+            assert!(
+                (is - must).abs() < 1e-13,
+                "condition {number}: {is} for {must}"
+            );
+        }
+    }
+}

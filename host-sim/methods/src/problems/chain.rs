@@ -1,0 +1,163 @@
+//! The elastic follower of a cam as a chain of three masses: shaft, arm, pusher.
+//!
+//! From an article on the pusher of a chocolate wrapping machine (2020), "dynamic characteristics of a cam-linkage combined
+//! mechanism considering elasticity": the cam law s excites the first mass through the shaft's stiffness, and the others follow
+//! it through arm and link.
+//!
+//!     M₁ x₁″ + (C₁ + C₂) x₁′ − C₂ x₂′ + (K₁ + K₂) x₁ − K₂ x₂ = K₁ s [+ C₁ s′]
+//!     M₂ x₂″ − C₂ x₁′ + (C₂ + C₃) x₂′ − C₃ x₃′ − K₂ x₁ + (K₂ + K₃) x₂ − K₃ x₃ = 0
+//!     M₃ x₃″ − C₃ x₂′ + C₃ x₃′ − K₃ x₂ + K₃ x₃ = 0
+//!
+//! Printed without the term in brackets: the shaft's damper then goes to the ground and not to the cam ([`Shaft`]).
+//! Of the damping only "0.402, 0.175, ?.1" is legible, its unit lost. At damping factor 0.1, C = 0.2 √(K M) gives 401.6, 174.9
+//! and 2030 N s/m, so the unit is 10³ N s/m and the third 2.03, or 2.1 if the digit that is left can be trusted.
+
+use nalgebra::{DMatrix, Matrix3, SMatrix, Vector3};
+
+use super::Cam;
+use crate::equations::{Differences, Equations, Linear};
+
+/// Where the damper of the shaft ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shaft {
+    /// At the ground, as printed: it brakes the motion itself.
+    DampedToGround,
+    /// At the cam, as the shaft does: it brakes only what the shaft gives.
+    DampedToCam,
+}
+
+/// The chain; state (x₁, x₂, x₃, v₁, v₂, v₃), m and m/s.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chain {
+    /// What excites it.
+    pub cam: Cam,
+    /// Where its first damper ends.
+    pub shaft: Shaft,
+    matrix: SMatrix<f64, 6, 6>,
+    mass_kg: Vector3<f64>,
+    stiffness_n_m: Vector3<f64>,
+    damping_n_s_m: Vector3<f64>,
+}
+
+/// A mode of free oscillation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mode {
+    /// Frequency, rad/s: the magnitude of the eigenvalue.
+    pub omega_rad_s: f64,
+    /// Damping ratio.
+    pub zeta: f64,
+}
+
+impl Chain {
+    /// Masses as printed, kg.
+    pub const MASS_KG: [f64; 3] = [0.525, 0.102, 1.01];
+    /// Stiffnesses as printed, N/m.
+    pub const STIFFNESS_N_M: [f64; 3] = [0.768e7, 0.75e7, 10.2e7];
+    /// Dampings, N s/m: 0.2 √(K M) of each spring with its mass, of which the printed ones are the first digits.
+    pub const DAMPING_N_S_M: [f64; 3] = [401.597, 174.929, 2029.975];
+
+    /// The chain of the source.
+    pub fn wrapper(cam: Cam, shaft: Shaft) -> Self {
+        Self::new(cam, shaft, Self::DAMPING_N_S_M)
+    }
+
+    /// The chain of the source with other dampings, N s/m.
+    pub fn new(cam: Cam, shaft: Shaft, damping_n_s_m: [f64; 3]) -> Self {
+        let mass_kg = Vector3::from(Self::MASS_KG);
+        let stiffness_n_m = Vector3::from(Self::STIFFNESS_N_M);
+        let damping_n_s_m = Vector3::from(damping_n_s_m);
+        let mut matrix = SMatrix::<f64, 6, 6>::zeros();
+        matrix.fixed_view_mut::<3, 3>(0, 3).fill_with_identity();
+        for (column, of) in [(0, stiffness_n_m), (3, damping_n_s_m)] {
+            let mut block = -coupling(of);
+            for (mut row, mass) in block.row_iter_mut().zip(&mass_kg) {
+                row /= *mass;
+            }
+            matrix.fixed_view_mut::<3, 3>(3, column).copy_from(&block);
+        }
+        Self {
+            cam,
+            shaft,
+            matrix,
+            mass_kg,
+            stiffness_n_m,
+            damping_n_s_m,
+        }
+    }
+
+    /// Undamped natural frequencies, rad/s, rising: those of M⁻½ K M⁻½.
+    pub fn undamped_rad_s(&self) -> [f64; 3] {
+        let root = Matrix3::from_diagonal(&self.mass_kg.map(|mass| 1.0 / mass.sqrt()));
+        let squares = (root * coupling(self.stiffness_n_m) * root).symmetric_eigenvalues();
+        let mut omega = [squares[0].sqrt(), squares[1].sqrt(), squares[2].sqrt()];
+        omega.sort_by(f64::total_cmp);
+        omega
+    }
+
+    /// The modes with their damping, from the eigenvalues −ζω ± iω√(1 − ζ²) of the whole system, frequency rising.
+    pub fn modes(&self) -> [Mode; 3] {
+        let mut modes = [Mode {
+            omega_rad_s: 0.0,
+            zeta: 0.0,
+        }; 3];
+        let eigenvalues = self.matrix.complex_eigenvalues();
+        let above = eigenvalues.iter().filter(|value| value.im > 0.0);
+        for (mode, value) in modes.iter_mut().zip(above) {
+            mode.omega_rad_s = value.norm();
+            mode.zeta = -value.re / value.norm();
+        }
+        modes.sort_by(|a, b| a.omega_rad_s.total_cmp(&b.omega_rad_s));
+        modes
+    }
+
+    /// Acceleration of the first mass by the cam alone, m/s².
+    fn excitation_mps2(&self, t_s: f64) -> f64 {
+        let cam = self.cam.at(t_s);
+        let mut force_n = self.stiffness_n_m[0] * cam.displacement;
+        if self.shaft == Shaft::DampedToCam {
+            force_n += self.damping_n_s_m[0] * cam.velocity;
+        }
+        force_n / self.mass_kg[0]
+    }
+}
+
+/// The matrix of three springs, or dampers, in a chain whose first one ends outside.
+fn coupling(of: Vector3<f64>) -> Matrix3<f64> {
+    let [a, b, c] = of.into();
+    Matrix3::new(a + b, -b, 0.0, -b, b + c, -c, 0.0, -c, c)
+}
+
+impl Equations for Chain {
+    fn dimension(&self) -> usize {
+        6
+    }
+
+    fn rates(&self, t_s: f64, y: &[f64], rates: &mut [f64]) {
+        let y = SMatrix::<f64, 6, 1>::from_column_slice(y);
+        rates.copy_from_slice((self.matrix * y).as_slice());
+        rates[3] += self.excitation_mps2(t_s);
+    }
+
+    fn is_second_order(&self) -> bool {
+        true
+    }
+
+    fn jacobian(&self, _: f64, _: &[f64], _: &mut Differences, jacobian: &mut DMatrix<f64>) {
+        jacobian.copy_from(&self.matrix);
+    }
+
+    fn linear(&self) -> Option<&dyn Linear> {
+        Some(self)
+    }
+}
+
+impl Linear for Chain {
+    fn matrix(&self) -> DMatrix<f64> {
+        DMatrix::from_column_slice(6, 6, self.matrix.as_slice())
+    }
+
+    fn input(&self, t_s: f64, input: &mut [f64]) {
+        input.fill(0.0);
+        input[3] = self.excitation_mps2(t_s);
+    }
+}

@@ -1,0 +1,32 @@
+//! Problems whose answers are known, to judge methods by.
+//!
+//! One file each: the equations, their parameters with the source, and the values to compare with. Values that were published
+//! are marked so; what was computed here is in the tests instead.
+//!
+//! | problem | what it tries |
+//! | --- | --- |
+//! | [`Oscillator`] | stability, order, energy: the answer is a formula |
+//! | [`Pendulum`] | smooth and nonlinear; conservative, or damped and driven |
+//! | [`Andrews`] | a closed-loop linkage at speed: seven bodies, six constraints |
+//! | [`Hires`] | mildly stiff chemistry |
+//! | [`VanDerPol`] | very stiff, with jumps |
+//! | [`BouncingBall`] | events that crowd together |
+//! | [`Chain`] | the elastic follower of a cam: a machine of this kind, linear, with a fast mode |
+
+pub mod andrews;
+pub mod bouncing_ball;
+pub mod cam;
+pub mod chain;
+pub mod hires;
+pub mod oscillator;
+pub mod pendulum;
+pub mod van_der_pol;
+
+pub use andrews::Andrews;
+pub use bouncing_ball::BouncingBall;
+pub use cam::{Cam, Law, Motion};
+pub use chain::{Chain, Mode, Shaft};
+pub use hires::Hires;
+pub use oscillator::Oscillator;
+pub use pendulum::Pendulum;
+pub use van_der_pol::VanDerPol;

@@ -1,0 +1,119 @@
+//! Reference solutions from library solvers: two libraries, three methods, none of them of this crate.
+//!
+//! Each is solved to its end in one run, at the tightest tolerance it works with; the error of a reference is taken to be its
+//! difference from the other library's.
+
+use cophase_methods::Equations;
+use differential_equations::prelude::{
+    BackwardDifferentiationFormula, ExplicitRungeKutta, IVP, ODE,
+};
+use diffsol::{MatrixCommon, NalgebraLU, NalgebraMat, OdeBuilder, OdeSolverMethod};
+use nalgebra::{DMatrix, DVector};
+
+/// Equations of this crate, as `differential-equations` takes them.
+struct Adapter<'a>(&'a dyn Equations);
+
+impl<const N: usize> ODE<f64, [f64; N]> for Adapter<'_> {
+    fn diff(&self, t_s: f64, y: &[f64; N], rates: &mut [f64; N]) {
+        self.0.rates(t_s, y, rates);
+    }
+
+    fn jacobian(
+        &self,
+        t_s: f64,
+        y: &[f64; N],
+        jacobian: &mut differential_equations::linalg::Matrix<f64>,
+    ) {
+        let own = jacobian_of(self.0, t_s, y);
+        for row in 0..N {
+            for column in 0..N {
+                jacobian[(row, column)] = own[(row, column)];
+            }
+        }
+    }
+}
+
+/// DOP853 of `differential-equations`, for what is not stiff.
+pub fn dop853<const N: usize>(
+    equations: &dyn Equations,
+    start: [f64; N],
+    end_s: f64,
+    tolerance: f64,
+) -> [f64; N] {
+    let adapter = Adapter(equations);
+    let solved = IVP::ode(&adapter, 0.0, end_s, start)
+        .method(
+            ExplicitRungeKutta::dop853()
+                .rtol(tolerance)
+                .atol(tolerance)
+                .max_steps(10_000_000),
+        )
+        .solve()
+        .expect("DOP853");
+    assert_eq!(solved.t.last(), Some(&end_s));
+    *solved.y.last().unwrap()
+}
+
+/// BDF of `differential-equations`, for what is stiff.
+pub fn bdf<const N: usize>(
+    equations: &dyn Equations,
+    start: [f64; N],
+    end_s: f64,
+    tolerance: f64,
+) -> [f64; N] {
+    let adapter = Adapter(equations);
+    let solved = IVP::ode(&adapter, 0.0, end_s, start)
+        .method(
+            BackwardDifferentiationFormula::adaptive()
+                .rtol(tolerance)
+                .atol(tolerance * 1e-4)
+                .newton_tol(1e-3)
+                .max_steps(100_000_000),
+        )
+        .solve()
+        .expect("BDF");
+    assert_eq!(solved.t.last(), Some(&end_s));
+    *solved.y.last().unwrap()
+}
+
+/// BDF of `diffsol`.
+pub fn diffsol<const N: usize>(
+    equations: &dyn Equations,
+    start: [f64; N],
+    end_s: f64,
+    tolerance: f64,
+) -> [f64; N] {
+    let problem = OdeBuilder::<NalgebraMat<f64>>::new()
+        .rtol(tolerance)
+        .atol(vec![tolerance * 1e-4; N])
+        .rhs_implicit(
+            |y, _, t_s, rates| {
+                equations.rates(t_s, y, rates);
+            },
+            |y, _, t_s, direction, product| {
+                let jacobian = jacobian_of(equations, t_s, y);
+                let along = jacobian * DVector::from_column_slice(direction);
+                product.copy_from_slice(along.as_slice());
+            },
+        )
+        .init(|_, _, y| y.copy_from_slice(&start), N)
+        .build()
+        .expect("a problem");
+    let mut solver = problem.bdf::<NalgebraLU<f64>>().expect("BDF");
+    let (states, times, _) = solver.solve(end_s).expect("BDF");
+    assert_eq!(times.last(), Some(&end_s));
+    let last = states.inner().column(times.len() - 1);
+    core::array::from_fn(|i| last[i])
+}
+
+fn jacobian_of(equations: &dyn Equations, t_s: f64, y: &[f64]) -> DMatrix<f64> {
+    let n = equations.dimension();
+    let mut jacobian = DMatrix::zeros(n, n);
+    equations.jacobian(
+        t_s,
+        y,
+        &mut cophase_methods::Differences::new(n),
+        &mut jacobian,
+    );
+    jacobian
+}
