@@ -31,10 +31,7 @@ impl Corners {
         let share = if count == 2 { 0.5 } else { 2.0 / count as f64 };
         for i in 0..count {
             let angle = std::f64::consts::TAU * i as f64 / count as f64;
-            let around = [
-                angle.cos(),
-                if count == 2 { 0.0 } else { angle.sin() },
-            ];
+            let around = [angle.cos(), if count == 2 { 0.0 } else { angle.sin() }];
             corners.plane[0][i] = 1.0 / count as f64;
             corners.height[0][i] = 1.0;
             for (axis, around) in around.into_iter().enumerate() {
@@ -95,7 +92,9 @@ mod tests {
     fn what_is_left_over_has_no_plane_in_it() {
         for count in 4..=MOST {
             let corners = Corners::new(count, 0.25);
-            let heights: Vec<f64> = (0..count).map(|i| ((7 * i * i) % 11) as f64 * 1e-3).collect();
+            let heights: Vec<f64> = (0..count)
+                .map(|i| ((7 * i * i) % 11) as f64 * 1e-3)
+                .collect();
             let plane = corners.plane(&heights);
             let left: Vec<f64> = (0..count)
                 .map(|i| heights[i] - corners.height(&plane, i))

@@ -16,12 +16,14 @@
 //! [`crate::mechanism`], exact.
 
 mod corners;
+mod driven;
 mod motor;
 mod phased;
 mod rigid;
 mod sprung;
 
 pub use corners::Corners;
+pub use driven::{Driven, Freedom};
 pub use motor::{Field, Motor, Servo, Stepper};
 pub use phased::{Phased, PlaneMotion};
 pub use rigid::Rigid;
@@ -44,9 +46,12 @@ pub struct Body {
     pub mount_radius_m: f64,
     /// Stiffness of a rod with its bearings, along the line of travel, N/m.
     pub rod_n_per_m: f64,
-    /// Viscous friction of each rotor, N·m·s.
-    pub friction_nms: f64,
+    /// Dry friction of each rotor, N·m.
+    pub friction_nm: Vec<f64>,
 }
+
+/// Speed over which dry friction turns round, rad/s: a hundredth of a turn a second is as good as standing.
+const CREEP_RAD_S: f64 = 0.06;
 
 impl Body {
     /// Number of axes.
@@ -72,6 +77,12 @@ impl Body {
     /// d²h/dα², m.
     pub fn lever_rate_m(&self, alpha_rad: f64) -> f64 {
         -self.upwards() * self.mechanism.crank_radius_m() * self.mechanism.h(alpha_rad)
+    }
+
+    /// Torque of rotor `i`'s friction, N·m. It turns round smoothly, so that methods keep their order: what stands
+    /// under a load below it creeps, by less than a turn in a hundred seconds.
+    pub fn drag_nm(&self, i: usize, omega_rad_s: f64) -> f64 {
+        -self.friction_nm[i] * (omega_rad_s / CREEP_RAD_S).tanh()
     }
 
     /// Weight of the load, N.

@@ -13,8 +13,8 @@
 //! that asks least of them, and corner i feels k times its distance from it. Of the rods' own oscillation, at
 //! √(k / m) and above, nothing is left ([`super::Sprung`] has it).
 
-use super::corners::{Corners, FREEDOMS, MOST};
 use super::Body;
+use super::corners::{Corners, FREEDOMS, MOST};
 
 /// A machine of N angles. The state is N angles, then N speeds.
 #[derive(Clone, Debug)]
@@ -76,7 +76,7 @@ impl Phased {
         for i in 0..n {
             let push: f64 = (0..FREEDOMS).map(|f| columns[i][f] * forces[f]).sum();
             let bend = body.rod_n_per_m * warps[i] * levers[i];
-            right[i] = torque[i] - body.friction_nms * omega[i] - push - bend;
+            right[i] = torque[i] + body.drag_nm(i, omega[i]) - push - bend;
         }
         self.solve(&columns, &masses, &right, out);
     }
@@ -102,7 +102,9 @@ impl Phased {
             right += column * (b[i] / rotor);
         }
         // Symmetric and positive definite, as masses and rotors are above zero.
-        let y = left.cholesky().map_or(right, |factors| factors.solve(&right));
+        let y = left
+            .cholesky()
+            .map_or(right, |factors| factors.solve(&right));
         for (i, &rotor) in rotors.iter().enumerate() {
             let held = nalgebra::Vector3::from(columns[i]).dot(&y);
             x[i] = (b[i] - held) / rotor;

@@ -38,8 +38,8 @@ impl Rigid {
         let inertia = self.rotors_kgm2 + body.load.mass_kg * lever * lever;
         let push_n = body.load.mass_kg * body.lever_rate_m(alpha_rad) * omega_rad_s * omega_rad_s
             + body.weight_n();
-        let friction_nm = body.axes() as f64 * body.friction_nms * omega_rad_s;
-        (torque_nm - friction_nm - lever * push_n) / inertia
+        let drag_nm: f64 = (0..body.axes()).map(|i| body.drag_nm(i, omega_rad_s)).sum();
+        (torque_nm + drag_nm - lever * push_n) / inertia
     }
 
     /// Kinetic and potential energy, J; without friction and motor it stays.

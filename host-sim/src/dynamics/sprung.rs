@@ -58,7 +58,7 @@ impl Sprung {
             for (force, share) in forces.iter_mut().zip(self.corners.force(i)) {
                 *force += share * push_n;
             }
-            let net_nm = torque[i] - body.friction_nms * omega[i] - push_n * lever;
+            let net_nm = torque[i] + body.drag_nm(i, omega[i]) - push_n * lever;
             out[i] = net_nm / body.rotors_kgm2[i];
         }
         let tilt = body.tilt_inertia_kgm2;

@@ -18,7 +18,7 @@ fn body(axes: usize, platform: Platform) -> Body {
         rotors_kgm2: (0..axes).map(|i| 1e-3 * (1.0 + 0.2 * i as f64)).collect(),
         mount_radius_m: 0.2,
         rod_n_per_m: 2e6,
-        friction_nms: 0.0,
+        friction_nm: vec![0.0; axes],
     }
 }
 

@@ -14,6 +14,7 @@ use cophase_core::settings::AxisSettings;
 use cophase_core::units::{Phase, Turns};
 
 use super::PullOut;
+use super::rotors::Told;
 
 /// How a simulated axis is driven.
 #[derive(Clone, Debug)]
@@ -55,6 +56,8 @@ pub struct SimulatedAxis {
     overload: Overload,
     /// Largest part of the pull-out torque that was asked for, and at which speed.
     torque_used: Option<(f64, f64)>,
+    /// How far the drive was told to go, turns; where torque moves the cranks.
+    told_turns: f64,
     /// Whole electrical cycles slipped.
     lost_cycles: i64,
     travelled_turns: f64,
@@ -94,6 +97,7 @@ impl SimulatedAxis {
             slipping: 0,
             overload: Overload::None,
             torque_used: None,
+            told_turns: 0.0,
             lost_cycles: 0,
             travelled_turns: 0.0,
         }
@@ -141,6 +145,59 @@ impl SimulatedAxis {
         };
     }
 
+    /// Takes what the drive is told in a tick: for machines whose cranks move by torque, and not as they are told.
+    pub fn tell(&mut self, runs: &Runs, setpoint: &Setpoint, steps: i64) -> Told {
+        match self.drive {
+            AxisDrive::Stepper { .. } => {
+                self.counted += self.count(runs);
+                debug_assert_eq!(
+                    self.counted, steps,
+                    "the drive counts what the loop commands"
+                );
+                self.told_turns = self.counted as f64 / self.steps_per_turn;
+            }
+            AxisDrive::Servo => self.told_turns += self.follow(setpoint),
+        }
+        let torque_nm = match self.drive {
+            AxisDrive::Stepper { .. } => 0.0,
+            AxisDrive::Servo => self.own(setpoint).torque.to_num(),
+        };
+        Told {
+            turns: self.origin_turns + self.told_turns,
+            torque_nm,
+        }
+    }
+
+    /// Takes over where the crank has come to in a tick of `cycles`; the cycle at which the index flag came, if it
+    /// did, as if it had turned evenly.
+    pub fn moved(&mut self, turns: f64, cycles: u32) -> Option<u32> {
+        let before = self.turns();
+        self.travelled_turns = turns - self.origin_turns;
+        if let AxisDrive::Stepper { cycle_steps, .. } = self.drive {
+            let behind = (self.travelled_turns - self.told_turns) * self.steps_per_turn;
+            self.lost_cycles = (behind / cycle_steps as f64).round() as i64;
+        }
+        let passed = self.index_passed(before, turns)?;
+        let part = (passed - before) / (turns - before);
+        Some((part * f64::from(cycles)) as u32)
+    }
+
+    /// How far a servo's setpoint has moved, turns; the first says where the loop believes the crank to be.
+    fn follow(&mut self, setpoint: &Setpoint) -> f64 {
+        let position = self.own(setpoint).position;
+        let told = self.told.replace(position).unwrap_or(position);
+        Turns::to_num(position.since(told))
+    }
+
+    /// A setpoint in the axis's own sense.
+    fn own(&self, setpoint: &Setpoint) -> Setpoint {
+        if self.reversed {
+            setpoint.reversed()
+        } else {
+            *setpoint
+        }
+    }
+
     /// Plays one tick; the cycle at which the index flag came, if it did.
     pub fn play(
         &mut self,
@@ -168,14 +225,7 @@ impl SimulatedAxis {
                 self.when(runs, passed)
             }
             AxisDrive::Servo => {
-                let position = if self.reversed {
-                    setpoint.reversed().position
-                } else {
-                    setpoint.position
-                };
-                // The first setpoint says where the loop believes the crank to be.
-                let told = self.told.replace(position).unwrap_or(position);
-                let told_turns: f64 = Turns::to_num(position.since(told));
+                let told_turns = self.follow(setpoint);
                 if drives_enabled {
                     self.travelled_turns += told_turns;
                 }

@@ -1,25 +1,29 @@
 //! Simulated machines: what the drives, the cranks and the platform make of the loop's output.
 //!
-//! The two lowest rungs of the ladder. On the *kinematic* rung every crank is where it is told to be.
-//! On the *quasi-static* rung the torque that the motion needs is compared with the torque that each
-//! motor has, and a stepper that is asked for more slips. On both, the platform follows from the
+//! On the ladder's *kinematic* rung every crank is where it is told to be. On the *quasi-static* rung the torque
+//! that the motion needs is compared with the torque that each motor has, and a stepper that is asked for more slips.
+//! On the *rigid* and *phased* rungs ([`Rotors`]) torque moves the cranks. On all of them the platform follows from the
 //! cranks' phases by geometry.
 //!
-//! What these rungs leave out: inertia's effect on the motion (the cranks never lag by less than a
-//! slip), the platform's elasticity, and how the others' torque changes once one axis has slipped.
+//! What the lower two leave out: inertia's effect on the motion (the cranks never lag by less than a slip), and how the
+//! others' torque changes once one axis has slipped.
 
 mod axis;
 mod index;
 mod platform;
 mod pull_out;
+mod rotors;
+mod torque;
 
 pub use axis::{AxisDrive, SimulatedAxis};
 pub use index::IndexSensor;
 pub use platform::{Platform, Pose};
 pub use pull_out::PullOut;
+pub use rotors::{Rotors, Told};
 
 use cophase_core::pulse::Runs;
 use cophase_core::servo::Setpoint;
+use cophase_core::settings::CLOCK_HZ;
 use cophase_core::signals::Output;
 
 use crate::scene::file::{Drive, Fidelity};
@@ -63,7 +67,7 @@ impl<const N: usize> Played<N> {
 }
 
 /// A machine with `N` axes.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Machine<const N: usize> {
     /// The motors and their cranks.
     pub axes: [SimulatedAxis; N],
@@ -74,6 +78,8 @@ pub struct Machine<const N: usize> {
     tick_s: f64,
     torques: bool,
     omega_before: f64,
+    /// Where torque moves the cranks.
+    rotors: Option<Rotors>,
 }
 
 impl<const N: usize> Machine<N> {
@@ -104,8 +110,11 @@ impl<const N: usize> Machine<N> {
                 .unwrap_or(axes.friction_nm);
             SimulatedAxis::new(own, drive, start_turns, friction_nm)
         };
+        let mut axes: [SimulatedAxis; N] = std::array::from_fn(make);
+        let rotors = torque::rotors(checked, &settings, &pull_out, &mut axes)?;
         Ok(Self {
-            axes: std::array::from_fn(make),
+            rotors,
+            axes,
             platform: Platform::new(checked)?,
             index_cycles: FLAG_CYCLES.max(2 * settings.index.width_cycles()),
             tick_s: 1.0 / f64::from(settings.tick_hz),
@@ -114,16 +123,34 @@ impl<const N: usize> Machine<N> {
         })
     }
 
+    /// Speed and acceleration of the cranks, their means, rad/s and rad/s², where torque moves them.
+    pub fn motion(&self) -> Option<(f64, f64)> {
+        self.rotors.as_ref().map(Rotors::motion)
+    }
+
+    /// What moves the cranks, where torque does.
+    pub fn rotors(&self) -> Option<&Rotors> {
+        self.rotors.as_ref()
+    }
+
     /// Plays one tick and returns the cycles in it at which index flags came. `turns` is what the master
     /// makes.
     ///
-    /// Drives that are off do not follow: their cranks stand.
+    /// Drives that are off do not follow: their cranks stand, or run on where torque moves them.
     pub fn play(
         &mut self,
         played: &Played<N>,
         drives_enabled: bool,
         master_turns: f64,
     ) -> [Option<u32>; N] {
+        if let Some(rotors) = &mut self.rotors {
+            let told: [Told; N] = std::array::from_fn(|i| {
+                self.axes[i].tell(&played.runs[i], &played.setpoints[i], played.steps[i])
+            });
+            rotors.play(&told, drives_enabled);
+            let cycles = (self.tick_s * f64::from(CLOCK_HZ)).round() as u32;
+            return std::array::from_fn(|i| self.axes[i].moved(rotors.turns(i), cycles));
+        }
         let omega = master_turns * std::f64::consts::TAU / self.tick_s;
         if self.torques {
             let acceleration = (omega - self.omega_before) / self.tick_s;

@@ -161,10 +161,16 @@ impl<'a> Report<'a> {
                 left_out: left_out(checked),
             },
             method: MethodReport {
-                name: "closed form",
+                name: match checked.fidelity {
+                    Fidelity::Rigid | Fidelity::Phased => "RK4",
+                    _ => "closed form",
+                },
                 why: match checked.fidelity {
                     Fidelity::QuasiStatic => {
                         "torques follow from the motion, and slips from torques: nothing is integrated"
+                    }
+                    Fidelity::Rigid | Fidelity::Phased => {
+                        "accurate where the step resolves every mode: at most a quarter of a radian of the fastest a step"
                     }
                     _ => "cranks are where pulses and setpoints put them: nothing is integrated",
                 },
@@ -222,6 +228,14 @@ fn left_out(checked: &Checked) -> &'static str {
         Fidelity::QuasiStatic => {
             "inertia's effect on the cranks' motion, elasticity, and how a slip loads the other motors"
         }
+        Fidelity::Rigid => {
+            "each crank's own lag, tilt from torque, elasticity, microsteps: the cranks are one shaft"
+        }
+        Fidelity::Phased if checked.scene.axes.count > 3 => {
+            "the rods' own oscillation, microsteps, suspension and foundation; more than three cranks over-constrain \
+             the platform, so that it lies in the plane that asks least of the rods"
+        }
+        Fidelity::Phased => "rods that give, microsteps, suspension and foundation",
         _ => "torque, inertia and elasticity: no crank ever lags",
     }
 }

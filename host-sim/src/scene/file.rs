@@ -62,6 +62,10 @@ pub enum Fidelity {
     Kinematic,
     /// The torque that motion needs, against the torque that each motor has.
     QuasiStatic,
+    /// All cranks on one shaft, moved by the motors' torque.
+    Rigid,
+    /// Each crank its own rotor, moved by its motor's torque; the platform tilts.
+    Phased,
 }
 
 impl Fidelity {
@@ -71,6 +75,8 @@ impl Fidelity {
             Self::Auto => "auto",
             Self::Kinematic => "kinematic",
             Self::QuasiStatic => "quasi-static",
+            Self::Rigid => "rigid",
+            Self::Phased => "phased",
         }
     }
 }
@@ -98,6 +104,12 @@ pub struct Machine {
     /// Radius of the circle on which the cranks stand, mm.
     #[serde(default = "default_mount_radius_mm")]
     pub mount_radius_mm: f64,
+    /// Inertia of platform and load about a tilt axis, kg·m²; by default that of an even disc as wide as the mount.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tilt_inertia_kgm2: Option<f64>,
+    /// Stiffness of a rod with its bearings, N/µm.
+    #[serde(default = "default_rod_stiffness")]
+    pub rod_n_per_um: f64,
 }
 
 /// Which way up the platform is.
@@ -229,6 +241,18 @@ pub struct Axes {
     /// Friction that each motor works against, N·m.
     #[serde(default)]
     pub friction_nm: f64,
+    /// What a stepper's drive damps, N·m·s/rad.
+    #[serde(default)]
+    pub damping_nms: f64,
+    /// Torque of a servo's drive to an error of position, N·m/rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_stiffness_nm: Option<f64>,
+    /// Torque of a servo's drive to an error of speed, N·m·s/rad; by default critical for the rotor alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_damping_nms: Option<f64>,
+    /// Greatest torque of a servo, N·m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_limit_nm: Option<f64>,
     /// Pull-out torque of a stepper as `[speed_hz, torque_nm]` points, lowest speed first; straight lines between.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pull_out: Vec<(f64, f64)>,
@@ -433,6 +457,9 @@ const fn default_mount_radius_mm() -> f64 {
 }
 const fn default_creep_hz() -> f64 {
     1.0
+}
+const fn default_rod_stiffness() -> f64 {
+    50.0
 }
 const fn default_full_steps() -> u32 {
     200

@@ -1,0 +1,129 @@
+//! Cranks that are not simply where they are told to be: the machine's equations of motion, advanced a control tick
+//! at a time.
+//!
+//! Drives that have not been on yet hold their cranks, as whoever set them up left them. Once they have been, cranks
+//! whose drives are off run on under load and friction.
+
+use cophase_core::settings::MAX_AXES;
+use cophase_methods::{Equations, Method, Scheme, StepError};
+
+use crate::dynamics::{Driven, Field};
+
+/// Of a spring's radian no more than this a step, for the sake of accuracy: RK4 then errs by less than 1e-3 of a radian
+/// of the fastest mode in a hundred of them.
+const MOST_RAD_A_STEP: f64 = 0.25;
+
+/// Where drives would have their rotors at the end of a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Told {
+    /// Crank turns since power-up.
+    pub turns: f64,
+    /// Torque that a servo is told to add, N·m.
+    pub torque_nm: f64,
+}
+
+/// All cranks of a machine, in motion.
+#[derive(Debug)]
+pub struct Rotors {
+    driven: Driven,
+    scheme: Scheme,
+    method: Box<dyn Method>,
+    steps: u32,
+    state: Vec<f64>,
+    told: Vec<Told>,
+    tick_s: f64,
+    were_on: bool,
+    /// Why it went no further.
+    broken: Option<StepError>,
+}
+
+impl Rotors {
+    /// At rest where `told` has them, to be advanced by ticks of `tick_s`.
+    ///
+    /// # Errors
+    /// No step that a tick can be cut into is short enough for the machine, in a sentence.
+    pub fn new(driven: Driven, told: Vec<Told>, tick_s: f64) -> Result<Self, String> {
+        const MOST_STEPS: f64 = 1000.0;
+        let omega = driven.fastest_rad_s();
+        let steps = (omega * tick_s / MOST_RAD_A_STEP).ceil().max(1.0);
+        if !(steps <= MOST_STEPS) {
+            return Err(format!(
+                "the fastest mode, {omega:.3e} rad/s, would take {steps:.0} steps a tick; at most {MOST_STEPS} are \
+                 made: give rotors more inertia, or softer rods and motors"
+            ));
+        }
+        let scheme = Scheme::Rk4;
+        let method = scheme
+            .prepare(&driven, tick_s / steps)
+            .map_err(|refused| refused.to_string())?;
+        let angles = driven.angles();
+        let mut state = vec![0.0; 2 * angles];
+        for (state, told) in state.iter_mut().zip(&told).take(angles) {
+            *state = told.turns * std::f64::consts::TAU;
+        }
+        Ok(Self {
+            driven,
+            scheme,
+            method,
+            steps: steps as u32,
+            state,
+            told,
+            tick_s,
+            were_on: false,
+            broken: None,
+        })
+    }
+
+    /// The method, and how many steps a tick it makes.
+    pub fn method(&self) -> (Scheme, u32) {
+        (self.scheme, self.steps)
+    }
+
+    /// Why it went no further, if it did not.
+    pub fn broken(&self) -> Option<StepError> {
+        self.broken
+    }
+
+    /// Plays a tick in which drives lead their rotors evenly from where they were told last to `told`.
+    pub fn play(&mut self, told: &[Told], energised: bool) {
+        self.were_on |= energised;
+        for ((field, to), from) in self.driven.fields.iter_mut().zip(told).zip(&self.told) {
+            let by_turns = to.turns - from.turns;
+            *field = Field {
+                alpha_rad: from.turns * std::f64::consts::TAU,
+                omega_rad_s: by_turns * std::f64::consts::TAU / self.tick_s,
+                torque_nm: to.torque_nm,
+            };
+        }
+        self.told.copy_from_slice(told);
+        if !self.were_on || self.broken.is_some() {
+            return;
+        }
+        self.driven.energised = energised;
+        for step in 0..self.steps {
+            let t_s = f64::from(step) * self.method.step_s();
+            if let Err(error) = self.method.step(&self.driven, t_s, &mut self.state) {
+                self.broken = Some(error);
+                return;
+            }
+        }
+    }
+
+    /// Speed and acceleration of the cranks, their means, rad/s and rad/s².
+    pub fn motion(&self) -> (f64, f64) {
+        let angles = self.driven.angles();
+        let mut rates = [0.0; 2 * MAX_AXES];
+        let rates = &mut rates[..2 * angles];
+        self.driven.rates(self.tick_s, &self.state, rates);
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / angles as f64;
+        if !self.were_on {
+            return (0.0, 0.0);
+        }
+        (mean(&self.state[angles..]), mean(&rates[angles..]))
+    }
+
+    /// Where crank `i` is, turns.
+    pub fn turns(&self, i: usize) -> f64 {
+        self.driven.alpha_rad(&self.state, i) / std::f64::consts::TAU
+    }
+}
