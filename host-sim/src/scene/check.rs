@@ -15,7 +15,7 @@ use cophase_core::setup::Setup;
 
 use super::SceneError;
 use super::file::{AxisApart, Fidelity, Scene};
-use crate::machine::PullOut;
+use crate::machine::{Machine, PullOut};
 use crate::with_axes;
 
 /// A scene whose numbers have been checked, each by itself and against the others.
@@ -67,6 +67,8 @@ impl Checked {
         // Made once to be checked; it is cheap, and nothing else knows all that the core refuses.
         with_axes!(checked.scene.axes.count, N => checked.controller::<N>().map(|_| ()))?;
         numbers::check_pull_out(&checked.scene)?;
+        // The machine as well: what its rung needs is known there.
+        with_axes!(checked.scene.axes.count, N => Machine::<N>::new(&checked).map(|_| ()))?;
         Ok(checked)
     }
 

@@ -1,0 +1,152 @@
+//! The loop on cranks that torque moves: where they settle, when they slip, and what the rungs say of each other.
+
+use cophase_tests::{Run, record, scene};
+use host_sim::scene::{Checked, load};
+use host_sim::trace::{Every, Window};
+
+/// Four steppers. Electrical cycles a turn: 50. Parked at 90°, where the load pulls on every crank.
+const SCENE: &str = r#"
+name = "torque"
+fidelity = "phased"
+[machine]
+crank_radius_mm = 10
+lambda = 0.25
+load_kg = 8
+mount_radius_mm = 200
+[control]
+park_deg = 90
+[limits]
+speed_hz = 30
+acceleration_hz_per_s = 60
+jerk_hz_per_s2 = 600
+creep_hz = 5
+[axes]
+count = 4
+drive = "stepper"
+steps_per_turn = 12800
+rotor_inertia_kgm2 = 1e-3
+damping_nms = 0.2
+pull_out = [[0, 20.0], [60, 20.0]]
+[[program]]
+amax_g = 15
+ramp_s = 0.5
+hold_s = 0.5
+"#;
+
+fn run(text: &str) -> Run {
+    record(&scene(text), Every::Ticks(1), Window::FirstMotion)
+}
+
+fn last(run: &Run, column: &str) -> f64 {
+    *run.trace().column(column).last().expect("a run has rows")
+}
+
+/// What a crank is ahead of its command at the end, turns.
+fn ahead(run: &Run, axis: usize) -> f64 {
+    last(run, &format!("actual_turns_{axis}")) - last(run, &format!("command_turns_{axis}"))
+}
+
+/// Were it wrong, a motor's spring would not carry what gravity puts on its crank.
+///
+/// At 90° the load of m g pushes on N cranks with levers of R each (s = 1), so that T sin(p δ) = m g R / N. A platform
+/// above its cranks leads them on, one below holds them back.
+#[test]
+fn a_parked_crank_hangs_in_its_motors_spring() {
+    for (platform, sign) in [("above", 1.0), ("below", -1.0)] {
+        let text = SCENE.replace(
+            "load_kg = 8\n",
+            &format!("load_kg = 8\nplatform = \"{platform}\"\n"),
+        );
+        // What a run goes on for at rest, 50 ms, is then twenty of its time constants.
+        let text = text.replace("damping_nms = 0.2", "damping_nms = 1");
+        let run = run(&text);
+        let torque_nm: f64 = 8.0 * 9.80665 * 0.010 / 4.0;
+        let lag_turns = (torque_nm / 20.0).asin() / 50.0 / std::f64::consts::TAU;
+        for axis in 0..4 {
+            let found = ahead(&run, axis);
+            // The crank is not quite at 90° then, but its lever there has its maximum nearly: 1e-3 of the lag.
+            assert!(
+                (found - sign * lag_turns).abs() < 1e-3 * lag_turns,
+                "{platform}, axis {axis}: {found}, not {}",
+                sign * lag_turns
+            );
+        }
+    }
+}
+
+/// Were it wrong, the one rung would say another thing than the other where both know all there is to know.
+#[test]
+fn equal_cranks_move_as_one_shaft() {
+    let phased = run(SCENE);
+    let rigid = run(&SCENE.replace("\"phased\"", "\"rigid\""));
+    assert_eq!(rigid.report["fidelity"]["rung"], "rigid");
+    let (one, other) = (rigid.trace(), phased.trace());
+    let pairs = one
+        .column("actual_turns_3")
+        .iter()
+        .zip(other.column("actual_turns_3"))
+        .map(|(a, b)| (a - b).abs());
+    // Steps of both resolve the fastest mode of each; their errors differ, and are of the order of 1e-3 of the lag, which is
+    // at most some 1e-4 turns.
+    let worst = pairs.fold(0.0, f64::max);
+    assert!(worst < 1e-6, "{worst} turns apart");
+    assert!(phased.report["phase_spread_deg"]["worst"].as_f64().is_none_or(|worst| worst < 1e-6));
+}
+
+/// Were it wrong, a motor that is too weak would lag a little more, for ever, and never lose a step.
+#[test]
+fn a_weak_motor_slips_by_whole_cycles() {
+    // Three: a fourth would have rods bend, and no motor holds against that.
+    let three = SCENE.replace("count = 4", "count = 3");
+    let weak = format!("{three}[[axis]]\nnumber = 2\nfriction_nm = 6\npull_out_scale = 0.2\n");
+    let run = run(&weak);
+    let slipped = &run.outcome.statistics.slipped_cycles;
+    assert!(slipped[2] < 0, "{slipped:?}");
+    for axis in [0, 1] {
+        assert_eq!(slipped[axis], 0, "axis {axis}");
+    }
+    // A cycle is 1/50 of a turn; at rest the crank is within a quarter of one of where the field holds it.
+    let off_cycles = ahead(&run, 2) * 50.0 - slipped[2] as f64;
+    assert!(off_cycles.abs() <= 0.25, "{off_cycles} cycles");
+}
+
+/// Were it wrong, a servo would leave its load to its position loop, though it is told what torque to give.
+#[test]
+fn a_servo_that_is_told_its_torque_lags_less() {
+    let servo = SCENE
+        .replace("\"stepper\"", "\"servo\"")
+        .replace("pull_out = [[0, 20.0], [60, 20.0]]\n", "servo_stiffness_nm = 1000\n")
+        .replace("damping_nms = 0.2\n", "");
+    let run = run(&servo);
+    let trace = run.trace();
+    let (actual, command) = (trace.column("actual_turns_1"), trace.column("command_turns_1"));
+    let lags = actual.iter().zip(command).map(|(a, c)| (a - c).abs());
+    let worst = lags.fold(0.0, f64::max);
+    // Its share of the load at 15 g, by the stiffness alone: m (a + g) R max(s) / N / k.
+    let alone = 8.0 * 16.0 * 9.80665 * 0.010 * 1.03 / 4.0 / 1000.0 / std::f64::consts::TAU;
+    assert!(worst < 0.5 * alone, "{worst} turns; by stiffness alone {alone}");
+}
+
+fn refused(text: &str) -> String {
+    let scene = load::parse(text).expect("its form is right");
+    let error = Checked::new(scene).expect_err("a scene that lacks something");
+    error.to_string()
+}
+
+/// Were it wrong, a rung that knows no torque would be run with none.
+#[test]
+fn what_torque_needs_is_asked_for() {
+    for rung in ["rigid", "phased"] {
+        let text = SCENE.replace("phased", rung);
+        for (line, key) in [
+            ("rotor_inertia_kgm2 = 1e-3\n", "axes.rotor_inertia_kgm2"),
+            ("pull_out = [[0, 20.0], [60, 20.0]]\n", "axes.pull_out"),
+        ] {
+            let said = refused(&text.replace(line, ""));
+            assert!(said.contains(key) && said.contains(rung), "{said}");
+        }
+        let light = text.replace("1e-3", "1e-12");
+        let said = refused(&light);
+        assert!(said.contains("fidelity") && said.contains("steps"), "{said}");
+    }
+}
