@@ -90,7 +90,11 @@ fn equal_cranks_move_as_one_shaft() {
     // at most some 1e-4 turns.
     let worst = pairs.fold(0.0, f64::max);
     assert!(worst < 1e-6, "{worst} turns apart");
-    assert!(phased.report["phase_spread_deg"]["worst"].as_f64().is_none_or(|worst| worst < 1e-6));
+    assert!(
+        phased.report["phase_spread_deg"]["worst"]
+            .as_f64()
+            .is_none_or(|worst| worst < 1e-6)
+    );
 }
 
 /// Were it wrong, a motor that is too weak would lag a little more, for ever, and never lose a step.
@@ -115,16 +119,25 @@ fn a_weak_motor_slips_by_whole_cycles() {
 fn a_servo_that_is_told_its_torque_lags_less() {
     let servo = SCENE
         .replace("\"stepper\"", "\"servo\"")
-        .replace("pull_out = [[0, 20.0], [60, 20.0]]\n", "servo_stiffness_nm = 1000\n")
+        .replace(
+            "pull_out = [[0, 20.0], [60, 20.0]]\n",
+            "servo_stiffness_nm = 1000\n",
+        )
         .replace("damping_nms = 0.2\n", "");
     let run = run(&servo);
     let trace = run.trace();
-    let (actual, command) = (trace.column("actual_turns_1"), trace.column("command_turns_1"));
+    let (actual, command) = (
+        trace.column("actual_turns_1"),
+        trace.column("command_turns_1"),
+    );
     let lags = actual.iter().zip(command).map(|(a, c)| (a - c).abs());
     let worst = lags.fold(0.0, f64::max);
     // Its share of the load at 15 g, by the stiffness alone: m (a + g) R max(s) / N / k.
     let alone = 8.0 * 16.0 * 9.80665 * 0.010 * 1.03 / 4.0 / 1000.0 / std::f64::consts::TAU;
-    assert!(worst < 0.5 * alone, "{worst} turns; by stiffness alone {alone}");
+    assert!(
+        worst < 0.5 * alone,
+        "{worst} turns; by stiffness alone {alone}"
+    );
 }
 
 fn refused(text: &str) -> String {
@@ -147,6 +160,9 @@ fn what_torque_needs_is_asked_for() {
         }
         let light = text.replace("1e-3", "1e-12");
         let said = refused(&light);
-        assert!(said.contains("fidelity") && said.contains("steps"), "{said}");
+        assert!(
+            said.contains("fidelity") && said.contains("steps"),
+            "{said}"
+        );
     }
 }

@@ -94,11 +94,17 @@ fn what_a_board_cannot_be_told_is_named() {
     };
     assert_eq!(
         left_out(BASE),
-        "axes.pull_out, axes.full_steps_per_turn, [[command]], [[input]], [[late]], [scope]."
+        "machine.tilt_inertia_kgm2, axes.servo_stiffness_nm, axes.servo_damping_nms, axes.servo_limit_nm, \
+         axes.pull_out, axes.full_steps_per_turn, [[command]], [[input]], [[late]], [scope]."
     );
     // Without any of these; then each by itself.
     let (loop_only, _) = BASE.split_once("[[command]]").unwrap();
-    let loop_only = loop_only.replace("pull_out = [[0, 20.0], [10, 18.0], [20, 15.0]]\n", "");
+    let of_torque = ["pull_out =", "servo_", "tilt_inertia"];
+    let loop_only: String = loop_only
+        .lines()
+        .filter(|line| !of_torque.iter().any(|key| line.starts_with(key)))
+        .flat_map(|line| [line, "\n"])
+        .collect();
     assert_eq!(left_out(&loop_only), "");
     for (from, to, keys) in [
         ("\"auto\"", "\"kinematic\"", "fidelity."),

@@ -86,6 +86,14 @@ fn left_out(scene: &Scene) -> Vec<String> {
     let common = [
         ("fidelity", scene.fidelity != Fidelity::Auto),
         ("axes.friction_nm", axes.friction_nm != 0.0),
+        (
+            "machine.tilt_inertia_kgm2",
+            scene.machine.tilt_inertia_kgm2.is_some(),
+        ),
+        ("axes.damping_nms", axes.damping_nms != 0.0),
+        ("axes.servo_stiffness_nm", axes.servo_stiffness_nm.is_some()),
+        ("axes.servo_damping_nms", axes.servo_damping_nms.is_some()),
+        ("axes.servo_limit_nm", axes.servo_limit_nm.is_some()),
         ("axes.pull_out", !axes.pull_out.is_empty()),
         ("axes.full_steps_per_turn", !axes.pull_out.is_empty()),
     ];

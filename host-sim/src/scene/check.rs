@@ -54,6 +54,7 @@ impl Checked {
         }
         PullOut::new(&scene.axes.pull_out)?;
         numbers::check_times(&scene)?;
+        numbers::check_torque(&scene)?;
         numbers::check_bands(&scene.limits)?;
         let (fidelity, why) = rung(&scene)?;
         let program = program::flat(&scene.program)?;

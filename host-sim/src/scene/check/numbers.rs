@@ -78,6 +78,38 @@ pub(super) fn check_apart(
     range(&key("pull_out_scale"), apart.pull_out_scale, 0.0, 10.0)
 }
 
+/// Numbers that only machines have in which torque moves the cranks.
+pub(super) fn check_torque(scene: &Scene) -> Result<(), SceneError> {
+    /// Softer is a spring and no rod; stiffer is more than steel of that size has.
+    const RODS_N_PER_UM: (f64, f64) = (0.01, 10_000.0);
+    let file::Scene { machine, axes, .. } = scene;
+    let (least, most) = RODS_N_PER_UM;
+    range("machine.rod_n_per_um", machine.rod_n_per_um, least, most)?;
+    range("axes.damping_nms", axes.damping_nms, 0.0, 1000.0)?;
+    let given = [
+        (
+            "machine.tilt_inertia_kgm2",
+            machine.tilt_inertia_kgm2,
+            1e-6,
+            1000.0,
+        ),
+        (
+            "axes.servo_stiffness_nm",
+            axes.servo_stiffness_nm,
+            1e-3,
+            1e7,
+        ),
+        ("axes.servo_damping_nms", axes.servo_damping_nms, 0.0, 1e5),
+        ("axes.servo_limit_nm", axes.servo_limit_nm, 1e-3, 1e5),
+    ];
+    for (key, value, low, high) in given {
+        if let Some(value) = value {
+            range(key, value, low, high)?;
+        }
+    }
+    Ok(())
+}
+
 pub(super) fn check_times(scene: &Scene) -> Result<(), SceneError> {
     const MOST_S: f64 = 1e6;
     for (i, command) in scene.command.iter().enumerate() {
