@@ -87,7 +87,9 @@ pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, Comman
             written.window_to_s,
         )?;
     }
-    Ok(if outcome.fault.is_some() || outcome.slipped_unseen() {
+    let went_wrong =
+        outcome.fault.is_some() || outcome.slipped_unseen() || outcome.diverged.is_some();
+    Ok(if went_wrong {
         Status::Fault
     } else {
         Status::Done

@@ -17,6 +17,15 @@ pub enum Freedom {
     Phased(Phased),
 }
 
+/// An oscillation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Mode {
+    /// Frequency without damping, rad/s.
+    pub omega_rad_s: f64,
+    /// Damping ratio.
+    pub zeta: f64,
+}
+
 /// Motors on a machine. Time counts from the control tick's beginning.
 #[derive(Clone, Debug)]
 pub struct Driven {
@@ -65,12 +74,12 @@ impl Driven {
         }
     }
 
-    /// An upper bound of the fastest mode, rad/s: each rotor by itself between its motor's spring and, where the
-    /// platform is over-constrained, its rod. All that hangs on a rotor makes it slower.
-    pub fn fastest_rad_s(&self) -> f64 {
+    /// A bound on the fastest mode: the rotor that is fastest by itself, between its motor's spring and damper and, where
+    /// the platform is over-constrained, its rod. All that hangs on a rotor makes it slower.
+    pub fn fastest_mode(&self) -> Mode {
         let body = self.body();
         let over_constrained = matches!(self.freedom, Freedom::Phased(_)) && body.axes() > 3;
-        let rod = if over_constrained {
+        let rod_nm = if over_constrained {
             // |s| is at most 1 + λ: at λ ≤ 0.8 its maximum is below that.
             let lever = body.mechanism.crank_radius_m() * (1.0 + body.mechanism.lambda());
             body.rod_n_per_m * lever * lever
@@ -78,9 +87,18 @@ impl Driven {
             0.0
         };
         let rotors = self.motors.iter().zip(&body.rotors_kgm2);
-        rotors
-            .map(|(motor, rotor)| ((motor.stiffness_nm() + rod) / rotor).sqrt())
-            .fold(0.0, f64::max)
+        let modes = rotors.map(|(motor, rotor)| {
+            let omega_rad_s = ((motor.stiffness_nm() + rod_nm) / rotor).sqrt();
+            Mode {
+                omega_rad_s,
+                zeta: motor.damping_nms() / (2.0 * rotor * omega_rad_s),
+            }
+        });
+        // What is damped strongly decays at up to 2 ζ ω.
+        let rate = |mode: &Mode| mode.omega_rad_s * (1.0 + 2.0 * mode.zeta);
+        modes
+            .max_by(|a, b| rate(a).total_cmp(&rate(b)))
+            .unwrap_or_default()
     }
 
     fn torque_nm(&self, i: usize, t_s: f64, alpha_rad: f64, omega_rad_s: f64) -> f64 {

@@ -23,7 +23,7 @@ mod rigid;
 mod sprung;
 
 pub use corners::Corners;
-pub use driven::{Driven, Freedom};
+pub use driven::{Driven, Freedom, Mode};
 pub use motor::{Field, Motor, Servo, Stepper};
 pub use phased::{Phased, PlaneMotion};
 pub use rigid::Rigid;

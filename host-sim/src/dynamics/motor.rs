@@ -56,6 +56,14 @@ impl Motor {
         }
     }
 
+    /// Torque to an error of speed, N·m·s.
+    pub fn damping_nms(&self) -> f64 {
+        match self {
+            Self::Stepper(stepper) => stepper.damping_nms,
+            Self::Servo(servo) => servo.damping_nms,
+        }
+    }
+
     /// Stiffness at rest with no load, N·m/rad.
     pub fn stiffness_nm(&self) -> f64 {
         match self {

@@ -19,7 +19,7 @@ pub use axis::{AxisDrive, SimulatedAxis};
 pub use index::IndexSensor;
 pub use platform::{Platform, Pose};
 pub use pull_out::PullOut;
-pub use rotors::{Rotors, Told};
+pub use rotors::{Chosen, MOST_STEPS, Rotors, Told};
 
 use cophase_core::pulse::Runs;
 use cophase_core::servo::Setpoint;

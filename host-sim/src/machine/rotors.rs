@@ -7,11 +7,14 @@
 use cophase_core::settings::MAX_AXES;
 use cophase_methods::{Equations, Method, Scheme, StepError};
 
-use crate::dynamics::{Driven, Field};
+use crate::dynamics::{Driven, Field, Mode};
 
 /// Of a spring's radian no more than this a step, for the sake of accuracy: RK4 then errs by less than 1e-3 of a radian
 /// of the fastest mode in a hundred of them.
 const MOST_RAD_A_STEP: f64 = 0.25;
+
+/// Steps a tick beyond which a scene would take longer than anyone waits.
+pub const MOST_STEPS: u32 = 1000;
 
 /// Where drives would have their rotors at the end of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,6 +23,33 @@ pub struct Told {
     pub turns: f64,
     /// Torque that a servo is told to add, N·m.
     pub torque_nm: f64,
+}
+
+/// What a scene wants of the method; what it leaves open is chosen here.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Chosen {
+    /// Which one.
+    pub scheme: Option<Scheme>,
+    /// How many steps it makes in a tick.
+    pub steps_per_tick: Option<u32>,
+}
+
+/// Steps a tick by which the fastest mode is followed, and half of what is stable is not passed.
+fn steps_for(scheme: Scheme, mode: Mode, tick_s: f64) -> Result<u32, String> {
+    let stable_rad = scheme
+        .stability_limit(mode.zeta)
+        .map_or(f64::INFINITY, |limit| 0.5 * limit);
+    let steps = (mode.omega_rad_s * tick_s / MOST_RAD_A_STEP.min(stable_rad))
+        .ceil()
+        .max(1.0);
+    if steps <= f64::from(MOST_STEPS) {
+        return Ok(steps as u32);
+    }
+    Err(format!(
+        "{scheme} would take {steps:.0} steps a tick for the fastest mode, {:.3e} rad/s at a damping ratio of {:.3}; at \
+         most {MOST_STEPS} are made: give rotors more inertia, softer rods and motors, or another method.name",
+        mode.omega_rad_s, mode.zeta
+    ))
 }
 
 /// All cranks of a machine, in motion.
@@ -38,23 +68,28 @@ pub struct Rotors {
 }
 
 impl Rotors {
-    /// At rest where `told` has them, to be advanced by ticks of `tick_s`.
+    /// At rest where `told` has them, to be advanced by ticks of `tick_s`, as chosen.
     ///
     /// # Errors
-    /// No step that a tick can be cut into is short enough for the machine, in a sentence.
-    pub fn new(driven: Driven, told: Vec<Told>, tick_s: f64) -> Result<Self, String> {
-        const MOST_STEPS: f64 = 1000.0;
-        let omega = driven.fastest_rad_s();
-        let steps = (omega * tick_s / MOST_RAD_A_STEP).ceil().max(1.0);
-        if !(steps <= MOST_STEPS) {
-            return Err(format!(
-                "the fastest mode, {omega:.3e} rad/s, would take {steps:.0} steps a tick; at most {MOST_STEPS} are \
-                 made: give rotors more inertia, or softer rods and motors"
-            ));
-        }
-        let scheme = Scheme::Rk4;
+    /// The method is unstable at that step, or none that a tick can be cut into is short enough; in a sentence.
+    pub fn new(
+        driven: Driven,
+        told: Vec<Told>,
+        tick_s: f64,
+        chosen: Chosen,
+    ) -> Result<Self, String> {
+        let scheme = chosen.scheme.unwrap_or(Scheme::Rk4);
+        let mode = driven.fastest_mode();
+        let steps = match chosen.steps_per_tick {
+            Some(steps) => steps,
+            None => steps_for(scheme, mode, tick_s)?,
+        };
+        let step_s = tick_s / f64::from(steps);
+        scheme
+            .check_step(step_s, mode.omega_rad_s, mode.zeta)
+            .map_err(|unstable| unstable.to_string())?;
         let method = scheme
-            .prepare(&driven, tick_s / steps)
+            .prepare(&driven, step_s)
             .map_err(|refused| refused.to_string())?;
         let angles = driven.angles();
         let mut state = vec![0.0; 2 * angles];
@@ -65,7 +100,7 @@ impl Rotors {
             driven,
             scheme,
             method,
-            steps: steps as u32,
+            steps,
             state,
             told,
             tick_s,

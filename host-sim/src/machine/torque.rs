@@ -2,7 +2,7 @@
 
 use cophase_core::settings::Settings;
 
-use super::{PullOut, Rotors, SimulatedAxis, Told};
+use super::{Chosen, PullOut, Rotors, SimulatedAxis, Told};
 use crate::dynamics::{Body, Driven, Freedom, Motor, Phased, Rigid, Servo, Stepper};
 use crate::mechanism::slider_crank::{Load, SliderCrank};
 use crate::scene::file::{Drive, Fidelity};
@@ -38,9 +38,14 @@ pub fn rotors<const N: usize>(
         torque_nm: 0.0,
     });
     let tick_s = 1.0 / f64::from(settings.tick_hz);
-    Rotors::new(Driven::new(freedom, motors), told.collect(), tick_s)
+    let method = &checked.scene.method;
+    let chosen = Chosen {
+        scheme: method.name.scheme(),
+        steps_per_tick: method.steps_per_tick,
+    };
+    Rotors::new(Driven::new(freedom, motors), told.collect(), tick_s, chosen)
         .map(Some)
-        .map_err(|problem| SceneError::at("fidelity", problem))
+        .map_err(|problem| SceneError::at("method", problem))
 }
 
 fn body<const N: usize>(checked: &Checked, settings: &Settings<N>) -> Result<Body, SceneError> {

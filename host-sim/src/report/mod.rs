@@ -10,7 +10,7 @@ pub use words::{describe, is_news};
 
 use serde::Serialize;
 
-use crate::scene::file::Fidelity;
+use crate::scene::file::{Fidelity, MethodName};
 use crate::scene::{Checked, Scene};
 use crate::sim::Outcome;
 use crate::sim::events::{Event, Happening, StoppedBy};
@@ -73,6 +73,8 @@ struct FidelityReport<'a> {
 #[derive(Clone, Debug, Serialize)]
 struct MethodReport {
     name: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    steps_per_tick: Option<u32>,
     why: &'static str,
 }
 
@@ -161,13 +163,18 @@ impl<'a> Report<'a> {
                 left_out: left_out(checked),
             },
             method: MethodReport {
-                name: match checked.fidelity {
-                    Fidelity::Rigid | Fidelity::Phased => "RK4",
-                    _ => "closed form",
-                },
+                name: outcome
+                    .method
+                    .map_or("closed form", |(scheme, _)| scheme.facts().name),
+                steps_per_tick: outcome.method.map(|(_, steps)| steps),
                 why: match checked.fidelity {
                     Fidelity::QuasiStatic => {
                         "torques follow from the motion, and slips from torques: nothing is integrated"
+                    }
+                    Fidelity::Rigid | Fidelity::Phased
+                        if checked.scene.method.name != MethodName::Auto =>
+                    {
+                        "the scene asks for it"
                     }
                     Fidelity::Rigid | Fidelity::Phased => {
                         "accurate where the step resolves every mode: at most a quarter of a radian of the fastest a step"

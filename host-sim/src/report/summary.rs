@@ -188,6 +188,9 @@ fn ending(outcome: &Outcome) -> String {
             _ => None,
         })
     };
+    if outcome.diverged.is_some() {
+        return "The simulated machine diverged: its equations, not the controller, came to an end.".to_owned();
+    }
     match (faults().next_back(), outcome.state) {
         (Some((t_s, fault)), State::Fault) => format!(
             "A fault stopped the machine at {t_s:.3} s: {}. {}",

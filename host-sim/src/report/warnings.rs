@@ -20,6 +20,11 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
             unwatched.join(", ")
         ));
     }
+    if let Some(why) = &outcome.diverged {
+        warnings.push(format!(
+            "The simulated machine diverged, and the run was ended there: {why}."
+        ));
+    }
     if outcome.slipped_unseen() {
         warnings.push("A motor slipped, and the controller did not see it.".to_owned());
     }
@@ -31,7 +36,7 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
             seen.worst_tilt_mrad
         ));
     }
-    if !matches!(outcome.state, State::Parked | State::Fault) {
+    if outcome.diverged.is_none() && !matches!(outcome.state, State::Parked | State::Fault) {
         warnings.push(format!(
             "The machine was still in state `{}` when nothing more was to happen; the run was ended there.",
             outcome.state.name()

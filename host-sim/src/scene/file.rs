@@ -1,5 +1,6 @@
 //! The form of a scene file. Every key carries its unit; unknown keys are refused.
 
+use cophase_methods::Scheme;
 use serde::{Deserialize, Serialize};
 
 /// A whole scene.
@@ -14,6 +15,9 @@ pub struct Scene {
     /// How much model: the lowest rung of the ladder that answers the question.
     #[serde(default)]
     pub fidelity: Fidelity,
+    /// How a machine that torque moves is advanced.
+    #[serde(default, skip_serializing_if = "Method::is_default")]
+    pub method: Method,
     /// The mechanism and what it carries.
     pub machine: Machine,
     /// The loop.
@@ -78,6 +82,54 @@ impl Fidelity {
             Self::Rigid => "rigid",
             Self::Phased => "phased",
         }
+    }
+}
+
+/// How a machine that torque moves is advanced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Method {
+    /// Which method.
+    pub name: MethodName,
+    /// How many steps it makes in a control tick; by default as many as the machine's fastest mode asks for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steps_per_tick: Option<u32>,
+}
+
+impl Method {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// A method by its name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+#[allow(missing_docs, reason = "they are the methods of `cophase-methods`")]
+pub enum MethodName {
+    /// What is best for the machine: RK4 at a step that follows its fastest mode.
+    #[default]
+    Auto,
+    ExplicitEuler,
+    SymplecticEuler,
+    VelocityVerlet,
+    Rk4,
+    ImplicitMidpoint,
+    Sdirk4,
+}
+
+impl MethodName {
+    /// The method; none if it is to be chosen.
+    pub const fn scheme(self) -> Option<Scheme> {
+        Some(match self {
+            Self::Auto => return None,
+            Self::ExplicitEuler => Scheme::ExplicitEuler,
+            Self::SymplecticEuler => Scheme::SymplecticEuler,
+            Self::VelocityVerlet => Scheme::VelocityVerlet,
+            Self::Rk4 => Scheme::Rk4,
+            Self::ImplicitMidpoint => Scheme::ImplicitMidpoint,
+            Self::Sdirk4 => Scheme::Sdirk4,
+        })
     }
 }
 

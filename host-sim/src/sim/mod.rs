@@ -14,6 +14,7 @@ pub use statistics::Statistics;
 use cophase_core::control_loop;
 use cophase_core::controller::Controller;
 use cophase_core::supervisor::{Fault, State};
+use cophase_methods::Scheme;
 
 use crate::machine::{IndexSensor, Machine};
 use crate::scene::{Checked, SceneError};
@@ -34,6 +35,10 @@ pub struct Outcome {
     pub tick_hz: u32,
     /// What was seen on the way.
     pub statistics: Statistics,
+    /// How the machine was advanced, and in how many steps a tick; none if nothing was integrated.
+    pub method: Option<(Scheme, u32)>,
+    /// Why the simulated machine went no further, in a sentence: its equations, not the loop, came to an end.
+    pub diverged: Option<String>,
 }
 
 impl Outcome {

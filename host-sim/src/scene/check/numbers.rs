@@ -2,6 +2,7 @@
 
 use cophase_core::settings::{MAX_BANDS, Problem};
 
+use crate::machine::MOST_STEPS;
 use crate::scene::SceneError;
 use crate::scene::file::{self, AxisApart, Drive, Scene};
 
@@ -82,7 +83,16 @@ pub(super) fn check_apart(
 pub(super) fn check_torque(scene: &Scene) -> Result<(), SceneError> {
     /// Softer is a spring and no rod; stiffer is more than steel of that size has.
     const RODS_N_PER_UM: (f64, f64) = (0.01, 10_000.0);
-    let file::Scene { machine, axes, .. } = scene;
+    let file::Scene {
+        machine,
+        axes,
+        method,
+        ..
+    } = scene;
+    if let Some(steps) = method.steps_per_tick {
+        let most = f64::from(MOST_STEPS);
+        range("method.steps_per_tick", f64::from(steps), 1.0, most)?;
+    }
     let (least, most) = RODS_N_PER_UM;
     range("machine.rod_n_per_um", machine.rod_n_per_um, least, most)?;
     range("axes.damping_nms", axes.damping_nms, 0.0, 1000.0)?;
