@@ -29,9 +29,9 @@ pub enum Refused {
 /// Why a step was not made. The state is as it was before.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
-    /// A component of the new state is infinite or not a number.
+    /// A component of the new state, or of what it comes from, is infinite or not a number.
     #[error(
-        "component {component} is not finite after the step from t = {t_s} s: the step is too long for this method, or the equations have no value there"
+        "component {component} is not finite in the step from t = {t_s} s: the step is too long for this method, or the equations have no value there"
     )]
     NotFinite {
         /// Start of the step.

@@ -6,7 +6,7 @@
 //! [`NEWTON_LIMIT`].
 //!
 //! **Tolerance.** The iteration ends when no component is moved by more than [`TOLERANCE`] of its own size (|y| + |z|)
-//! plus what rounding alone can move it: [`ROUNDINGS`] ε of hγ Σ |J_ij| |y_j|, the sum that its rate is computed from. The
+//! plus what rounding alone can move it: [`ROUNDINGS`] ε of hγ Σ |J_ij| |y_j|, the sum that its rate is computed from. (And what has decayed to below 2e-308, where `f64` loses its digits, may move by that.) The
 //! correction is still made, so what is left is smaller by the factor at which the iteration converges. If the iteration
 //! limit is reached instead, that is an error.
 
@@ -84,8 +84,12 @@ impl Stage {
     ) -> Result<(), StepError> {
         self.guess.copy_from_slice(z);
         for _ in 0..CHORD_LIMIT {
-            if self.correct(equations, t_s, base, z) <= 1.0 {
+            let excess = self.correct(equations, t_s, base, z);
+            if excess <= 1.0 {
                 return Ok(());
+            }
+            if !excess.is_finite() {
+                break;
             }
         }
         z.copy_from_slice(&self.guess);
@@ -96,6 +100,12 @@ impl Stage {
             excess = self.correct(equations, t_s, base, z);
             if excess <= 1.0 {
                 return Ok(());
+            }
+            if let Some(component) = z.iter().position(|z| !z.is_finite()) {
+                return Err(StepError::NotFinite {
+                    t_s: self.from_s,
+                    component,
+                });
             }
         }
         Err(StepError::NotConverged {
@@ -117,7 +127,8 @@ impl Stage {
         for (i, z) in z.iter_mut().enumerate() {
             let correction = self.correction[i];
             *z += correction;
-            let allowed = TOLERANCE * (self.at[i].abs() + z.abs()) + self.rounding[i];
+            let allowed =
+                TOLERANCE * (self.at[i].abs() + z.abs()) + self.rounding[i] + f64::MIN_POSITIVE;
             // Not f64::max, which passes over NaN; and 0 of 0 allowed is 0.
             if correction != 0.0 {
                 let this = correction.abs() / allowed;
@@ -139,6 +150,12 @@ impl Stage {
     fn linearise(&mut self, equations: &dyn Equations, t_s: f64) -> Result<(), StepError> {
         let h_gamma = self.h_gamma_s;
         equations.jacobian(t_s, &self.at, &mut self.differences, &mut self.jacobian);
+        if let Some(entry) = self.jacobian.iter().position(|entry| !entry.is_finite()) {
+            return Err(StepError::NotFinite {
+                t_s: self.from_s,
+                component: entry % self.jacobian.nrows(),
+            });
+        }
         for (row, rounding) in self.rounding.iter_mut().enumerate() {
             let entries = self.jacobian.row(row);
             let terms: f64 = (entries.iter().zip(&self.at))

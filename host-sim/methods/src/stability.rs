@@ -13,6 +13,7 @@
 
 use core::fmt;
 
+use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{DMatrix, Matrix2};
 
 use crate::problems::Oscillator;
@@ -21,14 +22,16 @@ use crate::{Equations, Refused, Scheme, StepError};
 /// Largest hω looked at. A method that is stable up to here is taken to have no limit.
 pub const LARGEST_H_OMEGA: f64 = 1e6;
 
-/// Relative error of a limit found by bisection, besides [`GROWTH`].
+/// Relative error of a limit found by bisection.
 pub const LIMIT_TOLERANCE: f64 = 1e-9;
 
-/// Growth a step that counts as rounding: 500 ε. A method that is unstable from 0 on, but so slowly that it grows by
-/// less in a step of [`SMALLEST_H_OMEGA`], would be taken for stable; none here is.
-pub const GROWTH: f64 = 1e-13;
+/// Growth a step that counts as rounding, per radian that the step spans: 16 ε (1 + hω). (The exponential of a matrix loses
+/// an ε for each.) A method that is unstable from 0 on, but grows by less than this in a step of
+/// [`SMALLEST_H_OMEGA`], would be taken for stable; explicit Euler grows by 100 times as much.
+pub const GROWTH: f64 = 16.0 * f64::EPSILON;
 
-const SMALLEST_H_OMEGA: f64 = 1e-6;
+/// Smallest hω looked at. A method that is unstable here is taken to be so at any step.
+pub const SMALLEST_H_OMEGA: f64 = 1e-6;
 
 /// Growth a step that counts as rounding where the state is a machine's own, whose units spread the entries of the step
 /// matrix over many powers of ten.
@@ -155,7 +158,7 @@ impl Scheme {
     /// The first change from stable to unstable, in steps of 5 %, then bisected to [`LIMIT_TOLERANCE`].
     pub fn stability_limit(self, zeta: f64) -> Option<f64> {
         first_edge(SMALLEST_H_OMEGA, LARGEST_H_OMEGA, |h_omega| {
-            self.growth(h_omega, zeta) <= 1.0 + GROWTH
+            self.growth(h_omega, zeta) <= 1.0 + GROWTH * (1.0 + h_omega)
         })
     }
 
@@ -230,8 +233,13 @@ pub fn step_matrix(
 }
 
 /// Largest magnitude of an eigenvalue.
+///
+/// The matrix is balanced first: positions and velocities of a stiff machine are many powers of ten apart, and the
+/// eigenvalues of an undamped one, all on the unit circle, would come out up to 1e-8 off it.
 pub fn spectral_radius(matrix: &DMatrix<f64>) -> f64 {
-    let magnitudes = matrix.complex_eigenvalues().map(|value| value.norm());
+    let mut balanced = matrix.clone();
+    balance_parlett_reinsch(&mut balanced);
+    let magnitudes = balanced.complex_eigenvalues().map(|value| value.norm());
     magnitudes.iter().copied().fold(0.0, f64::max)
 }
 

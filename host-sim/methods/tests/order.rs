@@ -22,7 +22,7 @@ fn coarsest(order: u32) -> u32 {
     match order {
         1 => 2000,
         2 => 200,
-        _ => 50,
+        _ => 30,
     }
 }
 
@@ -40,9 +40,10 @@ fn on_a_damped_and_driven_pendulum() {
     let (start, end_s) = ([2.0, 0.0], 10.0);
     let machine = Pendulum::DRIVEN;
     let truth = reference::dop853(&machine, start, end_s, 1e-14);
-    let other = reference::diffsol(&machine, start, end_s, 1e-13);
-    let doubt = difference(&truth, &other);
-    println!("DOP853 and diffsol's BDF differ by {doubt:.1e}");
+    let other = reference::tsit45(&machine, start, end_s, 1e-14, 1e-14);
+    let bdf = reference::bdf_of_diffsol(&machine, start, end_s, 1e-14, 1e-15);
+    let doubt = difference(&truth, &other).max(difference(&truth, &bdf));
+    println!("DOP853, TSIT45 and diffsol's BDF differ by {doubt:.1e}");
     for scheme in Scheme::ALL {
         if scheme.facts().needs == Needs::Linear {
             continue;
@@ -97,5 +98,7 @@ fn judge(scheme: Scheme, slope: &Slope) {
         (measured - order).abs() < MARGIN,
         "{scheme}: slope {measured}, order {order}"
     );
-    assert!(decades > 1.5, "{scheme}: only {decades} decades");
+    // Two decades for orders 1 and 2. Order 4 falls to the doubt of the reference, or to rounding, before their end.
+    let least = if order < 4.0 { 1.99 } else { 1.6 };
+    assert!(decades > least, "{scheme}: only {decades} decades");
 }

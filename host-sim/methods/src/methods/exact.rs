@@ -7,9 +7,11 @@
 //! Φ, P, Q come once, when the method is made, from one matrix exponential (C. F. Van Loan, *Computing integrals involving
 //! the matrix exponential*, IEEE TAC 23, 1978):
 //!
-//!         ⎡ hA  hI  0 ⎤     ⎡ Φ  Γ₀  Γ₁ ⎤
-//!     exp ⎢ 0   0   I ⎥  =  ⎢ 0  I   I  ⎥      P = Γ₀ − Γ₁,  Q = Γ₁.
-//!         ⎣ 0   0   0 ⎦     ⎣ 0  0   I  ⎦
+//! ```text
+//!     ⎡ hA  hI  0 ⎤     ⎡ Φ  Γ₀  Γ₁ ⎤
+//! exp ⎢ 0   0   I ⎥  =  ⎢ 0  I   I  ⎥      P = Γ₀ − Γ₁,  Q = Γ₁.
+//!     ⎣ 0   0   0 ⎦     ⎣ 0  0   I  ⎦
+//! ```
 //!
 //! A step is then three products of matrix and vector. The matrix A is taken when the method is made: equations
 //! whose matrix changes need a new one.

@@ -1,9 +1,11 @@
 //! Velocity Verlet, with a predictor for forces that depend on velocity:
 //!
-//!     a₀ = a(t, q, v)
-//!     q₁ = q + h v + h²/2 a₀
-//!     v* = v + h a₀
-//!     v₁ = v + h/2 (a₀ + a(t + h, q₁, v*))
+//! ```text
+//! a₀ = a(t, q, v)
+//! q₁ = q + h v + h²/2 a₀
+//! v* = v + h a₀
+//! v₁ = v + h/2 (a₀ + a(t + h, q₁, v*))
+//! ```
 //!
 //! Order 2, kept with damping: v* is off by O(h²), which enters v₁ through h/2, as O(h³) a step. (With the half-step
 //! velocity in place of v*, as it is often written, damping lowers the order to 1.) Without damping v* is not used, it is

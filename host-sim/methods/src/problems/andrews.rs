@@ -7,8 +7,10 @@
 //! Seven angles q = (β, Θ, γ, Φ, δ, Ω, ε) under six constraints g(q) = 0. Differentiated twice, these give the accelerations w
 //! together with the six constraint forces λ:
 //!
-//!     ⎡ M  Gᵀ ⎤ ⎡ w ⎤   ⎡ f           ⎤
-//!     ⎣ G  0  ⎦ ⎣ λ ⎦ = ⎣ −g_qq(v, v) ⎦
+//! ```text
+//! ⎡ M  Gᵀ ⎤ ⎡ w ⎤   ⎡ f           ⎤
+//! ⎣ G  0  ⎦ ⎣ λ ⎦ = ⎣ −g_qq(v, v) ⎦
+//! ```
 //!
 //! which makes it q″ = a(q, v) of seven components (index reduced from 3 to 0). The constraints then hold only as well as
 //! the method integrates; over the 30 ms of the problem that is enough.

@@ -14,8 +14,10 @@
 //! gives no formula. The cycloid draws s = (φ − sin φ)/2π over u = φ/2π: a straight line less a sine, laid off upright. Lay the
 //! sine off at a slant instead, and u becomes (φ − k sin φ)/2π. Then
 //!
-//!     ds/du = (1 − cos φ) / (1 − k cos φ)
-//!     d²s/du² = 2π (1 − k) sin φ / (1 − k cos φ)³
+//! ```text
+//! ds/du = (1 − cos φ) / (1 − k cos φ)
+//! d²s/du² = 2π (1 − k) sin φ / (1 − k cos φ)³
+//! ```
 //!
 //! and the slant with the smallest peak is k = 1 − √3/2, whose peak is 5.88825: the number printed, to all its digits. (k = 0.12
 //! and 0.15 give 5.891 and 5.893, which would not round to it.)

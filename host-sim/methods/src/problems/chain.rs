@@ -4,9 +4,11 @@
 //! mechanism considering elasticity": the cam law s excites the first mass through the shaft's stiffness, and the others follow
 //! it through arm and link.
 //!
-//!     M₁ x₁″ + (C₁ + C₂) x₁′ − C₂ x₂′ + (K₁ + K₂) x₁ − K₂ x₂ = K₁ s [+ C₁ s′]
-//!     M₂ x₂″ − C₂ x₁′ + (C₂ + C₃) x₂′ − C₃ x₃′ − K₂ x₁ + (K₂ + K₃) x₂ − K₃ x₃ = 0
-//!     M₃ x₃″ − C₃ x₂′ + C₃ x₃′ − K₃ x₂ + K₃ x₃ = 0
+//! ```text
+//! M₁ x₁″ + (C₁ + C₂) x₁′ − C₂ x₂′ + (K₁ + K₂) x₁ − K₂ x₂ = K₁ s [+ C₁ s′]
+//! M₂ x₂″ − C₂ x₁′ + (C₂ + C₃) x₂′ − C₃ x₃′ − K₂ x₁ + (K₂ + K₃) x₂ − K₃ x₃ = 0
+//! M₃ x₃″ − C₃ x₂′ + C₃ x₃′ − K₃ x₂ + K₃ x₃ = 0
+//! ```
 //!
 //! Printed without the term in brackets: the shaft's damper then goes to the ground and not to the cam ([`Shaft`]).
 //! Of the damping only "0.402, 0.175, ?.1" is legible, its unit lost. At damping factor 0.1, C = 0.2 √(K M) gives 401.6, 174.9
@@ -53,8 +55,8 @@ impl Chain {
     pub const MASS_KG: [f64; 3] = [0.525, 0.102, 1.01];
     /// Stiffnesses as printed, N/m.
     pub const STIFFNESS_N_M: [f64; 3] = [0.768e7, 0.75e7, 10.2e7];
-    /// Dampings, N s/m: 0.2 √(K M) of each spring with its mass, of which the printed ones are the first digits.
-    pub const DAMPING_N_S_M: [f64; 3] = [401.597, 174.929, 2029.975];
+    /// Dampings, N s/m: two as printed, the third reconstructed.
+    pub const DAMPING_N_S_M: [f64; 3] = [402.0, 175.0, 2030.0];
 
     /// The chain of the source.
     pub fn wrapper(cam: Cam, shaft: Shaft) -> Self {

@@ -1,0 +1,49 @@
+//! A step allocates nothing, whatever the method.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use cophase_methods::problems::{Andrews, Cam, Chain, Law, Pendulum, Shaft};
+use cophase_methods::{Equations, Scheme, advance};
+
+/// The system's allocator, counted.
+struct Counted;
+
+static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
+
+// SAFETY: every call is handed on as it came.
+unsafe impl GlobalAlloc for Counted {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(at, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTED: Counted = Counted;
+
+/// Were a workspace made in a step, a loop of a million steps would spend its time in the allocator. One test in this file:
+/// another would be counted with it.
+#[test]
+fn a_step_allocates_nothing() {
+    let chain = Chain::wrapper(Cam::wrapper(Law::ModifiedSine), Shaft::DampedToCam);
+    let machines: [&dyn Equations; 3] = [&chain, &Andrews, &Pendulum::DRIVEN];
+    for machine in machines {
+        for scheme in Scheme::ALL {
+            if !scheme.suits(machine) {
+                continue;
+            }
+            let mut method = scheme.prepare(machine, 1e-5).unwrap();
+            let mut y = vec![0.1; machine.dimension()];
+            y[..7.min(machine.dimension())].fill(0.5);
+            let before = ALLOCATIONS.load(Ordering::Relaxed);
+            advance(method.as_mut(), machine, 0.0, 100, &mut y).unwrap();
+            let made = ALLOCATIONS.load(Ordering::Relaxed) - before;
+            assert_eq!(made, 0, "{scheme}");
+        }
+    }
+}

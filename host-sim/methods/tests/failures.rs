@@ -1,0 +1,142 @@
+//! What goes wrong is a typed error, and leaves the state as it was.
+
+use cophase_methods::problems::{Andrews, Hires, Oscillator};
+use cophase_methods::{Equations, Needs, Refused, Scheme, StepError};
+
+/// Rates that are not a number from y = 1 on.
+struct Edge;
+
+impl Equations for Edge {
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    fn rates(&self, _: f64, y: &[f64], rates: &mut [f64]) {
+        rates[0] = 1.0 + (1.0 - y[0]).sqrt();
+    }
+}
+
+/// y′ = 1 + y²: w = y + c (1 + w²), which a stage with hγ = c has to solve, has no real solution for c above 1/2.
+struct Runaway;
+
+impl Equations for Runaway {
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    fn rates(&self, _: f64, y: &[f64], rates: &mut [f64]) {
+        rates[0] = 1.0 + y[0] * y[0];
+    }
+}
+
+/// y′ = y: I − hγJ is singular at hγ = 1.
+struct Growth;
+
+impl Equations for Growth {
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    fn rates(&self, _: f64, y: &[f64], rates: &mut [f64]) {
+        rates[0] = y[0];
+    }
+
+    fn jacobian(
+        &self,
+        _: f64,
+        _: &[f64],
+        _: &mut cophase_methods::Differences,
+        jacobian: &mut nalgebra::DMatrix<f64>,
+    ) {
+        jacobian[(0, 0)] = 1.0;
+    }
+}
+
+/// Were NaN passed on, or half a step kept, the machine would be somewhere it never was.
+#[test]
+fn a_value_that_is_none_is_reported_and_the_state_kept() {
+    for scheme in Scheme::ALL {
+        if !scheme.suits(&Edge) {
+            continue;
+        }
+        let mut method = scheme.prepare(&Edge, 0.75).unwrap();
+        let mut y = [0.5];
+        let mut last = y;
+        let error = loop {
+            match method.step(&Edge, 0.0, &mut y) {
+                Ok(()) => last = y,
+                Err(error) => break error,
+            }
+        };
+        assert_eq!(y, last, "{scheme}");
+        assert!(y[0].is_finite(), "{scheme}");
+        assert!(
+            matches!(error, StepError::NotFinite { component: 0, .. }),
+            "{scheme}: {error}"
+        );
+    }
+}
+
+/// Were the iteration limit not kept, it would go on for ever; were it not reported, the state would be off by anything.
+#[test]
+fn an_equation_without_solution_is_reported() {
+    for scheme in [Scheme::ImplicitMidpoint, Scheme::Sdirk4] {
+        let mut method = scheme.prepare(&Runaway, 8.0).unwrap();
+        let mut y = [0.1];
+        let error = method.step(&Runaway, 2.0, &mut y).unwrap_err();
+        assert!(
+            matches!(error, StepError::NotConverged { t_s: 2.0, .. }),
+            "{scheme}: {error}"
+        );
+        assert_eq!(y, [0.1]);
+        assert!(
+            error.to_string().ends_with("take a shorter step"),
+            "{error}"
+        );
+    }
+}
+
+/// Were a zero pivot divided by, the stage would be infinite.
+#[test]
+fn a_singular_matrix_is_reported() {
+    let mut midpoint = Scheme::ImplicitMidpoint.prepare(&Growth, 2.0).unwrap();
+    let mut y = [1.0];
+    assert_eq!(
+        midpoint.step(&Growth, 0.0, &mut y),
+        Err(StepError::Singular { t_s: 0.0 })
+    );
+    assert_eq!(y, [1.0]);
+}
+
+/// Were a method made for equations that lack what it needs, it would compute something, and nobody would know.
+#[test]
+fn structure_and_step_are_checked_before() {
+    for step_s in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        for scheme in Scheme::ALL {
+            let refused = scheme
+                .prepare(&Oscillator::free(1.0, 0.0), step_s)
+                .unwrap_err();
+            assert!(matches!(refused, Refused::Step(_)), "{scheme}: {refused}");
+        }
+    }
+    for scheme in Scheme::ALL {
+        let made = scheme.prepare(&Hires, 1.0);
+        assert_eq!(
+            made.is_ok(),
+            scheme.facts().needs == Needs::Rates,
+            "{scheme}"
+        );
+        let made = scheme.prepare(&Andrews, 1.0);
+        assert_eq!(
+            made.is_ok(),
+            scheme.facts().needs != Needs::Linear,
+            "{scheme}"
+        );
+        assert_eq!(made.is_ok(), scheme.suits(&Andrews));
+    }
+    let refused = Scheme::Exact.prepare(&Hires, 1.0).unwrap_err();
+    assert_eq!(
+        refused.to_string(),
+        "exact discretisation needs a linear system with a constant matrix, which these equations do not offer: take RK4, or an implicit method if they are stiff"
+    );
+}
