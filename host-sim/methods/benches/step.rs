@@ -1,7 +1,7 @@
 //! What a step costs: each method on the elastic chain of three masses, six components and one cam law.
 //!
 //! `cargo bench -p cophase-methods`. Each sample is 1000 steps of 10 us, through the cam's whole turn again and
-//! again; divan prints the time of one step. Steps allocate nothing (`tests/allocation.rs`).
+//! again: a printed microsecond is a nanosecond a step. Steps allocate nothing (`tests/allocation.rs`).
 
 use cophase_methods::Scheme;
 use cophase_methods::problems::{Cam, Chain, Law, Shaft};

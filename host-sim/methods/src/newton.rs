@@ -129,12 +129,10 @@ impl Stage {
             *z += correction;
             let allowed =
                 TOLERANCE * (self.at[i].abs() + z.abs()) + self.rounding[i] + f64::MIN_POSITIVE;
-            // Not f64::max, which passes over NaN; and 0 of 0 allowed is 0.
-            if correction != 0.0 {
-                let this = correction.abs() / allowed;
-                if !(this <= excess) {
-                    excess = this;
-                }
+            // Not f64::max, which passes over NaN.
+            let this = correction.abs() / allowed;
+            if this > excess || this.is_nan() {
+                excess = this;
             }
         }
         excess

@@ -123,7 +123,7 @@ fn hires_ends_as_published() {
     );
 }
 
-/// Were SDIRK4 not stiffly accurate and L-stable, ε = 1e-6 would show. On the slow branch steps of 1000 ε do; over
+/// Were SDIRK4 not stiffly accurate and L-stable, ε = 1e-6 would show. On the slow branch steps of 5000 ε do; over
 /// the jumps, which last some ε, only steps of that length can follow, and longer ones are reported, not made.
 #[test]
 fn van_der_pol_as_published() {
@@ -136,8 +136,8 @@ fn van_der_pol_as_published() {
         assert!(off < 1e-9, "{name}: {off:e}");
     }
 
-    let slow = reference::bdf_of_diffsol(&machine, start, 0.5, 1e-12, 1e-12);
-    let radau = reference::radau5(&machine, start, 0.5, 1e-12, 1e-12);
+    let slow = reference::bdf_of_diffsol(&machine, start, 0.5, 1e-11, 1e-11);
+    let radau = reference::radau5(&machine, start, 0.5, 1e-11, 1e-11);
     let doubt = difference(&slow, &radau);
     println!("on the slow branch the two differ by {doubt:.1e}");
     let error = |steps| {
@@ -146,8 +146,8 @@ fn van_der_pol_as_published() {
             &slow,
         )
     };
-    println!("on the slow branch, steps of 1000 ε: {:.1e}", error(500));
-    assert!(error(500) < 2e-9 && doubt < 1e-10);
+    println!("on the slow branch, steps of 5000 ε: {:.1e}", error(100));
+    assert!(error(100) < 1e-6 && doubt < 1e-9);
 
     let across = |steps| play(Scheme::Sdirk4, &machine, start, VanDerPol::END, steps);
     let too_long = across(20_000);

@@ -69,7 +69,8 @@ impl Method for VelocityVerlet {
             self.next[half + i] = v + h * a;
         }
         equations.rates(t_s + h, &self.next, &mut self.after);
-        for i in half..y.len() {
+        for i in 0..half {
+            let i = half + i;
             self.next[i] = y[i] + 0.5 * h * (self.before[i] + self.after[i]);
         }
         commit(t_s, &self.next, y)
