@@ -124,8 +124,8 @@ mod tests {
     fn fulfils_the_order_conditions() {
         let b = |i| a(STAGES - 1, i);
         let sum = |term: &dyn Fn(usize) -> f64| (0..STAGES).map(term).sum::<f64>();
-        for i in 0..STAGES {
-            assert!((sum(&|j| a(i, j)) - C[i]).abs() < 1e-13, "row {i}");
+        for (i, c) in C.into_iter().enumerate() {
+            assert!((sum(&|j| a(i, j)) - c).abs() < 1e-13, "row {i}");
         }
         let through = |i: usize, f: &dyn Fn(usize) -> f64| sum(&|j| a(i, j) * f(j));
         let conditions = [
