@@ -1,0 +1,105 @@
+//! Where methods stop being stable: growth a step of an oscillation, against step × frequency.
+
+use std::fmt::Write;
+
+use cophase_methods::Scheme;
+
+use super::Drawn;
+use super::picture::{Line, Panel, render};
+
+/// Damping ratios of the two panels.
+const ZETAS: [f64; 2] = [0.0, 0.1];
+/// Where the curves are shown, and how many points they have.
+const H_OMEGA: (f64, f64) = (0.1, 100.0);
+const POINTS: u32 = 240;
+const GROWTH: (f64, f64) = (0.1, 10.0);
+
+/// Where theory has the edge in closed form, of an oscillation with damping ratio ζ; inside, none: no edge.
+///
+/// Explicit Euler's eigenvalues 1 − ζhω ± i hω √(1 − ζ²) have magnitude 1 at hω = 2ζ. One of symplectic Euler's comes to
+/// −1 where (hω)² + 4ζhω = 4, velocity Verlet's without damping likewise, and RK4's have magnitude 1 at 2√2 then.
+fn theory(scheme: Scheme, zeta: f64) -> Option<Option<f64>> {
+    match scheme {
+        Scheme::ExplicitEuler => Some(Some(2.0 * zeta)),
+        Scheme::SymplecticEuler => Some(Some(2.0 * ((1.0 + zeta * zeta).sqrt() - zeta))),
+        Scheme::VelocityVerlet if zeta == 0.0 => Some(Some(2.0)),
+        Scheme::Rk4 if zeta == 0.0 => Some(Some(8.0_f64.sqrt())),
+        Scheme::ImplicitMidpoint | Scheme::Sdirk4 | Scheme::Exact => Some(None),
+        _ => None,
+    }
+}
+
+/// Makes the chart.
+pub fn draw() -> Drawn {
+    let mut csv = "method,zeta,edge_measured,edge_theory,h_omega,growth\n".to_owned();
+    let mut panels = Vec::new();
+    for zeta in ZETAS {
+        let mut lines = Vec::new();
+        for scheme in Scheme::ALL {
+            let edge = scheme.stability_limit(zeta);
+            let points: Vec<(f64, f64)> = (0..=POINTS)
+                .map(|i| {
+                    let part = f64::from(i) / f64::from(POINTS);
+                    let h_omega = H_OMEGA.0 * (H_OMEGA.1 / H_OMEGA.0).powf(part);
+                    (h_omega, scheme.growth(h_omega, zeta))
+                })
+                .collect();
+            for &(h_omega, growth) in &points {
+                let (measured, by_theory) = (
+                    told(edge),
+                    match theory(scheme, zeta) {
+                        Some(edge) => told(edge),
+                        None => String::new(),
+                    },
+                );
+                // Writing to a string does not fail.
+                let _ = writeln!(
+                    csv,
+                    "{},{zeta},{measured},{by_theory},{h_omega:.6},{growth:.9}",
+                    scheme.facts().name
+                );
+            }
+            lines.push(Line {
+                scheme,
+                points,
+                marked: false,
+            });
+        }
+        panels.push(Panel {
+            title: if zeta == 0.0 {
+                "undamped".to_owned()
+            } else {
+                format!("damping ratio {zeta}")
+            },
+            x_label: "step × frequency, rad",
+            y_label: "growth a step",
+            x: H_OMEGA,
+            y: GROWTH,
+            lines,
+            levels: vec![(1.0, "above: it grows".to_owned())],
+        });
+    }
+    let edges: Vec<String> = Scheme::ALL
+        .iter()
+        .map(|scheme| {
+            let edge = |zeta| match scheme.stability_limit(zeta) {
+                Some(edge) => format!("{edge:.4}"),
+                None => "none".to_owned(),
+            };
+            format!("{} {} / {}", scheme.facts().name, edge(0.0), edge(0.1))
+        })
+        .collect();
+    Drawn {
+        csv,
+        svg: render("Stability: growth of an oscillation in a step", panels),
+        says: format!(
+            "Edges in step × frequency, undamped / at a damping ratio of 0.1: {}. Without an edge is not without error: \
+             beyond 1 rad a step no method follows the oscillation, exact discretisation excepted.",
+            edges.join(", ")
+        ),
+    }
+}
+
+fn told(edge: Option<f64>) -> String {
+    edge.map_or_else(|| "none".to_owned(), |edge| format!("{edge:.6}"))
+}
