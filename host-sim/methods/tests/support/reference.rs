@@ -50,7 +50,7 @@ pub fn dop853<const N: usize>(
             ExplicitRungeKutta::dop853()
                 .rtol(tolerance)
                 .atol(tolerance)
-                .max_steps(10_000_000),
+                .max_steps(1_000_000),
         )
         .solve()
         .expect("DOP853");
@@ -72,7 +72,7 @@ pub fn bdf<const N: usize>(
             BackwardDifferentiationFormula::adaptive()
                 .rtol(tolerance)
                 .atol(absolute)
-                .max_steps(10_000_000),
+                .max_steps(1_000_000),
         )
         .solve()
         .expect("BDF");
@@ -94,7 +94,7 @@ pub fn radau5<const N: usize>(
             ImplicitRungeKutta::radau5()
                 .rtol(tolerance)
                 .atol(absolute)
-                .max_steps(10_000_000),
+                .max_steps(1_000_000),
         )
         .solve()
         .expect("Radau5");
