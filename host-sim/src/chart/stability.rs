@@ -17,12 +17,15 @@ const GROWTH: (f64, f64) = (0.1, 10.0);
 /// Where theory has the edge in closed form, of an oscillation with damping ratio ζ; inside, none: no edge.
 ///
 /// Explicit Euler's eigenvalues 1 − ζhω ± i hω √(1 − ζ²) have magnitude 1 at hω = 2ζ. One of symplectic Euler's comes to
-/// −1 where (hω)² + 4ζhω = 4, velocity Verlet's without damping likewise, and RK4's have magnitude 1 at 2√2 then.
+/// −1 where (hω)² + 4ζhω = 4, velocity Verlet's at 2 / (ζ + √(1 − 3ζ²)) as long as ζ < ½, and RK4's have magnitude 1 at 2√2
+/// without damping.
 fn theory(scheme: Scheme, zeta: f64) -> Option<Option<f64>> {
     match scheme {
         Scheme::ExplicitEuler => Some(Some(2.0 * zeta)),
         Scheme::SymplecticEuler => Some(Some(2.0 * ((1.0 + zeta * zeta).sqrt() - zeta))),
-        Scheme::VelocityVerlet if zeta == 0.0 => Some(Some(2.0)),
+        Scheme::VelocityVerlet if zeta < 0.5 => {
+            Some(Some(2.0 / (zeta + (1.0 - 3.0 * zeta * zeta).sqrt())))
+        }
         Scheme::Rk4 if zeta == 0.0 => Some(Some(8.0_f64.sqrt())),
         Scheme::ImplicitMidpoint | Scheme::Sdirk4 | Scheme::Exact => Some(None),
         _ => None,
