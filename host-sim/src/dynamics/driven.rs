@@ -14,7 +14,7 @@ pub enum Freedom {
     /// All on one shaft: the state is `[α, ω]`.
     Rigid(Rigid),
     /// Each its own rotor: the state is N angles, then N speeds.
-    Phased(Phased),
+    Phased(Box<Phased>),
 }
 
 /// An oscillation.

@@ -134,10 +134,9 @@ impl Phased {
         let mut motion = PlaneMotion::default();
         for (i, (&alpha, &omega)) in alpha.iter().zip(omega).enumerate() {
             let (height, rate) = (self.body.height_m(alpha), self.body.lever_m(alpha) * omega);
-            let share = self.corners.share(i);
-            for f in 0..FREEDOMS {
-                motion.place[f] += share[f] * height;
-                motion.rate[f] += share[f] * rate;
+            for (f, share) in self.corners.share(i).into_iter().enumerate() {
+                motion.place[f] += share * height;
+                motion.rate[f] += share * rate;
             }
         }
         motion

@@ -31,7 +31,7 @@ pub fn rotors<const N: usize>(
     let freedom = if checked.fidelity == Fidelity::Rigid {
         Freedom::Rigid(Rigid::new(body))
     } else {
-        Freedom::Phased(Phased::new(body))
+        Freedom::Phased(Box::new(Phased::new(body)))
     };
     let told = axes.iter().map(|axis| Told {
         turns: axis.turns(),
