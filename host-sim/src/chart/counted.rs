@@ -21,13 +21,13 @@ impl<'a> Counted<'a> {
         }
     }
 
-    /// How often they were asked. Of a Jacobian that is given as a formula, none of it counts.
+    /// How often they were asked for their rates; a Jacobian counts as if it were taken by differences.
     pub fn asked(&self) -> u64 {
         self.asked.get()
     }
 
-    fn count(&self) {
-        self.asked.set(self.asked.get() + 1);
+    fn count(&self, times: u64) {
+        self.asked.set(self.asked.get() + times);
     }
 }
 
@@ -37,7 +37,7 @@ impl Equations for Counted<'_> {
     }
 
     fn rates(&self, t_s: f64, y: &[f64], rates: &mut [f64]) {
-        self.count();
+        self.count(1);
         self.equations.rates(t_s, y, rates);
     }
 
@@ -52,7 +52,8 @@ impl Equations for Counted<'_> {
         differences: &mut Differences,
         jacobian: &mut DMatrix<f64>,
     ) {
-        // By differences of what is counted, unless the equations know better.
+        // What it takes by differences, and about what it takes by a formula: a column each, and one to differ from.
+        self.count(self.dimension() as u64 + 1);
         self.equations.jacobian(t_s, y, differences, jacobian);
     }
 
@@ -70,7 +71,7 @@ impl Linear for Counted<'_> {
     }
 
     fn input(&self, t_s: f64, input: &mut [f64]) {
-        self.count();
+        self.count(1);
         if let Some(linear) = self.equations.linear() {
             linear.input(t_s, input);
         }

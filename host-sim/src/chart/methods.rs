@@ -98,8 +98,8 @@ pub fn draw() -> Drawn {
         csv,
         svg: render("Methods: error against cost", panels),
         says: "Where the step resolves the fastest mode RK4 is the cheapest for any accuracy worth having. On the stiff problem \
-               explicit methods diverge until the step is far shorter than accuracy asks for; there implicit midpoint is \
-               the cheapest down to errors of some 1e-5, and SDIRK4 below. On the linear machine exact discretisation errs \
+               explicit methods diverge until the step is far shorter than accuracy asks for; there SDIRK4 is \
+               the cheapest below errors of some 1e-4, and implicit midpoint above. On the linear machine exact discretisation errs \
                by its input alone. What diverged or did not converge has a row in the data and no point."
             .to_owned(),
     }
