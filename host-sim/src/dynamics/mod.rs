@@ -5,7 +5,7 @@
 //! - [`Rigid`]: all cranks on one shaft, one angle, with the inertia that the platform has at that angle;
 //! - [`Phased`]: every crank a rotor of its own, the platform heaving and tilting as they push it; rods that are
 //!   rigid, or settle where they must give;
-//! - [`Sprung`]: the same with rods as stiff springs, and the platform free.
+//! - [`Sprung`]: the same with rods as stiff springs, and the platform free. No scene runs on it yet.
 //!
 //! Words: a *rotor* is all that turns with one crank: motor, coupling, crank. A *corner* is where its rod carries
 //! the platform. The *plane* is the one closest to the corners' heights, which the platform lies in; what a corner

@@ -105,16 +105,21 @@ impl Method {
 /// A method by its name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
-#[allow(missing_docs, reason = "they are the methods of `cophase-methods`")]
 pub enum MethodName {
     /// What is best for the machine: RK4 at a step that follows its fastest mode.
     #[default]
     Auto,
+    /// Order 1; unstable without damping.
     ExplicitEuler,
+    /// Order 1; keeps energy.
     SymplecticEuler,
+    /// Order 2; keeps energy.
     VelocityVerlet,
+    /// Order 4.
     Rk4,
+    /// Order 2, implicit; keeps energy.
     ImplicitMidpoint,
+    /// Order 4, implicit; fast modes die away.
     Sdirk4,
 }
 

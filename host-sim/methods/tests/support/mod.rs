@@ -1,5 +1,5 @@
 //! What several tests share.
-#![allow(dead_code)] // each test takes what it needs
+#![allow(dead_code, reason = "each test takes what it needs")]
 
 pub mod reference;
 pub mod slope;
