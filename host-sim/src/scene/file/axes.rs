@@ -1,0 +1,127 @@
+//! `[axes]` and `[[axis]]`: the motors.
+
+use serde::{Deserialize, Serialize};
+
+/// What all axes have in common, unless an `[[axis]]` says otherwise.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Axes {
+    /// How many, 2 to 6.
+    pub count: usize,
+    /// How they are driven.
+    pub drive: Drive,
+    /// Steps, or encoder counts, to a turn of the crank.
+    pub steps_per_turn: u32,
+    /// Full steps to a turn of the motor; a stepper slips by four of them.
+    #[serde(default = "default_full_steps")]
+    pub full_steps_per_turn: u32,
+    /// Crank turns per master turn, as `[numerator, denominator]`.
+    #[serde(default = "one_to_one")]
+    pub ratio: (u32, u32),
+    /// Crank phase relative to the master's, degrees.
+    #[serde(default)]
+    pub offset_deg: f64,
+    /// Whether the cranks have index sensors.
+    #[serde(default = "yes")]
+    pub index: bool,
+    /// Crank phase at which the index sensor stands, degrees.
+    #[serde(default)]
+    pub index_deg: f64,
+    /// Greatest trim, degrees.
+    #[serde(default = "default_trim_limit_deg")]
+    pub trim_limit_deg: f64,
+    /// Speed at which trim changes, degrees/s.
+    #[serde(default = "default_trim_rate")]
+    pub trim_rate_deg_per_s: f64,
+    /// Inertia of rotor and crank, kg·m².
+    #[serde(default)]
+    pub rotor_inertia_kgm2: f64,
+    /// Friction that each motor works against, N·m.
+    #[serde(default)]
+    pub friction_nm: f64,
+    /// What a stepper's drive damps, N·m·s/rad.
+    #[serde(default)]
+    pub damping_nms: f64,
+    /// Torque of a servo's drive to an error of position, N·m/rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_stiffness_nm: Option<f64>,
+    /// Torque of a servo's drive to an error of speed, N·m·s/rad; by default critical for the rotor alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_damping_nms: Option<f64>,
+    /// Greatest torque of a servo, N·m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo_limit_nm: Option<f64>,
+    /// Pull-out torque of a stepper as `[speed_hz, torque_nm]` points, lowest speed first; straight lines between.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pull_out: Vec<(f64, f64)>,
+}
+
+/// How an axis is driven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Drive {
+    /// Step and direction pulses, open loop.
+    Stepper,
+    /// Position, velocity and torque setpoints.
+    Servo,
+}
+
+/// What one axis has apart from the others.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisApart {
+    /// Which one, counted from 0.
+    pub number: usize,
+    /// Mounted the other way round.
+    #[serde(default)]
+    pub reversed: bool,
+    /// Instead of the common one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drive: Option<Drive>,
+    /// Instead of the common one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steps_per_turn: Option<u32>,
+    /// Instead of the common one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ratio: Option<(u32, u32)>,
+    /// Instead of the common one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub offset_deg: Option<f64>,
+    /// Instead of the common one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub index: Option<bool>,
+    /// Instead of the common one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub index_deg: Option<f64>,
+    /// Trim that is set from the start, degrees.
+    #[serde(default)]
+    pub trim_deg: f64,
+    /// Where the crank truly stands at power-up, against where the loop believes it, degrees.
+    #[serde(default)]
+    pub start_deg: f64,
+    /// Instead of the common one: a stiffer bearing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction_nm: Option<f64>,
+    /// Factor on its pull-out torque: a weaker motor.
+    #[serde(default = "one")]
+    pub pull_out_scale: f64,
+}
+
+const fn default_full_steps() -> u32 {
+    200
+}
+const fn one_to_one() -> (u32, u32) {
+    (1, 1)
+}
+const fn default_trim_limit_deg() -> f64 {
+    5.0
+}
+const fn default_trim_rate() -> f64 {
+    1.0
+}
+const fn yes() -> bool {
+    true
+}
+const fn one() -> f64 {
+    1.0
+}

@@ -1,0 +1,115 @@
+//! What the loop is told beside its machine: its tick, its limits, its lines, and what it watches.
+
+use serde::{Deserialize, Serialize};
+
+/// The loop.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Control {
+    /// Control ticks a second.
+    pub tick_hz: u32,
+    /// Crank phase at which the machine parks, degrees.
+    pub park_deg: f64,
+    /// Time that energised drives get to settle, s.
+    pub settle_s: f64,
+}
+
+impl Default for Control {
+    fn default() -> Self {
+        Self {
+            tick_hz: 2000,
+            park_deg: 180.0,
+            settle_s: 0.1,
+        }
+    }
+}
+
+/// What the master shaft may do.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Greatest speed, rev/s.
+    pub speed_hz: f64,
+    /// Greatest acceleration, rev/s².
+    pub acceleration_hz_per_s: f64,
+    /// Greatest jerk, rev/s³.
+    pub jerk_hz_per_s2: f64,
+    /// Speed of the slow turn that finds index pulses and the parking phase, rev/s.
+    #[serde(default = "default_creep_hz")]
+    pub creep_hz: f64,
+    /// Speeds at which the machine must not dwell, lowest first.
+    #[serde(default, rename = "band", skip_serializing_if = "Vec::is_empty")]
+    pub band: Vec<Band>,
+}
+
+/// A forbidden band of speeds.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Band {
+    /// Lower edge, rev/s.
+    pub from_hz: f64,
+    /// Upper edge, rev/s.
+    pub to_hz: f64,
+}
+
+/// Timing of the step lines.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Pulse {
+    /// Shortest time that STEP stays high, and low, ns.
+    pub width_ns: f64,
+    /// DIR before STEP, ns.
+    pub dir_setup_ns: f64,
+    /// DIR after STEP, ns.
+    pub dir_hold_ns: f64,
+}
+
+impl Default for Pulse {
+    fn default() -> Self {
+        Self {
+            width_ns: 400.0,
+            dir_setup_ns: 500.0,
+            dir_hold_ns: 500.0,
+        }
+    }
+}
+
+/// What counts as a pulse of an index line.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Index {
+    /// Shortest time that a level must last to be no glitch, µs.
+    pub width_us: f64,
+}
+
+impl Default for Index {
+    fn default() -> Self {
+        Self { width_us: 2.0 }
+    }
+}
+
+/// How far the cranks may be apart.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Drift {
+    /// Platform tilt, mrad.
+    pub tilt_limit_mrad: f64,
+    /// Deviation of a crank from the plane through all, degrees.
+    pub warp_limit_deg: f64,
+    /// Mean lag of all, degrees.
+    pub common_limit_deg: f64,
+}
+
+impl Default for Drift {
+    fn default() -> Self {
+        Self {
+            tilt_limit_mrad: 3.0,
+            warp_limit_deg: 3.0,
+            common_limit_deg: 15.0,
+        }
+    }
+}
+
+const fn default_creep_hz() -> f64 {
+    1.0
+}

@@ -1,0 +1,72 @@
+//! The form of a scene file. Every key carries its unit; unknown keys are refused.
+//!
+//! A file here is a table there: [`machine`], [`control`] (with limits and what is watched), [`axes`], [`program`], and
+//! what happens to a scene from outside, [`events`]. How it is reckoned, [`fidelity`] says.
+
+mod axes;
+mod control;
+mod events;
+mod fidelity;
+mod machine;
+mod program;
+
+pub use axes::{Axes, AxisApart, Drive};
+pub use control::{Band, Control, Drift, Index, Limits, Pulse};
+pub use events::{CommandAt, CommandName, InputAt, InputLine, LateAt, Scope};
+pub use fidelity::{Fidelity, Method, MethodName};
+pub use machine::{Machine, Platform};
+pub use program::{Segment, Shape};
+
+use serde::{Deserialize, Serialize};
+
+/// A whole scene.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// What it is called, in titles and reports.
+    pub name: String,
+    /// One line that says what it shows.
+    #[serde(default)]
+    pub description: String,
+    /// How much model: the lowest rung of the ladder that answers the question.
+    #[serde(default)]
+    pub fidelity: Fidelity,
+    /// How a machine that torque moves is advanced.
+    #[serde(default, skip_serializing_if = "Method::is_default")]
+    pub method: Method,
+    /// The mechanism and what it carries.
+    pub machine: Machine,
+    /// The loop.
+    #[serde(default)]
+    pub control: Control,
+    /// What the master shaft may do.
+    pub limits: Limits,
+    /// The step lines' timing.
+    #[serde(default)]
+    pub pulse: Pulse,
+    /// What all axes have in common.
+    pub axes: Axes,
+    /// What single axes have apart.
+    #[serde(default, rename = "axis", skip_serializing_if = "Vec::is_empty")]
+    pub axis: Vec<AxisApart>,
+    /// What counts as a pulse of an index line.
+    #[serde(default)]
+    pub index: Index,
+    /// How far the cranks may be apart.
+    #[serde(default)]
+    pub drift: Drift,
+    /// amax(t).
+    pub program: Vec<Segment>,
+    /// Commands that come at a time.
+    #[serde(default, rename = "command", skip_serializing_if = "Vec::is_empty")]
+    pub command: Vec<CommandAt>,
+    /// Changes of the enable and stop inputs.
+    #[serde(default, rename = "input", skip_serializing_if = "Vec::is_empty")]
+    pub input: Vec<InputAt>,
+    /// Lateness of the loop.
+    #[serde(default, rename = "late", skip_serializing_if = "Vec::is_empty")]
+    pub late: Vec<LateAt>,
+    /// Which part of the run `steps.vcd` shows; without it, the first 200 ms of motion.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scope: Option<Scope>,
+}
