@@ -7,6 +7,7 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{CommandError, Status, scenes};
+use crate::fidelity;
 use crate::report::{self, Report, Written};
 use crate::scene::Checked;
 use crate::scene::library::SCENES;
@@ -67,8 +68,10 @@ fn between(from_s: f64, to_s: f64) -> Window {
 }
 
 pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, CommandError> {
-    let checked = scenes::read(&args.scene).map_err(CommandError::Input)?;
     let began = Instant::now();
+    let checked = scenes::read(&args.scene).map_err(CommandError::Input)?;
+    let checked = fidelity::check(checked)
+        .map_err(|error| CommandError::Input(error.in_file(&args.scene).to_string()))?;
     let (outcome, written) =
         with_axes!(checked.scene.axes.count, N => record::<N>(args, &checked, began))
             .map_err(CommandError::Input)?;

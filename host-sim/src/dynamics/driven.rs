@@ -58,6 +58,11 @@ impl Driven {
         }
     }
 
+    /// A motor an axis.
+    pub fn motors(&self) -> &[Motor] {
+        &self.motors
+    }
+
     /// How many angles its state has.
     pub fn angles(&self) -> usize {
         match self.freedom {

@@ -14,7 +14,7 @@ pub struct Field {
 }
 
 /// A motor with its drive.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Motor {
     /// Open loop.
     Stepper(Stepper),
@@ -26,7 +26,7 @@ pub enum Motor {
 ///
 /// Torque is T(ω) sin(p (φ − α)) + d (φ′ − ω), p electrical cycles a turn. Past a quarter of a cycle the spring gives
 /// less instead of more; the rotor then slips until it is caught, whole cycles off.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Stepper {
     /// Greatest torque against speed.
     pub pull_out: PullOut,
@@ -66,9 +66,24 @@ impl Motor {
 
     /// Stiffness at rest with no load, N·m/rad.
     pub fn stiffness_nm(&self) -> f64 {
+        self.stiffness_at_nm(0.0)
+    }
+
+    /// Stiffness at a speed with no load, N·m/rad.
+    pub fn stiffness_at_nm(&self, omega_rad_s: f64) -> f64 {
         match self {
-            Self::Stepper(stepper) => stepper.cycles_per_turn * stepper.pull_out.torque_nm(0.0),
+            Self::Stepper(stepper) => stepper.cycles_per_turn * self.most_nm(omega_rad_s),
             Self::Servo(servo) => servo.stiffness_nm,
+        }
+    }
+
+    /// Greatest torque at a speed, N·m.
+    pub fn most_nm(&self, omega_rad_s: f64) -> f64 {
+        match self {
+            Self::Stepper(stepper) => stepper
+                .pull_out
+                .torque_nm(omega_rad_s.abs() / std::f64::consts::TAU),
+            Self::Servo(servo) => servo.limit_nm,
         }
     }
 }

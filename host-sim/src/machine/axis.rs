@@ -118,11 +118,8 @@ impl SimulatedAxis {
         self.torque_used
     }
 
-    /// Compares what this tick's motion needs with what the motor has.
-    pub fn load(&mut self, share_nm: f64, acceleration_rad_s2: f64, speed_hz: f64) {
-        let AxisDrive::Stepper { pull_out, .. } = &self.drive else {
-            return;
-        };
+    /// Compares what this tick's motion needs with what the motor has; what it needs, N·m.
+    pub fn load(&mut self, share_nm: f64, acceleration_rad_s2: f64, speed_hz: f64) -> f64 {
         // A machine that stands does not work against friction.
         let friction_nm = if speed_hz == 0.0 {
             0.0
@@ -131,6 +128,9 @@ impl SimulatedAxis {
         };
         let needed =
             share_nm + friction_nm + self.rotor_inertia_kgm2 * acceleration_rad_s2 * self.ratio;
+        let AxisDrive::Stepper { pull_out, .. } = &self.drive else {
+            return needed;
+        };
         let most = pull_out.torque_nm(speed_hz * self.ratio);
         let used = needed.abs() / most;
         if self.torque_used.is_none_or(|(worst, _)| used > worst) {
@@ -143,6 +143,7 @@ impl SimulatedAxis {
         } else {
             Overload::None
         };
+        needed
     }
 
     /// Takes what the drive is told in a tick: for machines whose cranks move by torque, and not as they are told.

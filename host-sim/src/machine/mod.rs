@@ -78,6 +78,8 @@ pub struct Machine<const N: usize> {
     tick_s: f64,
     torques: bool,
     omega_before: f64,
+    /// What each motor is asked for, where torques are compared.
+    asked_nm: Option<[f64; N]>,
     /// Where torque moves the cranks.
     rotors: Option<Rotors>,
 }
@@ -120,12 +122,18 @@ impl<const N: usize> Machine<N> {
             tick_s: 1.0 / f64::from(settings.tick_hz),
             torques: checked.fidelity == Fidelity::QuasiStatic,
             omega_before: 0.0,
+            asked_nm: None,
         })
     }
 
     /// Speed and acceleration of the cranks, their means, rad/s and rad/s², where torque moves them.
     pub fn motion(&self) -> Option<(f64, f64)> {
         self.rotors.as_ref().map(Rotors::motion)
+    }
+
+    /// What motor `i` gives, or is asked for, N·m; none on rungs that know no torque.
+    pub fn motor_torque_nm(&self, i: usize) -> Option<f64> {
+        self.asked_nm.map(|asked| asked[i])
     }
 
     /// What moves the cranks, where torque does.
@@ -157,9 +165,9 @@ impl<const N: usize> Machine<N> {
             let alpha = self.axes.iter().map(SimulatedAxis::turns).sum::<f64>() / N as f64
                 * std::f64::consts::TAU;
             let share_nm = self.platform.torque_nm(alpha, omega, acceleration) / N as f64;
-            for axis in &mut self.axes {
-                axis.load(share_nm, acceleration, omega / std::f64::consts::TAU);
-            }
+            let hz = omega / std::f64::consts::TAU;
+            self.asked_nm =
+                Some(std::array::from_fn(|i| self.axes[i].load(share_nm, acceleration, hz)));
         }
         self.omega_before = omega;
         std::array::from_fn(|i| {

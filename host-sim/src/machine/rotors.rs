@@ -109,6 +109,11 @@ impl Rotors {
         })
     }
 
+    /// Machine and motors.
+    pub fn driven(&self) -> &Driven {
+        &self.driven
+    }
+
     /// The method, and how many steps a tick it makes.
     pub fn method(&self) -> (Scheme, u32) {
         (self.scheme, self.steps)

@@ -10,6 +10,7 @@ pub use words::{describe, is_news};
 
 use serde::Serialize;
 
+use crate::fidelity::Judged;
 use crate::scene::file::{Fidelity, MethodName};
 use crate::scene::{Checked, Scene};
 use crate::sim::Outcome;
@@ -68,6 +69,33 @@ struct FidelityReport<'a> {
     rung: &'static str,
     why: &'a str,
     left_out: &'static str,
+    /// What was asked for, and how well this rung answers it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    outputs: Vec<OutputReport>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct OutputReport {
+    /// Its key in `[questions]`; the numbers are in the unit that it carries.
+    output: &'static str,
+    tolerance: f64,
+    /// By how much it is off at most, by what is known without a run; none where nothing bounds it.
+    bound: Option<f64>,
+    /// By how much it was off in a sample of the scene, run on another rung.
+    measured: Option<f64>,
+    against: Option<&'static str>,
+}
+
+impl OutputReport {
+    fn new(judged: &Judged) -> Self {
+        Self {
+            output: judged.output.key(),
+            tolerance: judged.tolerance,
+            bound: judged.bound.filter(|bound| bound.is_finite()),
+            measured: judged.measured.map(|(off, _)| off),
+            against: judged.measured.map(|(_, rung)| rung.name()),
+        }
+    }
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -161,6 +189,7 @@ impl<'a> Report<'a> {
                 rung: checked.fidelity.name(),
                 why: &checked.why,
                 left_out: left_out(checked),
+                outputs: judged(checked).iter().map(OutputReport::new).collect(),
             },
             method: MethodReport {
                 name: outcome
@@ -227,6 +256,14 @@ impl<'a> Report<'a> {
             },
         }
     }
+}
+
+/// What was asked for, and how well it is answered; nothing if the scene itself asks for a rung.
+fn judged(checked: &Checked) -> &[Judged] {
+    checked
+        .choice
+        .as_ref()
+        .map_or(&[], |choice| &choice.judged[..])
 }
 
 /// What the rung leaves out, for all that read the results.

@@ -5,8 +5,9 @@ use std::fmt::Write;
 use cophase_core::supervisor::{FaultKind, State};
 
 use super::words::fault_words;
-use super::{Written, describe, is_news, warnings};
+use super::{Written, describe, is_news, judged, warnings};
 use crate::design::STANDARD_GRAVITY_MPS2;
+use crate::fidelity::{Judged, Output};
 use crate::scene::Checked;
 use crate::scene::file::{Drive, Fidelity};
 use crate::sim::Outcome;
@@ -27,6 +28,34 @@ pub fn summary(
     // Writing to a String cannot fail.
     let _ = write_page(&mut page, checked, outcome, written, wall_s);
     page
+}
+
+/// How well an output that was asked for is answered.
+fn answered(judged: &Judged) -> String {
+    let output = judged.output;
+    let asked = if output == Output::Slips {
+        "exactly".to_owned()
+    } else {
+        format!("to {} {}", judged.tolerance, output.unit())
+    };
+    let bound = match judged.bound {
+        Some(bound) if bound.is_finite() => format!("off by at most {}", significant(bound)),
+        _ => "not bounded".to_owned(),
+    };
+    let measured = judged.measured.map_or_else(String::new, |(off, against)| {
+        format!(", by {} in a sample run on {}", significant(off), against.name())
+    });
+    format!("{} asked for {asked}: {bound}{measured}.", output.words())
+}
+
+/// Two digits are enough for a bound.
+fn significant(value: f64) -> String {
+    if value == 0.0 || (0.01..1000.0).contains(&value) {
+        let digits = if value < 0.1 { 3 } else { 2 };
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.1e}")
+    }
 }
 
 fn write_page(
@@ -50,6 +79,9 @@ fn write_page(
         capital(checked.fidelity.name()),
         checked.why
     )?;
+    for judged in judged(checked) {
+        writeln!(page, "  {}", answered(judged))?;
+    }
     writeln!(page)?;
 
     let news: Vec<_> = seen

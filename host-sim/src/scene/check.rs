@@ -10,11 +10,13 @@ mod settings;
 
 use cophase_core::controller::Controller;
 use cophase_core::profile::{Profile, SliderCrank};
+use cophase_core::program::EntrySettings;
 use cophase_core::settings::{Settings, SettingsError};
 use cophase_core::setup::Setup;
 
 use super::SceneError;
 use super::file::{AxisApart, Fidelity, Scene};
+use crate::fidelity::{self, Choice};
 use crate::machine::{Machine, PullOut};
 use crate::with_axes;
 
@@ -31,6 +33,8 @@ pub struct Checked {
     pub fidelity: Fidelity,
     /// Why that rung, in a sentence.
     pub why: String,
+    /// What chose it, if the scene left that open.
+    pub choice: Option<Choice>,
 }
 
 impl Checked {
@@ -56,21 +60,59 @@ impl Checked {
         numbers::check_times(&scene)?;
         numbers::check_torque(&scene)?;
         numbers::check_bands(&scene.limits)?;
-        let (fidelity, why) = rung(&scene)?;
+        numbers::check_questions(&scene.questions)?;
         let program = program::flat(&scene.program)?;
-        let checked = Self {
+        let mut checked = Self {
             setup: settings::setup(&scene, lambda, program.into_iter().map(|(entry, _)| entry)),
+            fidelity: scene.fidelity,
+            why: "the scene asks for it".to_owned(),
+            choice: None,
             scene,
             lambda,
-            fidelity,
-            why,
         };
         // Made once to be checked; it is cheap, and nothing else knows all that the core refuses.
         with_axes!(checked.scene.axes.count, N => checked.controller::<N>().map(|_| ()))?;
         numbers::check_pull_out(&checked.scene)?;
+        if checked.fidelity == Fidelity::Auto {
+            let choice = fidelity::choose(&checked)?;
+            checked.fidelity = choice.rung;
+            checked.why.clone_from(&choice.why);
+            checked.choice = Some(choice);
+        }
         // The machine as well: what its rung needs is known there.
-        with_axes!(checked.scene.axes.count, N => Machine::<N>::new(&checked).map(|_| ()))?;
-        Ok(checked)
+        let rung = checked.fidelity;
+        checked.on(rung)
+    }
+
+    /// The same on a rung.
+    ///
+    /// # Errors
+    /// What the rung needs and the scene does not say.
+    pub fn on(&self, rung: Fidelity) -> Result<Self, SceneError> {
+        let mut other = self.clone();
+        other.fidelity = rung;
+        if rung == Fidelity::QuasiStatic && other.scene.axes.pull_out.is_empty() {
+            return Err(SceneError::at(
+                "axes.pull_out",
+                "missing; fidelity = \"quasi-static\" compares torques, so give the motors' pull-out torque \
+                 as [[speed_hz, torque_nm], …], or let fidelity be \"kinematic\"",
+            ));
+        }
+        with_axes!(other.scene.axes.count, N => Machine::<N>::new(&other).map(|_| ()))?;
+        Ok(other)
+    }
+
+    /// The speed that the program's highest level asks for, at most the limit, rev/s.
+    pub fn top_speed_hz(&self) -> f64 {
+        let levels = self.setup.program.iter().map(|entry| match entry {
+            EntrySettings::Segment(segment) => segment.amax_mps2,
+            EntrySettings::Repeat { .. } => 0.0,
+        });
+        let machine = &self.setup.machine;
+        let crank_m = machine.crank_radius_m * (1.0 + machine.lambda);
+        let omega = (levels.fold(0.0, f64::max) / crank_m).sqrt();
+        let limits = &self.scene.limits;
+        (omega / std::f64::consts::TAU).clamp(limits.creep_hz.min(limits.speed_hz), limits.speed_hz)
     }
 
     /// The loop that this scene asks for; `N` is the scene's number of axes.
@@ -152,28 +194,5 @@ impl AxisApart {
             "trim_deg" => true, // nothing else trims
             _ => false,
         }
-    }
-}
-
-/// The lowest rung that answers what the scene asks.
-fn rung(scene: &Scene) -> Result<(Fidelity, String), SceneError> {
-    let has_torque = !scene.axes.pull_out.is_empty();
-    match scene.fidelity {
-        Fidelity::QuasiStatic if !has_torque => Err(SceneError::at(
-            "axes.pull_out",
-            "missing; fidelity = \"quasi-static\" compares torques, so give the motors' pull-out torque \
-             as [[speed_hz, torque_nm], …], or let fidelity be \"kinematic\"",
-        )),
-        Fidelity::Auto if has_torque => Ok((
-            Fidelity::QuasiStatic,
-            "the scene gives the motors' pull-out torque, so whether they keep in step is asked"
-                .to_owned(),
-        )),
-        Fidelity::Auto => Ok((
-            Fidelity::Kinematic,
-            "the scene says nothing of torque, so only phases and what follows from them are asked"
-                .to_owned(),
-        )),
-        chosen => Ok((chosen, "the scene asks for it".to_owned())),
     }
 }

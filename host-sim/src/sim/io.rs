@@ -16,7 +16,7 @@ use embassy_time::Instant;
 use super::Outcome;
 use super::schedule::Schedule;
 use super::statistics::Statistics;
-use crate::machine::{IndexSensor, Machine, Played, Rotors};
+use crate::machine::{IndexSensor, Machine, Played, Pose, Rotors};
 use crate::units::turns;
 use crate::virtual_time::TICKS_PER_S;
 
@@ -56,6 +56,26 @@ pub struct Moment<'a, const N: usize> {
     pub actual_turns: [f64; N],
     /// The machine at the tick's end.
     pub machine: &'a Machine<N>,
+}
+
+impl<const N: usize> Moment<'_, N> {
+    /// Where the platform is at the tick's end.
+    pub fn pose(&self) -> Pose {
+        let ticks_per_s = 1e9 / (self.end_ns - self.start_ns) as f64;
+        let motion = &self.telemetry.motion;
+        let commanded = || {
+            let omega = turns(motion.speed) * ticks_per_s * std::f64::consts::TAU;
+            let by = turns(motion.acceleration) * ticks_per_s * ticks_per_s;
+            (omega, by * std::f64::consts::TAU)
+        };
+        let (omega, acceleration) = self.machine.motion().unwrap_or_else(commanded);
+        self.machine.platform.pose(
+            &self.actual_turns,
+            &self.command_turns,
+            omega,
+            acceleration,
+        )
+    }
 }
 
 /// An output that waits for its time, or plays.

@@ -89,17 +89,7 @@ impl<C: Write, V: Write> Recorder<C, V> {
         let telemetry = moment.telemetry;
         let hz = speed_hz(telemetry.motion.speed, self.tick_hz);
         let omega = hz * std::f64::consts::TAU;
-        let acceleration = speed_hz(telemetry.motion.acceleration, self.tick_hz)
-            * f64::from(self.tick_hz)
-            * std::f64::consts::TAU;
-        let (true_omega, true_acceleration) =
-            moment.machine.motion().unwrap_or((omega, acceleration));
-        let pose = moment.machine.platform.pose(
-            &moment.actual_turns,
-            &moment.command_turns,
-            true_omega,
-            true_acceleration,
-        );
+        let pose = moment.pose();
         let row = &mut self.row;
         row.t_s = moment.end_ns as f64 * 1e-9;
         row.state = telemetry.state.name();

@@ -2,6 +2,7 @@
 
 use cophase_core::settings::{MAX_BANDS, Problem};
 
+use crate::fidelity::Output;
 use crate::machine::MOST_STEPS;
 use crate::scene::SceneError;
 use crate::scene::file::{self, AxisApart, Drive, Scene};
@@ -115,6 +116,16 @@ pub(super) fn check_torque(scene: &Scene) -> Result<(), SceneError> {
     for (key, value, low, high) in given {
         if let Some(value) = value {
             range(key, value, low, high)?;
+        }
+    }
+    Ok(())
+}
+
+/// A tolerance of 0 would ask for the truth itself.
+pub(super) fn check_questions(questions: &file::Questions) -> Result<(), SceneError> {
+    for output in Output::ALL {
+        if let Some(tolerance) = output.tolerance(questions) {
+            range(&format!("questions.{}", output.key()), tolerance, 1e-9, 1e6)?;
         }
     }
     Ok(())

@@ -3,8 +3,8 @@
 use cophase_methods::Scheme;
 use serde::{Deserialize, Serialize};
 
-/// How much model a scene gets.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+/// How much model a scene gets; the ladder's rungs are in order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Fidelity {
     /// The lowest rung that answers the scene's question.

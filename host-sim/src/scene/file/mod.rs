@@ -9,6 +9,7 @@ mod events;
 mod fidelity;
 mod machine;
 mod program;
+mod questions;
 
 pub use axes::{Axes, AxisApart, Drive};
 pub use control::{Band, Control, Drift, Index, Limits, Pulse};
@@ -16,6 +17,7 @@ pub use events::{CommandAt, CommandName, InputAt, InputLine, LateAt, Scope};
 pub use fidelity::{Fidelity, Method, MethodName};
 pub use machine::{Machine, Platform};
 pub use program::{Segment, Shape};
+pub use questions::Questions;
 
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +33,9 @@ pub struct Scene {
     /// How much model: the lowest rung of the ladder that answers the question.
     #[serde(default)]
     pub fidelity: Fidelity,
+    /// What `fidelity = "auto"` has to answer, and how well.
+    #[serde(default, skip_serializing_if = "Questions::is_none")]
+    pub questions: Questions,
     /// How a machine that torque moves is advanced.
     #[serde(default, skip_serializing_if = "Method::is_default")]
     pub method: Method,

@@ -1,0 +1,173 @@
+//! By how much each rung may be off the top one, output by output.
+
+use std::f64::consts::TAU;
+
+use super::linear::{Drive, Worst};
+use super::Output;
+use crate::dynamics::{Driven, Motor};
+use crate::scene::file::Fidelity;
+
+/// What is allowed for that the reckoning leaves out: coefficients that change within a turn, and transients.
+///
+/// A crank whose inertia and stiffness change by a part ε twice a turn answers, to first order, with sidebands of ε/2 each,
+/// at most; where both are within their ranges of a resonance the worst over the ranges has been taken already.
+const MARGIN: f64 = 1.5;
+
+/// What is to be known of a machine to bound what a rung leaves out.
+#[derive(Clone, Debug)]
+pub struct Bounds {
+    worst: Worst,
+    /// Differences of where cranks stand that rods may pull out, rad.
+    standing_apart_rad: f64,
+    /// What a moving frame does to the platform's acceleration, as a part of it; 0 if the machine has none.
+    frame: f64,
+    /// mrad of tilt to a rad between cranks.
+    tilt_mrad: f64,
+    /// What is missed of a peak between two ticks, as a part of it.
+    sampling: f64,
+    steppers: Vec<bool>,
+    alike: bool,
+}
+
+impl Bounds {
+    /// Of a machine whose worst is known.
+    pub fn new(
+        driven: &Driven,
+        drive: &Drive,
+        worst: Worst,
+        standing_apart_rad: f64,
+        frame: f64,
+    ) -> Self {
+        let body = driven.body();
+        let lambda = body.mechanism.lambda();
+        let most_s = 1.0 + 0.5 * lambda;
+        let step_rad = drive.top_rad_s * drive.tick_s;
+        Self {
+            // Corners ± half the spread away: at most 0.71 of it in the plane of 3 to 6, 0.5 of two.
+            tilt_mrad: 0.75e3 * body.mechanism.crank_radius_m() * most_s / body.mount_radius_m,
+            // cos nα lost over half a tick, of 1 + λ: (1 + 4 λ)/(1 + λ) (ω tick)² / 8.
+            sampling: (1.0 + 4.0 * lambda) / (1.0 + lambda) * step_rad * step_rad / 8.0,
+            // Rods pull on cranks only where a platform is over-constrained.
+            standing_apart_rad: if body.axes() > 3 { standing_apart_rad } else { 0.0 },
+            steppers: driven
+                .motors()
+                .iter()
+                .map(|motor| matches!(motor, Motor::Stepper(_)))
+                .collect(),
+            alike: worst.spread_rad == 0.0,
+            frame,
+            worst,
+        }
+    }
+
+    /// The dimensionless numbers and phase errors that they are made of.
+    pub fn worst(&self) -> &Worst {
+        &self.worst
+    }
+
+    /// Whether every motor surely gives what it is asked for, oscillation and margin included.
+    pub fn keeps_step(&self) -> bool {
+        self.worst.torque_ratio.iter().all(|used| MARGIN * used < 1.0)
+    }
+
+    /// By how much a rung's output may be off the top rung's, in the unit of its tolerance; infinite where the rung cannot
+    /// answer, or nothing bounds it.
+    pub fn of(&self, rung: Fidelity, output: Output) -> f64 {
+        if output == Output::Slips {
+            return self.slips(rung);
+        }
+        // Half slipped is anywhere.
+        if !self.keeps_step() && rung < Fidelity::Phased && !(self.alike && rung == Fidelity::Rigid) {
+            return f64::INFINITY;
+        }
+        let whole = self.left_out_below_rigid(output);
+        match rung {
+            Fidelity::Kinematic if output == Output::Torque => f64::INFINITY,
+            Fidelity::Auto | Fidelity::Kinematic | Fidelity::QuasiStatic => whole,
+            Fidelity::Rigid => self.left_out_by_rigid(output) + self.frame * whole,
+            Fidelity::Phased => self.left_out_by_phased(output, whole),
+        }
+    }
+
+    /// Cranks that never lag.
+    fn left_out_below_rigid(&self, output: Output) -> f64 {
+        let worst = &self.worst;
+        let of_torque = MARGIN * worst.torque + self.frame;
+        match output {
+            Output::Lag => degrees(MARGIN * self.bent(worst.lag_rad)) * (1.0 + self.frame),
+            Output::Spread => degrees(self.apart_rad()) * (1.0 + self.frame),
+            Output::Tilt => self.tilt_mrad * self.apart_rad() * (1.0 + self.frame),
+            Output::Amax => 100.0 * (MARGIN * worst.amax + self.sampling + self.frame),
+            Output::Torque => 100.0 * of_torque,
+            Output::Slips => 0.0,
+        }
+    }
+
+    /// Cranks that lag alike.
+    fn left_out_by_rigid(&self, output: Output) -> f64 {
+        if self.alike && self.standing_apart_rad == 0.0 {
+            return 0.0;
+        }
+        let worst = &self.worst;
+        let apart = self.apart_rad();
+        // The part of what a crank does that is not the others'.
+        let part = (apart / (MARGIN * worst.lag_rad)).min(1.0);
+        match output {
+            Output::Lag | Output::Spread => degrees(apart),
+            Output::Tilt => self.tilt_mrad * apart,
+            Output::Amax => 100.0 * (part * MARGIN * worst.amax + self.sampling),
+            Output::Torque => 100.0 * (part * MARGIN * worst.torque + worst.spring_per_rad * apart),
+            Output::Slips => 0.0,
+        }
+    }
+
+    /// A frame that does not move.
+    fn left_out_by_phased(&self, output: Output, whole: f64) -> f64 {
+        match output {
+            Output::Amax | Output::Torque => 100.0 * self.frame,
+            _ => self.frame * whole / (1.0 + self.frame),
+        }
+    }
+
+    /// By how many motors a rung may be wrong about which of them slip.
+    fn slips(&self, rung: Fidelity) -> f64 {
+        let is_known = match rung {
+            Fidelity::Auto | Fidelity::Kinematic => false,
+            Fidelity::QuasiStatic => self.is_decided(),
+            Fidelity::Rigid => self.alike,
+            Fidelity::Phased => true,
+        };
+        let worst = &self.worst.torque_ratio;
+        let slips = |i: &usize| self.steppers[*i] && MARGIN * worst[*i] >= 1.0;
+        if is_known {
+            return 0.0;
+        }
+        (0..worst.len()).filter(slips).count() as f64
+    }
+
+    /// Whether the torque that is asked for alone tells who slips: each motor is asked for far more than it has, or far less
+    /// even if those carry nothing any more.
+    fn is_decided(&self) -> bool {
+        let worst = &self.worst;
+        let slips = |i: usize| self.steppers[i] && worst.torque_ratio_asked[i] > MARGIN;
+        let axes = self.steppers.len();
+        let left = (0..axes).filter(|&i| !slips(i)).count();
+        let more = axes as f64 / left.max(1) as f64;
+        (0..axes).all(|i| !self.steppers[i] || slips(i) || MARGIN * more * worst.torque_ratio[i] < 1.0)
+    }
+
+    fn apart_rad(&self) -> f64 {
+        MARGIN * self.bent(self.worst.spread_rad) + self.standing_apart_rad
+    }
+
+    /// What a spring that gives way as a sine does gives more than a straight one: asin(e)/e at the worst motor.
+    fn bent(&self, rad: f64) -> f64 {
+        let used = self.worst.torque_ratio.iter().copied().fold(0.0, f64::max);
+        let used = (MARGIN * used).clamp(1e-9, 1.0);
+        rad * used.asin() / used
+    }
+}
+
+fn degrees(rad: f64) -> f64 {
+    rad * 360.0 / TAU
+}

@@ -1,0 +1,351 @@
+//! How cranks answer to what their load asks of them, each a mass on its motor's spring: dimensionless numbers, and the
+//! phase errors that come of them.
+//!
+//! Turning evenly at ω, a platform asks of each crank the torque T(α) = Σ Tₙ sin nα, odd as it is. With the motor's
+//! stiffness k and damping d, and the inertia J of rotor and load's share, harmonic n moves the crank by
+//!
+//! ```text
+//! xₙ = Tₙ / (k − J (nω)² + i nω d)
+//! ```
+//!
+//! J changes within a turn, from the rotor's alone to R² s² m/N more, and the load's own slope dT/dα adds to k or takes from
+//! it. So the worst is taken of both over their ranges: where these hold a resonance, only damping bounds the answer. The sum of
+//! the |xₙ| is an upper bound of a linear machine at any steady speed; that its coefficients change within the
+//! turn, and speeds within seconds, is left to the factor that [`super::Bounds`] has.
+//!
+//! A servo that is told its torque is left with what a tick's hold leaves of it: a part nω·tick of harmonic n.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Complex;
+
+use crate::dynamics::{Body, Driven, Motor};
+
+/// Harmonics of the torque that are looked at. At λ = 0.6 the ninth has 1e-4 of the second.
+const HARMONICS: usize = 8;
+const SAMPLES: u32 = 64;
+/// Speeds looked at, besides those of resonances.
+const SPEEDS: u32 = 160;
+
+/// How a scene drives its cranks.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    /// Greatest speed of the master, rad/s.
+    pub top_rad_s: f64,
+    /// Its greatest acceleration, rad/s².
+    pub acceleration_rad_s2: f64,
+    /// Control tick, s.
+    pub tick_s: f64,
+    /// Crank turns to a master turn, each axis.
+    pub ratios: Vec<f64>,
+    /// Phase relative to the master, each axis, turns.
+    pub offsets: Vec<f64>,
+}
+
+/// The worst over all speeds up to the top.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Worst {
+    /// Largest lag of any crank, rad; infinite where nothing bounds it.
+    pub lag_rad: f64,
+    /// Largest difference of two cranks' lags, rad.
+    pub spread_rad: f64,
+    /// What the cranks' lag does to the platform's acceleration, as a part of amax at top speed.
+    pub amax: f64,
+    /// By how much motors' torques differ from what the load asks, as a part of the greatest of it.
+    pub torque: f64,
+    /// Greatest stiffness of a motor over the greatest torque that the load asks of it, 1/rad.
+    pub spring_per_rad: f64,
+    /// Torque over the most that the motor has (pull-out torque, or a servo's limit), each axis.
+    pub torque_ratio: Vec<f64>,
+    /// The same as the load alone asks it, without what oscillation adds.
+    pub torque_ratio_asked: Vec<f64>,
+    /// Highest frequency that the load has at top speed (its second harmonic), over the lowest of motor and crank.
+    pub frequency_ratio: f64,
+}
+
+/// What a turning load asks of all cranks together.
+struct Asked {
+    /// Sine coefficients at ω = 1 rad/s, without gravity, N·m s².
+    centripetal: [f64; HARMONICS + 1],
+    /// Sine coefficients of gravity, N·m.
+    gravity: [f64; HARMONICS + 1],
+    /// Greatest slopes dT/dα of both.
+    slopes: (f64, f64),
+    /// Largest s².
+    lever_squared: f64,
+}
+
+impl Asked {
+    fn by(body: &Body) -> Self {
+        let mut asked = Self {
+            centripetal: [0.0; HARMONICS + 1],
+            gravity: [0.0; HARMONICS + 1],
+            slopes: (0.0, 0.0),
+            lever_squared: 0.0,
+        };
+        let mut weightless = body.load;
+        weightless.gravity_mps2 = 0.0;
+        let at = |alpha: f64| {
+            let turning = body.mechanism.torque_nm(&weightless, alpha, 1.0, 0.0);
+            let standing = body.mechanism.torque_nm(&body.load, alpha, 0.0, 0.0);
+            (turning, standing)
+        };
+        let by = TAU / f64::from(SAMPLES);
+        for sample in 0..SAMPLES {
+            let alpha = by * f64::from(sample);
+            let (turning, standing) = at(alpha);
+            for n in 1..=HARMONICS {
+                let share = 2.0 / f64::from(SAMPLES) * (n as f64 * alpha).sin();
+                asked.centripetal[n] += share * turning;
+                asked.gravity[n] += share * standing;
+            }
+            let next = at(alpha + by);
+            asked.slopes.0 = asked.slopes.0.max((next.0 - turning).abs() / by);
+            asked.slopes.1 = asked.slopes.1.max((next.1 - standing).abs() / by);
+            asked.lever_squared = asked.lever_squared.max(body.mechanism.s(alpha).powi(2));
+        }
+        asked
+    }
+
+    /// Harmonic `n` of all cranks together at a speed.
+    fn harmonic_nm(&self, n: usize, omega_rad_s: f64) -> f64 {
+        self.centripetal[n] * omega_rad_s * omega_rad_s + self.gravity[n]
+    }
+
+    fn slope_nm(&self, omega_rad_s: f64) -> f64 {
+        self.slopes.0 * omega_rad_s * omega_rad_s + self.slopes.1
+    }
+}
+
+/// One crank at one speed.
+struct Crank {
+    omega_rad_s: f64,
+    stiffness: (f64, f64),
+    inertia: (f64, f64),
+    damping_nms: f64,
+    is_told: bool,
+    /// What moves it: constant, then harmonics.
+    torque_nm: [f64; HARMONICS + 1],
+    /// What the load asks, told or not: at most the sum of its harmonics.
+    asked_nm: f64,
+    most_nm: f64,
+}
+
+impl Crank {
+    /// By how much harmonic `n` moves it at most, rad.
+    fn moved_rad(&self, n: usize) -> f64 {
+        let radians = n as f64 * self.omega_rad_s;
+        let (low, high) = (
+            self.stiffness.0 - self.inertia.1 * radians * radians,
+            self.stiffness.1 - self.inertia.0 * radians * radians,
+        );
+        let apart = if low <= 0.0 && high >= 0.0 {
+            0.0
+        } else {
+            low.abs().min(high.abs())
+        };
+        let held = apart.hypot(radians * self.damping_nms);
+        if self.torque_nm[n] == 0.0 {
+            return 0.0;
+        }
+        self.torque_nm[n].abs() / held
+    }
+
+    /// How harmonic `n` moves it, at a place within the ranges of stiffness and inertia.
+    fn response(&self, n: usize, place: (f64, f64)) -> Complex<f64> {
+        let radians = n as f64 * self.omega_rad_s;
+        let stiffness = self.stiffness.0 + place.0 * (self.stiffness.1 - self.stiffness.0);
+        let inertia = self.inertia.0 + place.1 * (self.inertia.1 - self.inertia.0);
+        let held = Complex::new(
+            stiffness - inertia * radians * radians,
+            radians * self.damping_nms,
+        );
+        self.torque_nm[n] / held
+    }
+
+    fn standing_rad(&self) -> f64 {
+        self.torque_nm[0] / self.stiffness.0.max(0.0)
+    }
+}
+
+/// Places within the ranges of stiffness and inertia at which two cranks are compared.
+const PLACES: [(f64, f64); 6] = [
+    (0.0, 0.0),
+    (0.0, 0.5),
+    (0.0, 1.0),
+    (1.0, 0.0),
+    (1.0, 0.5),
+    (1.0, 1.0),
+];
+
+/// The worst of a machine under a drive.
+pub fn worst(driven: &Driven, drive: &Drive) -> Worst {
+    let body = driven.body();
+    let asked = Asked::by(body);
+    let axes = body.axes();
+    let mut worst = Worst {
+        torque_ratio: vec![0.0; axes],
+        torque_ratio_asked: vec![0.0; axes],
+        ..Worst::default()
+    };
+    for omega in speeds(driven, drive, &asked) {
+        let cranks: Vec<Crank> = (0..axes)
+            .map(|i| crank(driven, drive, &asked, i, omega))
+            .collect();
+        at_speed(&cranks, driven, drive, &mut worst);
+    }
+    let greatest_nm = greatest_nm(body, drive);
+    worst.torque /= greatest_nm;
+    worst.spring_per_rad /= greatest_nm;
+    worst.frequency_ratio = frequency_ratio(driven, drive, &asked);
+    worst
+}
+
+/// Takes in one speed.
+fn at_speed(cranks: &[Crank], driven: &Driven, drive: &Drive, worst: &mut Worst) {
+    for (i, crank) in cranks.iter().enumerate() {
+        let mut lag = crank.standing_rad().abs();
+        let (mut amax, mut torque) = (0.0, 0.0);
+        for n in 1..=HARMONICS {
+            let moved = crank.moved_rad(n);
+            lag += moved;
+            let n_f64 = n as f64;
+            // x″ = −R (h ω² + s α″): 2 h ω δω, and s δα″ with |s| ≤ 1 + λ/2 of the 1 + λ that h has.
+            amax += moved * (2.0 * n_f64 + n_f64 * n_f64);
+            // What the motor gives beyond what the load asks is what turns the inertia.
+            let radians = n_f64 * crank.omega_rad_s;
+            torque += crank.inertia.1 * radians * radians * moved;
+        }
+        worst.lag_rad = worst.lag_rad.max(lag);
+        let at_top = (crank.omega_rad_s / (drive.top_rad_s * drive.ratios[i])).powi(2);
+        worst.amax = worst.amax.max(amax * at_top);
+        worst.torque = worst.torque.max(torque);
+        worst.spring_per_rad = worst.spring_per_rad.max(crank.stiffness.1);
+        // A servo gives what it was told besides what its lag makes it give.
+        let told_nm = if crank.is_told { crank.asked_nm } else { 0.0 };
+        let ratio = (told_nm + lag * crank.stiffness.1) / crank.most_nm;
+        worst.torque_ratio[i] = worst.torque_ratio[i].max(ratio);
+        let asked = crank.asked_nm / crank.most_nm;
+        worst.torque_ratio_asked[i] = worst.torque_ratio_asked[i].max(asked);
+    }
+    for (i, one) in cranks.iter().enumerate() {
+        for (j, other) in cranks.iter().enumerate().skip(i + 1) {
+            worst.spread_rad = worst
+                .spread_rad
+                .max(apart_rad((i, one), (j, other), driven, drive));
+        }
+    }
+}
+
+/// By how much two cranks' lags may differ, rad.
+fn apart_rad(
+    (i, one): (usize, &Crank),
+    (j, other): (usize, &Crank),
+    driven: &Driven,
+    drive: &Drive,
+) -> f64 {
+    let standing = (one.standing_rad() - other.standing_rad()).abs();
+    if drive.ratios[i] != drive.ratios[j] || drive.offsets[i] != drive.offsets[j] {
+        let all = |crank: &Crank| (1..=HARMONICS).map(|n| crank.moved_rad(n)).sum::<f64>();
+        return standing + all(one) + all(other);
+    }
+    let body = driven.body();
+    let alike = driven.motors()[i] == driven.motors()[j]
+        && body.rotors_kgm2[i] == body.rotors_kgm2[j];
+    if alike {
+        return standing;
+    }
+    let moved = PLACES.into_iter().map(|place| {
+        (1..=HARMONICS)
+            .map(|n| (one.response(n, place) - other.response(n, place)).norm())
+            .sum::<f64>()
+    });
+    standing + moved.fold(0.0, f64::max)
+}
+
+fn crank(driven: &Driven, drive: &Drive, asked: &Asked, i: usize, master_rad_s: f64) -> Crank {
+    let body = driven.body();
+    let motor = &driven.motors()[i];
+    let omega = master_rad_s * drive.ratios[i];
+    let share = 1.0 / body.axes() as f64;
+    let stiffness = motor.stiffness_at_nm(omega);
+    let slope = asked.slope_nm(omega) * share;
+    let load = load_inertia_kgm2(body, asked);
+    let rotor = body.rotors_kgm2[i];
+    let is_told = matches!(motor, Motor::Servo(_));
+    let mut torque_nm = [0.0; HARMONICS + 1];
+    // Friction is not told; while the speed changes, rotor and load ask for more, twice at worst, as it comes at once.
+    torque_nm[0] = body.friction_nm[i];
+    if !is_told {
+        torque_nm[0] += 2.0 * (rotor + load) * drive.acceleration_rad_s2 * drive.ratios[i];
+    }
+    let mut asked_nm = torque_nm[0].abs();
+    for (n, torque) in torque_nm.iter_mut().enumerate().skip(1) {
+        let left = if is_told {
+            (n as f64 * omega * drive.tick_s).min(1.0)
+        } else {
+            1.0
+        };
+        let whole = asked.harmonic_nm(n, omega) * share;
+        asked_nm += whole.abs();
+        *torque = whole * left;
+    }
+    Crank {
+        omega_rad_s: omega,
+        stiffness: (stiffness - slope, stiffness + slope),
+        inertia: (rotor, rotor + load),
+        damping_nms: motor.damping_nms(),
+        torque_nm,
+        asked_nm,
+        most_nm: motor.most_nm(omega),
+        is_told,
+    }
+}
+
+/// The most that the load adds to a crank's inertia, whether all move alike or the platform tilts.
+fn load_inertia_kgm2(body: &Body, asked: &Asked) -> f64 {
+    let radius = body.mechanism.crank_radius_m();
+    let tilting = 2.0 * body.tilt_inertia_kgm2 / body.mount_radius_m.powi(2);
+    let mass = body.load.mass_kg.max(tilting) / body.axes() as f64;
+    mass * radius * radius * asked.lever_squared
+}
+
+/// The greatest torque that the load asks of a crank, N·m.
+fn greatest_nm(body: &Body, drive: &Drive) -> f64 {
+    let at = |alpha| {
+        let torque = body
+            .mechanism
+            .torque_nm(&body.load, alpha, drive.top_rad_s, 0.0);
+        torque.abs() / body.axes() as f64
+    };
+    (0..SAMPLES)
+        .map(|i| at(TAU / f64::from(SAMPLES) * f64::from(i)))
+        .fold(f64::MIN_POSITIVE, f64::max)
+}
+
+/// Speeds of the master to look at: evenly up to the top, and where a harmonic meets the ends of the range that
+/// motor and crank resonate in.
+fn speeds(driven: &Driven, drive: &Drive, asked: &Asked) -> Vec<f64> {
+    let mut speeds: Vec<f64> = (1..=SPEEDS)
+        .map(|i| drive.top_rad_s * f64::from(i) / f64::from(SPEEDS))
+        .collect();
+    let body = driven.body();
+    for (i, motor) in driven.motors().iter().enumerate() {
+        for inertia in [0.0, load_inertia_kgm2(body, asked)] {
+            let resonance = (motor.stiffness_nm() / (body.rotors_kgm2[i] + inertia)).sqrt();
+            let met = (1..=HARMONICS).map(|n| resonance / n as f64 / drive.ratios[i]);
+            speeds.extend(met.filter(|&omega| omega < drive.top_rad_s));
+        }
+    }
+    speeds
+}
+
+fn frequency_ratio(driven: &Driven, drive: &Drive, asked: &Asked) -> f64 {
+    let body = driven.body();
+    let load = load_inertia_kgm2(body, asked);
+    let ratio = |(i, motor): (usize, &Motor)| {
+        let resonance = (motor.stiffness_nm() / (body.rotors_kgm2[i] + load)).sqrt();
+        2.0 * drive.top_rad_s * drive.ratios[i] / resonance
+    };
+    driven.motors().iter().enumerate().map(ratio).fold(0.0, f64::max)
+}

@@ -1,0 +1,88 @@
+//! What a run comes to, as far as it can be asked for.
+
+use crate::scene::file::Questions;
+
+/// An output, in the order of [`Output::ALL`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Output {
+    /// Largest lag or lead of a crank while running, degrees.
+    Lag,
+    /// Largest difference between two cranks' lags, degrees.
+    Spread,
+    /// Largest tilt of the platform, mrad.
+    Tilt,
+    /// Largest acceleration of the platform, m/s²; asked for in percent of itself.
+    Amax,
+    /// Largest torque of a motor, N·m; asked for in percent of itself.
+    Torque,
+    /// Which motors fell out of step, a bit each; asked for exactly.
+    Slips,
+}
+
+impl Output {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::Lag,
+        Self::Spread,
+        Self::Tilt,
+        Self::Amax,
+        Self::Torque,
+        Self::Slips,
+    ];
+
+    /// Its key in `[questions]`, which carries the unit of its tolerance.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Lag => "lag_deg",
+            Self::Spread => "spread_deg",
+            Self::Tilt => "tilt_mrad",
+            Self::Amax => "amax_percent",
+            Self::Torque => "torque_percent",
+            Self::Slips => "slips",
+        }
+    }
+
+    /// What it is, in words.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Lag => "lag of a crank",
+            Self::Spread => "phase spread",
+            Self::Tilt => "tilt",
+            Self::Amax => "greatest acceleration",
+            Self::Torque => "greatest motor torque",
+            Self::Slips => "which motors slip",
+        }
+    }
+
+    /// The unit of tolerance, bound and difference.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Lag | Self::Spread => "°",
+            Self::Tilt => "mrad",
+            Self::Amax | Self::Torque => "%",
+            Self::Slips => "motors",
+        }
+    }
+
+    /// By how much it may be off, if it is asked for.
+    pub fn tolerance(self, questions: &Questions) -> Option<f64> {
+        match self {
+            Self::Lag => questions.lag_deg,
+            Self::Spread => questions.spread_deg,
+            Self::Tilt => questions.tilt_mrad,
+            Self::Amax => questions.amax_percent,
+            Self::Torque => questions.torque_percent,
+            // Half a motor: none may differ.
+            Self::Slips => questions.slips.then_some(0.5),
+        }
+    }
+
+    /// How far `found` is off `right`, in the unit of the tolerance.
+    pub fn difference(self, found: f64, right: f64) -> f64 {
+        match self {
+            Self::Lag | Self::Spread | Self::Tilt => (found - right).abs(),
+            Self::Amax | Self::Torque => (found / right - 1.0).abs() * 100.0,
+            Self::Slips => f64::from((found as u64 ^ right as u64).count_ones()),
+        }
+    }
+}
