@@ -5,9 +5,10 @@ use std::fmt::Write;
 use cophase_methods::problems::{Andrews, Hires, Oscillator};
 use cophase_methods::{Equations, Scheme, advance};
 
-use super::Drawn;
+use super::axis::Axis;
 use super::counted::Counted;
-use super::picture::{Line, Panel, render};
+use super::picture::{Line, Panel, Picture, render};
+use super::{ChartError, Drawn, Progress, Size};
 
 /// A problem with its answer.
 struct Problem {
@@ -69,40 +70,50 @@ fn problems() -> Vec<Problem> {
 }
 
 /// Makes the chart.
-pub fn draw() -> Drawn {
+pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
     let mut csv = "problem,method,steps,evaluations,error\n".to_owned();
     let mut panels = Vec::new();
-    for problem in problems() {
+    let problems = problems();
+    let of = (problems.len() * Scheme::ALL.len()) as u64;
+    let mut done = 0;
+    for problem in problems {
         let mut lines = Vec::new();
         for scheme in Scheme::ALL {
             let points = measure(&problem, scheme, &mut csv);
             if !points.is_empty() {
-                lines.push(Line {
-                    scheme,
-                    points,
-                    marked: true,
-                });
+                lines.push(Line::of_scheme(scheme, points));
             }
+            done += 1;
+            progress(done, of);
         }
         panels.push(Panel {
             title: problem.name.to_owned(),
-            x_label: "evaluations of the machine",
-            y_label: "largest error, in the unit of the answer",
-            x: problem.x,
-            y: problem.y,
+            x: Axis::log("evaluations of the machine", problem.x.0, problem.x.1),
+            y: Axis::log(
+                "largest error, in the unit of the answer",
+                problem.y.0,
+                problem.y.1,
+            ),
             lines,
             levels: Vec::new(),
         });
     }
-    Drawn {
-        csv,
-        svg: render("Methods: error against cost", panels),
-        says: "Where the step resolves the fastest mode RK4 is the cheapest for any accuracy worth having. On the stiff problem \
+    let says = "Where the step resolves the fastest mode RK4 is the cheapest for any accuracy worth having. On the stiff problem \
                explicit methods diverge until the step is far shorter than accuracy asks for; there SDIRK4 is \
                the cheapest below errors of some 1e-4, and implicit midpoint above. On the linear machine exact discretisation errs \
-               by its input alone. What diverged or did not converge has a row in the data and no point."
-            .to_owned(),
-    }
+               by its input alone. What diverged or did not converge has a row in the data and no point.";
+    let svg = render(Picture {
+        title: "Methods: error against cost".to_owned(),
+        says: says.to_owned(),
+        columns: 3,
+        chosen_is: "default",
+        panels,
+    });
+    Ok(Drawn {
+        csv,
+        svg,
+        says: says.to_owned(),
+    })
 }
 
 /// Cost and error at each number of steps that leads to an end; a row each.

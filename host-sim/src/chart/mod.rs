@@ -1,10 +1,16 @@
-//! Charts: speed against accuracy, and where methods stop being stable. Each is data (CSV) and a picture (SVG).
+//! Charts: speed against accuracy, and where things stop working. Each is data (CSV) and a picture (SVG).
 //!
-//! Both are the same on every run: costs are counted, not timed.
+//! Both are the same on every run, but for one column of the data, `timing`, where there is one: what an evaluation takes
+//! on a clock, as a ratio to a yardstick measured in the same run. No picture is drawn from it.
+//!
+//! - [`picture`]: panels, lines, legend, and the sentence under them; [`axis`], [`ink`]: what they are made of;
+//! - the rest: a chart a file.
 
+pub mod axis;
 mod counted;
+pub mod ink;
 mod methods;
-mod picture;
+pub mod picture;
 mod stability;
 
 /// A chart that was made.
@@ -14,9 +20,27 @@ pub struct Drawn {
     pub csv: String,
     /// The picture.
     pub svg: String,
-    /// What it says, in a sentence or two.
+    /// What it says, in a sentence or two; it stands under the picture too.
     pub says: String,
 }
+
+/// How much is measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Size {
+    /// Fewer points, shorter runs: seconds even where nothing is optimised.
+    Small,
+    /// What the docs show.
+    #[default]
+    Full,
+}
+
+/// Told how much is done, of how much.
+pub type Progress<'a> = &'a mut dyn FnMut(u64, u64);
+
+/// Why a chart could not be made.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct ChartError(pub String);
 
 /// A chart that can be made.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +50,7 @@ pub struct Chart {
     /// What it shows, in a line.
     pub shows: &'static str,
     /// Makes it.
-    pub draw: fn() -> Drawn,
+    pub draw: fn(Size, Progress) -> Result<Drawn, ChartError>,
 }
 
 /// All charts.

@@ -1,137 +1,275 @@
-//! A picture of panels side by side, on logarithmic axes, one line a method.
+//! A picture: a title, panels in a grid, one legend for all, and under them what they say.
+//!
+//! kuva draws the panels and their axes. A picture has the same bytes each time it is drawn of the same data.
 
-use cophase_methods::Scheme;
 use kuva::backend::svg::SvgBackend;
-use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
-use kuva::plot::{LinePlot, ScatterPlot};
+use kuva::plot::legend::{LegendEntry, LegendShape};
+use kuva::plot::scatter::ScatterPlot;
+use kuva::plot::{LabelStyle, LinePlot, LineStyle};
 use kuva::render::annotations::ReferenceLine;
+use kuva::render::color::Color;
 use kuva::render::figure::Figure;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
+use kuva::render::render::{Primitive, Scene, TextAnchor};
+use kuva::render::render_utils::wrap_text;
+
+use cophase_methods::Scheme;
+
+use super::axis::Axis;
+use super::ink::{self, Ink, Stroke};
+
+/// All of it.
+pub struct Picture {
+    /// Above all panels.
+    pub title: String,
+    /// Under them: the message, in a sentence or two.
+    pub says: String,
+    /// How many panels stand side by side.
+    pub columns: usize,
+    /// What a line that is drawn thick is, in the legend's brackets, such as "default".
+    pub chosen_is: &'static str,
+    /// Row by row.
+    pub panels: Vec<Panel>,
+}
 
 /// One panel.
 pub struct Panel {
     /// What it is of.
     pub title: String,
-    /// With its unit.
-    pub x_label: &'static str,
-    /// With its unit.
-    pub y_label: &'static str,
-    /// What is shown of either axis.
-    pub x: (f64, f64),
-    /// What is shown of either axis.
-    pub y: (f64, f64),
+    /// Below.
+    pub x: Axis,
+    /// To the left.
+    pub y: Axis,
     /// Lines, back to front.
     pub lines: Vec<Line>,
-    /// Levels that mean something, marked across.
-    pub levels: Vec<(f64, String)>,
+    /// Values that mean something.
+    pub levels: Vec<Level>,
 }
 
-/// A line through measured points.
+/// A line through measured points, of which those on the axes are shown.
+#[derive(Clone, Debug)]
 pub struct Line {
-    /// Whose it is.
-    pub scheme: Scheme,
-    /// Points, by x.
-    pub points: Vec<(f64, f64)>,
+    /// Its name in the legend, where lines of one name and look are one entry; none if it is empty.
+    pub label: String,
+    /// Its colour.
+    pub ink: Ink,
+    /// How its points are joined.
+    pub stroke: Stroke,
     /// Whether each point is marked.
     pub marked: bool,
+    /// Whether it is the one that is taken unless told otherwise: it is drawn thicker, and the legend says so.
+    pub chosen: bool,
+    /// Points, by x.
+    pub points: Vec<(f64, f64)>,
+    /// What is written at each point; none, or one a point.
+    pub names: Vec<String>,
 }
 
-/// Colours of Okabe and Ito, which the colour-blind tell apart.
-const fn colour(scheme: Scheme) -> &'static str {
-    match scheme {
-        Scheme::ExplicitEuler => "#D55E00",
-        Scheme::SymplecticEuler => "#E69F00",
-        Scheme::VelocityVerlet => "#009E73",
-        Scheme::Rk4 => "#0072B2",
-        Scheme::ImplicitMidpoint => "#CC79A7",
-        Scheme::Sdirk4 => "#56B4E9",
-        Scheme::Exact => "#222222",
+impl Line {
+    /// A line with marks at its points.
+    pub fn new(label: impl Into<String>, ink: Ink, points: Vec<(f64, f64)>) -> Self {
+        Self {
+            label: label.into(),
+            ink,
+            stroke: Stroke::Solid,
+            marked: true,
+            chosen: false,
+            points,
+            names: Vec::new(),
+        }
+    }
+
+    /// A method's line, which looks the same in all charts.
+    pub fn of_scheme(scheme: Scheme, points: Vec<(f64, f64)>) -> Self {
+        let (ink, stroke) = ink::of_scheme(scheme);
+        Self {
+            stroke,
+            ..Self::new(scheme.facts().name, ink, points)
+        }
     }
 }
 
-/// Where some lie on others, dashes let both be seen.
-const fn is_dashed(scheme: Scheme) -> bool {
-    matches!(
-        scheme,
-        Scheme::VelocityVerlet | Scheme::Sdirk4 | Scheme::Exact
-    )
+/// A value that means something, marked through the panel.
+pub struct Level {
+    /// On which axis, and where.
+    pub at: At,
+    /// What it means.
+    pub label: String,
 }
 
-const CELL: (f64, f64) = (520.0, 420.0);
+/// A place on one of the axes.
+#[derive(Clone, Copy, Debug)]
+pub enum At {
+    /// A line from left to right.
+    Y(f64),
+    /// A line from top to bottom.
+    X(f64),
+}
+
+const CELL: (f64, f64) = (500.0, 410.0);
+/// Beside a panel's axes, px: for the label and its ticks, and for half a tick's width.
+const MARGINS: (f64, f64) = (74.0, 20.0);
+const FONT: &str = "sans-serif";
+const SAYS_SIZE: u32 = 15;
+/// About how wide a letter is, of its size; the viewer's font is not known here.
+const LETTER: f64 = 0.53;
 
 /// The picture as SVG text.
-pub fn render(title: &str, panels: Vec<Panel>) -> String {
-    let columns = panels.len();
-    let mut plots = Vec::new();
-    let mut layouts = Vec::new();
-    let mut shown: Vec<Scheme> = Vec::new();
-    for panel in panels {
-        for line in &panel.lines {
-            if !shown.contains(&line.scheme) {
-                shown.push(line.scheme);
-            }
-        }
-        let (panel_plots, layout) = lay_out(panel);
-        plots.push(panel_plots);
-        layouts.push(layout);
-    }
-    let legend = shown.into_iter().map(|scheme| LegendEntry {
-        label: scheme.facts().name.to_owned(),
-        color: colour(scheme).to_owned(),
-        shape: LegendShape::Line,
-        dasharray: is_dashed(scheme).then(|| "6 4".to_owned()),
-    });
-    let figure = Figure::new(1, columns)
-        .with_title(title)
+pub fn render(picture: Picture) -> String {
+    let legend = legend(&picture);
+    let columns = picture.columns.min(picture.panels.len()).max(1);
+    let rows = picture.panels.len().div_ceil(columns);
+    let (plots, layouts): (Vec<_>, Vec<_>) = picture.panels.into_iter().map(lay_out).unzip();
+    let figure = Figure::new(rows, columns)
+        .with_title(picture.title)
+        .with_structure((0..plots.len()).map(|panel| vec![panel]).collect())
         .with_plots(plots)
         .with_layouts(layouts)
         .with_cell_size(CELL.0, CELL.1)
-        .with_shared_legend_entries(legend.collect())
+        .with_shared_legend_entries(legend)
         .with_shared_legend_right_top();
-    SvgBackend::new().render_scene(&figure.render())
+    let mut scene = figure.render();
+    number_clips(&mut scene);
+    say(&mut scene, &picture.says);
+    SvgBackend::new().render_scene(&scene)
+}
+
+/// An entry for each name, in the order in which panels bring them.
+fn legend(picture: &Picture) -> Vec<LegendEntry> {
+    let lines = || picture.panels.iter().flat_map(|panel| &panel.lines);
+    let mut shown: Vec<&Line> = Vec::new();
+    for line in lines().filter(|line| !line.label.is_empty()) {
+        if !shown.iter().any(|other| other.label == line.label) {
+            shown.push(line);
+        }
+    }
+    let entry = |line: &Line| {
+        let (chosen, not): (Vec<_>, Vec<_>) = lines()
+            .filter(|other| other.label == line.label)
+            .partition(|other| other.chosen);
+        let what = picture.chosen_is;
+        LegendEntry {
+            label: match (chosen.is_empty(), not.is_empty()) {
+                (true, _) => line.label.clone(),
+                (false, true) => format!("{} ({what})", line.label),
+                (false, false) => format!("{} ({what} where thick)", line.label),
+            },
+            color: line.ink.hex().to_owned(),
+            shape: match line.stroke {
+                Stroke::None => LegendShape::Circle,
+                _ => LegendShape::Line,
+            },
+            dasharray: line.stroke.dashes().map(str::to_owned),
+        }
+    };
+    shown.into_iter().map(entry).collect()
 }
 
 fn lay_out(panel: Panel) -> (Vec<Plot>, Layout) {
+    let Panel {
+        title,
+        x,
+        y,
+        lines,
+        levels,
+    } = panel;
     let mut plots = Vec::new();
-    for line in panel.lines {
-        let within = |&(x, y): &(f64, f64)| {
-            (panel.x.0..=panel.x.1).contains(&x) && (panel.y.0..=panel.y.1).contains(&y)
-        };
-        let points: Vec<_> = line.points.iter().copied().filter(within).collect();
-        if line.marked {
-            let marks = ScatterPlot::new().with_data(points.iter().copied());
-            plots.push(Plot::Scatter(
-                marks.with_color(colour(line.scheme)).with_size(3.0),
-            ));
-        }
-        let mut drawn = LinePlot::new()
-            .with_data(points)
-            .with_color(colour(line.scheme))
-            .with_stroke_width(1.8);
-        if is_dashed(line.scheme) {
-            drawn = drawn.with_dashed();
-        }
-        plots.push(Plot::Line(drawn));
+    for line in &lines {
+        plots.extend(draw(line, &x, &y));
     }
-    let mut layout = Layout::new(panel.x, panel.y)
-        .with_log_scale()
-        .with_x_axis_min(panel.x.0)
-        .with_x_axis_max(panel.x.1)
-        .with_y_axis_min(panel.y.0)
-        .with_y_axis_max(panel.y.1)
-        .with_title(panel.title)
+    if plots.is_empty() {
+        // kuva draws no axes around nothing.
+        plots.push(Plot::Line(LinePlot::new()));
+    }
+    let mut layout = Layout::new(x.range(), y.range())
+        .with_title(title)
         .with_title_size(15)
-        .with_x_label(panel.x_label)
-        .with_y_label(panel.y_label)
-        .with_font_family("sans-serif")
-        .with_legend_position(LegendPosition::OutsideRightTop);
-    for (level, label) in panel.levels {
-        layout = layout.with_reference_line(
-            ReferenceLine::horizontal(level)
-                .with_color("#888888")
-                .with_label(label),
-        );
+        // kuva would leave room for the lifted numbers of a logarithmic axis.
+        .with_force_margins(MARGINS.0, MARGINS.1)
+        .with_font_family(FONT);
+    layout = x.lay_out_x(layout);
+    layout = y.lay_out_y(layout);
+    for level in levels {
+        let line = match level.at {
+            At::Y(value) => ReferenceLine::horizontal(y.place(value)),
+            At::X(value) => ReferenceLine::vertical(x.place(value)),
+        };
+        let line = line.with_color("#666666").with_label(level.label);
+        layout = layout.with_reference_line(line);
     }
     (plots, layout)
+}
+
+/// Marks and names under, the line above them.
+fn draw(line: &Line, x: &Axis, y: &Axis) -> Vec<Plot> {
+    // Off the axes a line goes on to the edge; kuva clips it there.
+    let drawn = |&&(at, value): &&(f64, f64)| x.can_show(at) && y.can_show(value);
+    let place = |&(at, value): &(f64, f64)| (x.place(at), y.place(value));
+    let mut plots = Vec::new();
+    if line.marked {
+        let size = if line.chosen { 4.2 } else { 3.0 };
+        let mut marks = ScatterPlot::new()
+            .with_data(line.points.iter().filter(drawn).map(place))
+            .with_color(line.ink.hex())
+            .with_size(size);
+        if !line.names.is_empty() {
+            let named = line.points.iter().zip(&line.names);
+            let names = named.filter(|(point, _)| drawn(point));
+            marks = marks
+                .with_labels(names.map(|(_, name)| name.clone()))
+                .with_label_style(LabelStyle::Repel);
+        }
+        plots.push(Plot::Scatter(marks));
+    }
+    if line.stroke != Stroke::None {
+        let mut joined = LinePlot::new()
+            .with_data(line.points.iter().filter(drawn).map(place))
+            .with_color(line.ink.hex())
+            .with_stroke_width(if line.chosen { 3.6 } else { 1.7 });
+        if let Some(dashes) = line.stroke.dashes() {
+            joined = joined.with_line_style(LineStyle::Custom(dashes.to_owned()));
+        }
+        plots.push(Plot::Line(joined));
+    }
+    plots
+}
+
+/// kuva numbers clip paths across the whole process; numbered from the picture's beginning, the same data give the same
+/// bytes.
+fn number_clips(scene: &mut Scene) {
+    let mut clips = 0;
+    for element in &mut scene.elements {
+        if let Primitive::ClipStart { id, .. } = element {
+            let ours = format!("panel-{clips}");
+            clips += 1;
+            let (theirs, renamed) = (format!("id=\"{id}\""), format!("id=\"{ours}\""));
+            for def in &mut scene.defs {
+                *def = def.replace(&theirs, &renamed);
+            }
+            *id = ours;
+        }
+    }
+}
+
+/// Writes the message under the picture, in as many lines as it takes.
+fn say(scene: &mut Scene, says: &str) {
+    let margin = 24.0;
+    let size = f64::from(SAYS_SIZE);
+    let letters = (scene.width - 2.0 * margin) / (LETTER * size);
+    let lines = wrap_text(says, letters as usize);
+    for line in lines {
+        scene.add(Primitive::Text {
+            x: margin,
+            y: scene.height + size,
+            content: line,
+            size: SAYS_SIZE,
+            anchor: TextAnchor::Start,
+            rotate: None,
+            bold: false,
+            color: Some(Color::from("#222222")),
+        });
+        scene.height += 1.4 * size;
+    }
+    scene.height += margin / 2.0;
 }

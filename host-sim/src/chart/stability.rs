@@ -4,8 +4,9 @@ use std::fmt::Write;
 
 use cophase_methods::Scheme;
 
-use super::Drawn;
-use super::picture::{Line, Panel, render};
+use super::axis::Axis;
+use super::picture::{At, Level, Line, Panel, Picture, render};
+use super::{ChartError, Drawn, Progress, Size};
 
 /// Damping ratios of the two panels.
 const ZETAS: [f64; 2] = [0.0, 0.1];
@@ -33,7 +34,7 @@ fn theory(scheme: Scheme, zeta: f64) -> Option<Option<f64>> {
 }
 
 /// Makes the chart.
-pub fn draw() -> Drawn {
+pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
     let mut csv = "method,zeta,edge_measured,edge_theory,h_omega,growth\n".to_owned();
     let mut panels = Vec::new();
     for zeta in ZETAS {
@@ -63,23 +64,24 @@ pub fn draw() -> Drawn {
                 );
             }
             lines.push(Line {
-                scheme,
-                points,
                 marked: false,
+                ..Line::of_scheme(scheme, points)
             });
         }
+        progress(panels.len() as u64 + 1, ZETAS.len() as u64);
         panels.push(Panel {
             title: if zeta == 0.0 {
                 "undamped".to_owned()
             } else {
                 format!("damping ratio {zeta}")
             },
-            x_label: "step × frequency, rad",
-            y_label: "growth a step",
-            x: H_OMEGA,
-            y: GROWTH,
+            x: Axis::log("step × frequency, rad", H_OMEGA.0, H_OMEGA.1),
+            y: Axis::log("growth a step", GROWTH.0, GROWTH.1),
             lines,
-            levels: vec![(1.0, "above: it grows".to_owned())],
+            levels: vec![Level {
+                at: At::Y(1.0),
+                label: "above: it grows".to_owned(),
+            }],
         });
     }
     let edges: Vec<String> = Scheme::ALL
@@ -92,15 +94,19 @@ pub fn draw() -> Drawn {
             format!("{} {} / {}", scheme.facts().name, edge(0.0), edge(0.1))
         })
         .collect();
-    Drawn {
-        csv,
-        svg: render("Stability: growth of an oscillation in a step", panels),
-        says: format!(
-            "Edges in step × frequency, undamped / at a damping ratio of 0.1: {}. Without an edge is not without error: \
-             beyond 1 rad a step no method follows the oscillation, exact discretisation excepted.",
-            edges.join(", ")
-        ),
-    }
+    let says = format!(
+        "Edges in step × frequency, undamped / at a damping ratio of 0.1: {}. Without an edge is not without error: beyond \
+         1 rad a step no method follows the oscillation, exact discretisation excepted.",
+        edges.join(", ")
+    );
+    let svg = render(Picture {
+        title: "Stability: growth of an oscillation in a step".to_owned(),
+        says: says.clone(),
+        columns: 2,
+        chosen_is: "default",
+        panels,
+    });
+    Ok(Drawn { csv, svg, says })
 }
 
 fn told(edge: Option<f64>) -> String {

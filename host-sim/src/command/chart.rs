@@ -3,8 +3,10 @@
 use std::io::Write;
 use std::path::PathBuf;
 
+use indicatif::{ProgressBar, ProgressStyle};
+
 use super::{CommandError, Status};
-use crate::chart::{self, CHARTS};
+use crate::chart::{self, CHARTS, Size};
 use crate::scene::load;
 use crate::trace::RunFiles;
 
@@ -15,6 +17,9 @@ pub(super) struct ChartArgs {
     /// Where to write NAME.csv and NAME.svg
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
+    /// How much is measured; the docs show full ones
+    #[arg(long, value_enum, default_value_t)]
+    size: Size,
 }
 
 pub(super) fn chart(args: &ChartArgs, out: &mut impl Write) -> Result<Status, CommandError> {
@@ -29,7 +34,13 @@ pub(super) fn chart(args: &ChartArgs, out: &mut impl Write) -> Result<Status, Co
     let Some(chart) = chart::find(&args.name) else {
         return Err(CommandError::Input(unknown(&args.name)));
     };
-    let drawn = (chart.draw)();
+    let bar = progress_bar();
+    let drawn = (chart.draw)(args.size, &mut |done, of| {
+        bar.set_length(of);
+        bar.set_position(done);
+    })
+    .map_err(|error| CommandError::Input(format!("{}: {error}", chart.name)))?;
+    bar.finish_and_clear();
     let place = |error: &dyn std::fmt::Display| {
         CommandError::Input(format!("--out: {error}; give a folder that can be written"))
     };
@@ -52,6 +63,12 @@ pub(super) fn chart(args: &ChartArgs, out: &mut impl Write) -> Result<Status, Co
         name = chart.name
     )?;
     Ok(Status::Done)
+}
+
+/// Seen on a terminal only: indicatif draws to stderr, and only if that is one.
+fn progress_bar() -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {pos} of {len}  {elapsed} gone");
+    ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 fn unknown(name: &str) -> String {

@@ -1,0 +1,81 @@
+//! Who is drawn how: colours of Okabe and Ito, which the colour-blind tell apart, and strokes that let both of two
+//! lines be seen where one lies on the other.
+
+use cophase_methods::Scheme;
+
+/// A colour, by what Okabe and Ito call it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ink {
+    /// Near black.
+    Black,
+    /// Orange.
+    Orange,
+    /// Sky blue.
+    Sky,
+    /// Bluish green.
+    Green,
+    /// Yellow; thin lines of it are hard to see.
+    Yellow,
+    /// Blue.
+    Blue,
+    /// Vermilion.
+    Vermilion,
+    /// Reddish purple.
+    Purple,
+    /// Of what should not draw the eye.
+    Grey,
+}
+
+impl Ink {
+    /// As SVG has it.
+    pub const fn hex(self) -> &'static str {
+        match self {
+            Self::Black => "#222222",
+            Self::Orange => "#E69F00",
+            Self::Sky => "#56B4E9",
+            Self::Green => "#009E73",
+            Self::Yellow => "#F0E442",
+            Self::Blue => "#0072B2",
+            Self::Vermilion => "#D55E00",
+            Self::Purple => "#CC79A7",
+            Self::Grey => "#888888",
+        }
+    }
+}
+
+/// How points are joined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stroke {
+    /// By a line.
+    Solid,
+    /// By dashes.
+    Dashed,
+    /// By dots.
+    Dotted,
+    /// Not at all.
+    None,
+}
+
+impl Stroke {
+    /// As SVG has it.
+    pub const fn dashes(self) -> Option<&'static str> {
+        match self {
+            Self::Solid | Self::None => None,
+            Self::Dashed => Some("7 4"),
+            Self::Dotted => Some("2 3"),
+        }
+    }
+}
+
+/// A method looks the same in all charts.
+pub const fn of_scheme(scheme: Scheme) -> (Ink, Stroke) {
+    match scheme {
+        Scheme::ExplicitEuler => (Ink::Vermilion, Stroke::Solid),
+        Scheme::SymplecticEuler => (Ink::Orange, Stroke::Solid),
+        Scheme::VelocityVerlet => (Ink::Green, Stroke::Dashed),
+        Scheme::Rk4 => (Ink::Blue, Stroke::Solid),
+        Scheme::ImplicitMidpoint => (Ink::Purple, Stroke::Solid),
+        Scheme::Sdirk4 => (Ink::Sky, Stroke::Dashed),
+        Scheme::Exact => (Ink::Black, Stroke::Dashed),
+    }
+}
