@@ -1,30 +1,187 @@
-//! `fidelity = "auto"`: bounds hold, and no rung is taken that is not needed.
+//! `fidelity = "auto"`: its bounds hold, it takes no more model than is needed, and it does not believe itself.
 
-use host_sim::fidelity::{Output, answers, check};
-use host_sim::scene::{Checked, library};
+use host_sim::fidelity::{Answers, Output, answers, available, bounds, check, questions};
+use host_sim::scene::file::Fidelity;
+use host_sim::scene::{Checked, library, load};
 
-#[test]
-fn table() {
-    for built_in in library::SCENES {
-        let checked = Checked::new(built_in.scene()).unwrap();
-        let began = std::time::Instant::now();
-        let rungs = host_sim::fidelity::available(&checked);
-        println!("{}: {:?} -> {:?}: {}", built_in.name, rungs, checked.fidelity, checked.why);
-        let bounds = host_sim::fidelity::bounds(&checked);
-        let Ok(bounds) = bounds else { println!("   {:?}", bounds.err()); continue };
-        println!("   {:?} in {:?}", bounds.worst(), began.elapsed());
-        let top = answers(&checked, *rungs.last().unwrap()).unwrap();
-        for rung in rungs {
-            let began = std::time::Instant::now();
-            let found = answers(&checked, rung).unwrap();
-            print!("   {:12} {:8.1?} ms ", rung.name(), began.elapsed().as_secs_f64()*1e3);
-            for output in Output::ALL {
-                let off = found.of(output).zip(top.of(output)).map(|(a, b)| output.difference(a, b));
-                print!("{} {:.3?} off {:.3?} <= {:.3}; ", output.key(), found.of(output).unwrap_or(f64::NAN), off.unwrap_or(f64::NAN), bounds.of(rung, output));
-            }
-            println!();
-        }
-        let after = check(checked).unwrap();
-        println!("   => {:?} {} {:?}", after.fidelity, after.why, after.choice.map(|c| c.judged));
+/// A scene on all its rungs: what each comes to in the sample.
+struct Climbed {
+    name: &'static str,
+    checked: Checked,
+    rungs: Vec<(Fidelity, Answers)>,
+}
+
+fn climb(name: &'static str) -> Climbed {
+    let scene = library::find(name).expect("a built-in scene").scene();
+    let checked = Checked::new(scene).unwrap();
+    let rungs = available(&checked)
+        .into_iter()
+        .map(|rung| (rung, answers(&checked, rung).unwrap()))
+        .collect();
+    Climbed {
+        name,
+        checked,
+        rungs,
     }
+}
+
+impl Climbed {
+    fn off_top(&self, of: &Answers, output: Output) -> Option<f64> {
+        let (_, top) = self.rungs.last().expect("there is a lowest rung");
+        let both = of.of(output).zip(top.of(output));
+        both.map(|(found, right)| output.difference(found, right))
+    }
+
+    /// Whether a rung's answers are within what is asked.
+    fn is_within(&self, of: &Answers) -> bool {
+        let questions = questions(&self.checked);
+        Output::ALL.into_iter().all(|output| {
+            output
+                .tolerance(&questions)
+                .is_none_or(|tolerance| self.off_top(of, output).is_some_and(|off| off <= tolerance))
+        })
+    }
+}
+
+/// Were it wrong, a report would promise what the machine does not keep: every rung of every built-in scene is off the top
+/// by no more than its bound, in each output that there is, asked for or not.
+///
+/// And were `auto` careless, or wasteful: what it takes is within each tolerance, and at most one rung above the lowest that is.
+fn judge(name: &'static str) {
+    let climbed = climb(name);
+    let bounds = bounds(&climbed.checked).expect("built-in scenes say enough");
+    for (rung, found) in &climbed.rungs {
+        for output in Output::ALL {
+            let bound = bounds.of(*rung, output);
+            let off = climbed.off_top(found, output);
+            println!(
+                "{:12} {:12} {:15} {:10.3?} off {:10.4?}, at most {bound:.4}",
+                climbed.name,
+                rung.name(),
+                output.key(),
+                found.of(output).unwrap_or(f64::NAN),
+                off.unwrap_or(f64::NAN),
+            );
+            if let Some(off) = off {
+                assert!(off <= bound, "{name}, {}, {}: {off} > {bound}", rung.name(), output.key());
+            }
+        }
+    }
+    let taken = check(climbed.checked.clone()).unwrap();
+    println!("{name}: {}, {}", taken.fidelity.name(), taken.why);
+    let place = |rung| climbed.rungs.iter().position(|(other, _)| *other == rung);
+    let taken = place(taken.fidelity).expect("a rung that it has");
+    let lowest = climbed.rungs.iter().position(|(_, found)| climbed.is_within(found));
+    let lowest = lowest.expect("the top is within");
+    assert!(climbed.is_within(&climbed.rungs[taken].1), "{name}");
+    assert!(taken <= lowest + 1, "{name}: rung {taken}, and {lowest} would do");
+}
+
+macro_rules! judged {
+    ($($test:ident: $scene:literal),* $(,)?) => {
+        $(
+            #[test]
+            fn $test() {
+                judge($scene);
+            }
+        )*
+
+        /// Were a scene left out, nobody would know what `auto` makes of it.
+        #[test]
+        fn all_built_in_scenes_are_judged() {
+            let judged = [$($scene),*];
+            for scene in library::SCENES {
+                assert!(judged.contains(&scene.name), "{}", scene.name);
+            }
+        }
+    };
+}
+
+judged! {
+    default_scene: "default",
+    patent_1: "patent-1",
+    patent_2: "patent-2",
+    patent_3: "patent-3",
+    patent_4: "patent-4",
+    lost_steps: "lost-steps",
+}
+
+/// A machine whose load moves its cranks by a good half degree.
+const SOFT: &str = r#"
+name = "soft"
+[questions]
+lag_deg = 0.05
+[machine]
+crank_radius_mm = 10
+lambda = 0.25
+load_kg = 8
+[limits]
+speed_hz = 30
+acceleration_hz_per_s = 60
+jerk_hz_per_s2 = 600
+[axes]
+count = 3
+drive = "stepper"
+steps_per_turn = 25600
+rotor_inertia_kgm2 = 1e-3
+damping_nms = 0.5
+pull_out = [[0, 20.0], [60, 20.0]]
+[[program]]
+amax_g = 15
+ramp_s = 0.5
+hold_s = 0.2
+"#;
+
+fn checked(text: &str) -> Checked {
+    Checked::new(load::parse(text).unwrap()).unwrap()
+}
+
+/// Were it wrong, a bound that is too small would be believed: one is forged here, and the sample finds it out.
+#[test]
+fn a_rung_that_is_off_in_the_sample_is_left() {
+    let mut forged = checked(SOFT);
+    assert!(forged.fidelity > Fidelity::QuasiStatic, "{}", forged.why);
+    let choice = forged.choice.as_mut().unwrap();
+    choice.rung = Fidelity::Kinematic;
+    let taken = check(forged).unwrap();
+    assert!(taken.fidelity > Fidelity::QuasiStatic, "{}", taken.why);
+    assert!(taken.why.contains("was off by more than its tolerance"), "{}", taken.why);
+}
+
+/// Were it wrong, a wide bound would buy more model than anyone needs.
+#[test]
+fn a_rung_below_is_taken_where_the_sample_bears_it_out() {
+    let exact = checked(SOFT);
+    let kinematic = answers(&exact, Fidelity::Kinematic).unwrap();
+    let top = answers(&exact, Fidelity::Phased).unwrap();
+    let off = Output::Lag.difference(
+        kinematic.of(Output::Lag).unwrap(),
+        top.of(Output::Lag).unwrap(),
+    );
+    let bound = bounds(&exact).unwrap().of(Fidelity::Kinematic, Output::Lag);
+    assert!(off < 0.4 * bound, "{off} of {bound}: no room between them");
+    // Between what it is and what it may be: the bound says no, the sample says yes.
+    let asked = 2.2 * off;
+    let scene = checked(&SOFT.replace("lag_deg = 0.05", &format!("lag_deg = {asked}")));
+    assert!(scene.fidelity > Fidelity::Kinematic);
+    let taken = check(scene).unwrap();
+    assert_eq!(taken.fidelity, Fidelity::Kinematic);
+    assert!(taken.why.contains("sample"), "{}", taken.why);
+}
+
+/// Were it wrong, a scene would get an answer for which it did not say enough.
+#[test]
+fn a_question_that_cannot_be_answered_is_refused() {
+    for line in ["rotor_inertia_kgm2 = 1e-3\n", "pull_out = [[0, 20.0], [60, 20.0]]\n"] {
+        let text = SOFT.replace(line, "");
+        let said = Checked::new(load::parse(&text).unwrap()).unwrap_err().to_string();
+        assert!(said.contains("questions.lag_deg"), "{said}");
+        let key = line.split(' ').next().unwrap();
+        assert!(said.contains(&format!("axes.{key}")), "{said}");
+    }
+    let said = load::parse(&SOFT.replace("lag_deg", "lag_degrees")).unwrap_err().to_string();
+    assert!(said.contains("lag_deg"), "{said}");
+    let zero = SOFT.replace("lag_deg = 0.05", "lag_deg = 0");
+    let said = Checked::new(load::parse(&zero).unwrap()).unwrap_err().to_string();
+    assert!(said.contains("questions.lag_deg"), "{said}");
 }

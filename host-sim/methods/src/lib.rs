@@ -18,7 +18,7 @@
 //! against.
 //!
 //! Ask [`Scheme::check_step`] before the first step. It knows, for a mode of given frequency and damping, where the method
-//! blows up. It does not know where it becomes inaccurate: as a rule of thumb RK4 is off by (hω)⁴/120 a radian of phase.
+//! blows up. Where it becomes inaccurate [`Scheme::step_for`] knows: RK4 is off by (hω)⁴/120 a radian of phase.
 //!
 //! # How
 //!
@@ -46,12 +46,13 @@
 //!
 //! - [`equations`]: what a machine offers; [`method`]: what a method is; [`scheme`]: the list of them;
 //! - [`methods`]: one file each; [`newton`]: how the implicit ones solve their equation;
-//! - [`stability`]: limits, measured on the code; [`event`]: steps that end where something happens;
+//! - [`stability`]: limits, and [`accuracy`]: errors of an oscillation, both measured on the code; [`event`]: steps that end where something happens;
 //! - [`problems`]: machines whose answers are known.
 //!
 //! `docs/methods.md` has what was measured, and the commands that show it.
 #![forbid(unsafe_code)]
 
+pub mod accuracy;
 pub mod equations;
 mod error;
 pub mod event;

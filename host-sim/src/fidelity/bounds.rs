@@ -13,6 +13,10 @@ use crate::scene::file::Fidelity;
 /// at most; where both are within their ranges of a resonance the worst over the ranges has been taken already.
 const MARGIN: f64 = 1.5;
 
+/// What rounding and the steps of a method may add, in the unit of each output: symmetrical cranks, which theory has exactly in
+/// phase, are told apart by it.
+const ROUNDING: f64 = 1e-6;
+
 /// What is to be known of a machine to bound what a rung leaves out.
 #[derive(Clone, Debug)]
 pub struct Bounds {
@@ -80,13 +84,15 @@ impl Bounds {
         if !self.keeps_step() && rung < Fidelity::Phased && !(self.alike && rung == Fidelity::Rigid) {
             return f64::INFINITY;
         }
-        let whole = self.left_out_below_rigid(output);
-        match rung {
+        let left_out = match rung {
             Fidelity::Kinematic if output == Output::Torque => f64::INFINITY,
-            Fidelity::Auto | Fidelity::Kinematic | Fidelity::QuasiStatic => whole,
-            Fidelity::Rigid => self.left_out_by_rigid(output) + self.frame * whole,
-            Fidelity::Phased => self.left_out_by_phased(output, whole),
-        }
+            Fidelity::Auto | Fidelity::Kinematic | Fidelity::QuasiStatic => {
+                self.left_out_below_rigid(output)
+            }
+            Fidelity::Rigid => self.left_out_by_rigid(output) + self.left_out_by_phased(output),
+            Fidelity::Phased => self.left_out_by_phased(output),
+        };
+        left_out + ROUNDING
     }
 
     /// Cranks that never lag.
@@ -122,10 +128,13 @@ impl Bounds {
     }
 
     /// A frame that does not move.
-    fn left_out_by_phased(&self, output: Output, whole: f64) -> f64 {
+    fn left_out_by_phased(&self, output: Output) -> f64 {
+        if self.frame == 0.0 {
+            return 0.0;
+        }
         match output {
             Output::Amax | Output::Torque => 100.0 * self.frame,
-            _ => self.frame * whole / (1.0 + self.frame),
+            _ => self.frame * self.left_out_below_rigid(output),
         }
     }
 

@@ -25,7 +25,7 @@ pub mod sample;
 pub use answers::Answers;
 pub use check::{answers, check};
 pub use bounds::Bounds;
-pub use choose::{Choice, Judged, available, bounds, choose};
+pub use choose::{Choice, Judged, available, bounds, choose, judge, questions};
 pub use output::Output;
 
 use crate::scene::file::Fidelity;

@@ -1,0 +1,94 @@
+//! What a frame that moves does to the platform's acceleration, by the frequency response of what stands on the ground.
+//!
+//! Cranks in phase move the platform by z against the frame. Frame and platform together then have heave f with
+//!
+//! ```text
+//! (M + m) f″ + c (f′ − b′) + k (f − b) = −m z″
+//! M_b b″ + c_g b′ + k_g b = c (f′ − b′) + k (f − b)
+//! ```
+//!
+//! (without a foundation b = 0), so that harmonic n of z″ is answered by G(nω) of itself in f″.
+
+use nalgebra::{Complex, Matrix2, Vector2};
+
+use super::linear::Drive;
+use crate::dynamics::{Driven, Layer};
+
+const HARMONICS: usize = 8;
+const SAMPLES: u32 = 64;
+const SPEEDS: u32 = 400;
+
+/// The largest acceleration of the frame at any steady speed up to the top, as a part of amax at the top: an upper bound,
+/// the sum over harmonics. 0 without a frame.
+pub fn share(driven: &Driven, drive: &Drive) -> f64 {
+    let Some(frame) = driven.frame() else {
+        return 0.0;
+    };
+    let body = driven.body();
+    let mechanism = &body.mechanism;
+    let by = std::f64::consts::TAU / f64::from(SAMPLES);
+    // h is even: cosines.
+    let harmonic = |n: usize| {
+        let at = |i: u32| {
+            let alpha = by * f64::from(i);
+            mechanism.h(alpha) * (n as f64 * alpha).cos()
+        };
+        (0..SAMPLES).map(at).sum::<f64>() * 2.0 / f64::from(SAMPLES)
+    };
+    let harmonics: Vec<f64> = (1..=HARMONICS).map(harmonic).collect();
+    let at_speed = |omega: f64| -> f64 {
+        let parts = harmonics.iter().enumerate().map(|(i, harmonic)| {
+            let radians = (i + 1) as f64 * omega;
+            let answer = answer(&frame.suspended, frame.foundation.as_ref(), body.load.mass_kg, radians);
+            harmonic.abs() * answer
+        });
+        parts.sum::<f64>() * (omega / drive.top_rad_s).powi(2) / (1.0 + mechanism.lambda())
+    };
+    let even = (1..=SPEEDS).map(|i| drive.top_rad_s * f64::from(i) / f64::from(SPEEDS));
+    // Without the foundation's say, but near enough for the even speeds to do the rest.
+    let frame_kg = frame.suspended.masses[0] + body.load.mass_kg;
+    let resonance = (frame.suspended.stiffness[0] / frame_kg).sqrt();
+    let met = (1..=HARMONICS)
+        .map(|n| resonance / n as f64)
+        .filter(|&omega| omega < drive.top_rad_s);
+    even.chain(met).map(at_speed).fold(0.0, f64::max)
+}
+
+/// |f″ / z″| at a frequency.
+fn answer(frame: &Layer, foundation: Option<&Layer>, load_kg: f64, radians: f64) -> f64 {
+    let spring = |layer: &Layer| Complex::new(layer.stiffness[0], radians * layer.damping[0]);
+    let square = radians * radians;
+    let own = spring(frame) - (frame.masses[0] + load_kg) * square;
+    // z″ = 1 pushes with −m.
+    let push = Complex::from(-load_kg);
+    let heave = match foundation {
+        None => push / own,
+        Some(block) => {
+            let under = spring(frame) + spring(block) - block.masses[0] * square;
+            let matrix = Matrix2::new(own, -spring(frame), -spring(frame), under);
+            let solved = matrix.lu().solve(&Vector2::new(push, Complex::from(0.0)));
+            solved.map_or(Complex::from(f64::INFINITY), |solved| solved[0])
+        }
+    };
+    square * heave.norm()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Were it wrong, a frame would be taken to move too little. Far above its resonance a free frame of mass M moves by
+    /// m/(M + m) of the platform; at it, by m ω²/(c ω) = m/((M + m) 2 ζ).
+    #[test]
+    fn a_frame_answers_as_its_closed_form() {
+        let frame = Layer::new([90.0, 1.0, 1.0], [10.0, 1.0, 1.0], 1e6, 0.2, 0.05);
+        assert!((answer(&frame, None, 10.0, 1e5) - 0.1).abs() < 1e-3);
+        let resonance = (1e6_f64 / 100.0).sqrt();
+        let at_it = answer(&frame, None, 10.0, resonance);
+        assert!((at_it - 0.1 / (2.0 * 0.05)).abs() < 1e-9, "{at_it}");
+        // A foundation that is very heavy is the ground.
+        let heavy = Layer::new([1e9, 1.0, 1.0], [100.0, 1.0, 1.0], 1e12, 0.2, 0.05);
+        let on_it = answer(&frame, Some(&heavy), 10.0, resonance);
+        assert!((on_it / at_it - 1.0).abs() < 1e-3, "{on_it}");
+    }
+}
