@@ -117,7 +117,7 @@ fn a_servo_that_is_told_its_torque_lags_less() {
         .replace("\"stepper\"", "\"servo\"")
         .replace(
             "pull_out = [[0, 20.0], [60, 20.0]]\n",
-            "servo_stiffness_nm = 1000\n",
+            "servo = { position_gain_per_s = 500, velocity_gain_nms = 2 }\n",
         )
         .replace("damping_nms = 0.2\n", "");
     let run = run(&servo);

@@ -1,10 +1,12 @@
 //! How fast the loop is, as ratios to real time.
 //!
 //! - `core`: ticks a second of the core alone, running a program at full speed on `N` stepper axes.
-//! - `run`: simulated seconds to one on the wall, of the default scene with nobody looking on.
+//! - `run`: simulated seconds to one on the wall, of the default scene with nobody looking on;
+//! - `rung`: the same of four steppers on the rungs where torque moves the cranks, at the method and the steps a tick
+//!   that are chosen when the scene leaves them open.
 //!
 //! divan prints the distribution of each; after that the ratios are measured once more, best of five, and
-//! that of `run` is asserted: 1,000 at least. (The best of five is the least disturbed one; on a shared
+//! those with a promise are asserted. (The best of five is the least disturbed one; on a shared
 //! machine the mean says more about its other users.)
 
 use std::hint::black_box;
@@ -13,13 +15,17 @@ use std::time::Instant;
 use cophase_core::controller::Controller;
 use cophase_core::signals::Feedback;
 use cophase_core::supervisor::Command;
+use cophase_methods::Scheme;
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use host_sim::scene::file::Scene;
-use host_sim::scene::{Checked, library};
+use host_sim::scene::{Checked, library, load};
 use host_sim::sim::simulate;
 
 const LEAST_RATIO: f64 = 1000.0;
+
+/// Rungs where torque moves the cranks, and what is promised of each; of the last, nothing is.
+const RUNGS: [(&str, f64); 3] = [("rigid", 200.0), ("phased", 20.0), ("elastic", 0.0)];
 
 /// Ticks in a sample: ten simulated seconds.
 const TICKS: u32 = 20_000;
@@ -40,6 +46,73 @@ fn main() {
         run >= LEAST_RATIO,
         "run is {run:.0} times real time; {LEAST_RATIO} are promised"
     );
+    for (rung, least) in RUNGS {
+        let checked = on_rung(rung);
+        let mut method = None;
+        let ratio = best(|| {
+            let (ratio, by) = ratio_and_method(&checked);
+            method = by;
+            ratio
+        });
+        let (scheme, steps) = method.expect("torque moves its cranks");
+        println!("  {rung:17} {ratio:7.0}   {scheme}, {steps} steps a tick");
+        assert!(
+            ratio >= least,
+            "{rung} is {ratio:.0} times real time; {least} are promised"
+        );
+    }
+}
+
+#[divan::bench(args = RUNGS.map(|(rung, _)| rung))]
+fn rung(bencher: Bencher<'_, '_>, rung: &str) {
+    let checked = on_rung(rung);
+    bencher.bench_local(|| simulate::<4>(&checked, &mut (), |_, _| {}).unwrap());
+}
+
+/// Four steppers of NEMA 34 size: 200 full steps, 8 N·m that fall to 2 at 30 rev/s; a platform of 8 kg on a frame of 60.
+fn on_rung(rung: &str) -> Checked {
+    let text = format!(
+        r#"
+        name = "rungs"
+        fidelity = "{rung}"
+        [machine]
+        crank_radius_mm = 10
+        lambda = 0.25
+        load_kg = 8
+        mount_radius_mm = 200
+        [frame]
+        mass_kg = 60
+        suspension_n_per_mm = 300
+        [frame.foundation]
+        mass_kg = 400
+        ground_n_per_mm = 50_000
+        [limits]
+        speed_hz = 25
+        acceleration_hz_per_s = 30
+        jerk_hz_per_s2 = 300
+        [axes]
+        count = 4
+        drive = "stepper"
+        steps_per_turn = 12800
+        rotor_inertia_kgm2 = 1e-3
+        friction_nm = 0.05
+        damping_nms = 0.1
+        pull_out = [[0, 8.0], [5, 7.5], [15, 5.0], [30, 2.0]]
+        [[program]]
+        amax_g = 15
+        ramp_s = 2
+        hold_s = 3
+        "#
+    );
+    Checked::new(load::parse(&text).unwrap()).unwrap()
+}
+
+fn ratio_and_method(checked: &Checked) -> (f64, Option<(Scheme, u32)>) {
+    let began = Instant::now();
+    let outcome = simulate::<4>(checked, &mut (), |_, _| {}).unwrap();
+    let ratio = outcome.simulated_s() / began.elapsed().as_secs_f64();
+    assert!(outcome.diverged.is_none() && outcome.fault.is_none());
+    (ratio, outcome.method)
 }
 
 #[divan::bench(consts = [2, 4, 6])]
@@ -89,12 +162,9 @@ fn ratio_of_core<const N: usize>() -> f64 {
 }
 
 fn ratio_of_run() -> f64 {
-    let checked = Checked::new(default_scene(4)).unwrap();
-    let began = Instant::now();
-    let outcome = simulate::<4>(&checked, &mut (), |_, _| {}).unwrap();
-    outcome.simulated_s() / began.elapsed().as_secs_f64()
+    ratio_and_method(&Checked::new(default_scene(4)).unwrap()).0
 }
 
-fn best(ratio: impl Fn() -> f64) -> f64 {
+fn best(mut ratio: impl FnMut() -> f64) -> f64 {
     (0..5).map(|_| ratio()).fold(0.0, f64::max)
 }

@@ -8,7 +8,7 @@ use cophase_blob::header::{FIRST_SEQUENCE, HEADER_BYTES, MAGIC, OUTSIDE};
 use cophase_blob::{Header, MAX_BLOB_BYTES, board, encode};
 
 use super::{CommandError, Status, scenes};
-use crate::scene::file::{AxisApart, Fidelity};
+use crate::scene::file::{AxisApart, Fidelity, Rods};
 use crate::scene::{Checked, Scene};
 use crate::trace::RunFiles;
 use crate::with_axes;
@@ -91,9 +91,9 @@ fn left_out(scene: &Scene) -> Vec<String> {
             scene.machine.tilt_inertia_kgm2.is_some(),
         ),
         ("axes.damping_nms", axes.damping_nms != 0.0),
-        ("axes.servo_stiffness_nm", axes.servo_stiffness_nm.is_some()),
-        ("axes.servo_damping_nms", axes.servo_damping_nms.is_some()),
-        ("axes.servo_limit_nm", axes.servo_limit_nm.is_some()),
+        ("machine.rods", scene.machine.rods != Rods::Settled),
+        ("axes.servo", axes.servo.is_some()),
+        ("frame", scene.frame.is_some()),
         ("axes.pull_out", !axes.pull_out.is_empty()),
         ("axes.full_steps_per_turn", !axes.pull_out.is_empty()),
     ];

@@ -6,24 +6,18 @@
 use cophase_methods::Equations;
 
 use super::corners::MOST;
-use super::{Body, Field, Motor, Phased, Rigid};
+use super::modes::{Bound, Mode};
+use super::{Body, Field, Frame, FrameMotion, Motor, Phased, PlaneMotion, Rigid, Sprung};
 
-/// How much freedom the cranks have.
+/// How much freedom the machine has.
 #[derive(Clone, Debug)]
 pub enum Freedom {
-    /// All on one shaft: the state is `[α, ω]`.
+    /// All cranks on one shaft: one angle.
     Rigid(Rigid),
-    /// Each its own rotor: the state is N angles, then N speeds.
+    /// Each its own rotor, rods settled: N angles, and the frame's plane if it moves.
     Phased(Box<Phased>),
-}
-
-/// An oscillation.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Mode {
-    /// Frequency without damping, rad/s.
-    pub omega_rad_s: f64,
-    /// Damping ratio.
-    pub zeta: f64,
+    /// Rods as springs: N angles, the platform's plane, and the frame's if it moves.
+    Sprung(Box<Sprung>),
 }
 
 /// Motors on a machine. Time counts from the control tick's beginning.
@@ -31,6 +25,8 @@ pub struct Mode {
 pub struct Driven {
     freedom: Freedom,
     motors: Vec<Motor>,
+    /// For each motor that integrates, its number and its integral time, s: in the order of the state.
+    integrals: Vec<(usize, f64)>,
     /// Where each field is at the tick's beginning, and its speed through the tick.
     pub fields: Vec<Field>,
     /// Whether the drives are on; without them only friction and the load act.
@@ -40,8 +36,10 @@ pub struct Driven {
 impl Driven {
     /// A machine with one motor an axis, drives off.
     pub fn new(freedom: Freedom, motors: Vec<Motor>) -> Self {
+        let integral = |(i, motor): (usize, &Motor)| Some((i, motor.integral_s()?));
         let driven = Self {
             fields: vec![Field::default(); motors.len()],
+            integrals: motors.iter().enumerate().filter_map(integral).collect(),
             freedom,
             motors,
             energised: false,
@@ -55,6 +53,7 @@ impl Driven {
         match &self.freedom {
             Freedom::Rigid(rigid) => rigid.body(),
             Freedom::Phased(phased) => phased.body(),
+            Freedom::Sprung(sprung) => sprung.body(),
         }
     }
 
@@ -63,88 +62,172 @@ impl Driven {
         &self.motors
     }
 
-    /// How many angles its state has.
+    /// How many angles its state begins with.
     pub fn angles(&self) -> usize {
         match self.freedom {
             Freedom::Rigid(_) => 1,
-            Freedom::Phased(_) => self.motors.len(),
+            _ => self.motors.len(),
         }
+    }
+
+    /// How many positions its state has, the angles among them; as many speeds come after.
+    pub fn positions(&self) -> usize {
+        match &self.freedom {
+            Freedom::Rigid(_) => 1,
+            Freedom::Phased(phased) => phased.positions(),
+            Freedom::Sprung(sprung) => sprung.positions(),
+        }
+    }
+
+    /// The frame, if it moves.
+    pub fn frame(&self) -> Option<&Frame> {
+        match &self.freedom {
+            Freedom::Rigid(_) => None,
+            Freedom::Phased(phased) => phased.frame(),
+            Freedom::Sprung(sprung) => sprung.frame(),
+        }
+    }
+
+    /// The state in which cranks stand at these angles, one an axis, and all they carry and stand on has come to rest.
+    pub fn at_rest(&self, alpha_rad: &[f64]) -> Vec<f64> {
+        let mut state = vec![0.0; self.dimension()];
+        let angles = self.angles();
+        state[..angles].copy_from_slice(&alpha_rad[..angles]);
+        if let Freedom::Sprung(sprung) = &self.freedom {
+            let plane = sprung.rest(alpha_rad);
+            state[angles..angles + plane.len()].copy_from_slice(&plane);
+        }
+        state
     }
 
     /// Angle of crank `i`, rad, in a state.
     pub fn alpha_rad(&self, state: &[f64], i: usize) -> f64 {
+        state[self.angle(i)]
+    }
+
+    /// Where the angle of crank `i` is among the positions.
+    fn angle(&self, i: usize) -> usize {
         match self.freedom {
-            Freedom::Rigid(_) => state[0],
-            Freedom::Phased(_) => state[i],
+            Freedom::Rigid(_) => 0,
+            _ => i,
         }
     }
 
-    /// A bound on the fastest mode: the rotor that is fastest by itself, between its motor's spring and damper and, where
-    /// the platform is over-constrained, its rod. All that hangs on a rotor makes it slower.
+    /// A bound on the fastest mode.
     pub fn fastest_mode(&self) -> Mode {
         let body = self.body();
-        let over_constrained = matches!(self.freedom, Freedom::Phased(_)) && body.axes() > 3;
-        let rod_nm = if over_constrained {
-            // |s| is at most 1 + λ: at λ ≤ 0.8 its maximum is below that.
-            let lever = body.mechanism.crank_radius_m() * (1.0 + body.mechanism.lambda());
-            body.rod_n_per_m * lever * lever
-        } else {
-            0.0
-        };
-        let rotors = self.motors.iter().zip(&body.rotors_kgm2);
-        let modes = rotors.map(|(motor, rotor)| {
-            let omega_rad_s = ((motor.stiffness_nm() + rod_nm) / rotor).sqrt();
-            Mode {
-                omega_rad_s,
-                zeta: motor.damping_nms() / (2.0 * rotor * omega_rad_s),
+        let rotors = Bound::of_rotors(&self.motors, &body.rotors_kgm2);
+        let frame = self.frame().map_or_else(Bound::default, Bound::of_frame);
+        let bound = match &self.freedom {
+            Freedom::Rigid(_) => rotors,
+            Freedom::Phased(_) if body.axes() > 3 => {
+                rotors.and(Bound::of_bent_rods(body)).or(frame)
             }
-        });
-        // What is damped strongly decays at up to 2 ζ ω.
-        let rate = |mode: &Mode| mode.omega_rad_s * (1.0 + 2.0 * mode.zeta);
-        modes
-            .max_by(|a, b| rate(a).total_cmp(&rate(b)))
-            .unwrap_or_default()
+            Freedom::Phased(_) => rotors.or(frame),
+            Freedom::Sprung(sprung) => {
+                let damper = sprung.damper_ns_per_m();
+                let rods = Bound::of_sprung_rods(body, self.frame(), damper);
+                rods.and(rotors.or(frame))
+            }
+        };
+        bound.mode()
     }
 
-    fn torque_nm(&self, i: usize, t_s: f64, alpha_rad: f64, omega_rad_s: f64) -> f64 {
+    /// Torque of each motor, N·m, in a state at a time.
+    pub fn torques_nm(&self, t_s: f64, state: &[f64]) -> [f64; MOST] {
+        let mut torques = [0.0; MOST];
         if !self.energised {
-            return 0.0;
+            return torques;
         }
-        let field = Field {
-            alpha_rad: self.fields[i].alpha_rad + self.fields[i].omega_rad_s * t_s,
-            ..self.fields[i]
-        };
-        self.motors[i].torque_nm(&field, alpha_rad, omega_rad_s)
+        let positions = self.positions();
+        let mut integrals = self
+            .integrals
+            .iter()
+            .zip(&state[2 * positions..])
+            .peekable();
+        for (i, motor) in self.motors.iter().enumerate() {
+            let field = Field {
+                alpha_rad: self.fields[i].alpha_rad + self.fields[i].omega_rad_s * t_s,
+                ..self.fields[i]
+            };
+            let own = integrals.next_if(|((of, _), _)| *of == i);
+            let angle = self.angle(i);
+            torques[i] = motor.torque_nm(
+                &field,
+                state[angle],
+                state[positions + angle],
+                own.map_or(0.0, |(_, &integral)| integral),
+            );
+        }
+        torques
+    }
+
+    /// Forgets what servos have integrated, as their drives do when they are switched off.
+    pub fn forget(&self, state: &mut [f64]) {
+        state[2 * self.positions()..].fill(0.0);
+    }
+
+    /// Where the platform is and how it moves, in a state with these rates; none where it follows the shaft.
+    pub fn platform(&self, state: &[f64], rates: &[f64]) -> Option<PlaneMotion> {
+        let n = self.positions();
+        let (q, v, a) = (&state[..n], &state[n..2 * n], &rates[n..2 * n]);
+        match &self.freedom {
+            Freedom::Rigid(_) => None,
+            Freedom::Phased(phased) => Some(phased.plane(q, v, a)),
+            Freedom::Sprung(sprung) => Some(sprung.plane(q, v, a)),
+        }
+    }
+
+    /// What the frame does, if it moves.
+    pub fn frame_motion(&self, state: &[f64]) -> Option<FrameMotion> {
+        let frame = self.frame()?;
+        let n = self.positions();
+        let from = n - frame.freedoms();
+        Some(frame.motion(&state[from..n], &state[n + from..2 * n]))
+    }
+
+    /// Kinetic and potential energy, J; without friction, damping and motors it stays.
+    pub fn energy_j(&self, state: &[f64]) -> f64 {
+        let (q, v) = state[..2 * self.positions()].split_at(self.positions());
+        match &self.freedom {
+            Freedom::Rigid(rigid) => rigid.energy_j(q[0], v[0]),
+            Freedom::Phased(phased) => phased.energy_j(q, v),
+            Freedom::Sprung(sprung) => sprung.energy_j(q, v),
+        }
     }
 }
 
 impl Equations for Driven {
     fn dimension(&self) -> usize {
-        2 * self.angles()
+        2 * self.positions() + self.integrals.len()
     }
 
     fn rates(&self, t_s: f64, state: &[f64], rates: &mut [f64]) {
-        let (alpha, omega) = state.split_at(self.angles());
-        let (speeds, accelerations) = rates.split_at_mut(self.angles());
-        speeds.copy_from_slice(omega);
+        let n = self.positions();
+        let torques = self.torques_nm(t_s, state);
+        let (q, rest) = state.split_at(n);
+        let (v, integrals) = rest.split_at(n);
+        let (speeds, rest) = rates.split_at_mut(n);
+        let (accelerations, integral_rates) = rest.split_at_mut(n);
+        speeds.copy_from_slice(v);
         match &self.freedom {
             Freedom::Rigid(rigid) => {
-                let torque = (0..self.motors.len())
-                    .map(|i| self.torque_nm(i, t_s, alpha[0], omega[0]))
-                    .sum();
-                accelerations[0] = rigid.acceleration_rad_s2(alpha[0], omega[0], torque);
+                accelerations[0] = rigid.acceleration_rad_s2(q[0], v[0], torques.iter().sum());
             }
-            Freedom::Phased(phased) => {
-                let mut torques = [0.0; MOST];
-                for (i, torque) in torques.iter_mut().enumerate().take(self.motors.len()) {
-                    *torque = self.torque_nm(i, t_s, alpha[i], omega[i]);
-                }
-                phased.accelerations(alpha, omega, &torques, accelerations);
-            }
+            Freedom::Phased(phased) => phased.accelerations(q, v, &torques, accelerations),
+            Freedom::Sprung(sprung) => sprung.accelerations(q, v, &torques, accelerations),
+        }
+        let of_each = self.integrals.iter().zip(integrals).zip(integral_rates);
+        for ((&(i, integral_s), integral), rate) in of_each {
+            *rate = if self.energised {
+                (torques[i] - self.fields[i].torque_nm - integral) / integral_s
+            } else {
+                0.0
+            };
         }
     }
 
     fn is_second_order(&self) -> bool {
-        true
+        self.integrals.is_empty()
     }
 }

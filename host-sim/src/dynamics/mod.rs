@@ -1,35 +1,65 @@
 //! Equations of motion: what forces make of a machine, where the cranks are not simply where they are told
 //! to be.
 //!
-//! Three rungs of the ladder, each with more freedom than the one before:
+//! Rungs of the ladder, each with more freedom than the one before:
 //! - [`Rigid`]: all cranks on one shaft, one angle, with the inertia that the platform has at that angle;
 //! - [`Phased`]: every crank a rotor of its own, the platform heaving and tilting as they push it; rods that are
 //!   rigid, or settle where they must give;
-//! - [`Sprung`]: the same with rods as stiff springs, and the platform free. No scene runs on it yet.
+//! - [`Sprung`]: the same with rods as stiff springs, and the platform free;
+//! - either of the last two on a [`Frame`], which stands on its suspension: the *elastic* rung.
 //!
 //! Words: a *rotor* is all that turns with one crank: motor, coupling, crank. A *corner* is where its rod carries
 //! the platform. The *plane* is the one closest to the corners' heights, which the platform lies in; what a corner
 //! is away from it is its *warp*. A *field* is where a motor's stator points, in crank angle: where it would like
 //! its rotor to be.
 //!
-//! State vectors have positions first, then their speeds, in rad, m, rad/s and m/s. Kinematics are those of
-//! [`crate::mechanism`], exact.
+//! State vectors have positions first, then their speeds, in rad, m, rad/s and m/s, then what servos have integrated,
+//! in N·m. Kinematics are those of [`crate::mechanism`], exact.
+//!
+//! Left out on all of them: forces and motion across the line of travel, and the torque that a motor's housing hands to
+//! what it is bolted to.
 
 mod corners;
 mod driven;
+mod frame;
+mod modes;
 mod motor;
 mod phased;
 mod rigid;
 mod sprung;
 
-pub use corners::Corners;
-pub use driven::{Driven, Freedom, Mode};
+pub use corners::{Corners, FREEDOMS, MOST};
+pub use driven::{Driven, Freedom};
+pub use frame::{Frame, FrameMotion, Layer};
+pub use modes::Mode;
 pub use motor::{Field, Motor, Servo, Stepper};
-pub use phased::{Phased, PlaneMotion};
+pub use phased::Phased;
 pub use rigid::Rigid;
 pub use sprung::Sprung;
 
 use crate::mechanism::slider_crank::{Load, SliderCrank};
+
+/// Where a plane is, and how it moves: heave in m, tilts in rad.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PlaneMotion {
+    /// Heave, tilts.
+    pub place: [f64; FREEDOMS],
+    /// Their rates.
+    pub rate: [f64; FREEDOMS],
+    /// The rates of those.
+    pub acceleration: [f64; FREEDOMS],
+}
+
+/// What a crank does at an angle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Crank {
+    /// Height of its corner over its axis, m, upwards.
+    pub height_m: f64,
+    /// dh/dα, m.
+    pub lever_m: f64,
+    /// d²h/dα², m.
+    pub lever_rate_m: f64,
+}
 
 /// What all rungs share: the mechanism, what it carries, and what turns.
 #[derive(Clone, Debug)]
@@ -64,25 +94,38 @@ impl Body {
         -self.load.platform.gravity_sign()
     }
 
-    /// Height of a corner over its crank's axis, m, upwards.
-    pub fn height_m(&self, alpha_rad: f64) -> f64 {
-        self.upwards() * self.mechanism.x_m(alpha_rad)
+    /// What a crank does at an angle.
+    pub fn crank(&self, alpha_rad: f64) -> Crank {
+        let up = self.upwards();
+        let radius_m = up * self.mechanism.crank_radius_m();
+        let at = self.mechanism.at(alpha_rad);
+        Crank {
+            height_m: up * at.x_m,
+            lever_m: -radius_m * at.s,
+            lever_rate_m: -radius_m * at.h,
+        }
     }
 
-    /// dh/dα, m.
-    pub fn lever_m(&self, alpha_rad: f64) -> f64 {
-        -self.upwards() * self.mechanism.crank_radius_m() * self.mechanism.s(alpha_rad)
+    /// The platform's inertia in each freedom of a plane, kg and kg·m².
+    pub fn masses(&self) -> [f64; FREEDOMS] {
+        let tilt = self.tilt_inertia_kgm2;
+        [self.load.mass_kg, tilt, tilt]
     }
 
-    /// d²h/dα², m.
-    pub fn lever_rate_m(&self, alpha_rad: f64) -> f64 {
-        -self.upwards() * self.mechanism.crank_radius_m() * self.mechanism.h(alpha_rad)
+    /// The longest lever that a crank gets to, m, or a little more.
+    pub fn longest_lever_m(&self) -> f64 {
+        // |s| is at most 1 + λ: at λ ≤ 0.8 its maximum is below that.
+        self.mechanism.crank_radius_m() * (1.0 + self.mechanism.lambda())
     }
 
     /// Torque of rotor `i`'s friction, N·m. It turns round smoothly, so that methods keep their order: what stands
     /// under a load below it creeps, by less than a turn in a hundred seconds.
     pub fn drag_nm(&self, i: usize, omega_rad_s: f64) -> f64 {
-        -self.friction_nm[i] * (omega_rad_s / CREEP_RAD_S).tanh()
+        let friction_nm = self.friction_nm[i];
+        if friction_nm == 0.0 {
+            return 0.0;
+        }
+        -friction_nm * (omega_rad_s / CREEP_RAD_S).tanh()
     }
 
     /// Weight of the load, N.

@@ -36,23 +36,44 @@ pub struct Stepper {
     pub damping_nms: f64,
 }
 
-/// A drive that holds position, with velocity and torque told ahead, up to its current limit.
+/// A drive with a position loop around a velocity loop, each told ahead, up to its current limit.
+///
+/// The position loop asks for the velocity φ′ + g (φ − α); the velocity loop answers an error e of that with the torque
+/// k e + z, and the torque that it is told ahead is added. The current limit caps the sum. z′ = k e / Tᵢ, less what was
+/// capped, over Tᵢ (*back-calculation*): altogether z′ = (torque − told ahead − z) / Tᵢ, so that z + told ahead follows
+/// the torque that is given, and cannot wind up past it. The current loop is far faster than all this, and is not modelled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Servo {
-    /// Torque to an error of position, N·m/rad.
-    pub stiffness_nm: f64,
-    /// Torque to an error of speed, N·m·s.
-    pub damping_nms: f64,
+    /// Velocity to an error of position, g, 1/s.
+    pub position_gain_per_s: f64,
+    /// Torque to an error of velocity, k, N·m·s.
+    pub velocity_gain_nms: f64,
+    /// Integral time of the velocity loop, Tᵢ, s; without it there is no z.
+    pub integral_s: Option<f64>,
     /// Greatest torque, N·m.
     pub limit_nm: f64,
 }
 
 impl Motor {
-    /// Torque on the rotor, N·m.
-    pub fn torque_nm(&self, field: &Field, alpha_rad: f64, omega_rad_s: f64) -> f64 {
+    /// Torque on the rotor, N·m. `integral_nm` is z, 0 where the motor has none.
+    pub fn torque_nm(
+        &self,
+        field: &Field,
+        alpha_rad: f64,
+        omega_rad_s: f64,
+        integral_nm: f64,
+    ) -> f64 {
         match self {
             Self::Stepper(stepper) => stepper.torque_nm(field, alpha_rad, omega_rad_s),
-            Self::Servo(servo) => servo.torque_nm(field, alpha_rad, omega_rad_s),
+            Self::Servo(servo) => servo.torque_nm(field, alpha_rad, omega_rad_s, integral_nm),
+        }
+    }
+
+    /// Integral time of its velocity loop, s, if it has that.
+    pub fn integral_s(&self) -> Option<f64> {
+        match self {
+            Self::Stepper(_) => None,
+            Self::Servo(servo) => servo.integral_s,
         }
     }
 
@@ -60,20 +81,24 @@ impl Motor {
     pub fn damping_nms(&self) -> f64 {
         match self {
             Self::Stepper(stepper) => stepper.damping_nms,
-            Self::Servo(servo) => servo.damping_nms,
+            Self::Servo(servo) => servo.velocity_gain_nms,
         }
     }
 
-    /// Stiffness at rest with no load, N·m/rad.
-    pub fn stiffness_nm(&self) -> f64 {
-        self.stiffness_at_nm(0.0)
-    }
-
-    /// Stiffness at a speed with no load, N·m/rad.
-    pub fn stiffness_at_nm(&self, omega_rad_s: f64) -> f64 {
+    /// Stiffness at a speed with no load, N·m/rad, from the softest, where it moves slowly or fast, to the stiffest: an
+    /// integral adds to a servo's where it is neither.
+    pub fn stiffness_nm(&self, omega_rad_s: f64) -> (f64, f64) {
         match self {
-            Self::Stepper(stepper) => stepper.cycles_per_turn * self.most_nm(omega_rad_s),
-            Self::Servo(servo) => servo.stiffness_nm,
+            Self::Stepper(stepper) => {
+                let stiffness = stepper.cycles_per_turn * self.most_nm(omega_rad_s);
+                (stiffness, stiffness)
+            }
+            Self::Servo(servo) => {
+                let proportional = servo.velocity_gain_nms * servo.position_gain_per_s;
+                let integral_per_s = servo.integral_s.map_or(0.0, f64::recip);
+                let added = servo.velocity_gain_nms * integral_per_s;
+                (proportional, proportional + added)
+            }
         }
     }
 
@@ -99,10 +124,10 @@ impl Stepper {
 }
 
 impl Servo {
-    fn torque_nm(&self, field: &Field, alpha_rad: f64, omega_rad_s: f64) -> f64 {
-        let asked = self.stiffness_nm * (field.alpha_rad - alpha_rad)
-            + self.damping_nms * (field.omega_rad_s - omega_rad_s)
-            + field.torque_nm;
-        asked.clamp(-self.limit_nm, self.limit_nm)
+    fn torque_nm(&self, field: &Field, alpha_rad: f64, omega_rad_s: f64, integral_nm: f64) -> f64 {
+        let asked_rad_s =
+            field.omega_rad_s + self.position_gain_per_s * (field.alpha_rad - alpha_rad);
+        let torque_nm = self.velocity_gain_nms * (asked_rad_s - omega_rad_s);
+        (torque_nm + integral_nm + field.torque_nm).clamp(-self.limit_nm, self.limit_nm)
     }
 }

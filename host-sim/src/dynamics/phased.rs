@@ -1,42 +1,51 @@
 //! Every crank a rotor of its own, rods rigid as far as that can be.
 //!
-//! The platform lies in the plane closest to its corners. Each corner's height depends on its own crank alone, so
-//! that the plane moves with G(α) ω, where column i of G is what corner i adds to heave and tilts, times dhᵢ/dα. With
-//! the platform's mass and inertias in M_p, Lagrange gives
+//! The platform lies in the plane closest to its corners. Each corner's height over its crank's axis depends on its own
+//! crank alone, so that the plane moves against the frame with G(α) ω, where column i of G is what corner i adds to heave
+//! and tilts, times dhᵢ/dα. Let y be what the cranks push the platform with. The platform, of mass and inertias M_p,
+//! moves with M_p p″ = y − weight; a frame of M_f with M_f f″ = pull + weight − y, as at rest its springs hold the weight;
+//! crank i, of inertia J, with J αᵢ″ = torque − columnᵢ·y − warp; and p″ = f″ + G α″ + Ġ ω. Together
 //!
 //! ```text
-//! (diag J + Gᵀ M_p G) α″ = torques − Gᵀ (M_p Ġ ω + weight) − warp
+//! (M_p⁻¹ + M_f⁻¹ + G J⁻¹ Gᵀ) y = M_p⁻¹ weight + M_f⁻¹ (pull + weight) + G J⁻¹ (torques − warps) + Ġ ω
 //! ```
+//!
+//! three equations whatever the number of cranks. A frame that stands fast has M_f⁻¹ = 0.
 //!
 //! Up to three corners always lie in a plane. A platform on four and more is *over-constrained*: unless all heights
 //! fit, rods must give. They are light and stiff, so they are taken to have settled: the platform lies in the plane
 //! that asks least of them, and corner i feels k times its distance from it. Of the rods' own oscillation, at
 //! √(k / m) and above, nothing is left ([`super::Sprung`] has it).
 
-use super::Body;
-use super::corners::{Corners, FREEDOMS, MOST};
+use nalgebra::{Matrix3, Vector3};
 
-/// A machine of N angles. The state is N angles, then N speeds.
+use super::corners::{Corners, FREEDOMS, MOST};
+use super::{Body, Crank, Frame, PlaneMotion};
+
+/// A machine of N angles, and of a frame's plane if it has one. Positions are in that order.
 #[derive(Clone, Debug)]
 pub struct Phased {
     body: Body,
     corners: Corners,
-}
-
-/// Where the platform is and how fast it moves: heave in m, tilts in rad.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PlaneMotion {
-    /// Heave, tilts.
-    pub place: [f64; FREEDOMS],
-    /// Their rates.
-    pub rate: [f64; FREEDOMS],
+    frame: Option<Frame>,
 }
 
 impl Phased {
-    /// Of a body.
+    /// Of a body, on cranks that stand fast.
     pub fn new(body: Body) -> Self {
         let corners = Corners::new(body.axes(), body.mount_radius_m);
-        Self { body, corners }
+        Self {
+            body,
+            corners,
+            frame: None,
+        }
+    }
+
+    /// The same on a frame.
+    #[must_use]
+    pub fn on(mut self, frame: Frame) -> Self {
+        self.frame = Some(frame);
+        self
     }
 
     /// The body.
@@ -44,84 +53,80 @@ impl Phased {
         &self.body
     }
 
-    /// The corners.
-    pub fn corners(&self) -> &Corners {
-        &self.corners
+    /// The frame.
+    pub fn frame(&self) -> Option<&Frame> {
+        self.frame.as_ref()
     }
 
-    fn masses(&self) -> [f64; FREEDOMS] {
-        let tilt = self.body.tilt_inertia_kgm2;
-        [self.body.load.mass_kg, tilt, tilt]
+    /// How many positions it has.
+    pub fn positions(&self) -> usize {
+        self.body.axes() + self.frame.as_ref().map_or(0, Frame::freedoms)
     }
 
-    /// α″ of each crank, rad/s², under each motor's torque, N·m. All slices have one entry an axis.
-    pub fn accelerations(&self, alpha: &[f64], omega: &[f64], torque: &[f64], out: &mut [f64]) {
+    /// The second rate of each position under each motor's torque, N·m.
+    pub fn accelerations(&self, q: &[f64], v: &[f64], torque: &[f64], out: &mut [f64]) {
         let body = &self.body;
         let n = body.axes();
-        let masses = self.masses();
-        let mut columns = [[0.0; FREEDOMS]; MOST];
-        let mut forces = [body.weight_n(), 0.0, 0.0];
-        let mut levers = [0.0; MOST];
-        for i in 0..n {
-            let share = self.corners.share(i);
-            levers[i] = body.lever_m(alpha[i]);
-            let swing = body.lever_rate_m(alpha[i]) * omega[i] * omega[i];
+        let (alpha, place) = q.split_at(n);
+        let (omega, rate) = v.split_at(n);
+        let cranks = self.cranks(alpha);
+        let warps = self.warps(&cranks);
+
+        let mut left = Matrix3::zeros();
+        let mut right = Vector3::new(body.load.gravity_mps2, 0.0, 0.0);
+        for (f, mass) in body.masses().into_iter().enumerate() {
+            left[(f, f)] = 1.0 / mass;
+        }
+        // What the springs hold of the platform's weight at rest, and what they push beyond that.
+        let held = [body.weight_n(), 0.0, 0.0];
+        let mut pull = [0.0; FREEDOMS];
+        if let Some(frame) = &self.frame {
+            pull = frame.pull(place, rate);
             for f in 0..FREEDOMS {
-                columns[i][f] = share[f] * levers[i];
-                forces[f] += masses[f] * share[f] * swing;
+                let mobility = 1.0 / frame.suspended.masses[f];
+                left[(f, f)] += mobility;
+                right[f] += mobility * (pull[f] + held[f]);
             }
         }
-        let warps = self.warps_m(alpha);
-        let mut right = [0.0; MOST];
+        let mut columns = [Vector3::zeros(); MOST];
+        let mut net = [0.0; MOST];
         for i in 0..n {
-            let push: f64 = (0..FREEDOMS).map(|f| columns[i][f] * forces[f]).sum();
-            let bend = body.rod_n_per_m * warps[i] * levers[i];
-            right[i] = torque[i] + body.drag_nm(i, omega[i]) - push - bend;
-        }
-        self.solve(&columns, &masses, &right, out);
-    }
-
-    /// Solves (diag J + Gᵀ M_p G) x = b by way of the three freedoms of the platform: with y = M_p G x,
-    /// x = J⁻¹ (b − Gᵀ y), and (M_p⁻¹ + G J⁻¹ Gᵀ) y = G J⁻¹ b.
-    fn solve(
-        &self,
-        columns: &[[f64; FREEDOMS]; MOST],
-        masses: &[f64; FREEDOMS],
-        b: &[f64; MOST],
-        x: &mut [f64],
-    ) {
-        let mut left = nalgebra::Matrix3::<f64>::zeros();
-        let mut right = nalgebra::Vector3::<f64>::zeros();
-        let rotors = &self.body.rotors_kgm2;
-        for f in 0..FREEDOMS {
-            left[(f, f)] = 1.0 / masses[f];
-        }
-        for (i, &rotor) in rotors.iter().enumerate() {
-            let column = nalgebra::Vector3::from(columns[i]);
-            left += column * column.transpose() / rotor;
-            right += column * (b[i] / rotor);
+            let share = Vector3::from(self.corners.share(i));
+            columns[i] = share * cranks[i].lever_m;
+            let bend_nm = body.rod_n_per_m * warps[i] * cranks[i].lever_m;
+            net[i] = torque[i] + body.drag_nm(i, omega[i]) - bend_nm;
+            let over_j = columns[i] / body.rotors_kgm2[i];
+            left += over_j * columns[i].transpose();
+            right += over_j * net[i] + share * (cranks[i].lever_rate_m * omega[i] * omega[i]);
         }
         // Symmetric and positive definite, as masses and rotors are above zero.
         let y = left
             .cholesky()
             .map_or(right, |factors| factors.solve(&right));
-        for (i, &rotor) in rotors.iter().enumerate() {
-            let held = nalgebra::Vector3::from(columns[i]).dot(&y);
-            x[i] = (b[i] - held) / rotor;
+        for i in 0..n {
+            out[i] = (net[i] - columns[i].dot(&y)) / body.rotors_kgm2[i];
+        }
+        if let Some(frame) = &self.frame {
+            let cranks = std::array::from_fn(|f| held[f] - y[f]);
+            frame.accelerations(place, rate, &pull, &cranks, &mut out[n..]);
         }
     }
 
-    /// How far each corner is above the platform's plane, m; zero for up to three corners.
-    pub fn warps_m(&self, alpha: &[f64]) -> [f64; MOST] {
+    fn cranks(&self, alpha: &[f64]) -> [Crank; MOST] {
+        let mut cranks = [Crank::default(); MOST];
+        for (crank, &alpha) in cranks.iter_mut().zip(alpha) {
+            *crank = self.body.crank(alpha);
+        }
+        cranks
+    }
+
+    fn warps(&self, cranks: &[Crank; MOST]) -> [f64; MOST] {
         let mut warps = [0.0; MOST];
         let n = self.body.axes();
         if n <= FREEDOMS {
             return warps;
         }
-        let mut heights = [0.0; MOST];
-        for (height, &alpha) in heights.iter_mut().zip(alpha) {
-            *height = self.body.height_m(alpha);
-        }
+        let heights = cranks.map(|crank| crank.height_m);
         let plane = self.corners.plane(&heights[..n]);
         for (i, warp) in warps.iter_mut().enumerate().take(n) {
             *warp = heights[i] - self.corners.height(&plane, i);
@@ -129,30 +134,54 @@ impl Phased {
         warps
     }
 
-    /// Where the platform is.
-    pub fn plane(&self, alpha: &[f64], omega: &[f64]) -> PlaneMotion {
+    /// How far each corner is above the platform's plane, m; zero for up to three corners.
+    pub fn warps_m(&self, alpha: &[f64]) -> [f64; MOST] {
+        self.warps(&self.cranks(alpha))
+    }
+
+    /// Where the platform is and how it moves, at these positions and their rates.
+    pub fn plane(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion {
+        let n = self.body.axes();
         let mut motion = PlaneMotion::default();
-        for (i, (&alpha, &omega)) in alpha.iter().zip(omega).enumerate() {
-            let (height, rate) = (self.body.height_m(alpha), self.body.lever_m(alpha) * omega);
+        for i in 0..n {
+            let crank = self.body.crank(q[i]);
+            let rate = crank.lever_m * v[i];
+            let acceleration = crank.lever_m * a[i] + crank.lever_rate_m * v[i] * v[i];
             for (f, share) in self.corners.share(i).into_iter().enumerate() {
-                motion.place[f] += share * height;
+                motion.place[f] += share * crank.height_m;
                 motion.rate[f] += share * rate;
+                motion.acceleration[f] += share * acceleration;
+            }
+        }
+        if self.frame.is_some() {
+            for f in 0..FREEDOMS {
+                motion.place[f] += q[n + f];
+                motion.rate[f] += v[n + f];
+                motion.acceleration[f] += a[n + f];
             }
         }
         motion
     }
 
-    /// Kinetic and potential energy, rods' included, J; without friction and motors it stays.
-    pub fn energy_j(&self, alpha: &[f64], omega: &[f64]) -> f64 {
+    /// Kinetic and potential energy, rods' included, J; without friction, damping and motors it stays.
+    pub fn energy_j(&self, q: &[f64], v: &[f64]) -> f64 {
         let body = &self.body;
-        let motion = self.plane(alpha, omega);
-        let rotors = body.rotors_kgm2.iter().zip(omega);
+        let n = body.axes();
+        let motion = self.plane(q, v, &[0.0; MOST + 2 * FREEDOMS]);
+        let rotors = body.rotors_kgm2.iter().zip(v);
         let rotors: f64 = rotors.map(|(rotor, omega)| rotor * omega * omega).sum();
-        let masses = self.masses();
+        let masses = body.masses();
         let platform: f64 = (0..FREEDOMS)
             .map(|f| masses[f] * motion.rate[f] * motion.rate[f])
             .sum();
-        let rods: f64 = self.warps_m(alpha).iter().map(|warp| warp * warp).sum();
-        0.5 * (rotors + platform + body.rod_n_per_m * rods) + body.weight_n() * motion.place[0]
+        let warps = self.warps_m(&q[..n]);
+        let rods: f64 = warps.iter().map(|warp| warp * warp).sum();
+        let mut energy =
+            0.5 * (rotors + platform + body.rod_n_per_m * rods) + body.weight_n() * motion.place[0];
+        if let Some(frame) = &self.frame {
+            // The springs hold the platform's weight at rest.
+            energy += frame.energy_j(&q[n..], &v[n..]) - body.weight_n() * q[n];
+        }
+        energy
     }
 }

@@ -27,24 +27,24 @@ impl Rigid {
 
     /// Equivalent inertia at an angle, kg·m².
     pub fn inertia_kgm2(&self, alpha_rad: f64) -> f64 {
-        let lever = self.body.lever_m(alpha_rad);
+        let lever = self.body.crank(alpha_rad).lever_m;
         self.rotors_kgm2 + self.body.load.mass_kg * lever * lever
     }
 
     /// α″, rad/s², under a torque of all motors together, N·m.
     pub fn acceleration_rad_s2(&self, alpha_rad: f64, omega_rad_s: f64, torque_nm: f64) -> f64 {
         let body = &self.body;
-        let lever = body.lever_m(alpha_rad);
-        let inertia = self.rotors_kgm2 + body.load.mass_kg * lever * lever;
-        let push_n = body.load.mass_kg * body.lever_rate_m(alpha_rad) * omega_rad_s * omega_rad_s
-            + body.weight_n();
+        let crank = body.crank(alpha_rad);
+        let inertia = self.rotors_kgm2 + body.load.mass_kg * crank.lever_m * crank.lever_m;
+        let push_n =
+            body.load.mass_kg * crank.lever_rate_m * omega_rad_s * omega_rad_s + body.weight_n();
         let drag_nm: f64 = (0..body.axes()).map(|i| body.drag_nm(i, omega_rad_s)).sum();
-        (torque_nm + drag_nm - lever * push_n) / inertia
+        (torque_nm + drag_nm - crank.lever_m * push_n) / inertia
     }
 
     /// Kinetic and potential energy, J; without friction and motor it stays.
     pub fn energy_j(&self, alpha_rad: f64, omega_rad_s: f64) -> f64 {
         0.5 * self.inertia_kgm2(alpha_rad) * omega_rad_s * omega_rad_s
-            + self.body.weight_n() * self.body.height_m(alpha_rad)
+            + self.body.weight_n() * self.body.crank(alpha_rad).height_m
     }
 }

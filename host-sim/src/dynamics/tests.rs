@@ -1,9 +1,12 @@
 //! What must hold of equations of motion whatever the numbers are: power in is energy gained, and each rung is the
 //! one below where their assumptions meet.
 
+mod energy;
+mod servo;
+
 use proptest::prelude::*;
 
-use super::{Body, Phased, PlaneMotion, Rigid, Sprung};
+use super::{Body, FREEDOMS, Frame, Layer, Phased, Rigid, Sprung};
 use crate::mechanism::slider_crank::{Load, Platform, SliderCrank};
 
 fn body(axes: usize, platform: Platform) -> Body {
@@ -103,56 +106,207 @@ proptest! {
         let machine = Phased::new(body(alpha.len(), platform));
         let mut acceleration = vec![0.0; alpha.len()];
         machine.accelerations(&alpha, &omega, &torque, &mut acceleration);
-        let gained = power(|t| {
-            let (alpha, omega) = moved(&alpha, &omega, &acceleration, t);
-            machine.energy_j(&alpha, &omega)
-        });
-        let given: f64 = torque.iter().zip(&omega).map(|(torque, omega)| torque * omega).sum();
+        let gained = gain(&alpha, &omega, &acceleration, |q, v| machine.energy_j(q, v));
         // What flows to and fro between rotors and rods is larger than what comes in.
         let flow = 200.0 * 12e-3 * 2e6 * 24e-3;
-        close(gained, given, flow)?;
+        close(gained, given(&torque, &omega), flow)?;
     }
 
-    /// As above, of a machine on springs.
+    /// As above, of a platform on springs.
     #[test]
     fn what_motors_give_a_sprung_machine_is_what_it_gains(
         platform in platforms(),
         (alpha, omega, torque) in states(),
-        place in prop::array::uniform3(-1e-3..1e-3),
-        rate in prop::array::uniform3(-1.0..1.0),
+        place in planes(1e-3),
+        rate in planes(1.0),
     ) {
         let machine = Sprung::new(body(alpha.len(), platform), 0.0);
-        let plane = PlaneMotion { place, rate };
-        let mut acceleration = vec![0.0; alpha.len()];
-        let lifted = machine.accelerations(&alpha, &omega, &plane, &torque, &mut acceleration);
-        let gained = power(|t| {
-            let (alpha, omega) = moved(&alpha, &omega, &acceleration, t);
-            let (place, rate) = moved(&plane.place, &plane.rate, &lifted, t);
-            let plane = PlaneMotion {
-                place: place.try_into().unwrap(),
-                rate: rate.try_into().unwrap(),
-            };
-            machine.energy_j(&alpha, &omega, &plane)
-        });
-        let given: f64 = torque.iter().zip(&omega).map(|(torque, omega)| torque * omega).sum();
+        let (q, v) = ([&alpha[..], &place].concat(), [&omega[..], &rate].concat());
+        let mut a = vec![0.0; q.len()];
+        machine.accelerations(&q, &v, &torque, &mut a);
+        let gained = gain(&q, &v, &a, |q, v| machine.energy_j(q, v));
         let flow = 200.0 * 12e-3 * 2e6 * 60e-3;
-        close(gained, given, flow)?;
+        close(gained, given(&torque, &omega), flow)?;
+    }
+
+    /// As above, of a machine whose frame moves, with a foundation and without, on either kind of rods. Were it wrong, the
+    /// suspension would shake the machine, or quieten it, by itself.
+    #[test]
+    fn what_motors_give_a_machine_on_a_frame_is_what_it_gains(
+        platform in platforms(),
+        (alpha, omega, torque) in states(),
+        sprung in any::<bool>(),
+        on_block in any::<bool>(),
+        place in prop::array::uniform9(-1e-3..1e-3),
+        rate in prop::array::uniform9(-1.0..1.0),
+    ) {
+        let n = alpha.len();
+        let frame = frame(0.0, on_block);
+        let freedoms = frame.freedoms() + if sprung { FREEDOMS } else { 0 };
+        let (q, v) = ([&alpha[..], &place[..freedoms]].concat(), [&omega[..], &rate[..freedoms]].concat());
+        let mut a = vec![0.0; q.len()];
+        let gained = if sprung {
+            let machine = Sprung::new(body(n, platform), 0.0).on(frame);
+            machine.accelerations(&q, &v, &torque, &mut a);
+            gain(&q, &v, &a, |q, v| machine.energy_j(q, v))
+        } else {
+            let machine = Phased::new(body(n, platform)).on(frame);
+            machine.accelerations(&q, &v, &torque, &mut a);
+            gain(&q, &v, &a, |q, v| machine.energy_j(q, v))
+        };
+        let flow = 200.0 * 12e-3 * 2e6 * 60e-3;
+        close(gained, given(&torque, &omega), flow)?;
+    }
+
+    /// Were it wrong, a frame that cannot give would still change what its cranks do: it is 1e9 times as heavy as the
+    /// platform, and so moves by 1e-9 of what that does.
+    #[test]
+    fn a_frame_that_stands_fast_is_none(
+        platform in platforms(),
+        (alpha, omega, torque) in states(),
+    ) {
+        let n = alpha.len();
+        let mut heavy = frame(0.1, false);
+        heavy.suspended.masses = heavy.suspended.masses.map(|mass| mass * 1e9);
+        let with = Phased::new(body(n, platform)).on(heavy);
+        let without = Phased::new(body(n, platform));
+        let (q, v) = ([&alpha[..], &[0.0; 3]].concat(), [&omega[..], &[0.0; 3]].concat());
+        let (mut found, mut right) = (vec![0.0; n + 3], vec![0.0; n]);
+        with.accelerations(&q, &v, &torque, &mut found);
+        without.accelerations(&alpha, &omega, &torque, &mut right);
+        let scale = right.iter().fold(1.0, |most: f64, a| most.max(a.abs()));
+        for (found, right) in found.iter().zip(&right) {
+            prop_assert!((found - right).abs() < 1e-8 * scale, "{found}, not {right}");
+        }
+    }
+
+    /// Were it wrong, stiff rods would load cranks otherwise than rods that have settled: with the platform where settled rods
+    /// have it, on the same speeds, springs push what y and warps push, so long as they are short by that already.
+    #[test]
+    fn rods_that_are_short_by_their_load_push_as_settled_ones(
+        platform in platforms(),
+        (alpha, omega, torque) in states(),
+    ) {
+        let n = alpha.len();
+        let (settled, sprung) = (Phased::new(body(n, platform)), Sprung::new(body(n, platform), 0.0));
+        let mut right = vec![0.0; n];
+        settled.accelerations(&alpha, &omega, &torque, &mut right);
+        let plane = settled.plane(&alpha, &omega, &right);
+        let body = settled.body();
+        // Forces at corners that push the platform with y, in a plane: short by y's share of a corner, over k.
+        let y: [f64; 3] = std::array::from_fn(|f| {
+            body.masses()[f] * plane.acceleration[f] + if f == 0 { body.weight_n() } else { 0.0 }
+        });
+        let around = n as f64 / 2.0 * body.mount_radius_m * body.mount_radius_m;
+        let around = if n == 2 { 2.0 * around } else { around };
+        let spread = [n as f64, around, around];
+        let place: [f64; 3] =
+            std::array::from_fn(|f| plane.place[f] - y[f] / spread[f] / body.rod_n_per_m);
+        let (q, v) = ([&alpha[..], &place].concat(), [&omega[..], &plane.rate].concat());
+        let mut found = vec![0.0; n + 3];
+        sprung.accelerations(&q, &v, &torque, &mut found);
+        let right = [&right[..], &plane.acceleration].concat();
+        let scale = right.iter().fold(1.0, |most: f64, a| most.max(a.abs()));
+        for (i, (found, right)) in found.iter().zip(&right).enumerate() {
+            prop_assert!((found - right).abs() < 1e-7 * scale, "{i}: {found}, not {right}");
+        }
     }
 }
 
-/// Were it wrong, damping in the rods would drive the machine.
+/// (E(t + h) − E(t − h)) / 2h of a motion.
+fn gain(q: &[f64], v: &[f64], a: &[f64], energy: impl Fn(&[f64], &[f64]) -> f64) -> f64 {
+    power(|t| {
+        let (q, v) = moved(q, v, a, t);
+        energy(&q, &v)
+    })
+}
+
+fn given(torque: &[f64], omega: &[f64]) -> f64 {
+    torque
+        .iter()
+        .zip(omega)
+        .map(|(torque, omega)| torque * omega)
+        .sum()
+}
+
+fn planes(most: f64) -> impl Strategy<Value = [f64; FREEDOMS]> {
+    prop::array::uniform3(-most..most)
+}
+
+/// 30 kg at 10 Hz, on 100 kg at 50 Hz if there is a block.
+fn frame(zeta: f64, on_block: bool) -> Frame {
+    let load = [8.0, 0.15, 0.15];
+    let own = [30.0, 0.4, 0.4];
+    let both = std::array::from_fn(|f| load[f] + own[f]);
+    Frame {
+        suspended: Layer::new(own, load, 1.5e5, 0.2, zeta),
+        foundation: on_block.then(|| Layer::new([100.0, 1.5, 1.5], both, 1.4e7, 0.2, zeta)),
+    }
+}
+
+/// Were it wrong, dampers would drive the machine: in rods, suspension, and ground.
 #[test]
-fn damped_rods_take_energy() {
-    let machine = Sprung::new(body(4, Platform::Above), 0.1);
+fn dampers_take_energy() {
     let alpha = [0.3, 0.4, 0.2, 0.35];
-    let heights = alpha.map(|alpha| machine.body().height_m(alpha));
-    let plane = PlaneMotion {
-        place: [heights[0], 0.0, 0.0],
-        rate: [0.7, 0.0, 0.0],
-    };
-    let mut found = [0.0; 4];
-    let lifted = machine.accelerations(&alpha, &[0.0; 4], &plane, &[0.0; 4], &mut found);
-    let undamped = Sprung::new(body(4, Platform::Above), 0.0);
-    let without = undamped.accelerations(&alpha, &[0.0; 4], &plane, &[0.0; 4], &mut [0.0; 4]);
-    assert!(lifted[0] < without[0] - 1.0, "{lifted:?}, {without:?}");
+    let rates = [0.7, 0.1, -0.2, 0.3, -0.2, 0.1, -0.4, 0.2, 0.3];
+    for (in_rods, in_frame) in [(0.1, 0.0), (0.0, 0.1)] {
+        let machine = Sprung::new(body(4, Platform::Above), in_rods).on(frame(in_frame, true));
+        let height = machine.body().crank(alpha[0]).height_m;
+        let q = [&alpha[..], &[height], &[0.0; 8]].concat();
+        let v = [&[0.0; 4][..], &rates].concat();
+        let mut a = vec![0.0; q.len()];
+        machine.accelerations(&q, &v, &[0.0; 4], &mut a);
+        let lost = gain(&q, &v, &a, |q, v| machine.energy_j(q, v));
+        // Springs hand watts to and fro; what dampers take is c v², some hundred N·s/m at least by some 0.1 m²/s².
+        assert!(lost < -10.0, "{lost} W, rods {in_rods}, frame {in_frame}");
+    }
+}
+
+/// Were it wrong, the machine would fall on its suspension as it is switched on, or stand where it does not.
+#[test]
+fn a_machine_at_rest_stays_at_rest() {
+    use super::{Driven, Freedom, Motor, Servo};
+    use cophase_methods::Equations;
+    // At a dead centre no motor is needed to hold it.
+    let servo = Motor::Servo(Servo {
+        position_gain_per_s: 10.0,
+        velocity_gain_nms: 1.0,
+        integral_s: None,
+        limit_nm: 10.0,
+    });
+    for on_block in [false, true] {
+        let own = frame(0.1, on_block);
+        let body = body(4, Platform::Above);
+        let phased = Freedom::Phased(Box::new(Phased::new(body.clone()).on(own.clone())));
+        let sprung = Freedom::Sprung(Box::new(Sprung::new(body.clone(), 0.1).on(own.clone())));
+        for freedom in [phased, sprung] {
+            let machine = Driven::new(freedom, vec![servo.clone(); 4]);
+            let state = machine.at_rest(&[0.0; 4]);
+            let mut rates = vec![1.0; state.len()];
+            machine.rates(0.0, &state, &mut rates);
+            for rate in &rates {
+                // Weights of some 1e3 N that cancel, over masses of 0.1 kg·m² at least.
+                assert!(rate.abs() < 1e-9, "{rates:?}");
+            }
+            assert_eq!(machine.frame_motion(&state).unwrap().ground_n, 0.0);
+        }
+        // Counted from where its springs are free, it has gone down by what the weight asks of each spring.
+        let weight = |kg: f64| kg * 9.80665;
+        let mut sag = weight(38.0) / 1.5e5;
+        if on_block {
+            sag += weight(138.0) / 1.4e7;
+        }
+        assert!((own.sag_m(8.0, 9.80665) - sag).abs() < 1e-15);
+        // And lifted by that, springs carry nothing: the ground is relieved of all the weight.
+        let block_sag = if on_block { weight(138.0) / 1.4e7 } else { 0.0 };
+        let place = [sag, 0.0, 0.0, block_sag, 0.0, 0.0];
+        let freedoms = own.freedoms();
+        let lifted = own.motion(&place[..freedoms], &[0.0; 6][..freedoms]);
+        let all = if on_block { 138.0 } else { 38.0 };
+        assert!(
+            (lifted.ground_n + weight(all)).abs() < 1e-9,
+            "{}",
+            lifted.ground_n
+        );
+    }
 }

@@ -91,6 +91,7 @@ impl Bounds {
             }
             Fidelity::Rigid => self.left_out_by_rigid(output) + self.left_out_by_phased(output),
             Fidelity::Phased => self.left_out_by_phased(output),
+            Fidelity::Elastic => 0.0,
         };
         left_out + ROUNDING
     }
@@ -144,7 +145,7 @@ impl Bounds {
             Fidelity::Auto | Fidelity::Kinematic => false,
             Fidelity::QuasiStatic => self.is_decided(),
             Fidelity::Rigid => self.alike,
-            Fidelity::Phased => true,
+            Fidelity::Phased | Fidelity::Elastic => true,
         };
         let worst = &self.worst.torque_ratio;
         let slips = |i: &usize| self.steppers[*i] && MARGIN * worst[*i] >= 1.0;

@@ -156,7 +156,10 @@ pub fn available(checked: &Checked) -> Vec<Fidelity> {
 /// # Errors
 /// What the scene lacks for that.
 pub fn bounds(checked: &Checked) -> Result<Bounds, SceneError> {
-    let apart = checked.on(Fidelity::Phased)?;
+    // The top rung that the scene has: with a frame, if it gives one.
+    let apart = checked
+        .on(Fidelity::Elastic)
+        .or_else(|_| checked.on(Fidelity::Phased))?;
     with_axes!(checked.scene.axes.count, N => {
         let machine = Machine::<N>::new(&apart)?;
         let settings = apart.settings::<N>()?;
@@ -194,6 +197,6 @@ fn of<const N: usize>(checked: &Checked, settings: &Settings<N>, driven: &Driven
         &drive,
         worst(driven, &drive),
         most - least,
-        0.0,
+        super::frame::share(driven, &drive),
     )
 }

@@ -268,7 +268,7 @@ fn crank(driven: &Driven, drive: &Drive, asked: &Asked, i: usize, master_rad_s: 
     let motor = &driven.motors()[i];
     let omega = master_rad_s * drive.ratios[i];
     let share = 1.0 / body.axes() as f64;
-    let stiffness = motor.stiffness_at_nm(omega);
+    let (softest, stiffest) = motor.stiffness_nm(omega);
     let slope = asked.slope_nm(omega) * share;
     let load = load_inertia_kgm2(body, asked);
     let rotor = body.rotors_kgm2[i];
@@ -292,7 +292,7 @@ fn crank(driven: &Driven, drive: &Drive, asked: &Asked, i: usize, master_rad_s: 
     }
     Crank {
         omega_rad_s: omega,
-        stiffness: (stiffness - slope, stiffness + slope),
+        stiffness: (softest - slope, stiffest + slope),
         inertia: (rotor, rotor + load),
         damping_nms: motor.damping_nms(),
         torque_nm,
@@ -332,7 +332,7 @@ fn speeds(driven: &Driven, drive: &Drive, asked: &Asked) -> Vec<f64> {
     let body = driven.body();
     for (i, motor) in driven.motors().iter().enumerate() {
         for inertia in [0.0, load_inertia_kgm2(body, asked)] {
-            let resonance = (motor.stiffness_nm() / (body.rotors_kgm2[i] + inertia)).sqrt();
+            let resonance = (motor.stiffness_nm(0.0).1 / (body.rotors_kgm2[i] + inertia)).sqrt();
             let met = (1..=HARMONICS).map(|n| resonance / n as f64 / drive.ratios[i]);
             speeds.extend(met.filter(|&omega| omega < drive.top_rad_s));
         }
@@ -344,7 +344,7 @@ fn frequency_ratio(driven: &Driven, drive: &Drive, asked: &Asked) -> f64 {
     let body = driven.body();
     let load = load_inertia_kgm2(body, asked);
     let ratio = |(i, motor): (usize, &Motor)| {
-        let resonance = (motor.stiffness_nm() / (body.rotors_kgm2[i] + load)).sqrt();
+        let resonance = (motor.stiffness_nm(0.0).0 / (body.rotors_kgm2[i] + load)).sqrt();
         2.0 * drive.top_rad_s * drive.ratios[i] / resonance
     };
     driven.motors().iter().enumerate().map(ratio).fold(0.0, f64::max)

@@ -18,6 +18,7 @@ mod answers;
 mod bounds;
 mod check;
 mod choose;
+mod frame;
 pub mod linear;
 mod output;
 pub mod sample;
@@ -31,9 +32,10 @@ pub use output::Output;
 use crate::scene::file::Fidelity;
 
 /// All rungs, the lowest first.
-pub const LADDER: [Fidelity; 4] = [
+pub const LADDER: [Fidelity; 5] = [
     Fidelity::Kinematic,
     Fidelity::QuasiStatic,
     Fidelity::Rigid,
     Fidelity::Phased,
+    Fidelity::Elastic,
 ];

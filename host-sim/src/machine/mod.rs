@@ -2,8 +2,8 @@
 //!
 //! On the ladder's *kinematic* rung every crank is where it is told to be. On the *quasi-static* rung the torque
 //! that the motion needs is compared with the torque that each motor has, and a stepper that is asked for more slips.
-//! On the *rigid* and *phased* rungs ([`Rotors`]) torque moves the cranks. On all of them the platform follows from the
-//! cranks' phases by geometry.
+//! On the *rigid*, *phased* and *elastic* rungs ([`Rotors`]) torque moves the cranks. The platform follows from the
+//! cranks' phases by geometry, but on the last two: there it is what its equations make of it.
 //!
 //! What the lower two leave out: inertia's effect on the motion (the cranks never lag by less than a slip), and how the
 //! others' torque changes once one axis has slipped.
@@ -26,6 +26,7 @@ use cophase_core::servo::Setpoint;
 use cophase_core::settings::CLOCK_HZ;
 use cophase_core::signals::Output;
 
+use crate::dynamics::FrameMotion;
 use crate::scene::file::{Drive, Fidelity};
 use crate::scene::{Checked, SceneError};
 
@@ -133,7 +134,56 @@ impl<const N: usize> Machine<N> {
 
     /// What motor `i` gives, or is asked for, N·m; none on rungs that know no torque.
     pub fn motor_torque_nm(&self, i: usize) -> Option<f64> {
-        self.asked_nm.map(|asked| asked[i])
+        let asked = self.asked_nm.map(|asked| asked[i]);
+        asked.or_else(|| self.torques_nm().map(|torques| torques[i]))
+    }
+
+    /// Torque of each motor at the tick's end, N·m, where torque moves the cranks.
+    pub fn torques_nm(&self) -> Option<&[f64]> {
+        self.rotors.as_ref().map(Rotors::torques_nm)
+    }
+
+    /// What the frame does, where it moves.
+    pub fn frame(&self) -> Option<FrameMotion> {
+        self.rotors.as_ref().and_then(Rotors::frame)
+    }
+
+    /// How far the frame has sagged under all that it carries, µm; 0 where it stands fast.
+    pub fn sag_um(&self) -> f64 {
+        self.rotors.as_ref().map_or(0.0, Rotors::sag_m) * 1e6
+    }
+
+    /// Largest way of a point on the mount circle that this motion is from rest, µm.
+    pub fn frame_um(&self, frame: &FrameMotion) -> f64 {
+        let [heave, x, y] = frame.place;
+        (heave.abs() + self.platform.mount_radius_m() * x.hypot(y)) * 1e6
+    }
+
+    /// Where the platform is: by its equations if it has any, else by geometry, from where the cranks are and, where torque
+    /// does not move them, from the speed and acceleration that are commanded.
+    pub fn pose(&self, turns: &[f64; N], command_turns: &[f64; N], commanded: (f64, f64)) -> Pose {
+        let (omega, acceleration) = self.motion().unwrap_or(commanded);
+        let pose = self
+            .platform
+            .pose(turns, command_turns, omega, acceleration);
+        match self.rotors.as_ref().and_then(Rotors::platform) {
+            Some(plane) => Pose {
+                z_m: plane.place[0],
+                accel_mps2: plane.acceleration[0],
+                tilt_x_mrad: plane.place[1] * 1e3,
+                tilt_y_mrad: plane.place[2] * 1e3,
+                ..pose
+            },
+            None => pose,
+        }
+    }
+
+    /// Tilt of the platform, mrad, both ways together.
+    pub fn tilt_mrad(&self, turns: &[f64; N]) -> f64 {
+        match self.rotors.as_ref().and_then(Rotors::platform) {
+            Some(plane) => plane.place[1].hypot(plane.place[2]) * 1e3,
+            None => self.platform.tilt_mrad(turns),
+        }
     }
 
     /// What moves the cranks, where torque does.

@@ -1,10 +1,11 @@
 //! The platform on its N cranks: height, tilt and acceleration, by geometry.
 //!
 //! Crank i stands at angle 2π i/N on a circle of radius ρ and lifts its corner by x(αᵢ). The platform is
-//! the plane closest to the corners (for two and three it goes through them). A small difference of
+//! the plane closest to the corners ([`Corners`]; for two and three it goes through them). A small difference of
 //! phases shows as tilt; what no plane can follow is warp, given in degrees of crank angle as that is
 //! what bends rods and platform.
 
+use crate::dynamics::Corners;
 use crate::mechanism::slider_crank::{Load, SliderCrank};
 use crate::scene::{Checked, SceneError};
 
@@ -13,11 +14,8 @@ use crate::scene::{Checked, SceneError};
 pub struct Platform<const N: usize> {
     mechanism: SliderCrank,
     load: Load,
+    corners: Corners,
     mount_radius_m: f64,
-    /// Place of each crank around the circle: cosine and sine; two cranks share one axis of tilt.
-    around: [(f64, f64); N],
-    /// The share of a corner's height in a tilt: 2/N, or 1/2 for two.
-    share: f64,
 }
 
 /// Where the platform is, and how fast that changes.
@@ -45,7 +43,6 @@ impl<const N: usize> Platform<N> {
         let radius_m = machine.crank_radius_mm / 1e3;
         let mechanism = SliderCrank::new(radius_m, radius_m / checked.lambda)
             .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
-        let angle = |i: usize| std::f64::consts::TAU * i as f64 / N as f64;
         Ok(Self {
             mechanism,
             load: Load {
@@ -53,17 +50,19 @@ impl<const N: usize> Platform<N> {
                 gravity_mps2: machine.gravity_mps2,
                 platform: machine.platform.into(),
             },
+            corners: Corners::new(N, machine.mount_radius_mm / 1e3),
             mount_radius_m: machine.mount_radius_mm / 1e3,
-            around: std::array::from_fn(|i| {
-                (angle(i).cos(), if N == 2 { 0.0 } else { angle(i).sin() })
-            }),
-            share: if N == 2 { 0.5 } else { 2.0 / N as f64 },
         })
     }
 
     /// The mechanism.
     pub fn mechanism(&self) -> &SliderCrank {
         &self.mechanism
+    }
+
+    /// Radius of the circle on which the cranks stand, m.
+    pub fn mount_radius_m(&self) -> f64 {
+        self.mount_radius_m
     }
 
     /// Torque of all cranks together, N·m.
@@ -88,15 +87,15 @@ impl<const N: usize> Platform<N> {
         let heights =
             turns.map(|turns| self.upwards() * self.mechanism.x_m(turns * std::f64::consts::TAU));
         let mean = turns.iter().sum::<f64>() / N as f64 * std::f64::consts::TAU;
-        let (tilt_x, tilt_y) = self.plane(&heights);
+        let [z_m, tilt_x, tilt_y] = self.corners.plane(&heights);
         Pose {
-            z_m: heights.iter().sum::<f64>() / N as f64,
+            z_m,
             accel_mps2: self.upwards()
                 * self
                     .mechanism
                     .x_ddot_mps2(mean, omega_rad_s, acceleration_rad_s2),
-            tilt_x_mrad: tilt_x / self.mount_radius_m * 1e3,
-            tilt_y_mrad: tilt_y / self.mount_radius_m * 1e3,
+            tilt_x_mrad: tilt_x * 1e3,
+            tilt_y_mrad: tilt_y * 1e3,
             warp_deg: self.warp_deg(turns, command_turns),
         }
     }
@@ -104,17 +103,8 @@ impl<const N: usize> Platform<N> {
     /// Tilt of the plane closest to the corners, mrad, both ways together.
     pub fn tilt_mrad(&self, turns: &[f64; N]) -> f64 {
         let heights = turns.map(|turns| self.mechanism.x_m(turns * std::f64::consts::TAU));
-        let (x, y) = self.plane(&heights);
-        x.hypot(y) / self.mount_radius_m * 1e3
-    }
-
-    fn plane(&self, values: &[f64; N]) -> (f64, f64) {
-        let mut plane = (0.0, 0.0);
-        for (value, around) in values.iter().zip(&self.around) {
-            plane.0 += value * around.0 * self.share;
-            plane.1 += value * around.1 * self.share;
-        }
-        plane
+        let [_, x, y] = self.corners.plane(&heights);
+        x.hypot(y) * 1e3
     }
 
     /// Largest deviation of a crank's error from the plane of all errors, degrees.
@@ -123,9 +113,8 @@ impl<const N: usize> Platform<N> {
             return 0.0;
         }
         let errors: [f64; N] = std::array::from_fn(|i| turns[i] - command_turns[i]);
-        let mean = errors.iter().sum::<f64>() / N as f64;
-        let (x, y) = self.plane(&errors);
-        let off = |i: usize| (errors[i] - mean - x * self.around[i].0 - y * self.around[i].1).abs();
+        let plane = self.corners.plane(&errors);
+        let off = |i: usize| (errors[i] - self.corners.height(&plane, i)).abs();
         (0..N).map(off).fold(0.0, f64::max) * 360.0
     }
 }

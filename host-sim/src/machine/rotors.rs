@@ -7,7 +7,7 @@
 use cophase_core::settings::MAX_AXES;
 use cophase_methods::{Equations, Method, Scheme, StepError};
 
-use crate::dynamics::{Driven, Field, Mode};
+use crate::dynamics::{Driven, Field, FrameMotion, Mode, PlaneMotion};
 
 /// How far the fastest mode may turn in a step, rad, for the sake of accuracy: RK4 is off by (hω)⁴/120, here 3.3e-5, of
 /// a radian each radian.
@@ -60,6 +60,9 @@ pub struct Rotors {
     method: Box<dyn Method>,
     steps: u32,
     state: Vec<f64>,
+    /// Rates of the state, and torques of the motors, N·m, at the last tick's end.
+    rates: Vec<f64>,
+    torques_nm: [f64; MAX_AXES],
     told: Vec<Told>,
     tick_s: f64,
     were_on: bool,
@@ -91,12 +94,14 @@ impl Rotors {
         let method = scheme
             .prepare(&driven, step_s)
             .map_err(|refused| refused.to_string())?;
-        let angles = driven.angles();
-        let mut state = vec![0.0; 2 * angles];
-        for (state, told) in state.iter_mut().zip(&told).take(angles) {
-            *state = told.turns * std::f64::consts::TAU;
-        }
+        let angles: Vec<f64> = told
+            .iter()
+            .map(|told| told.turns * std::f64::consts::TAU)
+            .collect();
+        let state = driven.at_rest(&angles);
         Ok(Self {
+            rates: vec![0.0; state.len()],
+            torques_nm: [0.0; MAX_AXES],
             driven,
             scheme,
             method,
@@ -107,11 +112,6 @@ impl Rotors {
             were_on: false,
             broken: None,
         })
-    }
-
-    /// Machine and motors.
-    pub fn driven(&self) -> &Driven {
-        &self.driven
     }
 
     /// The method, and how many steps a tick it makes.
@@ -140,6 +140,9 @@ impl Rotors {
             return;
         }
         self.driven.energised = energised;
+        if !energised {
+            self.driven.forget(&mut self.state);
+        }
         for step in 0..self.steps {
             let t_s = f64::from(step) * self.method.step_s();
             if let Err(error) = self.method.step(&self.driven, t_s, &mut self.state) {
@@ -147,23 +150,47 @@ impl Rotors {
                 return;
             }
         }
+        self.torques_nm = self.driven.torques_nm(self.tick_s, &self.state);
+        self.driven.rates(self.tick_s, &self.state, &mut self.rates);
     }
 
     /// Speed and acceleration of the cranks, their means, rad/s and rad/s².
     pub fn motion(&self) -> (f64, f64) {
-        let angles = self.driven.angles();
-        let mut rates = [0.0; 2 * MAX_AXES];
-        let rates = &mut rates[..2 * angles];
-        self.driven.rates(self.tick_s, &self.state, rates);
+        let (angles, positions) = (self.driven.angles(), self.driven.positions());
         let mean = |values: &[f64]| values.iter().sum::<f64>() / angles as f64;
-        if !self.were_on {
-            return (0.0, 0.0);
-        }
-        (mean(&self.state[angles..]), mean(&rates[angles..]))
+        let speeds = positions..positions + angles;
+        (mean(&self.state[speeds.clone()]), mean(&self.rates[speeds]))
     }
 
     /// Where crank `i` is, turns.
     pub fn turns(&self, i: usize) -> f64 {
         self.driven.alpha_rad(&self.state, i) / std::f64::consts::TAU
+    }
+
+    /// Torque of each motor at the last tick's end, N·m.
+    pub fn torques_nm(&self) -> &[f64] {
+        &self.torques_nm[..self.told.len()]
+    }
+
+    /// Where the platform is and how it moves; none where it follows the shaft.
+    pub fn platform(&self) -> Option<PlaneMotion> {
+        self.driven.platform(&self.state, &self.rates)
+    }
+
+    /// What the frame does, if it moves.
+    pub fn frame(&self) -> Option<FrameMotion> {
+        self.driven.frame_motion(&self.state)
+    }
+
+    /// How far the frame has sagged under all that it carries, m; 0 where it stands fast.
+    pub fn sag_m(&self) -> f64 {
+        let load = self.driven.body().load;
+        let frame = self.driven.frame();
+        frame.map_or(0.0, |frame| frame.sag_m(load.mass_kg, load.gravity_mps2))
+    }
+
+    /// The machine and its motors.
+    pub fn driven(&self) -> &Driven {
+        &self.driven
     }
 }

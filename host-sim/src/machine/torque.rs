@@ -3,9 +3,11 @@
 use cophase_core::settings::Settings;
 
 use super::{Chosen, PullOut, Rotors, SimulatedAxis, Told};
-use crate::dynamics::{Body, Driven, Freedom, Motor, Phased, Rigid, Servo, Stepper};
+use crate::dynamics::{
+    Body, Driven, Frame, Freedom, Layer, Motor, Phased, Rigid, Servo, Sprung, Stepper,
+};
 use crate::mechanism::slider_crank::{Load, SliderCrank};
-use crate::scene::file::{Drive, Fidelity};
+use crate::scene::file::{self, Drive, Fidelity, Rods};
 use crate::scene::{Checked, SceneError};
 
 /// Full steps to an electrical cycle.
@@ -21,18 +23,13 @@ pub fn rotors<const N: usize>(
     pull_out: &PullOut,
     axes: &mut [SimulatedAxis; N],
 ) -> Result<Option<Rotors>, SceneError> {
-    if !matches!(checked.fidelity, Fidelity::Rigid | Fidelity::Phased) {
+    if !checked.fidelity.moves_by_torque() {
         return Ok(None);
     }
     let motors = (0..N)
-        .map(|i| motor(checked, settings, pull_out, i))
+        .map(|i| motor(checked, pull_out, i))
         .collect::<Result<Vec<_>, _>>()?;
-    let body = body(checked, settings)?;
-    let freedom = if checked.fidelity == Fidelity::Rigid {
-        Freedom::Rigid(Rigid::new(body))
-    } else {
-        Freedom::Phased(Box::new(Phased::new(body)))
-    };
+    let driven = Driven::new(freedom(checked, body(checked, settings)?)?, motors);
     let told = axes.iter().map(|axis| Told {
         turns: axis.turns(),
         torque_nm: 0.0,
@@ -43,9 +40,88 @@ pub fn rotors<const N: usize>(
         scheme: method.name.scheme(),
         steps_per_tick: method.steps_per_tick,
     };
-    Rotors::new(Driven::new(freedom, motors), told.collect(), tick_s, chosen)
+    if let Some(scheme) = chosen.scheme.filter(|scheme| !scheme.suits(&driven)) {
+        return Err(SceneError::at(
+            "method.name",
+            format!(
+                "{scheme} needs {}, and axes.servo.integral_s gives each servo a component more, which is neither; let it \
+                 be \"rk4\", or \"sdirk4\" where that asks for too many steps, or leave integral_s out",
+                scheme.facts().needs
+            ),
+        ));
+    }
+    Rotors::new(driven, told.collect(), tick_s, chosen)
         .map(Some)
         .map_err(|problem| SceneError::at("method", problem))
+}
+
+/// How much freedom the rung gives the machine.
+fn freedom(checked: &Checked, body: Body) -> Result<Freedom, SceneError> {
+    if checked.fidelity == Fidelity::Rigid {
+        return Ok(Freedom::Rigid(Rigid::new(body)));
+    }
+    let frame = if checked.fidelity == Fidelity::Elastic {
+        let given = checked.scene.frame.as_ref().ok_or_else(|| {
+            SceneError::at(
+                "frame",
+                "missing; fidelity = \"elastic\" has the frame move on its suspension, so give frame.mass_kg and \
+                 frame.suspension_n_per_mm, or let fidelity be \"phased\"",
+            )
+        })?;
+        Some(frame(given, &body))
+    } else {
+        None
+    };
+    let machine = &checked.scene.machine;
+    Ok(match machine.rods {
+        Rods::Settled => {
+            let phased = Phased::new(body);
+            Freedom::Phased(Box::new(match frame {
+                Some(frame) => phased.on(frame),
+                None => phased,
+            }))
+        }
+        Rods::Sprung => {
+            let sprung = Sprung::new(body, machine.rod_zeta);
+            Freedom::Sprung(Box::new(match frame {
+                Some(frame) => sprung.on(frame),
+                None => sprung,
+            }))
+        }
+    })
+}
+
+fn frame(given: &file::Frame, body: &Body) -> Frame {
+    let radius_m = body.mount_radius_m;
+    let masses = |mass_kg: f64, tilt_inertia_kgm2: Option<f64>| {
+        let tilt = tilt_inertia_kgm2.unwrap_or_else(|| even_disc_kgm2(mass_kg, radius_m));
+        [mass_kg, tilt, tilt]
+    };
+    let load = body.masses();
+    let own = masses(given.mass_kg, given.tilt_inertia_kgm2);
+    Frame {
+        suspended: Layer::new(
+            own,
+            load,
+            given.suspension_n_per_mm * 1e3,
+            radius_m,
+            given.suspension_zeta,
+        ),
+        foundation: given.foundation.as_ref().map(|foundation| {
+            Layer::new(
+                masses(foundation.mass_kg, foundation.tilt_inertia_kgm2),
+                std::array::from_fn(|f| own[f] + load[f]),
+                foundation.ground_n_per_mm * 1e3,
+                radius_m,
+                foundation.ground_zeta,
+            )
+        }),
+    }
+}
+
+/// Inertia of an even disc about a diameter, kg·m².
+fn even_disc_kgm2(mass_kg: f64, radius_m: f64) -> f64 {
+    mass_kg * radius_m * radius_m / 4.0
 }
 
 fn body<const N: usize>(checked: &Checked, settings: &Settings<N>) -> Result<Body, SceneError> {
@@ -54,7 +130,7 @@ fn body<const N: usize>(checked: &Checked, settings: &Settings<N>) -> Result<Bod
     let mount_m = machine.mount_radius_mm / 1e3;
     let mechanism = SliderCrank::new(radius_m, radius_m / checked.lambda)
         .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
-    let disc_kgm2 = machine.load_kg * mount_m * mount_m / 4.0;
+    let disc_kgm2 = even_disc_kgm2(machine.load_kg, mount_m);
     let rotors_kgm2: Vec<f64> = settings
         .axes
         .iter()
@@ -88,12 +164,7 @@ fn body<const N: usize>(checked: &Checked, settings: &Settings<N>) -> Result<Bod
     })
 }
 
-fn motor<const N: usize>(
-    checked: &Checked,
-    settings: &Settings<N>,
-    pull_out: &PullOut,
-    i: usize,
-) -> Result<Motor, SceneError> {
+fn motor(checked: &Checked, pull_out: &PullOut, i: usize) -> Result<Motor, SceneError> {
     let axes = &checked.scene.axes;
     let apart = checked.apart(i);
     let needed = |key: &str, what: &str| {
@@ -121,15 +192,17 @@ fn motor<const N: usize>(
             }))
         }
         Drive::Servo => {
-            let stiffness_nm = axes
-                .servo_stiffness_nm
-                .ok_or_else(|| needed("servo_stiffness_nm", "the drives' stiffness"))?;
-            let rotor = settings.axes[i].rotor_inertia_kgm2;
-            let critical = 2.0 * (stiffness_nm * rotor).sqrt();
+            let servo = axes.servo.as_ref().ok_or_else(|| {
+                needed(
+                    "servo",
+                    "the drives' gains as [axes.servo] with position_gain_per_s and velocity_gain_nms",
+                )
+            })?;
             Ok(Motor::Servo(Servo {
-                stiffness_nm,
-                damping_nms: axes.servo_damping_nms.unwrap_or(critical),
-                limit_nm: axes.servo_limit_nm.unwrap_or(f64::INFINITY),
+                position_gain_per_s: servo.position_gain_per_s,
+                velocity_gain_nms: servo.velocity_gain_nms,
+                integral_s: servo.integral_s,
+                limit_nm: servo.limit_nm.unwrap_or(f64::INFINITY),
             }))
         }
     }

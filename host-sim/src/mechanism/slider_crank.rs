@@ -42,6 +42,17 @@ pub enum SliderCrankError {
     Ratio(f64),
 }
 
+/// The motion at one crank angle, in the terms of [`SliderCrank::x_m`], [`SliderCrank::s`] and [`SliderCrank::h`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AtAngle {
+    /// Distance x of the platform from the crank axis, m.
+    pub x_m: f64,
+    /// Speed coefficient.
+    pub s: f64,
+    /// Acceleration coefficient.
+    pub h: f64,
+}
+
 /// An in-line slider-crank of known size.
 ///
 /// ```
@@ -140,6 +151,23 @@ impl SliderCrank {
         let under_root = 1.0 - (lambda * sin).powi(2);
         let above = (2.0 * alpha_rad).cos() + lambda * lambda * sin.powi(4);
         cos + lambda * above / (under_root * under_root.sqrt())
+    }
+
+    /// x, s and h at once, with one sine and one root between them: for equations of motion, which ask for all three
+    /// at every evaluation.
+    pub fn at(&self, alpha_rad: f64) -> AtAngle {
+        let (sin, cos) = alpha_rad.sin_cos();
+        let lambda = self.lambda();
+        let shorter = lambda * sin;
+        let under_root = 1.0 - shorter * shorter;
+        let root = under_root.sqrt();
+        let over_root = lambda / root;
+        let above = 1.0 - 2.0 * sin * sin + shorter * shorter * sin * sin;
+        AtAngle {
+            x_m: self.crank_radius_m * cos + self.rod_length_m * root,
+            s: sin + over_root * sin * cos,
+            h: cos + over_root * above / under_root,
+        }
     }
 
     /// The two-term stand-in for [`SliderCrank::h`]: cos α + λ cos 2α (source, step F).

@@ -11,7 +11,7 @@ pub use words::{describe, is_news};
 use serde::Serialize;
 
 use crate::fidelity::Judged;
-use crate::scene::file::{Fidelity, MethodName};
+use crate::scene::file::{Fidelity, MethodName, Rods};
 use crate::scene::{Checked, Scene};
 use crate::sim::Outcome;
 use crate::sim::events::{Event, Happening, StoppedBy};
@@ -49,6 +49,8 @@ pub struct Report<'a> {
     tilt_worst_mrad: f64,
     tilt_limit_mrad: f64,
     warp_worst_deg: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frame: Option<FrameReport>,
     holding: HoldingReport,
     speed_top_hz: f64,
     amax_top_mps2: f64,
@@ -134,6 +136,19 @@ struct AxisReport {
     /// Largest part of the pull-out torque that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pull_out_used: Option<f64>,
+    /// Largest torque that the motor gave.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    torque_worst_nm: Option<f64>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct FrameReport {
+    /// How far it has sagged under all that it carries, from where its springs are free: where it is counted from.
+    sag_um: f64,
+    /// Largest way of a point on the mount circle from rest.
+    displacement_worst_um: f64,
+    /// Largest force on the ground, beyond the weight at rest.
+    ground_force_worst_n: f64,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -182,6 +197,7 @@ impl<'a> Report<'a> {
             actual_turns: seen.turns[i].1,
             slipped_cycles: seen.slipped_cycles[i],
             pull_out_used: seen.torque_used[i].map(|(used, _)| used),
+            torque_worst_nm: seen.worst_torque_nm.get(i).copied(),
         };
         Self {
             name: &checked.scene.name,
@@ -200,12 +216,12 @@ impl<'a> Report<'a> {
                     Fidelity::QuasiStatic => {
                         "torques follow from the motion, and slips from torques: nothing is integrated"
                     }
-                    Fidelity::Rigid | Fidelity::Phased
-                        if checked.scene.method.name != MethodName::Auto =>
+                    rung if rung.moves_by_torque()
+                        && checked.scene.method.name != MethodName::Auto =>
                     {
                         "the scene asks for it"
                     }
-                    Fidelity::Rigid | Fidelity::Phased => {
+                    rung if rung.moves_by_torque() => {
                         "accurate where the step resolves every mode: at most a quarter of a radian of the fastest a step"
                     }
                     _ => "cranks are where pulses and setpoints put them: nothing is integrated",
@@ -237,6 +253,11 @@ impl<'a> Report<'a> {
             tilt_worst_mrad: seen.worst_tilt_mrad,
             tilt_limit_mrad: checked.scene.drift.tilt_limit_mrad,
             warp_worst_deg: seen.worst_warp_deg,
+            frame: seen.frame.map(|frame| FrameReport {
+                sag_um: frame.sag_um,
+                displacement_worst_um: frame.worst_um,
+                ground_force_worst_n: frame.worst_ground_n,
+            }),
             holding: HoldingReport {
                 held_s: round(seen.holding.held_s, 6),
                 worst_relative_error: seen.holding.worst_relative,
@@ -268,6 +289,7 @@ fn judged(checked: &Checked) -> &[Judged] {
 
 /// What the rung leaves out, for all that read the results.
 fn left_out(checked: &Checked) -> &'static str {
+    let over_constrained = checked.scene.axes.count > 3;
     match checked.fidelity {
         Fidelity::QuasiStatic => {
             "inertia's effect on the cranks' motion, elasticity, and how a slip loads the other motors"
@@ -275,11 +297,24 @@ fn left_out(checked: &Checked) -> &'static str {
         Fidelity::Rigid => {
             "each crank's own lag, tilt from torque, elasticity, microsteps: the cranks are one shaft"
         }
-        Fidelity::Phased if checked.scene.axes.count > 3 => {
-            "the rods' own oscillation, microsteps, suspension and foundation; more than three cranks over-constrain \
-             the platform, so that it lies in the plane that asks least of the rods"
-        }
-        Fidelity::Phased => "rods that give, microsteps, suspension and foundation",
+        Fidelity::Phased => match (checked.scene.machine.rods, over_constrained) {
+            (Rods::Sprung, _) => "microsteps, suspension and foundation",
+            (Rods::Settled, false) => "rods that give, microsteps, suspension and foundation",
+            (Rods::Settled, true) => {
+                "the rods' own oscillation, microsteps, suspension and foundation; more than three cranks over-constrain \
+                 the platform, so that it lies in the plane that asks least of the rods"
+            }
+        },
+        Fidelity::Elastic => match (checked.scene.machine.rods, over_constrained) {
+            (Rods::Sprung, _) => "microsteps, and forces on the frame across the line of travel",
+            (Rods::Settled, false) => {
+                "rods that give, microsteps, and forces on the frame across the line of travel"
+            }
+            (Rods::Settled, true) => {
+                "the rods' own oscillation, microsteps, and forces on the frame across the line of travel; more than three \
+                 cranks over-constrain the platform, so that it lies in the plane that asks least of the rods"
+            }
+        },
         _ => "torque, inertia and elasticity: no crank ever lags",
     }
 }

@@ -168,6 +168,20 @@ fn write_page(
             used * 100.0
         )?;
     }
+    let torques = seen.worst_torque_nm.iter().copied().enumerate();
+    if let Some((axis, torque_nm)) = torques.max_by(|a, b| a.1.total_cmp(&b.1)) {
+        writeln!(
+            page,
+            "Greatest motor torque: {torque_nm:.3} N·m, of axis {axis}."
+        )?;
+    }
+    if let Some(frame) = seen.frame {
+        writeln!(
+            page,
+            "The frame went at most {:.1} µm from rest; the ground got at most {:.1} N beyond the weight.",
+            frame.worst_um, frame.worst_ground_n,
+        )?;
+    }
     for warning in warnings(checked, outcome) {
         writeln!(page, "Warning: {warning}")?;
     }

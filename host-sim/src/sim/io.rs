@@ -63,18 +63,14 @@ impl<const N: usize> Moment<'_, N> {
     pub fn pose(&self) -> Pose {
         let ticks_per_s = 1e9 / (self.end_ns - self.start_ns) as f64;
         let motion = &self.telemetry.motion;
-        let commanded = || {
-            let omega = turns(motion.speed) * ticks_per_s * std::f64::consts::TAU;
-            let by = turns(motion.acceleration) * ticks_per_s * ticks_per_s;
-            (omega, by * std::f64::consts::TAU)
-        };
-        let (omega, acceleration) = self.machine.motion().unwrap_or_else(commanded);
-        self.machine.platform.pose(
-            &self.actual_turns,
-            &self.command_turns,
-            omega,
-            acceleration,
-        )
+        let omega_turns_s = turns(motion.speed) * ticks_per_s;
+        let acceleration_turns_s2 = turns(motion.acceleration) * ticks_per_s * ticks_per_s;
+        let commanded = (
+            omega_turns_s * std::f64::consts::TAU,
+            acceleration_turns_s2 * std::f64::consts::TAU,
+        );
+        self.machine
+            .pose(&self.actual_turns, &self.command_turns, commanded)
     }
 }
 

@@ -21,6 +21,17 @@ pub struct Holding {
     pub worst_relative: f64,
 }
 
+/// How far a frame went, and what it handed on to the ground.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrameSeen {
+    /// How far it has sagged under all that it carries, µm: from there its way is counted.
+    pub sag_um: f64,
+    /// Largest force on the ground beyond the weight at rest, N.
+    pub worst_ground_n: f64,
+    /// Largest way of any point on the mount circle from rest, µm.
+    pub worst_um: f64,
+}
+
 /// A run in numbers.
 #[derive(Clone, Debug)]
 pub struct Statistics {
@@ -53,6 +64,10 @@ pub struct Statistics {
     /// The largest part of its pull-out torque that each axis was asked for, and at which speed (rev/s);
     /// empty where torque is not asked.
     pub torque_used: Vec<Option<(f64, f64)>>,
+    /// Largest torque that each motor gave, N·m; empty where torque does not move the cranks.
+    pub worst_torque_nm: Vec<f64>,
+    /// What the frame did, if it moves.
+    pub frame: Option<FrameSeen>,
     /// What made the machine stop last.
     pub stopped_by: Option<StoppedBy>,
     /// Deadlines met late by over half a tick.
@@ -97,6 +112,8 @@ impl Statistics {
             turns: vec![(0.0, 0.0); axes],
             slipped_cycles: vec![0; axes],
             torque_used: Vec::new(),
+            worst_torque_nm: Vec::new(),
+            frame: None,
             stopped_by: None,
             late_deadlines: 0,
             missed_deadlines: 0,
@@ -122,6 +139,7 @@ impl Statistics {
         let t_s = moment.start_ns as f64 * 1e-9;
         self.time_in_state_s[telemetry.state as usize] += self.tick_s;
         self.cranks(moment, t_s);
+        self.forces(moment.machine);
         self.limits(moment, t_s);
         self.level(moment);
         if telemetry.fault != self.fault {
@@ -200,15 +218,33 @@ impl Statistics {
             .iter()
             .any(|&turns| turns != moment.actual_turns[0])
         {
-            let platform = &moment.machine.platform;
-            let tilt_mrad = platform.tilt_mrad(&moment.actual_turns);
+            let tilt_mrad = moment.machine.tilt_mrad(&moment.actual_turns);
             self.worst_tilt_mrad = self.worst_tilt_mrad.max(tilt_mrad);
+            let platform = &moment.machine.platform;
             let warp_deg = platform.warp_deg(&moment.actual_turns, &moment.command_turns);
             self.worst_warp_deg = self.worst_warp_deg.max(warp_deg);
         }
         if moment.telemetry.state == State::Run {
             self.running_ticks += 1;
             self.spread_squares += spread_deg * spread_deg;
+        }
+    }
+
+    /// What motors gave, and what came of it at the ground.
+    fn forces<const N: usize>(&mut self, machine: &Machine<N>) {
+        if let Some(torques) = machine.torques_nm() {
+            self.worst_torque_nm.resize(N, 0.0);
+            for (worst, torque) in self.worst_torque_nm.iter_mut().zip(torques) {
+                *worst = worst.max(torque.abs());
+            }
+        }
+        if let Some(frame) = machine.frame() {
+            let seen = self.frame.get_or_insert(FrameSeen {
+                sag_um: machine.sag_um(),
+                ..FrameSeen::default()
+            });
+            seen.worst_ground_n = seen.worst_ground_n.max(frame.ground_n.abs());
+            seen.worst_um = seen.worst_um.max(machine.frame_um(&frame));
         }
     }
 

@@ -97,28 +97,59 @@ pub(super) fn check_torque(scene: &Scene) -> Result<(), SceneError> {
     let (least, most) = RODS_N_PER_UM;
     range("machine.rod_n_per_um", machine.rod_n_per_um, least, most)?;
     range("axes.damping_nms", axes.damping_nms, 0.0, 1000.0)?;
-    let given = [
-        (
-            "machine.tilt_inertia_kgm2",
-            machine.tilt_inertia_kgm2,
-            1e-6,
-            1000.0,
-        ),
-        (
-            "axes.servo_stiffness_nm",
-            axes.servo_stiffness_nm,
-            1e-3,
-            1e7,
-        ),
-        ("axes.servo_damping_nms", axes.servo_damping_nms, 0.0, 1e5),
-        ("axes.servo_limit_nm", axes.servo_limit_nm, 1e-3, 1e5),
-    ];
-    for (key, value, low, high) in given {
-        if let Some(value) = value {
-            range(key, value, low, high)?;
+    range("machine.rod_zeta", machine.rod_zeta, 0.0, MOST_ZETA)?;
+    if let Some(inertia_kgm2) = machine.tilt_inertia_kgm2 {
+        range("machine.tilt_inertia_kgm2", inertia_kgm2, 1e-6, 1000.0)?;
+    }
+    if let Some(servo) = &axes.servo {
+        let (position, velocity) = (servo.position_gain_per_s, servo.velocity_gain_nms);
+        range("axes.servo.position_gain_per_s", position, 1e-3, 1e5)?;
+        range("axes.servo.velocity_gain_nms", velocity, 1e-6, 1e5)?;
+        if let Some(integral_s) = servo.integral_s {
+            range("axes.servo.integral_s", integral_s, 1e-5, 1e3)?;
+        }
+        if let Some(limit_nm) = servo.limit_nm {
+            range("axes.servo.limit_nm", limit_nm, 1e-3, 1e5)?;
         }
     }
-    Ok(())
+    match &scene.frame {
+        Some(frame) => check_frame(frame),
+        None => Ok(()),
+    }
+}
+
+/// More than this creeps back, and is no spring any more.
+const MOST_ZETA: f64 = 2.0;
+
+fn check_frame(frame: &file::Frame) -> Result<(), SceneError> {
+    let layer = |at: &str, mass_kg, inertia_kgm2: Option<f64>, spring, zeta| {
+        let (spring_key, n_per_mm) = spring;
+        let (zeta_key, zeta) = zeta;
+        range(&format!("{at}.mass_kg"), mass_kg, 0.01, 1e6)?;
+        if let Some(inertia_kgm2) = inertia_kgm2 {
+            let key = format!("{at}.tilt_inertia_kgm2");
+            range(&key, inertia_kgm2, 1e-6, 1e7)?;
+        }
+        range(&format!("{at}.{spring_key}"), n_per_mm, 1e-3, 1e9)?;
+        range(&format!("{at}.{zeta_key}"), zeta, 0.0, MOST_ZETA)
+    };
+    layer(
+        "frame",
+        frame.mass_kg,
+        frame.tilt_inertia_kgm2,
+        ("suspension_n_per_mm", frame.suspension_n_per_mm),
+        ("suspension_zeta", frame.suspension_zeta),
+    )?;
+    let Some(foundation) = &frame.foundation else {
+        return Ok(());
+    };
+    layer(
+        "frame.foundation",
+        foundation.mass_kg,
+        foundation.tilt_inertia_kgm2,
+        ("ground_n_per_mm", foundation.ground_n_per_mm),
+        ("ground_zeta", foundation.ground_zeta),
+    )
 }
 
 /// A tolerance of 0 would ask for the truth itself.

@@ -42,18 +42,28 @@ pub struct Axes {
     /// What a stepper's drive damps, N·m·s/rad.
     #[serde(default)]
     pub damping_nms: f64,
-    /// Torque of a servo's drive to an error of position, N·m/rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub servo_stiffness_nm: Option<f64>,
-    /// Torque of a servo's drive to an error of speed, N·m·s/rad; by default critical for the rotor alone.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub servo_damping_nms: Option<f64>,
-    /// Greatest torque of a servo, N·m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub servo_limit_nm: Option<f64>,
     /// Pull-out torque of a stepper as `[speed_hz, torque_nm]` points, lowest speed first; straight lines between.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pull_out: Vec<(f64, f64)>,
+    /// The drives of servos.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub servo: Option<ServoDrive>,
+}
+
+/// A servo's drive: a position loop around a velocity loop, with torque told ahead.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ServoDrive {
+    /// Velocity to an error of position, 1/s.
+    pub position_gain_per_s: f64,
+    /// Torque to an error of velocity, N·m·s/rad.
+    pub velocity_gain_nms: f64,
+    /// Integral time of the velocity loop, s; without it the loop has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub integral_s: Option<f64>,
+    /// Greatest torque, N·m: the current limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit_nm: Option<f64>,
 }
 
 /// How an axis is driven.

@@ -18,6 +18,8 @@ pub enum Fidelity {
     Rigid,
     /// Each crank its own rotor, moved by its motor's torque; the platform tilts.
     Phased,
+    /// As phased, on a frame that moves on its suspension.
+    Elastic,
 }
 
 impl Fidelity {
@@ -29,7 +31,13 @@ impl Fidelity {
             Self::QuasiStatic => "quasi-static",
             Self::Rigid => "rigid",
             Self::Phased => "phased",
+            Self::Elastic => "elastic",
         }
+    }
+
+    /// Whether torque moves the cranks on this rung.
+    pub const fn moves_by_torque(self) -> bool {
+        matches!(self, Self::Rigid | Self::Phased | Self::Elastic)
     }
 }
 

@@ -1,4 +1,4 @@
-//! `[machine]`: the mechanism and what it carries.
+//! `[machine]`: the mechanism and what it carries; `[frame]`: what it stands on.
 
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +31,58 @@ pub struct Machine {
     /// Stiffness of a rod with its bearings, N/µm.
     #[serde(default = "default_rod_stiffness")]
     pub rod_n_per_um: f64,
+    /// What becomes of rods that are pushed and pulled, where each crank is its own rotor.
+    #[serde(default)]
+    pub rods: Rods,
+    /// Damping of sprung rods, as a part of what is critical for the platform's heave on them.
+    #[serde(default = "default_rod_zeta")]
+    pub rod_zeta: f64,
+}
+
+/// What becomes of rods that are pushed and pulled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rods {
+    /// They are rigid; where a platform on more than three asks them to give, they have given.
+    #[default]
+    Settled,
+    /// They are springs, on which the platform oscillates.
+    Sprung,
+}
+
+/// The frame that carries the cranks, on its suspension.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Frame {
+    /// Mass of the frame with all that is bolted to it, kg.
+    pub mass_kg: f64,
+    /// Its inertia about a tilt axis, kg·m²; by default that of an even disc as wide as the mount.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tilt_inertia_kgm2: Option<f64>,
+    /// Stiffness of the whole suspension in heave, N/mm.
+    pub suspension_n_per_mm: f64,
+    /// Its damping, as a part of what is critical for all that it carries.
+    #[serde(default = "default_suspension_zeta")]
+    pub suspension_zeta: f64,
+    /// The block under the suspension; without it the suspension stands on the ground.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub foundation: Option<Foundation>,
+}
+
+/// A foundation block on the ground.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Foundation {
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Its inertia about a tilt axis, kg·m²; by default that of an even disc as wide as the mount.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tilt_inertia_kgm2: Option<f64>,
+    /// Stiffness of the ground under it in heave, N/mm.
+    pub ground_n_per_mm: f64,
+    /// Damping of the ground, as a part of what is critical for all that it carries.
+    #[serde(default = "default_ground_zeta")]
+    pub ground_zeta: f64,
 }
 
 /// Which way up the platform is.
@@ -61,4 +113,13 @@ const fn default_mount_radius_mm() -> f64 {
 }
 const fn default_rod_stiffness() -> f64 {
     50.0
+}
+const fn default_rod_zeta() -> f64 {
+    0.02
+}
+const fn default_suspension_zeta() -> f64 {
+    0.05
+}
+const fn default_ground_zeta() -> f64 {
+    0.1
 }

@@ -11,11 +11,11 @@ mod machine;
 mod program;
 mod questions;
 
-pub use axes::{Axes, AxisApart, Drive};
+pub use axes::{Axes, AxisApart, Drive, ServoDrive};
 pub use control::{Band, Control, Drift, Index, Limits, Pulse};
 pub use events::{CommandAt, CommandName, InputAt, InputLine, LateAt, Scope};
 pub use fidelity::{Fidelity, Method, MethodName};
-pub use machine::{Machine, Platform};
+pub use machine::{Foundation, Frame, Machine, Platform, Rods};
 pub use program::{Segment, Shape};
 pub use questions::Questions;
 
@@ -41,6 +41,9 @@ pub struct Scene {
     pub method: Method,
     /// The mechanism and what it carries.
     pub machine: Machine,
+    /// What the cranks stand on, if that moves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<Frame>,
     /// The loop.
     #[serde(default)]
     pub control: Control,

@@ -1,0 +1,118 @@
+//! How fast a machine's fastest mode can be.
+//!
+//! A bound, not a spectrum, as cranks turn and levers change. With D the inertias of all positions by themselves and M
+//! the inertia that they have together, M − D is the platform's as the cranks carry it, and never negative: all that
+//! hangs on a position makes it slower. So no mode is faster than √ of the largest eigenvalue of D⁻¹ K, nor decays
+//! faster than that of D⁻¹ C. Of stiffnesses that add up, the eigenvalues add up at most.
+
+use super::{Body, FREEDOMS, Frame, Layer, Motor};
+
+/// An oscillation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Mode {
+    /// Frequency without damping, rad/s.
+    pub omega_rad_s: f64,
+    /// Damping ratio.
+    pub zeta: f64,
+}
+
+/// Largest eigenvalues of D⁻¹ K and of D⁻¹ C, 1/s² and 1/s: bounds of ω² and 2 ζ ω.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Bound {
+    stiff: f64,
+    damped: f64,
+}
+
+impl Bound {
+    /// Of motors on their rotors.
+    pub(super) fn of_rotors(motors: &[Motor], rotors_kgm2: &[f64]) -> Self {
+        let each = motors.iter().zip(rotors_kgm2);
+        each.fold(Self::default(), |most, (motor, rotor)| {
+            most.or(Self {
+                stiff: motor.stiffness_nm(0.0).1 / rotor,
+                damped: motor.damping_nms() / rotor,
+            })
+        })
+    }
+
+    /// Of rods that must give where the platform is over-constrained: what they feel is the cranks' alone.
+    pub(super) fn of_bent_rods(body: &Body) -> Self {
+        let lever_m = body.longest_lever_m();
+        let lightest = body.rotors_kgm2.iter().copied().fold(f64::MAX, f64::min);
+        Self {
+            stiff: body.rod_n_per_m * lever_m * lever_m / lightest,
+            damped: 0.0,
+        }
+    }
+
+    /// Of rods as springs, between cranks, platform and frame.
+    pub(super) fn of_sprung_rods(body: &Body, frame: Option<&Frame>, damper_ns_per_m: f64) -> Self {
+        let cranks = Self::of_bent_rods(body).stiff / body.rod_n_per_m;
+        let n = body.axes() as f64;
+        let around = n / 2.0 * body.mount_radius_m * body.mount_radius_m;
+        // Two corners are on one axis of tilt, with their whole radius each.
+        let around = if body.axes() == 2 {
+            2.0 * around
+        } else {
+            around
+        };
+        let masses = body.masses();
+        let planes = [n, around, around].into_iter().enumerate().map(|(f, sum)| {
+            let frame = frame.map_or(0.0, |frame| 1.0 / frame.suspended.masses[f]);
+            sum * (1.0 / masses[f] + frame)
+        });
+        let mobility = cranks + planes.fold(0.0, f64::max);
+        Self {
+            stiff: body.rod_n_per_m * mobility,
+            damped: damper_ns_per_m * mobility,
+        }
+    }
+
+    /// Of a frame and its foundation on their springs.
+    pub(super) fn of_frame(frame: &Frame) -> Self {
+        let of = |f: usize, pick: fn(&Layer) -> [f64; FREEDOMS]| {
+            let upper = pick(&frame.suspended)[f];
+            let Some(foundation) = &frame.foundation else {
+                return upper / frame.suspended.masses[f];
+            };
+            let (above, below) = (frame.suspended.masses[f], foundation.masses[f]);
+            let (a, d) = (upper / above, (upper + pick(foundation)[f]) / below);
+            0.5 * (a + d + ((a - d) * (a - d) + 4.0 * upper * upper / (above * below)).sqrt())
+        };
+        (0..FREEDOMS).fold(Self::default(), |most, f| {
+            most.or(Self {
+                stiff: of(f, |layer| layer.stiffness),
+                damped: of(f, |layer| layer.damping),
+            })
+        })
+    }
+
+    /// Of either, where they share no position.
+    pub(super) fn or(self, other: Self) -> Self {
+        Self {
+            stiff: self.stiff.max(other.stiff),
+            damped: self.damped.max(other.damped),
+        }
+    }
+
+    /// Of both together.
+    pub(super) fn and(self, other: Self) -> Self {
+        Self {
+            stiff: self.stiff + other.stiff,
+            damped: self.damped + other.damped,
+        }
+    }
+
+    /// As a mode.
+    pub(super) fn mode(self) -> Mode {
+        let omega_rad_s = self.stiff.sqrt();
+        Mode {
+            omega_rad_s,
+            zeta: if self.stiff > 0.0 {
+                self.damped / (2.0 * omega_rad_s)
+            } else {
+                0.0
+            },
+        }
+    }
+}

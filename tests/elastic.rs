@@ -1,0 +1,232 @@
+//! The loop on a machine whose frame moves: against the rung below, and against what vibration theory says of two masses.
+
+use std::f64::consts::TAU;
+
+use cophase_core::supervisor::State;
+use cophase_tests::{record, scene};
+use host_sim::scene::{Checked, load};
+use host_sim::sim::{Moment, Observer, simulate};
+use host_sim::trace::{Every, Window};
+use nalgebra::Complex;
+
+/// A light platform on three heavy rotors: what it asks of them hardly changes their speed. On 20 kg, on 100 kg.
+const SCENE: &str = r#"
+name = "frame"
+fidelity = "elastic"
+[machine]
+crank_radius_mm = 5
+lambda = 0.25
+load_kg = 1
+mount_radius_mm = 200
+[frame]
+mass_kg = 20
+suspension_n_per_mm = 120
+suspension_zeta = 0.05
+[frame.foundation]
+mass_kg = 100
+ground_n_per_mm = 20_000
+ground_zeta = 0.1
+[limits]
+speed_hz = 40
+acceleration_hz_per_s = 60
+jerk_hz_per_s2 = 600
+creep_hz = 5
+[axes]
+count = 3
+drive = "servo"
+steps_per_turn = 8192
+rotor_inertia_kgm2 = 0.1
+servo = { position_gain_per_s = 50, velocity_gain_nms = 10 }
+[[program]]
+amax_g = AMAX
+ramp_s = 0.5
+hold_s = 5
+"#;
+
+/// g at which a crank of 5 mm with λ = 0.25 turns at so many rev/s.
+fn amax_g(speed_hz: f64) -> f64 {
+    0.005 * (TAU * speed_hz).powi(2) * 1.25 / 9.80665
+}
+
+/// What the frame does while the shaft turns evenly: turns of crank 0, heave in m, force on the ground in N.
+#[derive(Default)]
+struct Seen(Vec<(f64, f64, f64)>);
+
+impl Observer<3> for Seen {
+    fn tick(&mut self, moment: &Moment<'_, 3>) {
+        let telemetry = moment.telemetry;
+        if telemetry.state == State::Run && telemetry.motion.acceleration == 0 {
+            let frame = moment.machine.frame().expect("its frame moves");
+            let turns = moment.actual_turns[0];
+            self.0.push((turns, frame.place[0], frame.ground_n));
+        }
+    }
+}
+
+/// First harmonic, over the crank's turn, of what `pick` sees in the last 40 turns: under a Hann window, in which means and
+/// other harmonics come to 1e-5 of themselves at most (its spectrum falls as the cube of 40).
+fn first_harmonic(seen: &Seen, pick: impl Fn(&(f64, f64, f64)) -> f64) -> f64 {
+    let end = seen.0.last().expect("it has turned evenly").0;
+    let (mut sum, mut weights) = (Complex::new(0.0, 0.0), 0.0);
+    for moment in seen.0.iter().filter(|moment| moment.0 > end - 40.0) {
+        let weight = 1.0 - (TAU * (end - moment.0) / 40.0).cos();
+        sum += Complex::from_polar(weight * pick(moment), -TAU * moment.0);
+        weights += weight;
+    }
+    2.0 * (sum / weights).norm()
+}
+
+/// Were it wrong, a frame would resonate elsewhere, or further, than it does; and the ground would get another force.
+///
+/// The platform moves against the frame with R cos ωt, and harmonics from the second on: to the frame that is m R ω² on
+/// frame and platform together, which stand on the suspension (k₁, c₁), on the block, on the ground (k₂, c₂). Cranks turn
+/// unevenly by what the platform asks of them, m R² / 2NJ = 4e-5 of their speed; its amplitude with it, and the frame at
+/// resonance by up to 1/2ζ = 10 times twice that: 1e-3.
+#[test]
+fn a_frame_answers_as_two_masses_do() {
+    let (m, frame, block) = (1.0, 20.0, 100.0);
+    let (k1, k2) = (120e3, 20e6);
+    let c1 = 2.0 * 0.05 * f64::sqrt(k1 * (m + frame));
+    let c2 = 2.0 * 0.1 * f64::sqrt(k2 * (m + frame + block));
+    // √(k₁ / (m + frame)) is 12.0 Hz.
+    for speed_hz in [8.0, 12.0, 20.0] {
+        let checked = scene(&SCENE.replace("AMAX", &amax_g(speed_hz).to_string()));
+        let mut seen = Seen::default();
+        simulate::<3>(&checked, &mut seen, |_, _| {}).expect("it runs");
+        let omega = TAU * speed_hz;
+        let spring = |k: f64, c: f64| Complex::new(k, omega * c);
+        let (s1, s2) = (spring(k1, c1), spring(k2, c2));
+        let upper = s1 - omega * omega * (m + frame);
+        let lower = s1 + s2 - omega * omega * block;
+        let force = Complex::new(m * 0.005 * omega * omega, 0.0);
+        let heave = force / (upper - s1 * s1 / lower);
+        let ground = s2 * s1 / lower * heave;
+        for (what, found, right) in [
+            (
+                "heave",
+                first_harmonic(&seen, |moment| moment.1),
+                heave.norm(),
+            ),
+            (
+                "ground",
+                first_harmonic(&seen, |moment| moment.2),
+                ground.norm(),
+            ),
+        ] {
+            let off = (found / right - 1.0).abs();
+            println!("{what} at {speed_hz} rev/s: {found:.6e}, theory {right:.6e}, off {off:.1e}");
+            assert!(
+                off < 1e-3,
+                "{what} at {speed_hz} rev/s: {found}, not {right}"
+            );
+        }
+    }
+}
+
+/// Were it wrong, the rung above would say another thing than the one below where their assumptions meet. A frame of 1000 t on
+/// 1e12 N/m goes 1e-9 m under a kilonewton; what cranks and platform make of that is below a trace's last digits, 1e-9 turns and
+/// 1 nm.
+#[test]
+fn a_frame_that_stands_fast_is_phased() {
+    let elastic = SCENE
+        .replace("AMAX", &amax_g(20.0).to_string())
+        .replace(
+            "mass_kg = 20\nsuspension_n_per_mm = 120",
+            "mass_kg = 1e6\nsuspension_n_per_mm = 1e9",
+        )
+        .replace(
+            "mass_kg = 100\nground_n_per_mm = 20_000",
+            "mass_kg = 1e6\nground_n_per_mm = 1e9",
+        )
+        .replace("hold_s = 5", "hold_s = 0.2");
+    let phased = elastic.replace("\"elastic\"", "\"phased\"");
+    let [elastic, phased] = [elastic, phased].map(|text| {
+        let run = record(&scene(&text), Every::Ticks(1), Window::FirstMotion);
+        assert!(run.outcome.statistics.worst_torque_nm[0] > 0.0);
+        run.trace()
+    });
+    for (column, most) in [
+        ("actual_turns_1", 2e-9),
+        ("z_m", 3e-9),
+        ("tilt_x_mrad", 2e-5),
+    ] {
+        let pairs = elastic
+            .column(column)
+            .into_iter()
+            .zip(phased.column(column));
+        let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(worst <= most, "{column}: {worst}");
+    }
+}
+
+/// Were it wrong, springs for rods would let the platform down by another length than statics say, or it would be lost at speed.
+///
+/// Short by F / N k: at rest the weight's, in motion up to m (g + amax) with what 30 rev/s, at 0.14 of the rods' mode, adds
+/// to that: 2 %, and as much again for harmonics.
+#[test]
+fn sprung_rods_give_by_what_statics_say() {
+    let settled = SCENE
+        .replace("\"elastic\"", "\"phased\"")
+        .replace("AMAX", &amax_g(30.0).to_string())
+        .replace("hold_s = 5", "hold_s = 0.2")
+        .replace(
+            "load_kg = 1\n",
+            "load_kg = 8\nrod_n_per_um = 5\nrod_zeta = 0.1\n",
+        );
+    let sprung = settled.replace("[frame]", "rods = \"sprung\"\n[frame]");
+    let [settled, sprung] = [settled, sprung]
+        .map(|text| record(&scene(&text), Every::Ticks(1), Window::FirstMotion).trace());
+    let short: Vec<f64> = settled
+        .column("z_m")
+        .into_iter()
+        .zip(sprung.column("z_m"))
+        .map(|(settled, sprung)| settled - sprung)
+        .collect();
+    let at_rest = 8.0 * 9.80665 / (3.0 * 5e6);
+    let last = short.last().expect("a run has rows");
+    // A trace has nanometres.
+    assert!((last - at_rest).abs() < 2e-9, "{last}, not {at_rest}");
+    let worst = short
+        .iter()
+        .fold(0.0, |most: f64, short| most.max(short.abs()));
+    let bound = at_rest * (1.0 + amax_g(30.0));
+    assert!(worst < 1.04 * bound, "{worst}, not within {bound}");
+    assert!(worst > 0.5 * bound, "{worst}: where is the load? {bound}");
+}
+
+fn refused(text: &str) -> String {
+    let scene = load::parse(text).expect("its form is right");
+    let error = Checked::new(scene).expect_err("a scene that lacks something");
+    error.to_string()
+}
+
+/// Were it wrong, a machine would stand on a frame that nobody described, or be advanced by a method that takes an integral for
+/// a speed.
+#[test]
+fn what_a_frame_and_an_integral_ask_for_is_said() {
+    let text = SCENE.replace("AMAX", "5");
+    let (before, rest) = text.split_once("[frame]").unwrap();
+    let (_, after) = rest.split_once("[limits]").unwrap();
+    let said = refused(&format!("{before}[limits]{after}"));
+    assert!(
+        said.contains("frame.mass_kg") && said.contains("phased"),
+        "{said}"
+    );
+    let integral = text.replace(
+        "velocity_gain_nms = 10",
+        "velocity_gain_nms = 10, integral_s = 0.1",
+    );
+    assert!(load::parse(&integral).is_ok_and(|scene| Checked::new(scene).is_ok()));
+    for name in ["symplectic-euler", "velocity-verlet"] {
+        let method = format!("[method]\nname = \"{name}\"\n[machine]");
+        assert!(
+            load::parse(&text.replace("[machine]", &method))
+                .is_ok_and(|scene| Checked::new(scene).is_ok())
+        );
+        let said = refused(&integral.replace("[machine]", &method));
+        assert!(
+            said.contains("method.name") && said.contains("integral_s"),
+            "{said}"
+        );
+    }
+}
