@@ -209,8 +209,8 @@ fn steps_are_the_integral_of_the_program() {
         "the start, at the least, is told"
     );
 
-    let machine = &checked.scene.machine;
-    let stiffness = machine.crank_radius_mm / 1e3 * (1.0 + checked.lambda);
+    let machine = &checked.setup.machine;
+    let stiffness = machine.crank_radius_m * (1.0 + machine.lambda);
     let omega = |t_s: f64| (program.amax_mps2(t_s) / stiffness).sqrt();
     let (a, b) = (time(from), time(to));
     let integral = program.integral(a, b, omega);

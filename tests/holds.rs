@@ -63,8 +63,7 @@ fn holds(trace: &Trace) -> Vec<std::ops::Range<usize>> {
 fn the_patent_machines_hold_their_amax() {
     for name in ["patent-1", "patent-2", "patent-3", "patent-4"] {
         let checked = built_in(name);
-        let machine = &checked.scene.machine;
-        let radius_m = machine.crank_radius_mm / 1e3;
+        let radius_m = checked.setup.machine.crank_radius_m;
         let mechanism = Mechanism {
             radius_m,
             rod_m: radius_m / checked.lambda,

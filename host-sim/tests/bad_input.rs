@@ -6,6 +6,8 @@
 
 #[path = "bad_input/axes.rs"]
 mod axes;
+#[path = "bad_input/cam.rs"]
+mod cam;
 #[path = "bad_input/edit.rs"]
 mod edit;
 #[path = "bad_input/events.rs"]

@@ -1,6 +1,6 @@
 //! `fidelity = "auto"`: its bounds hold, it takes no more model than is needed, and it does not believe itself.
 
-use host_sim::fidelity::{Answers, Output, answers, available, bounds, check, questions};
+use host_sim::fidelity::{Answers, Bounds, Output, answers, available, check, questions};
 use host_sim::scene::file::Fidelity;
 use host_sim::scene::{Checked, library, load};
 
@@ -36,9 +36,9 @@ impl Climbed {
     fn is_within(&self, of: &Answers) -> bool {
         let questions = questions(&self.checked);
         Output::ALL.into_iter().all(|output| {
-            output
-                .tolerance(&questions)
-                .is_none_or(|tolerance| self.off_top(of, output).is_some_and(|off| off <= tolerance))
+            output.tolerance(&questions).is_none_or(|tolerance| {
+                self.off_top(of, output).is_some_and(|off| off <= tolerance)
+            })
         })
     }
 }
@@ -49,7 +49,7 @@ impl Climbed {
 /// And were `auto` careless, or wasteful: what it takes is within each tolerance, and at most one rung above the lowest that is.
 fn judge(name: &'static str) {
     let climbed = climb(name);
-    let bounds = bounds(&climbed.checked).expect("built-in scenes say enough");
+    let bounds = Bounds::new(&climbed.checked).expect("built-in scenes say enough");
     for (rung, found) in &climbed.rungs {
         for output in Output::ALL {
             let bound = bounds.of(*rung, output);
@@ -63,7 +63,12 @@ fn judge(name: &'static str) {
                 off.unwrap_or(f64::NAN),
             );
             if let Some(off) = off {
-                assert!(off <= bound, "{name}, {}, {}: {off} > {bound}", rung.name(), output.key());
+                assert!(
+                    off <= bound,
+                    "{name}, {}, {}: {off} > {bound}",
+                    rung.name(),
+                    output.key()
+                );
             }
         }
     }
@@ -71,10 +76,16 @@ fn judge(name: &'static str) {
     println!("{name}: {}, {}", taken.fidelity.name(), taken.why);
     let place = |rung| climbed.rungs.iter().position(|(other, _)| *other == rung);
     let taken = place(taken.fidelity).expect("a rung that it has");
-    let lowest = climbed.rungs.iter().position(|(_, found)| climbed.is_within(found));
+    let lowest = climbed
+        .rungs
+        .iter()
+        .position(|(_, found)| climbed.is_within(found));
     let lowest = lowest.expect("the top is within");
     assert!(climbed.is_within(&climbed.rungs[taken].1), "{name}");
-    assert!(taken <= lowest + 1, "{name}: rung {taken}, and {lowest} would do");
+    assert!(
+        taken <= lowest + 1,
+        "{name}: rung {taken}, and {lowest} would do"
+    );
 }
 
 macro_rules! judged {
@@ -145,7 +156,11 @@ fn a_rung_that_is_off_in_the_sample_is_left() {
     choice.rung = Fidelity::Kinematic;
     let taken = check(forged).unwrap();
     assert!(taken.fidelity > Fidelity::QuasiStatic, "{}", taken.why);
-    assert!(taken.why.contains("was off by more than its tolerance"), "{}", taken.why);
+    assert!(
+        taken.why.contains("was off by more than its tolerance"),
+        "{}",
+        taken.why
+    );
 }
 
 /// Were it wrong, a wide bound would buy more model than anyone needs.
@@ -158,7 +173,9 @@ fn a_rung_below_is_taken_where_the_sample_bears_it_out() {
         kinematic.of(Output::Lag).unwrap(),
         top.of(Output::Lag).unwrap(),
     );
-    let bound = bounds(&exact).unwrap().of(Fidelity::Kinematic, Output::Lag);
+    let bound = Bounds::new(&exact)
+        .unwrap()
+        .of(Fidelity::Kinematic, Output::Lag);
     assert!(off < 0.4 * bound, "{off} of {bound}: no room between them");
     // Between what it is and what it may be: the bound says no, the sample says yes.
     let asked = 2.2 * off;
@@ -172,16 +189,25 @@ fn a_rung_below_is_taken_where_the_sample_bears_it_out() {
 /// Were it wrong, a scene would get an answer for which it did not say enough.
 #[test]
 fn a_question_that_cannot_be_answered_is_refused() {
-    for line in ["rotor_inertia_kgm2 = 1e-3\n", "pull_out = [[0, 20.0], [60, 20.0]]\n"] {
+    for line in [
+        "rotor_inertia_kgm2 = 1e-3\n",
+        "pull_out = [[0, 20.0], [60, 20.0]]\n",
+    ] {
         let text = SOFT.replace(line, "");
-        let said = Checked::new(load::parse(&text).unwrap()).unwrap_err().to_string();
+        let said = Checked::new(load::parse(&text).unwrap())
+            .unwrap_err()
+            .to_string();
         assert!(said.contains("questions.lag_deg"), "{said}");
         let key = line.split(' ').next().unwrap();
         assert!(said.contains(&format!("axes.{key}")), "{said}");
     }
-    let said = load::parse(&SOFT.replace("lag_deg", "lag_degrees")).unwrap_err().to_string();
+    let said = load::parse(&SOFT.replace("lag_deg", "lag_degrees"))
+        .unwrap_err()
+        .to_string();
     assert!(said.contains("lag_deg"), "{said}");
     let zero = SOFT.replace("lag_deg = 0.05", "lag_deg = 0");
-    let said = Checked::new(load::parse(&zero).unwrap()).unwrap_err().to_string();
+    let said = Checked::new(load::parse(&zero).unwrap())
+        .unwrap_err()
+        .to_string();
     assert!(said.contains("questions.lag_deg"), "{said}");
 }

@@ -66,7 +66,10 @@ mod tests {
         ] {
             let error = scheme.error_a_radian(h, 0.0);
             // The next term is smaller by h², or h for explicit Euler, with a factor of the order of 1.
-            assert!((error / theory - 1.0).abs() < 2.0 * h, "{scheme}: {error:e}");
+            assert!(
+                (error / theory - 1.0).abs() < 2.0 * h,
+                "{scheme}: {error:e}"
+            );
         }
         assert!(Scheme::Exact.error_a_radian(h, 0.1) < 1e-13);
     }

@@ -10,7 +10,7 @@ use super::ink::{Ink, Stroke};
 use super::picture::{At, Level, Line, Panel, Picture, render};
 use super::yardstick::Yardstick;
 use super::{ChartError, Drawn, Progress, Size};
-use crate::fidelity::{Answers, Judged, answers, available, bounds, check, judge, questions};
+use crate::fidelity::{Answers, Bounds, Judged, answers, available, check, judge, questions};
 use crate::machine::{Machine, Rotors};
 use crate::scene::file::Fidelity;
 use crate::scene::library::{BuiltIn, SCENES};
@@ -68,7 +68,7 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
 fn climb(scene: &BuiltIn, yardstick: Yardstick) -> Result<Ladder, SceneError> {
     let checked = Checked::new(scene.scene())?;
     let questions = questions(&checked);
-    let bounds = bounds(&checked).ok();
+    let bounds = Bounds::new(&checked).ok();
     let fidelities = available(&checked);
     let top = fidelities.last().copied().unwrap_or_default();
     let right = answers(&checked, top)?;

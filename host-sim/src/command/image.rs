@@ -88,10 +88,20 @@ fn left_out(scene: &Scene) -> Vec<String> {
         ("axes.friction_nm", axes.friction_nm != 0.0),
         (
             "machine.tilt_inertia_kgm2",
-            scene.machine.tilt_inertia_kgm2.is_some(),
+            scene
+                .machine
+                .as_ref()
+                .is_some_and(|machine| machine.tilt_inertia_kgm2.is_some()),
         ),
         ("axes.damping_nms", axes.damping_nms != 0.0),
-        ("machine.rods", scene.machine.rods != Rods::Settled),
+        (
+            "machine.rods",
+            scene
+                .machine
+                .as_ref()
+                .is_some_and(|machine| machine.rods != Rods::Settled),
+        ),
+        ("questions", !scene.questions.is_none()),
         ("axes.servo", axes.servo.is_some()),
         ("frame", scene.frame.is_some()),
         ("axes.pull_out", !axes.pull_out.is_empty()),

@@ -184,7 +184,7 @@ fn frame(checked: &Checked) -> ScopeFrame {
             .map(|band| (band.from_hz, band.to_hz))
             .collect(),
         gravity_mps2: crate::design::STANDARD_GRAVITY_MPS2,
-        tilt_limit_mrad: Some(scene.drift.tilt_limit_mrad),
+        tilt_limit_mrad: checked.cam.is_none().then_some(scene.drift.tilt_limit_mrad),
         drift_limit_deg: None, // limits are on the modes of all drifts, not on one
     }
 }

@@ -1,7 +1,7 @@
 //! Whether the rung that was chosen does, by running a sample of the scene on it and on others.
 
-use super::choose::{available, bounds, judge, questions};
-use super::{Answers, Choice, Judged, sample};
+use super::choose::{available, judge, questions};
+use super::{Answers, Bounds, Choice, Judged, sample};
 use crate::scene::file::Fidelity;
 use crate::scene::{Checked, SceneError};
 use crate::sim::simulate;
@@ -36,7 +36,7 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
     };
     let rungs = available(&checked);
     let questions = questions(&checked);
-    let bounds = bounds(&checked).ok();
+    let bounds = Bounds::new(&checked).ok();
     let place = rungs.iter().position(|&rung| rung == choice.rung);
     let mut runs = Runs::default();
     for ceiling in place.unwrap_or(0)..rungs.len() {

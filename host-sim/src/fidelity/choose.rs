@@ -1,14 +1,8 @@
 //! Which rung, by what is known without a run.
 
-use cophase_core::settings::Settings;
-
-use super::linear::{Drive, worst};
 use super::{Bounds, LADDER, Output};
-use crate::dynamics::Driven;
-use crate::machine::{Machine, Rotors};
 use crate::scene::file::{Fidelity, Questions};
 use crate::scene::{Checked, SceneError};
-use crate::with_axes;
 
 /// A rung, and why.
 #[derive(Clone, Debug)]
@@ -73,15 +67,10 @@ pub fn judge(bounds: Option<&Bounds>, questions: &Questions, rung: Fidelity) -> 
 /// A question that only rungs answer for which the scene lacks something.
 pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
     let questions = questions(checked);
-    let bounds = bounds(checked);
     if questions.is_none() {
-        return Ok(Choice {
-            rung: Fidelity::Kinematic,
-            why: "the scene asks nothing of torque, so only phases and what follows from them are asked"
-                .to_owned(),
-            judged: Vec::new(),
-        });
+        return Ok(unasked(checked));
     }
+    let bounds = Bounds::new(checked);
     let bounds = match bounds {
         Ok(bounds) => bounds,
         // Nothing was asked for in so many words: the torques are compared, and that is said.
@@ -125,16 +114,35 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
     })
 }
 
+/// Nothing is asked: cranks are where they are told, and followers, where the scene gives their masses and springs, what these
+/// make of the law.
+fn unasked(checked: &Checked) -> Choice {
+    let gives = checked.cam.is_some_and(|cam| cam.links.is_some());
+    let (rung, why) = if gives {
+        (
+            Fidelity::Elastic,
+            "the scene gives the followers' masses and springs, so what these make of the law is asked",
+        )
+    } else if checked.cam.is_some() {
+        (
+            Fidelity::Kinematic,
+            "the scene says nothing of what gives between cam and pusher, so only phases and the law are asked",
+        )
+    } else {
+        (
+            Fidelity::Kinematic,
+            "the scene asks nothing of torque, so only phases and what follows from them are asked",
+        )
+    };
+    Choice {
+        rung,
+        why: why.to_owned(),
+        judged: Vec::new(),
+    }
+}
+
 fn why(bounds: &Bounds, rung: Fidelity, is_top: bool) -> String {
-    let worst = bounds.worst();
-    let most = |used: &[f64]| used.iter().copied().fold(0.0, f64::max);
-    let numbers = format!(
-        "torque ratio {:.2} ({:.2} with what oscillates), frequency ratio {:.2}, lag of at most {:.2}°",
-        most(&worst.torque_ratio_asked),
-        most(&worst.torque_ratio),
-        worst.frequency_ratio,
-        worst.lag_rad.to_degrees()
-    );
+    let numbers = bounds.numbers();
     if is_top {
         format!("only here is everything that is asked within its tolerance: {numbers}")
     } else {
@@ -149,54 +157,4 @@ pub fn available(checked: &Checked) -> Vec<Fidelity> {
         .into_iter()
         .filter(|&rung| checked.on(rung).is_ok())
         .collect()
-}
-
-/// What bounds the rungs of a scene.
-///
-/// # Errors
-/// What the scene lacks for that.
-pub fn bounds(checked: &Checked) -> Result<Bounds, SceneError> {
-    // The top rung that the scene has: with a frame, if it gives one.
-    let apart = checked
-        .on(Fidelity::Elastic)
-        .or_else(|_| checked.on(Fidelity::Phased))?;
-    with_axes!(checked.scene.axes.count, N => {
-        let machine = Machine::<N>::new(&apart)?;
-        let settings = apart.settings::<N>()?;
-        let driven = machine.rotors().map(Rotors::driven);
-        Ok(driven.map_or_else(
-            || unreachable!("phased cranks are moved by torque"),
-            |driven| of(&apart, &settings, driven),
-        ))
-    })
-}
-
-fn of<const N: usize>(checked: &Checked, settings: &Settings<N>, driven: &Driven) -> Bounds {
-    let limits = &checked.scene.limits;
-    let drive = Drive {
-        top_rad_s: std::f64::consts::TAU * checked.top_speed_hz(),
-        acceleration_rad_s2: std::f64::consts::TAU * limits.acceleration_hz_per_s,
-        tick_s: 1.0 / f64::from(settings.tick_hz),
-        ratios: settings
-            .axes
-            .iter()
-            .map(|axis| f64::from(axis.ratio.0) / f64::from(axis.ratio.1))
-            .collect(),
-        offsets: settings.axes.iter().map(|axis| axis.offset_turns).collect(),
-    };
-    let standing: Vec<f64> = (0..N)
-        .map(|i| {
-            let apart = checked.apart(i);
-            apart.map_or(0.0, |apart| (apart.start_deg + apart.trim_deg).to_radians())
-        })
-        .collect();
-    let most = standing.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let least = standing.iter().copied().fold(f64::INFINITY, f64::min);
-    Bounds::new(
-        driven,
-        &drive,
-        worst(driven, &drive),
-        most - least,
-        super::frame::share(driven, &drive),
-    )
 }

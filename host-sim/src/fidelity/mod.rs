@@ -7,7 +7,7 @@
 //! - a **bound** says by how much a rung's output may be off what the top rung has, for what the rung leaves out.
 //!
 //! It goes in two steps. [`choose`] reckons bounds from dimensionless numbers: torque over pull-out torque, frequency over
-//! that of motor and crank, and the phase errors that come of them ([`linear`]). That needs no run, and is done with every
+//! that of motor and crank, and the phase errors that come of them ([`Bounds`]). That needs no run, and is done with every
 //! scene that leaves its fidelity to be chosen. Then [`check`] runs a sample of the scene ([`sample`]) on the rung and on the one
 //! above, and on those below: a rung whose measured difference is too large is left for the next, and one below whose
 //! measured difference is well within tolerance is taken, as bounds are wide.
@@ -18,15 +18,13 @@ mod answers;
 mod bounds;
 mod check;
 mod choose;
-mod frame;
-pub mod linear;
 mod output;
 pub mod sample;
 
 pub use answers::Answers;
-pub use check::{answers, check};
 pub use bounds::Bounds;
-pub use choose::{Choice, Judged, available, bounds, choose, judge, questions};
+pub use check::{answers, check};
+pub use choose::{Choice, Judged, available, choose, judge, questions};
 pub use output::Output;
 
 use crate::scene::file::Fidelity;

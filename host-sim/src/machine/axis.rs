@@ -108,6 +108,11 @@ impl SimulatedAxis {
         self.origin_turns + self.travelled_turns
     }
 
+    /// Crank turns per master turn.
+    pub fn ratio(&self) -> f64 {
+        self.ratio
+    }
+
     /// Electrical cycles slipped since power-up: negative behind, positive ahead of the field.
     pub fn slipped_cycles(&self) -> i64 {
         self.lost_cycles

@@ -3,12 +3,14 @@
 //! On the ladder's *kinematic* rung every crank is where it is told to be. On the *quasi-static* rung the torque
 //! that the motion needs is compared with the torque that each motor has, and a stepper that is asked for more slips.
 //! On the *rigid*, *phased* and *elastic* rungs ([`Rotors`]) torque moves the cranks. The platform follows from the
-//! cranks' phases by geometry, but on the last two: there it is what its equations make of it.
+//! cranks' phases by geometry, but on the last two: there it is what its equations make of it. Where a scene has
+//! cams instead, [`Followers`] hang on them, one an axis.
 //!
 //! What the lower two leave out: inertia's effect on the motion (the cranks never lag by less than a slip), and how the
 //! others' torque changes once one axis has slipped.
 
 mod axis;
+mod cam;
 mod index;
 mod platform;
 mod pull_out;
@@ -16,6 +18,7 @@ mod rotors;
 mod torque;
 
 pub use axis::{AxisDrive, SimulatedAxis};
+pub use cam::{Followers, Peaks, Pusher, Turned};
 pub use index::IndexSensor;
 pub use platform::{Platform, Pose};
 pub use pull_out::PullOut;
@@ -25,6 +28,7 @@ use cophase_core::pulse::Runs;
 use cophase_core::servo::Setpoint;
 use cophase_core::settings::CLOCK_HZ;
 use cophase_core::signals::Output;
+use cophase_methods::{Scheme, StepError};
 
 use crate::dynamics::FrameMotion;
 use crate::scene::file::{Drive, Fidelity};
@@ -72,7 +76,7 @@ impl<const N: usize> Played<N> {
 pub struct Machine<const N: usize> {
     /// The motors and their cranks.
     pub axes: [SimulatedAxis; N],
-    /// What they carry.
+    /// What they carry; of cams, what the crank which the core is told would carry.
     pub platform: Platform<N>,
     /// How long an index line stays high, cycles.
     pub index_cycles: u32,
@@ -83,6 +87,8 @@ pub struct Machine<const N: usize> {
     asked_nm: Option<[f64; N]>,
     /// Where torque moves the cranks.
     rotors: Option<Rotors>,
+    /// Where axes are cam shafts.
+    followers: Option<Followers>,
 }
 
 impl<const N: usize> Machine<N> {
@@ -115,7 +121,9 @@ impl<const N: usize> Machine<N> {
         };
         let mut axes: [SimulatedAxis; N] = std::array::from_fn(make);
         let rotors = torque::rotors(checked, &settings, &pull_out, &mut axes)?;
+        let turns = axes.each_ref().map(SimulatedAxis::turns);
         Ok(Self {
+            followers: Followers::new(checked, &turns)?,
             rotors,
             axes,
             platform: Platform::new(checked)?,
@@ -160,8 +168,17 @@ impl<const N: usize> Machine<N> {
     }
 
     /// Where the platform is: by its equations if it has any, else by geometry, from where the cranks are and, where torque
-    /// does not move them, from the speed and acceleration that are commanded.
+    /// does not move them, from the speed and acceleration that are commanded. Of pushers, their means, which do not tilt.
     pub fn pose(&self, turns: &[f64; N], command_turns: &[f64; N], commanded: (f64, f64)) -> Pose {
+        if let Some(followers) = &self.followers {
+            let mean = followers.mean();
+            return Pose {
+                z_m: mean.place_m,
+                accel_mps2: mean.accel_mps2,
+                warp_deg: self.platform.warp_deg(turns, command_turns),
+                ..Pose::default()
+            };
+        }
         let (omega, acceleration) = self.motion().unwrap_or(commanded);
         let pose = self
             .platform
@@ -178,8 +195,11 @@ impl<const N: usize> Machine<N> {
         }
     }
 
-    /// Tilt of the platform, mrad, both ways together.
+    /// Tilt of the platform, mrad, both ways together; pushers have none.
     pub fn tilt_mrad(&self, turns: &[f64; N]) -> f64 {
+        if self.followers.is_some() {
+            return 0.0;
+        }
         match self.rotors.as_ref().and_then(Rotors::platform) {
             Some(plane) => plane.place[1].hypot(plane.place[2]) * 1e3,
             None => self.platform.tilt_mrad(turns),
@@ -189,6 +209,23 @@ impl<const N: usize> Machine<N> {
     /// What moves the cranks, where torque does.
     pub fn rotors(&self) -> Option<&Rotors> {
         self.rotors.as_ref()
+    }
+
+    /// What hangs on cam shafts, where axes are such.
+    pub fn followers(&self) -> Option<&Followers> {
+        self.followers.as_ref()
+    }
+
+    /// The method and how many steps a tick it makes, where anything is integrated.
+    pub fn method(&self) -> Option<(Scheme, u32)> {
+        let rotors = self.rotors.as_ref().map(Rotors::method);
+        rotors.or_else(|| self.followers.as_ref()?.method())
+    }
+
+    /// Why the equations went no further, if they did not.
+    pub fn broken(&self) -> Option<StepError> {
+        let rotors = self.rotors.as_ref().and_then(Rotors::broken);
+        rotors.or_else(|| self.followers.as_ref()?.broken())
     }
 
     /// Plays one tick and returns the cycles in it at which index flags came. `turns` is what the master
@@ -210,23 +247,37 @@ impl<const N: usize> Machine<N> {
             return std::array::from_fn(|i| self.axes[i].moved(rotors.turns(i), cycles));
         }
         let omega = master_turns * std::f64::consts::TAU / self.tick_s;
+        let acceleration = (omega - self.omega_before) / self.tick_s;
         if self.torques {
-            let acceleration = (omega - self.omega_before) / self.tick_s;
             let alpha = self.axes.iter().map(SimulatedAxis::turns).sum::<f64>() / N as f64
                 * std::f64::consts::TAU;
             let share_nm = self.platform.torque_nm(alpha, omega, acceleration) / N as f64;
             let hz = omega / std::f64::consts::TAU;
-            self.asked_nm =
-                Some(std::array::from_fn(|i| self.axes[i].load(share_nm, acceleration, hz)));
+            self.asked_nm = Some(std::array::from_fn(|i| {
+                self.axes[i].load(share_nm, acceleration, hz)
+            }));
         }
         self.omega_before = omega;
-        std::array::from_fn(|i| {
+        let before = self.axes.each_ref().map(SimulatedAxis::turns);
+        let index = std::array::from_fn(|i| {
             self.axes[i].play(
                 &played.runs[i],
                 &played.setpoints[i],
                 played.steps[i],
                 drives_enabled,
             )
-        })
+        });
+        if let Some(followers) = &mut self.followers {
+            // Cams whose drives are off stand.
+            let on = f64::from(u8::from(drives_enabled));
+            let turned: [Turned; N] = std::array::from_fn(|i| Turned {
+                from: before[i],
+                to: self.axes[i].turns(),
+                omega_rad_s: omega * self.axes[i].ratio() * on,
+                acceleration_rad_s2: acceleration * self.axes[i].ratio() * on,
+            });
+            followers.play(&turned);
+        }
+        index
     }
 }

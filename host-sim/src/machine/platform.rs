@@ -34,24 +34,24 @@ pub struct Pose {
 }
 
 impl<const N: usize> Platform<N> {
-    /// The platform of a scene.
+    /// The platform of a scene; of cams, the one that the crank which the core is told would carry.
     ///
     /// # Errors
     /// A crank and rod that do not go together.
     pub fn new(checked: &Checked) -> Result<Self, SceneError> {
-        let machine = &checked.scene.machine;
-        let radius_m = machine.crank_radius_mm / 1e3;
-        let mechanism = SliderCrank::new(radius_m, radius_m / checked.lambda)
+        let machine = &checked.setup.machine;
+        let radius_m = machine.crank_radius_m;
+        let mechanism = SliderCrank::new(radius_m, radius_m / machine.lambda)
             .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
         Ok(Self {
             mechanism,
             load: Load {
                 mass_kg: machine.load_kg,
                 gravity_mps2: machine.gravity_mps2,
-                platform: machine.platform.into(),
+                platform: machine.platform,
             },
-            corners: Corners::new(N, machine.mount_radius_mm / 1e3),
-            mount_radius_m: machine.mount_radius_mm / 1e3,
+            corners: Corners::new(N, machine.mount_radius_m),
+            mount_radius_m: machine.mount_radius_m,
         })
     }
 

@@ -11,7 +11,7 @@ use crate::dynamics::{Driven, Field, FrameMotion, Mode, PlaneMotion};
 
 /// How far the fastest mode may turn in a step, rad, for the sake of accuracy: RK4 is off by (hω)⁴/120, here 3.3e-5, of
 /// a radian each radian.
-const MOST_RAD_A_STEP: f64 = 0.25;
+pub(super) const MOST_RAD_A_STEP: f64 = 0.25;
 
 /// Steps a tick beyond which a scene would take longer than anyone waits.
 pub const MOST_STEPS: u32 = 1000;

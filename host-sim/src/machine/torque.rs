@@ -26,10 +26,14 @@ pub fn rotors<const N: usize>(
     if !checked.fidelity.moves_by_torque() {
         return Ok(None);
     }
+    let Some(machine) = &checked.scene.machine else {
+        return Ok(None); // cams have no such rung
+    };
     let motors = (0..N)
         .map(|i| motor(checked, pull_out, i))
         .collect::<Result<Vec<_>, _>>()?;
-    let driven = Driven::new(freedom(checked, body(checked, settings)?)?, motors);
+    let body = body(checked, machine, settings)?;
+    let driven = Driven::new(freedom(checked, machine, body)?, motors);
     let told = axes.iter().map(|axis| Told {
         turns: axis.turns(),
         torque_nm: 0.0,
@@ -56,7 +60,7 @@ pub fn rotors<const N: usize>(
 }
 
 /// How much freedom the rung gives the machine.
-fn freedom(checked: &Checked, body: Body) -> Result<Freedom, SceneError> {
+fn freedom(checked: &Checked, machine: &file::Machine, body: Body) -> Result<Freedom, SceneError> {
     if checked.fidelity == Fidelity::Rigid {
         return Ok(Freedom::Rigid(Rigid::new(body)));
     }
@@ -72,7 +76,6 @@ fn freedom(checked: &Checked, body: Body) -> Result<Freedom, SceneError> {
     } else {
         None
     };
-    let machine = &checked.scene.machine;
     Ok(match machine.rods {
         Rods::Settled => {
             let phased = Phased::new(body);
@@ -124,8 +127,11 @@ fn even_disc_kgm2(mass_kg: f64, radius_m: f64) -> f64 {
     mass_kg * radius_m * radius_m / 4.0
 }
 
-fn body<const N: usize>(checked: &Checked, settings: &Settings<N>) -> Result<Body, SceneError> {
-    let machine = &checked.scene.machine;
+fn body<const N: usize>(
+    checked: &Checked,
+    machine: &file::Machine,
+    settings: &Settings<N>,
+) -> Result<Body, SceneError> {
     let radius_m = machine.crank_radius_mm / 1e3;
     let mount_m = machine.mount_radius_mm / 1e3;
     let mechanism = SliderCrank::new(radius_m, radius_m / checked.lambda)

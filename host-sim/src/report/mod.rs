@@ -47,7 +47,9 @@ pub struct Report<'a> {
     phase_spread_worst_deg: f64,
     phase_spread_rms_deg: f64,
     tilt_worst_mrad: f64,
-    tilt_limit_mrad: f64,
+    /// Of a platform; pushers have none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tilt_limit_mrad: Option<f64>,
     warp_worst_deg: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     frame: Option<FrameReport>,
@@ -139,6 +141,9 @@ struct AxisReport {
     /// Largest torque that the motor gave.
     #[serde(skip_serializing_if = "Option::is_none")]
     torque_worst_nm: Option<f64>,
+    /// What the follower of its cam did.
+    #[serde(flatten)]
+    follower: Option<FollowerReport>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -149,6 +154,14 @@ struct FrameReport {
     displacement_worst_um: f64,
     /// Largest force on the ground, beyond the weight at rest.
     ground_force_worst_n: f64,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+struct FollowerReport {
+    /// How far the pusher was from its law at most.
+    off_law_worst_mm: f64,
+    pusher_accel_worst_mps2: f64,
+    cam_side_accel_worst_mps2: f64,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -198,6 +211,11 @@ impl<'a> Report<'a> {
             slipped_cycles: seen.slipped_cycles[i],
             pull_out_used: seen.torque_used[i].map(|(used, _)| used),
             torque_worst_nm: seen.worst_torque_nm.get(i).copied(),
+            follower: seen.followers.get(i).map(|peaks| FollowerReport {
+                off_law_worst_mm: peaks.off_m * 1e3,
+                pusher_accel_worst_mps2: peaks.pusher_mps2,
+                cam_side_accel_worst_mps2: peaks.cam_side_mps2,
+            }),
         };
         Self {
             name: &checked.scene.name,
@@ -223,6 +241,10 @@ impl<'a> Report<'a> {
                     }
                     rung if rung.moves_by_torque() => {
                         "accurate where the step resolves every mode: at most a quarter of a radian of the fastest a step"
+                    }
+                    Fidelity::Elastic => {
+                        "the follower is linear, so that nothing is unstable or damped by the method; a peak is looked at every \
+                         0.05 rad of the slowest mode"
                     }
                     _ => "cranks are where pulses and setpoints put them: nothing is integrated",
                 },
@@ -251,7 +273,10 @@ impl<'a> Report<'a> {
             phase_spread_worst_deg: seen.worst_spread_deg,
             phase_spread_rms_deg: seen.rms_spread_deg,
             tilt_worst_mrad: seen.worst_tilt_mrad,
-            tilt_limit_mrad: checked.scene.drift.tilt_limit_mrad,
+            tilt_limit_mrad: checked
+                .cam
+                .is_none()
+                .then_some(checked.scene.drift.tilt_limit_mrad),
             warp_worst_deg: seen.worst_warp_deg,
             frame: seen.frame.map(|frame| FrameReport {
                 sag_um: frame.sag_um,
@@ -290,6 +315,11 @@ fn judged(checked: &Checked) -> &[Judged] {
 /// What the rung leaves out, for all that read the results.
 fn left_out(checked: &Checked) -> &'static str {
     let over_constrained = checked.scene.axes.count > 3;
+    let rods = checked
+        .scene
+        .machine
+        .as_ref()
+        .map_or(Rods::Settled, |machine| machine.rods);
     match checked.fidelity {
         Fidelity::QuasiStatic => {
             "inertia's effect on the cranks' motion, elasticity, and how a slip loads the other motors"
@@ -297,7 +327,10 @@ fn left_out(checked: &Checked) -> &'static str {
         Fidelity::Rigid => {
             "each crank's own lag, tilt from torque, elasticity, microsteps: the cranks are one shaft"
         }
-        Fidelity::Phased => match (checked.scene.machine.rods, over_constrained) {
+        Fidelity::Elastic if checked.cam.is_some() => {
+            "what the followers push back with: the cams turn as they are told, and no roller lifts off"
+        }
+        Fidelity::Phased => match (rods, over_constrained) {
             (Rods::Sprung, _) => "microsteps, suspension and foundation",
             (Rods::Settled, false) => "rods that give, microsteps, suspension and foundation",
             (Rods::Settled, true) => {
@@ -305,7 +338,7 @@ fn left_out(checked: &Checked) -> &'static str {
                  the platform, so that it lies in the plane that asks least of the rods"
             }
         },
-        Fidelity::Elastic => match (checked.scene.machine.rods, over_constrained) {
+        Fidelity::Elastic => match (rods, over_constrained) {
             (Rods::Sprung, _) => "microsteps, and forces on the frame across the line of travel",
             (Rods::Settled, false) => {
                 "rods that give, microsteps, and forces on the frame across the line of travel"
@@ -315,6 +348,9 @@ fn left_out(checked: &Checked) -> &'static str {
                  cranks over-constrain the platform, so that it lies in the plane that asks least of the rods"
             }
         },
+        _ if checked.cam.is_some() => {
+            "torque, inertia and elasticity: no cam ever lags, and no pusher leaves its law"
+        }
         _ => "torque, inertia and elasticity: no crank ever lags",
     }
 }

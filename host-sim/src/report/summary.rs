@@ -8,6 +8,7 @@ use super::words::fault_words;
 use super::{Written, describe, is_news, judged, warnings};
 use crate::design::STANDARD_GRAVITY_MPS2;
 use crate::fidelity::{Judged, Output};
+use crate::machine::Peaks;
 use crate::scene::Checked;
 use crate::scene::file::{Drive, Fidelity};
 use crate::sim::Outcome;
@@ -43,7 +44,11 @@ fn answered(judged: &Judged) -> String {
         _ => "not bounded".to_owned(),
     };
     let measured = judged.measured.map_or_else(String::new, |(off, against)| {
-        format!(", by {} in a sample run on {}", significant(off), against.name())
+        format!(
+            ", by {} in a sample run on {}",
+            significant(off),
+            against.name()
+        )
     });
     format!("{} asked for {asked}: {bound}{measured}.", output.words())
 }
@@ -137,6 +142,11 @@ fn write_page(
             plural(lagged)
         )?;
     }
+    let axes = if checked.cam.is_some() {
+        "cams"
+    } else {
+        "cranks"
+    };
     if seen.worst_spread_deg < 1e-6 {
         let by_model = match checked.fidelity {
             Fidelity::QuasiStatic => "",
@@ -144,7 +154,13 @@ fn write_page(
         };
         writeln!(
             page,
-            "The cranks stayed in phase to the last count{by_model}."
+            "The {axes} stayed in phase to the last count{by_model}."
+        )?;
+    } else if checked.cam.is_some() {
+        writeln!(
+            page,
+            "The cams were at most {:.3}° apart ({:.3}° rms while running).",
+            seen.worst_spread_deg, seen.rms_spread_deg,
         )?;
     } else {
         writeln!(
@@ -156,6 +172,7 @@ fn write_page(
             scene.drift.tilt_limit_mrad,
         )?;
     }
+    followers(page, checked, outcome)?;
     let closest = seen
         .torque_used
         .iter()
@@ -200,6 +217,26 @@ fn write_page(
         wall_s,
         outcome.simulated_s() / wall_s.max(1e-9),
     )
+}
+
+/// What cams made of their followers, the worst of them.
+fn followers(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
+    let seen = &outcome.statistics.followers;
+    let worst = |of: fn(&Peaks) -> f64| seen.iter().map(of).fold(0.0, f64::max);
+    match checked.fidelity {
+        _ if seen.is_empty() => Ok(()),
+        Fidelity::Elastic => writeln!(
+            page,
+            "The pushers accelerated by at most {:.1} m/s² and were at most {:.3} mm off their law.",
+            worst(|peaks| peaks.pusher_mps2),
+            worst(|peaks| peaks.off_m * 1e3),
+        ),
+        _ => writeln!(
+            page,
+            "The pushers accelerated by at most {:.1} m/s², as their law has it.",
+            worst(|peaks| peaks.pusher_mps2),
+        ),
+    }
 }
 
 fn steps(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {

@@ -1,9 +1,10 @@
 //! A scene whose numbers have been checked, and what it asks of the core.
 //!
 //! `numbers` checks what the core does not know of, `settings` turns the scene's words into the
-//! core's, and `program` lays its program out; what the core refuses is said at the key that stands in
+//! core's, `cam` makes a crank of a cam for it, and `program` lays its program out; what the core refuses is said at the key that stands in
 //! the file.
 
+mod cam;
 mod numbers;
 mod program;
 mod settings;
@@ -11,7 +12,7 @@ mod settings;
 use cophase_core::controller::Controller;
 use cophase_core::profile::{Profile, SliderCrank};
 use cophase_core::program::EntrySettings;
-use cophase_core::settings::{Settings, SettingsError};
+use cophase_core::settings::{DriftSettings, MachineSettings, Settings, SettingsError};
 use cophase_core::setup::Setup;
 
 use super::SceneError;
@@ -20,6 +21,8 @@ use crate::fidelity::{self, Choice};
 use crate::machine::{Machine, PullOut};
 use crate::with_axes;
 
+pub use cam::Follower;
+
 /// A scene whose numbers have been checked, each by itself and against the others.
 #[derive(Clone, Debug)]
 pub struct Checked {
@@ -27,8 +30,10 @@ pub struct Checked {
     pub scene: Scene,
     /// What the core is told of it: on a board, in a blob, the very same.
     pub setup: Setup,
-    /// Crank radius over rod length, however it was given.
+    /// Crank radius over rod length, however it was given; of a cam, that of the crank which the core is told.
     pub lambda: f64,
+    /// The cam shafts with their followers, where there are no cranks.
+    pub cam: Option<Follower>,
     /// The rung of the ladder, `auto` resolved.
     pub fidelity: Fidelity,
     /// Why that rung, in a sentence.
@@ -43,7 +48,11 @@ impl Checked {
     /// # Errors
     /// The first thing that is wrong, by key, with what would be right. The error has no origin yet.
     pub fn new(scene: Scene) -> Result<Self, SceneError> {
-        let lambda = numbers::lambda(&scene.machine)?;
+        let Mechanism {
+            machine,
+            drift,
+            cam,
+        } = mechanism(&scene)?;
         if !(2..=6).contains(&scene.axes.count) {
             return Err(SceneError::at(
                 "axes.count",
@@ -63,12 +72,18 @@ impl Checked {
         numbers::check_questions(&scene.questions)?;
         let program = program::flat(&scene.program)?;
         let mut checked = Self {
-            setup: settings::setup(&scene, lambda, program.into_iter().map(|(entry, _)| entry)),
+            lambda: machine.lambda,
+            setup: settings::setup(
+                &scene,
+                machine,
+                drift,
+                program.into_iter().map(|(entry, _)| entry),
+            ),
             fidelity: scene.fidelity,
             why: "the scene asks for it".to_owned(),
             choice: None,
+            cam,
             scene,
-            lambda,
         };
         // Made once to be checked; it is cheap, and nothing else knows all that the core refuses.
         with_axes!(checked.scene.axes.count, N => checked.controller::<N>().map(|_| ()))?;
@@ -91,7 +106,9 @@ impl Checked {
     pub fn on(&self, rung: Fidelity) -> Result<Self, SceneError> {
         let mut other = self.clone();
         other.fidelity = rung;
-        if rung == Fidelity::QuasiStatic && other.scene.axes.pull_out.is_empty() {
+        if let Some(follower) = &self.cam {
+            cam::check_rung(rung, follower)?;
+        } else if rung == Fidelity::QuasiStatic && other.scene.axes.pull_out.is_empty() {
             return Err(SceneError::at(
                 "axes.pull_out",
                 "missing; fidelity = \"quasi-static\" compares torques, so give the motors' pull-out torque \
@@ -194,5 +211,47 @@ impl AxisApart {
             "trim_deg" => true, // nothing else trims
             _ => false,
         }
+    }
+}
+
+/// What a scene's mechanism amounts to.
+struct Mechanism {
+    /// What the core is told of it.
+    machine: MachineSettings,
+    /// And of its limits.
+    drift: DriftSettings,
+    cam: Option<Follower>,
+}
+
+/// The one mechanism of a scene.
+fn mechanism(scene: &Scene) -> Result<Mechanism, SceneError> {
+    match (&scene.machine, &scene.cam) {
+        (Some(machine), None) => Ok(Mechanism {
+            machine: numbers::crank(machine)?,
+            drift: DriftSettings {
+                tilt_limit_mrad: scene.drift.tilt_limit_mrad,
+                warp_limit_deg: scene.drift.warp_limit_deg,
+                common_limit_deg: scene.drift.common_limit_deg,
+            },
+            cam: None,
+        }),
+        (None, Some(shaft)) => {
+            cam::check_useless(scene)?;
+            let follower = cam::follower(shaft)?;
+            let machine = cam::told(&follower);
+            Ok(Mechanism {
+                drift: cam::drift(&scene.drift, &machine)?,
+                machine,
+                cam: Some(follower),
+            })
+        }
+        (Some(_), Some(_)) => Err(SceneError::at(
+            "cam",
+            "given together with [machine]; a scene has cranks under a platform or cams with followers: leave one out",
+        )),
+        (None, None) => Err(SceneError::at(
+            "machine",
+            "missing; give [machine], cranks under a platform, or [cam], a cam shaft with its follower on each axis",
+        )),
     }
 }

@@ -25,6 +25,7 @@ pub const SCENES: &[BuiltIn] = scenes![
     "patent-3",
     "patent-4",
     "lost-steps",
+    "wrapper",
 ];
 
 impl BuiltIn {

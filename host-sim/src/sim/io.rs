@@ -16,7 +16,7 @@ use embassy_time::Instant;
 use super::Outcome;
 use super::schedule::Schedule;
 use super::statistics::Statistics;
-use crate::machine::{IndexSensor, Machine, Played, Pose, Rotors};
+use crate::machine::{IndexSensor, Machine, Played, Pose};
 use crate::units::turns;
 use crate::virtual_time::TICKS_PER_S;
 
@@ -157,10 +157,9 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
     pub fn finish(self) -> Outcome {
         let mut statistics = self.statistics;
         statistics.finish(&self.machine);
-        let broken = self.machine.rotors().and_then(Rotors::broken);
         Outcome {
-            method: self.machine.rotors().map(Rotors::method),
-            diverged: broken.map(|error| error.to_string()),
+            method: self.machine.method(),
+            diverged: self.machine.broken().map(|error| error.to_string()),
             state: self.state,
             fault: self.fault,
             ticks: self.played,
@@ -286,7 +285,7 @@ impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'
         } else {
             0
         };
-        let broken = self.machine.rotors().and_then(Rotors::broken).is_some();
+        let broken = self.machine.broken().is_some();
         if broken || self.quiet > tail_ticks(self.tick_hz) || start_us > self.schedule.end_us() {
             return Written::Over;
         }

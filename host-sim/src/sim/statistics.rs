@@ -6,7 +6,7 @@ use cophase_core::units::Amax;
 
 use super::Moment;
 use super::events::{Event, Happening, StoppedBy};
-use crate::machine::{Machine, SimulatedAxis};
+use crate::machine::{Machine, Peaks, SimulatedAxis};
 use crate::mechanism::slider_crank::SliderCrank;
 use crate::scene::Checked;
 use crate::scene::file::InputLine;
@@ -68,6 +68,8 @@ pub struct Statistics {
     pub worst_torque_nm: Vec<f64>,
     /// What the frame did, if it moves.
     pub frame: Option<FrameSeen>,
+    /// The greatest of what each follower did; empty where axes are no cam shafts.
+    pub followers: Vec<Peaks>,
     /// What made the machine stop last.
     pub stopped_by: Option<StoppedBy>,
     /// Deadlines met late by over half a tick.
@@ -75,6 +77,7 @@ pub struct Statistics {
     /// Deadlines missed altogether.
     pub missed_deadlines: u32,
 
+    /// What makes an amplitude of a speed: of cams, the crank of equal κ.
     mechanism: SliderCrank,
     tick_hz: u32,
     tick_s: f64,
@@ -114,6 +117,7 @@ impl Statistics {
             torque_used: Vec::new(),
             worst_torque_nm: Vec::new(),
             frame: None,
+            followers: vec![Peaks::default(); if checked.cam.is_some() { axes } else { 0 }],
             stopped_by: None,
             late_deadlines: 0,
             missed_deadlines: 0,
@@ -206,6 +210,11 @@ impl Statistics {
             }
             self.steps[i] = moment.telemetry.steps[i];
             self.turns[i] = (moment.command_turns[i], moment.actual_turns[i]);
+        }
+        if let Some(followers) = moment.machine.followers() {
+            for (worst, peaks) in self.followers.iter_mut().zip(followers.peaks()) {
+                *worst = worst.or(*peaks);
+            }
         }
         if !moment.drives_enabled {
             return;

@@ -77,11 +77,11 @@ fn tables_and_keys_that_are_not_there() {
             "such as `count =",
         ),
         case(
-            "no machine",
+            "nothing but a name",
             "name = \"x\"\n".to_owned(),
-            "machine",
+            "limits",
             "missing",
-            "[machine]",
+            "[limits]",
         ),
     ]);
 }

@@ -175,8 +175,8 @@ fn first_half_of_modified_trapezoid(u: f64) -> Motion {
     }
 }
 
-/// A cam that turns at constant speed: it lifts a follower by a law, holds it, and lets it return by the same law; no dwell
-/// below.
+/// A cam that turns at constant speed: it lifts a follower by a law, holds it, lets it return by the same law, and holds it down
+/// for the rest of the turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cam {
     /// The law.
@@ -185,10 +185,14 @@ pub struct Cam {
     pub stroke_m: f64,
     /// Speed of the cam, rad/s.
     pub speed_rad_s: f64,
+    /// Where it stands at the time 0, rad; at 0 it begins to lift.
+    pub start_rad: f64,
     /// Angle over which it lifts, rad.
     pub rise_rad: f64,
     /// Angle over which it holds, rad.
     pub dwell_rad: f64,
+    /// Angle over which it lets it return, rad.
+    pub return_rad: f64,
 }
 
 impl Cam {
@@ -198,8 +202,10 @@ impl Cam {
             law,
             stroke_m: 0.084,
             speed_rad_s: 450.0 * TAU / 60.0,
+            start_rad: 0.0,
             rise_rad: 120.0_f64.to_radians(),
             dwell_rad: 135.0_f64.to_radians(),
+            return_rad: 105.0_f64.to_radians(),
         }
     }
 
@@ -215,7 +221,7 @@ impl Cam {
 
     /// Time to return, s.
     pub fn return_s(&self) -> f64 {
-        self.cycle_s() - self.rise_s() - self.dwell_s()
+        self.return_rad / self.speed_rad_s
     }
 
     /// Time of a turn, s.
@@ -229,37 +235,49 @@ impl Cam {
         (over(self.rise_s()), over(self.return_s()))
     }
 
-    /// The follower at `t_s`, in m, m/s, m/s²; it starts to rise at 0 and at every turn.
+    /// Largest acceleration at a speed of 1 rad/s, m: at ω it is ω² times that.
+    pub fn peak_m(&self) -> f64 {
+        let least_rad = self.rise_rad.min(self.return_rad);
+        self.law.peak_coefficient() * self.stroke_m / (least_rad * least_rad)
+    }
+
+    /// The follower at `t_s`, in m, m/s, m/s².
     pub fn at(&self, t_s: f64) -> Motion {
-        let t_s = t_s.rem_euclid(self.cycle_s());
-        let (down_s, return_s) = (self.rise_s() + self.dwell_s(), self.return_s());
-        if t_s < self.rise_s() {
-            self.scaled(
-                self.law.at(t_s / self.rise_s()),
-                self.rise_s(),
-                self.stroke_m,
-            )
-        } else if t_s < down_s {
+        let by_angle = self.at_angle(self.start_rad + self.speed_rad_s * t_s);
+        Motion {
+            displacement: by_angle.displacement,
+            velocity: by_angle.velocity * self.speed_rad_s,
+            acceleration: by_angle.acceleration * self.speed_rad_s * self.speed_rad_s,
+        }
+    }
+
+    /// The follower where the cam stands at an angle, in m, m/rad, m/rad²: whatever the cam's speed.
+    pub fn at_angle(&self, angle_rad: f64) -> Motion {
+        let angle_rad = angle_rad.rem_euclid(TAU);
+        let down_rad = self.rise_rad + self.dwell_rad;
+        if angle_rad < self.rise_rad {
+            self.scaled(angle_rad / self.rise_rad, self.rise_rad, self.stroke_m)
+        } else if angle_rad < down_rad {
             Motion {
                 displacement: self.stroke_m,
                 ..Motion::default()
             }
-        } else {
-            let mut motion = self.scaled(
-                self.law.at((t_s - down_s) / return_s),
-                return_s,
-                -self.stroke_m,
-            );
+        } else if angle_rad < down_rad + self.return_rad {
+            let u = (angle_rad - down_rad) / self.return_rad;
+            let mut motion = self.scaled(u, self.return_rad, -self.stroke_m);
             motion.displacement += self.stroke_m;
             motion
+        } else {
+            Motion::default()
         }
     }
 
-    fn scaled(&self, by_u: Motion, time_s: f64, stroke_m: f64) -> Motion {
+    fn scaled(&self, u: f64, over_rad: f64, stroke_m: f64) -> Motion {
+        let by_u = self.law.at(u);
         Motion {
             displacement: stroke_m * by_u.displacement,
-            velocity: stroke_m / time_s * by_u.velocity,
-            acceleration: stroke_m / (time_s * time_s) * by_u.acceleration,
+            velocity: stroke_m / over_rad * by_u.velocity,
+            acceleration: stroke_m / (over_rad * over_rad) * by_u.acceleration,
         }
     }
 }

@@ -28,6 +28,29 @@ pub enum Shaft {
     DampedToCam,
 }
 
+/// What the chain is made of, from the shaft to the pusher, carried to the pusher.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Links {
+    /// Masses, kg.
+    pub mass_kg: [f64; 3],
+    /// Stiffnesses, N/m: each of the link before its mass.
+    pub stiffness_n_m: [f64; 3],
+    /// Dampings, N s/m, beside the stiffnesses.
+    pub damping_n_s_m: [f64; 3],
+}
+
+impl Links {
+    /// Links whose dampers have the factor `zeta` each, C = 2 ζ √(K M).
+    pub fn damped(mass_kg: [f64; 3], stiffness_n_m: [f64; 3], zeta: f64) -> Self {
+        let damper = |i: usize| 2.0 * zeta * (stiffness_n_m[i] * mass_kg[i]).sqrt();
+        Self {
+            mass_kg,
+            stiffness_n_m,
+            damping_n_s_m: core::array::from_fn(damper),
+        }
+    }
+}
+
 /// The chain; state (x₁, x₂, x₃, v₁, v₂, v₃), m and m/s.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chain {
@@ -65,9 +88,19 @@ impl Chain {
 
     /// The chain of the source with other dampings, N s/m.
     pub fn new(cam: Cam, shaft: Shaft, damping_n_s_m: [f64; 3]) -> Self {
-        let mass_kg = Vector3::from(Self::MASS_KG);
-        let stiffness_n_m = Vector3::from(Self::STIFFNESS_N_M);
-        let damping_n_s_m = Vector3::from(damping_n_s_m);
+        let links = Links {
+            mass_kg: Self::MASS_KG,
+            stiffness_n_m: Self::STIFFNESS_N_M,
+            damping_n_s_m,
+        };
+        Self::of(cam, shaft, &links)
+    }
+
+    /// A chain of other links.
+    pub fn of(cam: Cam, shaft: Shaft, links: &Links) -> Self {
+        let mass_kg = Vector3::from(links.mass_kg);
+        let stiffness_n_m = Vector3::from(links.stiffness_n_m);
+        let damping_n_s_m = Vector3::from(links.damping_n_s_m);
         let mut matrix = SMatrix::<f64, 6, 6>::zeros();
         matrix.fixed_view_mut::<3, 3>(0, 3).fill_with_identity();
         for (column, of) in [(0, stiffness_n_m), (3, damping_n_s_m)] {
@@ -110,6 +143,15 @@ impl Chain {
         }
         modes.sort_by(|a, b| a.omega_rad_s.total_cmp(&b.omega_rad_s));
         modes
+    }
+
+    /// The fastest that anything in it oscillates or decays, rad/s: the largest magnitude of an eigenvalue.
+    pub fn fastest_rad_s(&self) -> f64 {
+        let eigenvalues = self.matrix.complex_eigenvalues();
+        eigenvalues
+            .iter()
+            .map(|value| value.norm())
+            .fold(0.0, f64::max)
     }
 
     /// Acceleration of the first mass by the cam alone, m/s².

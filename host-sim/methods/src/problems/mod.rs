@@ -12,6 +12,7 @@
 //! | [`VanDerPol`] | very stiff, with jumps |
 //! | [`BouncingBall`] | events that crowd together |
 //! | [`Chain`] | the elastic follower of a cam: a machine of this kind, linear, with a fast mode |
+//! | [`Screen`] | a decision: whether a motor of limited power gets through a resonance |
 
 pub mod andrews;
 pub mod bouncing_ball;
@@ -20,13 +21,15 @@ pub mod chain;
 pub mod hires;
 pub mod oscillator;
 pub mod pendulum;
+pub mod screen;
 pub mod van_der_pol;
 
 pub use andrews::Andrews;
 pub use bouncing_ball::BouncingBall;
 pub use cam::{Cam, Law, Motion};
-pub use chain::{Chain, Mode, Shaft};
+pub use chain::{Chain, Links, Mode, Shaft};
 pub use hires::Hires;
 pub use oscillator::Oscillator;
 pub use pendulum::Pendulum;
+pub use screen::Screen;
 pub use van_der_pol::VanDerPol;

@@ -1,6 +1,6 @@
 //! Numbers of a scene that the core never sees, or sees in another form.
 
-use cophase_core::settings::{MAX_BANDS, Problem};
+use cophase_core::settings::{MAX_BANDS, MachineSettings, Problem};
 
 use crate::fidelity::Output;
 use crate::machine::MOST_STEPS;
@@ -10,7 +10,7 @@ use crate::scene::file::{self, AxisApart, Drive, Scene};
 /// More than any motor that a platform of 50 kg needs has to give.
 const MOST_FRICTION_NM: f64 = 1000.0;
 
-pub(super) fn lambda(machine: &file::Machine) -> Result<f64, SceneError> {
+fn lambda(machine: &file::Machine) -> Result<f64, SceneError> {
     match (machine.lambda, machine.rod_length_mm) {
         (Some(lambda), None) => Ok(lambda),
         (None, Some(length_mm)) => {
@@ -80,27 +80,36 @@ pub(super) fn check_apart(
     range(&key("pull_out_scale"), apart.pull_out_scale, 0.0, 10.0)
 }
 
+/// The mechanism that the core is told.
+pub(super) fn crank(machine: &file::Machine) -> Result<MachineSettings, SceneError> {
+    Ok(MachineSettings {
+        crank_radius_m: machine.crank_radius_mm / 1e3,
+        lambda: lambda(machine)?,
+        load_kg: machine.load_kg,
+        platform: machine.platform.into(),
+        gravity_mps2: machine.gravity_mps2,
+        mount_radius_m: machine.mount_radius_mm / 1e3,
+    })
+}
+
 /// Numbers that only machines have in which torque moves the cranks.
 pub(super) fn check_torque(scene: &Scene) -> Result<(), SceneError> {
     /// Softer is a spring and no rod; stiffer is more than steel of that size has.
     const RODS_N_PER_UM: (f64, f64) = (0.01, 10_000.0);
-    let file::Scene {
-        machine,
-        axes,
-        method,
-        ..
-    } = scene;
+    let file::Scene { axes, method, .. } = scene;
     if let Some(steps) = method.steps_per_tick {
         let most = f64::from(MOST_STEPS);
         range("method.steps_per_tick", f64::from(steps), 1.0, most)?;
     }
-    let (least, most) = RODS_N_PER_UM;
-    range("machine.rod_n_per_um", machine.rod_n_per_um, least, most)?;
-    range("axes.damping_nms", axes.damping_nms, 0.0, 1000.0)?;
-    range("machine.rod_zeta", machine.rod_zeta, 0.0, MOST_ZETA)?;
-    if let Some(inertia_kgm2) = machine.tilt_inertia_kgm2 {
-        range("machine.tilt_inertia_kgm2", inertia_kgm2, 1e-6, 1000.0)?;
+    if let Some(machine) = &scene.machine {
+        let (least, most) = RODS_N_PER_UM;
+        range("machine.rod_n_per_um", machine.rod_n_per_um, least, most)?;
+        range("machine.rod_zeta", machine.rod_zeta, 0.0, MOST_ZETA)?;
+        if let Some(inertia_kgm2) = machine.tilt_inertia_kgm2 {
+            range("machine.tilt_inertia_kgm2", inertia_kgm2, 1e-6, 1000.0)?;
+        }
     }
+    range("axes.damping_nms", axes.damping_nms, 0.0, 1000.0)?;
     if let Some(servo) = &axes.servo {
         let (position, velocity) = (servo.position_gain_per_s, servo.velocity_gain_nms);
         range("axes.servo.position_gain_per_s", position, 1e-3, 1e5)?;
@@ -224,7 +233,7 @@ pub(super) fn check_bands(limits: &file::Limits) -> Result<(), SceneError> {
     Ok(())
 }
 
-fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
+pub(super) fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
     if (low..=high).contains(&value) {
         return Ok(());
     }

@@ -10,14 +10,15 @@ use cophase_core::setup::{Setup, short_name};
 
 use crate::scene::file::{AxisApart, Drive, Scene};
 
-/// All that a scene tells the core. Of axes, bands and program entries those that there is room for; more have
+/// All that a scene tells the core, of the mechanism and drift what was made of them. Of axes, bands and program entries those that there is room for; more have
 /// been refused before.
 pub(super) fn setup(
     scene: &Scene,
-    lambda: f64,
+    machine: MachineSettings,
+    drift: DriftSettings,
     program: impl IntoIterator<Item = EntrySettings>,
 ) -> Setup {
-    let (machine, limits, drift) = (&scene.machine, &scene.limits, &scene.drift);
+    let limits = &scene.limits;
     let bands: heapless::Vec<_, MAX_BANDS> = limits
         .band
         .iter()
@@ -32,14 +33,7 @@ pub(super) fn setup(
     Setup {
         name: short_name(&scene.name),
         tick_hz: scene.control.tick_hz,
-        machine: MachineSettings {
-            crank_radius_m: machine.crank_radius_mm / 1e3,
-            lambda,
-            load_kg: machine.load_kg,
-            platform: machine.platform.into(),
-            gravity_mps2: machine.gravity_mps2,
-            mount_radius_m: machine.mount_radius_mm / 1e3,
-        },
+        machine,
         limits: LimitSettings {
             speed_hz: limits.speed_hz,
             acceleration_hz_per_s: limits.acceleration_hz_per_s,
@@ -57,11 +51,7 @@ pub(super) fn setup(
         },
         axes: numbers.clone().map(|i| axis(scene, i)).collect(),
         trims_turns: numbers.map(|i| trim_deg(i) / 360.0).collect(),
-        drift: DriftSettings {
-            tilt_limit_mrad: drift.tilt_limit_mrad,
-            warp_limit_deg: drift.warp_limit_deg,
-            common_limit_deg: drift.common_limit_deg,
-        },
+        drift,
         park_turns: scene.control.park_deg / 360.0,
         settle_s: scene.control.settle_s,
         program: program.into_iter().take(CAPACITY).collect(),

@@ -18,7 +18,7 @@ pub enum Fidelity {
     Rigid,
     /// Each crank its own rotor, moved by its motor's torque; the platform tilts.
     Phased,
-    /// As phased, on a frame that moves on its suspension.
+    /// As phased, on a frame that moves on its suspension; of cams, followers that are masses on springs.
     Elastic,
 }
 
@@ -41,7 +41,7 @@ impl Fidelity {
     }
 }
 
-/// How a machine that torque moves is advanced.
+/// How a machine that is integrated is advanced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Method {
@@ -62,7 +62,7 @@ impl Method {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MethodName {
-    /// What is best for the machine: RK4 at a step that follows its fastest mode.
+    /// What is best for the machine: RK4 at a step that follows its fastest mode; exact where it is linear.
     #[default]
     Auto,
     /// Order 1; unstable without damping.
@@ -77,6 +77,8 @@ pub enum MethodName {
     ImplicitMidpoint,
     /// Order 4, implicit; fast modes die away.
     Sdirk4,
+    /// Exact but for the curvature of what drives it; of linear machines alone.
+    Exact,
 }
 
 impl MethodName {
@@ -90,6 +92,7 @@ impl MethodName {
             Self::Rk4 => Scheme::Rk4,
             Self::ImplicitMidpoint => Scheme::ImplicitMidpoint,
             Self::Sdirk4 => Scheme::Sdirk4,
+            Self::Exact => Scheme::Exact,
         })
     }
 }

@@ -1,9 +1,10 @@
 //! The form of a scene file. Every key carries its unit; unknown keys are refused.
 //!
-//! A file here is a table there: [`machine`], [`control`] (with limits and what is watched), [`axes`], [`program`], and
+//! A file here is a table there: [`machine`] or [`cam`], [`control`] (with limits and what is watched), [`axes`], [`program`], and
 //! what happens to a scene from outside, [`events`]. How it is reckoned, [`fidelity`] says.
 
 mod axes;
+mod cam;
 mod control;
 mod events;
 mod fidelity;
@@ -12,6 +13,7 @@ mod program;
 mod questions;
 
 pub use axes::{Axes, AxisApart, Drive, ServoDrive};
+pub use cam::{CamShaft, Damper, LawName};
 pub use control::{Band, Control, Drift, Index, Limits, Pulse};
 pub use events::{CommandAt, CommandName, InputAt, InputLine, LateAt, Scope};
 pub use fidelity::{Fidelity, Method, MethodName};
@@ -39,8 +41,12 @@ pub struct Scene {
     /// How a machine that torque moves is advanced.
     #[serde(default, skip_serializing_if = "Method::is_default")]
     pub method: Method,
-    /// The mechanism and what it carries.
-    pub machine: Machine,
+    /// The mechanism and what it carries, of slider-cranks under one platform; this or `cam`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub machine: Option<Machine>,
+    /// A cam shaft an axis, each with a follower of its own; this or `machine`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cam: Option<CamShaft>,
     /// What the cranks stand on, if that moves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<Frame>,

@@ -9,8 +9,8 @@ use super::place::{example, heading_of};
 const MOST_QUOTED: usize = 48;
 
 /// Tables that stand in a scene once.
-const TABLES: [&str; 8] = [
-    "machine", "control", "limits", "pulse", "axes", "index", "drift", "scope",
+const TABLES: [&str; 9] = [
+    "machine", "cam", "control", "limits", "pulse", "axes", "index", "drift", "scope",
 ];
 
 /// What is wrong with a line that is not TOML.
@@ -80,7 +80,7 @@ pub(super) fn explain(path: &str, message: &str, written: &str) -> (String, Stri
 
 fn unknown_key(unknown: &str, known: &[&str]) -> String {
     let meant = if let Some(key) = nearest(unknown, known) {
-        match Problem::unit(key) {
+        match unit(key) {
             "" => format!("did you mean `{key}`? "),
             unit => format!("did you mean `{key}`, in {unit}? "),
         }
@@ -90,6 +90,15 @@ fn unknown_key(unknown: &str, known: &[&str]) -> String {
         String::new()
     };
     format!("unknown key; {meant}known here: {}", known.join(", "))
+}
+
+/// The unit that a key carries; the core knows none of springs.
+fn unit(key: &str) -> &'static str {
+    match key {
+        _ if key.ends_with("_n_per_mm") => "N/mm",
+        _ if key.ends_with("_ns_per_m") => "N·s/m",
+        _ => Problem::unit(key),
+    }
 }
 
 /// "invalid type: string "10", expected f64" and its like.

@@ -250,8 +250,8 @@ fn apart_rad(
         return standing + all(one) + all(other);
     }
     let body = driven.body();
-    let alike = driven.motors()[i] == driven.motors()[j]
-        && body.rotors_kgm2[i] == body.rotors_kgm2[j];
+    let alike =
+        driven.motors()[i] == driven.motors()[j] && body.rotors_kgm2[i] == body.rotors_kgm2[j];
     if alike {
         return standing;
     }
@@ -347,5 +347,10 @@ fn frequency_ratio(driven: &Driven, drive: &Drive, asked: &Asked) -> f64 {
         let resonance = (motor.stiffness_nm(0.0).0 / (body.rotors_kgm2[i] + load)).sqrt();
         2.0 * drive.top_rad_s * drive.ratios[i] / resonance
     };
-    driven.motors().iter().enumerate().map(ratio).fold(0.0, f64::max)
+    driven
+        .motors()
+        .iter()
+        .enumerate()
+        .map(ratio)
+        .fold(0.0, f64::max)
 }

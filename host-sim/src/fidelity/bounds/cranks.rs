@@ -1,10 +1,10 @@
-//! By how much each rung may be off the top one, output by output.
+//! By how much each rung of a platform on cranks may be off the top one, output by output.
 
 use std::f64::consts::TAU;
 
 use super::linear::{Drive, Worst};
-use super::Output;
 use crate::dynamics::{Driven, Motor};
+use crate::fidelity::Output;
 use crate::scene::file::Fidelity;
 
 /// What is allowed for that the reckoning leaves out: coefficients that change within a turn, and transients.
@@ -13,13 +13,9 @@ use crate::scene::file::Fidelity;
 /// at most; where both are within their ranges of a resonance the worst over the ranges has been taken already.
 const MARGIN: f64 = 1.5;
 
-/// What rounding and the steps of a method may add, in the unit of each output: symmetrical cranks, which theory has exactly in
-/// phase, are told apart by it.
-const ROUNDING: f64 = 1e-6;
-
-/// What is to be known of a machine to bound what a rung leaves out.
+/// What is to be known of a platform on cranks to bound what a rung leaves out.
 #[derive(Clone, Debug)]
-pub struct Bounds {
+pub struct Cranks {
     worst: Worst,
     /// Differences of where cranks stand that rods may pull out, rad.
     standing_apart_rad: f64,
@@ -33,7 +29,7 @@ pub struct Bounds {
     alike: bool,
 }
 
-impl Bounds {
+impl Cranks {
     /// Of a machine whose worst is known.
     pub fn new(
         driven: &Driven,
@@ -52,7 +48,11 @@ impl Bounds {
             // cos nα lost over half a tick, of 1 + λ: (1 + 4 λ)/(1 + λ) (ω tick)² / 8.
             sampling: (1.0 + 4.0 * lambda) / (1.0 + lambda) * step_rad * step_rad / 8.0,
             // Rods pull on cranks only where a platform is over-constrained.
-            standing_apart_rad: if body.axes() > 3 { standing_apart_rad } else { 0.0 },
+            standing_apart_rad: if body.axes() > 3 {
+                standing_apart_rad
+            } else {
+                0.0
+            },
             steppers: driven
                 .motors()
                 .iter()
@@ -64,14 +64,25 @@ impl Bounds {
         }
     }
 
-    /// The dimensionless numbers and phase errors that they are made of.
-    pub fn worst(&self) -> &Worst {
-        &self.worst
+    /// The dimensionless numbers and phase errors that they are made of, in words.
+    pub fn numbers(&self) -> String {
+        let worst = &self.worst;
+        let most = |used: &[f64]| used.iter().copied().fold(0.0, f64::max);
+        format!(
+            "torque ratio {:.2} ({:.2} with what oscillates), frequency ratio {:.2}, lag of at most {:.2}°",
+            most(&worst.torque_ratio_asked),
+            most(&worst.torque_ratio),
+            worst.frequency_ratio,
+            degrees(worst.lag_rad)
+        )
     }
 
     /// Whether every motor surely gives what it is asked for, oscillation and margin included.
     pub fn keeps_step(&self) -> bool {
-        self.worst.torque_ratio.iter().all(|used| MARGIN * used < 1.0)
+        self.worst
+            .torque_ratio
+            .iter()
+            .all(|used| MARGIN * used < 1.0)
     }
 
     /// By how much a rung's output may be off the top rung's, in the unit of its tolerance; infinite where the rung cannot
@@ -81,10 +92,11 @@ impl Bounds {
             return self.slips(rung);
         }
         // Half slipped is anywhere.
-        if !self.keeps_step() && rung < Fidelity::Phased && !(self.alike && rung == Fidelity::Rigid) {
+        if !self.keeps_step() && rung < Fidelity::Phased && !(self.alike && rung == Fidelity::Rigid)
+        {
             return f64::INFINITY;
         }
-        let left_out = match rung {
+        match rung {
             Fidelity::Kinematic if output == Output::Torque => f64::INFINITY,
             Fidelity::Auto | Fidelity::Kinematic | Fidelity::QuasiStatic => {
                 self.left_out_below_rigid(output)
@@ -92,8 +104,7 @@ impl Bounds {
             Fidelity::Rigid => self.left_out_by_rigid(output) + self.left_out_by_phased(output),
             Fidelity::Phased => self.left_out_by_phased(output),
             Fidelity::Elastic => 0.0,
-        };
-        left_out + ROUNDING
+        }
     }
 
     /// Cranks that never lag.
@@ -163,7 +174,8 @@ impl Bounds {
         let axes = self.steppers.len();
         let left = (0..axes).filter(|&i| !slips(i)).count();
         let more = axes as f64 / left.max(1) as f64;
-        (0..axes).all(|i| !self.steppers[i] || slips(i) || MARGIN * more * worst.torque_ratio[i] < 1.0)
+        (0..axes)
+            .all(|i| !self.steppers[i] || slips(i) || MARGIN * more * worst.torque_ratio[i] < 1.0)
     }
 
     fn apart_rad(&self) -> f64 {

@@ -39,7 +39,12 @@ pub fn share(driven: &Driven, drive: &Drive) -> f64 {
     let at_speed = |omega: f64| -> f64 {
         let parts = harmonics.iter().enumerate().map(|(i, harmonic)| {
             let radians = (i + 1) as f64 * omega;
-            let answer = answer(&frame.suspended, frame.foundation.as_ref(), body.load.mass_kg, radians);
+            let answer = answer(
+                &frame.suspended,
+                frame.foundation.as_ref(),
+                body.load.mass_kg,
+                radians,
+            );
             harmonic.abs() * answer
         });
         parts.sum::<f64>() * (omega / drive.top_rad_s).powi(2) / (1.0 + mechanism.lambda())

@@ -1,0 +1,156 @@
+//! By how much a pusher that follows its law may be off one that hangs on springs.
+//!
+//! The chain of masses is linear, so that harmonic n of the law comes to the pusher times H(i nω), its transfer function. What is
+//! missed of the law's acceleration is then at most the sum of (nω)² |sₙ| |H(i nω) − 1|.
+
+use nalgebra::{Complex, Matrix3, Vector3};
+
+use crate::fidelity::Output;
+use crate::scene::file::Fidelity;
+use crate::scene::{Checked, SceneError};
+use cophase_methods::problems::{Cam, Links, Shaft};
+
+/// Harmonics of the law. A modified sine has a jerk that jumps: harmonic n of its acceleration falls as 1/n², and what is beyond
+/// these is some percent of the peak, which [`TAIL`] allows for.
+const HARMONICS: u32 = 96;
+const SAMPLES: u32 = 1024;
+/// What the harmonics beyond may add, of the peak.
+const TAIL: f64 = 0.02;
+/// Speeds looked at, up to the top.
+const SPEEDS: u32 = 40;
+
+/// How far followers are off their law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Followers {
+    /// Of the acceleration, as a part of the law's greatest at top speed.
+    off: f64,
+    /// Highest speed over the frequency of the slowest mode.
+    frequency_ratio: f64,
+}
+
+impl Followers {
+    /// Of a scene with cams.
+    ///
+    /// # Errors
+    /// It does not say what gives.
+    pub fn new(checked: &Checked) -> Result<Self, SceneError> {
+        let top = checked.on(Fidelity::Elastic)?;
+        let given = top
+            .cam
+            .and_then(|follower| Some((follower.cam, follower.links?)));
+        let (cam, (links, shaft)) =
+            given.ok_or_else(|| SceneError::at("cam", "has no followers"))?;
+        let top_rad_s = std::f64::consts::TAU * checked.top_speed_hz();
+        let accelerations = harmonics(&cam);
+        let at_speed = |omega: f64| -> f64 {
+            let missed = accelerations.iter().zip(1..).map(|(harmonic, n)| {
+                let off = transfer(&links, shaft, f64::from(n) * omega) - 1.0;
+                harmonic * off.norm()
+            });
+            missed.sum::<f64>() * (omega / top_rad_s).powi(2)
+        };
+        let speeds = (1..=SPEEDS).map(|i| top_rad_s * f64::from(i) / f64::from(SPEEDS));
+        let slowest = slowest_rad_s(&links);
+        Ok(Self {
+            off: speeds.map(at_speed).fold(0.0, f64::max) / cam.peak_m() + TAIL,
+            frequency_ratio: top_rad_s / slowest,
+        })
+    }
+
+    /// By how much a rung's output may be off the elastic one's. Cams turn as they are told on both.
+    pub fn of(&self, rung: Fidelity, output: Output) -> f64 {
+        match output {
+            Output::Torque => f64::INFINITY,
+            Output::Amax if rung < Fidelity::Elastic => 100.0 * self.off,
+            _ => 0.0,
+        }
+    }
+
+    /// The numbers that it is made of, in words.
+    pub fn numbers(&self) -> String {
+        format!(
+            "frequency ratio {:.3}, acceleration off by at most {:.1} %",
+            self.frequency_ratio,
+            100.0 * self.off
+        )
+    }
+}
+
+/// Sizes of the harmonics of the law's acceleration at 1 rad/s, m.
+fn harmonics(cam: &Cam) -> Vec<f64> {
+    let by = std::f64::consts::TAU / f64::from(SAMPLES);
+    let law: Vec<f64> = (0..SAMPLES)
+        .map(|i| cam.at_angle(by * f64::from(i)).acceleration)
+        .collect();
+    let size = |n: u32| {
+        let turning = |i: usize| Complex::new(0.0, -by * f64::from(n) * i as f64).exp();
+        let sum: Complex<f64> = law
+            .iter()
+            .enumerate()
+            .map(|(i, value)| turning(i) * *value)
+            .sum();
+        2.0 * sum.norm() / f64::from(SAMPLES)
+    };
+    (1..=HARMONICS).map(size).collect()
+}
+
+/// x₃ over s at a frequency.
+fn transfer(links: &Links, shaft: Shaft, radians: f64) -> Complex<f64> {
+    let link = |i: usize| Complex::new(links.stiffness_n_m[i], radians * links.damping_n_s_m[i]);
+    let mass = |i: usize| Complex::from(links.mass_kg[i] * radians * radians);
+    let none = Complex::from(0.0);
+    let matrix = Matrix3::new(
+        link(0) + link(1) - mass(0),
+        -link(1),
+        none,
+        -link(1),
+        link(1) + link(2) - mass(1),
+        -link(2),
+        none,
+        -link(2),
+        link(2) - mass(2),
+    );
+    let push = match shaft {
+        Shaft::DampedToGround => Complex::from(links.stiffness_n_m[0]),
+        Shaft::DampedToCam => link(0),
+    };
+    let solved = matrix.lu().solve(&Vector3::new(push, none, none));
+    solved.map_or(Complex::from(f64::INFINITY), |solved| solved[2])
+}
+
+/// All masses on all springs in a row: below the slowest mode of the chain, and near it where the last mass is the largest.
+fn slowest_rad_s(links: &Links) -> f64 {
+    let compliance: f64 = links.stiffness_n_m.iter().map(|k| k.recip()).sum();
+    let mass: f64 = links.mass_kg.iter().sum();
+    (compliance * mass).recip().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cophase_methods::problems::Law;
+
+    /// Were the transfer function wrong, so would the bound be: slowly turned, the pusher follows; undamped, it is infinite where
+    /// the chain resonates (its published modes: 1718.3, 5610.0 and 34190.8 rad/s).
+    #[test]
+    fn the_transfer_function_has_the_modes_of_the_chain() {
+        let links = Links::damped([0.525, 0.102, 1.01], [0.768e7, 0.75e7, 10.2e7], 0.0);
+        assert!((transfer(&links, Shaft::DampedToCam, 1.0) - 1.0).norm() < 1e-5);
+        for mode in [1718.3, 5610.0, 34190.8] {
+            let at = transfer(&links, Shaft::DampedToCam, mode).norm();
+            let beside = transfer(&links, Shaft::DampedToCam, 1.05 * mode).norm();
+            assert!(at > 100.0 * beside, "{mode}: {at}, {beside} beside it");
+        }
+    }
+
+    /// The harmonics add up to the law's peak, or nearly: the tail is what is allowed for.
+    #[test]
+    fn harmonics_hold_the_law() {
+        let cam = Cam {
+            speed_rad_s: 1.0,
+            ..Cam::wrapper(Law::ModifiedSine)
+        };
+        let sum: f64 = harmonics(&cam).iter().sum();
+        assert!(sum > cam.peak_m(), "{sum}, {}", cam.peak_m());
+    }
+}

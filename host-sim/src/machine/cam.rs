@@ -1,0 +1,308 @@
+//! Cam shafts, each with a follower of its own, instead of cranks under a platform.
+//!
+//! On the *kinematic* rung a pusher is where its law has it. On the *elastic* one three masses hang between cam and pusher
+//! ([`Chain`]), and are integrated. On both the cam stands where its drive has turned it, and turns evenly within a tick:
+//! what the follower pushes back with does not turn the shaft.
+//!
+//! A chain is linear, so that exact discretisation is the method of choice: its step is chosen for what is to be seen.
+
+use cophase_core::settings::MAX_AXES;
+use cophase_methods::problems::{Cam, Chain};
+use cophase_methods::{Equations, Method, Scheme, StepError};
+
+use super::Chosen;
+use super::rotors::{MOST_RAD_A_STEP, MOST_STEPS};
+use crate::scene::file::Fidelity;
+use crate::scene::{Checked, SceneError};
+
+/// How far the slowest mode may turn in a step of exact discretisation, rad: a peak lies within half a step of one that is
+/// looked at, where its cosine is 1 − (0.05/2)²/2, 0.03 % off.
+const SEEN_RAD_A_STEP: f64 = 0.05;
+/// Looks a tick where nothing is integrated.
+const LOOKS: u32 = 16;
+/// The shortest step whose stability is looked at, s: a thousandth of the shortest that a tick is ever cut into.
+const SHORTEST_S: f64 = 1e-10;
+
+/// How a follower moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pusher {
+    /// Where the pusher is, m.
+    pub place_m: f64,
+    /// Its acceleration, m/s².
+    pub accel_mps2: f64,
+}
+
+/// The greatest of what a follower did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Peaks {
+    /// How far the pusher was from its law, m.
+    pub off_m: f64,
+    /// Acceleration of the pusher, m/s².
+    pub pusher_mps2: f64,
+    /// Acceleration of the mass next to the cam, m/s².
+    pub cam_side_mps2: f64,
+}
+
+impl Peaks {
+    /// The greater of each.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            off_m: self.off_m.max(other.off_m),
+            pusher_mps2: self.pusher_mps2.max(other.pusher_mps2),
+            cam_side_mps2: self.cam_side_mps2.max(other.cam_side_mps2),
+        }
+    }
+}
+
+/// Where a cam comes from and goes to in a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Turned {
+    /// Turns since power-up, before the tick.
+    pub from: f64,
+    /// After it.
+    pub to: f64,
+    /// Speed at its end, as it was asked for, rad/s.
+    pub omega_rad_s: f64,
+    /// Acceleration, rad/s².
+    pub acceleration_rad_s2: f64,
+}
+
+/// The followers of all axes.
+#[derive(Debug)]
+pub struct Followers {
+    cam: Cam,
+    elastic: Option<Elastic>,
+    pushers: [Pusher; MAX_AXES],
+    peaks: [Peaks; MAX_AXES],
+    axes: usize,
+    tick_s: f64,
+}
+
+/// What gives.
+#[derive(Debug)]
+struct Elastic {
+    chain: Chain,
+    scheme: Scheme,
+    method: Box<dyn Method>,
+    steps: u32,
+    states: [[f64; 6]; MAX_AXES],
+    broken: Option<StepError>,
+}
+
+impl Followers {
+    /// The followers of a scene, at rest where its cams stand, `turns` from phase 0; none if it has cranks.
+    ///
+    /// # Errors
+    /// The method that the scene asks for is unstable at its step, or does not suit.
+    pub fn new(checked: &Checked, turns: &[f64]) -> Result<Option<Self>, SceneError> {
+        let Some(follower) = &checked.cam else {
+            return Ok(None);
+        };
+        let tick_s = 1.0 / f64::from(checked.scene.control.tick_hz);
+        let mut pushers = [Pusher::default(); MAX_AXES];
+        for (pusher, turns) in pushers.iter_mut().zip(turns) {
+            let law = follower.cam.at_angle(turns * std::f64::consts::TAU);
+            pusher.place_m = law.displacement;
+        }
+        let elastic = match (checked.fidelity, &follower.links) {
+            (Fidelity::Elastic, Some((links, shaft))) => {
+                let chain = Chain::of(follower.cam, *shaft, links);
+                let method = &checked.scene.method;
+                let chosen = Chosen {
+                    scheme: method.name.scheme(),
+                    steps_per_tick: method.steps_per_tick,
+                };
+                let mut elastic = Elastic::new(chain, tick_s, chosen)
+                    .map_err(|problem| SceneError::at("method", problem))?;
+                for (state, pusher) in elastic.states.iter_mut().zip(&pushers) {
+                    state[..3].fill(pusher.place_m); // no spring is strained
+                }
+                Some(elastic)
+            }
+            _ => None,
+        };
+        Ok(Some(Self {
+            cam: follower.cam,
+            elastic,
+            pushers,
+            peaks: [Peaks::default(); MAX_AXES],
+            axes: turns.len(),
+            tick_s,
+        }))
+    }
+
+    /// The method, and how many steps a tick it makes; none if nothing is integrated.
+    pub fn method(&self) -> Option<(Scheme, u32)> {
+        let elastic = self.elastic.as_ref()?;
+        Some((elastic.scheme, elastic.steps))
+    }
+
+    /// Why they went no further, if they did not.
+    pub fn broken(&self) -> Option<StepError> {
+        self.elastic.as_ref()?.broken
+    }
+
+    /// How each moves at the end of the tick.
+    pub fn pushers(&self) -> &[Pusher] {
+        &self.pushers[..self.axes]
+    }
+
+    /// The greatest of what each did in the tick.
+    pub fn peaks(&self) -> &[Peaks] {
+        &self.peaks[..self.axes]
+    }
+
+    /// How they move on the whole: the means.
+    pub fn mean(&self) -> Pusher {
+        let mean =
+            |of: fn(&Pusher) -> f64| self.pushers().iter().map(of).sum::<f64>() / self.axes as f64;
+        Pusher {
+            place_m: mean(|pusher| pusher.place_m),
+            accel_mps2: mean(|pusher| pusher.accel_mps2),
+        }
+    }
+
+    /// Plays a tick.
+    pub fn play(&mut self, turned: &[Turned]) {
+        let axes = self.pushers.iter_mut().zip(&mut self.peaks).enumerate();
+        for ((axis, (pusher, peaks)), turned) in axes.zip(turned) {
+            *peaks = Peaks::default();
+            match &mut self.elastic {
+                None => (*pusher, *peaks) = by_law(&self.cam, turned, self.tick_s),
+                Some(elastic) if elastic.broken.is_none() => {
+                    match elastic.play(axis, turned, self.tick_s) {
+                        Ok(played) => (*pusher, *peaks) = played,
+                        Err(error) => elastic.broken = Some(error),
+                    }
+                }
+                Some(_) => {}
+            }
+        }
+    }
+}
+
+/// A tick of a pusher that its law moves.
+fn by_law(cam: &Cam, turned: &Turned, tick_s: f64) -> (Pusher, Peaks) {
+    let (mut pusher, mut peaks) = (Pusher::default(), Peaks::default());
+    for look in 1..=LOOKS {
+        let part = f64::from(look) / f64::from(LOOKS);
+        let angle_rad = (turned.from + (turned.to - turned.from) * part) * std::f64::consts::TAU;
+        let omega = turned.omega_rad_s - turned.acceleration_rad_s2 * tick_s * (1.0 - part);
+        let law = cam.at_angle(angle_rad);
+        pusher = Pusher {
+            place_m: law.displacement,
+            accel_mps2: law.acceleration * omega * omega
+                + law.velocity * turned.acceleration_rad_s2,
+        };
+        peaks = peaks.or(Peaks {
+            off_m: 0.0,
+            pusher_mps2: pusher.accel_mps2.abs(),
+            cam_side_mps2: pusher.accel_mps2.abs(),
+        });
+    }
+    (pusher, peaks)
+}
+
+impl Elastic {
+    fn new(chain: Chain, tick_s: f64, chosen: Chosen) -> Result<Self, String> {
+        let scheme = chosen.scheme.unwrap_or(Scheme::Exact);
+        let limit_s = scheme
+            .longest_stable_step_s(&chain, SHORTEST_S, tick_s)
+            .map_err(|refused| refused.to_string())?;
+        let steps = match chosen.steps_per_tick {
+            Some(steps) => steps,
+            None => steps_for(scheme, &chain, limit_s, tick_s)?,
+        };
+        let step_s = tick_s / f64::from(steps);
+        if let Some(limit_s) = limit_s.filter(|limit_s| step_s > *limit_s) {
+            return Err(unstable(scheme, step_s, limit_s, tick_s));
+        }
+        let method = scheme
+            .prepare(&chain, step_s)
+            .map_err(|refused| refused.to_string())?;
+        Ok(Self {
+            chain,
+            scheme,
+            method,
+            steps,
+            states: [[0.0; 6]; MAX_AXES],
+            broken: None,
+        })
+    }
+
+    /// A tick of one follower.
+    fn play(
+        &mut self,
+        axis: usize,
+        turned: &Turned,
+        tick_s: f64,
+    ) -> Result<(Pusher, Peaks), StepError> {
+        let cam = &mut self.chain.cam;
+        cam.start_rad = turned.from.rem_euclid(1.0) * std::f64::consts::TAU;
+        cam.speed_rad_s = (turned.to - turned.from) * std::f64::consts::TAU / tick_s;
+        let state = &mut self.states[axis];
+        let mut rates = [0.0; 6];
+        let mut peaks = Peaks::default();
+        let step_s = self.method.step_s();
+        for step in 0..self.steps {
+            self.method
+                .step(&self.chain, f64::from(step) * step_s, state)?;
+            let t_s = f64::from(step + 1) * step_s;
+            self.chain.rates(t_s, state, &mut rates);
+            peaks = peaks.or(Peaks {
+                off_m: (state[2] - self.chain.cam.at(t_s).displacement).abs(),
+                pusher_mps2: rates[5].abs(),
+                cam_side_mps2: rates[3].abs(),
+            });
+        }
+        let pusher = Pusher {
+            place_m: state[2],
+            accel_mps2: rates[5],
+        };
+        Ok((pusher, peaks))
+    }
+}
+
+/// Steps a tick: of a linear method as many as show its peaks, of others as many as follow the fastest of it, and twice
+/// what is stable.
+fn steps_for(
+    scheme: Scheme,
+    chain: &Chain,
+    limit_s: Option<f64>,
+    tick_s: f64,
+) -> Result<u32, String> {
+    let followed_s = if scheme == Scheme::Exact {
+        SEEN_RAD_A_STEP / chain.undamped_rad_s()[0]
+    } else {
+        MOST_RAD_A_STEP / chain.fastest_rad_s()
+    };
+    let step_s = limit_s.map_or(followed_s, |limit_s| followed_s.min(0.5 * limit_s));
+    let steps = (tick_s / step_s).ceil().max(1.0);
+    if steps <= f64::from(MOST_STEPS) {
+        return Ok(steps as u32);
+    }
+    Err(format!(
+        "{scheme} would take {steps:.3e} steps a tick for a follower that is as fast as {:.3e} rad/s; at most \
+         {MOST_STEPS} are made: give it more mass or softer springs, or method.name = \"exact\"",
+        chain.fastest_rad_s()
+    ))
+}
+
+fn unstable(scheme: Scheme, step_s: f64, limit_s: f64, tick_s: f64) -> String {
+    const WITHOUT: &str =
+        "a method without a limit: \"exact\", \"implicit-midpoint\" or \"sdirk4\"";
+    if limit_s == 0.0 {
+        return format!("{scheme} is unstable at any step with this follower: take {WITHOUT}");
+    }
+    let least = (tick_s / limit_s).ceil();
+    let (step_us, limit_us) = (step_s * 1e6, limit_s * 1e6);
+    let more = if least <= f64::from(MOST_STEPS) {
+        format!("method.steps_per_tick = {least:.0} or more, or ")
+    } else {
+        String::new()
+    };
+    format!(
+        "step {step_us:.4} us is beyond the stability limit of {scheme} with this follower, {limit_us:.4} us: take {more}{WITHOUT}"
+    )
+}

@@ -1,0 +1,228 @@
+//! A cam shaft's numbers, what they amount to, and what the core is told of them.
+//!
+//! The core knows slider-cranks alone, and of those a follower has one thing: its greatest acceleration is κ ω², with the
+//! crank's κ = R (1 + λ) and the cam's κ = Ca H/β² (stroke H over the shorter of rise and return, β rad). So the core is told a
+//! **crank of equal κ**, and its profile holds as it is.
+//!
+//! The rest of what a crank means to it must not act:
+//! - *feed-forward* of a servo is for the platform that such a crank would carry: it gets the least load there is, no
+//!   gravity, and so the rotor's own inertia alone counts, as it should;
+//! - *tilt* is what phase errors do to a platform, and followers have none. Its limit is set to where the errors' first mode
+//!   is as large as `drift.warp_limit_deg`: one limit, in degrees, for all modes but the common one.
+
+use cophase_core::settings::{DriftSettings, MachineSettings, Platform};
+use cophase_methods::problems::{Cam, Links, Shaft};
+
+use super::numbers::range;
+use crate::mechanism::slider_crank::SliderCrank;
+use crate::scene::SceneError;
+use crate::scene::file::{self, CamShaft, Drift, Fidelity, Scene};
+
+/// λ of the crank that the core is told: the least that it takes.
+const LAMBDA: f64 = 0.1;
+/// The least load that it takes, kg: at 450 turns a minute it is 9 mN·m of feed-forward where the pusher needs 50 N·m.
+const LOAD_KG: f64 = 1e-3;
+/// Crank radii that it takes, m.
+const RADII_M: (f64, f64) = (1e-4, 0.5);
+
+/// A cam shaft and its follower, checked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Follower {
+    /// The cam, at rest.
+    pub cam: Cam,
+    /// What gives between it and the pusher, and where its first damper ends; none if the scene does not say.
+    pub links: Option<(Links, Shaft)>,
+}
+
+/// The follower of a scene that has cams.
+pub(super) fn follower(shaft: &CamShaft) -> Result<Follower, SceneError> {
+    range("cam.rise_mm", shaft.rise_mm, 0.1, 1000.0)?;
+    range("cam.rise_deg", shaft.rise_deg, 5.0, 355.0)?;
+    range("cam.dwell_deg", shaft.dwell_deg, 0.0, 350.0)?;
+    range("cam.return_deg", shaft.return_deg, 5.0, 355.0)?;
+    let turn_deg = shaft.rise_deg + shaft.dwell_deg + shaft.return_deg;
+    if turn_deg > 360.0 {
+        return Err(SceneError::at(
+            "cam.return_deg",
+            format!(
+                "{} is too much: with cam.rise_deg and cam.dwell_deg it comes to {turn_deg} of the 360 that a turn has; \
+                 give at most {}",
+                shaft.return_deg,
+                360.0 - shaft.rise_deg - shaft.dwell_deg
+            ),
+        ));
+    }
+    let cam = Cam {
+        law: shaft.law.into(),
+        stroke_m: shaft.rise_mm / 1e3,
+        speed_rad_s: 0.0,
+        start_rad: 0.0,
+        rise_rad: shaft.rise_deg.to_radians(),
+        dwell_rad: shaft.dwell_deg.to_radians(),
+        return_rad: shaft.return_deg.to_radians(),
+    };
+    let (least_m, most_m) = (
+        RADII_M.0 * (1.0 + LAMBDA) / cam.peak_m(),
+        RADII_M.1 * (1.0 + LAMBDA) / cam.peak_m(),
+    );
+    if !(least_m..=most_m).contains(&1.0) {
+        return Err(SceneError::at(
+            "cam.rise_mm",
+            format!(
+                "{} mm over {}° accelerates as a crank of {:.4} mm does, outside the {} to {} mm that the loop is made \
+                 for; over these angles give {:.4} to {:.4} mm",
+                shaft.rise_mm,
+                shaft.rise_deg.min(shaft.return_deg),
+                crank_radius_m(&cam) * 1e3,
+                RADII_M.0 * 1e3,
+                RADII_M.1 * 1e3,
+                // Rounded inwards, so that what is advised is accepted.
+                (shaft.rise_mm * least_m * 1e4).ceil() / 1e4,
+                (shaft.rise_mm * most_m * 1e4).floor() / 1e4,
+            ),
+        ));
+    }
+    Ok(Follower {
+        cam,
+        links: links(shaft)?.map(|links| (links, shaft.damper.into())),
+    })
+}
+
+fn links(shaft: &CamShaft) -> Result<Option<Links>, SceneError> {
+    let each = |key: &str, values: [f64; 3], low, high| {
+        (0..3).try_for_each(|i| range(&format!("cam.{key}[{i}]"), values[i], low, high))
+    };
+    let (masses, stiffness) = match (shaft.masses_kg, shaft.stiffness_n_per_mm) {
+        (None, None) => {
+            let useless = [
+                ("cam.dampers_ns_per_m", shaft.dampers_ns_per_m.is_some()),
+                ("cam.zeta", shaft.zeta.is_some()),
+            ];
+            return match useless.iter().find(|(_, given)| *given) {
+                Some((key, _)) => Err(SceneError::at(
+                    *key,
+                    "damps nothing: give cam.masses_kg and cam.stiffness_n_per_mm as well, or leave it out",
+                )),
+                None => Ok(None),
+            };
+        }
+        (Some(masses), Some(stiffness)) => (masses, stiffness),
+        (Some(_), None) => return Err(missing("cam.stiffness_n_per_mm", "cam.masses_kg")),
+        (None, Some(_)) => return Err(missing("cam.masses_kg", "cam.stiffness_n_per_mm")),
+    };
+    each("masses_kg", masses, 1e-4, 1000.0)?;
+    each("stiffness_n_per_mm", stiffness, 0.1, 1e7)?;
+    let stiffness_n_m = stiffness.map(|n_per_mm| n_per_mm * 1e3);
+    match (shaft.dampers_ns_per_m, shaft.zeta) {
+        (Some(dampers), None) => {
+            each("dampers_ns_per_m", dampers, 0.0, 1e7)?;
+            Ok(Some(Links {
+                mass_kg: masses,
+                stiffness_n_m,
+                damping_n_s_m: dampers,
+            }))
+        }
+        (None, Some(zeta)) => {
+            range("cam.zeta", zeta, 0.0, 2.0)?;
+            Ok(Some(Links::damped(masses, stiffness_n_m, zeta)))
+        }
+        (Some(_), Some(_)) => Err(SceneError::at(
+            "cam.zeta",
+            "given together with cam.dampers_ns_per_m, which says the same; leave one out",
+        )),
+        (None, None) => Err(SceneError::at(
+            "cam.zeta",
+            "missing; give the damping factor of the links, such as 0.1, or cam.dampers_ns_per_m",
+        )),
+    }
+}
+
+fn missing(key: &str, beside: &str) -> SceneError {
+    SceneError::at(
+        key,
+        format!("missing beside {beside}; give three, from the shaft to the pusher, or neither"),
+    )
+}
+
+/// Radius of the crank of equal κ, m.
+fn crank_radius_m(cam: &Cam) -> f64 {
+    cam.peak_m() / (1.0 + LAMBDA)
+}
+
+/// The crank that the core is told.
+pub(super) fn told(follower: &Follower) -> MachineSettings {
+    let crank_radius_m = crank_radius_m(&follower.cam);
+    MachineSettings {
+        crank_radius_m,
+        lambda: LAMBDA,
+        load_kg: LOAD_KG,
+        platform: Platform::Above,
+        gravity_mps2: 0.0,
+        // So that limits on tilt from a thousandth of a degree to 90 stay in the core's range.
+        mount_radius_m: (20.0 * crank_radius_m).clamp(0.01, 5.0),
+    }
+}
+
+/// The limits that the core is told: that on tilt stands for one on the first mode, in degrees as the others.
+pub(super) fn drift(drift: &Drift, machine: &MachineSettings) -> Result<DriftSettings, SceneError> {
+    let mechanism = SliderCrank::new(
+        machine.crank_radius_m,
+        machine.crank_radius_m / machine.lambda,
+    )
+    .map_err(|error| SceneError::at("cam", error.to_string()))?;
+    // As the core has it: half a degree finds the greatest way a radian to 4e-5.
+    let way = (0..360)
+        .map(|half_degree| mechanism.s((f64::from(half_degree) * 0.5).to_radians()))
+        .fold(0.0, f64::max);
+    let tilt_mrad = 1e3 * drift.warp_limit_deg.to_radians() * way * machine.crank_radius_m
+        / machine.mount_radius_m;
+    Ok(DriftSettings {
+        tilt_limit_mrad: tilt_mrad.clamp(1e-3, 100.0),
+        warp_limit_deg: drift.warp_limit_deg,
+        common_limit_deg: drift.common_limit_deg,
+    })
+}
+
+/// Whether cams have a rung, and the scene says enough for it.
+pub(super) fn check_rung(rung: Fidelity, follower: &Follower) -> Result<(), SceneError> {
+    match rung {
+        Fidelity::Auto | Fidelity::Kinematic => Ok(()),
+        Fidelity::Elastic if follower.links.is_some() => Ok(()),
+        Fidelity::Elastic => Err(SceneError::at(
+            "cam.masses_kg",
+            "missing; fidelity = \"elastic\" needs cam.masses_kg, cam.stiffness_n_per_mm, and cam.zeta or \
+             cam.dampers_ns_per_m; or let fidelity be \"kinematic\"",
+        )),
+        other => Err(SceneError::at(
+            "fidelity",
+            format!(
+                "\"{}\" is of cranks under a platform; with [cam] there are \"kinematic\" and \"elastic\"",
+                other.name()
+            ),
+        )),
+    }
+}
+
+/// What a scene with cams says to no avail.
+pub(super) fn check_useless(scene: &Scene) -> Result<(), SceneError> {
+    let axes = &scene.axes;
+    if scene.drift.tilt_limit_mrad != file::Drift::default().tilt_limit_mrad {
+        return Err(SceneError::at(
+            "drift.tilt_limit_mrad",
+            "is of a platform, and [cam] has none; drift.warp_limit_deg limits how far cams may be apart, so leave it out",
+        ));
+    }
+    let torques = [
+        ("axes.pull_out", !axes.pull_out.is_empty()),
+        ("axes.friction_nm", axes.friction_nm != 0.0),
+        ("axes.damping_nms", axes.damping_nms != 0.0),
+        ("axes.servo", axes.servo.is_some()),
+    ];
+    match torques.iter().find(|(_, given)| *given) {
+        Some((key, _)) => Err(SceneError::at(
+            *key,
+            "says something of torque, and cams turn as they are told: no rung of [cam] asks for it; leave it out",
+        )),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,244 @@
+//! Elastic followers on cams that the control loop turns: what is published of them at constant speed, and what becomes of
+//! phase errors, steppers and a method that is too coarse.
+
+use std::f64::consts::TAU;
+
+use cophase_core::supervisor::{FaultKind, State};
+use cophase_methods::problems::{Cam, Law};
+use cophase_tests::scene;
+use host_sim::machine::Peaks;
+use host_sim::scene::Checked;
+use host_sim::sim::{Moment, Observer, Outcome, simulate};
+
+/// Two wrapper pushers (PHYSICS.md section 3), run up to 450 turns a minute.
+const SCENE: &str = r#"
+name = "followers"
+[cam]
+law = "LAW"
+rise_mm = 84
+rise_deg = 120
+dwell_deg = 135
+return_deg = 105
+masses_kg = [0.525, 0.102, 1.01]
+stiffness_n_per_mm = [7680, 7500, 102000]
+dampers_ns_per_m = [402, 175, 2030]
+damper = "DAMPER"
+[limits]
+speed_hz = 8
+acceleration_hz_per_s = 20
+jerk_hz_per_s2 = 400
+creep_hz = 5
+[axes]
+count = 2
+drive = "servo"
+steps_per_turn = 8192
+[[program]]
+amax_g = AMAX
+ramp_s = 1
+hold_s = 1.5
+"#;
+
+fn text(law: &str, damper: &str) -> String {
+    let cam = Cam::wrapper(match law {
+        "cycloid" => Law::Cycloid,
+        "skewed-cycloid" => Law::SkewedCycloid,
+        "modified-sine" => Law::ModifiedSine,
+        _ => Law::ModifiedTrapezoid,
+    });
+    let amax_g = cam.peak_m() * cam.speed_rad_s * cam.speed_rad_s / 9.80665;
+    SCENE
+        .replace("LAW", law)
+        .replace("DAMPER", damper)
+        .replace("AMAX", &format!("{amax_g:.9}"))
+}
+
+/// The greatest of what followers did in steady turning, from the fourth turn of it on: the slowest mode, which decays by e⁻⁸
+/// in a turn, has forgotten how it came there.
+#[derive(Default)]
+struct Steady {
+    since_turns: Option<f64>,
+    turns: f64,
+    speed_hz: f64,
+    peaks: [Peaks; 2],
+    places: (f64, f64),
+    accel: (f64, f64),
+}
+
+impl Observer<2> for Steady {
+    fn tick(&mut self, moment: &Moment<'_, 2>) {
+        let motion = &moment.telemetry.motion;
+        let holds = moment.telemetry.state == State::Run && motion.acceleration == 0;
+        if !holds || moment.master_turns < 1.0 {
+            self.since_turns = None;
+            return;
+        }
+        let since = *self.since_turns.get_or_insert(moment.master_turns);
+        if moment.master_turns - since < 3.0 {
+            return;
+        }
+        self.turns = moment.master_turns - since - 3.0;
+        self.speed_hz = motion.speed.to_num::<f64>() * 2000.0;
+        let followers = moment.machine.followers().expect("a scene of cams");
+        for (worst, peaks) in self.peaks.iter_mut().zip(followers.peaks()) {
+            *worst = worst.or(*peaks);
+        }
+        let mean = followers.mean();
+        self.places = (
+            self.places.0.min(mean.place_m),
+            self.places.1.max(mean.place_m),
+        );
+        self.accel = (
+            self.accel.0.min(mean.accel_mps2),
+            self.accel.1.max(mean.accel_mps2),
+        );
+    }
+}
+
+fn steady(text: &str) -> (Steady, Outcome) {
+    let checked = scene(text);
+    let mut steady = Steady::default();
+    let outcome = simulate::<2>(&checked, &mut steady, |_, _| {}).unwrap();
+    assert!(outcome.fault.is_none() && outcome.diverged.is_none());
+    assert_eq!(outcome.state, State::Parked);
+    (steady, outcome)
+}
+
+fn assert_within(what: &str, found: f64, published: f64, relative: f64) {
+    println!("{what}: {found:.4}, published {published}");
+    assert!(
+        (found / published - 1.0).abs() <= relative,
+        "{what}: {found}, published {published}"
+    );
+}
+
+/// Were it wrong, the loop would turn the cam otherwise than evenly at the speed that the program amounts to, or the chain in a
+/// scene would be another than the one of the source: item 4 of what must reproduce, its four laws, to 0.1 %.
+#[test]
+fn as_printed_the_published_accelerations() {
+    for (law, cam_side, pusher) in [
+        ("cycloid", 361.01, 371.61),
+        ("skewed-cycloid", 350.21, 369.92),
+        ("modified-sine", 323.36, 340.43),
+        ("modified-trapezoid", 288.07, 302.36),
+    ] {
+        let (steady, _) = steady(&text(law, "ground"));
+        assert_within("speed, rev/s", steady.speed_hz, 7.5, 1e-8);
+        assert!(steady.turns > 3.0, "{} turns", steady.turns);
+        for peaks in &steady.peaks {
+            assert_within("cam side, m/s²", peaks.cam_side_mps2, cam_side, 1e-3);
+            assert_within("pusher, m/s²", peaks.pusher_mps2, pusher, 1e-3);
+        }
+        if law == "modified-sine" {
+            assert_within("off, mm", steady.peaks[0].off_m * 1e3, 0.246, 5e-3);
+        }
+    }
+}
+
+/// Item 5: with the shaft's damper at the cam, where it belongs.
+#[test]
+fn with_the_damper_at_the_cam() {
+    let (steady, outcome) = steady(&text("modified-sine", "cam"));
+    for peaks in &steady.peaks {
+        assert_within("cam side, m/s²", peaks.cam_side_mps2, 323.45, 1e-3);
+        assert_within("pusher, m/s²", peaks.pusher_mps2, 340.58, 1e-3);
+        assert_within("off, mm", peaks.off_m * 1e3, 0.125, 5e-3);
+    }
+    // The whole run, which the report tells of, has no greater ones than its greatest speed.
+    for (whole, steady) in outcome.statistics.followers.iter().zip(&steady.peaks) {
+        assert_within(
+            "whole run, m/s²",
+            whole.pusher_mps2,
+            steady.pusher_mps2,
+            1e-2,
+        );
+    }
+}
+
+/// Were it wrong, the rung below would not be the law itself: 307.04 m/s² at the return, 84 mm from bottom to top, nothing off.
+#[test]
+fn on_the_kinematic_rung_the_law_itself() {
+    let text = format!("fidelity = \"kinematic\"\n{}", text("modified-sine", "cam"));
+    let (steady, outcome) = steady(&text);
+    assert!(outcome.method.is_none());
+    for peaks in &steady.peaks {
+        assert_within("pusher, m/s²", peaks.pusher_mps2, 307.04, 1e-4);
+        assert_eq!(peaks.off_m, 0.0);
+    }
+    // What the trace has, sampled every 1.35°: within a sixth of a radian of the law's fastest wave.
+    assert_within("least accel_mps2", -steady.accel.0, 307.04, 5e-3);
+    assert_eq!(steady.places, (0.0, 0.084));
+    // The core's own statement of amax is that of the law.
+    assert_within("amax", outcome.statistics.top_amax_mps2, 307.04, 1e-4);
+}
+
+/// Were it wrong, methods would not agree on the same follower: RK4 and SDIRK4 follow every mode, exact discretisation errs by
+/// its input's curvature. 0.03 % is what its step may miss of a peak.
+#[test]
+fn methods_agree() {
+    let text = text("modified-sine", "cam");
+    let (exact, outcome) = steady(&text);
+    assert_eq!(
+        outcome.method.map(|(scheme, _)| scheme.facts().name),
+        Some("exact discretisation")
+    );
+    for name in ["rk4", "sdirk4", "velocity-verlet", "implicit-midpoint"] {
+        let (other, outcome) = steady(&format!("{text}[method]\nname = \"{name}\"\n"));
+        println!("{name}: {:?} {:?}", outcome.method, other.peaks[0]);
+        let (a, b) = (other.peaks[0].pusher_mps2, exact.peaks[0].pusher_mps2);
+        assert_within(name, a, b, 5e-4);
+    }
+}
+
+/// Were it wrong, a pusher that goes with its neighbours, but behind them, would not be stopped, or one that lawfully lags by less
+/// would be: the limit is `drift.warp_limit_deg`, in degrees, though the core reckons it as a tilt.
+#[test]
+fn cams_too_far_apart_are_stopped() {
+    let with = |start_deg: f64| {
+        let text = text("modified-sine", "cam");
+        let text = format!(
+            "{text}[drift]\nwarp_limit_deg = 2\n[[axis]]\nnumber = 1\ntrim_deg = 0\nstart_deg = {start_deg}\n"
+        );
+        let checked: Checked = scene(&text.replace("[axes]", "[axes]\ntrim_limit_deg = 0"));
+        simulate::<2>(&checked, &mut (), |_, _| {}).unwrap()
+    };
+    // Of two, each is off their mean by half.
+    let lawful = with(-3.8);
+    assert!(lawful.fault.is_none(), "{:?}", lawful.fault);
+    assert!((lawful.statistics.worst_spread_deg - 3.8).abs() < 1e-6);
+    assert_eq!(lawful.statistics.worst_tilt_mrad, 0.0);
+    let stopped = with(-4.2);
+    assert_eq!(stopped.fault.map(|fault| fault.kind), Some(FaultKind::Tilt));
+}
+
+/// Were it wrong, a cam on steps would not be where its steps put it. At 7.5 rev/s and 2 kHz there are 12 steps of 3200 a tick, so
+/// that it turns evenly here too.
+#[test]
+fn steppers_drive_cams_as_well() {
+    let text = text("modified-sine", "cam")
+        .replace("\"servo\"", "\"stepper\"")
+        .replace("8192", "3200");
+    let (steady, _) = steady(&text);
+    assert_within("pusher, m/s²", steady.peaks[0].pusher_mps2, 340.58, 1e-3);
+}
+
+/// Were it wrong, the feed-forward of a servo would be that of a platform which is not there. With a rotor of 2 g m² at the
+/// scene's acceleration of 20 rev/s² it is 0.25 N·m at most; what the least load of the core adds is below 0.02.
+#[test]
+fn feed_forward_is_the_rotors_alone() {
+    struct Torque(f64, f64);
+    impl Observer<2> for Torque {
+        fn tick(&mut self, moment: &Moment<'_, 2>) {
+            let acceleration = moment.telemetry.motion.acceleration.to_num::<f64>() * 4e6 * TAU;
+            for setpoint in &moment.played.setpoints {
+                let torque: f64 = setpoint.torque.to_num();
+                self.0 = self.0.max(torque.abs());
+                self.1 = self.1.max((torque - 2e-3 * acceleration).abs());
+            }
+        }
+    }
+    let text = text("modified-sine", "cam").replace("[axes]", "[axes]\nrotor_inertia_kgm2 = 2e-3");
+    let mut torque = Torque(0.0, 0.0);
+    simulate::<2>(&scene(&text), &mut torque, |_, _| {}).unwrap();
+    assert!((0.1..0.28).contains(&torque.0), "{} N·m", torque.0);
+    assert!(torque.1 < 0.02, "{} N·m", torque.1);
+}
