@@ -115,6 +115,7 @@ judged! {
     patent_3: "patent-3",
     patent_4: "patent-4",
     lost_steps: "lost-steps",
+    wrapper: "wrapper",
 }
 
 /// A machine whose load moves its cranks by a good half degree.

@@ -39,6 +39,8 @@ pub struct SimulatedAxis {
     rotor_inertia_kgm2: f64,
     friction_nm: f64,
     ratio: f64,
+    /// Commanded phase at step 0, turns.
+    offset_turns: f64,
     /// Crank phase at step 0, turns.
     origin_turns: f64,
     index_turns: Option<f64>,
@@ -87,6 +89,7 @@ impl SimulatedAxis {
             rotor_inertia_kgm2: settings.rotor_inertia_kgm2,
             friction_nm,
             ratio: f64::from(settings.ratio.0) / f64::from(settings.ratio.1),
+            offset_turns: settings.offset_turns,
             origin_turns: settings.offset_turns + start_turns,
             index_turns: settings.index_turns,
             step_high: false,
@@ -152,7 +155,17 @@ impl SimulatedAxis {
     }
 
     /// Takes what the drive is told in a tick: for machines whose cranks move by torque, and not as they are told.
-    pub fn tell(&mut self, runs: &Runs, setpoint: &Setpoint, steps: i64) -> Told {
+    ///
+    /// A stepper's field is where its steps have it, and in between where the phase is that they are made of,
+    /// `command_turns`: seen at ticks alone, steps would beat with these, and shake the rotor at frequencies that
+    /// edges, which have their own times, do not have.
+    pub fn tell(
+        &mut self,
+        runs: &Runs,
+        setpoint: &Setpoint,
+        steps: i64,
+        command_turns: f64,
+    ) -> Told {
         match self.drive {
             AxisDrive::Stepper { .. } => {
                 self.counted += self.count(runs);
@@ -160,7 +173,10 @@ impl SimulatedAxis {
                     self.counted, steps,
                     "the drive counts what the loop commands"
                 );
-                self.told_turns = self.counted as f64 / self.steps_per_turn;
+                let counted = self.counted as f64;
+                let commanded = (command_turns - self.offset_turns) * self.steps_per_turn;
+                self.told_turns =
+                    commanded.clamp(counted - 1.0, counted + 1.0) / self.steps_per_turn;
             }
             AxisDrive::Servo => self.told_turns += self.follow(setpoint),
         }

@@ -228,8 +228,8 @@ impl<const N: usize> Machine<N> {
         rotors.or_else(|| self.followers.as_ref()?.broken())
     }
 
-    /// Plays one tick and returns the cycles in it at which index flags came. `turns` is what the master
-    /// makes.
+    /// Plays one tick and returns the cycles in it at which index flags came. `master_turns` is
+    /// what the master makes, `command_turns` where the axes are told to be at its end.
     ///
     /// Drives that are off do not follow: their cranks stand, or run on where torque moves them.
     pub fn play(
@@ -237,10 +237,16 @@ impl<const N: usize> Machine<N> {
         played: &Played<N>,
         drives_enabled: bool,
         master_turns: f64,
+        command_turns: &[f64; N],
     ) -> [Option<u32>; N] {
         if let Some(rotors) = &mut self.rotors {
             let told: [Told; N] = std::array::from_fn(|i| {
-                self.axes[i].tell(&played.runs[i], &played.setpoints[i], played.steps[i])
+                self.axes[i].tell(
+                    &played.runs[i],
+                    &played.setpoints[i],
+                    played.steps[i],
+                    command_turns[i],
+                )
             });
             rotors.play(&told, drives_enabled);
             let cycles = (self.tick_s * f64::from(CLOCK_HZ)).round() as u32;

@@ -199,7 +199,9 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             .get_or_insert_with(|| telemetry.axis_phase.map(Unwrapped::starting_at));
         let command_turns = std::array::from_fn(|i| axes[i].follow(telemetry.axis_phase[i]));
         let turns = turns(telemetry.motion.speed);
-        let index = self.machine.play(played, self.drives_enabled, turns);
+        let index = self
+            .machine
+            .play(played, self.drives_enabled, turns, &command_turns);
         let moment = Moment {
             start_ns: start_us * 1000,
             end_ns: (start_us + self.tick_us) * 1000,
