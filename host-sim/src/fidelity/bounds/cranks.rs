@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::linear::{Drive, Worst};
+use super::{frame, rods};
 use crate::dynamics::{Driven, Motor};
 use crate::fidelity::Output;
 use crate::scene::file::Fidelity;
@@ -21,6 +22,10 @@ pub struct Cranks {
     standing_apart_rad: f64,
     /// What a moving frame does to the platform's acceleration, as a part of it; 0 if the machine has none.
     frame: f64,
+    /// What springs for rods do to it, which only rungs with cranks of their own know; 0 where rods settle.
+    rods: f64,
+    /// How far the platform is from where settled rods have it, m; 0 where they spring.
+    settled_m: f64,
     /// mrad of tilt to a rad between cranks.
     tilt_mrad: f64,
     /// What is missed of a peak between two ticks, as a part of it.
@@ -36,7 +41,7 @@ impl Cranks {
         drive: &Drive,
         worst: Worst,
         standing_apart_rad: f64,
-        frame: f64,
+        (sprung, rod_zeta): (bool, f64),
     ) -> Self {
         let body = driven.body();
         let lambda = body.mechanism.lambda();
@@ -59,7 +64,17 @@ impl Cranks {
                 .map(|motor| matches!(motor, Motor::Stepper(_)))
                 .collect(),
             alike: worst.spread_rad == 0.0,
-            frame,
+            frame: frame::share(driven, drive),
+            rods: if sprung {
+                rods::share(body, rod_zeta, drive)
+            } else {
+                0.0
+            },
+            settled_m: if sprung {
+                0.0
+            } else {
+                rods::settled_m(body, rod_zeta, drive)
+            },
             worst,
         }
     }
@@ -75,6 +90,11 @@ impl Cranks {
             worst.frequency_ratio,
             degrees(worst.lag_rad)
         )
+    }
+
+    /// How far the platform is from where settled rods have it at most, m.
+    pub fn settled_m(&self) -> f64 {
+        self.settled_m
     }
 
     /// Whether every motor surely gives what it is asked for, oscillation and margin included.
@@ -110,12 +130,12 @@ impl Cranks {
     /// Cranks that never lag.
     fn left_out_below_rigid(&self, output: Output) -> f64 {
         let worst = &self.worst;
-        let of_torque = MARGIN * worst.torque + self.frame;
+        let of_torque = MARGIN * worst.torque + self.frame + self.rods;
         match output {
             Output::Lag => degrees(MARGIN * self.bent(worst.lag_rad)) * (1.0 + self.frame),
             Output::Spread => degrees(self.apart_rad()) * (1.0 + self.frame),
             Output::Tilt => self.tilt_mrad * self.apart_rad() * (1.0 + self.frame),
-            Output::Amax => 100.0 * (MARGIN * worst.amax + self.sampling + self.frame),
+            Output::Amax => 100.0 * (MARGIN * worst.amax + self.sampling + self.frame + self.rods),
             Output::Torque => 100.0 * of_torque,
             Output::Slips => 0.0,
         }
@@ -123,8 +143,12 @@ impl Cranks {
 
     /// Cranks that lag alike.
     fn left_out_by_rigid(&self, output: Output) -> f64 {
+        let rods = match output {
+            Output::Amax | Output::Torque => 100.0 * self.rods,
+            _ => 0.0,
+        };
         if self.alike && self.standing_apart_rad == 0.0 {
-            return 0.0;
+            return rods;
         }
         let worst = &self.worst;
         let apart = self.apart_rad();
@@ -133,7 +157,7 @@ impl Cranks {
         match output {
             Output::Lag | Output::Spread => degrees(apart),
             Output::Tilt => self.tilt_mrad * apart,
-            Output::Amax => 100.0 * (part * MARGIN * worst.amax + self.sampling),
+            Output::Amax => 100.0 * (part * MARGIN * worst.amax + self.sampling) + rods,
             Output::Torque => 100.0 * (part * MARGIN * worst.torque + worst.spring_per_rad * apart),
             Output::Slips => 0.0,
         }

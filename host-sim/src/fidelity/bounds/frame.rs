@@ -11,11 +11,9 @@
 
 use nalgebra::{Complex, Matrix2, Vector2};
 
-use super::linear::Drive;
+use super::linear::{Drive, HARMONICS, cosines_of_h};
 use crate::dynamics::{Driven, Layer};
 
-const HARMONICS: usize = 8;
-const SAMPLES: u32 = 64;
 const SPEEDS: u32 = 400;
 
 /// The largest acceleration of the frame at any steady speed up to the top, as a part of amax at the top: an upper bound,
@@ -26,16 +24,7 @@ pub fn share(driven: &Driven, drive: &Drive) -> f64 {
     };
     let body = driven.body();
     let mechanism = &body.mechanism;
-    let by = std::f64::consts::TAU / f64::from(SAMPLES);
-    // h is even: cosines.
-    let harmonic = |n: usize| {
-        let at = |i: u32| {
-            let alpha = by * f64::from(i);
-            mechanism.h(alpha) * (n as f64 * alpha).cos()
-        };
-        (0..SAMPLES).map(at).sum::<f64>() * 2.0 / f64::from(SAMPLES)
-    };
-    let harmonics: Vec<f64> = (1..=HARMONICS).map(harmonic).collect();
+    let harmonics = cosines_of_h(body);
     let at_speed = |omega: f64| -> f64 {
         let parts = harmonics.iter().enumerate().map(|(i, harmonic)| {
             let radians = (i + 1) as f64 * omega;

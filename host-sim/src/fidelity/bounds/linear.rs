@@ -22,7 +22,7 @@ use nalgebra::Complex;
 use crate::dynamics::{Body, Driven, Motor};
 
 /// Harmonics of the torque that are looked at. At λ = 0.6 the ninth has 1e-4 of the second.
-const HARMONICS: usize = 8;
+pub const HARMONICS: usize = 8;
 const SAMPLES: u32 = 64;
 /// Speeds looked at, besides those of resonances.
 const SPEEDS: u32 = 160;
@@ -115,6 +115,18 @@ impl Asked {
     fn slope_nm(&self, omega_rad_s: f64) -> f64 {
         self.slopes.0 * omega_rad_s * omega_rad_s + self.slopes.1
     }
+}
+
+/// h(α), which is even, as cosines: the first [`HARMONICS`] of them, dimensionless.
+pub fn cosines_of_h(body: &Body) -> [f64; HARMONICS] {
+    let by = TAU / f64::from(SAMPLES);
+    std::array::from_fn(|i| {
+        let at = |sample: u32| {
+            let alpha = by * f64::from(sample);
+            body.mechanism.h(alpha) * ((i + 1) as f64 * alpha).cos()
+        };
+        (0..SAMPLES).map(at).sum::<f64>() * 2.0 / f64::from(SAMPLES)
+    })
 }
 
 /// One crank at one speed.

@@ -4,13 +4,14 @@ mod cranks;
 mod followers;
 mod frame;
 mod linear;
+mod rods;
 
 use cophase_core::settings::Settings;
 
 use super::Output;
 use crate::dynamics::Driven;
 use crate::machine::{Machine, Rotors};
-use crate::scene::file::Fidelity;
+use crate::scene::file::{Fidelity, Rods};
 use crate::scene::{Checked, SceneError};
 use crate::with_axes;
 use cranks::Cranks;
@@ -73,6 +74,15 @@ impl Bounds {
         }
     }
 
+    /// How far a platform on settled rods is from where it would be on springs at most, µm: the oscillation that was
+    /// replaced by its static response. None where there is no such.
+    pub fn settled_um(&self) -> Option<f64> {
+        match self {
+            Self::Cranks(cranks) => Some(cranks.settled_m() * 1e6).filter(|&um| um > 0.0),
+            Self::Followers(_) => None,
+        }
+    }
+
     /// The numbers that they are made of, in words.
     pub fn numbers(&self) -> String {
         match self {
@@ -107,6 +117,12 @@ fn cranks<const N: usize>(checked: &Checked, settings: &Settings<N>, driven: &Dr
         &drive,
         worst(driven, &drive),
         most - least,
-        frame::share(driven, &drive),
+        checked
+            .scene
+            .machine
+            .as_ref()
+            .map_or((false, 0.0), |machine| {
+                (machine.rods == Rods::Sprung, machine.rod_zeta)
+            }),
     )
 }

@@ -1,0 +1,60 @@
+//! What rods that give do to the platform, all together: a mass m on N springs k, pushed by where the cranks would have it.
+//!
+//! Two answers. Where a scene has its rods spring, every rung without springs is off by them, harmonic by harmonic. Where it has
+//! them settle, the fast mode ω_r = √(N k/m) is replaced by its static response, and what that leaves out of the platform's place
+//! is at most
+//!
+//! ```text
+//! (max|f″| + 2 ζ ω_r max|f′|) / ω_r⁴ · coth(π ζ / (2 √(1 − ζ²)))
+//! ```
+//!
+//! with f the acceleration that the cranks ask for: the response to what curves f, and to what of it damping carries over,
+//! of which each half period leaves exp(−π ζ/√(1 − ζ²)) to add to the next.
+
+use std::f64::consts::PI;
+
+use nalgebra::Complex;
+
+use super::linear::{Drive, HARMONICS, cosines_of_h};
+use crate::dynamics::Body;
+
+/// Speeds looked at, up to the top.
+const SPEEDS: u32 = 100;
+
+/// By how much springs change the platform's acceleration at most, as a part of amax at the top speed.
+pub fn share(body: &Body, zeta: f64, drive: &Drive) -> f64 {
+    let mode = heave_rad_s(body);
+    let harmonics = cosines_of_h(body);
+    let at_speed = |omega: f64| -> f64 {
+        let parts = harmonics.iter().zip(1_u8..).map(|(harmonic, n)| {
+            let ratio = f64::from(n) * omega / mode;
+            let spring = Complex::new(1.0, 2.0 * zeta * ratio);
+            let follows = spring / (spring - ratio * ratio);
+            harmonic.abs() * (follows - 1.0).norm()
+        });
+        parts.sum::<f64>() * (omega / drive.top_rad_s).powi(2) / (1.0 + body.mechanism.lambda())
+    };
+    (1..=SPEEDS)
+        .map(|i| at_speed(drive.top_rad_s * f64::from(i) / f64::from(SPEEDS)))
+        .fold(0.0, f64::max)
+}
+
+/// How far the platform is from where settled rods have it at most, at any steady speed up to the top, m.
+pub fn settled_m(body: &Body, zeta: f64, drive: &Drive) -> f64 {
+    let mode = heave_rad_s(body);
+    let (mut first, mut second) = (0.0, 0.0);
+    let amax = body.mechanism.crank_radius_m() * drive.top_rad_s.powi(2);
+    for (harmonic, n) in cosines_of_h(body).iter().zip(1_u8..) {
+        let radians = f64::from(n) * drive.top_rad_s;
+        first += amax * harmonic.abs() * radians;
+        second += amax * harmonic.abs() * radians * radians;
+    }
+    let left = PI * zeta / (2.0 * (1.0 - zeta * zeta).max(f64::MIN_POSITIVE).sqrt());
+    (second + 2.0 * zeta * mode * first) / mode.powi(4) / left.tanh()
+}
+
+fn heave_rad_s(body: &Body) -> f64 {
+    (body.axes() as f64 * body.rod_n_per_m / body.load.mass_kg).sqrt()
+}
+
+const _: () = assert!(HARMONICS < u8::MAX as usize);
