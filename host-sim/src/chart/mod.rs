@@ -7,11 +7,11 @@
 //! - the rest: a chart a file.
 
 pub mod axis;
-mod counted;
 pub mod ink;
-mod methods;
+pub mod methods;
 pub mod picture;
 mod stability;
+mod yardstick;
 
 /// A chart that was made.
 #[derive(Clone, Debug)]

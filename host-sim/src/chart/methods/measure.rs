@@ -1,0 +1,141 @@
+//! Cost and error of a method on a problem, at one step length after the other.
+
+use std::time::Instant;
+
+use cophase_methods::{Scheme, advance};
+
+use super::counted::Counted;
+use super::problems::Problem;
+use crate::chart::yardstick::Yardstick;
+use crate::chart::{ChartError, Size};
+
+/// A problem solved with one step length.
+#[derive(Clone, Copy, Debug)]
+pub struct Run {
+    /// Steps from beginning to end.
+    pub steps: u32,
+    /// How often the machine was asked.
+    pub evaluations: u64,
+    /// Largest error of the components that are compared; infinite where it diverged or did not converge.
+    pub error: f64,
+    /// What a step takes, in sines.
+    pub sines_a_step: f64,
+}
+
+/// A method on a problem, from the longest step to the shortest.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// The method.
+    pub scheme: Scheme,
+    /// With ever more steps.
+    pub runs: Vec<Run>,
+}
+
+/// Fewest step lengths of a curve.
+const FEWEST: usize = 6;
+/// Most that a small chart has.
+const SMALL: usize = 7;
+
+impl Curve {
+    /// Halves the step until nothing more of the curve would be seen, at least [`FEWEST`] lengths.
+    pub fn measure(
+        problem: &Problem,
+        scheme: Scheme,
+        size: Size,
+        yardstick: Yardstick,
+    ) -> Result<Self, ChartError> {
+        let (fewest, doublings) = problem.steps;
+        let mut runs: Vec<Run> = Vec::new();
+        for doubling in 0..=doublings {
+            // One error below what is shown may be a curve that passes zero; two are its end.
+            let unseen = |run: &Run| run.error < problem.shown().0;
+            let is_over = runs.len() >= 2 && runs[runs.len() - 2..].iter().all(unseen);
+            if runs.len() >= FEWEST && is_over || size == Size::Small && runs.len() >= SMALL {
+                break;
+            }
+            runs.push(run(problem, scheme, fewest << doubling, yardstick)?);
+        }
+        Ok(Self { scheme, runs })
+    }
+
+    /// Cost and error, as they are drawn.
+    pub fn points(&self) -> Vec<(f64, f64)> {
+        let points = self.runs.iter().filter(|run| run.error.is_finite());
+        points
+            .map(|run| (run.evaluations as f64, run.error))
+            .collect()
+    }
+
+    /// Evaluations from which on the error stays at most this, between two step lengths as the straight line on
+    /// logarithmic axes has it; none if it never does.
+    pub fn cost_of(&self, error: f64) -> Option<f64> {
+        let below = self.runs.iter().rposition(|run| run.error > error);
+        let first = self.runs.get(below.map_or(0, |last| last + 1))?;
+        let cost = first.evaluations as f64;
+        let before = below
+            .map(|last| self.runs[last])
+            .filter(|run| run.error.is_finite());
+        let Some(before) = before else {
+            return Some(cost);
+        };
+        let part = (before.error / error).ln() / (before.error / first.error).ln();
+        let dearer = cost / before.evaluations as f64;
+        Some(before.evaluations as f64 * dearer.powf(part.clamp(0.0, 1.0)))
+    }
+}
+
+fn run(
+    problem: &Problem,
+    scheme: Scheme,
+    steps: u32,
+    yardstick: Yardstick,
+) -> Result<Run, ChartError> {
+    let counted = Counted::new(problem.equations.as_ref());
+    let mut method = scheme
+        .prepare(&counted, problem.end_s / f64::from(steps))
+        .map_err(|refused| ChartError(format!("{}: {refused}", problem.name)))?;
+    let mut y = problem.start.clone();
+    let began = Instant::now();
+    let done = advance(method.as_mut(), &counted, 0.0, steps, &mut y);
+    let took = began.elapsed();
+    let off = y.iter().zip(&problem.answer).map(|(y, a)| (y - a).abs());
+    Ok(Run {
+        steps,
+        evaluations: counted.asked(),
+        error: match done {
+            Ok(()) => off.fold(0.0, f64::max),
+            Err(_) => f64::INFINITY,
+        },
+        sines_a_step: yardstick.sines(took) / f64::from(steps),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Were it wrong, the text under the chart would name another method than the picture shows.
+    #[test]
+    fn costs_are_read_between_points() {
+        let run = |evaluations, error| Run {
+            steps: 1,
+            evaluations,
+            error,
+            sines_a_step: 1.0,
+        };
+        let runs = vec![
+            run(50, f64::INFINITY),
+            run(100, 1e-2),
+            run(200, 1e-4),
+            run(400, 1e-6),
+        ];
+        let curve = Curve {
+            scheme: Scheme::Rk4,
+            runs,
+        };
+        assert!((curve.cost_of(1e-3).unwrap() - 100.0 * 2.0_f64.sqrt()).abs() < 1e-9);
+        assert_eq!(curve.cost_of(1e-6), Some(400.0));
+        assert_eq!(curve.cost_of(1.0), Some(100.0));
+        assert_eq!(curve.cost_of(1e-7), None);
+    }
+}

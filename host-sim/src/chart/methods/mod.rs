@@ -1,0 +1,162 @@
+//! Error against cost of each method: on this project's machines, and on problems whose answers are published.
+//!
+//! - [`problems`]: what they are put to, and how well its answer is known;
+//! - [`measure`]: cost and error at one step length after the other.
+
+mod counted;
+pub mod measure;
+pub mod problems;
+
+use std::fmt::Write;
+
+use cophase_methods::Scheme;
+
+use super::axis::Axis;
+use super::picture::{At, Level, Line, Panel, Picture, render};
+use super::yardstick::Yardstick;
+use super::{ChartError, Drawn, Progress, Size};
+use measure::Curve;
+use problems::Problem;
+
+/// Below this part of the error wanted nothing is shown: nobody asks for it.
+const LEAST: f64 = 1e-5;
+/// Nor above this multiple.
+const MOST: f64 = 1e4;
+/// Two references differ by at most a tenth of the smallest error shown.
+const DOUBTS: f64 = 10.0;
+
+impl Problem {
+    /// The smallest and the largest error that is shown.
+    fn shown(&self) -> (f64, f64) {
+        (
+            (DOUBTS * self.doubt).max(LEAST * self.wanted),
+            MOST * self.wanted,
+        )
+    }
+}
+
+/// Makes the chart.
+pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
+    let problems = problems::all()?;
+    let of = (problems.len() * Scheme::ALL.len()) as u64;
+    let mut done = 0;
+    let mut csv =
+        "problem,method,default,steps,evaluations,error,unit,reference_doubt,timing\n".to_owned();
+    let mut panels = Vec::new();
+    let mut cheapest = Cheapest::default();
+    for problem in &problems {
+        let yardstick = Yardstick::measure();
+        let mut curves = Vec::new();
+        for scheme in Scheme::ALL {
+            if scheme.suits(problem.equations.as_ref()) {
+                let curve = Curve::measure(problem, scheme, size, yardstick)?;
+                write_rows(&mut csv, problem, &curve);
+                curves.push(curve);
+            }
+            done += 1;
+            progress(done, of);
+        }
+        cheapest.look_at(problem, &curves);
+        panels.push(panel(problem, &curves));
+    }
+    let says = cheapest.says();
+    let svg = render(Picture {
+        title: "Methods: error against cost".to_owned(),
+        says: says.clone(),
+        columns: 3,
+        chosen_is: "default",
+        panels,
+    });
+    Ok(Drawn { csv, svg, says })
+}
+
+fn write_rows(csv: &mut String, problem: &Problem, curve: &Curve) {
+    for run in &curve.runs {
+        // Writing to a string does not fail.
+        let _ = writeln!(
+            csv,
+            "\"{}\",{},{},{},{},{:e},{},{:e},{:.1}",
+            problem.name,
+            curve.scheme.facts().name,
+            problem.default == Some(curve.scheme),
+            run.steps,
+            run.evaluations,
+            run.error,
+            problem.unit,
+            problem.doubt,
+            run.sines_a_step,
+        );
+    }
+}
+
+fn panel(problem: &Problem, curves: &[Curve]) -> Panel {
+    let (from, to) = problem.shown();
+    let costs = curves.iter().flat_map(|curve| &curve.runs);
+    let costs = costs.filter(|run| (from..=to).contains(&run.error));
+    let costs = costs.map(|run| run.evaluations as f64);
+    let (least, most) = costs.fold((f64::INFINITY, 0.0_f64), |(least, most), cost| {
+        (least.min(cost), most.max(cost))
+    });
+    let line = |curve: &Curve| Line {
+        chosen: problem.default == Some(curve.scheme),
+        ..Line::of_scheme(curve.scheme, curve.points())
+    };
+    Panel {
+        title: problem.name.to_owned(),
+        x: Axis::log("evaluations of the machine", 0.7 * least, 1.4 * most),
+        y: Axis::log(
+            format!("largest error at the end, {}", problem.unit),
+            from,
+            to,
+        ),
+        lines: curves.iter().map(line).collect(),
+        levels: vec![Level {
+            at: At::Y(problem.wanted),
+            label: "good enough".to_owned(),
+        }],
+    }
+}
+
+/// Which method is the cheapest to the error wanted, of each problem.
+#[derive(Default)]
+struct Cheapest {
+    /// Each winner, with what it wins.
+    of: Vec<(Scheme, Vec<&'static str>)>,
+    /// How many times what the cheapest costs the default costs, at worst.
+    default_at_worst: f64,
+}
+
+impl Cheapest {
+    fn look_at(&mut self, problem: &Problem, curves: &[Curve]) {
+        let cost = |curve: &Curve| curve.cost_of(problem.wanted);
+        let costs = curves
+            .iter()
+            .filter_map(|curve| Some((curve.scheme, cost(curve)?)));
+        let Some((best, least)) = costs.clone().min_by(|a, b| a.1.total_cmp(&b.1)) else {
+            return;
+        };
+        match self.of.iter_mut().find(|(scheme, _)| *scheme == best) {
+            Some((_, wins)) => wins.push(problem.name),
+            None => self.of.push((best, vec![problem.name])),
+        }
+        for (scheme, cost) in costs {
+            if problem.default == Some(scheme) {
+                self.default_at_worst = self.default_at_worst.max(cost / least);
+            }
+        }
+    }
+
+    fn says(&self) -> String {
+        let of: Vec<_> = self
+            .of
+            .iter()
+            .map(|(scheme, wins)| format!("{scheme} ({})", wins.join("; ")))
+            .collect();
+        format!(
+            "The cheapest to an error that is good enough: {}. What a scene takes unless told otherwise costs at most {:.1} \
+             times the cheapest. What diverged has a row in the data and no point here.",
+            of.join(", "),
+            self.default_at_worst
+        )
+    }
+}
