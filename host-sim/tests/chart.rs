@@ -1,9 +1,11 @@
-//! Charts as a user gets them.
+//! Charts as a user gets them: small ones, which have all that full ones have but for points and length.
 
+use std::collections::HashMap;
 use std::path::Path;
 use std::process::Output;
 
 use assert_cmd::Command;
+use host_sim::chart::CHARTS;
 
 fn chart(arguments: &[&str]) -> Output {
     Command::cargo_bin("cophase")
@@ -14,53 +16,219 @@ fn chart(arguments: &[&str]) -> Output {
         .expect("it runs")
 }
 
-fn drawn(name: &str, folder: &Path) -> (String, String) {
-    let output = chart(&[name, "--out", folder.to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(0), "{output:?}");
-    let read = |kind: &str| std::fs::read_to_string(folder.join(format!("{name}.{kind}"))).unwrap();
-    (read("csv"), read("svg"))
+/// A chart's data, its picture, and what the command says.
+struct Drawn {
+    csv: String,
+    svg: String,
+    said: String,
 }
 
-/// Were it wrong, the picture would say of a method what its theory denies.
+fn drawn(name: &str) -> Drawn {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().to_str().unwrap();
+    let output = chart(&[name, "--size", "small", "--out", place]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let read =
+        |kind: &str| std::fs::read_to_string(folder.path().join(format!("{name}.{kind}"))).unwrap();
+    Drawn {
+        csv: read("csv"),
+        svg: read("svg"),
+        said: String::from_utf8(output.stdout).unwrap(),
+    }
+}
+
+/// Rows by column.
+fn rows(csv: &str) -> Vec<HashMap<String, String>> {
+    let mut reader = csv::Reader::from_reader(csv.as_bytes());
+    reader.deserialize().map(Result::unwrap).collect()
+}
+
+fn number(row: &HashMap<String, String>, column: &str) -> f64 {
+    row[column]
+        .parse()
+        .unwrap_or_else(|_| panic!("{column} in {row:?}"))
+}
+
+/// Data without the one column that a clock has a hand in.
+fn untimed(csv: &str) -> Vec<HashMap<String, String>> {
+    let mut rows = rows(csv);
+    for row in &mut rows {
+        row.remove("timing");
+    }
+    rows
+}
+
+/// Were it wrong, a chart in the docs could not be told from another of the same name: a picture or a number would depend on
+/// the machine that made it.
+fn is_the_same_each_time(name: &str) {
+    let (one, other) = (drawn(name), drawn(name));
+    assert_eq!(one.svg, other.svg);
+    assert_eq!(untimed(&one.csv), untimed(&other.csv));
+    assert!(one.svg.starts_with("<svg"), "{}", &one.svg[..40]);
+}
+
+macro_rules! the_same_each_time {
+    ($($test:ident: $name:literal),* $(,)?) => {
+        $(#[test] fn $test() { is_the_same_each_time($name); })*
+    };
+}
+
+the_same_each_time! {
+    methods_are_the_same_each_time: "methods",
+    stability_is_the_same_each_time: "stability",
+    energy_is_the_same_each_time: "energy",
+    functions_are_the_same_each_time: "functions",
+    tick_rates_are_the_same_each_time: "tick-rate",
+}
+
+/// Were it wrong, the picture would say of a method, or of a trim, what its theory denies.
 #[test]
 fn edges_of_stability_are_those_of_theory() {
-    let folder = tempfile::tempdir().unwrap();
-    let (csv, _) = drawn("stability", folder.path());
-    let mut compared = 0;
-    for record in csv::Reader::from_reader(csv.as_bytes()).records() {
-        let record = record.unwrap();
-        let (method, zeta) = (&record[0], &record[1]);
-        match (record[2].parse::<f64>(), record[3].parse::<f64>()) {
+    let mut compared = HashMap::<String, u32>::new();
+    for row in rows(&drawn("stability").csv) {
+        let edge = |column: &str| row[column].parse::<f64>();
+        match (edge("edge_measured"), edge("edge_theory")) {
             (Ok(measured), Ok(theory)) => {
                 assert!(
                     (measured - theory).abs() <= 0.01 * theory.max(1e-6),
-                    "{method} at {zeta}: {measured}, not {theory}"
+                    "{measured}, not {theory}: {row:?}"
                 );
-                compared += 1;
+                *compared.entry(row["of"].clone()).or_default() += 1;
             }
             // Either has no number: none has an edge, or theory has no closed form.
-            _ => assert!(record[3].is_empty() || record[2] == record[3], "{record:?}"),
+            _ => {
+                let theory = &row["edge_theory"];
+                assert!(theory.is_empty() || theory == &row["edge_measured"], "{row:?}");
+            }
         }
     }
-    assert!(compared > 1000, "{compared} rows");
+    for of in ["explicit Euler", "symplectic Euler", "velocity Verlet", "RK4", "trim of an axis"] {
+        assert!(compared.get(of) >= Some(&5), "{of} in {compared:?}");
+    }
 }
 
-/// Were it wrong, a chart in the docs could not be told from another of the same name.
+/// Were it wrong, a method would be drawn below what its reference is known to, or be chosen by looking at too few steps.
 #[test]
-fn a_chart_is_the_same_each_time() {
-    let folders = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
-    let [one, other] = folders
-        .each_ref()
-        .map(|folder| drawn("stability", folder.path()));
-    assert_eq!(one, other);
-    assert!(one.1.starts_with("<svg") && one.1.contains("velocity Verlet"));
+fn methods_are_shown_down_to_ten_times_the_doubt_and_at_six_steps() {
+    let drawn = drawn("methods");
+    let mut steps = HashMap::<(String, String), u32>::new();
+    let mut defaults = HashMap::<String, String>::new();
+    for row in rows(&drawn.csv) {
+        *steps
+            .entry((row["problem"].clone(), row["method"].clone()))
+            .or_default() += 1;
+        if row["default"] == "true" {
+            defaults.insert(row["problem"].clone(), row["method"].clone());
+        }
+        assert!(number(&row, "timing") > 0.0);
+    }
+    assert!(steps.values().all(|&steps| steps >= 6), "{steps:?}");
+    for (problem, method) in [
+        ("one shaft, four steppers", "RK4"),
+        ("platform on four cranks out of phase", "RK4"),
+        ("elastic chain behind a cam, linear", "exact discretisation"),
+    ] {
+        assert_eq!(defaults.get(problem).map(String::as_str), Some(method));
+        let methods = steps.keys().filter(|(of, _)| of == problem).count();
+        assert!(methods >= 6, "{problem}: {methods} methods");
+    }
+    for problem in host_sim::chart::methods::problems::all().unwrap() {
+        let (least, most) = problem.shown();
+        assert!(least >= 10.0 * problem.doubt && most > 100.0 * least);
+    }
+    assert!(drawn.svg.contains("(default where thick)"));
+}
+
+/// Were it wrong, a machine would gain or lose over hours what the chart says it keeps.
+#[test]
+fn energy_is_kept_by_what_is_said_to_keep_it() {
+    let drawn = drawn("energy");
+    let finest = |method: &str| {
+        let of_method = rows(&drawn.csv).into_iter().filter(|row| row["method"] == method);
+        number(&of_method.last().unwrap(), "drift")
+    };
+    assert!(finest("implicit midpoint") < 1e-6);
+    assert!(finest("explicit Euler") > 1e-2);
+    assert!(drawn.said.contains("keeps its energy to 1e-6 over 300 turns with"));
+    let (keep, lose) = drawn.said.split_once("; ").unwrap();
+    assert!(keep.contains("implicit midpoint (from ") && lose.contains("explicit Euler"));
+}
+
+/// Were it wrong, the text would praise what the table beside it does not.
+#[test]
+fn functions_called_are_beaten_by_what_is_said() {
+    let drawn = drawn("functions");
+    let rows = rows(&drawn.csv);
+    for (function, called) in [
+        ("root", "cophase `root`"),
+        ("sine, cosine", "cophase `sine_cosine`"),
+        ("arctangent", "micromath `atan2`"),
+    ] {
+        let ours = rows.iter().find(|row| row["candidate"] == called).unwrap();
+        assert!(number(ours, "timing") > 0.0);
+        let is_better = |row: &&HashMap<String, String>| {
+            row["function"] == function
+                && ["cycles_mean", "error_max"]
+                    .iter()
+                    .all(|column| number(row, column) < number(ours, column))
+        };
+        let better: Vec<_> = rows.iter().filter(is_better).collect();
+        let name = called.replace('`', "");
+        if better.is_empty() {
+            assert!(drawn.said.contains(&format!("Nothing is both faster and closer than {name}.")));
+        }
+        for row in better {
+            let said = drawn.said.split(&format!("Faster and closer than {name}:")).nth(1);
+            assert!(said.unwrap().contains(&row["candidate"].replace('`', "")), "{row:?}");
+        }
+    }
+    for by in ["cophase", "micromath", "libm", "idsp", "cordic", "table"] {
+        assert!(drawn.svg.contains(&format!(">{by}")), "{by} is not in the legend");
+    }
+}
+
+/// Were it wrong, a faster tick would be paid for and buy nothing, or a slower one be taken that ruins a ramp.
+#[test]
+fn only_ramps_gain_by_a_faster_tick() {
+    let rows = rows(&drawn("tick-rate").csv);
+    for scene in ["default", "patent-3"] {
+        let of_scene: Vec<_> = rows.iter().filter(|row| row["scene"] == scene).collect();
+        let (slowest, fastest) = (of_scene[0], of_scene[of_scene.len() - 1]);
+        let times = number(fastest, "tick_hz") / number(slowest, "tick_hz");
+        assert!(times >= 10.0, "{times}");
+        // A lag of one and a half ticks shrinks with the tick.
+        assert!(number(fastest, "ramp_error") < 0.5 * number(slowest, "ramp_error"));
+        for row in of_scene {
+            assert!(number(row, "hold_error") < 1e-6, "{row:?}");
+            assert!(number(row, "cpu_worst") >= number(row, "cpu_mean"));
+        }
+    }
+}
+
+/// Were it wrong, a reader of the data would not know what a column is, or look for one that is gone.
+#[test]
+fn columns_are_those_of_the_docs() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/charts.md");
+    let docs = std::fs::read_to_string(docs).unwrap();
+    for name in ["methods", "stability", "energy", "functions", "tick-rate"] {
+        let head = format!("| column of `{name}.csv` | |");
+        let (_, table) = docs.split_once(&head).unwrap_or_else(|| panic!("no table for {name}"));
+        let table = table.split("\n\n").next().unwrap();
+        let cells = table.lines().filter_map(|line| line.split('|').nth(1));
+        let documented: Vec<_> = cells
+            .flat_map(|cell| cell.split('`').skip(1).step_by(2))
+            .collect();
+        let csv = drawn(name).csv;
+        let header: Vec<_> = csv.lines().next().unwrap().split(',').collect();
+        assert_eq!(documented, header, "{name}");
+    }
 }
 
 #[test]
 fn charts_are_listed_and_others_refused() {
     let list = String::from_utf8(chart(&["list"]).stdout).unwrap();
-    for name in ["methods", "stability"] {
-        assert!(list.lines().any(|line| line.starts_with(name)), "{list}");
+    for chart in CHARTS {
+        assert!(list.lines().any(|line| line.starts_with(chart.name)), "{list}");
     }
     let refused = chart(&["stabilty", "--out", "/nowhere"]);
     assert_eq!(refused.status.code(), Some(2));

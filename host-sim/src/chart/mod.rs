@@ -4,14 +4,18 @@
 //! on a clock, as a ratio to a yardstick measured in the same run. No picture is drawn from it.
 //!
 //! - [`picture`]: panels, lines, legend, and the sentence under them; [`axis`], [`ink`]: what they are made of;
-//! - the rest: a chart a file.
+//! - [`yardstick`]: what time is measured in;
+//! - the rest: a chart each, `docs/charts.md` says which.
 
 pub mod axis;
+mod energy;
+mod functions;
 pub mod ink;
 pub mod methods;
 pub mod picture;
 mod stability;
-mod yardstick;
+mod tick_rate;
+pub mod yardstick;
 
 /// A chart that was made.
 #[derive(Clone, Debug)]
@@ -54,16 +58,31 @@ pub struct Chart {
 }
 
 /// All charts.
-pub const CHARTS: [Chart; 2] = [
+pub const CHARTS: &[Chart] = &[
     Chart {
         name: "methods",
-        shows: "error against cost of each method, on problems whose answers are published",
+        shows: "error against cost of each method, on this project's machines and on public problems",
         draw: methods::draw,
     },
     Chart {
         name: "stability",
-        shows: "growth a step against step × frequency of each method, and the edge beside its theory",
+        shows: "where each method stops being stable in step × frequency, and a trim in gain × delay, beside theory",
         draw: stability::draw,
+    },
+    Chart {
+        name: "energy",
+        shows: "which methods keep the energy of an undamped machine over 10,000 turns",
+        draw: energy::draw,
+    },
+    Chart {
+        name: "functions",
+        shows: "error against cycles on the board, for root, sine and arctangent: ours and others'",
+        draw: functions::draw,
+    },
+    Chart {
+        name: "tick-rate",
+        shows: "errors of holds, ramps and phase against the tick rate, and what each rate costs on the board",
+        draw: tick_rate::draw,
     },
 ];
 

@@ -55,6 +55,22 @@ const floatSine = (symbol, name) =>
   sine(symbol, name, 'radians, f32', '−π to π', radiansF32, (x) => f32Bits(radiansF32(x)), f32);
 
 const Q30 = 2 ** 30;
+/** Vectors as long as `length`, around the turn; the truth is that of the very vector that was given. */
+const arctangent = (symbol, name, format, round, encode, decode) => ({
+  what: 'arctangent', symbol, name, format, range: 'a turn',
+  arguments: turn,
+  words: (x) => vector(x, round).map((v) => encode(v) >>> 0),
+  error: (x, r) => {
+    const far = Math.abs(decode(r.r0) - Math.atan2(...vector(x, round)));
+    return Math.min(far, Math.abs(TAU - far)); // π is −π
+  },
+});
+const vector = (x, round) => [Math.sin, Math.cos].map((of) => round(of((x / 2 ** 32) * TAU)));
+const rounded = (scale) => (v) => Math.round(v * scale) / scale;
+const integers = (symbol, name, format, scale, decode) =>
+  arctangent(symbol, name, format, rounded(scale), (v) => v * scale, decode);
+const turnsOf = (bits) => ((bits | 0) / 2 ** 32) * TAU;
+const q28 = (bits) => (bits | 0) / 2 ** 28;
 const inverse = (symbol, name, format, argument, encode, decode) => ({
   what: '1/sqrt(1 − x)', symbol, name, format, range: '0 to 0.36',
   arguments: () => even(0.36),
@@ -110,6 +126,13 @@ export const candidates = [
   fixedSine('sine_fixed_analytics_i4f28', 'fixed_analytics `sin_cos`'),
   floatSine('sine_micromath_f32', 'micromath `sin_cos`'),
   floatSine('sine_libm_f32', 'libm `sincosf`'),
+
+  integers('arctangent_table', 'table of 257, straight lines', 'turns, 32 fraction bits', Q30, turnsOf),
+  integers('arctangent_idsp', 'idsp `atan2`', 'turns, 32 fraction bits', Q30, turnsOf),
+  integers('arctangent_cordic_i4f28', 'cordic `atan2`', 'radians, I4F28', 2 ** 28, q28),
+  integers('arctangent_fixed_analytics_i4f28', 'fixed_analytics `atan2`', 'radians, I4F28', 2 ** 28, q28),
+  arctangent('arctangent_micromath_f32', 'micromath `atan2`', 'radians, f32', Math.fround, f32Bits, f32),
+  arctangent('arctangent_libm_f32', 'libm `atan2f`', 'radians, f32', Math.fround, f32Bits, f32),
 
   { ...fixedInverse('inverse_root_cophase', 'cophase `inverse_root_of_one_minus`'), ours: true },
   fixedInverse('inverse_root_newton_i64', 'series and Newton, products in 64 bits'),

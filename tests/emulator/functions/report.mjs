@@ -1,4 +1,4 @@
-// Measured rows as the CSV of docs/functions.csv and the tables of docs/functions.md.
+// Measured rows as the CSV of docs/emulated-functions.csv and the tables of docs/functions.md.
 
 /** Rows as CSV, their keys as header. */
 export function csv(rows) {

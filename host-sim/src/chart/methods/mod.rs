@@ -27,7 +27,7 @@ const DOUBTS: f64 = 10.0;
 
 impl Problem {
     /// The smallest and the largest error that is shown.
-    fn shown(&self) -> (f64, f64) {
+    pub fn shown(&self) -> (f64, f64) {
         (
             (DOUBTS * self.doubt).max(LEAST * self.wanted),
             MOST * self.wanted,

@@ -1,7 +1,7 @@
 //! What methods are put to: this project's machines over a short manoeuvre, and public problems.
 //!
 //! Each has an answer and says how well it is known, its *doubt*: the most by which DOP853, a Verner method of order 9 and
-//! the answer given here differ. `tests/references.rs` solves all of them again with both.
+//! the answer given here differ. `tests/references.rs` of the workspace solves all of them again with both.
 
 use cophase_methods::problems::{Andrews, Cam, Chain, Hires, Law, Oscillator, Shaft};
 use cophase_methods::{Equations, Scheme};
@@ -61,7 +61,10 @@ const TURN_S: f64 = 0.11;
 const APART_RAD: [f64; 4] = [0.0, 0.02, -0.01, 0.015];
 
 /// A platform of 8 kg on four steppers.
-fn body() -> Result<Body, ChartError> {
+///
+/// # Errors
+/// Never: the numbers are constants.
+pub fn body() -> Result<Body, ChartError> {
     Ok(Body {
         mechanism: SliderCrank::new(0.01, 0.04).map_err(|error| ChartError(error.to_string()))?,
         load: Load {
@@ -77,8 +80,11 @@ fn body() -> Result<Body, ChartError> {
     })
 }
 
-/// Motors that lead the cranks through a turn at constant speed.
-fn led(freedom: Freedom) -> Result<Driven, ChartError> {
+/// Its motors.
+///
+/// # Errors
+/// Never: the numbers are constants.
+pub fn motors() -> Result<Vec<Motor>, ChartError> {
     let pull_out = PullOut::new(&[(0.0, TORQUE_NM), (1000.0, TORQUE_NM)])
         .map_err(|error| ChartError(error.to_string()))?;
     let motor = Motor::Stepper(Stepper {
@@ -86,7 +92,12 @@ fn led(freedom: Freedom) -> Result<Driven, ChartError> {
         cycles_per_turn: 50.0,
         damping_nms: 0.02,
     });
-    let mut driven = Driven::new(freedom, vec![motor; 4]);
+    Ok(vec![motor; 4])
+}
+
+/// Motors that lead the cranks through a turn at constant speed.
+fn led(freedom: Freedom) -> Result<Driven, ChartError> {
+    let mut driven = Driven::new(freedom, motors()?);
     driven.energised = true;
     driven.fields.fill(Field {
         alpha_rad: 0.0,
@@ -97,7 +108,10 @@ fn led(freedom: Freedom) -> Result<Driven, ChartError> {
 }
 
 /// What a scene takes that leaves the method open.
-fn default_of(driven: &Driven) -> Result<Scheme, ChartError> {
+///
+/// # Errors
+/// What the machine says that refuses it.
+pub fn default_of(driven: &Driven) -> Result<Scheme, ChartError> {
     let told = vec![Told::default(); driven.body().axes()];
     Rotors::new(driven.clone(), told, 5e-4, Chosen::default())
         .map(|rotors| rotors.method().0)

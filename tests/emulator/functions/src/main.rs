@@ -1,13 +1,15 @@
 //! Elementary functions, one C symbol each, for `measure.mjs` to call in the RP2040 emulator.
 //!
 //! A *candidate* takes and gives integers: the bits of its own format. Its symbol begins with what it
-//! computes (`root_`, `sine_`, `inverse_root_`, `product_`) and ends with who offers it; `measure.mjs` knows the
+//! computes (`root_`, `sine_`, `arctangent_`, `inverse_root_`, `product_`) and ends with who offers it; `measure.mjs` knows the
 //! format of each, and counts cycles and errors. Nothing here is started: there is no reset, no board.
 //!
 //! On a host this crate is empty, so that the workspace builds with no target installed.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
+#[cfg(target_os = "none")]
+mod arctangents;
 #[cfg(target_os = "none")]
 mod inverse_roots;
 #[cfg(target_os = "none")]

@@ -93,3 +93,48 @@ const fn roots() -> [u16; ROOTS + 1] {
     }
     table
 }
+
+const TANGENTS: usize = 256;
+
+static ARCTANGENT: [u32; TANGENTS + 2] = arctangents();
+
+/// Angle of a vector, 2³² to the turn: straight lines over the first octant, after a division.
+pub fn arctangent(y: i32, x: i32) -> u32 {
+    let (rise, run) = (y.unsigned_abs(), x.unsigned_abs());
+    let (low, high) = if rise > run { (run, rise) } else { (rise, run) };
+    if high == 0 {
+        return 0;
+    }
+    let tangent = ((u64::from(low) << 28) / u64::from(high)) as u32;
+    let (index, rest) = ((tangent >> 20) as usize, tangent & 0xfffff);
+    let (from, to) = (ARCTANGENT[index], ARCTANGENT[index + 1]);
+    let mut angle = from + ((u64::from(to - from) * u64::from(rest)) >> 20) as u32;
+    if rise > run {
+        angle = QUARTER - angle;
+    }
+    if x < 0 {
+        angle = 2 * QUARTER - angle;
+    }
+    if y < 0 { angle.wrapping_neg() } else { angle }
+}
+
+/// The last entry stands twice: nothing lies beyond it.
+const fn arctangents() -> [u32; TANGENTS + 2] {
+    let mut table = [0; TANGENTS + 2];
+    let mut i = 0;
+    while i < TANGENTS + 2 {
+        let entry = if i > TANGENTS { TANGENTS } else { i };
+        let x = entry as f64 / TANGENTS as f64;
+        // Euler's series: each term is at most half the one before.
+        let part = x * x / (1.0 + x * x);
+        let (mut term, mut sum, mut n) = (x / (1.0 + x * x), 0.0, 1.0);
+        while n < 60.0 {
+            sum += term;
+            term *= part * 2.0 * n / (2.0 * n + 1.0);
+            n += 1.0;
+        }
+        table[i] = (sum / core::f64::consts::TAU * 4.0 * QUARTER as f64 + 0.5) as u32;
+        i += 1;
+    }
+    table
+}

@@ -1,7 +1,7 @@
 //! Whether the answers that charts measure errors against are answers: each problem is solved again by two methods of a
 //! library, neither of them under test.
 //!
-//! `cargo test -p host-sim --test references -- --nocapture` prints how far they are from each other.
+//! `cargo test -p cophase-tests --test references -- --nocapture` prints how far they are from each other.
 
 use cophase_methods::Equations;
 use differential_equations::prelude::{ExplicitRungeKutta, IVP, ODE};

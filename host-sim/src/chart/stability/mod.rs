@@ -1,10 +1,14 @@
-//! Where methods stop being stable: growth a step of an oscillation, against step × frequency.
+//! Where things stop being stable: methods, by the growth a step of an oscillation against step × frequency; and the trim
+//! of an axis, in gain × delay.
+
+mod trim;
 
 use std::fmt::Write;
 
 use cophase_methods::Scheme;
 
 use super::axis::Axis;
+use super::ink::{Ink, Stroke};
 use super::picture::{At, Level, Line, Panel, Picture, render};
 use super::{ChartError, Drawn, Progress, Size};
 
@@ -14,6 +18,10 @@ const ZETAS: [f64; 2] = [0.0, 0.1];
 const H_OMEGA: (f64, f64) = (0.1, 100.0);
 const POINTS: u32 = 240;
 const GROWTH: (f64, f64) = (0.1, 10.0);
+/// Delays of the third panel, turns.
+const DELAYS: std::ops::RangeInclusive<u32> = 0..=8;
+/// How a row of the data calls the trim.
+const TRIM: &str = "trim of an axis";
 
 /// Where theory has the edge in closed form, of an oscillation with damping ratio ζ; inside, none: no edge.
 ///
@@ -35,8 +43,9 @@ fn theory(scheme: Scheme, zeta: f64) -> Option<Option<f64>> {
 
 /// Makes the chart.
 pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
-    let mut csv = "method,zeta,edge_measured,edge_theory,h_omega,growth\n".to_owned();
+    let mut csv = "of,zeta,delay_turns,edge_measured,edge_theory,h_omega,growth\n".to_owned();
     let mut panels = Vec::new();
+    let of = (ZETAS.len() + DELAYS.count()) as u64;
     for zeta in ZETAS {
         let mut lines = Vec::new();
         for scheme in Scheme::ALL {
@@ -59,7 +68,7 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
                 // Writing to a string does not fail.
                 let _ = writeln!(
                     csv,
-                    "{},{zeta},{measured},{by_theory},{h_omega:.6},{growth:.9}",
+                    "{},{zeta},,{measured},{by_theory},{h_omega:.6},{growth:.9}",
                     scheme.facts().name
                 );
             }
@@ -68,7 +77,7 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
                 ..Line::of_scheme(scheme, points)
             });
         }
-        progress(panels.len() as u64 + 1, ZETAS.len() as u64);
+        progress(panels.len() as u64 + 1, of);
         panels.push(Panel {
             title: if zeta == 0.0 {
                 "undamped".to_owned()
@@ -84,29 +93,68 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
             }],
         });
     }
+    panels.push(trims(&mut csv, &mut |done| {
+        progress(ZETAS.len() as u64 + done, of);
+    }));
+    let edge = |scheme: Scheme, zeta| match scheme.stability_limit(zeta) {
+        Some(edge) => format!("{edge:.3}"),
+        None => "none".to_owned(),
+    };
     let edges: Vec<String> = Scheme::ALL
         .iter()
-        .map(|scheme| {
-            let edge = |zeta| match scheme.stability_limit(zeta) {
-                Some(edge) => format!("{edge:.4}"),
-                None => "none".to_owned(),
-            };
-            format!("{} {} / {}", scheme.facts().name, edge(0.0), edge(0.1))
+        .map(|&scheme| {
+            format!(
+                "{scheme} {} / {}",
+                edge(scheme, 0.0),
+                edge(scheme, ZETAS[1])
+            )
         })
         .collect();
     let says = format!(
-        "Edges in step × frequency, undamped / at a damping ratio of 0.1: {}. Without an edge is not without error: beyond \
-         1 rad a step no method follows the oscillation, exact discretisation excepted.",
+        "An oscillation grows from step × frequency (undamped / at damping ratio {}): {}. No edge is not no error: beyond \
+         1 rad a step only exact discretisation follows it. A trim that acts on drift d turns old may take back at most \
+         2 sin(π / (2 (2d + 1))) of it a turn; all of it, if there is no delay, is half of what is stable.",
+        ZETAS[1],
         edges.join(", ")
     );
     let svg = render(Picture {
-        title: "Stability: growth of an oscillation in a step".to_owned(),
+        title: "Stability: where an oscillation grows, and where a drift does".to_owned(),
         says: says.clone(),
-        columns: 2,
+        columns: 3,
         chosen_is: "default",
         panels,
     });
     Ok(Drawn { csv, svg, says })
+}
+
+/// The panel of trims: what is measured at each delay, on the line of theory.
+fn trims(csv: &mut String, progress: &mut dyn FnMut(u64)) -> Panel {
+    let (mut measured, mut theory) = (Vec::new(), Vec::new());
+    for delay in DELAYS {
+        let (edge, by_theory) = (trim::edge(delay), trim::theory(delay));
+        // Writing to a string does not fail.
+        let _ = writeln!(csv, "{TRIM},,{delay},{edge:.5},{by_theory:.6},,");
+        measured.push((f64::from(delay), edge));
+        theory.push((f64::from(delay), by_theory));
+        progress(u64::from(delay) + 1);
+    }
+    Panel {
+        title: "trim of an axis: above the line drift grows".to_owned(),
+        x: Axis::linear("delay, turns", 0.0, 8.5),
+        y: Axis::linear("gain: part of the drift taken back a turn", 0.0, 2.2),
+        lines: vec![
+            Line {
+                stroke: Stroke::Dotted,
+                marked: false,
+                ..Line::new("trim, theory", Ink::Grey, theory)
+            },
+            Line {
+                stroke: Stroke::None,
+                ..Line::new("trim, measured", Ink::Vermilion, measured)
+            },
+        ],
+        levels: Vec::new(),
+    }
 }
 
 fn told(edge: Option<f64>) -> String {
