@@ -6,10 +6,13 @@
 //! shown first that every row's height is the mechanism's at that crank angle; then the mean speed over
 //! the turns of a hold gives the acceleration amplitude by the mechanism's geometry, differentiated
 //! numerically here. Nothing of `amax_command_mps2` or of the law ω = sqrt(amax / (R (1 + λ))) enters.
+//!
+//! And they get there from rest, where that law's slope has no end.
 
 use std::f64::consts::TAU;
 
-use cophase_tests::{Trace, built_in, record};
+use cophase_tests::{Trace, built_in, record, scene};
+use host_sim::scene::library;
 use host_sim::trace::{Every, Window};
 
 /// The slider-crank: height of the joint over the crank axis.
@@ -99,6 +102,62 @@ fn the_patent_machines_hold_their_amax() {
             assert!(
                 relative.abs() < 1e-4,
                 "{name}: {amax} m/s² where {asked} was asked"
+            );
+        }
+    }
+}
+
+/// Were it wrong, a motor would be told at the start of a ramp to turn faster than it can: the root asks for an angular
+/// acceleration without limit there, and for more than the machine's until well after it has begun (PHYSICS.md 1.6 item 10;
+/// `host-sim/tests/published.rs` has the times).
+#[test]
+fn a_ramp_of_one_second_starts_within_limits() {
+    for (name, full_g, full_hz, balance_s) in [
+        ("patent-1", 200, 100.0, 8.59e-3),
+        ("patent-4", 10, 5.0, 63.27e-3),
+    ] {
+        let built_in = library::find(name).expect("a built-in scene").text;
+        let (machine, _) = built_in.split_once("[[program]]").expect("a program");
+        let program = format!("[[program]]\namax_g = {full_g}\nramp_s = 1\nhold_s = 6\n");
+        let checked = scene(&(machine.to_owned() + &program));
+        let limits = &checked.scene.limits;
+        let trace = record(&checked, Every::Ticks(1), Window::FirstMotion).trace();
+        let (t_s, omega) = (trace.column("t_s"), trace.column("omega_rad_s"));
+        let running = trace.first("run");
+        let tick_s = 1.0 / f64::from(checked.scene.control.tick_hz);
+
+        // At the time of the balance the root is w sqrt(t), and its slope w / (2 sqrt(t)).
+        let asked = |t: f64| TAU * full_hz * t.sqrt();
+        let slope_hz_per_s = asked(balance_s) / (2.0 * balance_s) / TAU;
+        assert!(
+            slope_hz_per_s > 2.0 * limits.acceleration_hz_per_s,
+            "{name}"
+        );
+        let at = running.start + (balance_s / tick_s).ceil() as usize;
+        assert!(
+            omega[at] < 0.1 * asked(balance_s),
+            "{name}: {} rad/s",
+            omega[at]
+        );
+
+        // The trace's speeds end at 1e-6 rad/s; a difference of three of them is off by up to four halves of that.
+        let rounding = |order: i32| 2.0 * 1e-6 / tick_s.powi(order);
+        for row in running.start + 2..running.end {
+            let slope = (omega[row] - omega[row - 1]) / tick_s;
+            let bend = (omega[row] - 2.0 * omega[row - 1] + omega[row - 2]) / tick_s.powi(2);
+            let (most, most_jerk) = (
+                TAU * limits.acceleration_hz_per_s,
+                TAU * limits.jerk_hz_per_s2,
+            );
+            assert!(
+                slope.abs() <= most + rounding(1),
+                "{name}, {} s: {slope}",
+                t_s[row]
+            );
+            assert!(
+                bend.abs() <= most_jerk + rounding(2),
+                "{name}, {} s: {bend}",
+                t_s[row]
             );
         }
     }

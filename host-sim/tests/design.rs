@@ -2,6 +2,8 @@
 //!
 //! "Examples" are the source's embodiments 1 to 4, which take gravity as 10 m/s². "Calculated" figures
 //! are asserted to half a unit of the last place given, unless a tolerance stands beside them.
+//!
+//! `cargo test -p host-sim --test design -- --nocapture` prints them all, ours beside theirs.
 
 use std::f64::consts::TAU;
 
@@ -42,6 +44,7 @@ fn of_lambda(lambda: f64) -> SliderCrank {
 
 #[track_caller]
 fn assert_near(what: &str, ours: f64, theirs: f64, tolerance: f64) {
+    println!("{what}: {ours:.6}, expected {theirs} ± {tolerance:e}");
     let off = (ours - theirs).abs();
     assert!(
         off <= tolerance,

@@ -69,5 +69,3 @@ pub use error::{Refused, StepError};
 pub use method::{Facts, Method, Needs, advance};
 pub use scheme::Scheme;
 pub use stability::{NotMeasured, Unstable};
-
-pub(crate) use scheme::checked_step;

@@ -1,8 +1,11 @@
 //! What every method is: facts that can be relied on, and a step.
+//!
+//! A file of [`methods`](crate::methods) has a [`Rule`]: what makes one state of another, and the memory that takes. All else
+//! that methods have in common is [`Fixed`], written once.
 
 use core::fmt;
 
-use crate::{Equations, StepError};
+use crate::{Equations, Refused, StepError};
 
 /// A method, made for one machine and one length of step, that moves a state on by that step.
 ///
@@ -49,6 +52,17 @@ pub enum Needs {
     Linear,
 }
 
+impl Needs {
+    /// Whether equations offer it.
+    pub fn met_by(self, equations: &dyn Equations) -> bool {
+        match self {
+            Self::Rates => true,
+            Self::SecondOrder => equations.is_second_order(),
+            Self::Linear => equations.linear().is_some(),
+        }
+    }
+}
+
 impl fmt::Display for Needs {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -73,11 +87,77 @@ pub fn advance(
     Ok(())
 }
 
-/// Takes `new` over into `y` if all of it is finite.
-pub(crate) fn commit(t_s: f64, new: &[f64], y: &mut [f64]) -> Result<(), StepError> {
-    if let Some(component) = new.iter().position(|value| !value.is_finite()) {
-        return Err(StepError::NotFinite { t_s, component });
+/// What a method does in a step, and nothing else.
+pub(crate) trait Rule: fmt::Debug + Sized {
+    /// What is known of it.
+    const FACTS: &'static Facts;
+
+    /// Its memory, for equations that offer what it needs and a step that is finite and above 0.
+    fn new(equations: &dyn Equations, step_s: f64) -> Result<Self, Refused>;
+
+    /// Writes the state at `t_s` + `h` into `next`, from the state `y` at `t_s`. Whether it is finite is looked at
+    /// afterwards.
+    fn step(
+        &mut self,
+        equations: &dyn Equations,
+        t_s: f64,
+        h: f64,
+        y: &[f64],
+        next: &mut [f64],
+    ) -> Result<(), StepError>;
+}
+
+/// A rule at a fixed step: a method.
+#[derive(Debug)]
+pub(crate) struct Fixed<R> {
+    rule: R,
+    step_s: f64,
+    next: Vec<f64>,
+}
+
+impl<R: Rule + 'static> Fixed<R> {
+    /// Refuses a step that is not finite and above 0, equations that lack what the rule needs, and what the rule itself
+    /// refuses.
+    pub fn prepare(equations: &dyn Equations, step_s: f64) -> Result<Box<dyn Method>, Refused> {
+        if !(step_s.is_finite() && step_s > 0.0) {
+            return Err(Refused::Step(step_s));
+        }
+        if !R::FACTS.needs.met_by(equations) {
+            return Err(Refused::Structure {
+                method: R::FACTS.name,
+                needs: R::FACTS.needs,
+                instead: "take RK4, or an implicit method if they are stiff",
+            });
+        }
+        Ok(Box::new(Self {
+            rule: R::new(equations, step_s)?,
+            step_s,
+            next: vec![0.0; equations.dimension()],
+        }))
     }
-    y.copy_from_slice(new);
-    Ok(())
+}
+
+impl<R: Rule> Method for Fixed<R> {
+    fn facts(&self) -> &'static Facts {
+        R::FACTS
+    }
+
+    fn step_s(&self) -> f64 {
+        self.step_s
+    }
+
+    fn step(
+        &mut self,
+        equations: &dyn Equations,
+        t_s: f64,
+        y: &mut [f64],
+    ) -> Result<(), StepError> {
+        self.rule
+            .step(equations, t_s, self.step_s, y, &mut self.next)?;
+        if let Some(component) = self.next.iter().position(|value| !value.is_finite()) {
+            return Err(StepError::NotFinite { t_s, component });
+        }
+        y.copy_from_slice(&self.next);
+        Ok(())
+    }
 }

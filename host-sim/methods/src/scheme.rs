@@ -2,28 +2,28 @@
 
 use core::fmt;
 
+use crate::method::{Fixed, Rule};
 use crate::methods::{
-    Exact, ExplicitEuler, ImplicitMidpoint, Rk4, Sdirk4, SymplecticEuler, VelocityVerlet, exact,
-    explicit_euler, implicit_midpoint, rk4, sdirk4, symplectic_euler, velocity_verlet,
+    Exact, ExplicitEuler, ImplicitMidpoint, Rk4, Sdirk4, SymplecticEuler, VelocityVerlet,
 };
-use crate::{Equations, Facts, Method, Needs, Refused};
+use crate::{Equations, Facts, Method, Refused};
 
 /// One of the methods, by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Scheme {
-    /// [`explicit_euler`]
+    /// [`explicit_euler`](crate::methods::explicit_euler)
     ExplicitEuler,
-    /// [`symplectic_euler`]
+    /// [`symplectic_euler`](crate::methods::symplectic_euler)
     SymplecticEuler,
-    /// [`velocity_verlet`]
+    /// [`velocity_verlet`](crate::methods::velocity_verlet)
     VelocityVerlet,
-    /// [`rk4`]
+    /// [`rk4`](crate::methods::rk4)
     Rk4,
-    /// [`implicit_midpoint`]
+    /// [`implicit_midpoint`](crate::methods::implicit_midpoint)
     ImplicitMidpoint,
-    /// [`sdirk4`]
+    /// [`sdirk4`](crate::methods::sdirk4)
     Sdirk4,
-    /// [`exact`]
+    /// [`exact`](crate::methods::exact)
     Exact,
 }
 
@@ -42,19 +42,19 @@ impl Scheme {
     /// What is known of the method.
     pub const fn facts(self) -> &'static Facts {
         match self {
-            Self::ExplicitEuler => &explicit_euler::FACTS,
-            Self::SymplecticEuler => &symplectic_euler::FACTS,
-            Self::VelocityVerlet => &velocity_verlet::FACTS,
-            Self::Rk4 => &rk4::FACTS,
-            Self::ImplicitMidpoint => &implicit_midpoint::FACTS,
-            Self::Sdirk4 => &sdirk4::FACTS,
-            Self::Exact => &exact::FACTS,
+            Self::ExplicitEuler => ExplicitEuler::FACTS,
+            Self::SymplecticEuler => SymplecticEuler::FACTS,
+            Self::VelocityVerlet => VelocityVerlet::FACTS,
+            Self::Rk4 => Rk4::FACTS,
+            Self::ImplicitMidpoint => ImplicitMidpoint::FACTS,
+            Self::Sdirk4 => Sdirk4::FACTS,
+            Self::Exact => Exact::FACTS,
         }
     }
 
     /// Whether the equations offer what the method needs.
     pub fn suits(self, equations: &dyn Equations) -> bool {
-        offers(equations, self.facts().needs)
+        self.facts().needs.met_by(equations)
     }
 
     /// Makes the method for these equations and a step of `step_s`.
@@ -66,15 +66,15 @@ impl Scheme {
         equations: &dyn Equations,
         step_s: f64,
     ) -> Result<Box<dyn Method>, Refused> {
-        Ok(match self {
-            Self::ExplicitEuler => Box::new(ExplicitEuler::new(equations, step_s)?),
-            Self::SymplecticEuler => Box::new(SymplecticEuler::new(equations, step_s)?),
-            Self::VelocityVerlet => Box::new(VelocityVerlet::new(equations, step_s)?),
-            Self::Rk4 => Box::new(Rk4::new(equations, step_s)?),
-            Self::ImplicitMidpoint => Box::new(ImplicitMidpoint::new(equations, step_s)?),
-            Self::Sdirk4 => Box::new(Sdirk4::new(equations, step_s)?),
-            Self::Exact => Box::new(Exact::new(equations, step_s)?),
-        })
+        match self {
+            Self::ExplicitEuler => Fixed::<ExplicitEuler>::prepare(equations, step_s),
+            Self::SymplecticEuler => Fixed::<SymplecticEuler>::prepare(equations, step_s),
+            Self::VelocityVerlet => Fixed::<VelocityVerlet>::prepare(equations, step_s),
+            Self::Rk4 => Fixed::<Rk4>::prepare(equations, step_s),
+            Self::ImplicitMidpoint => Fixed::<ImplicitMidpoint>::prepare(equations, step_s),
+            Self::Sdirk4 => Fixed::<Sdirk4>::prepare(equations, step_s),
+            Self::Exact => Fixed::<Exact>::prepare(equations, step_s),
+        }
     }
 }
 
@@ -82,31 +82,4 @@ impl fmt::Display for Scheme {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.facts().name)
     }
-}
-
-fn offers(equations: &dyn Equations, needs: Needs) -> bool {
-    match needs {
-        Needs::Rates => true,
-        Needs::SecondOrder => equations.is_second_order(),
-        Needs::Linear => equations.linear().is_some(),
-    }
-}
-
-/// The step, if it is one, and if the equations offer what the method needs.
-pub(crate) fn checked_step(
-    facts: &Facts,
-    equations: &dyn Equations,
-    step_s: f64,
-) -> Result<f64, Refused> {
-    if !(step_s.is_finite() && step_s > 0.0) {
-        return Err(Refused::Step(step_s));
-    }
-    if !offers(equations, facts.needs) {
-        return Err(Refused::Structure {
-            method: facts.name,
-            needs: facts.needs,
-            instead: "take RK4, or an implicit method if they are stiff",
-        });
-    }
-    Ok(step_s)
 }

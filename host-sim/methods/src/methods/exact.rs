@@ -18,22 +18,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::method::commit;
-use crate::{Equations, Facts, Method, Needs, Refused, StepError, checked_step};
+use crate::method::Rule;
+use crate::{Equations, Facts, Needs, Refused, StepError};
 
-/// What is known of the exact discretisation.
-pub const FACTS: Facts = Facts {
-    name: "exact discretisation",
-    order: 2,
-    needs: Needs::Linear,
-    keeps_energy: true,
-    evaluations: 2,
-};
-
-/// Exact discretisation, made for a machine and a step.
-#[derive(Clone, Debug)]
-pub struct Exact {
-    step_s: f64,
+/// Exact discretisation's memory.
+#[derive(Debug)]
+pub(crate) struct Exact {
     transition: DMatrix<f64>,
     from_start: DMatrix<f64>,
     from_end: DMatrix<f64>,
@@ -42,11 +32,16 @@ pub struct Exact {
     next: DVector<f64>,
 }
 
-impl Exact {
-    /// Refuses equations that are not linear, a step that is not finite and above 0, and one within which the
-    /// machine grows beyond `f64`.
-    pub fn new(equations: &dyn Equations, step_s: f64) -> Result<Self, Refused> {
-        let step_s = checked_step(&FACTS, equations, step_s)?;
+impl Rule for Exact {
+    const FACTS: &'static Facts = &Facts {
+        name: "exact discretisation",
+        order: 2,
+        needs: Needs::Linear,
+        keeps_energy: true,
+        evaluations: 2,
+    };
+
+    fn new(equations: &dyn Equations, step_s: f64) -> Result<Self, Refused> {
         let n = equations.dimension();
         let Some(linear) = equations.linear() else {
             unreachable!("the structure was checked");
@@ -63,7 +58,6 @@ impl Exact {
         }
         let part = |column: usize| block.view((0, column * n), (n, n)).into_owned();
         Ok(Self {
-            step_s,
             transition: part(0),
             from_start: part(1) - part(2),
             from_end: part(2),
@@ -72,22 +66,14 @@ impl Exact {
             next: DVector::zeros(n),
         })
     }
-}
-
-impl Method for Exact {
-    fn facts(&self) -> &'static Facts {
-        &FACTS
-    }
-
-    fn step_s(&self) -> f64 {
-        self.step_s
-    }
 
     fn step(
         &mut self,
         equations: &dyn Equations,
         t_s: f64,
-        y: &mut [f64],
+        h: f64,
+        y: &[f64],
+        next: &mut [f64],
     ) -> Result<(), StepError> {
         let linear = equations
             .linear()
@@ -96,8 +82,9 @@ impl Method for Exact {
         self.next.gemv(1.0, &self.transition, &self.state, 0.0);
         linear.input(t_s, self.input.as_mut_slice());
         self.next.gemv(1.0, &self.from_start, &self.input, 1.0);
-        linear.input(t_s + self.step_s, self.input.as_mut_slice());
+        linear.input(t_s + h, self.input.as_mut_slice());
         self.next.gemv(1.0, &self.from_end, &self.input, 1.0);
-        commit(t_s, self.next.as_slice(), y)
+        next.copy_from_slice(self.next.as_slice());
+        Ok(())
     }
 }

@@ -6,65 +6,50 @@
 //!
 //! The implicit equation is solved by [`newton`](crate::newton), with the tolerance stated there.
 
-use crate::method::commit;
+use crate::method::Rule;
 use crate::newton::Stage;
-use crate::{Equations, Facts, Method, Needs, Refused, StepError, checked_step};
+use crate::{Equations, Facts, Needs, Refused, StepError};
 
-/// What is known of implicit midpoint.
-pub const FACTS: Facts = Facts {
-    name: "implicit midpoint",
-    order: 2,
-    needs: Needs::Rates,
-    keeps_energy: true,
-    evaluations: 2,
-};
-
-/// Implicit midpoint, made for a machine and a step.
-#[derive(Clone, Debug)]
-pub struct ImplicitMidpoint {
-    step_s: f64,
+/// Implicit midpoint's memory.
+#[derive(Debug)]
+pub(crate) struct ImplicitMidpoint {
     stage: Stage,
     half_move: Vec<f64>,
-    next: Vec<f64>,
 }
 
-impl ImplicitMidpoint {
-    /// Refuses a step that is not finite and above 0.
-    pub fn new(equations: &dyn Equations, step_s: f64) -> Result<Self, Refused> {
-        let step_s = checked_step(&FACTS, equations, step_s)?;
+impl Rule for ImplicitMidpoint {
+    const FACTS: &'static Facts = &Facts {
+        name: "implicit midpoint",
+        order: 2,
+        needs: Needs::Rates,
+        keeps_energy: true,
+        evaluations: 2,
+    };
+
+    fn new(equations: &dyn Equations, step_s: f64) -> Result<Self, Refused> {
         let dimension = equations.dimension();
         Ok(Self {
-            step_s,
             stage: Stage::new(dimension, 0.5 * step_s),
             half_move: vec![0.0; dimension],
-            next: vec![0.0; dimension],
         })
-    }
-}
-
-impl Method for ImplicitMidpoint {
-    fn facts(&self) -> &'static Facts {
-        &FACTS
-    }
-
-    fn step_s(&self) -> f64 {
-        self.step_s
     }
 
     fn step(
         &mut self,
         equations: &dyn Equations,
         t_s: f64,
-        y: &mut [f64],
+        h: f64,
+        y: &[f64],
+        next: &mut [f64],
     ) -> Result<(), StepError> {
         self.stage.begin(equations, t_s, y)?;
         self.half_move.fill(0.0);
-        let middle_s = t_s + 0.5 * self.step_s;
+        let middle_s = t_s + 0.5 * h;
         self.stage
             .solve(equations, middle_s, y, &mut self.half_move)?;
-        for (i, next) in self.next.iter_mut().enumerate() {
+        for (i, next) in next.iter_mut().enumerate() {
             *next = y[i] + 2.0 * self.half_move[i];
         }
-        commit(t_s, &self.next, y)
+        Ok(())
     }
 }

@@ -8,10 +8,10 @@ pub mod sdirk4;
 pub mod symplectic_euler;
 pub mod velocity_verlet;
 
-pub use exact::Exact;
-pub use explicit_euler::ExplicitEuler;
-pub use implicit_midpoint::ImplicitMidpoint;
-pub use rk4::Rk4;
-pub use sdirk4::Sdirk4;
-pub use symplectic_euler::SymplecticEuler;
-pub use velocity_verlet::VelocityVerlet;
+pub(crate) use exact::Exact;
+pub(crate) use explicit_euler::ExplicitEuler;
+pub(crate) use implicit_midpoint::ImplicitMidpoint;
+pub(crate) use rk4::Rk4;
+pub(crate) use sdirk4::Sdirk4;
+pub(crate) use symplectic_euler::SymplecticEuler;
+pub(crate) use velocity_verlet::VelocityVerlet;

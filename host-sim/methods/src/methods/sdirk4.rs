@@ -10,18 +10,9 @@
 //!
 //! The implicit equations are solved by [`newton`](crate::newton), with the tolerance stated there.
 
-use crate::method::commit;
+use crate::method::Rule;
 use crate::newton::Stage;
-use crate::{Equations, Facts, Method, Needs, Refused, StepError, checked_step};
-
-/// What is known of SDIRK4.
-pub const FACTS: Facts = Facts {
-    name: "SDIRK4",
-    order: 4,
-    needs: Needs::Rates,
-    keeps_energy: false,
-    evaluations: 10,
-};
+use crate::{Equations, Facts, Needs, Refused, StepError};
 
 const STAGES: usize = 5;
 
@@ -40,52 +31,47 @@ const A: [[f64; STAGES - 1]; STAGES] = [
     [25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0],
 ];
 
-/// SDIRK4, made for a machine and a step.
-#[derive(Clone, Debug)]
-pub struct Sdirk4 {
-    step_s: f64,
+/// SDIRK4's memory.
+#[derive(Debug)]
+pub(crate) struct Sdirk4 {
     stage: Stage,
     /// hγ k of each stage.
     moves: [Vec<f64>; STAGES],
-    base: Vec<f64>,
 }
 
-impl Sdirk4 {
-    /// Refuses a step that is not finite and above 0.
-    pub fn new(equations: &dyn Equations, step_s: f64) -> Result<Self, Refused> {
-        let step_s = checked_step(&FACTS, equations, step_s)?;
+impl Rule for Sdirk4 {
+    const FACTS: &'static Facts = &Facts {
+        name: "SDIRK4",
+        order: 4,
+        needs: Needs::Rates,
+        keeps_energy: false,
+        evaluations: 10,
+    };
+
+    fn new(equations: &dyn Equations, step_s: f64) -> Result<Self, Refused> {
         let dimension = equations.dimension();
         Ok(Self {
-            step_s,
             stage: Stage::new(dimension, GAMMA * step_s),
             moves: core::array::from_fn(|_| vec![0.0; dimension]),
-            base: vec![0.0; dimension],
         })
-    }
-}
-
-impl Method for Sdirk4 {
-    fn facts(&self) -> &'static Facts {
-        &FACTS
-    }
-
-    fn step_s(&self) -> f64 {
-        self.step_s
     }
 
     fn step(
         &mut self,
         equations: &dyn Equations,
         t_s: f64,
-        y: &mut [f64],
+        h: f64,
+        y: &[f64],
+        next: &mut [f64],
     ) -> Result<(), StepError> {
         self.stage.begin(equations, t_s, y)?;
         for i in 0..STAGES {
             let (earlier, rest) = self.moves.split_at_mut(i);
             let this = &mut rest[0];
-            self.base.copy_from_slice(y);
+            // Where the stage starts from, until the last of them has become the next state.
+            next.copy_from_slice(y);
             for (a, earlier) in A[i].iter().zip(&*earlier) {
-                for (base, earlier) in self.base.iter_mut().zip(earlier) {
+                for (base, earlier) in next.iter_mut().zip(earlier) {
                     *base += a / GAMMA * earlier;
                 }
             }
@@ -94,13 +80,12 @@ impl Method for Sdirk4 {
                 Some(before) => this.copy_from_slice(before),
                 None => this.fill(0.0),
             }
-            let at_s = t_s + C[i] * self.step_s;
-            self.stage.solve(equations, at_s, &self.base, this)?;
+            self.stage.solve(equations, t_s + C[i] * h, next, this)?;
         }
-        for (base, last) in self.base.iter_mut().zip(&self.moves[STAGES - 1]) {
-            *base += last;
+        for (next, last) in next.iter_mut().zip(&self.moves[STAGES - 1]) {
+            *next += last;
         }
-        commit(t_s, &self.base, y)
+        Ok(())
     }
 }
 

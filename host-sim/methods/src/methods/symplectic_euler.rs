@@ -5,59 +5,42 @@
 //! stability: the limit is hω = 2 (√(1 + ζ²) − ζ), from 1 − trace + det = 0 at the eigenvalue −1 of
 //! [[1 − x², x (1 − 2ζx)], [−x, 1 − 2ζx]], x = hω. At ζ = 0.34 that is 1.43.
 
-use crate::method::commit;
-use crate::{Equations, Facts, Method, Needs, Refused, StepError, checked_step};
+use crate::method::Rule;
+use crate::{Equations, Facts, Needs, Refused, StepError};
 
-/// What is known of symplectic Euler.
-pub const FACTS: Facts = Facts {
-    name: "symplectic Euler",
-    order: 1,
-    needs: Needs::SecondOrder,
-    keeps_energy: true,
-    evaluations: 1,
-};
+/// Symplectic Euler's memory.
+#[derive(Debug)]
+pub(crate) struct SymplecticEuler;
 
-/// Symplectic Euler, made for a machine and a step.
-#[derive(Clone, Debug)]
-pub struct SymplecticEuler {
-    step_s: f64,
-    next: Vec<f64>,
-}
+impl Rule for SymplecticEuler {
+    const FACTS: &'static Facts = &Facts {
+        name: "symplectic Euler",
+        order: 1,
+        needs: Needs::SecondOrder,
+        keeps_energy: true,
+        evaluations: 1,
+    };
 
-impl SymplecticEuler {
-    /// Refuses equations that are not of second order, and a step that is not finite and above 0.
-    pub fn new(equations: &dyn Equations, step_s: f64) -> Result<Self, Refused> {
-        Ok(Self {
-            step_s: checked_step(&FACTS, equations, step_s)?,
-            next: vec![0.0; equations.dimension()],
-        })
-    }
-}
-
-impl Method for SymplecticEuler {
-    fn facts(&self) -> &'static Facts {
-        &FACTS
-    }
-
-    fn step_s(&self) -> f64 {
-        self.step_s
+    fn new(_: &dyn Equations, _: f64) -> Result<Self, Refused> {
+        Ok(Self)
     }
 
     fn step(
         &mut self,
         equations: &dyn Equations,
         t_s: f64,
-        y: &mut [f64],
+        h: f64,
+        y: &[f64],
+        next: &mut [f64],
     ) -> Result<(), StepError> {
-        let h = self.step_s;
-        equations.rates(t_s, y, &mut self.next);
+        equations.rates(t_s, y, next);
         let half = y.len() / 2;
         let (q, v) = y.split_at(half);
-        let (next_q, next_v) = self.next.split_at_mut(half);
+        let (next_q, next_v) = next.split_at_mut(half);
         for i in 0..half {
             next_v[i] = v[i] + h * next_v[i];
             next_q[i] = q[i] + h * next_v[i];
         }
-        commit(t_s, &self.next, y)
+        Ok(())
     }
 }

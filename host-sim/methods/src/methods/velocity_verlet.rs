@@ -11,68 +11,52 @@
 //! velocity in place of v*, as it is often written, damping lowers the order to 1.) Without damping v* is not used, it is
 //! plain Verlet, symplectic, stable up to hω = 2. With damping both accelerations are new in each step: two evaluations.
 
-use crate::method::commit;
-use crate::{Equations, Facts, Method, Needs, Refused, StepError, checked_step};
+use crate::method::Rule;
+use crate::{Equations, Facts, Needs, Refused, StepError};
 
-/// What is known of velocity Verlet.
-pub const FACTS: Facts = Facts {
-    name: "velocity Verlet",
-    order: 2,
-    needs: Needs::SecondOrder,
-    keeps_energy: true,
-    evaluations: 2,
-};
-
-/// Velocity Verlet, made for a machine and a step.
-#[derive(Clone, Debug)]
-pub struct VelocityVerlet {
-    step_s: f64,
+/// Velocity Verlet's memory.
+#[derive(Debug)]
+pub(crate) struct VelocityVerlet {
     before: Vec<f64>,
     after: Vec<f64>,
-    next: Vec<f64>,
 }
 
-impl VelocityVerlet {
-    /// Refuses equations that are not of second order, and a step that is not finite and above 0.
-    pub fn new(equations: &dyn Equations, step_s: f64) -> Result<Self, Refused> {
+impl Rule for VelocityVerlet {
+    const FACTS: &'static Facts = &Facts {
+        name: "velocity Verlet",
+        order: 2,
+        needs: Needs::SecondOrder,
+        keeps_energy: true,
+        evaluations: 2,
+    };
+
+    fn new(equations: &dyn Equations, _: f64) -> Result<Self, Refused> {
         let zeros = vec![0.0; equations.dimension()];
         Ok(Self {
-            step_s: checked_step(&FACTS, equations, step_s)?,
             before: zeros.clone(),
-            after: zeros.clone(),
-            next: zeros,
+            after: zeros,
         })
-    }
-}
-
-impl Method for VelocityVerlet {
-    fn facts(&self) -> &'static Facts {
-        &FACTS
-    }
-
-    fn step_s(&self) -> f64 {
-        self.step_s
     }
 
     fn step(
         &mut self,
         equations: &dyn Equations,
         t_s: f64,
-        y: &mut [f64],
+        h: f64,
+        y: &[f64],
+        next: &mut [f64],
     ) -> Result<(), StepError> {
-        let h = self.step_s;
         let half = y.len() / 2;
         equations.rates(t_s, y, &mut self.before);
         for i in 0..half {
             let (v, a) = (y[half + i], self.before[half + i]);
-            self.next[i] = y[i] + h * (v + 0.5 * h * a);
-            self.next[half + i] = v + h * a;
+            next[i] = y[i] + h * (v + 0.5 * h * a);
+            next[half + i] = v + h * a;
         }
-        equations.rates(t_s + h, &self.next, &mut self.after);
-        for i in 0..half {
-            let i = half + i;
-            self.next[i] = y[i] + 0.5 * h * (self.before[i] + self.after[i]);
+        equations.rates(t_s + h, next, &mut self.after);
+        for i in half..y.len() {
+            next[i] = y[i] + 0.5 * h * (self.before[i] + self.after[i]);
         }
-        commit(t_s, &self.next, y)
+        Ok(())
     }
 }

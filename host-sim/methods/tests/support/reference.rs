@@ -8,10 +8,14 @@
 //! Pol's oscillator at any tolerance, and on HIRES if the absolute one is below 1e-10; its Radau IIA takes the former.
 
 use cophase_methods::Equations;
+use differential_equations::interpolate::Interpolation;
+use differential_equations::ode::OrdinaryNumericalMethod;
 use differential_equations::prelude::{
     BackwardDifferentiationFormula, ExplicitRungeKutta, IVP, ImplicitRungeKutta, ODE,
 };
-use diffsol::{MatrixCommon, NalgebraLU, NalgebraMat, OdeBuilder, OdeSolverMethod};
+use diffsol::{
+    MatrixCommon, NalgebraLU, NalgebraMat, NalgebraVec, OdeBuilder, OdeEquations, OdeSolverMethod,
+};
 use nalgebra::{DMatrix, DVector};
 
 /// Equations of this crate, as `differential-equations` takes them.
@@ -37,6 +41,9 @@ impl<const N: usize> ODE<f64, [f64; N]> for Adapter<'_> {
     }
 }
 
+/// Steps after which a solver gives up.
+const MOST_STEPS: usize = 1_000_000;
+
 /// DOP853 of `differential-equations`, for what is not stiff.
 pub fn dop853<const N: usize>(
     equations: &dyn Equations,
@@ -44,18 +51,11 @@ pub fn dop853<const N: usize>(
     end_s: f64,
     tolerance: f64,
 ) -> [f64; N] {
-    let adapter = Adapter(equations);
-    let solved = IVP::ode(&adapter, 0.0, end_s, start)
-        .method(
-            ExplicitRungeKutta::dop853()
-                .rtol(tolerance)
-                .atol(tolerance)
-                .max_steps(1_000_000),
-        )
-        .solve()
-        .expect("DOP853");
-    assert_eq!(solved.t.last(), Some(&end_s));
-    *solved.y.last().unwrap()
+    let method = ExplicitRungeKutta::dop853()
+        .rtol(tolerance)
+        .atol(tolerance)
+        .max_steps(MOST_STEPS);
+    solved(equations, start, end_s, method)
 }
 
 /// BDF of `differential-equations`, for what is stiff.
@@ -66,18 +66,11 @@ pub fn bdf<const N: usize>(
     tolerance: f64,
     absolute: f64,
 ) -> [f64; N] {
-    let adapter = Adapter(equations);
-    let solved = IVP::ode(&adapter, 0.0, end_s, start)
-        .method(
-            BackwardDifferentiationFormula::adaptive()
-                .rtol(tolerance)
-                .atol(absolute)
-                .max_steps(1_000_000),
-        )
-        .solve()
-        .expect("BDF");
-    assert_eq!(solved.t.last(), Some(&end_s));
-    *solved.y.last().unwrap()
+    let method = BackwardDifferentiationFormula::adaptive()
+        .rtol(tolerance)
+        .atol(absolute)
+        .max_steps(MOST_STEPS);
+    solved(equations, start, end_s, method)
 }
 
 /// Radau IIA of order 5 of `differential-equations`, for what is stiff.
@@ -88,18 +81,26 @@ pub fn radau5<const N: usize>(
     tolerance: f64,
     absolute: f64,
 ) -> [f64; N] {
-    let adapter = Adapter(equations);
-    let solved = IVP::ode(&adapter, 0.0, end_s, start)
-        .method(
-            ImplicitRungeKutta::radau5()
-                .rtol(tolerance)
-                .atol(absolute)
-                .max_steps(1_000_000),
-        )
+    let method = ImplicitRungeKutta::radau5()
+        .rtol(tolerance)
+        .atol(absolute)
+        .max_steps(MOST_STEPS);
+    solved(equations, start, end_s, method)
+}
+
+/// The end, by a method of `differential-equations`.
+fn solved<const N: usize>(
+    equations: &dyn Equations,
+    start: [f64; N],
+    end_s: f64,
+    method: impl OrdinaryNumericalMethod<f64, [f64; N]> + Interpolation<f64, [f64; N]>,
+) -> [f64; N] {
+    let solution = IVP::ode(&Adapter(equations), 0.0, end_s, start)
+        .method(method)
         .solve()
-        .expect("Radau5");
-    assert_eq!(solved.t.last(), Some(&end_s));
-    *solved.y.last().unwrap()
+        .expect("a solution");
+    assert_eq!(solution.t.last(), Some(&end_s));
+    *solution.y.last().unwrap()
 }
 
 /// BDF of `diffsol`.
@@ -110,9 +111,7 @@ pub fn bdf_of_diffsol<const N: usize>(
     tolerance: f64,
     absolute: f64,
 ) -> [f64; N] {
-    let problem = OdeBuilder::<NalgebraMat<f64>>::new()
-        .rtol(tolerance)
-        .atol(vec![absolute; N])
+    let problem = builder::<N>(tolerance, absolute)
         .rhs_implicit(
             |y, _, t_s, rates| {
                 equations.rates(t_s, y, rates);
@@ -126,11 +125,7 @@ pub fn bdf_of_diffsol<const N: usize>(
         .init(|_, _, y| y.copy_from_slice(&start), N)
         .build()
         .expect("a problem");
-    let mut solver = problem.bdf::<NalgebraLU<f64>>().expect("BDF");
-    let (states, times, _) = solver.solve(end_s).expect("BDF");
-    assert_eq!(times.last(), Some(&end_s));
-    let last = states.inner().column(times.len() - 1);
-    core::array::from_fn(|i| last[i])
+    end(problem.bdf::<NalgebraLU<f64>>().expect("BDF"), end_s)
 }
 
 /// Tsitouras' explicit method of orders 5 and 4, of `diffsol`, for what is not stiff.
@@ -141,15 +136,24 @@ pub fn tsit45<const N: usize>(
     tolerance: f64,
     absolute: f64,
 ) -> [f64; N] {
-    let problem = OdeBuilder::<NalgebraMat<f64>>::new()
-        .rtol(tolerance)
-        .atol(vec![absolute; N])
+    let problem = builder::<N>(tolerance, absolute)
         .rhs(|y, _, t_s, rates| equations.rates(t_s, y, rates))
         .init(|_, _, y| y.copy_from_slice(&start), N)
         .build()
         .expect("a problem");
-    let mut solver = problem.tsit45().expect("TSIT45");
-    let (states, times, _) = solver.solve(end_s).expect("TSIT45");
+    end(problem.tsit45().expect("TSIT45"), end_s)
+}
+
+fn builder<const N: usize>(tolerance: f64, absolute: f64) -> OdeBuilder<NalgebraMat<f64>> {
+    OdeBuilder::new().rtol(tolerance).atol(vec![absolute; N])
+}
+
+/// The end, by a method of `diffsol`.
+fn end<'a, Eqn, const N: usize>(mut solver: impl OdeSolverMethod<'a, Eqn>, end_s: f64) -> [f64; N]
+where
+    Eqn: OdeEquations<T = f64, V = NalgebraVec<f64>> + 'a,
+{
+    let (states, times, _) = solver.solve(end_s).expect("a solution");
     assert_eq!(times.last(), Some(&end_s));
     let last = states.inner().column(times.len() - 1);
     core::array::from_fn(|i| last[i])
