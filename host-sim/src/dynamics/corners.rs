@@ -13,10 +13,10 @@ pub const FREEDOMS: usize = 3;
 #[derive(Clone, Debug)]
 pub struct Corners {
     count: usize,
-    /// Row f, column i: what a metre at corner i adds to freedom f.
-    plane: [[f64; MOST]; FREEDOMS],
-    /// Row f, column i: what freedom f adds to the height of corner i.
-    height: [[f64; MOST]; FREEDOMS],
+    /// What a metre at corner i adds to each freedom.
+    share: [[f64; FREEDOMS]; MOST],
+    /// What each freedom adds to the height of corner i.
+    height: [[f64; FREEDOMS]; MOST],
 }
 
 impl Corners {
@@ -25,18 +25,18 @@ impl Corners {
         assert!((2..=MOST).contains(&count), "2 to {MOST} corners");
         let mut corners = Self {
             count,
-            plane: [[0.0; MOST]; FREEDOMS],
-            height: [[0.0; MOST]; FREEDOMS],
+            share: [[0.0; FREEDOMS]; MOST],
+            height: [[0.0; FREEDOMS]; MOST],
         };
         let share = if count == 2 { 0.5 } else { 2.0 / count as f64 };
         for i in 0..count {
             let angle = std::f64::consts::TAU * i as f64 / count as f64;
             let around = [angle.cos(), if count == 2 { 0.0 } else { angle.sin() }];
-            corners.plane[0][i] = 1.0 / count as f64;
-            corners.height[0][i] = 1.0;
+            corners.share[i][0] = 1.0 / count as f64;
+            corners.height[i][0] = 1.0;
             for (axis, around) in around.into_iter().enumerate() {
-                corners.plane[axis + 1][i] = share * around / radius_m;
-                corners.height[axis + 1][i] = radius_m * around;
+                corners.share[i][axis + 1] = share * around / radius_m;
+                corners.height[i][axis + 1] = radius_m * around;
             }
         }
         corners
@@ -49,23 +49,29 @@ impl Corners {
 
     /// Heave (m, or m/s …) and slopes (rad …) of the plane closest to corners of these heights.
     pub fn plane(&self, heights: &[f64]) -> [f64; FREEDOMS] {
-        self.plane
-            .map(|row| row.iter().zip(heights).map(|(a, h)| a * h).sum())
+        let mut plane = [0.0; FREEDOMS];
+        for (share, height) in self.share.iter().zip(heights) {
+            for (plane, share) in plane.iter_mut().zip(share) {
+                *plane += share * height;
+            }
+        }
+        plane
     }
 
     /// Height of corner `i` on a plane.
     pub fn height(&self, plane: &[f64; FREEDOMS], i: usize) -> f64 {
-        (0..FREEDOMS).map(|f| self.height[f][i] * plane[f]).sum()
+        let of = &self.height[i];
+        of[0] * plane[0] + of[1] * plane[1] + of[2] * plane[2]
     }
 
     /// What corner `i` adds to each freedom of the plane, by metre.
     pub fn share(&self, i: usize) -> [f64; FREEDOMS] {
-        self.plane.map(|row| row[i])
+        self.share[i]
     }
 
     /// Heave and tilting moments of a force of 1 N at corner `i`.
     pub fn force(&self, i: usize) -> [f64; FREEDOMS] {
-        self.height.map(|row| row[i])
+        self.height[i]
     }
 }
 

@@ -17,8 +17,6 @@
 //! that asks least of them, and corner i feels k times its distance from it. Of the rods' own oscillation, at
 //! √(k / m) and above, nothing is left ([`super::Sprung`] has it).
 
-use nalgebra::{Matrix3, Vector3};
-
 use super::corners::{Corners, FREEDOMS, MOST};
 use super::{Body, Crank, Frame, PlaneMotion};
 
@@ -28,22 +26,35 @@ pub struct Phased {
     body: Body,
     corners: Corners,
     frame: Option<Frame>,
+    /// M_p⁻¹, M_p⁻¹ + M_f⁻¹ and J⁻¹.
+    platform_mobility: [f64; FREEDOMS],
+    mobility: [f64; FREEDOMS],
+    rotor_mobility: [f64; MOST],
 }
 
 impl Phased {
     /// Of a body, on cranks that stand fast.
     pub fn new(body: Body) -> Self {
-        let corners = Corners::new(body.axes(), body.mount_radius_m);
+        let platform_mobility = body.masses().map(f64::recip);
+        let mut rotor_mobility = [0.0; MOST];
+        for (mobility, rotor) in rotor_mobility.iter_mut().zip(&body.rotors_kgm2) {
+            *mobility = rotor.recip();
+        }
         Self {
+            corners: Corners::new(body.axes(), body.mount_radius_m),
             body,
-            corners,
             frame: None,
+            platform_mobility,
+            mobility: platform_mobility,
+            rotor_mobility,
         }
     }
 
     /// The same on a frame.
     #[must_use]
     pub fn on(mut self, frame: Frame) -> Self {
+        let frame_mobility = frame.suspended.masses.map(f64::recip);
+        self.mobility = std::array::from_fn(|f| self.platform_mobility[f] + frame_mobility[f]);
         self.frame = Some(frame);
         self
     }
@@ -72,39 +83,42 @@ impl Phased {
         let cranks = self.cranks(alpha);
         let warps = self.warps(&cranks);
 
-        let mut left = Matrix3::zeros();
-        let mut right = Vector3::new(body.load.gravity_mps2, 0.0, 0.0);
-        for (f, mass) in body.masses().into_iter().enumerate() {
-            left[(f, f)] = 1.0 / mass;
-        }
+        let [a, d, f] = self.mobility;
+        let mut left = Symmetric {
+            a,
+            d,
+            f,
+            ..Symmetric::default()
+        };
+        let mut right = [body.load.gravity_mps2, 0.0, 0.0];
         // What the springs hold of the platform's weight at rest, and what they push beyond that.
         let held = [body.weight_n(), 0.0, 0.0];
         let mut pull = [0.0; FREEDOMS];
         if let Some(frame) = &self.frame {
             pull = frame.pull(place, rate);
             for f in 0..FREEDOMS {
-                let mobility = 1.0 / frame.suspended.masses[f];
-                left[(f, f)] += mobility;
-                right[f] += mobility * (pull[f] + held[f]);
+                right[f] += (pull[f] + held[f]) / frame.suspended.masses[f];
             }
         }
-        let mut columns = [Vector3::zeros(); MOST];
+        let mut columns = [[0.0; FREEDOMS]; MOST];
         let mut net = [0.0; MOST];
         for i in 0..n {
-            let share = Vector3::from(self.corners.share(i));
-            columns[i] = share * cranks[i].lever_m;
-            let bend_nm = body.rod_n_per_m * warps[i] * cranks[i].lever_m;
+            let share = self.corners.share(i);
+            let lever = cranks[i].lever_m;
+            columns[i] = share.map(|share| share * lever);
+            let bend_nm = body.rod_n_per_m * warps[i] * lever;
             net[i] = torque[i] + body.drag_nm(i, omega[i]) - bend_nm;
-            let over_j = columns[i] / body.rotors_kgm2[i];
-            left += over_j * columns[i].transpose();
-            right += over_j * net[i] + share * (cranks[i].lever_rate_m * omega[i] * omega[i]);
+            let mobility = self.rotor_mobility[i];
+            left.add(&columns[i], mobility);
+            let swing = cranks[i].lever_rate_m * omega[i] * omega[i];
+            for f in 0..FREEDOMS {
+                right[f] += columns[i][f] * mobility * net[i] + share[f] * swing;
+            }
         }
-        // Symmetric and positive definite, as masses and rotors are above zero.
-        let y = left
-            .cholesky()
-            .map_or(right, |factors| factors.solve(&right));
+        let y = left.solve(&right);
         for i in 0..n {
-            out[i] = (net[i] - columns[i].dot(&y)) / body.rotors_kgm2[i];
+            let held: f64 = (0..FREEDOMS).map(|f| columns[i][f] * y[f]).sum();
+            out[i] = (net[i] - held) * self.rotor_mobility[i];
         }
         if let Some(frame) = &self.frame {
             let cranks = std::array::from_fn(|f| held[f] - y[f]);
@@ -183,5 +197,43 @@ impl Phased {
             energy += frame.energy_j(&q[n..], &v[n..]) - body.weight_n() * q[n];
         }
         energy
+    }
+}
+
+/// A symmetric matrix of three rows, `[a b c]`, `[b d e]`, `[c e f]`.
+#[derive(Clone, Copy, Debug, Default)]
+struct Symmetric {
+    a: f64,
+    b: f64,
+    c: f64,
+    d: f64,
+    e: f64,
+    f: f64,
+}
+
+impl Symmetric {
+    /// Adds `by` times a column times itself, as a row.
+    fn add(&mut self, column: &[f64; 3], by: f64) {
+        let [x, y, z] = *column;
+        let (bx, by_y) = (by * x, by * y);
+        self.a += bx * x;
+        self.b += bx * y;
+        self.c += bx * z;
+        self.d += by_y * y;
+        self.e += by_y * z;
+        self.f += by * z * z;
+    }
+
+    /// Solves for what it makes this of, by L D Lᵀ; it is positive definite, as masses and rotors are above zero.
+    fn solve(&self, right: &[f64; 3]) -> [f64; 3] {
+        let (b, c) = (self.b / self.a, self.c / self.a);
+        let d = self.d - b * self.b;
+        let e_d = self.e - b * self.c;
+        let e = e_d / d;
+        let f = self.f - c * self.c - e * e_d;
+        let y = right[1] - b * right[0];
+        let z = (right[2] - c * right[0] - e * y) / f;
+        let y = y / d - e * z;
+        [right[0] / self.a - b * y - c * z, y, z]
     }
 }

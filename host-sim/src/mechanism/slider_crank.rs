@@ -161,12 +161,12 @@ impl SliderCrank {
         let shorter = lambda * sin;
         let under_root = 1.0 - shorter * shorter;
         let root = under_root.sqrt();
-        let over_root = lambda / root;
-        let above = 1.0 - 2.0 * sin * sin + shorter * shorter * sin * sin;
+        let over_root = root.recip();
+        let above = 1.0 + (shorter * shorter - 2.0) * sin * sin;
         AtAngle {
             x_m: self.crank_radius_m * cos + self.rod_length_m * root,
-            s: sin + over_root * sin * cos,
-            h: cos + over_root * above / under_root,
+            s: sin + lambda * sin * cos * over_root,
+            h: cos + lambda * above * over_root * over_root * over_root,
         }
     }
 
