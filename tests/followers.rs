@@ -10,7 +10,7 @@ use host_sim::machine::Peaks;
 use host_sim::scene::Checked;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
 
-/// Two wrapper pushers (PHYSICS.md section 3), run up to 450 turns a minute.
+/// Two wrapper pushers (`docs/methods.md`, the elastic follower), run up to 450 turns a minute.
 const SCENE: &str = r#"
 name = "followers"
 [cam]

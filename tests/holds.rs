@@ -108,7 +108,7 @@ fn the_patent_machines_hold_their_amax() {
 }
 
 /// Were it wrong, a motor would be told at the start of a ramp to turn faster than it can: the root asks for an angular
-/// acceleration without limit there, and for more than the machine's until well after it has begun (PHYSICS.md 1.6 item 10;
+/// acceleration without limit there, and for more than the machine's until well after it has begun (`docs/reproduced.md`;
 /// `host-sim/tests/published.rs` has the times).
 #[test]
 fn a_ramp_of_one_second_starts_within_limits() {
