@@ -98,11 +98,20 @@ fn edges_of_stability_are_those_of_theory() {
             // Either has no number: none has an edge, or theory has no closed form.
             _ => {
                 let theory = &row["edge_theory"];
-                assert!(theory.is_empty() || theory == &row["edge_measured"], "{row:?}");
+                assert!(
+                    theory.is_empty() || theory == &row["edge_measured"],
+                    "{row:?}"
+                );
             }
         }
     }
-    for of in ["explicit Euler", "symplectic Euler", "velocity Verlet", "RK4", "trim of an axis"] {
+    for of in [
+        "explicit Euler",
+        "symplectic Euler",
+        "velocity Verlet",
+        "RK4",
+        "trim of an axis",
+    ] {
         assert!(compared.get(of) >= Some(&5), "{of} in {compared:?}");
     }
 }
@@ -144,12 +153,18 @@ fn methods_are_shown_down_to_ten_times_the_doubt_and_at_six_steps() {
 fn energy_is_kept_by_what_is_said_to_keep_it() {
     let drawn = drawn("energy");
     let finest = |method: &str| {
-        let of_method = rows(&drawn.csv).into_iter().filter(|row| row["method"] == method);
+        let of_method = rows(&drawn.csv)
+            .into_iter()
+            .filter(|row| row["method"] == method);
         number(&of_method.last().unwrap(), "drift")
     };
     assert!(finest("implicit midpoint") < 1e-6);
     assert!(finest("explicit Euler") > 1e-2);
-    assert!(drawn.said.contains("keeps its energy to 1e-6 over 300 turns with"));
+    assert!(
+        drawn
+            .said
+            .contains("keeps its energy to 1e-6 over 300 turns with")
+    );
     let (keep, lose) = drawn.said.split_once("; ").unwrap();
     assert!(keep.contains("implicit midpoint (from ") && lose.contains("explicit Euler"));
 }
@@ -175,15 +190,28 @@ fn functions_called_are_beaten_by_what_is_said() {
         let better: Vec<_> = rows.iter().filter(is_better).collect();
         let name = called.replace('`', "");
         if better.is_empty() {
-            assert!(drawn.said.contains(&format!("Nothing is both faster and closer than {name}.")));
+            assert!(
+                drawn
+                    .said
+                    .contains(&format!("Nothing is both faster and closer than {name}."))
+            );
         }
         for row in better {
-            let said = drawn.said.split(&format!("Faster and closer than {name}:")).nth(1);
-            assert!(said.unwrap().contains(&row["candidate"].replace('`', "")), "{row:?}");
+            let said = drawn
+                .said
+                .split(&format!("Faster and closer than {name}:"))
+                .nth(1);
+            assert!(
+                said.unwrap().contains(&row["candidate"].replace('`', "")),
+                "{row:?}"
+            );
         }
     }
     for by in ["cophase", "micromath", "libm", "idsp", "cordic", "table"] {
-        assert!(drawn.svg.contains(&format!(">{by}")), "{by} is not in the legend");
+        assert!(
+            drawn.svg.contains(&format!(">{by}")),
+            "{by} is not in the legend"
+        );
     }
 }
 
@@ -212,7 +240,9 @@ fn columns_are_those_of_the_docs() {
     let docs = std::fs::read_to_string(docs).unwrap();
     for name in ["methods", "stability", "energy", "functions", "tick-rate"] {
         let head = format!("| column of `{name}.csv` | |");
-        let (_, table) = docs.split_once(&head).unwrap_or_else(|| panic!("no table for {name}"));
+        let (_, table) = docs
+            .split_once(&head)
+            .unwrap_or_else(|| panic!("no table for {name}"));
         let table = table.split("\n\n").next().unwrap();
         let cells = table.lines().filter_map(|line| line.split('|').nth(1));
         let documented: Vec<_> = cells
@@ -228,7 +258,10 @@ fn columns_are_those_of_the_docs() {
 fn charts_are_listed_and_others_refused() {
     let list = String::from_utf8(chart(&["list"]).stdout).unwrap();
     for chart in CHARTS {
-        assert!(list.lines().any(|line| line.starts_with(chart.name)), "{list}");
+        assert!(
+            list.lines().any(|line| line.starts_with(chart.name)),
+            "{list}"
+        );
     }
     let refused = chart(&["stabilty", "--out", "/nowhere"]);
     assert_eq!(refused.status.code(), Some(2));

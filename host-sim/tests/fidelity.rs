@@ -52,7 +52,7 @@ fn judge(name: &'static str) {
     let bounds = Bounds::new(&climbed.checked).expect("built-in scenes say enough");
     for (rung, found) in &climbed.rungs {
         for output in Output::ALL {
-            let bound = bounds.of(*rung, output);
+            let bound = bounds.with_steps(*rung, output, climbed.checked.resolution);
             let off = climbed.off_top(found, output);
             println!(
                 "{:12} {:12} {:15} {:10.3?} off {:10.4?}, at most {bound:.4}",

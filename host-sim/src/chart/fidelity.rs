@@ -77,7 +77,7 @@ fn climb(scene: &BuiltIn, yardstick: Yardstick) -> Result<Ladder, SceneError> {
         let began = Instant::now();
         let found = answers(&checked, fidelity)?;
         let timing = yardstick.sines(began.elapsed());
-        let mut judged = judge(bounds.as_ref(), &questions, fidelity);
+        let mut judged = judge(bounds.as_ref(), &questions, fidelity, checked.resolution);
         for judged in &mut judged {
             let output = judged.output;
             let both = found.of(output).zip(right.of(output));
@@ -110,9 +110,17 @@ fn crank_evaluations(checked: &Checked, rung: Fidelity) -> Result<f64, SceneErro
     let place = axes.min(MAX_AXES) as f64;
     let asked = method.map_or(0.0, |(scheme, steps)| {
         let each = f64::from(steps * scheme.facts().evaluations);
-        if rung == Fidelity::Rigid { each } else { each * place }
+        if rung == Fidelity::Rigid {
+            each
+        } else {
+            each * place
+        }
     });
-    let compared = if rung == Fidelity::QuasiStatic { 1.0 } else { 0.0 };
+    let compared = if rung == Fidelity::QuasiStatic {
+        1.0
+    } else {
+        0.0
+    };
     Ok(place + compared + asked)
 }
 
@@ -146,7 +154,10 @@ fn panel(ladder: &Ladder) -> Panel {
         stroke: Stroke::Dashed,
         ..Line::new("bound", Ink::Vermilion, along(|judged| judged.bound))
     };
-    let taken = ladder.rungs.iter().filter(|rung| rung.fidelity == ladder.chosen);
+    let taken = ladder
+        .rungs
+        .iter()
+        .filter(|rung| rung.fidelity == ladder.chosen);
     let taken = Line {
         stroke: Stroke::None,
         chosen: true,
@@ -171,8 +182,9 @@ fn panel(ladder: &Ladder) -> Panel {
 }
 
 fn csv(ladders: &[Ladder]) -> String {
-    let mut csv = "scene,rung,taken,crank_evaluations,output,unit,found,tolerance,bound,off_top,timing\n"
-        .to_owned();
+    let mut csv =
+        "scene,rung,taken,crank_evaluations,output,unit,found,tolerance,bound,off_top,timing\n"
+            .to_owned();
     let number = |value: Option<f64>| match value {
         Some(value) if value.is_finite() => format!("{value:.6e}"),
         _ => String::new(),

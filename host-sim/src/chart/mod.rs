@@ -9,6 +9,7 @@
 
 pub mod axis;
 mod energy;
+mod fidelity;
 mod functions;
 pub mod ink;
 pub mod methods;
@@ -83,6 +84,11 @@ pub const CHARTS: &[Chart] = &[
         name: "tick-rate",
         shows: "errors of holds, ramps and phase against the tick rate, and what each rate costs on the board",
         draw: tick_rate::draw,
+    },
+    Chart {
+        name: "fidelity",
+        shows: "error against cost of the rungs, for each built-in scene, and which of them auto takes",
+        draw: fidelity::draw,
     },
 ];
 

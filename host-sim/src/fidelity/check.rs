@@ -18,7 +18,8 @@ const WELL_WITHIN: f64 = 0.5;
 pub fn answers(checked: &Checked, rung: Fidelity) -> Result<Answers, SceneError> {
     let mut sample = sample::of(&checked.scene);
     sample.fidelity = rung;
-    let sample = Checked::new(sample)?;
+    let mut sample = Checked::new(sample)?;
+    sample.resolution = checked.resolution;
     with_axes!(sample.scene.axes.count, N => {
         let mut answers = Answers::default();
         simulate::<N>(&sample, &mut answers, |_, _| {})?;
@@ -45,7 +46,7 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
         let right = runs.answers(&checked, against)?;
         // The lowest first: bounds are wide.
         for &rung in &rungs[..=ceiling] {
-            let mut judged = judge(bounds.as_ref(), &questions, rung);
+            let mut judged = judge(bounds.as_ref(), &questions, rung, choice.resolution);
             if rung != against {
                 compare(&mut judged, &runs.answers(&checked, rung)?, &right, against);
             }
@@ -59,7 +60,12 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
                 let why = why(&choice, rung, against);
                 checked.fidelity = rung;
                 checked.why.clone_from(&why);
-                checked.choice = Some(Choice { rung, why, judged });
+                checked.choice = Some(Choice {
+                    rung,
+                    why,
+                    judged,
+                    ..choice
+                });
                 return Ok(checked);
             }
         }

@@ -1,6 +1,7 @@
 //! Which rung, by what is known without a run.
 
 use super::{Bounds, LADDER, Output};
+use crate::machine::RESOLUTION;
 use crate::scene::file::{Fidelity, Questions};
 use crate::scene::{Checked, SceneError};
 
@@ -13,6 +14,8 @@ pub struct Choice {
     pub why: String,
     /// What it leaves out of each output that is asked for.
     pub judged: Vec<Judged>,
+    /// By how much what swings may be off by the method's step, of itself.
+    pub resolution: f64,
 }
 
 /// An output that is asked for, and how well a rung answers it.
@@ -46,8 +49,13 @@ pub fn questions(checked: &Checked) -> Questions {
     declared
 }
 
-/// How well a rung answers what is asked.
-pub fn judge(bounds: Option<&Bounds>, questions: &Questions, rung: Fidelity) -> Vec<Judged> {
+/// How well a rung answers what is asked, with a method of that resolution.
+pub fn judge(
+    bounds: Option<&Bounds>,
+    questions: &Questions,
+    rung: Fidelity,
+    resolution: f64,
+) -> Vec<Judged> {
     let asked = Output::ALL
         .into_iter()
         .filter_map(|output| Some((output, output.tolerance(questions)?)));
@@ -55,7 +63,7 @@ pub fn judge(bounds: Option<&Bounds>, questions: &Questions, rung: Fidelity) -> 
         .map(|(output, tolerance)| Judged {
             output,
             tolerance,
-            bound: bounds.map(|bounds| bounds.of(rung, output)),
+            bound: bounds.map(|bounds| bounds.with_steps(rung, output, resolution)),
             measured: None,
         })
         .collect()
@@ -80,11 +88,12 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
                 why: "the scene gives the motors' pull-out torque, so whether they keep in step is asked; what oscillation \
                       adds to torque is not known, as it gives no rotor inertia"
                     .to_owned(),
-                judged: judge(None, &questions, Fidelity::QuasiStatic),
+                judged: judge(None, &questions, Fidelity::QuasiStatic, RESOLUTION),
+                resolution: RESOLUTION,
             });
         }
         Err(lacking) => {
-            let asked = judge(None, &questions, Fidelity::Rigid);
+            let asked = judge(None, &questions, Fidelity::Rigid, RESOLUTION);
             let key = asked.first().map_or("", |judged| judged.output.key());
             return Err(SceneError::at(
                 format!("questions.{key}"),
@@ -95,14 +104,16 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
             ));
         }
     };
+    let resolution = resolution(&bounds, &questions);
     let rungs = available(checked);
     for &rung in &rungs {
-        let judged = judge(Some(&bounds), &questions, rung);
+        let judged = judge(Some(&bounds), &questions, rung, resolution);
         if judged.iter().all(Judged::is_bounded) {
             return Ok(Choice {
                 why: why(&bounds, rung, rungs.last() == Some(&rung)),
                 rung,
                 judged,
+                resolution,
             });
         }
     }
@@ -110,8 +121,20 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
     Ok(Choice {
         rung: top,
         why: "no rung's bounds are within what is asked; this is the highest that the scene says enough for".to_owned(),
-        judged: judge(Some(&bounds), &questions, top),
+        judged: judge(Some(&bounds), &questions, top, resolution),
+        resolution,
     })
+}
+
+/// How well a method has to follow what swings: to a tenth of the tightest tolerance, by what torque does to that output at most. Never
+/// worse than a percent, as what slips is a matter of more than its size, nor better than is ever seen.
+fn resolution(bounds: &Bounds, questions: &Questions) -> f64 {
+    let parts = Output::ALL.into_iter().filter_map(|output| {
+        let whole = bounds.of(Fidelity::QuasiStatic, output);
+        let tolerance = output.tolerance(questions)?;
+        (whole.is_finite() && output != Output::Slips).then_some(0.1 * tolerance / whole)
+    });
+    parts.fold(1e-2, f64::min).max(1e-6)
 }
 
 /// Nothing is asked: cranks are where they are told, and followers, where the scene gives their masses and springs, what these
@@ -138,6 +161,7 @@ fn unasked(checked: &Checked) -> Choice {
         rung,
         why: why.to_owned(),
         judged: Vec::new(),
+        resolution: RESOLUTION,
     }
 }
 

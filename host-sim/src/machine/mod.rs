@@ -22,7 +22,7 @@ pub use cam::{Followers, Peaks, Pusher, Turned};
 pub use index::IndexSensor;
 pub use platform::{Platform, Pose};
 pub use pull_out::PullOut;
-pub use rotors::{Chosen, MOST_STEPS, Rotors, Told};
+pub use rotors::{Chosen, MOST_STEPS, RESOLUTION, Rotors, Told};
 
 use cophase_core::pulse::Runs;
 use cophase_core::servo::Setpoint;

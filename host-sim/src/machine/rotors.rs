@@ -9,9 +9,12 @@ use cophase_methods::{Equations, Method, Scheme, StepError};
 
 use crate::dynamics::{Driven, Field, FrameMotion, Mode, PlaneMotion};
 
-/// How far the fastest mode may turn in a step, rad, for the sake of accuracy: RK4 is off by (hω)⁴/120, here 3.3e-5, of
-/// a radian each radian.
-pub(super) const MOST_RAD_A_STEP: f64 = 0.25;
+/// By how much what swings may be off, of itself, where nothing says how well it is to be known. RK4 at a damping ratio of 0.05
+/// then makes four steps a radian.
+pub const RESOLUTION: f64 = 3e-4;
+
+/// Less damping than this is not counted on: what swings longer than a hundred radians is seen by its phase no more.
+const LEAST_ZETA: f64 = 0.005;
 
 /// Steps a tick beyond which a scene would take longer than anyone waits.
 pub const MOST_STEPS: u32 = 1000;
@@ -26,20 +29,40 @@ pub struct Told {
 }
 
 /// What a scene wants of the method; what it leaves open is chosen here.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chosen {
     /// Which one.
     pub scheme: Option<Scheme>,
     /// How many steps it makes in a tick.
     pub steps_per_tick: Option<u32>,
+    /// By how much what swings may be off, of itself.
+    pub resolution: f64,
 }
 
-/// Steps a tick by which the fastest mode is followed, and half of what is stable is not passed.
-fn steps_for(scheme: Scheme, mode: Mode, tick_s: f64) -> Result<u32, String> {
-    let stable_rad = scheme
-        .stability_limit(mode.zeta)
+impl Default for Chosen {
+    fn default() -> Self {
+        Self {
+            scheme: None,
+            steps_per_tick: None,
+            resolution: RESOLUTION,
+        }
+    }
+}
+
+/// How far a mode may turn in a step, rad, for its swing to be off by no more than `resolution` of itself, and half of what is
+/// stable not to be passed. An error made in a radian is forgotten within 1/2ζ of them.
+pub(super) fn step_rad(scheme: Scheme, zeta: f64, resolution: f64) -> f64 {
+    let stable = scheme
+        .stability_limit(zeta)
         .map_or(f64::INFINITY, |limit| 0.5 * limit);
-    let steps = (mode.omega_rad_s * tick_s / MOST_RAD_A_STEP.min(stable_rad))
+    let below_critical = zeta.min(0.99);
+    let error_a_radian = resolution * 2.0 * zeta.max(LEAST_ZETA);
+    scheme.step_for(below_critical, error_a_radian).min(stable)
+}
+
+/// Steps a tick by which the fastest mode is followed.
+fn steps_for(scheme: Scheme, mode: Mode, tick_s: f64, resolution: f64) -> Result<u32, String> {
+    let steps = (mode.omega_rad_s * tick_s / step_rad(scheme, mode.zeta, resolution))
         .ceil()
         .max(1.0);
     if steps <= f64::from(MOST_STEPS) {
@@ -85,7 +108,7 @@ impl Rotors {
         let mode = driven.fastest_mode();
         let steps = match chosen.steps_per_tick {
             Some(steps) => steps,
-            None => steps_for(scheme, mode, tick_s)?,
+            None => steps_for(scheme, mode, tick_s, chosen.resolution)?,
         };
         let step_s = tick_s / f64::from(steps);
         scheme

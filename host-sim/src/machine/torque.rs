@@ -2,7 +2,7 @@
 
 use cophase_core::settings::Settings;
 
-use super::{Chosen, PullOut, Rotors, SimulatedAxis, Told};
+use super::{PullOut, Rotors, SimulatedAxis, Told};
 use crate::dynamics::{
     Body, Driven, Frame, Freedom, Layer, Motor, Phased, Rigid, Servo, Sprung, Stepper,
 };
@@ -39,11 +39,7 @@ pub fn rotors<const N: usize>(
         torque_nm: 0.0,
     });
     let tick_s = 1.0 / f64::from(settings.tick_hz);
-    let method = &checked.scene.method;
-    let chosen = Chosen {
-        scheme: method.name.scheme(),
-        steps_per_tick: method.steps_per_tick,
-    };
+    let chosen = checked.chosen();
     if let Some(scheme) = chosen.scheme.filter(|scheme| !scheme.suits(&driven)) {
         return Err(SceneError::at(
             "method.name",

@@ -10,7 +10,7 @@ pub use words::{describe, is_news};
 
 use serde::Serialize;
 
-use crate::fidelity::Judged;
+use crate::fidelity::{Bounds, Judged};
 use crate::scene::file::{Fidelity, MethodName, Rods};
 use crate::scene::{Checked, Scene};
 use crate::sim::Outcome;
@@ -73,6 +73,9 @@ struct FidelityReport<'a> {
     rung: &'static str,
     why: &'a str,
     left_out: &'static str,
+    /// How far a platform on settled rods is at most from where it would be on springs, where its rung has it move.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    settled_rods_um: Option<f64>,
     /// What was asked for, and how well this rung answers it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     outputs: Vec<OutputReport>,
@@ -107,6 +110,9 @@ struct MethodReport {
     name: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     steps_per_tick: Option<u32>,
+    /// By how much what swings may be off by the step, of itself, where the step was chosen for that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    resolution: Option<f64>,
     why: &'static str,
 }
 
@@ -223,6 +229,7 @@ impl<'a> Report<'a> {
                 rung: checked.fidelity.name(),
                 why: &checked.why,
                 left_out: left_out(checked),
+                settled_rods_um: settled_rods_um(checked),
                 outputs: judged(checked).iter().map(OutputReport::new).collect(),
             },
             method: MethodReport {
@@ -230,6 +237,10 @@ impl<'a> Report<'a> {
                     .method
                     .map_or("closed form", |(scheme, _)| scheme.facts().name),
                 steps_per_tick: outcome.method.map(|(_, steps)| steps),
+                resolution: outcome
+                    .method
+                    .filter(|_| checked.scene.method.steps_per_tick.is_none())
+                    .map(|_| checked.resolution),
                 why: match checked.fidelity {
                     Fidelity::QuasiStatic => {
                         "torques follow from the motion, and slips from torques: nothing is integrated"
@@ -240,7 +251,7 @@ impl<'a> Report<'a> {
                         "the scene asks for it"
                     }
                     rung if rung.moves_by_torque() => {
-                        "accurate where the step resolves every mode: at most a quarter of a radian of the fastest a step"
+                        "accurate where the step resolves every mode: as long as what swings fastest stays right to the resolution"
                     }
                     Fidelity::Elastic => {
                         "the follower is linear, so that nothing is unstable or damped by the method; a peak is looked at every \
@@ -310,6 +321,12 @@ fn judged(checked: &Checked) -> &[Judged] {
         .choice
         .as_ref()
         .map_or(&[], |choice| &choice.judged[..])
+}
+
+fn settled_rods_um(checked: &Checked) -> Option<f64> {
+    let moves = checked.fidelity >= Fidelity::Phased && checked.cam.is_none();
+    let bounds = moves.then(|| Bounds::new(checked).ok()).flatten()?;
+    bounds.settled_um()
 }
 
 /// What the rung leaves out, for all that read the results.

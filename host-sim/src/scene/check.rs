@@ -18,7 +18,7 @@ use cophase_core::setup::Setup;
 use super::SceneError;
 use super::file::{AxisApart, Fidelity, Scene};
 use crate::fidelity::{self, Choice};
-use crate::machine::{Machine, PullOut};
+use crate::machine::{Chosen, Machine, PullOut, RESOLUTION};
 use crate::with_axes;
 
 pub use cam::Follower;
@@ -40,6 +40,8 @@ pub struct Checked {
     pub why: String,
     /// What chose it, if the scene left that open.
     pub choice: Option<Choice>,
+    /// By how much what swings in the machine may be off by the method's step, of itself.
+    pub resolution: f64,
 }
 
 impl Checked {
@@ -82,6 +84,7 @@ impl Checked {
             fidelity: scene.fidelity,
             why: "the scene asks for it".to_owned(),
             choice: None,
+            resolution: RESOLUTION,
             cam,
             scene,
         };
@@ -92,6 +95,7 @@ impl Checked {
             let choice = fidelity::choose(&checked)?;
             checked.fidelity = choice.rung;
             checked.why.clone_from(&choice.why);
+            checked.resolution = choice.resolution;
             checked.choice = Some(choice);
         }
         // The machine as well: what its rung needs is known there.
@@ -117,6 +121,16 @@ impl Checked {
         }
         with_axes!(other.scene.axes.count, N => Machine::<N>::new(&other).map(|_| ()))?;
         Ok(other)
+    }
+
+    /// Method and step: what the scene asks for, and how well what it leaves open must do.
+    pub fn chosen(&self) -> Chosen {
+        let method = &self.scene.method;
+        Chosen {
+            scheme: method.name.scheme(),
+            steps_per_tick: method.steps_per_tick,
+            resolution: self.resolution,
+        }
     }
 
     /// The speed that the program's highest level asks for, at most the limit, rev/s.

@@ -63,7 +63,7 @@ impl Ramp {
     /// # Errors
     /// A crank and rod that do not go together.
     pub fn new(checked: &Checked, levels: ProgramLevels) -> Result<Self, SceneError> {
-        let radius_m = checked.scene.machine.crank_radius_mm / 1e3;
+        let radius_m = checked.setup.machine.crank_radius_m;
         let mechanism = SliderCrank::new(radius_m, radius_m / checked.lambda)
             .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
         Ok(Self {

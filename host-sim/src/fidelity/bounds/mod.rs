@@ -31,10 +31,6 @@ pub enum Bounds {
 /// by it.
 const ROUNDING: f64 = 1e-6;
 
-/// What the steps of two rungs' methods may be apart, as a part of all that torque does to an output. At a quarter of a radian a
-/// step of the fastest mode RK4 is off by 3.3e-5 of it each radian, and what is damped forgets within three.
-const STEPPING: f64 = 1e-4;
-
 impl Bounds {
     /// Of a scene, by all that it says.
     ///
@@ -60,18 +56,22 @@ impl Bounds {
     /// By how much a rung's output may be off the top rung's, in the unit of its tolerance; infinite where the rung cannot
     /// answer, or nothing bounds it.
     pub fn of(&self, rung: Fidelity, output: Output) -> f64 {
-        match self {
-            Self::Cranks(cranks) => {
-                let whole = cranks.of(Fidelity::QuasiStatic, output);
-                let stepping = if whole.is_finite() {
-                    STEPPING * whole
-                } else {
-                    0.0
-                };
-                cranks.of(rung, output) + stepping + ROUNDING
-            }
-            Self::Followers(followers) => followers.of(rung, output) + ROUNDING,
-        }
+        let left_out = match self {
+            Self::Cranks(cranks) => cranks.of(rung, output),
+            Self::Followers(followers) => followers.of(rung, output),
+        };
+        left_out + ROUNDING
+    }
+
+    /// The same with what the steps of two rungs' methods may be apart, each being off what swings by `resolution` of it.
+    pub fn with_steps(&self, rung: Fidelity, output: Output, resolution: f64) -> f64 {
+        let whole = self.of(Fidelity::QuasiStatic, output);
+        let steps = if whole.is_finite() {
+            2.0 * resolution * whole
+        } else {
+            0.0
+        };
+        self.of(rung, output) + steps
     }
 
     /// How far a platform on settled rods is from where it would be on springs at most, µm: the oscillation that was
