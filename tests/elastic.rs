@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use cophase_core::supervisor::State;
 use cophase_tests::{record, scene};
+use host_sim::report::summary;
 use host_sim::scene::{Checked, load};
 use host_sim::sim::{Moment, Observer, simulate};
 use host_sim::trace::{Every, Window};
@@ -92,7 +93,12 @@ fn a_frame_answers_as_two_masses_do() {
     for speed_hz in [8.0, 12.0, 20.0] {
         let checked = scene(&SCENE.replace("AMAX", &amax_g(speed_hz).to_string()));
         let mut seen = Seen::default();
-        simulate::<3>(&checked, &mut seen, |_, _| {}).expect("it runs");
+        let outcome = simulate::<3>(&checked, &mut seen, |_, _| {}).expect("it runs");
+        let said = summary(&checked, &outcome, None, 1.0);
+        assert!(
+            said.contains("The frame went at most") && said.contains("Greatest motor torque"),
+            "{said}"
+        );
         let omega = TAU * speed_hz;
         let spring = |k: f64, c: f64| Complex::new(k, omega * c);
         let (s1, s2) = (spring(k1, c1), spring(k2, c2));
@@ -142,7 +148,9 @@ fn a_frame_that_stands_fast_is_phased() {
     let phased = elastic.replace("\"elastic\"", "\"phased\"");
     let [elastic, phased] = [elastic, phased].map(|text| {
         let run = record(&scene(&text), Every::Ticks(1), Window::FirstMotion);
-        assert!(run.outcome.statistics.worst_torque_nm[0] > 0.0);
+        let on_frame = text.contains("\"elastic\"");
+        assert_eq!(run.report["frame"].is_object(), on_frame);
+        assert!(run.report["axes"][0]["torque_worst_nm"].as_f64() > Some(0.0));
         run.trace()
     });
     for (column, most) in [
@@ -150,10 +158,7 @@ fn a_frame_that_stands_fast_is_phased() {
         ("z_m", 3e-9),
         ("tilt_x_mrad", 2e-5),
     ] {
-        let pairs = elastic
-            .column(column)
-            .into_iter()
-            .zip(phased.column(column));
+        let pairs = elastic.column(column).iter().zip(phased.column(column));
         let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(worst <= most, "{column}: {worst}");
     }
@@ -178,7 +183,7 @@ fn sprung_rods_give_by_what_statics_say() {
         .map(|text| record(&scene(&text), Every::Ticks(1), Window::FirstMotion).trace());
     let short: Vec<f64> = settled
         .column("z_m")
-        .into_iter()
+        .iter()
         .zip(sprung.column("z_m"))
         .map(|(settled, sprung)| settled - sprung)
         .collect();

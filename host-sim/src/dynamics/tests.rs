@@ -2,6 +2,7 @@
 //! one below where their assumptions meet.
 
 mod energy;
+mod modes;
 mod servo;
 
 use proptest::prelude::*;

@@ -63,6 +63,8 @@ fn an_integral_leaves_no_error_under_load() {
     let held_nm: f64 = state[2..].iter().sum();
     let load = load_nm(&driven, state[0]);
     assert!((held_nm - load).abs() < 1e-9, "{held_nm}, not {load}");
+    let given_nm: f64 = driven.torques_nm(0.0, &state).iter().sum();
+    assert!((given_nm - load).abs() < 1e-9, "{given_nm}, not {load}");
 }
 
 /// Were it wrong, an integral would go on growing while the current limit holds the torque, and the drive push on long after it

@@ -173,3 +173,25 @@ fn refuses_what_is_no_mechanism() {
     );
     assert!(SliderCrank::for_amax(100.0, 0.0, 0.3).is_err());
 }
+
+/// Were it wrong, what torque makes of a machine would not move as what is told to it does.
+#[test]
+fn all_at_once_is_one_by_one() {
+    for lambda in [0.1, 0.3, 0.6, LAMBDA_MAX] {
+        let mechanism = SliderCrank::new(0.01, 0.01 / lambda).unwrap();
+        for degrees in -400..400 {
+            let alpha = f64::from(degrees).to_radians();
+            let at = mechanism.at(alpha);
+            // Roundings of terms of some 1, or of the rod's length; h divides by at least 0.6 cubed.
+            let off = [
+                (at.x_m - mechanism.x_m(alpha)) / mechanism.rod_length_m(),
+                at.s - mechanism.s(alpha),
+                at.h - mechanism.h(alpha),
+            ];
+            assert!(
+                off.iter().all(|off| off.abs() < 40.0 * f64::EPSILON),
+                "{lambda}, {degrees}°: {off:?}"
+            );
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! The bound on a machine's fastest mode, against its spectrum.
+
+use cophase_methods::{Differences, Equations};
+use nalgebra::DMatrix;
+use proptest::prelude::*;
+
+use super::{body, frame};
+use crate::dynamics::{Driven, Freedom, Motor, Phased, Servo, Sprung};
+use crate::mechanism::slider_crank::Platform;
+
+/// 1000 N·m/rad, and next to no damping.
+const SPRING: Servo = Servo {
+    position_gain_per_s: 1e6,
+    velocity_gain_nms: 1e-3,
+    integral_s: None,
+    limit_nm: f64::INFINITY,
+};
+
+proptest! {
+    /// Were it wrong, a step would be called stable that is not, and a scene be run into rubbish: on settled rods and sprung ones,
+    /// with and without a frame and its foundation. And were it far too wide, scenes would be slow for nothing.
+    #[test]
+    fn no_mode_is_faster_than_the_bound(
+        alpha in (2_usize..=6).prop_flat_map(|n| prop::collection::vec(-3.0..3.0, n)),
+        stiffer in 1.0..1000.0,
+        sprung in any::<bool>(),
+        framed in any::<bool>(),
+        on_block in any::<bool>(),
+    ) {
+        let n = alpha.len();
+        let body = body(n, Platform::Above);
+        let mut frame = frame(0.0, on_block);
+        frame.suspended.stiffness = frame.suspended.stiffness.map(|k| k * stiffer);
+        let freedom = match (sprung, framed) {
+            (false, false) => Freedom::Phased(Box::new(Phased::new(body))),
+            (false, true) => Freedom::Phased(Box::new(Phased::new(body).on(frame))),
+            (true, false) => Freedom::Sprung(Box::new(Sprung::new(body, 0.0))),
+            (true, true) => Freedom::Sprung(Box::new(Sprung::new(body, 0.0).on(frame))),
+        };
+        let mut machine = Driven::new(freedom, vec![Motor::Servo(SPRING); n]);
+        machine.energised = true;
+        for (field, alpha) in machine.fields.iter_mut().zip(&alpha) {
+            field.alpha_rad = *alpha;
+        }
+        let state = machine.at_rest(&alpha);
+        let dimension = state.len();
+        let mut jacobian = DMatrix::zeros(dimension, dimension);
+        machine.jacobian(0.0, &state, &mut Differences::new(dimension), &mut jacobian);
+        let fastest = jacobian.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max);
+        let bound = machine.fastest_mode().omega_rad_s;
+        // What a force makes of a lever that changes is not in the bound: rods that bend by 0.1 rad of crank angle or more, as
+        // these may, have it too.
+        let lever_rate = 1.3 * 0.012;
+        let bent = 2e6 * 24e-3 * lever_rate / 1e-3;
+        let most = if n > 3 { (bound * bound + bent).sqrt() } else { bound * 1.001 };
+        prop_assert!(fastest <= most, "{fastest} rad/s; the bound is {bound}, {most}");
+        prop_assert!(fastest > 0.3 * bound, "{fastest} rad/s; the bound is {bound}");
+    }
+}
