@@ -98,9 +98,11 @@ fn what_a_board_cannot_be_told_is_named() {
     );
     // Without any of these; then each by itself.
     let (loop_only, _) = BASE.split_once("[[command]]").unwrap();
-    let of_torque = ["pull_out =", "servo_", "tilt_inertia"];
+    let of_torque = ["pull_out =", "tilt_inertia"];
     let loop_only: String = loop_only
-        .lines()
+        .split_inclusive("\n\n")
+        .filter(|table| !table.starts_with("[frame") && !table.starts_with("[axes.servo]"))
+        .flat_map(str::lines)
         .filter(|line| !of_torque.iter().any(|key| line.starts_with(key)))
         .flat_map(|line| [line, "\n"])
         .collect();

@@ -118,20 +118,24 @@ impl Body {
         self.mechanism.crank_radius_m() * (1.0 + self.mechanism.lambda())
     }
 
-    /// Torque of rotor `i`'s friction, N·m. It turns round smoothly, so that methods keep their order: what stands
-    /// under a load below it creeps, by less than a turn in a hundred seconds.
+    /// Torque of rotor `i`'s friction, N·m.
     pub fn drag_nm(&self, i: usize, omega_rad_s: f64) -> f64 {
-        let friction_nm = self.friction_nm[i];
-        if friction_nm == 0.0 {
-            return 0.0;
-        }
-        -friction_nm * (omega_rad_s / CREEP_RAD_S).tanh()
+        drag_nm(self.friction_nm[i], omega_rad_s)
     }
 
     /// Weight of the load, N.
     pub fn weight_n(&self) -> f64 {
         self.load.mass_kg * self.load.gravity_mps2
     }
+}
+
+/// Torque of dry friction, N·m. It turns round smoothly, so that methods keep their order: what stands under a load below
+/// it creeps, by less than a turn in a hundred seconds.
+fn drag_nm(friction_nm: f64, omega_rad_s: f64) -> f64 {
+    if friction_nm == 0.0 {
+        return 0.0;
+    }
+    -friction_nm * (omega_rad_s / CREEP_RAD_S).tanh()
 }
 
 #[cfg(test)]

@@ -11,13 +11,18 @@ use super::Body;
 pub struct Rigid {
     body: Body,
     rotors_kgm2: f64,
+    friction_nm: f64,
 }
 
 impl Rigid {
     /// Of a body, whose rotors turn as one.
     pub fn new(body: Body) -> Self {
         let rotors_kgm2 = body.rotors_kgm2.iter().sum();
-        Self { body, rotors_kgm2 }
+        Self {
+            friction_nm: body.friction_nm.iter().sum(),
+            body,
+            rotors_kgm2,
+        }
     }
 
     /// The body.
@@ -38,8 +43,8 @@ impl Rigid {
         let inertia = self.rotors_kgm2 + body.load.mass_kg * crank.lever_m * crank.lever_m;
         let push_n =
             body.load.mass_kg * crank.lever_rate_m * omega_rad_s * omega_rad_s + body.weight_n();
-        let drag_nm: f64 = (0..body.axes()).map(|i| body.drag_nm(i, omega_rad_s)).sum();
-        (torque_nm + drag_nm - crank.lever_m * push_n) / inertia
+        (torque_nm + super::drag_nm(self.friction_nm, omega_rad_s) - crank.lever_m * push_n)
+            / inertia
     }
 
     /// Kinetic and potential energy, J; without friction and motor it stays.
