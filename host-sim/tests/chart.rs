@@ -254,6 +254,32 @@ fn columns_are_those_of_the_docs() {
     }
 }
 
+/// Were it wrong, the docs would say another thing of methods than their measurement; or an error would stand on too few steps.
+#[test]
+fn what_the_docs_say_of_decisions_was_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = chart(&["decisions", "--out", folder.path().to_str().unwrap()]);
+    let said = String::from_utf8(output.stdout).unwrap();
+    let docs = include_str!("../../docs/charts.md").replace('\n', " ");
+    let said = said.lines().next().unwrap();
+    assert!(docs.contains(said), "{said}");
+
+    let csv = std::fs::read_to_string(folder.path().join("decisions.csv")).unwrap();
+    let mut steps = std::collections::BTreeMap::<_, u32>::new();
+    for record in csv::Reader::from_reader(csv.as_bytes()).records() {
+        let record = record.unwrap();
+        *steps
+            .entry((record[0].to_owned(), record[1].to_owned()))
+            .or_default() += 1;
+    }
+    assert_eq!(
+        steps.len(),
+        6 + 6 + 7,
+        "scenes and the methods that suit them"
+    );
+    assert!(steps.values().all(|&count| count >= 6), "{steps:?}");
+}
+
 #[test]
 fn charts_are_listed_and_others_refused() {
     let list = String::from_utf8(chart(&["list"]).stdout).unwrap();

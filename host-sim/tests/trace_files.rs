@@ -98,6 +98,7 @@ fn frame(title: &str, subtitle: &str) -> ScopeFrame {
         gravity_mps2: GRAVITY_MPS2,
         tilt_limit_mrad: Some(2.0),
         drift_limit_deg: Some(5.4),
+        has_pushers: false,
     }
 }
 

@@ -1,4 +1,5 @@
-//! Charts: speed against accuracy, and where things stop working. Each is data (CSV) and a picture (SVG).
+//! Charts: speed against accuracy, where things stop working, and what is decided wrongly. Each is data (CSV) and a
+//! picture (SVG).
 //!
 //! Both are the same on every run, but for one column of the data, `timing`, where there is one: what an evaluation takes
 //! on a clock, as a ratio to a yardstick measured in the same run. No picture is drawn from it.
@@ -8,6 +9,7 @@
 //! - the rest: a chart each, `docs/charts.md` says which.
 
 pub mod axis;
+mod decisions;
 mod energy;
 mod fidelity;
 mod functions;
@@ -89,6 +91,11 @@ pub const CHARTS: &[Chart] = &[
         name: "fidelity",
         shows: "error against cost of the rungs, for each built-in scene, and which of them auto takes",
         draw: fidelity::draw,
+    },
+    Chart {
+        name: "decisions",
+        shows: "error of each method, over step sizes, in the threshold at which a machine's outcome turns over",
+        draw: decisions::draw,
     },
 ];
 

@@ -8,7 +8,7 @@ use cophase_blob::header::{FIRST_SEQUENCE, HEADER_BYTES, MAGIC, OUTSIDE};
 use cophase_blob::{Header, MAX_BLOB_BYTES, board, encode};
 
 use super::{CommandError, Status, scenes};
-use crate::scene::file::{AxisApart, Fidelity, Rods};
+use crate::scene::file::{AxisApart, CamShaft, Fidelity, Rods};
 use crate::scene::{Checked, Scene};
 use crate::trace::RunFiles;
 use crate::with_axes;
@@ -83,7 +83,19 @@ fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, Co
 /// Keys of a scene that say something, and not to the control loop.
 fn left_out(scene: &Scene) -> Vec<String> {
     let axes = &scene.axes;
+    let cam = scene.cam.as_ref();
+    let of_cam = |given: fn(&CamShaft) -> bool| cam.is_some_and(given);
     let common = [
+        ("cam.masses_kg", of_cam(|cam| cam.masses_kg.is_some())),
+        (
+            "cam.stiffness_n_per_mm",
+            of_cam(|cam| cam.stiffness_n_per_mm.is_some()),
+        ),
+        (
+            "cam.dampers_ns_per_m",
+            of_cam(|cam| cam.dampers_ns_per_m.is_some()),
+        ),
+        ("cam.zeta", of_cam(|cam| cam.zeta.is_some())),
         ("fidelity", scene.fidelity != Fidelity::Auto),
         ("axes.friction_nm", axes.friction_nm != 0.0),
         (

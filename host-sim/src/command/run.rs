@@ -185,6 +185,7 @@ fn frame(checked: &Checked) -> ScopeFrame {
             .collect(),
         gravity_mps2: crate::design::STANDARD_GRAVITY_MPS2,
         tilt_limit_mrad: checked.cam.is_none().then_some(scene.drift.tilt_limit_mrad),
+        has_pushers: checked.cam.is_some(),
         drift_limit_deg: None, // limits are on the modes of all drifts, not on one
     }
 }

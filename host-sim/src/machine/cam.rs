@@ -303,3 +303,50 @@ fn unstable(scheme: Scheme, step_s: f64, limit_s: f64, tick_s: f64) -> String {
         "step {step_us:.4} us is beyond the stability limit of {scheme} with this follower, {limit_us:.4} us: take {more}{WITHOUT}"
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cophase_methods::problems::{Law, Shaft};
+
+    /// Were a machine that runs away not stopped, a scene would end in numbers without meaning. What is unstable is refused before;
+    /// here RK4 is given a step of 100 us behind its back, beyond its limit of 81.
+    #[test]
+    fn what_diverges_stops_and_says_so() {
+        let chain = Chain::wrapper(Cam::wrapper(Law::ModifiedSine), Shaft::DampedToCam);
+        let (tick_s, steps) = (5e-4, 5);
+        let elastic = Elastic {
+            method: Scheme::Rk4
+                .prepare(&chain, tick_s / f64::from(steps))
+                .unwrap(),
+            chain,
+            scheme: Scheme::Rk4,
+            steps,
+            states: [[0.0; 6]; MAX_AXES],
+            broken: None,
+        };
+        let mut followers = Followers {
+            cam: Cam::wrapper(Law::ModifiedSine),
+            elastic: Some(elastic),
+            pushers: [Pusher::default(); MAX_AXES],
+            peaks: [Peaks::default(); MAX_AXES],
+            axes: 2,
+            tick_s,
+        };
+        for tick in 0..2000 {
+            let turns = f64::from(tick) * 7.5 * tick_s;
+            let turned = Turned {
+                from: turns,
+                to: turns + 7.5 * tick_s,
+                omega_rad_s: 47.1,
+                acceleration_rad_s2: 0.0,
+            };
+            followers.play(&[turned; 2]);
+        }
+        assert!(matches!(
+            followers.broken(),
+            Some(StepError::NotFinite { .. })
+        ));
+        assert!(followers.mean().place_m.is_finite());
+    }
+}

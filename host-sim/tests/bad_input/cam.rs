@@ -57,8 +57,8 @@ fn angles_and_heights() {
             "rise_deg = 120",
             "rise_deg = 0",
             "cam.rise_deg",
-            "0 ° is outside",
-            "5 to 355 °",
+            "0° is outside",
+            "5 to 355°",
         ),
         number(
             "NaN",
@@ -129,7 +129,7 @@ fn what_gives_between_cam_and_pusher() {
             MASSES,
             "masses_kg = [0.5, 1]",
             "cam.masses_kg",
-            "has length 2 in it",
+            "has 2 in it, where a list of three numbers belongs",
             "such as",
         ),
         number(

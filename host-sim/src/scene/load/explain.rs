@@ -130,6 +130,7 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
         "a string" => "text in quotes",
         "a boolean" => "true or false",
         "a tuple of size 2" => "a list of two numbers",
+        "an array of length 3" => "a list of three numbers",
         _ if expected.starts_with("a sequence") => "a list",
         _ if expected.starts_with("struct") => "a table",
         other => other,

@@ -84,7 +84,9 @@ pub(super) fn example(path: &str) -> Option<String> {
         }
         let root = path.split('[').next().unwrap_or(path);
         match (value.is_table(), steps(path).last()?) {
-            _ if path == root && value.is_array() => Some(format!("[[{root}]]")),
+            _ if path == root && value.is_array() && !root.contains('.') => {
+                Some(format!("[[{root}]]"))
+            }
             (true, _) if path == root && !root.contains('.') => Some(format!("[{root}]")),
             (true, Step::Entry(_)) if !root.contains('.') => Some(format!("[[{root}]]")),
             (_, Step::Name(name)) => Some(format!("{name} = {}", scene.text.get(span)?)),

@@ -82,19 +82,19 @@ impl<'a> Draft<'a> {
     }
 
     /// A see-through area between outlines, where a line would be a block that hides what is behind it.
-    pub fn range(&mut self, channel: usize, pen: Pen) {
+    pub fn range(&mut self, channel: usize, factor: f64, pen: Pen) {
         let span = self.y.1 - self.y.0;
         let (sum, count) = self
-            .buckets(channel, 1.0)
+            .buckets(channel, factor)
             .filter(|(_, _, extent)| !extent.is_empty())
             .fold((0.0, 0.0), |(sum, count), (_, _, e)| {
                 (sum + (e.high - e.low), count + 1.0)
             });
         let is_thick = self.scope.envelope.is_folded() && sum > 0.01 * span * count;
         if !is_thick {
-            return self.curve(channel, 1.0, pen);
+            return self.curve(channel, factor, pen);
         }
-        for (mut lower, mut upper) in curve::outlines(self.buckets(channel, 1.0)) {
+        for (mut lower, mut upper) in curve::outlines(self.buckets(channel, factor)) {
             let times = lower.iter().map(|p| p.0);
             let band = BandPlot::new(times, lower.iter().map(|p| p.1), upper.iter().map(|p| p.1));
             self.plots

@@ -1,6 +1,7 @@
 //! `scope.svg`: one page that shows a run as a scope would.
 //!
-//! Four panels share the time axis: acceleration asked and got, speed, drift of each axis, tilt. Above them a
+//! Four panels share the time axis: acceleration asked and got, speed, drift of each axis, tilt (of a machine without a
+//! platform, the mean acceleration of its pushers instead). Above them a
 //! *ribbon* shows the supervisor's states, and *marks* (events with a name) cross all panels.
 //!
 //! A run may have any length, so rows are folded as they come into an [`envelope`] of at most 1500 buckets,
@@ -37,6 +38,8 @@ pub struct ScopeFrame {
     pub tilt_limit_mrad: Option<f64>,
     /// Drift at which the supervisor acts, degrees either way.
     pub drift_limit_deg: Option<f64>,
+    /// Whether cams move pushers, so that their acceleration is shown, and no tilt.
+    pub has_pushers: bool,
 }
 
 /// Channels of the envelope; the drifts, one an axis, follow those named here.
@@ -46,7 +49,8 @@ mod channel {
     pub const SPEED: usize = 2;
     pub const TILT_X: usize = 3;
     pub const TILT_Y: usize = 4;
-    pub const DRIFT: usize = 5;
+    pub const ACCEL: usize = 5;
+    pub const DRIFT: usize = 6;
 }
 
 /// Collects a run and draws it.
@@ -98,6 +102,7 @@ impl ScopeData {
         fixed[channel::SPEED] = row.omega_rad_s;
         fixed[channel::TILT_X] = row.tilt_x_mrad;
         fixed[channel::TILT_Y] = row.tilt_y_mrad;
+        fixed[channel::ACCEL] = row.accel_mps2;
         for (i, drift) in drifts.iter_mut().enumerate() {
             *drift = row.axes.get(i).map_or(f64::NAN, |axis| axis.drift_deg);
         }

@@ -31,12 +31,18 @@ pub const MUTED: &str = "#666666";
 type MakePanel = fn(&ScopeData, TimeAxis) -> Panel;
 
 /// Panels from top to bottom: what draws them, and the height of the plot area.
-const PANELS: [(MakePanel, f64); 4] = [
-    (panel::acceleration, 190.0),
-    (panel::speed, 150.0),
-    (panel::drift, 170.0),
-    (panel::tilt, 150.0),
-];
+const fn panels(scope: &ScopeData) -> [(MakePanel, f64); 4] {
+    [
+        (panel::acceleration, 190.0),
+        (panel::speed, 150.0),
+        (panel::drift, 170.0),
+        if scope.frame.has_pushers {
+            (panel::pushers, 150.0)
+        } else {
+            (panel::tilt, 150.0)
+        },
+    ]
+}
 
 /// The whole page as SVG text.
 pub fn render(scope: &ScopeData) -> String {
@@ -44,7 +50,8 @@ pub fn render(scope: &ScopeData) -> String {
     let labels = Labels::place(scope, time);
     let ribbon_top = LANES_TOP + labels.lanes as f64 * LANE;
     let panels_top = ribbon_top + RIBBON + 8.0;
-    let plots: f64 = PANELS.iter().map(|(_, height)| height + GAP).sum();
+    let panels = panels(scope);
+    let plots: f64 = panels.iter().map(|(_, height)| height + GAP).sum();
     let height = panels_top + plots - GAP + TIME_AXIS;
 
     let mut scene = Scene::new(WIDTH, height);
@@ -53,9 +60,9 @@ pub fn render(scope: &ScopeData) -> String {
     labels.draw(&mut scene, ribbon_top, height - TIME_AXIS);
     ribbon(&mut scene, scope, time, ribbon_top);
     let mut top = panels_top;
-    for (i, (make, plot_height)) in PANELS.into_iter().enumerate() {
+    for (i, (make, plot_height)) in panels.into_iter().enumerate() {
         let panel = make(scope, time);
-        let is_last = i + 1 == PANELS.len();
+        let is_last = i + 1 == panels.len();
         embed(
             &mut scene,
             panel,

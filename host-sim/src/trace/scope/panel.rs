@@ -1,4 +1,4 @@
-//! The four panels: what each one shows, in which colours, with which legend.
+//! The panels: what each one shows, in which colours, with which legend.
 //!
 //! Colours are those of Okabe and Ito, which the colour-blind tell apart; vermilion is kept for limits and
 //! faults. Where two curves are meant to coincide, the one asked for is thick and pale, the one got
@@ -30,12 +30,7 @@ const STANDARD_GRAVITY_MPS2: f64 = 9.80665;
 
 /// Acceleration asked for and got, in g.
 pub fn acceleration(scope: &ScopeData, time: TimeAxis) -> Panel {
-    let gravity = scope.frame.gravity_mps2;
-    let per_mps2 = if gravity.is_finite() && gravity > 0.0 {
-        1.0 / gravity
-    } else {
-        1.0 / STANDARD_GRAVITY_MPS2
-    };
+    let per_mps2 = in_g(scope);
     let asked = scope.envelope.total(channel::PROGRAM).times(per_mps2);
     let got = scope.envelope.total(channel::COMMAND).times(per_mps2);
     let mut draft = Draft::new(
@@ -49,6 +44,31 @@ pub fn acceleration(scope: &ScopeData, time: TimeAxis) -> Panel {
     draft.curve(channel::COMMAND, per_mps2, pen(DARK_BLUE, 1.4));
     draft.entry(LegendShape::Rect, PALE_BLUE, peak("asked", asked));
     draft.entry(LegendShape::Line, DARK_BLUE, peak("got", got));
+    draft.done()
+}
+
+/// One over what a g is.
+fn in_g(scope: &ScopeData) -> f64 {
+    let gravity = scope.frame.gravity_mps2;
+    if gravity.is_finite() && gravity > 0.0 {
+        1.0 / gravity
+    } else {
+        1.0 / STANDARD_GRAVITY_MPS2
+    }
+}
+
+/// Mean acceleration of pushers in g: what they really make of what the first panel says.
+pub fn pushers(scope: &ScopeData, time: TimeAxis) -> Panel {
+    let per_mps2 = in_g(scope);
+    let total = scope.envelope.total(channel::ACCEL).times(per_mps2);
+    let y = padded(total, 0.5);
+    let mut draft = Draft::new(scope, time, "pushers, g", y);
+    let pen = Pen {
+        colour: BLUE,
+        width: 1.2,
+    };
+    draft.range(channel::ACCEL, per_mps2, pen);
+    draft.entry(LegendShape::Line, BLUE, peak("mean", total));
     draft.done()
 }
 
@@ -130,7 +150,7 @@ pub fn tilt(scope: &ScopeData, time: TimeAxis) -> Panel {
         (channel::TILT_X, BLUE, "x", x),
         (channel::TILT_Y, ORANGE, "y", y),
     ] {
-        draft.range(channel, Pen { colour, width: 1.2 });
+        draft.range(channel, 1.0, Pen { colour, width: 1.2 });
         draft.entry(
             LegendShape::Line,
             colour,
