@@ -73,8 +73,8 @@ fn angles_and_heights() {
             "return_deg = 105",
             "return_deg = 40",
             "cam.rise_mm",
-            "952.8",
-            "0.0097 to 48.4",
+            "866.1170",
+            "0.0097 to 48.4922 mm",
         ),
         number(
             "no such law",
@@ -177,7 +177,7 @@ fn what_gives_between_cam_and_pusher() {
             "damper = \"shaft\"",
             "cam.damper",
             "none of its values",
-            "cam, ground",
+            "\"cam\", \"ground\"",
         ),
     ]);
 }

@@ -162,7 +162,7 @@ struct Worst {
     name: &'static str,
     /// Largest error, with its sign, of a method that no step makes unstable, and its step × frequency.
     stable: (Scheme, f64, f64),
-    /// Largest error of RK4 up to half a radian a step.
+    /// Largest error of RK4 up to half a radian a step, where it is stable.
     rk4: f64,
 }
 
@@ -244,7 +244,7 @@ fn says(worst: &[Worst]) -> String {
         .map(|worst| {
             let (scheme, h_omega, error) = worst.stable;
             format!(
-                "{}: {scheme} at {h_omega:.1} rad a step has it {:.0} % too {}, RK4 up to {FINE_RAD} rad within {:.0e}",
+                "{}: {scheme} at {h_omega:.1} rad a step has it {:.0} % too {}, RK4 up to {FINE_RAD} rad, where it is stable, within {:.0e}",
                 worst.name,
                 error.abs() * 100.0,
                 if error < 0.0 { "low" } else { "high" },
