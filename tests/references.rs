@@ -51,6 +51,7 @@ fn differ(a: &[f64], b: &[f64]) -> f64 {
 /// method's.
 #[test]
 fn answers_are_known_as_well_as_they_are_said_to_be() {
+    let mut wrong = Vec::new();
     for problem in problems::all().unwrap() {
         let [dop853, verner] = match problem.start.len() {
             2 => solve::<2>(&problem),
@@ -71,11 +72,13 @@ fn answers_are_known_as_well_as_they_are_said_to_be() {
             &dop853[..compared]
         );
         let most = between.max(one).max(other);
-        assert!(
-            most <= problem.doubt,
-            "{}: {most:e}, not {:e}",
-            problem.name,
-            problem.doubt
-        );
+        // Not known worse, nor so much better that the chart hides what could be seen.
+        if most > problem.doubt || most < 0.05 * problem.doubt {
+            wrong.push(format!(
+                "{}: {most:e}, not {:e}",
+                problem.name, problem.doubt
+            ));
+        }
     }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }

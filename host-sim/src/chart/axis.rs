@@ -93,6 +93,9 @@ fn told(value: f64, is_plain: bool) -> String {
         let decimals = (-exponent).max(0.0) as usize;
         return format!("{value:.decimals$}");
     }
+    if exponent == 0.0 {
+        return format!("{digit:.0}");
+    }
     let power: String = format!("10{exponent:.0}")
         .chars()
         .enumerate()
@@ -127,7 +130,7 @@ mod tests {
         for (value, is_plain, text) in [
             (1e-12, false, "10⁻¹²"),
             (2e5, false, "2·10⁵"),
-            (1.0, false, "10⁰"),
+            (1.0, false, "1"),
             (0.05, true, "0.05"),
             (500.0, true, "500"),
         ] {

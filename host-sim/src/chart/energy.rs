@@ -22,8 +22,11 @@ const TURNS_PER_S: f64 = 10.0;
 const STEPS_A_TURN: [u32; 7] = [8, 16, 32, 64, 128, 256, 512];
 /// Implicit methods take some ten times as long for a step; nobody has them take shorter ones than these.
 const MOST_IMPLICIT: u32 = 256;
-/// What is shown: down to rounding, and up to machines that have gained, or lost, all that they had.
-const SHOWN: (f64, f64) = (1e-14, 10.0);
+/// Part of its energy that a machine has lost, or gained, where it is followed no further: once it has come to rest, or flown
+/// off, what it does then is no news of the method.
+const LOST: f64 = 0.5;
+/// What is shown, from rounding up.
+const SHOWN: (f64, f64) = (1e-14, 2.0);
 /// Part of the run over which energy is averaged.
 const WINDOW: u32 = 100;
 
@@ -79,7 +82,7 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
         lines,
         levels: vec![Level {
             at: At::Y(KEPT),
-            label: "kept".to_owned(),
+            label: "below: kept".to_owned(),
         }],
     };
     let svg = render(Picture {
@@ -114,8 +117,8 @@ fn drift(
     for step in 0..steps {
         let energy_j = shaft.energy_j(state[0], state[1]);
         let changed = (energy_j - start_j).abs() / kinetic_j;
-        if changed > SHOWN.1 {
-            return Ok(changed); // it goes on like that
+        if changed > LOST {
+            return Ok(changed);
         }
         if step < window {
             first.add(step, window, energy_j);

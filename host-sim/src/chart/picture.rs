@@ -149,11 +149,16 @@ fn legend(picture: &Picture) -> Vec<LegendEntry> {
             .filter(|other| other.label == line.label)
             .partition(|other| other.chosen);
         let what = picture.chosen_is;
+        let looks = if line.stroke == Stroke::None {
+            "large"
+        } else {
+            "thick"
+        };
         LegendEntry {
             label: match (chosen.is_empty(), not.is_empty()) {
                 (true, _) => line.label.clone(),
                 (false, true) => format!("{} ({what})", line.label),
-                (false, false) => format!("{} ({what} where thick)", line.label),
+                (false, false) => format!("{} ({what} where {looks})", line.label),
             },
             color: line.ink.hex().to_owned(),
             shape: match line.stroke {
@@ -178,6 +183,7 @@ fn lay_out(panel: Panel) -> (Vec<Plot>, Layout) {
     for line in &lines {
         plots.extend(draw(line, &x, &y));
     }
+    plots.extend(names(&lines, &x, &y));
     if plots.is_empty() {
         // kuva draws no axes around nothing.
         plots.push(Plot::Line(LinePlot::new()));
@@ -209,17 +215,10 @@ fn draw(line: &Line, x: &Axis, y: &Axis) -> Vec<Plot> {
     let mut plots = Vec::new();
     if line.marked {
         let size = if line.chosen { 4.2 } else { 3.0 };
-        let mut marks = ScatterPlot::new()
+        let marks = ScatterPlot::new()
             .with_data(line.points.iter().filter(drawn).map(place))
             .with_color(line.ink.hex())
             .with_size(size);
-        if !line.names.is_empty() {
-            let named = line.points.iter().zip(&line.names);
-            let names = named.filter(|(point, _)| drawn(point));
-            marks = marks
-                .with_labels(names.map(|(_, name)| name.clone()))
-                .with_label_style(LabelStyle::Repel);
-        }
         plots.push(Plot::Scatter(marks));
     }
     if line.stroke != Stroke::None {
@@ -233,6 +232,24 @@ fn draw(line: &Line, x: &Axis, y: &Axis) -> Vec<Plot> {
         plots.push(Plot::Line(joined));
     }
     plots
+}
+
+/// The names of all lines' points: of one plot, so that they keep clear of each other.
+fn names(lines: &[Line], x: &Axis, y: &Axis) -> Option<Plot> {
+    let named = lines
+        .iter()
+        .flat_map(|line| line.points.iter().zip(&line.names));
+    let shown = named.filter(|((at, value), _)| x.can_show(*at) && y.can_show(*value));
+    let (points, names): (Vec<_>, Vec<_>) = shown
+        .map(|((at, value), name)| ((x.place(*at), y.place(*value)), name.clone()))
+        .unzip();
+    let plot = ScatterPlot::new()
+        .with_data(points)
+        .with_size(4.0)
+        .with_marker_opacity(0.0)
+        .with_labels(names.clone())
+        .with_label_style(LabelStyle::Repel);
+    (!names.is_empty()).then_some(Plot::Scatter(plot))
 }
 
 /// kuva numbers clip paths across the whole process; numbered from the picture's beginning, the same data give the same

@@ -15,11 +15,37 @@ use super::yardstick::Yardstick;
 use super::{ChartError, Drawn, Progress, Size};
 
 const MEASURED: &str = include_str!("../../../../docs/emulated-functions.csv");
-/// As the data calls them, what is called in the controller, and what a panel shows of errors.
-const PANELS: [(&str, &str, (f64, f64)); 3] = [
-    ("root", "cophase `root`", (1e-10, 1.0)),
-    ("sine, cosine", "cophase `sine_cosine`", (1e-10, 1e-2)),
-    ("arctangent", "micromath `atan2`", (1e-10, 1e-1)),
+/// A panel.
+struct Shown {
+    /// As the data calls it.
+    function: &'static str,
+    /// What is called in the controller.
+    called: &'static str,
+    /// Errors from and to.
+    errors: (f64, f64),
+    /// What kind of error.
+    axis: &'static str,
+}
+
+const PANELS: [Shown; 3] = [
+    Shown {
+        function: "root",
+        called: "cophase `root`",
+        errors: (1e-10, 10.0),
+        axis: "largest error, relative",
+    },
+    Shown {
+        function: "sine, cosine",
+        called: "cophase `sine_cosine`",
+        errors: (1e-10, 1e-2),
+        axis: "largest error of either",
+    },
+    Shown {
+        function: "arctangent",
+        called: "micromath `atan2`",
+        errors: (1e-10, 10.0),
+        axis: "largest error, rad",
+    },
 ];
 
 /// Who offers a function: what a candidate's name begins with, how its points are called, their colour.
@@ -56,10 +82,18 @@ impl Candidate {
 
     /// The name for its point; the crate is in the legend.
     fn point(&self) -> String {
-        let (_, called) = self.name.split_once('`').unwrap_or(("", &self.name));
+        // Some share a colour: theirs is written out.
+        let is_shared = self.offered_by().1 == Ink::Sky;
+        let (_, called) = match self.name.split_once('`') {
+            Some(named) if !is_shared => named,
+            _ => ("", self.name.as_str()),
+        };
         let kind = self.format.rsplit([',', ' ']).next().unwrap_or_default();
         let is_plain = matches!(kind, "f32" | "f64" | "I16F16" | "U32F32");
         let called = called.replace('`', "");
+        let called = called
+            .replace("the same, products in", "linear,")
+            .replace("straight lines", "linear");
         if is_plain {
             format!("{called} {kind}")
         } else {
@@ -78,7 +112,7 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
     let shown = |candidate: &&Candidate| {
         PANELS
             .iter()
-            .any(|(function, ..)| candidate.function == *function)
+            .any(|panel| candidate.function == panel.function)
     };
     let of = candidates.iter().filter(shown).count() as u64;
     for (done, candidate) in candidates.iter().filter(shown).enumerate() {
@@ -101,20 +135,18 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
     }
     let says: Vec<String> = PANELS
         .iter()
-        .map(|(function, called, _)| beaten(&candidates, function, called))
+        .map(|shown| beaten(&candidates, shown))
         .collect();
     let says = format!(
         "{} What errs by nothing at all is not shown. Formats differ, and so do errors that come of them.",
         says.join(" ")
     );
-    let panels = PANELS
-        .iter()
-        .map(|(function, called, errors)| panel(&candidates, function, called, *errors));
+    let panels = PANELS.iter().map(|shown| panel(&candidates, shown));
     let svg = render(Picture {
         title: "Elementary functions: error against cycles on the board".to_owned(),
         says: says.clone(),
         columns: 3,
-        chosen_is: "what the controller calls",
+        chosen_is: "called by the controller",
         panels: panels.collect(),
     });
     Ok(Drawn { csv, svg, says })
@@ -149,21 +181,17 @@ fn read() -> Result<Vec<Candidate>, ChartError> {
     Ok(candidates)
 }
 
-fn panel(candidates: &[Candidate], function: &str, called: &str, errors: (f64, f64)) -> Panel {
-    let of_function = || {
-        candidates
-            .iter()
-            .filter(|candidate| candidate.function == function)
-    };
+fn panel(candidates: &[Candidate], shown: &Shown) -> Panel {
     let mut lines: Vec<Line> = Vec::new();
-    for candidate in of_function() {
+    for candidate in candidates
+        .iter()
+        .filter(|candidate| candidate.function == shown.function)
+    {
         let (by, ink) = candidate.offered_by();
-        let chosen = candidate.name == called;
+        let chosen = candidate.name == shown.called;
         let point = (candidate.cycles_mean, candidate.error_max);
-        match lines
-            .iter_mut()
-            .find(|line| line.label == by && line.chosen == chosen)
-        {
+        let of_kind = |line: &&mut Line| line.label == by && line.chosen == chosen;
+        match lines.iter_mut().find(of_kind) {
             Some(line) => {
                 line.points.push(point);
                 line.names.push(candidate.point());
@@ -177,39 +205,33 @@ fn panel(candidates: &[Candidate], function: &str, called: &str, errors: (f64, f
         }
     }
     Panel {
-        title: format!("{function}: largest error"),
-        x: Axis::log("cycles a call, mean", 10.0, 20_000.0),
-        y: Axis::log(
-            if function == "root" {
-                "relative"
-            } else {
-                "absolute (rad, where angles)"
-            },
-            errors.0,
-            errors.1,
-        ),
+        title: shown.function.to_owned(),
+        x: Axis::log("cycles a call, mean", 10.0, 100_000.0),
+        y: Axis::log(shown.axis, shown.errors.0, shown.errors.1),
         lines,
         levels: Vec::new(),
     }
 }
 
-/// Who is both cheaper than what the controller calls, and closer.
-fn beaten(candidates: &[Candidate], function: &str, called: &str) -> String {
+/// Who else is both cheaper than what the controller calls, and closer.
+fn beaten(candidates: &[Candidate], shown: &Shown) -> String {
     let of_function = || {
         candidates
             .iter()
-            .filter(|candidate| candidate.function == function)
+            .filter(|candidate| candidate.function == shown.function)
     };
-    let Some(ours) = of_function().find(|candidate| candidate.name == called) else {
+    let Some(called) = of_function().find(|candidate| candidate.name == shown.called) else {
         return String::new();
     };
-    let better = of_function()
-        .filter(|other| other.cycles_mean < ours.cycles_mean && other.error_max < ours.error_max);
+    let better = of_function().filter(|other| {
+        let is_other = other.offered_by() != called.offered_by();
+        is_other && other.cycles_mean < called.cycles_mean && other.error_max < called.error_max
+    });
     let better: Vec<_> = better.map(|other| other.name.replace('`', "")).collect();
-    let called = called.replace('`', "");
+    let name = called.name.replace('`', "");
     if better.is_empty() {
-        format!("Nothing is both faster and closer than {called}.")
+        format!("Nothing of others is both faster and closer than {name}.")
     } else {
-        format!("Faster and closer than {called}: {}.", better.join(", "))
+        format!("Both faster and closer than {name}: {}.", better.join("; "))
     }
 }

@@ -18,8 +18,8 @@ pub struct Run {
     pub evaluations: u64,
     /// Largest error of the components that are compared; infinite where it diverged or did not converge.
     pub error: f64,
-    /// What a step takes, in sines.
-    pub sines_a_step: f64,
+    /// What an evaluation takes with the method's own work, in sines.
+    pub sines_an_evaluation: f64,
 }
 
 /// A method on a problem, from the longest step to the shortest.
@@ -106,7 +106,7 @@ fn run(
             Ok(()) => off.fold(0.0, f64::max),
             Err(_) => f64::INFINITY,
         },
-        sines_a_step: yardstick.sines(took) / f64::from(steps),
+        sines_an_evaluation: yardstick.sines(took) / counted.asked().max(1) as f64,
     })
 }
 
@@ -121,7 +121,7 @@ mod tests {
             steps: 1,
             evaluations,
             error,
-            sines_a_step: 1.0,
+            sines_an_evaluation: 1.0,
         };
         let runs = vec![
             run(50, f64::INFINITY),

@@ -75,7 +75,7 @@ fn write_rows(csv: &mut String, problem: &Problem, curve: &Curve) {
         // Writing to a string does not fail.
         let _ = writeln!(
             csv,
-            "\"{}\",{},{},{},{},{:e},{},{:e},{:.1}",
+            "\"{}\",{},{},{},{},{:e},{},{:e},{:.2}",
             problem.name,
             curve.scheme.facts().name,
             problem.default == Some(curve.scheme),
@@ -84,7 +84,7 @@ fn write_rows(csv: &mut String, problem: &Problem, curve: &Curve) {
             run.error,
             problem.unit,
             problem.doubt,
-            run.sines_a_step,
+            run.sines_an_evaluation,
         );
     }
 }
@@ -97,13 +97,19 @@ fn panel(problem: &Problem, curves: &[Curve]) -> Panel {
     let (least, most) = costs.fold((f64::INFINITY, 0.0_f64), |(least, most), cost| {
         (least.min(cost), most.max(cost))
     });
+    // Nothing may be shown, if all went wrong; axes are there even then.
+    let costs = if least < most {
+        (0.7 * least, 1.4 * most)
+    } else {
+        (1.0, 10.0)
+    };
     let line = |curve: &Curve| Line {
         chosen: problem.default == Some(curve.scheme),
         ..Line::of_scheme(curve.scheme, curve.points())
     };
     Panel {
         title: problem.name.to_owned(),
-        x: Axis::log("evaluations of the machine", 0.7 * least, 1.4 * most),
+        x: Axis::log("evaluations of the machine", costs.0, costs.1),
         y: Axis::log(
             format!("largest error at the end, {}", problem.unit),
             from,
@@ -152,11 +158,18 @@ impl Cheapest {
             .iter()
             .map(|(scheme, wins)| format!("{scheme} ({})", wins.join("; ")))
             .collect();
+        let default = if self.default_at_worst < 1.05 {
+            "is the cheapest there".to_owned()
+        } else {
+            format!(
+                "costs up to {:.1} times the cheapest",
+                self.default_at_worst
+            )
+        };
         format!(
-            "The cheapest to an error that is good enough: {}. What a scene takes unless told otherwise costs at most {:.1} \
-             times the cheapest. What diverged has a row in the data and no point here.",
+            "The cheapest to an error that is good enough: {}. What a scene takes unless told otherwise {default}. What diverged \
+             has a row in the data and no point here.",
             of.join(", "),
-            self.default_at_worst
         )
     }
 }

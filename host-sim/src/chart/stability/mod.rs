@@ -96,26 +96,23 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
     panels.push(trims(&mut csv, &mut |done| {
         progress(ZETAS.len() as u64 + done, of);
     }));
-    let edge = |scheme: Scheme, zeta| match scheme.stability_limit(zeta) {
-        Some(edge) => format!("{edge:.3}"),
-        None => "none".to_owned(),
-    };
-    let edges: Vec<String> = Scheme::ALL
+    let (limited, free): (Vec<_>, Vec<_>) = Scheme::ALL
         .iter()
-        .map(|&scheme| {
-            format!(
-                "{scheme} {} / {}",
-                edge(scheme, 0.0),
-                edge(scheme, ZETAS[1])
-            )
-        })
+        .map(|scheme| (scheme, ZETAS.map(|zeta| scheme.stability_limit(zeta))))
+        .partition(|(_, edges)| edges.iter().any(Option::is_some));
+    let edge =
+        |edge: Option<f64>| edge.map_or_else(|| "never".to_owned(), |edge| format!("{edge:.3}"));
+    let limited: Vec<_> = limited
+        .iter()
+        .map(|(scheme, edges)| format!("{scheme} {} / {}", edge(edges[0]), edge(edges[1])))
         .collect();
+    let free: Vec<_> = free.iter().map(|(scheme, _)| scheme.to_string()).collect();
     let says = format!(
-        "An oscillation grows from step × frequency (undamped / at damping ratio {}): {}. No edge is not no error: beyond \
-         1 rad a step only exact discretisation follows it. A trim that acts on drift d turns old may take back at most \
-         2 sin(π / (2 (2d + 1))) of it a turn; all of it, if there is no delay, is half of what is stable.",
+        "From which step × frequency on an oscillation grows, undamped / at damping ratio {}: {}; never with {}. A drift taken \
+         back by a trim dies out up to a gain of 2 sin(π / (2 (2d + 1))) if it is acted on d turns late; beyond, it grows.",
         ZETAS[1],
-        edges.join(", ")
+        limited.join(", "),
+        free.join(", "),
     );
     let svg = render(Picture {
         title: "Stability: where an oscillation grows, and where a drift does".to_owned(),
@@ -129,15 +126,18 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
 
 /// The panel of trims: what is measured at each delay, on the line of theory.
 fn trims(csv: &mut String, progress: &mut dyn FnMut(u64)) -> Panel {
-    let (mut measured, mut theory) = (Vec::new(), Vec::new());
+    let mut measured = Vec::new();
     for delay in DELAYS {
-        let (edge, by_theory) = (trim::edge(delay), trim::theory(delay));
+        let (edge, by_theory) = (trim::edge(delay), trim::theory(f64::from(delay)));
         // Writing to a string does not fail.
         let _ = writeln!(csv, "{TRIM},,{delay},{edge:.5},{by_theory:.6},,");
         measured.push((f64::from(delay), edge));
-        theory.push((f64::from(delay), by_theory));
         progress(u64::from(delay) + 1);
     }
+    // Between whole turns there is no such loop; the line leads the eye.
+    let theory = (0..=170)
+        .map(|i| f64::from(i) / 20.0)
+        .map(|delay| (delay, trim::theory(delay)));
     Panel {
         title: "trim of an axis: above the line drift grows".to_owned(),
         x: Axis::linear("delay, turns", 0.0, 8.5),
@@ -146,11 +146,11 @@ fn trims(csv: &mut String, progress: &mut dyn FnMut(u64)) -> Panel {
             Line {
                 stroke: Stroke::Dotted,
                 marked: false,
-                ..Line::new("trim, theory", Ink::Grey, theory)
+                ..Line::new("trim, theory", Ink::Grey, theory.collect())
             },
             Line {
                 stroke: Stroke::None,
-                ..Line::new("trim, measured", Ink::Vermilion, measured)
+                ..Line::new("trim, measured", Ink::Black, measured)
             },
         ],
         levels: Vec::new(),
