@@ -1,8 +1,9 @@
 //! Charts as a user gets them: small ones, which have all that full ones have but for points and length.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::process::Output;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use assert_cmd::Command;
 use host_sim::chart::CHARTS;
@@ -23,7 +24,7 @@ struct Drawn {
     said: String,
 }
 
-fn drawn(name: &str) -> Drawn {
+fn draw(name: &str) -> Drawn {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().to_str().unwrap();
     let output = chart(&[name, "--size", "small", "--out", place]);
@@ -35,6 +36,15 @@ fn drawn(name: &str) -> Drawn {
         svg: read("svg"),
         said: String::from_utf8(output.stdout).unwrap(),
     }
+}
+
+/// The same, made once for all tests that only read it.
+fn drawn(name: &'static str) -> Arc<Drawn> {
+    static ALL: Mutex<BTreeMap<&str, Arc<Drawn>>> = Mutex::new(BTreeMap::new());
+    let mut all = ALL.lock().unwrap_or_else(PoisonError::into_inner);
+    all.entry(name)
+        .or_insert_with(|| Arc::new(draw(name)))
+        .clone()
 }
 
 /// Rows by column.
@@ -60,8 +70,8 @@ fn untimed(csv: &str) -> Vec<HashMap<String, String>> {
 
 /// Were it wrong, a chart in the docs could not be told from another of the same name: a picture or a number would depend on
 /// the machine that made it.
-fn is_the_same_each_time(name: &str) {
-    let (one, other) = (drawn(name), drawn(name));
+fn is_the_same_each_time(name: &'static str) {
+    let (one, other) = (drawn(name), draw(name));
     assert_eq!(one.svg, other.svg);
     assert_eq!(untimed(&one.csv), untimed(&other.csv));
     assert!(one.svg.starts_with("<svg"), "{}", &one.svg[..40]);
@@ -153,10 +163,10 @@ fn methods_are_shown_down_to_ten_times_the_doubt_and_at_six_steps() {
 fn energy_is_kept_by_what_is_said_to_keep_it() {
     let drawn = drawn("energy");
     let finest = |method: &str| {
-        let of_method = rows(&drawn.csv)
+        let mut of_method = rows(&drawn.csv)
             .into_iter()
             .filter(|row| row["method"] == method);
-        number(&of_method.last().unwrap(), "drift")
+        number(&of_method.next_back().unwrap(), "drift")
     };
     assert!(finest("implicit midpoint") < 1e-6);
     assert!(finest("explicit Euler") > 1e-2);
@@ -247,8 +257,8 @@ fn columns_are_those_of_the_docs() {
         let documented: Vec<_> = cells
             .flat_map(|cell| cell.split('`').skip(1).step_by(2))
             .collect();
-        let csv = drawn(name).csv;
-        let header: Vec<_> = csv.lines().next().unwrap().split(',').collect();
+        let drawn = drawn(name);
+        let header: Vec<_> = drawn.csv.lines().next().unwrap().split(',').collect();
         assert_eq!(documented, header, "{name}");
     }
 }

@@ -171,19 +171,18 @@ fn panels(runs: &[Vec<Run>], cycles: &[Cycles; 2], rates: &[u32]) -> Vec<Panel> 
             ..Line::new("processor, worst tick", Ink::Purple, share(&cycles[1]))
         },
     ];
-    let (hold, ramp): (fn(&Run) -> f64, fn(&Run) -> f64) = (|run| run.hold, |run| run.ramp);
     let most_deg = runs.iter().flatten().map(|run| run.spread_deg);
     let most_deg = most_deg.fold(0.01, f64::max);
     vec![
         panel(
             "held amplitude, worst error",
             Axis::log("of the amplitude", 1e-11, 1e-7),
-            lines(hold),
+            lines(|run| run.hold),
         ),
         panel(
             "ramps, rms error of what is played",
             Axis::log("of the highest amplitude", 5e-6, 2e-3),
-            lines(ramp),
+            lines(|run| run.ramp),
         ),
         panel(
             "cranks out of phase, worst (0 where they are where told)",
