@@ -10,7 +10,6 @@ use cophase_core::settings::MAX_AXES;
 use cophase_methods::problems::{Cam, Chain};
 use cophase_methods::{Scheme, StepError};
 
-use super::Chosen;
 use crate::scene::file::Fidelity;
 use crate::scene::{Checked, SceneError};
 use elastic::Elastic;

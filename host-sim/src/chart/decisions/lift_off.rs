@@ -10,8 +10,8 @@
 use cophase_methods::Scheme;
 use cophase_methods::problems::{Cam, Chain, Law, Shaft};
 
-use super::super::counted::Counted;
 use super::{Decision, NoOutcome};
+use crate::chart::methods::Counted;
 
 use std::f64::consts::TAU;
 

@@ -21,8 +21,9 @@ use std::fmt::Write;
 
 use cophase_methods::{Scheme, StepError};
 
-use super::Drawn;
-use super::picture::{Line, Panel, render};
+use super::axis::Axis;
+use super::picture::{Line, Panel, Picture, render};
+use super::{ChartError, Drawn, Progress, Size};
 use lift_off::LiftOff;
 use pull_out::PullsOut;
 use resonance::Resonance;
@@ -135,25 +136,32 @@ fn decisions() -> [Box<dyn Decision>; 3] {
     ]
 }
 
-/// Makes the chart.
-pub fn draw() -> Drawn {
+/// Makes the chart. It takes seconds at any size.
+pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
     let mut csv =
         "scene,method,step_s,step_times_frequency,threshold,error,evaluations\n".to_owned();
     let mut panels = Vec::new();
     let mut worst: Vec<Worst> = Vec::new();
-    for decision in decisions() {
+    let decisions = decisions();
+    let of = decisions.len() as u64;
+    for (done, decision) in (0..).zip(decisions) {
+        progress(done, of);
         let (panel, scene_worst) = measure(decision.as_ref(), &mut csv);
         panels.push(panel);
         worst.push(scene_worst);
     }
-    Drawn {
+    let says = says(&worst);
+    Ok(Drawn {
         csv,
-        svg: render(
-            "Decisions: error of the threshold at which the outcome turns over",
+        svg: render(Picture {
+            title: "Decisions: error of the threshold at which the outcome turns over".to_owned(),
+            says: says.clone(),
+            columns: 3,
+            chosen_is: "default",
             panels,
-        ),
-        says: says(&worst),
-    }
+        }),
+        says,
+    })
 }
 
 /// What is worth saying of a scene.
@@ -214,24 +222,23 @@ fn measure(decision: &dyn Decision, csv: &mut String) -> (Panel, Worst) {
             }
         }
         if !points.is_empty() {
-            lines.push(Line {
-                scheme,
-                points,
-                marked: true,
-            });
+            lines.push(Line::of_scheme(scheme, points));
         }
     }
     let span = |bound: fn(f64, f64) -> f64, from: f64| steps_s.iter().copied().fold(from, bound);
     let panel = Panel {
         title: decision.title().to_owned(),
-        x_label: "step × frequency, rad",
-        y_label: "error of the threshold, relative",
-        x: (
+        x: Axis::log(
+            "step × frequency, rad",
             span(f64::min, f64::INFINITY) * omega / 1.5,
             span(f64::max, 0.0) * omega * 1.5,
         ),
         // What the reference is not good for is not shown.
-        y: (10.0 * decision.doubt(), 1.0),
+        y: Axis::log(
+            "error of the threshold, relative",
+            10.0 * decision.doubt(),
+            1.0,
+        ),
         lines,
         levels: Vec::new(),
     };

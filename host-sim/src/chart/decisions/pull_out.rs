@@ -7,8 +7,8 @@
 
 use cophase_methods::{Equations, Scheme};
 
-use super::super::counted::Counted;
 use super::{Decision, NoOutcome};
+use crate::chart::methods::Counted;
 use crate::dynamics::{Body, Field, Motor, Rigid, Stepper};
 use crate::machine::PullOut;
 use crate::mechanism::slider_crank::{Load, Platform, SliderCrank};
@@ -119,7 +119,11 @@ impl Equations for Led<'_> {
 
     fn rates(&self, t_s: f64, state: &[f64], rates: &mut [f64]) {
         let (alpha, omega) = (state[0], state[1]);
-        let torque = MOTORS as f64 * self.machine.motor.torque_nm(&self.field(t_s), alpha, omega);
+        let torque = MOTORS as f64
+            * self
+                .machine
+                .motor
+                .torque_nm(&self.field(t_s), alpha, omega, 0.0);
         rates[0] = omega;
         rates[1] = self.machine.rigid.acceleration_rad_s2(alpha, omega, torque);
     }

@@ -6,8 +6,8 @@
 use cophase_methods::Scheme;
 use cophase_methods::problems::Screen;
 
-use super::super::counted::Counted;
 use super::{Decision, NoOutcome};
+use crate::chart::methods::Counted;
 
 /// The screen with its motor; the drive is the motor's torque over its rated one.
 pub struct Resonance;

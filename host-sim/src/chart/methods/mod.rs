@@ -7,6 +7,8 @@ mod counted;
 pub mod measure;
 pub mod problems;
 
+pub use counted::Counted;
+
 use std::fmt::Write;
 
 use cophase_methods::Scheme;
