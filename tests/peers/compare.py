@@ -1,7 +1,7 @@
 """Cophase's phased rung beside MuJoCo on the same platform: error against time, on one core, in one run.
 
     python tests/peers/compare.py            # all of it: writes docs/peer-mujoco.csv and .svg, prints the tables
-    python tests/peers/compare.py --quick    # two rounds, nothing written
+    python tests/peers/compare.py --keep target/peers   # keeps reference solutions there for the next time
 
 Both sides play the same second (`machine.json`) and are judged by the same solution (`truth.py`). Runs of the two take
 turns, and of each the least CPU time of all rounds counts: the machine may be busy with other things. README.md says what each side solves.
@@ -9,6 +9,7 @@ turns, and of each the least CPU time of all rounds counts: the machine may be b
 
 import argparse
 import csv
+import hashlib
 import json
 import resource
 import subprocess
@@ -97,6 +98,21 @@ def judge(run, played, truth, axes):
     run.error_rad, run.tilt_mrad = off[:, :axes].max(), 1e3 * off[:, axes + 1 :].max()
 
 
+def reference(machine, axes, rods, keep):
+    """The solution, how far a looser one is from it (rad), and how far rods are from their length at its end (m)."""
+    name = hashlib.sha256(MACHINE.read_bytes() + (HERE / "truth.py").read_bytes()).hexdigest()[:16]
+    kept = keep / f"{name}-{axes}-{rods}.npz" if keep else None
+    if kept and kept.exists():
+        return tuple(np.load(kept).values())
+    platform = Platform(machine, axes, rods)
+    truth, drift = platform.solve(1e-11)
+    doubt = np.abs(platform.solve(1e-9)[0] - truth)[:, :axes].max()
+    if kept:
+        keep.mkdir(parents=True, exist_ok=True)
+        np.savez(kept, truth=truth, doubt=doubt, drift=drift)
+    return truth, doubt, drift
+
+
 def play(machine, axes, rods, truth, rounds):
     runs = [Run("cophase", method, steps) for method in OURS for steps in STEPS]
     # Springs have no constraints to set: each integrator once.
@@ -106,8 +122,9 @@ def play(machine, axes, rods, truth, rounds):
     for _ in range(rounds):
         for run in runs:
             if run.side == "cophase":
-                # About as long as a run of the other side, so that the process's start does not count for much.
-                judge(run, cophase(machine, axes, run, max(5, int(200 / run.steps_per_tick))), truth, axes)
+                # Long enough that the process's start does not count for much.
+                repeats = max(1, int(0.15 / run.seconds)) if np.isfinite(run.seconds) else 5
+                judge(run, cophase(machine, axes, run, repeats), truth, axes)
             else:
                 judge(run, peer.play(run.method, run.steps_per_tick, run.stiffness_steps), truth, axes)
     return runs
@@ -166,6 +183,7 @@ def picture(results):
 
     matplotlib.rcParams.update({"svg.hashsalt": "cophase", "font.size": 10, "svg.fonttype": "none"})
     figure, panels = plt.subplots(1, len(results), figsize=(11, 4.6), sharey=True)
+    # Of the time constants of RK4 one is drawn, to keep the picture clear.
     marks = dict(zip(["symplectic Euler", "velocity Verlet", "RK4", "implicit midpoint", "SDIRK4", "Euler",
                       "implicitfast", "discrete"], "v^so*v>D"))
     for panel, ((axes, rods), runs) in zip(panels, results.items()):
@@ -189,23 +207,21 @@ def picture(results):
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    arguments.add_argument("--quick", action="store_true", help="two rounds, nothing written")
-    quick = arguments.parse_args().quick
+    arguments.add_argument("--rounds", type=int, default=3)
+    arguments.add_argument("--keep", type=Path, help="a folder to keep reference solutions in")
+    arguments = arguments.parse_args()
     machine, results = json.loads(MACHINE.read_text()), {}
     for axes, rods in CASES:
-        platform = Platform(machine, axes, rods)
-        truth, drift = platform.solve(1e-11)
-        doubt = np.abs(platform.solve(1e-9)[0] - truth)[:, :axes].max()
+        truth, doubt, drift = reference(machine, axes, rods, arguments.keep)
         print(f"\n{axes} cranks, rods {rods}. Reference: 1e-9 and 1e-11 differ by {doubt:.1e} rad", end="")
         print(f"; rods keep their length to {drift:.1e} m" if rods == "rigid" else "")
-        results[axes, rods] = runs = play(machine, axes, rods, truth, 2 if quick else 3)
+        results[axes, rods] = runs = play(machine, axes, rods, truth, arguments.rounds)
         for run in runs:
             if run.refused:
                 print(f"cophase, {run.method}, {run.steps_per_tick} a tick: {run.refused}")
         table(runs)
-    if not quick:
-        write(results)
-        picture(results)
+    write(results)
+    picture(results)
 
 
 if __name__ == "__main__":

@@ -29,7 +29,7 @@ fn times_of_the_cycle() {
     assert_within("cycle", cam.cycle_s(), 0.133_333_3, 1e-6);
 }
 
-/// 2: modes; frequencies to 0.01 %, damping ratios to the four digits given.
+/// 2: modes; frequencies and damping ratios to 0.01 %.
 #[test]
 fn modes() {
     let chain = Chain::wrapper(Cam::wrapper(Law::Cycloid), Shaft::DampedToGround);
@@ -43,7 +43,7 @@ fn modes() {
     {
         assert_within("frequency, rad/s", omega, rad_s, 1e-4);
         assert_within("frequency, Hz", omega / TAU, hz, 1e-4);
-        assert_within("damping ratio", mode.zeta, zeta, 2e-4);
+        assert_within("damping ratio", mode.zeta, zeta, 1e-4);
     }
 }
 
@@ -153,7 +153,8 @@ fn accelerations_as_printed() {
     }
 }
 
-/// 5: the damper's other end at the cam, and what its end at the ground costs. Three digits are published.
+/// 5: the damper's other end at the cam, and what its end at the ground costs. Three digits are published, and met to
+/// half of the last.
 #[test]
 fn with_the_damper_at_the_cam() {
     let law = Law::ModifiedSine;
@@ -167,19 +168,19 @@ fn with_the_damper_at_the_cam() {
         "off, damped to cam, mm",
         at_cam.follower_off_m * 1e3,
         0.125,
-        5e-3,
+        4e-3,
     );
     assert_within(
         "off, to ground, mm",
         ground.follower_off_m * 1e3,
         0.246,
-        5e-3,
+        2e-3,
     );
     assert_within(
         "burnt at the ground, kW",
         ground.damper_w * 1e-3,
         1.40,
-        5e-3,
+        3.5e-3,
     );
     // The ground's damper holds the cam-side mass back by C₁ s′ / K₁ at the fastest.
     let cam = Cam::wrapper(law);
@@ -187,7 +188,7 @@ fn with_the_damper_at_the_cam() {
         .map(|i| cam.at(cam.cycle_s() * f64::from(i) / 1e4).velocity.abs())
         .fold(0.0, f64::max);
     let lag_mm = Chain::DAMPING_N_S_M[0] * fastest_mps / Chain::STIFFNESS_N_M[0] * 1e3;
-    assert_within("lag, mm", lag_mm, 0.199, 5e-3);
+    assert_within("lag, mm", lag_mm, 0.199, 2.5e-3);
 }
 
 /// 6: step limits, to 1 %. Semi-implicit Euler's published 58.5 us is 2/ω of the fastest mode without damping. With its

@@ -16,7 +16,7 @@
 //! A step is then three products of matrix and vector. The matrix A is taken when the method is made: equations
 //! whose matrix changes need a new one.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, DVectorView, DVectorViewMut};
 
 use crate::method::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
@@ -27,9 +27,7 @@ pub(crate) struct Exact {
     transition: DMatrix<f64>,
     from_start: DMatrix<f64>,
     from_end: DMatrix<f64>,
-    state: DVector<f64>,
     input: DVector<f64>,
-    next: DVector<f64>,
 }
 
 impl Rule for Exact {
@@ -61,9 +59,7 @@ impl Rule for Exact {
             transition: part(0),
             from_start: part(1) - part(2),
             from_end: part(2),
-            state: DVector::zeros(n),
             input: DVector::zeros(n),
-            next: DVector::zeros(n),
         })
     }
 
@@ -78,13 +74,13 @@ impl Rule for Exact {
         let linear = equations
             .linear()
             .expect("the equations are those the method was made for");
-        self.state.as_mut_slice().copy_from_slice(y);
-        self.next.gemv(1.0, &self.transition, &self.state, 0.0);
+        let state = DVectorView::from_slice(y, y.len());
+        let mut next = DVectorViewMut::from_slice(next, y.len());
+        next.gemv(1.0, &self.transition, &state, 0.0);
         linear.input(t_s, self.input.as_mut_slice());
-        self.next.gemv(1.0, &self.from_start, &self.input, 1.0);
+        next.gemv(1.0, &self.from_start, &self.input, 1.0);
         linear.input(t_s + h, self.input.as_mut_slice());
-        self.next.gemv(1.0, &self.from_end, &self.input, 1.0);
-        next.copy_from_slice(self.next.as_slice());
+        next.gemv(1.0, &self.from_end, &self.input, 1.0);
         Ok(())
     }
 }
