@@ -10,9 +10,9 @@
 //! | --- | --- |
 //! | is linear with a constant matrix | [`Scheme::Exact`]: no stability limit, exact but for the curvature of its input |
 //! | its fastest mode turns less than some 1 rad a step | [`Scheme::Rk4`] |
-//! | the same, undamped or nearly, and must neither gain nor lose energy over hours | [`Scheme::VelocityVerlet`] |
+//! | the same, undamped or nearly, forces that depend on places alone, and must neither gain nor lose energy over hours | [`Scheme::VelocityVerlet`] |
 //! | has modes the step cannot resolve, and they must die away | [`Scheme::Sdirk4`] |
-//! | has modes the step cannot resolve, and energy must be kept | [`Scheme::ImplicitMidpoint`] |
+//! | has modes the step cannot resolve, or forces that depend on speed (an inertia that changes with the angle), and energy must be kept | [`Scheme::ImplicitMidpoint`] |
 //!
 //! [`Scheme::ExplicitEuler`] and [`Scheme::SymplecticEuler`] are what controllers and games are full of, here to be measured
 //! against.

@@ -9,6 +9,7 @@
 //! - the rest: a chart each, `docs/charts.md` says which.
 
 pub mod axis;
+pub mod breakdown;
 mod decisions;
 mod energy;
 mod fidelity;
@@ -96,6 +97,11 @@ pub const CHARTS: &[Chart] = &[
         name: "decisions",
         shows: "error of each method, over step sizes, in the threshold at which a machine's outcome turns over",
         draw: decisions::draw,
+    },
+    Chart {
+        name: "breakdown",
+        shows: "what happens at the bad places, and what stands guard there",
+        draw: breakdown::draw,
     },
 ];
 
