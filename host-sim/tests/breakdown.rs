@@ -80,13 +80,13 @@ fn a_band_crossed_slowly() {
         assert!(pair[0].frame_um > 1.2 * pair[1].frame_um, "{pair:?}");
     }
     assert!(facts.crossings[0].frame_um < facts.dwelling_um);
-    // At an edge of 10 rev/s a mass without damping goes r²/(1 − r²) = 2.24 times m R / (M + m), in the beginning twice that.
+    // At 10.2 rev/s a mass without damping goes r²/(1 − r²) = 2.56 times m R / (M + m), in the beginning up to twice that.
+    let edge_um = 2.0 * 2.56 * 5e-3 / 21.0 * 1e6;
+    assert!(facts.held_um < edge_um, "{} µm", facts.held_um);
     assert!(
-        facts.held_um < 2.0 * 2.24 * 5e-3 / 21.0 * 1e6,
-        "{} µm",
-        facts.held_um
+        edge_um < 0.25 * facts.dwelling_um,
+        "the edge is no resonance"
     );
-    assert!(facts.held_um < 0.2 * facts.dwelling_um);
     let held_s = facts.held_s.expect("it is reported");
     assert!(held_s > 3.9, "{held_s} s");
     // The width at full acceleration, which is reached long before the band and left long after; and a tick at either end.
@@ -215,24 +215,34 @@ fn a_run_that_diverges_says_so_and_is_written() {
         warnings.contains("diverged") && warnings.contains("implicit equation"),
         "{warnings}"
     );
-    assert_ne!(report["state"], "parked");
+    assert_eq!(report["ended"]["fault"], false);
+    assert_ne!(report["ended"]["state"], "parked");
 }
 
 /// Were it wrong, rods would not ask anything of a crank that stands off, or a step that did for soft ones be run on stiff ones.
 #[test]
 fn stiffer_rods_under_four_cranks() {
     let facts = rods::look(Size::Small).unwrap();
+    // One of four that is 1° off is 0.25° off the plane of all. Were rods rigid its motor would have to give all of that: 20 N·m
+    // by the sine of 50 electrical cycles.
+    let most_nm = 20.0 * (50.0 * 0.25_f64.to_radians()).sin();
+    let bent_nm = |seen: &rods::Seen| seen.off_nm - seen.aligned_nm;
     for pair in facts.seen.windows(2) {
-        let (soft, stiff) = (pair[0], pair[1]);
-        assert!(stiff.off_nm > 1.2 * soft.off_nm, "{pair:?}");
-        assert!(stiff.steps > 2 * soft.steps, "{pair:?}");
-        // Its own share of the load is nearly all that an aligned crank carries, whatever the rods.
-        assert!(
-            (stiff.aligned_nm / soft.aligned_nm - 1.0).abs() < 0.05,
-            "{pair:?}"
-        );
+        assert!(bent_nm(&pair[1]) > bent_nm(&pair[0]), "{pair:?}");
+        assert!(pair[1].steps > 2 * pair[0].steps, "{pair:?}");
+        // A crank that is where it should be bends nothing, whatever the rods.
+        let aligned = pair[1].aligned_nm / pair[0].aligned_nm;
+        assert!((aligned - 1.0).abs() < 0.01, "{pair:?}");
     }
-    assert!(facts.seen[0].off_nm > facts.seen[0].aligned_nm);
+    let [soft, stiff, rigid] = facts.seen[..] else {
+        panic!("{:?}", facts.seen);
+    };
+    assert!(bent_nm(&stiff) > 2.0 * bent_nm(&soft), "{stiff:?}");
+    assert!(bent_nm(&rigid) <= most_nm, "{rigid:?}, at most {most_nm}");
+    assert!(
+        bent_nm(&rigid) > 0.95 * most_nm,
+        "{rigid:?}, nearly {most_nm}"
+    );
     // The soft rods' step, on the soft rods and on rods ten times stiffer.
     let scene = |rod| rods::scene(rod, 1.0, 3.0, "steps_per_tick = 1");
     assert_eq!(runs::refusal(&scene(rods::SOFT_N_PER_UM)), None);
