@@ -1,6 +1,6 @@
 //! A run that no guard refuses beforehand, and that comes to an end on the way.
 //!
-//! Implicit midpoint has no limit, so none binds. But rotors of 10 g cm² between motors of 1000 N·m/rad turn by 16 rad in the
+//! Implicit midpoint has no limit, so none binds. But rotors of 0.1 g cm² on motors of 1000 N·m/rad go through 158 rad in the
 //! one step that a tick is given here, and a motor's field then has many places at which the step could end: the method finds
 //! none of them. It says so, the run ends there, and what was seen until then is written.
 
@@ -25,7 +25,7 @@ creep_hz = 5
 count = 3
 drive = "stepper"
 steps_per_turn = 12800
-rotor_inertia_kgm2 = 1e-6
+rotor_inertia_kgm2 = 1e-8
 damping_nms = 0.2
 pull_out = [[0, 20.0], [60, 20.0]]
 [[program]]

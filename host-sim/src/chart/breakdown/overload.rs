@@ -104,8 +104,8 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
     Ok(Shown {
         key: "overload",
         title: "6  Five times the load that motors are for".to_owned(),
-        x: Axis::linear("time, s", 0.3, 1.1),
-        y: Axis::linear("crank ahead of its command, °", -60.0, 60.0),
+        x: Axis::linear("time, s", 0.4, 1.05),
+        y: Axis::linear("crank ahead of its command, °", -40.0, 10.0),
         curves: vec![
             Curve::new("five-fold load, °", failing(thin(&over))),
             Curve::new("load they are sized for, °", guarded(thin(&sized))),

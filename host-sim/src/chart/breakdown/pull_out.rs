@@ -119,7 +119,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
     Ok(Shown {
         key: "pull-out",
         title: "3  Pull-out: one motor of three too weak".to_owned(),
-        x: Axis::linear("time, s", 0.3, 1.1),
+        x: Axis::linear("time, s", 0.4, 1.0),
         y: Axis::linear("crank ahead of its command, electrical cycles", -5.0, 1.0),
         curves: vec![
             Curve::new("a fifth of the others, cycles", failing(thin(&weak))),

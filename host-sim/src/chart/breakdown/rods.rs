@@ -140,7 +140,7 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
     let steps = Line {
         stroke: Stroke::Dotted,
         ..Line::new(
-            "steps a tick",
+            "5: steps a tick",
             Ink::Black,
             points(|seen| f64::from(seen.steps)),
         )

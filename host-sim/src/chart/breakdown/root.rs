@@ -98,9 +98,11 @@ pub fn look() -> Result<Facts, ChartError> {
         }
     })?;
     let began_s = began_s(&outcome).unwrap_or(0.0);
-    let speeds = seen
+    // What is asked in a tick is reached at its end; the program begins at rest.
+    let after = seen
         .into_iter()
-        .map(|(t_s, asked, got)| (t_s - began_s, asked, got));
+        .map(|(t_s, asked, got)| (t_s + TICK_S - began_s, asked, got));
+    let speeds = std::iter::once((0.0, 0.0, 0.0)).chain(after);
     let speeds = speeds.filter(|(t_s, ..)| *t_s < 1.0).collect();
     Ok(Facts { speeds, outcome })
 }
