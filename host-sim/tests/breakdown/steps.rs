@@ -1,7 +1,7 @@
 //! Steps past what a method is stable for: refused where that is known, and a clear end where it is not.
 
 use cophase_core::supervisor::State;
-use cophase_methods::Scheme;
+use cophase_methods::{Scheme, StepError};
 use host_sim::chart::Size;
 use host_sim::chart::breakdown::{chain, diverging, rods, runs};
 
@@ -19,23 +19,21 @@ fn a_stiff_chain_past_its_step() {
     );
     for tried in &facts.methods {
         for turn in &tried.turns {
-            match tried.limit_s {
-                Some(limit_s) if turn.step_s > 1.2 * limit_s => assert!(
-                    turn.peak > 100.0,
-                    "{}: {turn:?}, limit {limit_s}",
-                    tried.scheme
-                ),
-                // Below its limit every method is of the size of the peak, if it still resolves the slowest mode.
-                _ if turn.step_s < 140e-6 => assert!(
-                    (0.8..1.25).contains(&turn.peak),
-                    "{}: {turn:?}",
-                    tried.scheme
-                ),
-                _ => assert!(
-                    turn.peak.is_finite() && turn.diverged.is_none(),
-                    "{}: {turn:?}",
-                    tried.scheme
-                ),
+            let what = format!("{}: {turn:?}, limit {:?}", tried.scheme, tried.limit_s);
+            let is_beyond = tried.limit_s.is_some_and(|limit_s| turn.step_s > limit_s);
+            // The two coarsest have 64 and 128 steps in which to grow, all others at least twice as many.
+            if is_beyond && turn.step_s < 600e-6 {
+                let end = turn.diverged;
+                assert!(matches!(end, Some(StepError::NotFinite { .. })), "{what}");
+            } else if is_beyond {
+                assert!(turn.peak > 1e6, "{what}");
+            } else {
+                assert!(turn.peak.is_finite() && turn.diverged.is_none(), "{what}");
+            }
+            // Below its limit explicit Euler takes hω/2 from the slowest mode's damping ratio, 0.014 of 0.035 at 16 µs: an
+            // overshoot e^-πζ grows by 4.5 % of itself at most. All others are better by far.
+            if !is_beyond && turn.step_s < 140e-6 {
+                assert!((turn.peak - 1.0).abs() < 0.045, "{what}");
             }
         }
     }
@@ -72,7 +70,7 @@ fn a_step_past_the_limit_is_refused() {
         );
         assert!(said.contains("steps_per_tick = "), "what would do: {said}");
     }
-    // The same one step a tick is stable with what auto takes, and auto takes as many as show the peaks.
+    // Steps that are left open are as many as are stable and show the peaks; so is the method.
     for (method, scheme) in [("", Scheme::Exact), ("name = \"rk4\"", Scheme::Rk4)] {
         let outcome = runs::run(&chain::scene(method), &mut |_| {}).unwrap();
         let (taken, steps) = outcome.method.expect("it is integrated");
