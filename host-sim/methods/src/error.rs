@@ -60,3 +60,14 @@ pub enum StepError {
         t_s: f64,
     },
 }
+
+impl StepError {
+    /// The same, of steps whose time began `by_s` after 0.
+    #[must_use]
+    pub fn later(mut self, by_s: f64) -> Self {
+        let (Self::NotFinite { t_s, .. } | Self::NotConverged { t_s, .. } | Self::Singular { t_s }) =
+            &mut self;
+        *t_s += by_s;
+        self
+    }
+}

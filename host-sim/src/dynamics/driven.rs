@@ -133,6 +133,15 @@ impl Driven {
         bound.mode()
     }
 
+    /// Modes that parts of it have by themselves: slower than [`Driven::fastest_mode`], and damped less it may be. A method
+    /// that damping alone keeps stable has to be asked about these as well.
+    pub fn own_modes(&self) -> Vec<Mode> {
+        let mut modes = Bound::rotors(&self.motors, &self.body().rotors_kgm2);
+        modes.extend(self.frame().into_iter().flat_map(Bound::layers));
+        modes.retain(|mode| mode.omega_rad_s > 0.0);
+        modes
+    }
+
     /// Torque of each motor, N·m, in a state at a time.
     pub fn torques_nm(&self, t_s: f64, state: &[f64]) -> [f64; MOST] {
         let mut torques = [0.0; MOST];

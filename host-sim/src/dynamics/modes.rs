@@ -87,6 +87,29 @@ impl Bound {
         })
     }
 
+    /// The modes that layers of springs have by themselves.
+    pub(super) fn layers(frame: &Frame) -> impl Iterator<Item = Mode> + '_ {
+        let layers = std::iter::once(&frame.suspended).chain(&frame.foundation);
+        layers.flat_map(|layer| {
+            (0..FREEDOMS).map(|f| {
+                let bound = Self {
+                    stiff: layer.stiffness[f] / layer.masses[f],
+                    damped: layer.damping[f] / layer.masses[f],
+                };
+                bound.mode()
+            })
+        })
+    }
+
+    /// The modes that motors have on their rotors alone.
+    pub(super) fn rotors(motors: &[Motor], rotors_kgm2: &[f64]) -> Vec<Mode> {
+        let each = motors.iter().zip(rotors_kgm2);
+        each.map(|(motor, rotor)| {
+            Self::of_rotors(std::slice::from_ref(motor), std::slice::from_ref(rotor)).mode()
+        })
+        .collect()
+    }
+
     /// Of either, where they share no position.
     pub(super) fn or(self, other: Self) -> Self {
         Self {

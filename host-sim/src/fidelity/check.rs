@@ -41,8 +41,14 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
     let place = rungs.iter().position(|&rung| rung == choice.rung);
     let mut runs = Runs::default();
     for ceiling in place.unwrap_or(0)..rungs.len() {
-        let above = rungs[ceiling + 1..].iter().find(|&&rung| moves(rung));
-        let against = *above.unwrap_or(&rungs[ceiling]);
+        let knows = |rung: Fidelity| {
+            let judged = judge(bounds.as_ref(), &questions, rung, choice.resolution);
+            moves(rung) && judged.iter().all(Judged::is_bounded)
+        };
+        let above = &rungs[ceiling + 1..];
+        let knowing = above.iter().find(|&&rung| knows(rung));
+        // Where none is bounded, the top knows best.
+        let against = *knowing.or(above.last()).unwrap_or(&rungs[ceiling]);
         let right = runs.answers(&checked, against)?;
         // The lowest first: bounds are wide.
         for &rung in &rungs[..=ceiling] {

@@ -32,7 +32,8 @@ pub struct Judged {
 }
 
 impl Judged {
-    fn is_bounded(&self) -> bool {
+    /// Whether it is surely within what is asked.
+    pub fn is_bounded(&self) -> bool {
         self.bound.is_some_and(|bound| bound <= self.tolerance)
     }
 }

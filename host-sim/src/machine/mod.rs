@@ -22,13 +22,13 @@ pub use cam::{Followers, Peaks, Pusher, Turned};
 pub use index::IndexSensor;
 pub use platform::{Platform, Pose};
 pub use pull_out::PullOut;
-pub use rotors::{Chosen, MOST_STEPS, RESOLUTION, Rotors, Told};
+pub use rotors::{Broken, Chosen, MOST_STEPS, RESOLUTION, Rotors, Told};
 
 use cophase_core::pulse::Runs;
 use cophase_core::servo::Setpoint;
 use cophase_core::settings::CLOCK_HZ;
 use cophase_core::signals::Output;
-use cophase_methods::{Scheme, StepError};
+use cophase_methods::Scheme;
 
 use crate::dynamics::FrameMotion;
 use crate::scene::file::{Drive, Fidelity};
@@ -223,9 +223,9 @@ impl<const N: usize> Machine<N> {
     }
 
     /// Why the equations went no further, if they did not.
-    pub fn broken(&self) -> Option<StepError> {
+    pub fn broken(&self) -> Option<Broken> {
         let rotors = self.rotors.as_ref().and_then(Rotors::broken);
-        rotors.or_else(|| self.followers.as_ref()?.broken())
+        rotors.or_else(|| Some(self.followers.as_ref()?.broken()?.into()))
     }
 
     /// Plays one tick and returns the cycles in it at which index flags came. `master_turns` is

@@ -89,8 +89,32 @@ pub struct Rotors {
     told: Vec<Told>,
     tick_s: f64,
     were_on: bool,
+    /// Ticks played, and the speed beyond which no crank turns, rad/s.
+    ticks: u64,
+    most_rad_s: f64,
     /// Why it went no further.
-    broken: Option<StepError>,
+    broken: Option<Broken>,
+}
+
+/// Why a machine went no further.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Broken {
+    /// A step was not made.
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// A method that fails no step made what no machine does.
+    #[error(
+        "crank {axis} turns at {speed_hz:.0} rev/s at t = {t_s} s, which is beyond any speed of this machine: the step is too long for \
+         this method on motors whose torque is no straight line; take more method.steps_per_tick, or RK4"
+    )]
+    RanAway {
+        /// When, s.
+        t_s: f64,
+        /// Which crank.
+        axis: usize,
+        /// Its speed.
+        speed_hz: f64,
+    },
 }
 
 impl Rotors {
@@ -111,9 +135,11 @@ impl Rotors {
             None => steps_for(scheme, mode, tick_s, chosen.resolution)?,
         };
         let step_s = tick_s / f64::from(steps);
-        scheme
-            .check_step(step_s, mode.omega_rad_s, mode.zeta)
-            .map_err(|unstable| unstable.to_string())?;
+        for mode in std::iter::once(mode).chain(driven.own_modes()) {
+            scheme
+                .check_step(step_s, mode.omega_rad_s, mode.zeta)
+                .map_err(|unstable| unstable.to_string())?;
+        }
         let method = scheme
             .prepare(&driven, step_s)
             .map_err(|refused| refused.to_string())?;
@@ -133,8 +159,17 @@ impl Rotors {
             told,
             tick_s,
             were_on: false,
+            ticks: 0,
+            most_rad_s: f64::INFINITY,
             broken: None,
         })
+    }
+
+    /// The same, ended when a crank turns faster than that.
+    #[must_use]
+    pub fn watched(mut self, most_rad_s: f64) -> Self {
+        self.most_rad_s = most_rad_s;
+        self
     }
 
     /// The method, and how many steps a tick it makes.
@@ -143,13 +178,14 @@ impl Rotors {
     }
 
     /// Why it went no further, if it did not.
-    pub fn broken(&self) -> Option<StepError> {
+    pub fn broken(&self) -> Option<Broken> {
         self.broken
     }
 
     /// Plays a tick in which drives lead their rotors evenly from where they were told last to `told`.
     pub fn play(&mut self, told: &[Told], energised: bool) {
         self.were_on |= energised;
+        self.ticks += 1;
         for ((field, to), from) in self.driven.fields.iter_mut().zip(told).zip(&self.told) {
             let by_turns = to.turns - from.turns;
             *field = Field {
@@ -169,12 +205,28 @@ impl Rotors {
         for step in 0..self.steps {
             let t_s = f64::from(step) * self.method.step_s();
             if let Err(error) = self.method.step(&self.driven, t_s, &mut self.state) {
-                self.broken = Some(error);
+                let since_s = (self.ticks - 1) as f64 * self.tick_s;
+                self.broken = Some(error.later(since_s).into());
                 return;
             }
         }
+        self.broken = self.ran_away();
         self.torques_nm = self.driven.torques_nm(self.tick_s, &self.state);
         self.driven.rates(self.tick_s, &self.state, &mut self.rates);
+    }
+
+    /// A crank that turns as no machine does.
+    fn ran_away(&self) -> Option<Broken> {
+        let from = self.driven.positions();
+        let speeds = &self.state[from..from + self.driven.angles()];
+        let axis = speeds
+            .iter()
+            .position(|omega| omega.abs() > self.most_rad_s)?;
+        Some(Broken::RanAway {
+            t_s: self.ticks as f64 * self.tick_s,
+            axis,
+            speed_hz: speeds[axis].abs() / std::f64::consts::TAU,
+        })
     }
 
     /// Speed and acceleration of the cranks, their means, rad/s and rad/s².

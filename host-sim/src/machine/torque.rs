@@ -10,6 +10,11 @@ use crate::mechanism::slider_crank::{Load, SliderCrank};
 use crate::scene::file::{self, Drive, Fidelity, Rods};
 use crate::scene::{Checked, SceneError};
 
+/// A crank that turns at so many times the greatest speed of its machine, and at so many rev/s more that a load may drive it to,
+/// is a method's doing.
+const BEYOND: f64 = 10.0;
+const COASTING_HZ: f64 = 50.0;
+
 /// Full steps to an electrical cycle.
 const FULL_STEPS: f64 = 4.0;
 
@@ -50,8 +55,14 @@ pub fn rotors<const N: usize>(
             ),
         ));
     }
+    let ratios = settings.axes.iter().map(|axis| {
+        let (over, under) = axis.ratio;
+        f64::from(over) / f64::from(under)
+    });
+    let fastest_hz = settings.limits.speed_hz * ratios.fold(1.0, f64::max);
+    let beyond_hz = BEYOND * fastest_hz + COASTING_HZ;
     Rotors::new(driven, told.collect(), tick_s, chosen)
-        .map(Some)
+        .map(|rotors| Some(rotors.watched(beyond_hz * std::f64::consts::TAU)))
         .map_err(|problem| SceneError::at("method", problem))
 }
 

@@ -149,8 +149,8 @@ fn write_page(
     };
     if seen.worst_spread_deg < 1e-6 {
         let by_model = match checked.fidelity {
-            Fidelity::QuasiStatic => "",
-            _ => " (in this model they cannot do otherwise)",
+            Fidelity::Kinematic | Fidelity::Rigid => " (in this model they cannot do otherwise)",
+            _ => "",
         };
         writeln!(
             page,
