@@ -134,11 +134,9 @@ fn a_ramp_of_one_second_starts_within_limits() {
             "{name}"
         );
         let at = running.start + (balance_s / tick_s).ceil() as usize;
-        assert!(
-            omega[at] < 0.1 * asked(balance_s),
-            "{name}: {} rad/s",
-            omega[at]
-        );
+        // It comes from the slow turn that found the index pulses.
+        let gained = omega[at] - omega[running.start];
+        assert!(gained < 0.1 * asked(balance_s), "{name}: {gained} rad/s");
 
         // The trace's speeds end at 1e-6 rad/s; a difference of three of them is off by up to four halves of that.
         let rounding = |order: i32| 2.0 * 1e-6 / tick_s.powi(order);

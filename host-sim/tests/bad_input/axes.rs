@@ -169,7 +169,7 @@ fn pull_out_torque() {
             "[[0, 20], [5]]",
             "axes.pull_out[1]",
             "`[5]` has 1 in it",
-            "a list of two numbers belongs; such as `[0, 12.0]`",
+            "a list of two numbers belongs; such as `[0, 60.0]`",
         ),
         pull_out(
             "no number",

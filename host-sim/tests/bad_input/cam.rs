@@ -229,13 +229,6 @@ fn rungs_and_methods() {
             "missing",
             "let fidelity be \"kinematic\"",
         ),
-        case(
-            "elastic cranks",
-            replace("fidelity = \"auto\"", "fidelity = \"elastic\""),
-            "fidelity",
-            "of followers on cams",
-            "\"rigid\" and \"phased\"",
-        ),
         // RK4's limit is 81.1 us: 6 steps are 83.3, 7 are 71.4.
         method(
             "too coarse",
@@ -261,7 +254,10 @@ fn rungs_and_methods() {
     for (key, line) in [
         ("axes.pull_out", "pull_out = [[0, 20.0]]"),
         ("axes.friction_nm", "friction_nm = 1"),
-        ("axes.servo_limit_nm", "servo_limit_nm = 1"),
+        (
+            "axes.servo",
+            "servo = { position_gain_per_s = 1, velocity_gain_nms = 1 }",
+        ),
     ] {
         let text = edit("count = 4", &format!("count = 4\n{line}"));
         cases.push(case(

@@ -128,7 +128,7 @@ fn rigid() -> Result<Problem, ChartError> {
         start: vec![0.0, SPEED_RAD_S],
         end_s: TURN_S,
         answer: vec![6.906_729_890_485_487],
-        doubt: 1e-13,
+        doubt: 1e-14,
         wanted: 1e-5,
         steps: (16, 10),
     })
