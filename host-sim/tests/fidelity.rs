@@ -115,6 +115,8 @@ judged! {
     patent_3: "patent-3",
     patent_4: "patent-4",
     lost_steps: "lost-steps",
+    stiff_bearing: "stiff-bearing",
+    suspended: "suspended",
     wrapper: "wrapper",
 }
 

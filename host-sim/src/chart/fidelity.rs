@@ -3,15 +3,13 @@
 use std::fmt::Write;
 use std::time::Instant;
 
-use cophase_core::settings::MAX_AXES;
-
 use super::axis::Axis;
 use super::ink::{Ink, Stroke};
 use super::picture::{At, Level, Line, Panel, Picture, render};
 use super::yardstick::Yardstick;
 use super::{ChartError, Drawn, Progress, Size};
 use crate::fidelity::{Answers, Bounds, Judged, answers, available, check, judge, questions};
-use crate::machine::{Machine, Rotors};
+use crate::machine::Machine;
 use crate::scene::file::Fidelity;
 use crate::scene::library::{BuiltIn, SCENES};
 use crate::scene::{Checked, SceneError};
@@ -98,30 +96,23 @@ fn climb(scene: &BuiltIn, yardstick: Yardstick) -> Result<Ladder, SceneError> {
     })
 }
 
-/// How often a tick asks where a crank is and what lever it has: the sine and the root that all else is little beside.
-/// Once a crank for the platform's place, once more for the torque that it asks for, and on rungs that torque moves as often as
-/// the method asks.
+/// How often a tick asks where a crank or cam is: the sine and the root, or the law, that all else is little beside. Once an
+/// axis for the platform's place, once more for the torque that it asks for, and on rungs that are integrated as often as the
+/// method asks.
 fn crank_evaluations(checked: &Checked, rung: Fidelity) -> Result<f64, SceneError> {
     let on = checked.on(rung)?;
     let axes = checked.scene.axes.count;
-    let method = with_axes!(axes, N => {
-        Machine::<N>::new(&on)?.rotors().map(Rotors::method)
-    });
-    let place = axes.min(MAX_AXES) as f64;
-    let asked = method.map_or(0.0, |(scheme, steps)| {
-        let each = f64::from(steps * scheme.facts().evaluations);
+    let method = with_axes!(axes, N => Machine::<N>::new(&on)?.method());
+    let asked = method.map_or(0, |(scheme, steps)| {
+        let each = (steps * scheme.facts().evaluations) as usize;
         if rung == Fidelity::Rigid {
             each
         } else {
-            each * place
+            each * axes
         }
     });
-    let compared = if rung == Fidelity::QuasiStatic {
-        1.0
-    } else {
-        0.0
-    };
-    Ok(place + compared + asked)
+    let compared = usize::from(rung == Fidelity::QuasiStatic);
+    Ok((axes + compared + asked) as f64)
 }
 
 /// How far the worst output is off, as a part of its tolerance.
@@ -171,7 +162,7 @@ fn panel(ladder: &Ladder) -> Panel {
     };
     Panel {
         title: ladder.name.to_owned(),
-        x: Axis::log("crank evaluations a tick", 1.0, 2000.0),
+        x: Axis::log("crank evaluations a tick", 1.0, 1000.0),
         y: Axis::log("worst error, of its tolerance", SHOWN.0, SHOWN.1),
         lines: vec![bound, found, taken],
         levels: vec![Level {

@@ -93,6 +93,8 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
                 resolution: RESOLUTION,
             });
         }
+        // Nothing is lacking: what it says of the method does not go.
+        Err(wrong) if wrong.key.starts_with("method") => return Err(wrong),
         Err(lacking) => {
             let asked = judge(None, &questions, Fidelity::Rigid, RESOLUTION);
             let key = asked.first().map_or("", |judged| judged.output.key());

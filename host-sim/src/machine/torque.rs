@@ -1,6 +1,7 @@
 //! From a scene to cranks that are moved by torque.
 
 use cophase_core::settings::Settings;
+use cophase_methods::{Needs, Scheme};
 
 use super::{PullOut, Rotors, SimulatedAxis, Told};
 use crate::dynamics::{
@@ -45,7 +46,9 @@ pub fn rotors<const N: usize>(
     });
     let tick_s = 1.0 / f64::from(settings.tick_hz);
     let chosen = checked.chosen();
-    if let Some(scheme) = chosen.scheme.filter(|scheme| !scheme.suits(&driven)) {
+    let asks_for_places =
+        |scheme: &Scheme| scheme.facts().needs == Needs::SecondOrder && !scheme.suits(&driven);
+    if let Some(scheme) = chosen.scheme.filter(asks_for_places) {
         return Err(SceneError::at(
             "method.name",
             format!(

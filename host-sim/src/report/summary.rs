@@ -34,28 +34,35 @@ pub fn summary(
 /// How well an output that was asked for is answered.
 fn answered(judged: &Judged) -> String {
     let output = judged.output;
-    let asked = if output == Output::Slips {
-        "exactly".to_owned()
-    } else {
-        format!("to {} {}", judged.tolerance, output.unit())
+    let with_unit = |value: f64| match output.unit() {
+        "°" => format!("{}°", significant(value)),
+        unit => format!("{} {unit}", significant(value)),
+    };
+    let asked = match output {
+        Output::Slips => String::new(),
+        Output::Lag | Output::Spread => format!(", asked to {}°", judged.tolerance),
+        _ => format!(", asked to {} {}", judged.tolerance, output.unit()),
     };
     let bound = match judged.bound {
-        Some(bound) if bound.is_finite() => format!("off by at most {}", significant(bound)),
+        Some(bound) if bound.is_finite() => format!("off by at most {}", with_unit(bound)),
         _ => "not bounded".to_owned(),
     };
     let measured = judged.measured.map_or_else(String::new, |(off, against)| {
         format!(
             ", by {} in a sample run on {}",
-            significant(off),
+            with_unit(off),
             against.name()
         )
     });
-    format!("{} asked for {asked}: {bound}{measured}.", output.words())
+    format!("{}{asked}: {bound}{measured}.", output.words())
 }
 
 /// Two digits are enough for a bound.
 fn significant(value: f64) -> String {
-    if value == 0.0 || (0.01..1000.0).contains(&value) {
+    // Less than this is rounding: nothing.
+    if value < 2e-6 {
+        "0".to_owned()
+    } else if (0.01..1000.0).contains(&value) {
         let digits = if value < 0.1 { 3 } else { 2 };
         format!("{value:.digits$}")
     } else {

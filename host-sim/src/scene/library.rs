@@ -25,6 +25,8 @@ pub const SCENES: &[BuiltIn] = scenes![
     "patent-3",
     "patent-4",
     "lost-steps",
+    "stiff-bearing",
+    "suspended",
     "wrapper",
 ];
 

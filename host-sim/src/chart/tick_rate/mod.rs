@@ -16,7 +16,7 @@ use super::axis::Axis;
 use super::ink::{Ink, Stroke};
 use super::picture::{At, Level, Line, Panel, Picture, render};
 use super::{ChartError, Drawn, Progress, Size};
-use crate::scene::{Checked, library, load};
+use crate::scene::{Checked, library};
 use crate::sim::simulate;
 use ramp::{ProgramLevels, Ramp};
 
@@ -31,7 +31,6 @@ const SCENES: [(&str, Ink); 3] = [
     ("patent-3", Ink::Vermilion),
     ("stiff-bearing", Ink::Black),
 ];
-const MOVED_SCENE: &str = include_str!("stiff-bearing.toml");
 const EMULATED: &str = include_str!("../../../../docs/emulated.csv");
 
 /// A scene at a rate.
@@ -94,10 +93,8 @@ fn play(name: &str, tick_hz: u32) -> Result<Run, ChartError> {
     let failed =
         |error: &dyn std::fmt::Display| ChartError(format!("{name} at {tick_hz} Hz: {error}"));
     let at_rate = |tick_hz| {
-        let mut scene = match library::find(name) {
-            Some(built_in) => built_in.scene(),
-            None => load::parse(MOVED_SCENE).map_err(|error| failed(&error))?,
-        };
+        let built_in = library::find(name).ok_or_else(|| failed(&"there is no such scene"))?;
+        let mut scene = built_in.scene();
         scene.control.tick_hz = tick_hz;
         Checked::new(scene).map_err(|error| failed(&error))
     };

@@ -60,13 +60,19 @@ impl Bounds {
             Self::Cranks(cranks) => cranks.of(rung, output),
             Self::Followers(followers) => followers.of(rung, output),
         };
-        left_out + ROUNDING
+        let off = match output {
+            // What is left out is a part of what the rung has; what is asked for, of what is right: less by as much.
+            Output::Amax | Output::Torque if left_out < 100.0 => left_out / (1.0 - 0.01 * left_out),
+            Output::Amax | Output::Torque => f64::INFINITY,
+            _ => left_out,
+        };
+        off + ROUNDING
     }
 
     /// The same with what the steps of two rungs' methods may be apart, each being off what swings by `resolution` of it.
     pub fn with_steps(&self, rung: Fidelity, output: Output, resolution: f64) -> f64 {
         let whole = self.of(Fidelity::QuasiStatic, output);
-        let steps = if whole.is_finite() {
+        let steps = if whole.is_finite() && output != Output::Slips {
             2.0 * resolution * whole
         } else {
             0.0
