@@ -235,3 +235,23 @@ fn what_a_frame_and_an_integral_ask_for_is_said() {
         );
     }
 }
+
+/// Were it wrong, a method that only damping keeps stable would be believed for a frame that has none: the rotors' drives damp
+/// their own mode well, and the frame would swing up by metres.
+#[test]
+fn a_frame_without_damping_is_asked_about_by_itself() {
+    let undamped = SCENE
+        .replace("AMAX", "3.6")
+        .replace("suspension_zeta = 0.05", "suspension_zeta = 0");
+    let euler = undamped.replace(
+        "[machine]",
+        "[method]\nname = \"explicit-euler\"\nsteps_per_tick = 4\n[machine]",
+    );
+    let said = refused(&euler);
+    assert!(
+        said.contains("explicit Euler is unstable at any step with a mode of"),
+        "{said}"
+    );
+    let usual = load::parse(&undamped).unwrap();
+    assert!(Checked::new(usual).is_ok(), "RK4 damps it a little");
+}

@@ -214,3 +214,17 @@ fn a_question_that_cannot_be_answered_is_refused() {
         .to_string();
     assert!(said.contains("questions.lag_deg"), "{said}");
 }
+
+/// Were it wrong, a rung that has all cranks on one shaft would confirm that none of them slips: here one does, by itself.
+#[test]
+fn who_slips_is_confirmed_by_a_rung_that_can_tell() {
+    let weak = SOFT
+        .replace("lag_deg = 0.05", "slips = true")
+        .replace("hold_s = 0.2", "hold_s = 0.5")
+        + "[[axis]]\nnumber = 2\nfriction_nm = 3\npull_out_scale = 0.2\n";
+    let taken = check(checked(&weak)).unwrap();
+    assert_eq!(taken.fidelity, Fidelity::Phased, "{}", taken.why);
+    let slips = |rung| answers(&taken, rung).unwrap().of(Output::Slips).unwrap();
+    assert_eq!(slips(Fidelity::Rigid), 0.0);
+    assert!(slips(Fidelity::Phased) > 0.0);
+}
