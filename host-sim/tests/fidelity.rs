@@ -220,6 +220,12 @@ fn a_question_that_cannot_be_answered_is_refused() {
 fn who_slips_is_confirmed_by_a_rung_that_can_tell() {
     let weak = SOFT
         .replace("lag_deg = 0.05", "slips = true")
+        .replace("lambda = 0.25", "lambda = 0.25\nmount_radius_mm = 200")
+        .replace(
+            "jerk_hz_per_s2 = 600",
+            "jerk_hz_per_s2 = 1200\ncreep_hz = 5",
+        )
+        .replace("damping_nms = 0.5", "damping_nms = 0.2")
         .replace("hold_s = 0.2", "hold_s = 0.5")
         + "[[axis]]\nnumber = 2\nfriction_nm = 3\npull_out_scale = 0.2\n";
     let taken = check(checked(&weak)).unwrap();

@@ -1,7 +1,7 @@
 //! Whether the rung that was chosen does, by running a sample of the scene on it and on others.
 
 use super::choose::{available, judge, questions};
-use super::{Answers, Bounds, Choice, Judged, sample};
+use super::{Answers, Bounds, Choice, Judged, Output, sample};
 use crate::scene::file::Fidelity;
 use crate::scene::{Checked, SceneError};
 use crate::sim::simulate;
@@ -58,9 +58,10 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
             }
             let part = if rung < choice.rung { WELL_WITHIN } else { 1.0 };
             let is_off = |judged: &Judged| {
-                judged
-                    .measured
-                    .is_none_or(|(off, _)| off > part * judged.tolerance)
+                // A slip that comes a turn after the sample is another answer altogether: there only the bound counts.
+                let is_guess = judged.output == Output::Slips && !judged.is_bounded();
+                let measured = judged.measured;
+                is_guess || measured.is_none_or(|(off, _)| off > part * judged.tolerance)
             };
             if rung == against || !judged.iter().any(is_off) {
                 let why = why(&choice, rung, against);
