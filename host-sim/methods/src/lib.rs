@@ -46,13 +46,15 @@
 //!
 //! - [`equations`]: what a machine offers; [`method`]: what a method is; [`scheme`]: the list of them;
 //! - [`methods`]: one file each; [`newton`]: how the implicit ones solve their equation;
-//! - [`stability`]: limits, and [`accuracy`]: errors of an oscillation, both measured on the code; [`event`]: steps that end where something happens;
+//! - [`stability`]: limits, and [`accuracy`]: errors of an oscillation, both measured on the code; [`event`]: steps that end where something happens; [`drift`]:
+//!   whether energy is kept;
 //! - [`problems`]: machines whose answers are known.
 //!
 //! `docs/methods.md` has what was measured, and the commands that show it.
 #![forbid(unsafe_code)]
 
 pub mod accuracy;
+pub mod drift;
 pub mod equations;
 mod error;
 pub mod event;

@@ -2,13 +2,13 @@
 //!
 //! The energy a method keeps is not quite the true one: it ripples around it within each period, by up to hω/2 for symplectic
 //! Euler. What must not happen is that it wanders off. So the energy is averaged over 100 periods at the start and at
-//! the end, with a Hann window, which lets through less than 1e-6 of the ripple (its spectrum falls as the cube of the
-//! 200 ripples in it).
+//! the end ([`Ends`]).
 
 mod support;
 
 use core::f64::consts::TAU;
 
+use cophase_methods::drift::Ends;
 use cophase_methods::problems::{Oscillator, Pendulum};
 use cophase_methods::{Equations, Needs, Scheme};
 
@@ -32,39 +32,16 @@ fn drift(
     let mut method = scheme.prepare(machine, step).unwrap();
     let mut y = [1.0, 0.0];
     let steps = (f64::from(PERIODS) * period / step) as u32;
-    let window = steps / (PERIODS / WINDOW_PERIODS);
-    let (mut first, mut last) = (Mean::default(), Mean::default());
+    let mut ends = Ends::new(steps, steps / (PERIODS / WINDOW_PERIODS));
     for i in 0..steps {
-        if i < window {
-            first.add(i, window, energy(&y));
-        } else if i >= steps - window {
-            last.add(i - (steps - window), window, energy(&y));
-        }
+        ends.add(i, energy(&y));
         let t = f64::from(i) * step;
         if method.step(machine, t, &mut y).is_err() {
             return f64::INFINITY;
         }
     }
-    (last.value() / first.value() - 1.0).abs()
-}
-
-/// Mean under a Hann window.
-#[derive(Default)]
-struct Mean {
-    sum: f64,
-    weights: f64,
-}
-
-impl Mean {
-    fn add(&mut self, i: u32, of: u32, value: f64) {
-        let weight = 1.0 - (TAU * f64::from(i) / f64::from(of)).cos();
-        self.sum += weight * value;
-        self.weights += weight;
-    }
-
-    fn value(&self) -> f64 {
-        self.sum / self.weights
-    }
+    let (first, last) = ends.means();
+    (last / first - 1.0).abs()
 }
 
 fn judge(scheme: Scheme, drift: f64) {

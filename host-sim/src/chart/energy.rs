@@ -1,13 +1,13 @@
 //! Which methods keep the energy of a machine that nothing drives or brakes: its drift over 10,000 turns.
 //!
 //! The energy that a method keeps ripples around the true one within each turn; what must not happen is that it wanders off.
-//! So it is averaged over the first and the last hundredth of the run, under a Hann window, which lets less than 1e-6 of the
-//! ripple through where it spans 100 turns.
+//! So it is averaged over the first and the last hundredth of the run ([`Ends`]).
 
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
 use cophase_methods::Scheme;
+use cophase_methods::drift::Ends;
 
 use super::axis::Axis;
 use super::methods::problems;
@@ -109,43 +109,20 @@ fn drift(
     let kinetic_j = 0.5 * shaft.inertia_kgm2(0.0) * omega * omega;
     let start_j = shaft.energy_j(state[0], state[1]);
     let steps = steps_a_turn * turns;
-    let window = steps / WINDOW;
-    let (mut first, mut last) = (Mean::default(), Mean::default());
+    let mut ends = Ends::new(steps, steps / WINDOW);
     for step in 0..steps {
         let energy_j = shaft.energy_j(state[0], state[1]);
         let changed = (energy_j - start_j).abs() / kinetic_j;
         if changed > LOST {
             return Ok(changed);
         }
-        if step < window {
-            first.add(step, window, energy_j);
-        } else if step >= steps - window {
-            last.add(step - (steps - window), window, energy_j);
-        }
+        ends.add(step, energy_j);
         // Angles are kept small: what counts of them is where in its turn the shaft is.
         state[0] %= TAU;
         if method.step(free, 0.0, &mut state).is_err() {
             return Ok(f64::INFINITY);
         }
     }
-    Ok((last.value() - first.value()).abs() / kinetic_j)
-}
-
-/// Mean under a Hann window.
-#[derive(Default)]
-struct Mean {
-    sum: f64,
-    weights: f64,
-}
-
-impl Mean {
-    fn add(&mut self, i: u32, of: u32, value: f64) {
-        let weight = 1.0 - (TAU * f64::from(i) / f64::from(of)).cos();
-        self.sum += weight * value;
-        self.weights += weight;
-    }
-
-    fn value(&self) -> f64 {
-        self.sum / self.weights
-    }
+    let (first, last) = ends.means();
+    Ok((last - first).abs() / kinetic_j)
 }

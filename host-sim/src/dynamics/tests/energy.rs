@@ -11,6 +11,7 @@
 use std::f64::consts::TAU;
 
 use cophase_methods::Scheme;
+use cophase_methods::drift::Ends;
 
 use super::body;
 use crate::dynamics::{Driven, Freedom, Motor, Phased, Rigid, Servo};
@@ -81,41 +82,15 @@ fn drift(scheme: Scheme, steps_a_turn: f64, coasting: Coasting) -> f64 {
     let window = (WINDOW_TURNS * steps_a_turn) as u32;
     // Energy has no zero of its own: it is judged against that of motion, at the lowest place.
     let zero_j = -machine.body().weight_n() * 0.052;
-    let (mut first, mut last) = (Mean::default(), Mean::default());
+    let mut ends = Ends::new(steps, window);
     for i in 0..steps {
-        if i < window {
-            first.add(i, window, machine.energy_j(&state) - zero_j);
-        } else if i >= steps - window {
-            last.add(
-                i - (steps - window),
-                window,
-                machine.energy_j(&state) - zero_j,
-            );
-        }
+        ends.add(i, machine.energy_j(&state) - zero_j);
         if method.step(&machine, 0.0, &mut state).is_err() {
             return f64::INFINITY;
         }
     }
-    (last.value() / first.value() - 1.0).abs()
-}
-
-/// Mean under a Hann window.
-#[derive(Default)]
-struct Mean {
-    sum: f64,
-    weights: f64,
-}
-
-impl Mean {
-    fn add(&mut self, i: u32, of: u32, value: f64) {
-        let weight = 1.0 - (TAU * f64::from(i) / f64::from(of)).cos();
-        self.sum += weight * value;
-        self.weights += weight;
-    }
-
-    fn value(&self) -> f64 {
-        self.sum / self.weights
-    }
+    let (first, last) = ends.means();
+    (last / first - 1.0).abs()
 }
 
 /// Were it wrong, a machine that coasts would run down or up by itself, and what friction and motors do to it could not be told

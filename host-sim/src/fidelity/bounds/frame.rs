@@ -11,7 +11,8 @@
 
 use nalgebra::{Complex, Matrix2, Vector2};
 
-use super::linear::{Drive, HARMONICS, cosines_of_h};
+use super::asked::{HARMONICS, cosines_of_h};
+use super::linear::Drive;
 use crate::dynamics::{Driven, Layer};
 
 const SPEEDS: u32 = 400;

@@ -19,11 +19,9 @@ use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 
+use super::asked::{Asked, HARMONICS, SAMPLES};
 use crate::dynamics::{Body, Driven, Motor};
 
-/// Harmonics of the torque that are looked at. At λ = 0.6 the ninth has 1e-4 of the second.
-pub const HARMONICS: usize = 8;
-const SAMPLES: u32 = 64;
 /// Speeds looked at, besides those of resonances.
 const SPEEDS: u32 = 160;
 
@@ -61,72 +59,6 @@ pub struct Worst {
     pub torque_ratio_asked: Vec<f64>,
     /// Highest frequency that the load has at top speed (its second harmonic), over the lowest of motor and crank.
     pub frequency_ratio: f64,
-}
-
-/// What a turning load asks of all cranks together.
-struct Asked {
-    /// Sine coefficients at ω = 1 rad/s, without gravity, N·m s².
-    centripetal: [f64; HARMONICS + 1],
-    /// Sine coefficients of gravity, N·m.
-    gravity: [f64; HARMONICS + 1],
-    /// Greatest slopes dT/dα of both.
-    slopes: (f64, f64),
-    /// Largest s².
-    lever_squared: f64,
-}
-
-impl Asked {
-    fn by(body: &Body) -> Self {
-        let mut asked = Self {
-            centripetal: [0.0; HARMONICS + 1],
-            gravity: [0.0; HARMONICS + 1],
-            slopes: (0.0, 0.0),
-            lever_squared: 0.0,
-        };
-        let mut weightless = body.load;
-        weightless.gravity_mps2 = 0.0;
-        let at = |alpha: f64| {
-            let turning = body.mechanism.torque_nm(&weightless, alpha, 1.0, 0.0);
-            let standing = body.mechanism.torque_nm(&body.load, alpha, 0.0, 0.0);
-            (turning, standing)
-        };
-        let by = TAU / f64::from(SAMPLES);
-        for sample in 0..SAMPLES {
-            let alpha = by * f64::from(sample);
-            let (turning, standing) = at(alpha);
-            for n in 1..=HARMONICS {
-                let share = 2.0 / f64::from(SAMPLES) * (n as f64 * alpha).sin();
-                asked.centripetal[n] += share * turning;
-                asked.gravity[n] += share * standing;
-            }
-            let next = at(alpha + by);
-            asked.slopes.0 = asked.slopes.0.max((next.0 - turning).abs() / by);
-            asked.slopes.1 = asked.slopes.1.max((next.1 - standing).abs() / by);
-            asked.lever_squared = asked.lever_squared.max(body.mechanism.s(alpha).powi(2));
-        }
-        asked
-    }
-
-    /// Harmonic `n` of all cranks together at a speed.
-    fn harmonic_nm(&self, n: usize, omega_rad_s: f64) -> f64 {
-        self.centripetal[n] * omega_rad_s * omega_rad_s + self.gravity[n]
-    }
-
-    fn slope_nm(&self, omega_rad_s: f64) -> f64 {
-        self.slopes.0 * omega_rad_s * omega_rad_s + self.slopes.1
-    }
-}
-
-/// h(α), which is even, as cosines: the first [`HARMONICS`] of them, dimensionless.
-pub fn cosines_of_h(body: &Body) -> [f64; HARMONICS] {
-    let by = TAU / f64::from(SAMPLES);
-    std::array::from_fn(|i| {
-        let at = |sample: u32| {
-            let alpha = by * f64::from(sample);
-            body.mechanism.h(alpha) * ((i + 1) as f64 * alpha).cos()
-        };
-        (0..SAMPLES).map(at).sum::<f64>() * 2.0 / f64::from(SAMPLES)
-    })
 }
 
 /// One crank at one speed.
@@ -175,8 +107,13 @@ impl Crank {
         self.torque_nm[n] / held
     }
 
+    /// What the constant torque moves it by, rad; infinite where the load's slope is more than the spring.
     fn standing_rad(&self) -> f64 {
-        self.torque_nm[0] / self.stiffness.0.max(0.0)
+        if self.stiffness.0 > 0.0 {
+            self.torque_nm[0] / self.stiffness.0
+        } else {
+            f64::INFINITY
+        }
     }
 }
 
@@ -256,7 +193,7 @@ fn apart_rad(
     driven: &Driven,
     drive: &Drive,
 ) -> f64 {
-    let standing = (one.standing_rad() - other.standing_rad()).abs();
+    let standing = bounded((one.standing_rad() - other.standing_rad()).abs());
     if drive.ratios[i] != drive.ratios[j] || drive.offsets[i] != drive.offsets[j] {
         let all = |crank: &Crank| (1..=HARMONICS).map(|n| crank.moved_rad(n)).sum::<f64>();
         return standing + all(one) + all(other);
@@ -269,10 +206,15 @@ fn apart_rad(
     }
     let moved = PLACES.into_iter().map(|place| {
         (1..=HARMONICS)
-            .map(|n| (one.response(n, place) - other.response(n, place)).norm())
+            .map(|n| bounded((one.response(n, place) - other.response(n, place)).norm()))
             .sum::<f64>()
     });
     standing + moved.fold(0.0, f64::max)
+}
+
+/// What is no number, as the difference of two that have no bound, has none either.
+fn bounded(value: f64) -> f64 {
+    if value.is_nan() { f64::INFINITY } else { value }
 }
 
 fn crank(driven: &Driven, drive: &Drive, asked: &Asked, i: usize, master_rad_s: f64) -> Crank {

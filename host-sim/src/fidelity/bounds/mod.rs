@@ -1,5 +1,6 @@
 //! By how much a rung may be off the top one, for what it leaves out.
 
+mod asked;
 mod cranks;
 mod followers;
 mod frame;

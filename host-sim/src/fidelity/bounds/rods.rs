@@ -15,7 +15,8 @@ use std::f64::consts::PI;
 
 use nalgebra::Complex;
 
-use super::linear::{Drive, HARMONICS, cosines_of_h};
+use super::asked::cosines_of_h;
+use super::linear::Drive;
 use crate::dynamics::Body;
 
 /// Speeds looked at, up to the top.
@@ -56,5 +57,3 @@ pub fn settled_m(body: &Body, zeta: f64, drive: &Drive) -> f64 {
 fn heave_rad_s(body: &Body) -> f64 {
     (body.axes() as f64 * body.rod_n_per_m / body.load.mass_kg).sqrt()
 }
-
-const _: () = assert!(HARMONICS < u8::MAX as usize);
