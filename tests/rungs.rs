@@ -217,3 +217,64 @@ fn what_runs_away_is_ended() {
         assert!(steps.fold(0.0, f64::max) < 10.0, "axis {axis}");
     }
 }
+
+/// Were it wrong, cranks that stand apart would be put at one angle on one shaft, and be taken to have slipped there.
+#[test]
+fn cranks_apart_are_not_put_on_one_shaft() {
+    let rigid = SCENE.replace("phased", "rigid");
+    for (key, line) in [
+        ("offset_deg", "offset_deg = 90"),
+        ("ratio", "ratio = [2, 1]"),
+        ("start_deg", "start_deg = 1"),
+        ("trim_deg", "trim_deg = 1"),
+    ] {
+        let said = refused(&format!("{rigid}[[axis]]\nnumber = 1\n{line}\n"));
+        assert!(
+            said.contains(key) && said.contains("let it be \"phased\""),
+            "{said}"
+        );
+    }
+}
+
+/// Were it wrong, a motor that is stronger at speed than at rest would be stepped as if it were soft.
+#[test]
+fn steps_are_for_where_a_motor_is_stiffest() {
+    let rising = SCENE
+        .replace("count = 4", "count = 3")
+        .replace(
+            "[[0, 20.0], [60, 20.0]]",
+            "[[0, 2.0], [1, 60.0], [60, 60.0]]",
+        )
+        .replace("rotor_inertia_kgm2 = 1e-3", "rotor_inertia_kgm2 = 1e-4")
+        .replace(
+            "[machine]",
+            "[method]\nname = \"velocity-verlet\"\nsteps_per_tick = 1\n[machine]",
+        );
+    let said = refused(&rising);
+    assert!(
+        said.contains("velocity Verlet") && said.contains("method.steps_per_tick = 2 or more"),
+        "{said}"
+    );
+}
+
+/// Were it wrong, cranks apart by design would shake the platform as if they were in phase: three, a third of a turn apart, hardly
+/// lift it.
+#[test]
+fn a_platform_on_cranks_apart_hardly_heaves() {
+    let apart = SCENE
+        .replace("phased", "kinematic")
+        .replace("count = 4", "count = 3")
+        + "[[axis]]\nnumber = 1\noffset_deg = 120\n[[axis]]\nnumber = 2\noffset_deg = -120\n[drift]\ntilt_limit_mrad = 100\n";
+    let run = run(&apart);
+    let trace = run.trace();
+    let most = |column: &str| {
+        trace
+            .column(column)
+            .iter()
+            .fold(0.0_f64, |most, a| most.max(a.abs()))
+    };
+    // Of the harmonics of h only those in threes are left: at λ = 0.25 the sixth, below 1e-3 of the first.
+    let amax = 15.0 * 9.80665;
+    assert!(most("accel_mps2") < 2e-3 * amax, "{}", most("accel_mps2"));
+    assert!(most("tilt_x_mrad") > 1.0);
+}

@@ -102,7 +102,7 @@ fn a_band_crossed_slowly() {
     }
 }
 
-/// PHYSICS.md 1.6 item 7. Were it wrong, two terms would pass for the mechanism, or a mechanism be run that is not built.
+/// Item 7 of `docs/reproduced.md`. Were it wrong, two terms would pass for the mechanism, or a mechanism be run that is not built.
 #[test]
 fn lambda_at_both_ends() {
     for (ratio, published_percent) in [(0.1, 0.046), (0.6, 9.375)] {

@@ -89,6 +89,8 @@ the_same_each_time! {
     energy_is_the_same_each_time: "energy",
     functions_are_the_same_each_time: "functions",
     tick_rates_are_the_same_each_time: "tick-rate",
+    rungs_are_the_same_each_time: "fidelity",
+    bad_places_are_the_same_each_time: "breakdown",
 }
 
 /// Were it wrong, the picture would say of a method, or of a trim, what its theory denies.
@@ -247,7 +249,8 @@ fn only_ramps_gain_by_a_faster_tick() {
 fn columns_are_those_of_the_docs() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/charts.md");
     let docs = std::fs::read_to_string(docs).unwrap();
-    for name in ["methods", "stability", "energy", "functions", "tick-rate"] {
+    for chart in CHARTS {
+        let name = chart.name;
         let head = format!("| column of `{name}.csv` | |");
         let (_, table) = docs
             .split_once(&head)

@@ -11,9 +11,7 @@ struct Climbed {
     rungs: Vec<(Fidelity, Answers)>,
 }
 
-fn climb(name: &'static str) -> Climbed {
-    let scene = library::find(name).expect("a built-in scene").scene();
-    let checked = Checked::new(scene).unwrap();
+fn climb(name: &'static str, checked: Checked) -> Climbed {
     let rungs = available(&checked)
         .into_iter()
         .map(|rung| (rung, answers(&checked, rung).unwrap()))
@@ -48,7 +46,12 @@ impl Climbed {
 ///
 /// And were `auto` careless, or wasteful: what it takes is within each tolerance, and at most one rung above the lowest that is.
 fn judge(name: &'static str) {
-    let climbed = climb(name);
+    let scene = library::find(name).expect("a built-in scene").scene();
+    judge_scene(name, Checked::new(scene).unwrap());
+}
+
+fn judge_scene(name: &'static str, checked: Checked) {
+    let climbed = climb(name, checked);
     let bounds = Bounds::new(&climbed.checked).expect("built-in scenes say enough");
     for (rung, found) in &climbed.rungs {
         for output in Output::ALL {
@@ -148,6 +151,63 @@ hold_s = 0.2
 
 fn checked(text: &str) -> Checked {
     Checked::new(load::parse(text).unwrap()).unwrap()
+}
+
+/// The same of machines that are less even than those: a crank that stands off, whose rods pull at the others; cranks apart by
+/// design, on a frame; rods that spring; a method and a step of the scene's own.
+#[test]
+fn less_even_machines() {
+    let default = library::SCENES[0].text;
+    let four = default.replace("lag_deg = 2", "lag_deg = 0.1\ntorque_percent = 3");
+    let standing = four.replacen("[[axis]]\n", "[[axis]]\nstart_deg = 1\n", 1);
+    judge_scene("standing", checked(&standing));
+
+    let sprung = four.replace("load_kg = 8\n", "load_kg = 8\nrods = \"sprung\"\n");
+    judge_scene("sprung", checked(&sprung));
+
+    let suspended = library::find("suspended").unwrap().text;
+    let apart = suspended.replace("lag_deg = 0.5", "lag_deg = 0.5\ntilt_mrad = 0.5")
+        + "[[axis]]\nnumber = 1\noffset_deg = 120\n[[axis]]\nnumber = 2\noffset_deg = -120\n";
+    judge_scene("apart", checked(&apart));
+
+    let method = "[method]\nname = \"symplectic-euler\"\nsteps_per_tick = 2\n[machine]";
+    let coarse = SOFT
+        .replace("lag_deg = 0.05", "lag_deg = 0.002")
+        .replace("[machine]", method);
+    let coarse = checked(&coarse);
+    let imposed = coarse.resolution;
+    assert!(
+        imposed > 1e-2,
+        "two steps a tick resolve no more: {imposed}"
+    );
+    judge_scene("coarse", coarse);
+}
+
+/// Were it wrong, equal motors that swing past what they have would be taken to stay alike, as they do on one shaft.
+#[test]
+fn motors_that_may_slip_are_not_bounded_on_one_shaft() {
+    // Their springs of 200 N·m/rad meet the fourth harmonic of 17 rev/s.
+    let weak = SOFT
+        .replace("damping_nms = 0.5", "damping_nms = 0.002")
+        .replace("[[0, 20.0], [60, 20.0]]", "[[0, 4.0], [60, 4.0]]");
+    let weak = checked(&weak);
+    let bounds = Bounds::new(&weak).unwrap();
+    assert_eq!(bounds.of(Fidelity::Rigid, Output::Lag), f64::INFINITY);
+    assert!(bounds.of(Fidelity::Rigid, Output::Slips) >= 3.0);
+    assert_eq!(weak.fidelity, Fidelity::Phased);
+}
+
+/// Were it wrong, what the ground feels could be asked of a machine that stands on nothing, or be answered without its frame.
+#[test]
+fn the_ground_is_asked_of_a_frame() {
+    let suspended = library::find("suspended").unwrap().text;
+    let asked = suspended.replace("amax_percent = 2", "ground_percent = 5");
+    let taken = check(checked(&asked)).unwrap();
+    assert_eq!(taken.fidelity, Fidelity::Elastic, "{}", taken.why);
+    let none = SOFT.replace("lag_deg = 0.05", "ground_percent = 5");
+    let said = Checked::new(load::parse(&none).unwrap()).unwrap_err();
+    assert_eq!(said.key, "questions.ground_percent");
+    assert!(said.problem.contains("give [frame]"), "{said}");
 }
 
 /// Were it wrong, a bound that is too small would be believed: one is forged here, and the sample finds it out.

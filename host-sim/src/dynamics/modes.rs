@@ -29,7 +29,7 @@ impl Bound {
         let each = motors.iter().zip(rotors_kgm2);
         each.fold(Self::default(), |most, (motor, rotor)| {
             most.or(Self {
-                stiff: motor.stiffness_nm(0.0).1 / rotor,
+                stiff: motor.stiffest_nm() / rotor,
                 damped: motor.damping_nms() / rotor,
             })
         })

@@ -102,6 +102,14 @@ impl Motor {
         }
     }
 
+    /// Stiffness at the speed where that is greatest, N·m/rad.
+    pub fn stiffest_nm(&self) -> f64 {
+        match self {
+            Self::Stepper(stepper) => stepper.cycles_per_turn * stepper.pull_out.greatest_nm(),
+            Self::Servo(_) => self.stiffness_nm(0.0).1,
+        }
+    }
+
     /// Greatest torque at a speed, N·m.
     pub fn most_nm(&self, omega_rad_s: f64) -> f64 {
         match self {

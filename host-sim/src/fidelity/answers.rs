@@ -43,6 +43,9 @@ impl<const N: usize> Observer<N> for Answers {
         let pose = moment.pose();
         self.most(Output::Tilt, pose.tilt_x_mrad.hypot(pose.tilt_y_mrad));
         self.most(Output::Amax, pose.accel_mps2.abs());
+        if let Some(frame) = moment.machine.frame() {
+            self.most(Output::Ground, frame.ground_n.abs());
+        }
         let torques = (0..N).filter_map(|i| moment.machine.motor_torque_nm(i));
         if let Some(torque) = torques.map(f64::abs).max_by(f64::total_cmp) {
             self.most(Output::Torque, torque);

@@ -38,65 +38,58 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
     let rungs = available(&checked);
     let questions = questions(&checked);
     let bounds = Bounds::new(&checked).ok();
-    let place = rungs.iter().position(|&rung| rung == choice.rung);
+    let against = *rungs.last().unwrap_or(&choice.rung);
     let mut runs = Runs::default();
-    for ceiling in place.unwrap_or(0)..rungs.len() {
-        let knows = |rung: Fidelity| {
-            let judged = judge(bounds.as_ref(), &questions, rung, choice.resolution);
-            moves(rung) && judged.iter().all(Judged::is_bounded)
-        };
-        let above = &rungs[ceiling + 1..];
-        let knowing = above.iter().find(|&&rung| knows(rung));
-        // Where none is bounded, the top knows best.
-        let against = *knowing.or(above.last()).unwrap_or(&rungs[ceiling]);
-        let right = runs.answers(&checked, against)?;
-        // The lowest first: bounds are wide.
-        for &rung in &rungs[..=ceiling] {
-            let mut judged = judge(bounds.as_ref(), &questions, rung, choice.resolution);
-            if rung != against {
-                compare(&mut judged, &runs.answers(&checked, rung)?, &right, against);
-            }
-            let part = if rung < choice.rung { WELL_WITHIN } else { 1.0 };
-            let is_off = |judged: &Judged| {
-                // A slip that comes a turn after the sample is another answer altogether: there only the bound counts.
-                let is_guess = judged.output == Output::Slips && !judged.is_bounded();
-                let measured = judged.measured;
-                is_guess || measured.is_none_or(|(off, _)| off > part * judged.tolerance)
-            };
-            if rung == against || !judged.iter().any(is_off) {
-                let why = why(&choice, rung, against);
-                checked.fidelity = rung;
-                checked.why.clone_from(&why);
-                checked.choice = Some(Choice {
-                    rung,
-                    why,
-                    judged,
-                    ..choice
-                });
-                return Ok(checked);
-            }
+    let right = runs.answers(&checked, against)?;
+    // The lowest first: bounds are wide.
+    for rung in rungs {
+        let mut judged = judge(bounds.as_ref(), &questions, rung, choice.resolution);
+        if rung == against {
+            return Ok(taken(checked, &choice, rung, judged));
+        }
+        compare(&mut judged, &runs.answers(&checked, rung)?, &right, against);
+        let part = if rung < choice.rung { WELL_WITHIN } else { 1.0 };
+        if judged.iter().all(|judged| is_borne_out(judged, part)) {
+            return Ok(taken(checked, &choice, rung, judged));
         }
     }
     checked.choice = Some(choice);
     Ok(checked)
 }
 
-/// Whether torque moves the cranks. Quasi-static ones go where kinematic ones do: they cannot tell each other wrong.
-fn moves(rung: Fidelity) -> bool {
-    rung >= Fidelity::Rigid
+/// Whether the sample shows an output to be within that part of its tolerance, and does not deny its bound.
+fn is_borne_out(judged: &Judged, part: f64) -> bool {
+    // A slip that comes a turn after the sample is another answer altogether: there only the bound counts.
+    if judged.output == Output::Slips && !judged.is_bounded() {
+        return false;
+    }
+    judged.measured.is_some_and(|(off, _)| {
+        off <= part * judged.tolerance && judged.bound.is_none_or(|bound| off <= bound)
+    })
 }
 
-fn why(choice: &Choice, rung: Fidelity, against: Fidelity) -> String {
-    let other = against.name();
+fn taken(mut checked: Checked, choice: &Choice, rung: Fidelity, judged: Vec<Judged>) -> Checked {
+    let why = why(choice, rung);
+    checked.fidelity = rung;
+    checked.why.clone_from(&why);
+    checked.choice = Some(Choice {
+        rung,
+        why,
+        judged,
+        resolution: choice.resolution,
+    });
+    checked
+}
+
+fn why(choice: &Choice, rung: Fidelity) -> String {
     if rung == choice.rung {
         choice.why.clone()
     } else if rung < choice.rung {
-        format!(
-            "its bounds go beyond what is asked, but a sample of the scene differs from {other} by less than half of each tolerance"
-        )
+        "its bounds go beyond what is asked, but a sample of the scene differs from the top rung by less than half of each tolerance"
+            .to_owned()
     } else {
         format!(
-            "the rung that its bounds would allow, {}, was off by more than its tolerance in a sample of the scene",
+            "the rung that its bounds would allow, {}, was off by more than its tolerance, or its bound, in a sample of the scene",
             choice.rung.name()
         )
     }

@@ -101,13 +101,17 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
             return Err(SceneError::at(
                 format!("questions.{key}"),
                 format!(
-                    "cannot be bounded: {} {}; give that, or leave the question out",
-                    lacking.key, lacking.problem
+                    "cannot be answered: {} is needed for that ({}); give it, or leave the question out",
+                    lacking.key,
+                    what_is_needed(&lacking.problem)
                 ),
             ));
         }
     };
-    let resolution = resolution(&bounds, &questions);
+    // A method or step of the scene's own is as good as it is.
+    let resolution = bounds
+        .imposed()
+        .unwrap_or_else(|| resolution(&bounds, &questions));
     let rungs = available(checked);
     for &rung in &rungs {
         let judged = judge(Some(&bounds), &questions, rung, resolution);
@@ -127,6 +131,12 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
         judged: judge(Some(&bounds), &questions, top, resolution),
         resolution,
     })
+}
+
+/// What a rung's complaint says to give, without what it says of the rung.
+fn what_is_needed(problem: &str) -> &str {
+    let given = problem.split("so give ").nth(1).unwrap_or(problem);
+    given.split(", or let fidelity").next().unwrap_or(given)
 }
 
 /// How well a method has to follow what swings: to a tenth of the tightest tolerance, by what torque does to that output at most. Never
@@ -171,7 +181,7 @@ fn unasked(checked: &Checked) -> Choice {
 fn why(bounds: &Bounds, rung: Fidelity, is_top: bool) -> String {
     let numbers = bounds.numbers();
     if is_top {
-        format!("only here is everything that is asked within its tolerance: {numbers}")
+        format!("the rungs below may be off by more than is asked: {numbers}")
     } else {
         let name = rung.name();
         format!("what {name} leaves out stays within the tolerances: {numbers}")

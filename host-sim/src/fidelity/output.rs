@@ -17,17 +17,20 @@ pub enum Output {
     Torque,
     /// Which motors fell out of step, a bit each; asked for exactly.
     Slips,
+    /// Largest force on the ground beyond the weight, N; asked for in percent of itself.
+    Ground,
 }
 
 impl Output {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Lag,
         Self::Spread,
         Self::Tilt,
         Self::Amax,
         Self::Torque,
         Self::Slips,
+        Self::Ground,
     ];
 
     /// Its key in `[questions]`, which carries the unit of its tolerance.
@@ -39,6 +42,7 @@ impl Output {
             Self::Amax => "amax_percent",
             Self::Torque => "torque_percent",
             Self::Slips => "slips",
+            Self::Ground => "ground_percent",
         }
     }
 
@@ -51,6 +55,7 @@ impl Output {
             Self::Amax => "greatest acceleration",
             Self::Torque => "greatest motor torque",
             Self::Slips => "which motors slip",
+            Self::Ground => "greatest force on the ground",
         }
     }
 
@@ -59,7 +64,7 @@ impl Output {
         match self {
             Self::Lag | Self::Spread => "°",
             Self::Tilt => "mrad",
-            Self::Amax | Self::Torque => "%",
+            Self::Amax | Self::Torque | Self::Ground => "%",
             Self::Slips => "motors",
         }
     }
@@ -74,6 +79,7 @@ impl Output {
             Self::Torque => questions.torque_percent,
             // Half a motor: none may differ.
             Self::Slips => questions.slips.then_some(0.5),
+            Self::Ground => questions.ground_percent,
         }
     }
 
@@ -81,7 +87,7 @@ impl Output {
     pub fn difference(self, found: f64, right: f64) -> f64 {
         match self {
             Self::Lag | Self::Spread | Self::Tilt => (found - right).abs(),
-            Self::Amax | Self::Torque => (found / right - 1.0).abs() * 100.0,
+            Self::Amax | Self::Torque | Self::Ground => (found / right - 1.0).abs() * 100.0,
             Self::Slips => f64::from((found as u64 ^ right as u64).count_ones()),
         }
     }

@@ -255,9 +255,12 @@ impl<const N: usize> Machine<N> {
         let omega = master_turns * std::f64::consts::TAU / self.tick_s;
         let acceleration = (omega - self.omega_before) / self.tick_s;
         if self.torques {
-            let alpha = self.axes.iter().map(SimulatedAxis::turns).sum::<f64>() / N as f64
-                * std::f64::consts::TAU;
-            let share_nm = self.platform.torque_nm(alpha, omega, acceleration) / N as f64;
+            let torques = self.axes.iter().map(|axis| {
+                let alpha = axis.turns() * std::f64::consts::TAU;
+                self.platform.torque_nm(alpha, omega, acceleration)
+            });
+            // Each would have to give so much were all where it is: the mean, a share of it.
+            let share_nm = torques.sum::<f64>() / (N * N) as f64;
             let hz = omega / std::f64::consts::TAU;
             self.asked_nm = Some(std::array::from_fn(|i| {
                 self.axes[i].load(share_nm, acceleration, hz)

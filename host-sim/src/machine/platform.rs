@@ -86,14 +86,16 @@ impl<const N: usize> Platform<N> {
     ) -> Pose {
         let heights =
             turns.map(|turns| self.upwards() * self.mechanism.x_m(turns * std::f64::consts::TAU));
-        let mean = turns.iter().sum::<f64>() / N as f64 * std::f64::consts::TAU;
+        let accelerations = turns.map(|turns| {
+            let alpha = turns * std::f64::consts::TAU;
+            self.mechanism
+                .x_ddot_mps2(alpha, omega_rad_s, acceleration_rad_s2)
+        });
+        let [accel_mps2, _, _] = self.corners.plane(&accelerations);
         let [z_m, tilt_x, tilt_y] = self.corners.plane(&heights);
         Pose {
             z_m,
-            accel_mps2: self.upwards()
-                * self
-                    .mechanism
-                    .x_ddot_mps2(mean, omega_rad_s, acceleration_rad_s2),
+            accel_mps2: self.upwards() * accel_mps2,
             tilt_x_mrad: tilt_x * 1e3,
             tilt_y_mrad: tilt_y * 1e3,
             warp_deg: self.warp_deg(turns, command_turns),

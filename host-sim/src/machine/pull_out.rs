@@ -47,6 +47,12 @@ impl PullOut {
         }
     }
 
+    /// The greatest of it at any speed, N·m.
+    pub fn greatest_nm(&self) -> f64 {
+        let most = self.points.iter().map(|&(_, nm)| nm).reduce(f64::max);
+        most.unwrap_or(f64::INFINITY)
+    }
+
     /// Torque at a speed, N·m.
     pub fn torque_nm(&self, speed_hz: f64) -> f64 {
         let Some(&(first_hz, first_nm)) = self.points.first() else {

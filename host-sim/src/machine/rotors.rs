@@ -5,7 +5,7 @@
 //! whose drives are off run on under load and friction.
 
 use cophase_core::settings::MAX_AXES;
-use cophase_methods::{Equations, Method, Scheme, StepError};
+use cophase_methods::{Equations, Method, Scheme, StepError, Unstable};
 
 use crate::dynamics::{Driven, Field, FrameMotion, Mode, PlaneMotion};
 
@@ -75,6 +75,17 @@ fn steps_for(scheme: Scheme, mode: Mode, tick_s: f64, resolution: f64) -> Result
     ))
 }
 
+/// What is unstable, with what would be right in the scene's own key.
+fn in_steps_per_tick(unstable: &Unstable, tick_s: f64) -> String {
+    match *unstable {
+        Unstable::Step { limit_s, .. } if limit_s > 0.0 => {
+            let steps = (tick_s / limit_s).ceil();
+            format!("{unstable}; that is method.steps_per_tick = {steps:.0} or more")
+        }
+        _ => unstable.to_string(),
+    }
+}
+
 /// All cranks of a machine, in motion.
 #[derive(Debug)]
 pub struct Rotors {
@@ -138,7 +149,7 @@ impl Rotors {
         for mode in std::iter::once(mode).chain(driven.own_modes()) {
             scheme
                 .check_step(step_s, mode.omega_rad_s, mode.zeta)
-                .map_err(|unstable| unstable.to_string())?;
+                .map_err(|unstable| in_steps_per_tick(&unstable, tick_s))?;
         }
         let method = scheme
             .prepare(&driven, step_s)

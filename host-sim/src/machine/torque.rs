@@ -72,6 +72,14 @@ pub fn rotors<const N: usize>(
 /// How much freedom the rung gives the machine.
 fn freedom(checked: &Checked, machine: &file::Machine, body: Body) -> Result<Freedom, SceneError> {
     if checked.fidelity == Fidelity::Rigid {
+        if let Some(apart) = checked.cranks_apart() {
+            return Err(SceneError::at(
+                "fidelity",
+                format!(
+                    "\"rigid\" has all cranks at one angle on one shaft, and {apart} has them at others; let it be \"phased\""
+                ),
+            ));
+        }
         return Ok(Freedom::Rigid(Rigid::new(body)));
     }
     let frame = if checked.fidelity == Fidelity::Elastic {

@@ -44,12 +44,16 @@ fn answered(judged: &Judged) -> String {
         _ => format!(", asked to {} {}", judged.tolerance, output.unit()),
     };
     let bound = match judged.bound {
+        // Nothing above it to be off from.
+        Some(bound) if judged.measured.is_none() && bound < judged.tolerance => {
+            "this is the top rung that the scene says enough for".to_owned()
+        }
         Some(bound) if bound.is_finite() => format!("off by at most {}", with_unit(bound)),
-        _ => "not bounded".to_owned(),
+        _ => "nothing bounds how far it is off".to_owned(),
     };
     let measured = judged.measured.map_or_else(String::new, |(off, against)| {
         format!(
-            ", by {} in a sample run on {}",
+            "; {} in a sample, against {}",
             with_unit(off),
             against.name()
         )

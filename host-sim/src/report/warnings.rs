@@ -25,6 +25,13 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
             "The simulated machine diverged, and the run was ended there: {why}."
         ));
     }
+    let undamped = scene.axes.damping_nms == 0.0 && !scene.axes.pull_out.is_empty();
+    if undamped && checked.fidelity.moves_by_torque() {
+        warnings.push(
+            "Steppers without axes.damping_nms swing on for ever: real drives damp them, so give what yours do."
+                .to_owned(),
+        );
+    }
     if outcome.slipped_unseen() {
         warnings.push("A motor slipped, and the controller did not see it.".to_owned());
     }

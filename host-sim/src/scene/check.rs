@@ -12,7 +12,9 @@ mod settings;
 use cophase_core::controller::Controller;
 use cophase_core::profile::{Profile, SliderCrank};
 use cophase_core::program::EntrySettings;
-use cophase_core::settings::{DriftSettings, MachineSettings, Settings, SettingsError};
+use cophase_core::settings::{
+    AxisSettings, DriftSettings, MachineSettings, Settings, SettingsError,
+};
 use cophase_core::setup::Setup;
 
 use super::SceneError;
@@ -91,6 +93,12 @@ impl Checked {
         // Made once to be checked; it is cheap, and nothing else knows all that the core refuses.
         with_axes!(checked.scene.axes.count, N => checked.controller::<N>().map(|_| ()))?;
         numbers::check_pull_out(&checked.scene)?;
+        if checked.scene.questions.ground_percent.is_some() && checked.scene.frame.is_none() {
+            return Err(SceneError::at(
+                "questions.ground_percent",
+                "asks what the ground feels, and only a frame on springs hands that on: give [frame], or leave the question out",
+            ));
+        }
         if checked.fidelity == Fidelity::Auto {
             let choice = fidelity::choose(&checked)?;
             checked.fidelity = choice.rung;
@@ -121,6 +129,27 @@ impl Checked {
         }
         with_axes!(other.scene.axes.count, N => Machine::<N>::new(&other).map(|_| ()))?;
         Ok(other)
+    }
+
+    /// The key that has cranks stand, or turn, apart from each other, if one does.
+    pub fn cranks_apart(&self) -> Option<&'static str> {
+        let axes = &self.setup.axes;
+        let trims = &self.setup.trims_turns;
+        let starts = |i: usize| self.apart(i).map_or(0.0, |apart| apart.start_deg);
+        let differ = |one: fn(&AxisSettings) -> f64| {
+            axes.windows(2).any(|pair| one(&pair[0]) != one(&pair[1]))
+        };
+        if differ(|axis| f64::from(axis.ratio.0) / f64::from(axis.ratio.1)) {
+            Some("ratio")
+        } else if differ(|axis| axis.offset_turns) {
+            Some("offset_deg")
+        } else if trims.windows(2).any(|pair| pair[0] != pair[1]) {
+            Some("trim_deg")
+        } else if (1..axes.len()).any(|i| starts(i) != starts(0)) {
+            Some("start_deg")
+        } else {
+            None
+        }
     }
 
     /// Method and step: what the scene asks for, and how well what it leaves open must do.

@@ -44,7 +44,7 @@ fn a_stiff_chain_past_its_step() {
             .limit_s
             .map(|limit_s| limit_s * 1e6)
     };
-    // PHYSICS.md 3.4 item 6, for the chain as printed; the damper at the cam changes nothing of the matrix.
+    // `docs/reproduced.md`, limits of the elastic follower, for the chain as printed; the damper at the cam changes nothing of the matrix.
     for (scheme, published_us) in [(Scheme::Rk4, 81.5), (Scheme::ExplicitEuler, 20.1)] {
         let found = limit_us(scheme).expect("it has one");
         assert!(

@@ -146,10 +146,16 @@ impl Problem {
 }
 
 /// Suffix of a key, and its unit; the first that fits counts.
-const UNITS: [(&str, &str); 15] = [
+const UNITS: [(&str, &str); 21] = [
     ("_hz_per_s2", "rev/s³"),
     ("_hz_per_s", "rev/s²"),
     ("_deg_per_s", "°/s"),
+    ("_n_per_mm", "N/mm"),
+    ("_n_per_um", "N/µm"),
+    ("_ns_per_m", "N·s/m"),
+    ("_per_s", "1/s"),
+    ("_nms", "N·m·s"),
+    ("_nm", "N·m"),
     ("tick_hz", "Hz"),
     ("_hz", "rev/s"),
     ("_kgm2", "kg·m²"),

@@ -32,6 +32,9 @@ pub struct Cranks {
     sampling: f64,
     steppers: Vec<bool>,
     alike: bool,
+    /// Whether all cranks are to turn as one, which is all that the linear reckoning knows; on up to three, apart but for where
+    /// they stand at the start, as no rod then pulls on them.
+    in_phase: bool,
 }
 
 impl Cranks {
@@ -41,6 +44,7 @@ impl Cranks {
         drive: &Drive,
         worst: Worst,
         standing_apart_rad: f64,
+        leads_apart: bool,
         (sprung, rod_zeta): (bool, f64),
     ) -> Self {
         let body = driven.body();
@@ -63,6 +67,7 @@ impl Cranks {
                 .iter()
                 .map(|motor| matches!(motor, Motor::Stepper(_)))
                 .collect(),
+            in_phase: !leads_apart && (body.axes() <= 3 || standing_apart_rad == 0.0),
             alike: worst.spread_rad == 0.0,
             frame: frame::share(driven, drive),
             rods: if sprung {
@@ -111,9 +116,12 @@ impl Cranks {
         if output == Output::Slips {
             return self.slips(rung);
         }
-        // Half slipped is anywhere.
-        if !self.keeps_step() && rung < Fidelity::Phased && !(self.alike && rung == Fidelity::Rigid)
-        {
+        if output == Output::Ground {
+            let knows = rung == Fidelity::Elastic;
+            return if knows { 0.0 } else { f64::INFINITY };
+        }
+        // Half slipped is anywhere, and motors that are alike do not slip alike where they swing past what they have.
+        if rung < Fidelity::Phased && !(self.keeps_step() && self.in_phase) {
             return f64::INFINITY;
         }
         match rung {
@@ -130,22 +138,27 @@ impl Cranks {
     /// Cranks that never lag.
     fn left_out_below_rigid(&self, output: Output) -> f64 {
         let worst = &self.worst;
-        let of_torque = MARGIN * worst.torque + self.frame + self.rods;
+        // What changes the platform's acceleration changes what it asks of the cranks, where their lever is longest.
+        let shaken = worst.torque_of_amax * (self.frame + self.rods);
+        let of_torque = MARGIN * worst.torque + shaken;
+        let shaken = 1.0 + shaken;
         match output {
-            Output::Lag => degrees(MARGIN * self.bent(worst.lag_rad)) * (1.0 + self.frame),
-            Output::Spread => degrees(self.apart_rad()) * (1.0 + self.frame),
-            Output::Tilt => self.tilt_mrad * self.apart_rad() * (1.0 + self.frame),
+            Output::Lag => degrees(MARGIN * self.bent(worst.lag_rad)) * shaken,
+            Output::Spread => degrees(self.apart_rad()) * shaken,
+            Output::Tilt => self.tilt_mrad * self.apart_rad() * shaken,
             Output::Amax => 100.0 * (MARGIN * worst.amax + self.sampling + self.frame + self.rods),
             Output::Torque => 100.0 * of_torque,
-            Output::Slips => 0.0,
+            Output::Slips | Output::Ground => 0.0,
         }
     }
 
     /// Cranks that lag alike.
     fn left_out_by_rigid(&self, output: Output) -> f64 {
         let rods = match output {
-            Output::Amax | Output::Torque => 100.0 * self.rods,
-            _ => 0.0,
+            Output::Amax => 100.0 * self.rods,
+            Output::Torque => 100.0 * self.rods * self.worst.torque_of_amax,
+            _ if self.rods == 0.0 => 0.0,
+            _ => self.rods * self.worst.torque_of_amax * self.left_out_below_rigid(output),
         };
         if self.alike && self.standing_apart_rad == 0.0 {
             return rods;
@@ -155,11 +168,13 @@ impl Cranks {
         // The part of what a crank does that is not the others'.
         let part = (apart / (MARGIN * worst.lag_rad)).min(1.0);
         match output {
-            Output::Lag | Output::Spread => degrees(apart),
-            Output::Tilt => self.tilt_mrad * apart,
+            Output::Lag | Output::Spread => degrees(apart) + rods,
+            Output::Tilt => self.tilt_mrad * apart + rods,
             Output::Amax => 100.0 * (part * MARGIN * worst.amax + self.sampling) + rods,
-            Output::Torque => 100.0 * (part * MARGIN * worst.torque + worst.spring_per_rad * apart),
-            Output::Slips => 0.0,
+            Output::Torque => {
+                100.0 * (part * MARGIN * worst.torque + worst.spring_per_rad * apart) + rods
+            }
+            Output::Slips | Output::Ground => 0.0,
         }
     }
 
@@ -168,9 +183,14 @@ impl Cranks {
         if self.frame == 0.0 {
             return 0.0;
         }
+        // What shakes it by heave alone is known.
+        if !self.in_phase {
+            return f64::INFINITY;
+        }
         match output {
-            Output::Amax | Output::Torque => 100.0 * self.frame,
-            _ => self.frame * self.left_out_below_rigid(output),
+            Output::Amax => 100.0 * self.frame,
+            Output::Torque => 100.0 * self.frame * self.worst.torque_of_amax,
+            _ => self.frame * self.worst.torque_of_amax * self.left_out_below_rigid(output),
         }
     }
 
@@ -179,15 +199,16 @@ impl Cranks {
         let is_known = match rung {
             Fidelity::Auto | Fidelity::Kinematic => false,
             Fidelity::QuasiStatic => self.is_decided(),
-            Fidelity::Rigid => self.alike,
+            Fidelity::Rigid => false,
             Fidelity::Phased | Fidelity::Elastic => true,
         };
         let worst = &self.worst.torque_ratio;
-        let slips = |i: &usize| self.steppers[*i] && MARGIN * worst[*i] >= 1.0;
+        let may_slip =
+            |i: &usize| self.steppers[*i] && !(self.in_phase && MARGIN * worst[*i] < 1.0);
         if is_known {
             return 0.0;
         }
-        (0..worst.len()).filter(slips).count() as f64
+        (0..worst.len()).filter(may_slip).count() as f64
     }
 
     /// Whether the torque that is asked for alone tells who slips: each motor is asked for far more than it has, or far less
@@ -195,6 +216,9 @@ impl Cranks {
     fn is_decided(&self) -> bool {
         let worst = &self.worst;
         let slips = |i: usize| self.steppers[i] && worst.torque_ratio_asked[i] > MARGIN;
+        if !self.in_phase {
+            return false;
+        }
         let axes = self.steppers.len();
         let left = (0..axes).filter(|&i| !slips(i)).count();
         let more = axes as f64 / left.max(1) as f64;

@@ -40,13 +40,30 @@ pub fn share(driven: &Driven, drive: &Drive) -> f64 {
         parts.sum::<f64>() * (omega / drive.top_rad_s).powi(2) / (1.0 + mechanism.lambda())
     };
     let even = (1..=SPEEDS).map(|i| drive.top_rad_s * f64::from(i) / f64::from(SPEEDS));
-    // Without the foundation's say, but near enough for the even speeds to do the rest.
-    let frame_kg = frame.suspended.masses[0] + body.load.mass_kg;
-    let resonance = (frame.suspended.stiffness[0] / frame_kg).sqrt();
-    let met = (1..=HARMONICS)
-        .map(|n| resonance / n as f64)
+    let met = modes_rad_s(
+        &frame.suspended,
+        frame.foundation.as_ref(),
+        body.load.mass_kg,
+    );
+    let met = met
+        .into_iter()
+        .flat_map(|mode| (1..=HARMONICS).map(move |n| mode / n as f64))
         .filter(|&omega| omega < drive.top_rad_s);
     even.chain(met).map(at_speed).fold(0.0, f64::max)
+}
+
+/// Frequencies in heave without damping, rad/s: of the frame with the platform on its springs, and of the foundation's.
+fn modes_rad_s(frame: &Layer, foundation: Option<&Layer>, load_kg: f64) -> [f64; 2] {
+    let upper = frame.stiffness[0] / (frame.masses[0] + load_kg);
+    let Some(block) = foundation else {
+        return [upper.sqrt(); 2];
+    };
+    let lower = (frame.stiffness[0] + block.stiffness[0]) / block.masses[0];
+    let coupling =
+        frame.stiffness[0] * frame.stiffness[0] / ((frame.masses[0] + load_kg) * block.masses[0]);
+    let (mean, half) = (0.5 * (upper + lower), 0.5 * (upper - lower));
+    let apart = (half * half + coupling).sqrt();
+    [(mean - apart).max(0.0).sqrt(), (mean + apart).sqrt()]
 }
 
 /// |f″ / z″| at a frequency.

@@ -51,6 +51,9 @@ pub struct Worst {
     pub amax: f64,
     /// By how much motors' torques differ from what the load asks, as a part of the greatest of it.
     pub torque: f64,
+    /// Torque of a crank at its longest lever under amax at top speed, over the greatest torque that the load asks of it: by how
+    /// much more a part of the acceleration may be of the torque.
+    pub torque_of_amax: f64,
     /// Greatest stiffness of a motor over the greatest torque that the load asks of it, 1/rad.
     pub spring_per_rad: f64,
     /// Torque over the most that the motor has (pull-out torque, or a servo's limit), each axis.
@@ -145,6 +148,11 @@ pub fn worst(driven: &Driven, drive: &Drive) -> Worst {
     }
     let greatest_nm = greatest_nm(body, drive);
     worst.torque /= greatest_nm;
+    let mechanism = &body.mechanism;
+    let lever_m = mechanism.crank_radius_m() * asked.lever_squared.sqrt();
+    let share_kg = body.load.mass_kg / axes as f64;
+    worst.torque_of_amax =
+        (share_kg * lever_m * mechanism.amax_mps2(drive.top_rad_s) / greatest_nm).max(1.0);
     worst.spring_per_rad /= greatest_nm;
     worst.frequency_ratio = frequency_ratio(driven, drive, &asked);
     worst
@@ -286,7 +294,7 @@ fn speeds(driven: &Driven, drive: &Drive, asked: &Asked) -> Vec<f64> {
     let body = driven.body();
     for (i, motor) in driven.motors().iter().enumerate() {
         for inertia in [0.0, load_inertia_kgm2(body, asked)] {
-            let resonance = (motor.stiffness_nm(0.0).1 / (body.rotors_kgm2[i] + inertia)).sqrt();
+            let resonance = (motor.stiffest_nm() / (body.rotors_kgm2[i] + inertia)).sqrt();
             let met = (1..=HARMONICS).map(|n| resonance / n as f64 / drive.ratios[i]);
             speeds.extend(met.filter(|&omega| omega < drive.top_rad_s));
         }

@@ -8,11 +8,14 @@ mod linear;
 mod rods;
 
 use cophase_core::settings::Settings;
+use cophase_methods::Scheme;
+use cophase_methods::accuracy::LONGEST_H_OMEGA;
+use cophase_methods::problems::Chain;
 
 use super::Output;
-use crate::dynamics::Driven;
+use crate::dynamics::{Driven, Mode};
 use crate::machine::{Machine, Rotors};
-use crate::scene::file::{Fidelity, Rods};
+use crate::scene::file::{Fidelity, MethodName, Rods};
 use crate::scene::{Checked, SceneError};
 use crate::with_axes;
 use cranks::Cranks;
@@ -21,7 +24,13 @@ use linear::{Drive, worst};
 
 /// Bounds of all rungs of a scene's machine.
 #[derive(Clone, Debug)]
-pub enum Bounds {
+pub struct Bounds {
+    of: Of,
+    imposed: Option<f64>,
+}
+
+#[derive(Clone, Debug)]
+enum Of {
     /// A platform on cranks.
     Cranks(Box<Cranks>),
     /// Cams with followers.
@@ -39,7 +48,11 @@ impl Bounds {
     /// What the scene lacks for that.
     pub fn new(checked: &Checked) -> Result<Self, SceneError> {
         if checked.cam.is_some() {
-            return Followers::new(checked).map(Self::Followers);
+            let top = checked.on(Fidelity::Elastic)?;
+            return Ok(Self {
+                of: Of::Followers(Followers::new(&top)?),
+                imposed: imposed(&top, follower_mode(&top))?,
+            });
         }
         // The top rung that the scene has: with a frame, if it gives one.
         let top = checked
@@ -50,16 +63,19 @@ impl Bounds {
             let settings = top.settings::<N>()?;
             let driven = machine.rotors().map(Rotors::driven);
             let driven = driven.ok_or_else(|| SceneError::at("machine", "has no cranks that torque moves"))?;
-            Ok(Self::Cranks(Box::new(cranks(&top, &settings, driven))))
+            Ok(Self {
+                imposed: imposed(&top, driven.fastest_mode())?,
+                of: Of::Cranks(Box::new(cranks(&top, &settings, driven))),
+            })
         })
     }
 
     /// By how much a rung's output may be off the top rung's, in the unit of its tolerance; infinite where the rung cannot
     /// answer, or nothing bounds it.
     pub fn of(&self, rung: Fidelity, output: Output) -> f64 {
-        let left_out = match self {
-            Self::Cranks(cranks) => cranks.of(rung, output),
-            Self::Followers(followers) => followers.of(rung, output),
+        let left_out = match &self.of {
+            Of::Cranks(cranks) => cranks.of(rung, output),
+            Of::Followers(followers) => followers.of(rung, output),
         };
         let off = match output {
             // What is left out is a part of what the rung has; what is asked for, of what is right: less by as much.
@@ -68,6 +84,11 @@ impl Bounds {
             _ => left_out,
         };
         off + ROUNDING
+    }
+
+    /// By how much what swings is off by a method or step that the scene asks for, of itself; none where it leaves both open.
+    pub fn imposed(&self) -> Option<f64> {
+        self.imposed
     }
 
     /// The same with what the steps of two rungs' methods may be apart, each being off what swings by `resolution` of it.
@@ -84,19 +105,58 @@ impl Bounds {
     /// How far a platform on settled rods is from where it would be on springs at most, µm: the oscillation that was
     /// replaced by its static response. None where there is no such.
     pub fn settled_um(&self) -> Option<f64> {
-        match self {
-            Self::Cranks(cranks) => Some(cranks.settled_m() * 1e6).filter(|&um| um > 0.0),
-            Self::Followers(_) => None,
+        match &self.of {
+            Of::Cranks(cranks) => Some(cranks.settled_m() * 1e6).filter(|&um| um > 0.0),
+            Of::Followers(_) => None,
         }
     }
 
     /// The numbers that they are made of, in words.
     pub fn numbers(&self) -> String {
-        match self {
-            Self::Cranks(cranks) => cranks.numbers(),
-            Self::Followers(followers) => followers.numbers(),
+        match &self.of {
+            Of::Cranks(cranks) => cranks.numbers(),
+            Of::Followers(followers) => followers.numbers(),
         }
     }
+}
+
+/// How far off a mode is by the method and step that a scene asks for, of itself.
+fn imposed(top: &Checked, mode: Mode) -> Result<Option<f64>, SceneError> {
+    let asked = &top.scene.method;
+    if asked.name == MethodName::Auto && asked.steps_per_tick.is_none() {
+        return Ok(None);
+    }
+    let method = with_axes!(top.scene.axes.count, N => Machine::<N>::new(top)?.method());
+    let tick_s = 1.0 / f64::from(top.scene.control.tick_hz);
+    Ok(method.map(|(scheme, steps)| {
+        let h_omega = mode.omega_rad_s * tick_s / f64::from(steps);
+        // What is not resolved is not known at all; exact discretisation needs not resolve it, but what it is driven by.
+        if h_omega > LONGEST_H_OMEGA && scheme != Scheme::Exact {
+            return 1.0;
+        }
+        let zeta = mode.zeta.min(0.99);
+        let forgotten =
+            scheme.error_a_radian(h_omega.min(LONGEST_H_OMEGA), zeta) / (2.0 * zeta.max(0.005));
+        // Methods of order 1 see places and speeds half a step apart.
+        let ripple = if scheme.facts().order == 1 {
+            0.5 * h_omega
+        } else {
+            0.0
+        };
+        forgotten.max(ripple).min(1.0)
+    }))
+}
+
+/// The mode of a follower that its peaks are made of: the slowest.
+fn follower_mode(top: &Checked) -> Mode {
+    let chain = top.cam.and_then(|follower| {
+        let (links, shaft) = follower.links?;
+        Some(Chain::of(follower.cam, shaft, &links))
+    });
+    chain.map_or_else(Mode::default, |chain| Mode {
+        omega_rad_s: chain.modes()[0].omega_rad_s,
+        zeta: chain.modes()[0].zeta,
+    })
 }
 
 fn cranks<const N: usize>(checked: &Checked, settings: &Settings<N>, driven: &Driven) -> Cranks {
@@ -124,6 +184,7 @@ fn cranks<const N: usize>(checked: &Checked, settings: &Settings<N>, driven: &Dr
         &drive,
         worst(driven, &drive),
         most - least,
+        matches!(checked.cranks_apart(), Some("ratio" | "offset_deg")),
         checked
             .scene
             .machine

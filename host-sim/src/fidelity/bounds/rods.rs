@@ -2,7 +2,7 @@
 //!
 //! Two answers. Where a scene has its rods spring, every rung without springs is off by them, harmonic by harmonic. Where it has
 //! them settle, the fast mode ω_r = √(N k/m) is replaced by its static response, and what that leaves out of the platform's place
-//! is at most
+//! is, beside that static response itself, at most
 //!
 //! ```text
 //! (max|f″| + 2 ζ ω_r max|f′|) / ω_r⁴ · coth(π ζ / (2 √(1 − ζ²)))
@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 
 use nalgebra::Complex;
 
-use super::asked::cosines_of_h;
+use super::asked::{HARMONICS, cosines_of_h};
 use super::linear::Drive;
 use crate::dynamics::Body;
 
@@ -35,9 +35,11 @@ pub fn share(body: &Body, zeta: f64, drive: &Drive) -> f64 {
         });
         parts.sum::<f64>() * (omega / drive.top_rad_s).powi(2) / (1.0 + body.mechanism.lambda())
     };
-    (1..=SPEEDS)
-        .map(|i| at_speed(drive.top_rad_s * f64::from(i) / f64::from(SPEEDS)))
-        .fold(0.0, f64::max)
+    let even = (1..=SPEEDS).map(|i| drive.top_rad_s * f64::from(i) / f64::from(SPEEDS));
+    let met = (1..=HARMONICS)
+        .map(|n| mode / n as f64)
+        .filter(|&omega| omega < drive.top_rad_s);
+    even.chain(met).map(at_speed).fold(0.0, f64::max)
 }
 
 /// How far the platform is from where settled rods have it at most, at any steady speed up to the top, m.
@@ -50,7 +52,9 @@ pub fn settled_m(body: &Body, zeta: f64, drive: &Drive) -> f64 {
         first += amax * harmonic.abs() * radians;
         second += amax * harmonic.abs() * radians * radians;
     }
-    static_response_off(first, second, mode, zeta)
+    // Settled rods hold the platform where its cranks have it; springs give by what they carry, at amax in both directions.
+    let carried = amax * (1.0 + body.mechanism.lambda()) + body.load.gravity_mps2;
+    carried / (mode * mode) + static_response_off(first, second, mode, zeta)
 }
 
 /// How far a mode is from its static response at most, for the greatest |f′| and |f″| of what drives it, per unit mass.

@@ -21,6 +21,9 @@ pub struct Questions {
     /// Largest torque of a motor, percent of itself.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torque_percent: Option<f64>,
+    /// Largest force on the ground beyond the weight, percent of itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground_percent: Option<f64>,
     /// Which motors fall out of step.
     #[serde(skip_serializing_if = "is_false")]
     pub slips: bool,
