@@ -1,7 +1,7 @@
 //! What every method is: facts that can be relied on, and a step.
 //!
-//! A file of [`methods`](crate::methods) has a [`Rule`]: what makes one state of another, and the memory that takes. All else
-//! that methods have in common is [`Fixed`], written once.
+//! A file of [`methods`](crate::methods) has a `Rule`: what makes one state of another, and the memory that takes. All else
+//! that methods have in common is `Fixed`, written once.
 
 use core::fmt;
 

@@ -37,7 +37,7 @@ const FEWEST: usize = 6;
 const SMALL: usize = 7;
 
 impl Curve {
-    /// Halves the step until nothing more of the curve would be seen, at least [`FEWEST`] lengths.
+    /// Halves the step until nothing more of the curve would be seen, at least `FEWEST` lengths.
     pub fn measure(
         problem: &Problem,
         scheme: Scheme,

@@ -1,7 +1,7 @@
 //! The form of a scene file. Every key carries its unit; unknown keys are refused.
 //!
-//! A file here is a table there: [`machine`] or [`cam`], [`control`] (with limits and what is watched), [`axes`], [`program`], and
-//! what happens to a scene from outside, [`events`]. How it is reckoned, [`fidelity`] says.
+//! A file here is a table there: `machine` or `cam`, `control` (with limits and what is watched), `axes`, `program`, and
+//! what happens to a scene from outside, `events`. How it is reckoned, `fidelity` says.
 
 mod axes;
 mod cam;
