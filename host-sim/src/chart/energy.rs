@@ -77,10 +77,16 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
         x: Axis::log("steps a turn", 14.0, 1000.0),
         y: Axis::log("change of the mean energy, relative", SHOWN.0, SHOWN.1),
         lines,
-        levels: vec![Level {
-            at: At::Y(KEPT),
-            label: "below: kept".to_owned(),
-        }],
+        levels: vec![
+            Level {
+                at: At::Y(KEPT),
+                label: "below: kept".to_owned(),
+            },
+            Level {
+                at: At::Y(LOST),
+                label: "followed no further".to_owned(),
+            },
+        ],
     };
     let svg = render(Picture {
         title: "Energy: which methods keep it".to_owned(),

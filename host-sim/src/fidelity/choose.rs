@@ -43,7 +43,7 @@ pub fn questions(checked: &Checked) -> Questions {
     let declared = checked.scene.questions;
     if declared.is_none() && !checked.scene.axes.pull_out.is_empty() {
         return Questions {
-            slips: true,
+            slips: Some(true),
             ..declared
         };
     }
@@ -76,7 +76,10 @@ pub fn judge(
 /// A question that only rungs answer for which the scene lacks something.
 pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
     let questions = questions(checked);
-    if questions.is_none() {
+    if Output::ALL
+        .iter()
+        .all(|output| output.tolerance(&questions).is_none())
+    {
         return Ok(unasked(checked));
     }
     let bounds = Bounds::new(checked);

@@ -78,7 +78,7 @@ impl Output {
             Self::Amax => questions.amax_percent,
             Self::Torque => questions.torque_percent,
             // Half a motor: none may differ.
-            Self::Slips => questions.slips.then_some(0.5),
+            Self::Slips => (questions.slips == Some(true)).then_some(0.5),
             Self::Ground => questions.ground_percent,
         }
     }

@@ -56,6 +56,9 @@ pub struct Report<'a> {
     holding: HoldingReport,
     speed_top_hz: f64,
     amax_top_mps2: f64,
+    /// Largest acceleration of the platform itself, where torque moves the cranks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    accel_worst_mps2: Option<f64>,
     late_deadlines: u32,
     missed_deadlines: u32,
     faults: Vec<FaultReport>,
@@ -300,6 +303,10 @@ impl<'a> Report<'a> {
             },
             speed_top_hz: seen.top_speed_hz,
             amax_top_mps2: seen.top_amax_mps2,
+            accel_worst_mps2: outcome
+                .method
+                .filter(|_| checked.cam.is_none())
+                .map(|_| seen.worst_accel_mps2),
             late_deadlines: seen.late_deadlines,
             missed_deadlines: seen.missed_deadlines,
             faults: seen.events.iter().filter_map(fault_report).collect(),

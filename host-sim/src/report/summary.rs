@@ -141,6 +141,13 @@ fn write_page(
             seen.top_speed_hz,
         )?;
     }
+    if seen.worst_accel_mps2 > 0.0 {
+        writeln!(
+            page,
+            "The platform itself accelerated by at most {:.1} g.",
+            seen.worst_accel_mps2 / STANDARD_GRAVITY_MPS2
+        )?;
+    }
     let lagged = seen
         .events
         .iter()

@@ -66,6 +66,8 @@ pub struct Statistics {
     pub torque_used: Vec<Option<(f64, f64)>>,
     /// Largest torque that each motor gave, N·m; empty where torque does not move the cranks.
     pub worst_torque_nm: Vec<f64>,
+    /// Largest acceleration of the platform itself while running, m/s²; 0 where torque does not move the cranks.
+    pub worst_accel_mps2: f64,
     /// What the frame did, if it moves.
     pub frame: Option<FrameSeen>,
     /// The greatest of what each follower did; empty where axes are no cam shafts.
@@ -116,6 +118,7 @@ impl Statistics {
             slipped_cycles: vec![0; axes],
             torque_used: Vec::new(),
             worst_torque_nm: Vec::new(),
+            worst_accel_mps2: 0.0,
             frame: None,
             followers: vec![Peaks::default(); if checked.cam.is_some() { axes } else { 0 }],
             stopped_by: None,
@@ -234,6 +237,10 @@ impl Statistics {
             self.worst_warp_deg = self.worst_warp_deg.max(warp_deg);
         }
         if moment.telemetry.state == State::Run {
+            if moment.machine.rotors().is_some() {
+                let accel_mps2 = moment.pose().accel_mps2.abs();
+                self.worst_accel_mps2 = self.worst_accel_mps2.max(accel_mps2);
+            }
             self.running_ticks += 1;
             self.spread_squares += spread_deg * spread_deg;
         }

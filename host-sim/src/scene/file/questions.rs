@@ -25,8 +25,8 @@ pub struct Questions {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground_percent: Option<f64>,
     /// Which motors fall out of step.
-    #[serde(skip_serializing_if = "is_false")]
-    pub slips: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slips: Option<bool>,
 }
 
 impl Questions {
@@ -34,9 +34,4 @@ impl Questions {
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
-fn is_false(value: &bool) -> bool {
-    !value
 }
