@@ -49,7 +49,13 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
         }
         compare(&mut judged, &runs.answers(&checked, rung)?, &right, against);
         let part = if rung < choice.rung { WELL_WITHIN } else { 1.0 };
-        if judged.iter().all(|judged| is_borne_out(judged, part)) {
+        // Both runs have the steps that the scene asks for: what these are off by, no sample shows.
+        let is_believed = bounds
+            .as_ref()
+            .is_none_or(|bounds| bounds.imposed().is_none());
+        let is_fair =
+            |judged: &Judged| judged.is_bounded() || is_believed && is_borne_out(judged, part);
+        if judged.iter().all(is_fair) && judged.iter().all(|judged| !is_denied(judged)) {
             return Ok(taken(checked, &choice, rung, judged));
         }
     }
@@ -57,14 +63,20 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
     Ok(checked)
 }
 
-/// Whether the sample shows an output to be within that part of its tolerance, and does not deny its bound.
+/// Whether the sample shows an output to be within that part of its tolerance, where it may say so at all.
 fn is_borne_out(judged: &Judged, part: f64) -> bool {
-    // A slip that comes a turn after the sample is another answer altogether: there only the bound counts.
-    if judged.output == Output::Slips && !judged.is_bounded() {
-        return false;
-    }
-    judged.measured.is_some_and(|(off, _)| {
-        off <= part * judged.tolerance && judged.bound.is_none_or(|bound| off <= bound)
+    // Where nothing bounds it, and with a slip, what comes a turn after the sample is another answer altogether.
+    let may_say = judged.output != Output::Slips && judged.bound.is_some_and(f64::is_finite);
+    may_say
+        && judged
+            .measured
+            .is_some_and(|(off, _)| off <= part * judged.tolerance)
+}
+
+/// Whether the sample is farther off than is asked, or than the bound has it.
+fn is_denied(judged: &Judged) -> bool {
+    judged.measured.is_none_or(|(off, _)| {
+        off > judged.tolerance || judged.bound.is_some_and(|bound| off > bound)
     })
 }
 
