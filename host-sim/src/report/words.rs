@@ -78,7 +78,8 @@ pub(super) fn fault_words(fault: &Fault) -> String {
         words += &format!(", axis {axis}");
     }
     if fault.size != Turns::ZERO {
-        words += &format!(" off by {:.2}°", degrees(fault.size));
+        let comma = if fault.axis.is_some() { "" } else { "," };
+        words += &format!("{comma} off by {:.2}°", degrees(fault.size));
     }
     words
 }
