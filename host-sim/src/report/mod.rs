@@ -1,5 +1,6 @@
 //! What a run comes to: `report.json` for machines, and a page of words for people.
 
+mod model;
 mod summary;
 mod warnings;
 mod words;
@@ -10,8 +11,8 @@ pub use words::{describe, is_news};
 
 use serde::Serialize;
 
-use crate::fidelity::{Bounds, Judged};
-use crate::scene::file::{Fidelity, MethodName, Rods};
+use model::{FidelityReport, MethodReport, judged};
+
 use crate::scene::{Checked, Scene};
 use crate::sim::Outcome;
 use crate::sim::events::{Event, Happening, StoppedBy};
@@ -69,54 +70,6 @@ pub struct Report<'a> {
     scene: &'a Scene,
     /// How fast the run was: the only part that differs from run to run.
     speed: Speed,
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct FidelityReport<'a> {
-    rung: &'static str,
-    why: &'a str,
-    left_out: &'static str,
-    /// How far a platform on settled rods is at most from where it would be on springs, where its rung has it move.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    settled_rods_um: Option<f64>,
-    /// What was asked for, and how well this rung answers it.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    outputs: Vec<OutputReport>,
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct OutputReport {
-    /// Its key in `[questions]`; the numbers are in the unit that it carries.
-    output: &'static str,
-    tolerance: f64,
-    /// By how much it is off at most, by what is known without a run; none where nothing bounds it.
-    bound: Option<f64>,
-    /// By how much it was off in a sample of the scene, run on another rung.
-    measured: Option<f64>,
-    against: Option<&'static str>,
-}
-
-impl OutputReport {
-    fn new(judged: &Judged) -> Self {
-        Self {
-            output: judged.output.key(),
-            tolerance: judged.tolerance,
-            bound: judged.bound.filter(|bound| bound.is_finite()),
-            measured: judged.measured.map(|(off, _)| off),
-            against: judged.measured.map(|(_, rung)| rung.name()),
-        }
-    }
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct MethodReport {
-    name: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    steps_per_tick: Option<u32>,
-    /// By how much what swings may be off by the step, of itself, where the step was chosen for that.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    resolution: Option<f64>,
-    why: &'static str,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -228,41 +181,8 @@ impl<'a> Report<'a> {
         };
         Self {
             name: &checked.scene.name,
-            fidelity: FidelityReport {
-                rung: checked.fidelity.name(),
-                why: &checked.why,
-                left_out: left_out(checked),
-                settled_rods_um: settled_rods_um(checked),
-                outputs: judged(checked).iter().map(OutputReport::new).collect(),
-            },
-            method: MethodReport {
-                name: outcome
-                    .method
-                    .map_or("closed form", |(scheme, _)| scheme.facts().name),
-                steps_per_tick: outcome.method.map(|(_, steps)| steps),
-                resolution: outcome
-                    .method
-                    .filter(|_| checked.scene.method.steps_per_tick.is_none())
-                    .map(|_| checked.resolution),
-                why: match checked.fidelity {
-                    Fidelity::QuasiStatic => {
-                        "torques follow from the motion, and slips from torques: nothing is integrated"
-                    }
-                    rung if rung.moves_by_torque()
-                        && checked.scene.method.name != MethodName::Auto =>
-                    {
-                        "the scene asks for it"
-                    }
-                    rung if rung.moves_by_torque() => {
-                        "accurate where the step resolves every mode: as long as what swings fastest stays right to the resolution"
-                    }
-                    Fidelity::Elastic => {
-                        "the follower is linear, so that nothing is unstable or damped by the method; a peak is looked at every \
-                         0.05 rad of the slowest mode"
-                    }
-                    _ => "cranks are where pulses and setpoints put them: nothing is integrated",
-                },
-            },
+            fidelity: FidelityReport::new(checked),
+            method: MethodReport::new(checked, outcome),
             ended: Ended {
                 state: outcome.state.name(),
                 fault: outcome.fault.is_some(),
@@ -319,63 +239,6 @@ impl<'a> Report<'a> {
                 times_real_time: outcome.simulated_s() / wall_s.max(1e-9),
             },
         }
-    }
-}
-
-/// What was asked for, and how well it is answered; nothing if the scene itself asks for a rung.
-fn judged(checked: &Checked) -> &[Judged] {
-    checked
-        .choice
-        .as_ref()
-        .map_or(&[], |choice| &choice.judged[..])
-}
-
-fn settled_rods_um(checked: &Checked) -> Option<f64> {
-    let moves = checked.fidelity >= Fidelity::Phased && checked.cam.is_none();
-    let bounds = moves.then(|| Bounds::new(checked).ok()).flatten()?;
-    bounds.settled_um()
-}
-
-/// What the rung leaves out, for all that read the results.
-fn left_out(checked: &Checked) -> &'static str {
-    let over_constrained = checked.scene.axes.count > 3;
-    let rods = checked
-        .scene
-        .machine
-        .as_ref()
-        .map_or(Rods::Settled, |machine| machine.rods);
-    match checked.fidelity {
-        Fidelity::QuasiStatic => {
-            "inertia's effect on the cranks' motion, elasticity, and how a slip loads the other motors"
-        }
-        Fidelity::Rigid => {
-            "each crank's own lag, tilt from torque, elasticity, microsteps: the cranks are one shaft"
-        }
-        Fidelity::Elastic if checked.cam.is_some() => {
-            "what the followers push back with: the cams turn as they are told, and no roller lifts off"
-        }
-        Fidelity::Phased => match (rods, over_constrained) {
-            (Rods::Sprung, _) => "microsteps, suspension and foundation",
-            (Rods::Settled, false) => "rods that give, microsteps, suspension and foundation",
-            (Rods::Settled, true) => {
-                "the rods' own oscillation, microsteps, suspension and foundation; more than three cranks over-constrain \
-                 the platform, so that it lies in the plane that asks least of the rods"
-            }
-        },
-        Fidelity::Elastic => match (rods, over_constrained) {
-            (Rods::Sprung, _) => "microsteps, and forces on the frame across the line of travel",
-            (Rods::Settled, false) => {
-                "rods that give, microsteps, and forces on the frame across the line of travel"
-            }
-            (Rods::Settled, true) => {
-                "the rods' own oscillation, microsteps, and forces on the frame across the line of travel; more than three \
-                 cranks over-constrain the platform, so that it lies in the plane that asks least of the rods"
-            }
-        },
-        _ if checked.cam.is_some() => {
-            "torque, inertia and elasticity: no cam ever lags, and no pusher leaves its law"
-        }
-        _ => "torque, inertia and elasticity: no crank ever lags",
     }
 }
 

@@ -106,7 +106,9 @@ impl Bounds {
     /// replaced by its static response. None where there is no such.
     pub fn settled_um(&self) -> Option<f64> {
         match &self.of {
-            Of::Cranks(cranks) => Some(cranks.settled_m() * 1e6).filter(|&um| um > 0.0),
+            Of::Cranks(cranks) => {
+                Some(cranks.settled_m() * 1e6).filter(|um| um.is_finite() && *um > 0.0)
+            }
             Of::Followers(_) => None,
         }
     }
