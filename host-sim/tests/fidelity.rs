@@ -76,7 +76,7 @@ fn judge_scene(name: &'static str, checked: Checked) {
         }
     }
     let taken = check(climbed.checked.clone()).unwrap();
-    println!("{name}: {}, {}", taken.fidelity.name(), taken.why);
+    println!("{name}: {}, {}", taken.fidelity.name(), taken.why());
     let place = |rung| climbed.rungs.iter().position(|(other, _)| *other == rung);
     let taken = place(taken.fidelity).expect("a rung that it has");
     let lowest = climbed
@@ -203,7 +203,7 @@ fn the_ground_is_asked_of_a_frame() {
     let suspended = library::find("suspended").unwrap().text;
     let asked = suspended.replace("amax_percent = 2", "ground_percent = 5");
     let taken = check(checked(&asked)).unwrap();
-    assert_eq!(taken.fidelity, Fidelity::Elastic, "{}", taken.why);
+    assert_eq!(taken.fidelity, Fidelity::Elastic, "{}", taken.why());
     let none = SOFT.replace("lag_deg = 0.05", "ground_percent = 5");
     let said = Checked::new(load::parse(&none).unwrap()).unwrap_err();
     assert_eq!(said.key, "questions.ground_percent");
@@ -214,15 +214,15 @@ fn the_ground_is_asked_of_a_frame() {
 #[test]
 fn a_rung_that_is_off_in_the_sample_is_left() {
     let mut forged = checked(SOFT);
-    assert!(forged.fidelity > Fidelity::QuasiStatic, "{}", forged.why);
+    assert!(forged.fidelity > Fidelity::QuasiStatic, "{}", forged.why());
     let choice = forged.choice.as_mut().unwrap();
     choice.rung = Fidelity::Kinematic;
     let taken = check(forged).unwrap();
-    assert!(taken.fidelity > Fidelity::QuasiStatic, "{}", taken.why);
+    assert!(taken.fidelity > Fidelity::QuasiStatic, "{}", taken.why());
     assert!(
-        taken.why.contains("was off by more than its tolerance"),
+        taken.why().contains("was off by more than its tolerance"),
         "{}",
-        taken.why
+        taken.why()
     );
 }
 
@@ -246,7 +246,7 @@ fn a_rung_below_is_taken_where_the_sample_bears_it_out() {
     assert!(scene.fidelity > Fidelity::Kinematic);
     let taken = check(scene).unwrap();
     assert_eq!(taken.fidelity, Fidelity::Kinematic);
-    assert!(taken.why.contains("sample"), "{}", taken.why);
+    assert!(taken.why().contains("sample"), "{}", taken.why());
 }
 
 /// Were it wrong, a scene would get an answer for which it did not say enough.
@@ -289,7 +289,7 @@ fn who_slips_is_confirmed_by_a_rung_that_can_tell() {
         .replace("hold_s = 0.2", "hold_s = 0.5")
         + "[[axis]]\nnumber = 2\nfriction_nm = 3\npull_out_scale = 0.2\n";
     let taken = check(checked(&weak)).unwrap();
-    assert_eq!(taken.fidelity, Fidelity::Phased, "{}", taken.why);
+    assert_eq!(taken.fidelity, Fidelity::Phased, "{}", taken.why());
     let slips = |rung| answers(&taken, rung).unwrap().of(Output::Slips).unwrap();
     assert_eq!(slips(Fidelity::Rigid), 0.0);
     assert!(slips(Fidelity::Phased) > 0.0);

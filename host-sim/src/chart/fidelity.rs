@@ -8,7 +8,9 @@ use super::ink::{Ink, Stroke};
 use super::picture::{At, Level, Line, Panel, Picture, render};
 use super::yardstick::Yardstick;
 use super::{ChartError, Drawn, Progress, Size};
-use crate::fidelity::{Answers, Bounds, Judged, answers, available, check, judge, questions};
+use crate::fidelity::{
+    Answers, Bounds, Judged, answers, available, check, compare, judge, questions,
+};
 use crate::machine::Machine;
 use crate::scene::file::Fidelity;
 use crate::scene::library::{BuiltIn, SCENES};
@@ -76,11 +78,7 @@ fn climb(scene: &BuiltIn, yardstick: Yardstick) -> Result<Ladder, SceneError> {
         let found = answers(&checked, fidelity)?;
         let timing = yardstick.sines(began.elapsed());
         let mut judged = judge(bounds.as_ref(), &questions, fidelity, checked.resolution);
-        for judged in &mut judged {
-            let output = judged.output;
-            let both = found.of(output).zip(right.of(output));
-            judged.measured = both.map(|(found, right)| (output.difference(found, right), top));
-        }
+        compare(&mut judged, &found, &right, top);
         rungs.push(Rung {
             fidelity,
             cost: crank_evaluations(&checked, fidelity)?,

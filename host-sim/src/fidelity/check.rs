@@ -38,39 +38,38 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
     let rungs = available(&checked);
     let questions = questions(&checked);
     let bounds = Bounds::new(&checked).ok();
-    let against = *rungs.last().unwrap_or(&choice.rung);
-    let mut runs = Runs::default();
-    let right = runs.answers(&checked, against)?;
+    let judge = |rung| judge(bounds.as_ref(), &questions, rung, choice.resolution);
+    // Both runs have the steps that the scene asks for: what these are off by, no sample shows.
+    let imposed = bounds.as_ref().and_then(Bounds::imposed);
+    let Some((&top, below)) = rungs.split_last() else {
+        checked.choice = Some(choice);
+        return Ok(checked);
+    };
+    let right = answers(&checked, top)?;
     // The lowest first: bounds are wide.
-    for rung in rungs {
-        let mut judged = judge(bounds.as_ref(), &questions, rung, choice.resolution);
-        if rung == against {
-            return Ok(taken(checked, &choice, rung, judged));
-        }
-        compare(&mut judged, &runs.answers(&checked, rung)?, &right, against);
-        let part = if rung < choice.rung { WELL_WITHIN } else { 1.0 };
-        // Both runs have the steps that the scene asks for: what these are off by, no sample shows.
-        let is_believed = bounds
-            .as_ref()
-            .is_none_or(|bounds| bounds.imposed().is_none());
-        let is_fair =
-            |judged: &Judged| judged.is_bounded() || is_believed && is_borne_out(judged, part);
-        if judged.iter().all(is_fair) && judged.iter().all(|judged| !is_denied(judged)) {
+    for &rung in below {
+        let mut judged = judge(rung);
+        compare(&mut judged, &answers(&checked, rung)?, &right, top);
+        let is_fair = |judged: &Judged| {
+            let is_known = judged.is_bounded() || imposed.is_none() && is_borne_out(judged);
+            is_known && !is_denied(judged)
+        };
+        if judged.iter().all(is_fair) {
             return Ok(taken(checked, &choice, rung, judged));
         }
     }
-    checked.choice = Some(choice);
-    Ok(checked)
+    let judged = judge(top);
+    Ok(taken(checked, &choice, top, judged))
 }
 
-/// Whether the sample shows an output to be within that part of its tolerance, where it may say so at all.
-fn is_borne_out(judged: &Judged, part: f64) -> bool {
+/// Whether the sample shows an output to be well within its tolerance, where it may say so at all.
+fn is_borne_out(judged: &Judged) -> bool {
     // Where nothing bounds it, and with a slip, what comes a turn after the sample is another answer altogether.
     let may_say = judged.output != Output::Slips && judged.bound.is_some_and(f64::is_finite);
     may_say
         && judged
             .measured
-            .is_some_and(|(off, _)| off <= part * judged.tolerance)
+            .is_some_and(|(off, _)| off <= WELL_WITHIN * judged.tolerance)
 }
 
 /// Whether the sample is farther off than is asked, or than the bound has it.
@@ -81,12 +80,10 @@ fn is_denied(judged: &Judged) -> bool {
 }
 
 fn taken(mut checked: Checked, choice: &Choice, rung: Fidelity, judged: Vec<Judged>) -> Checked {
-    let why = why(choice, rung);
     checked.fidelity = rung;
-    checked.why.clone_from(&why);
     checked.choice = Some(Choice {
         rung,
-        why,
+        why: why(choice, rung),
         judged,
         resolution: choice.resolution,
     });
@@ -107,25 +104,11 @@ fn why(choice: &Choice, rung: Fidelity) -> String {
     }
 }
 
-fn compare(judged: &mut [Judged], found: &Answers, right: &Answers, against: Fidelity) {
+/// Puts how far a run's answers are off another's, on the rung `against`, beside each bound.
+pub fn compare(judged: &mut [Judged], found: &Answers, right: &Answers, against: Fidelity) {
     for judged in judged {
         let output = judged.output;
         let both = found.of(output).zip(right.of(output));
         judged.measured = both.map(|(found, right)| (output.difference(found, right), against));
-    }
-}
-
-/// Samples that were run, so that none is run twice.
-#[derive(Default)]
-struct Runs(Vec<(Fidelity, Answers)>);
-
-impl Runs {
-    fn answers(&mut self, checked: &Checked, rung: Fidelity) -> Result<Answers, SceneError> {
-        if let Some((_, answers)) = self.0.iter().find(|(run, _)| *run == rung) {
-            return Ok(*answers);
-        }
-        let found = answers(checked, rung)?;
-        self.0.push((rung, found));
-        Ok(found)
     }
 }

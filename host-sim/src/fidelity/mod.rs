@@ -23,7 +23,7 @@ pub mod sample;
 
 pub use answers::Answers;
 pub use bounds::Bounds;
-pub use check::{answers, check};
+pub use check::{answers, check, compare};
 pub use choose::{Choice, Judged, available, choose, judge, questions};
 pub use output::Output;
 

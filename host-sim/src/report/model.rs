@@ -59,7 +59,7 @@ impl<'a> FidelityReport<'a> {
     pub fn new(checked: &'a Checked) -> Self {
         Self {
             rung: checked.fidelity.name(),
-            why: &checked.why,
+            why: checked.why(),
             left_out: left_out(checked),
             settled_rods_um: settled_rods_um(checked),
             outputs: judged(checked).iter().map(OutputReport::new).collect(),

@@ -93,7 +93,7 @@ fn write_page(
         page,
         "{} model: {}.",
         capital(checked.fidelity.name()),
-        checked.why
+        checked.why()
     )?;
     for judged in judged(checked) {
         writeln!(page, "  {}", answered(judged))?;

@@ -38,8 +38,6 @@ pub struct Checked {
     pub cam: Option<Follower>,
     /// The rung of the ladder, `auto` resolved.
     pub fidelity: Fidelity,
-    /// Why that rung, in a sentence.
-    pub why: String,
     /// What chose it, if the scene left that open.
     pub choice: Option<Choice>,
     /// By how much what swings in the machine may be off by the method's step, of itself.
@@ -84,7 +82,6 @@ impl Checked {
                 program.into_iter().map(|(entry, _)| entry),
             ),
             fidelity: scene.fidelity,
-            why: "the scene asks for it".to_owned(),
             choice: None,
             resolution: RESOLUTION,
             cam,
@@ -102,7 +99,6 @@ impl Checked {
         if checked.fidelity == Fidelity::Auto {
             let choice = fidelity::choose(&checked)?;
             checked.fidelity = choice.rung;
-            checked.why.clone_from(&choice.why);
             checked.resolution = choice.resolution;
             checked.choice = Some(choice);
         }
@@ -129,6 +125,12 @@ impl Checked {
         }
         with_axes!(other.scene.axes.count, N => Machine::<N>::new(&other).map(|_| ()))?;
         Ok(other)
+    }
+
+    /// Why this rung, in a sentence.
+    pub fn why(&self) -> &str {
+        let chosen = self.choice.as_ref().map(|choice| choice.why.as_str());
+        chosen.unwrap_or("the scene asks for it")
     }
 
     /// The key that has cranks stand, or turn, apart from each other, if one does.

@@ -85,7 +85,7 @@ fn a_step_past_the_limit_is_refused() {
 /// Were it wrong, equations that come to an end would take the run's files with them, or leave a run that looks well.
 #[test]
 fn a_run_that_diverges_says_so_and_is_written() {
-    let report = failed(diverging::SCENE);
+    let report = failed(&diverging::scene());
     let warnings = report["warnings"].to_string();
     assert!(
         warnings.contains("diverged") && warnings.contains("implicit equation"),

@@ -4,38 +4,12 @@
 //! Guard: their common lag is watched too; it latches a fault, and all stop together. A loop whose ticks take five times
 //! as long as they may ends in a fault likewise: an overrun, with all cranks in phase.
 
-use super::runs::{fault_s, first_slip_s, run};
+use super::runs::{fault_s, first_slip_s, run, three_steppers};
 use super::{Curve, Shown, failing, guarded};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use crate::chart::picture::{At, Level};
 use crate::sim::Outcome;
-
-const SCENE: &str = r#"
-name = "overload"
-fidelity = "RUNG"
-[machine]
-crank_radius_mm = 10
-lambda = 0.25
-load_kg = LOAD
-mount_radius_mm = 200
-[limits]
-speed_hz = 30
-acceleration_hz_per_s = 60
-jerk_hz_per_s2 = 1200
-creep_hz = 5
-[axes]
-count = 3
-drive = "stepper"
-steps_per_turn = 12800
-rotor_inertia_kgm2 = 1e-3
-damping_nms = 0.1
-pull_out = [[0, 2.0], [60, 2.0]]
-[[program]]
-amax_g = 15
-ramp_s = 0.5
-hold_s = 0.5
-"#;
 
 /// The load that the motors are sized for, kg: it asks for a good half of what they have.
 pub const SIZED_KG: f64 = 4.0;
@@ -48,9 +22,14 @@ const TICK_US: u32 = 500;
 
 /// The scene on a rung, with a load.
 pub fn scene(rung: &str, load_kg: f64) -> String {
-    SCENE
-        .replace("RUNG", rung)
-        .replace("LOAD", &load_kg.to_string())
+    three_steppers(
+        rung,
+        &[
+            ("load_kg = 8", &format!("load_kg = {load_kg}")),
+            ("damping_nms = 0.2", "damping_nms = 0.1"),
+            ("[[0, 20.0], [60, 20.0]]", "[[0, 2.0], [60, 2.0]]"),
+        ],
+    )
 }
 
 /// The same with a loop that takes five ticks for each tick, from the middle of the program on.

@@ -4,44 +4,12 @@
 //! Guards: the drift monitor hears it at the next index pulse, latches a fault and stops all; and the rung that compares torques
 //! says beforehand that more is asked than there is.
 
-use super::runs::{fault_s, first_slip_s, run};
+use super::runs::{fault_s, first_slip_s, run, three_steppers};
 use super::{Curve, Shown, failing, guarded};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use crate::chart::picture::{At, Level};
 use crate::sim::Outcome;
-
-const SCENE: &str = r#"
-name = "pull-out"
-fidelity = "RUNG"
-[machine]
-crank_radius_mm = 10
-lambda = 0.25
-load_kg = 8
-mount_radius_mm = 200
-[control]
-settle_s = 0.02
-[limits]
-speed_hz = 30
-acceleration_hz_per_s = 60
-jerk_hz_per_s2 = 1200
-creep_hz = 5
-[axes]
-count = 3
-drive = "stepper"
-steps_per_turn = 12800
-rotor_inertia_kgm2 = 1e-3
-damping_nms = 0.2
-pull_out = [[0, 20.0], [60, 20.0]]
-[[program]]
-amax_g = 15
-ramp_s = 0.5
-hold_s = 0.5
-[[axis]]
-number = 2
-friction_nm = 3
-pull_out_scale = SCALE
-"#;
 
 /// The axis with the stiff bearing.
 pub const WEAK_AXIS: usize = 2;
@@ -54,9 +22,9 @@ const CYCLES: f64 = 50.0;
 
 /// The scene on a rung, its third motor scaled.
 pub fn scene(rung: &str, scale: f64) -> String {
-    SCENE
-        .replace("RUNG", rung)
-        .replace("SCALE", &scale.to_string())
+    let settling = ("[limits]", "[control]\nsettle_s = 0.02\n[limits]");
+    let text = three_steppers(rung, &[settling]);
+    format!("{text}[[axis]]\nnumber = {WEAK_AXIS}\nfriction_nm = 3\npull_out_scale = {scale}\n")
 }
 
 /// A run.

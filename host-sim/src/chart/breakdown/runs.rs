@@ -11,6 +11,42 @@ use crate::sim::events::Happening;
 use crate::sim::{Moment, Observer, Outcome, simulate};
 use crate::units::turns;
 
+/// Three steppers of 1000 N·m/rad under 8 kg, run up to 15 g.
+const THREE_STEPPERS: &str = r#"
+name = "three steppers"
+fidelity = "phased"
+[machine]
+crank_radius_mm = 10
+lambda = 0.25
+load_kg = 8
+mount_radius_mm = 200
+[limits]
+speed_hz = 30
+acceleration_hz_per_s = 60
+jerk_hz_per_s2 = 1200
+creep_hz = 5
+[axes]
+count = 3
+drive = "stepper"
+steps_per_turn = 12800
+rotor_inertia_kgm2 = 1e-3
+damping_nms = 0.2
+pull_out = [[0, 20.0], [60, 20.0]]
+[[program]]
+amax_g = 15
+ramp_s = 0.5
+hold_s = 0.5
+"#;
+
+/// The scene that several panels begin with, three steppers on a rung; each thing in it replaced by another.
+pub fn three_steppers(rung: &str, changes: &[(&str, &str)]) -> String {
+    let on_rung = THREE_STEPPERS.replace("\"phased\"", &format!("\"{rung}\""));
+    changes.iter().fold(on_rung, |text, (from, to)| {
+        debug_assert!(text.contains(from), "{from} is not in the scene");
+        text.replace(from, to)
+    })
+}
+
 /// What is seen of a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Now {
