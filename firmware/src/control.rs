@@ -107,6 +107,8 @@ impl<const N: usize> Io<N> for Board<N> {
         let pressed = self.button.read(levels.start());
         Feedback {
             index,
+            // This board has no pins left to count with.
+            encoder: [0; N],
             alarm: if levels.any_alarm() {
                 core::array::from_fn(|axis| levels.alarm(axis))
             } else {

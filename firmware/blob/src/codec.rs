@@ -8,7 +8,7 @@ use crate::header::{HEADER_BYTES, Header};
 use crate::{BlobError, CRC};
 
 /// Format of the payload that is written and read here. Whatever changes the bytes of a [`Setup`] changes it.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 
 /// Longest payload, bytes: the name as long, lists as full, and numbers of variable length as great as can be.
 pub const MAX_PAYLOAD_BYTES: usize = {

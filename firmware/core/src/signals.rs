@@ -12,6 +12,9 @@ use crate::units::{Amax, Phase, Turns};
 pub struct Feedback<const N: usize> {
     /// Index pulses of the tick that is over.
     pub index: [Option<IndexPulse>; N],
+    /// Counts of the motors' encoders at the deadline, in the motors' own sense, wrapping, from wherever they were at
+    /// power-up. Of an axis without an encoder it is not looked at.
+    pub encoder: [i32; N],
     /// Alarm outputs of the drives.
     pub alarm: [bool; N],
     /// An axis whose step hardware ran out of pulses within a tick that it had been given whole.
@@ -27,6 +30,7 @@ impl<const N: usize> Feedback<N> {
     pub const fn of(command: Option<Command>) -> Self {
         Self {
             index: [None; N],
+            encoder: [0; N],
             alarm: [false; N],
             ran_dry: None,
             inputs: SafetyInputs {
@@ -72,7 +76,12 @@ impl<const N: usize> Output<N> {
                 axis_phase,
                 steps: [0; N],
                 drift: [Turns::ZERO; N],
+                peak: [Turns::ZERO; N],
                 modes: Modes::default(),
+                correction: [Turns::ZERO; N],
+                datum: Turns::ZERO,
+                incident: None,
+                incidents: 0,
                 holding: false,
                 limits: Limits::default(),
             },
@@ -101,8 +110,18 @@ pub struct Telemetry<const N: usize> {
     pub steps: [i64; N],
     /// Drift as last measured.
     pub drift: [Turns; N],
+    /// The largest of it, without sign, since power-up or [`Command::ResetPeak`].
+    pub peak: [Turns; N],
     /// Its modes.
     pub modes: Modes,
+    /// What corrects it: trims, the sum of which is zero.
+    pub correction: [Turns; N],
+    /// Where the master's phase is zero, seen from the cranks': align found them so far ahead of where they were believed.
+    pub datum: Turns,
+    /// What was seen in this tick and is told, whatever is done about it.
+    pub incident: Option<Fault>,
+    /// How many there have been.
+    pub incidents: u32,
     /// Whether the program's time stands still on command.
     pub holding: bool,
     /// What is out of the ordinary but no fault.

@@ -90,6 +90,7 @@ const fn command_name(command: Command) -> &'static str {
         Command::Stop => "stop",
         Command::Hold => "hold",
         Command::Resume => "resume",
+        Command::ResetPeak => "reset-peak",
         Command::Reset => "reset",
     }
 }

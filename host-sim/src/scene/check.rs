@@ -277,6 +277,8 @@ fn mechanism(scene: &Scene) -> Result<Mechanism, SceneError> {
                 tilt_limit_mrad: scene.drift.tilt_limit_mrad,
                 warp_limit_deg: scene.drift.warp_limit_deg,
                 common_limit_deg: scene.drift.common_limit_deg,
+                reading_deg: scene.drift.reading_deg,
+                lag_s: scene.drift.lag_us * 1e-6,
             },
             cam: None,
         }),

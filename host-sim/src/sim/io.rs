@@ -251,6 +251,7 @@ impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'
         }
         Feedback {
             index: heard,
+            encoder: [0; N],
             alarm: [false; N],
             ran_dry: None,
             inputs: self.schedule.lines(),

@@ -151,6 +151,7 @@ const fn core_command(name: CommandName) -> Command {
         CommandName::Stop => Command::Stop,
         CommandName::Hold => Command::Hold,
         CommandName::Resume => Command::Resume,
+        CommandName::ResetPeak => Command::ResetPeak,
         CommandName::Reset => Command::Reset,
     }
 }

@@ -7,8 +7,8 @@ pub mod slots;
 use cophase_blob::Setup;
 use cophase_core::program::{CAPACITY, EntrySettings, SegmentSettings, Shape};
 use cophase_core::settings::{
-    AxisSettings, BandSettings, DriftSettings, DriveKind, IndexSettings, LimitSettings, MAX_AXES,
-    MAX_BANDS, MachineSettings, Platform, PulseSettings,
+    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, IndexSettings,
+    LimitSettings, MAX_AXES, MAX_BANDS, MachineSettings, Platform, PulseSettings,
 };
 use cophase_core::setup::{NAME_BYTES, short_name};
 
@@ -30,6 +30,8 @@ pub fn setup(axes: usize, bands: usize, entries: usize) -> Setup {
             speed_hz: 20.0,
             acceleration_hz_per_s: 20.0,
             jerk_hz_per_s2: 200.0,
+            stop_acceleration_hz_per_s: 40.0,
+            stop_jerk_hz_per_s2: 400.0,
             creep_hz: 1.0,
             bands: (0..bands)
                 .map(|i| BandSettings {
@@ -51,6 +53,10 @@ pub fn setup(axes: usize, bands: usize, entries: usize) -> Setup {
                 ratio: (1, 1),
                 offset_turns: 0.1,
                 index_turns: Some(-0.25),
+                index_width_turns: 0.0,
+                index_delay_s: 0.0,
+                encoder: false,
+                cycle_steps: 0,
                 trim_limit_turns: 5.0 / 360.0,
                 trim_rate_hz: 1.0 / 360.0,
                 rotor_inertia_kgm2: 1e-4,
@@ -61,7 +67,10 @@ pub fn setup(axes: usize, bands: usize, entries: usize) -> Setup {
             tilt_limit_mrad: 3.0,
             warp_limit_deg: 3.0,
             common_limit_deg: 15.0,
+            reading_deg: 0.25,
+            lag_s: 0.0,
         },
+        correction: CorrectionSettings::NONE,
         park_turns: 0.5,
         settle_s: 0.1,
         program: (0..entries)

@@ -4,8 +4,8 @@ use super::*;
 use crate::drift::IndexPulse;
 use crate::program::{SegmentSettings, Shape};
 use crate::settings::{
-    AxisSettings, BandSettings, DriftSettings, IndexSettings, LimitSettings, MachineSettings,
-    Platform, PulseSettings,
+    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, IndexSettings, LimitSettings,
+    MachineSettings, Platform, PulseSettings,
 };
 use crate::supervisor::Command;
 
@@ -19,6 +19,10 @@ fn settings() -> Settings<2> {
         ratio: (1, 1),
         offset_turns: 0.0,
         index_turns: Some(0.0),
+        index_width_turns: 0.0,
+        index_delay_s: 0.0,
+        encoder: false,
+        cycle_steps: 0,
         trim_limit_turns: 0.01,
         trim_rate_hz: 0.01,
         rotor_inertia_kgm2: 1e-3,
@@ -37,6 +41,8 @@ fn settings() -> Settings<2> {
             speed_hz: 20.0,
             acceleration_hz_per_s: 40.0,
             jerk_hz_per_s2: 1000.0,
+            stop_acceleration_hz_per_s: 40.0,
+            stop_jerk_hz_per_s2: 1000.0,
             creep_hz: 5.0,
             bands: [BandSettings {
                 from_hz: 8.0,
@@ -63,7 +69,10 @@ fn settings() -> Settings<2> {
             tilt_limit_mrad: 3.0,
             warp_limit_deg: 3.0,
             common_limit_deg: 15.0,
+            reading_deg: 0.25,
+            lag_s: 0.0,
         },
+        correction: CorrectionSettings::NONE,
         park_turns: 0.5,
         settle_s: 0.0,
     }

@@ -21,6 +21,8 @@ fn monitor<const N: usize>(tilt_mrad: f64, warp_deg: f64, common_deg: f64) -> Dr
         tilt_limit_mrad: tilt_mrad,
         warp_limit_deg: warp_deg,
         common_limit_deg: common_deg,
+        reading_deg: 0.25,
+        lag_s: 0.0,
     };
     DriftMonitor::new(
         DriftLimits::new(&settings, &machine()),

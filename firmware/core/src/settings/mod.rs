@@ -38,6 +38,8 @@ pub struct Settings<const N: usize> {
     pub axes: [AxisSettings; N],
     /// How far the cranks may be apart.
     pub drift: DriftSettings,
+    /// What is done against what drives them apart.
+    pub correction: CorrectionSettings,
     /// Crank phase at which the machine parks, turns, 0 to 1.
     pub park_turns: f64,
     /// Time that energised drives get to settle before anything moves, seconds, 0 to 10.
@@ -93,6 +95,11 @@ pub struct LimitSettings {
     pub acceleration_hz_per_s: f64,
     /// Greatest jerk, rev/s³.
     pub jerk_hz_per_s2: f64,
+    /// Greatest acceleration of a stop that a fault asks for, rev/s², not below the usual one: what the motors'
+    /// torque allows.
+    pub stop_acceleration_hz_per_s: f64,
+    /// Its greatest jerk, rev/s³, not below the usual one.
+    pub stop_jerk_hz_per_s2: f64,
     /// Speed of the slow turn that finds the index pulses and a parking phase, rev/s.
     pub creep_hz: f64,
     /// Speeds at which the machine must not dwell, lowest first.
@@ -154,8 +161,16 @@ pub struct AxisSettings {
     pub ratio: (u32, u32),
     /// Crank phase relative to the master's, turns, −½ to ½.
     pub offset_turns: f64,
-    /// Crank phase at which its index sensor stands, turns, −½ to ½; none if it has no sensor.
+    /// Crank phase at which its index flag begins, going forward, turns, −½ to ½; none if it has no sensor.
     pub index_turns: Option<f64>,
+    /// Length of that flag, turns of the crank, 0 to ¼: going backward, a crank meets its other end first.
+    pub index_width_turns: f64,
+    /// Time from the flag's edge to the line's, seconds, 0 to 1 ms.
+    pub index_delay_s: f64,
+    /// Whether its motor's encoder is read, at `steps_per_turn` counts to a turn of the crank.
+    pub encoder: bool,
+    /// Steps of one electrical cycle of its stepper; 0 if it has none.
+    pub cycle_steps: u32,
     /// Greatest trim either way, turns, 0 to 0.1.
     pub trim_limit_turns: f64,
     /// Speed at which trim changes, turns/s, above 0, up to 1.
@@ -174,6 +189,36 @@ pub struct DriftSettings {
     pub warp_limit_deg: f64,
     /// Mean lag of all cranks, degrees, above 0, up to 180.
     pub common_limit_deg: f64,
+    /// What a reading of a crank's phase may be off by, from noise alone, degrees, 0.01 to 5. What is within this, and two
+    /// steps, is not told from nothing.
+    pub reading_deg: f64,
+    /// Time by which all cranks follow late by their nature, seconds, 0 to 0.1: as much of the common lag as belongs to the
+    /// speed is not held against its limit.
+    pub lag_s: f64,
+}
+
+/// What is done against drift.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CorrectionSettings {
+    /// Part of a difference between cranks that is trimmed away in a turn, 0 (never) to 1.
+    pub part: f64,
+    /// Whether *align* trims each crank by an amount of its own and asks to see that crank, and no other, follow.
+    pub prove_wiring: bool,
+    /// Cross-coupling of servos: setpoint against what an axis is off from the mean of all, 0 to 2.
+    pub coupling: f64,
+    /// … and against that integrated, 1/s, 0 to 1000.
+    pub coupling_per_s: f64,
+}
+
+impl CorrectionSettings {
+    /// Drift is watched, and nothing done about it within the limits.
+    pub const NONE: Self = Self {
+        part: 0.0,
+        prove_wiring: false,
+        coupling: 0.0,
+        coupling_per_s: 0.0,
+    };
 }
 
 impl<const N: usize> Settings<N> {
@@ -222,6 +267,9 @@ impl<const N: usize> Settings<N> {
             1e-3,
             180.0,
         )?;
+        inside("drift.reading_deg", self.drift.reading_deg, 0.01, 5.0)?;
+        inside("drift.lag_us", self.drift.lag_s * 1e6, 0.0, 100_000.0)?;
+        self.correction.check()?;
         inside("control.park_deg", self.park_turns * 360.0, 0.0, 360.0)?;
         inside("control.settle_s", self.settle_s, 0.0, 10.0)?;
         Ok(())
@@ -230,6 +278,16 @@ impl<const N: usize> Settings<N> {
     /// Cycles of the step clock in one control tick.
     pub const fn tick_cycles(&self) -> u32 {
         CLOCK_HZ / self.tick_hz
+    }
+}
+
+impl CorrectionSettings {
+    fn check(&self) -> Result<(), SettingsError> {
+        inside("correction.part", self.part, 0.0, 1.0)?;
+        inside("correction.coupling", self.coupling, 0.0, 2.0)?;
+        let per_s = self.coupling_per_s;
+        inside("correction.coupling_per_s", per_s, 0.0, 1000.0)?;
+        Ok(())
     }
 }
 
@@ -306,6 +364,19 @@ impl LimitSettings {
             (least * tick_hz).max(0.01),
             speed_hz * tick_hz * tick_hz,
         )?;
+        // A fault's stop is at least as fast as any other.
+        inside(
+            "limits.stop_acceleration_hz_per_s",
+            self.stop_acceleration_hz_per_s,
+            self.acceleration_hz_per_s,
+            speed_hz * tick_hz,
+        )?;
+        inside(
+            "limits.stop_jerk_hz_per_s2",
+            self.stop_jerk_hz_per_s2,
+            self.jerk_hz_per_s2,
+            speed_hz * tick_hz * tick_hz,
+        )?;
         // A stop's way is reckoned in the phase's own format, which holds 32,768 turns.
         let acceleration = self.reachable_acceleration_hz_per_s();
         let ramp_s = speed_hz / acceleration + acceleration / self.jerk_hz_per_s2;
@@ -370,6 +441,13 @@ impl AxisSettings {
         if let Some(index_turns) = self.index_turns {
             inside("axes.index_deg", index_turns * 360.0, -180.0, 180.0)?;
         }
+        inside(
+            "axes.index_width_deg",
+            self.index_width_turns * 360.0,
+            0.0,
+            90.0,
+        )?;
+        inside("axes.index_delay_us", self.index_delay_s * 1e6, 0.0, 1000.0)?;
         inside(
             "axes.trim_limit_deg",
             self.trim_limit_turns * 360.0,

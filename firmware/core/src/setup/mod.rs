@@ -12,8 +12,8 @@ use heapless::{String, Vec};
 use crate::controller::Controller;
 use crate::program::{CAPACITY, EntrySettings, Program};
 use crate::settings::{
-    AxisSettings, DriftSettings, IndexSettings, LimitSettings, MAX_AXES, MachineSettings, Problem,
-    PulseSettings, Settings, SettingsError, turns,
+    AxisSettings, CorrectionSettings, DriftSettings, IndexSettings, LimitSettings, MAX_AXES,
+    MachineSettings, Problem, PulseSettings, Settings, SettingsError, turns,
 };
 
 /// Longest name, bytes of UTF-8.
@@ -41,6 +41,8 @@ pub struct Setup {
     pub trims_turns: Vec<f64, MAX_AXES>,
     /// How far the cranks may be apart.
     pub drift: DriftSettings,
+    /// What is done against what drives them apart.
+    pub correction: CorrectionSettings,
     /// As [`Settings::park_turns`].
     pub park_turns: f64,
     /// As [`Settings::settle_s`].
@@ -74,6 +76,7 @@ impl Setup {
             index: self.index,
             axes,
             drift: self.drift,
+            correction: self.correction,
             park_turns: self.park_turns,
             settle_s: self.settle_s,
         })

@@ -148,6 +148,8 @@ mod tests {
             speed_hz: 100.0,
             acceleration_hz_per_s: 50.0,
             jerk_hz_per_s2: 500.0,
+            stop_acceleration_hz_per_s: 50.0,
+            stop_jerk_hz_per_s2: 500.0,
             creep_hz: 1.0,
             bands: heapless::Vec::new(),
         };

@@ -96,6 +96,8 @@ fn limits(
         speed_hz,
         acceleration_hz_per_s: acceleration,
         jerk_hz_per_s2: jerk,
+        stop_acceleration_hz_per_s: acceleration,
+        stop_jerk_hz_per_s2: jerk,
         creep_hz: (speed_hz / 20.0).min(1.0),
         bands: bands
             .iter()
@@ -156,6 +158,8 @@ fn any_limit_settings() -> impl Strategy<Value = (u32, LimitSettings)> {
                 speed_hz,
                 acceleration_hz_per_s: between(0.01, speed_hz * hz, a),
                 jerk_hz_per_s2: between(0.01, speed_hz * hz * hz, j),
+                stop_acceleration_hz_per_s: between(0.01, speed_hz * hz, a),
+                stop_jerk_hz_per_s2: between(0.01, speed_hz * hz * hz, j),
                 creep_hz: (speed_hz / 20.0).min(1.0),
                 bands: heapless::Vec::new(),
             };

@@ -1,42 +1,139 @@
 //! What can go wrong, and what was seen when it did.
+//!
+//! One list for all of it, faults and what is merely told, under the same names in the log, in reports and as bytes.
 
-use crate::units::{Phase, Turns};
+use crate::units::{FRACTION_BITS, Phase, Turns};
 
-/// What went wrong. All of these stop the machine; what is merely reported is in
-/// [`crate::signals::Limits`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+/// What went wrong. What is done about it is in [`super::reaction`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
 pub enum FaultKind {
-    /// The platform tilts further than it may.
+    /// The platform tilts further than it may, and nothing tells why.
     #[error("platform tilt past its limit")]
-    Tilt,
-    /// The cranks bend the platform further than they may.
+    Tilt = 0,
+    /// The cranks bend the platform further than they may, and nothing tells why.
     #[error("platform warp past its limit")]
-    Warp,
+    Warp = 1,
     /// All cranks together lag, or lead, further than they may.
     #[error("common lag past its limit")]
-    CommonLag,
-    /// An index pulse stayed away for more than a turn.
+    CommonLag = 2,
+    /// A stepper fell behind, or was driven ahead, by whole electrical cycles.
+    #[error("lost steps")]
+    LostSteps = 3,
+    /// A crank walks away from where its motor has it.
+    #[error("slip")]
+    Slip = 4,
+    /// A crank stands while its motor is told to turn; seen by its encoder.
+    #[error("axis stuck")]
+    Stuck = 5,
+    /// An axis turns faster than it is told to.
+    #[error("axis runs away")]
+    Runaway = 6,
+    /// No index pulse comes any more from an axis that nothing else watches: it is stuck, or its sensor dead.
+    #[error("axis silent: stuck, or its index sensor dead")]
+    Silent = 7,
+    /// An index pulse stayed away, and the crank is where it should be.
     #[error("index pulse missing")]
-    IndexMissing,
+    IndexMissing = 8,
+    /// An index pulse came where no flag is.
+    #[error("extra index pulse")]
+    IndexExtra = 9,
+    /// Lines of two axes are swapped: one is moved, and the other is seen to follow.
+    #[error("wiring of two axes swapped")]
+    SwappedWiring = 10,
+    /// An axis turns the other way round than it is told; seen by its encoder.
+    #[error("axis turns the wrong way")]
+    Reversed = 11,
+    /// An encoder reads what its crank cannot have done.
+    #[error("encoder glitch")]
+    EncoderGlitch = 12,
     /// A drive reports an alarm.
     #[error("drive alarm")]
-    DriveAlarm,
-    /// The enable input was taken away while the machine moved.
-    #[error("enable input lost while moving")]
-    EnableLost,
+    DriveAlarm = 13,
     /// The loop missed so many deadlines in a row that the drives saw a standstill.
     #[error("control loop overrun")]
-    Overrun,
+    Overrun = 14,
     /// The step hardware of an axis ran out of pulses within a tick: that axis is behind the others.
     #[error("step pulses ran dry")]
-    RanDry,
+    RanDry = 15,
+    /// The enable input was taken away while the machine moved.
+    #[error("enable input lost while moving")]
+    EnableLost = 16,
+    /// The stop input came on.
+    #[error("stop input")]
+    StopInput = 17,
+    /// A crank is too far from the others for align to bring it back.
+    #[error("crank too far out to be aligned")]
+    TooFarOut = 18,
+    /// The program that was handed over cannot be run.
+    #[error("program rejected")]
+    ProgramRejected = 19,
+    /// The settings that were handed over cannot be run.
+    #[error("settings rejected")]
+    SettingsRejected = 20,
     /// The controller restarted by itself, out of a state in which the machine may have been moving.
     #[error("controller restarted")]
-    Restarted,
+    Restarted = 21,
 }
 
-/// A fault, and what was seen.
+impl FaultKind {
+    /// All of them, each at the place that it has as a number.
+    pub const ALL: [Self; 22] = [
+        Self::Tilt,
+        Self::Warp,
+        Self::CommonLag,
+        Self::LostSteps,
+        Self::Slip,
+        Self::Stuck,
+        Self::Runaway,
+        Self::Silent,
+        Self::IndexMissing,
+        Self::IndexExtra,
+        Self::SwappedWiring,
+        Self::Reversed,
+        Self::EncoderGlitch,
+        Self::DriveAlarm,
+        Self::Overrun,
+        Self::RanDry,
+        Self::EnableLost,
+        Self::StopInput,
+        Self::TooFarOut,
+        Self::ProgramRejected,
+        Self::SettingsRejected,
+        Self::Restarted,
+    ];
+
+    /// Its name in reports and tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Tilt => "tilt",
+            Self::Warp => "warp",
+            Self::CommonLag => "common-lag",
+            Self::LostSteps => "lost-steps",
+            Self::Slip => "slip",
+            Self::Stuck => "stuck",
+            Self::Runaway => "runaway",
+            Self::Silent => "silent",
+            Self::IndexMissing => "index-missing",
+            Self::IndexExtra => "index-extra",
+            Self::SwappedWiring => "swapped-wiring",
+            Self::Reversed => "reversed",
+            Self::EncoderGlitch => "encoder-glitch",
+            Self::DriveAlarm => "drive-alarm",
+            Self::Overrun => "overrun",
+            Self::RanDry => "run-dry",
+            Self::EnableLost => "enable-loss",
+            Self::StopInput => "stop-input",
+            Self::TooFarOut => "too-far-out",
+            Self::ProgramRejected => "program-rejected",
+            Self::SettingsRejected => "settings-rejected",
+            Self::Restarted => "restarted",
+        }
+    }
+}
+
+/// A fault or a limit, and what was seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// What went wrong.
@@ -50,6 +147,12 @@ pub struct Fault {
     /// The master's phase.
     pub phase: Phase,
 }
+
+/// Length of a fault as bytes.
+pub const FAULT_BYTES: usize = 20;
+
+/// What stands for no axis in these.
+const NO_AXIS: u8 = 0xFF;
 
 impl Fault {
     /// A fault of a kind; what is not known yet is zero.
@@ -83,5 +186,74 @@ impl Fault {
         self.tick = tick;
         self.phase = phase;
         self
+    }
+
+    /// As bytes, little-endian: kind, axis (255: none), two zeros, then the size and the phase within the turn, in 2⁻³² turn, and
+    /// the tick. A size of half a turn and more is cut to that.
+    pub fn to_bytes(&self) -> [u8; FAULT_BYTES] {
+        const CUT: u32 = FRACTION_BITS - 32;
+        let size = (self.size.to_bits() >> CUT).clamp(i32::MIN.into(), i32::MAX.into()) as i32;
+        let phase = (self.phase.within_turn().to_bits() >> CUT) as u32;
+        let axis = self.axis.and_then(|axis| u8::try_from(axis).ok());
+        let (size, phase, tick) = (
+            size.to_le_bytes(),
+            phase.to_le_bytes(),
+            self.tick.to_le_bytes(),
+        );
+        core::array::from_fn(|i| match i {
+            0 => self.kind as u8,
+            1 => axis.unwrap_or(NO_AXIS),
+            4..8 => size[i - 4],
+            8..12 => phase[i - 8],
+            12..20 => tick[i - 12],
+            _ => 0,
+        })
+    }
+
+    /// What [`Self::to_bytes`] made, its size and phase to 2⁻³² turn; none if no such kind is known.
+    pub fn from_bytes(bytes: &[u8; FAULT_BYTES]) -> Option<Self> {
+        const CUT: u32 = FRACTION_BITS - 32;
+        let four = |from: usize| core::array::from_fn(|i| bytes[from + i]);
+        let turns = |units: i64| Turns::from_bits(units << CUT);
+        Some(Self {
+            kind: *FaultKind::ALL.get(usize::from(bytes[0]))?,
+            axis: (bytes[1] != NO_AXIS).then_some(usize::from(bytes[1])),
+            size: turns(i32::from_le_bytes(four(4)).into()),
+            tick: u64::from_le_bytes(core::array::from_fn(|i| bytes[12 + i])),
+            phase: Phase::from_turns(turns(u32::from_le_bytes(four(8)).into())),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A kind is sent as its number, and told by it.
+    #[test]
+    fn every_kind_is_at_its_number_and_has_a_name_of_its_own() {
+        for (number, kind) in FaultKind::ALL.into_iter().enumerate() {
+            assert_eq!(kind as usize, number);
+            let namesakes = FaultKind::ALL.iter().filter(|k| k.name() == kind.name());
+            assert_eq!(namesakes.count(), 1, "{}", kind.name());
+        }
+    }
+
+    /// Were a field cut or at another's place, a board's log and a report would differ.
+    #[test]
+    fn bytes_bring_a_fault_back() {
+        for axis in [None, Some(0), Some(5)] {
+            let fault = Fault {
+                kind: FaultKind::LostSteps,
+                axis,
+                size: Turns::from_num(-0.0625),
+                tick: 0x0123_4567_89AB_CDEF,
+                phase: Phase::from_turns(Turns::from_num(0.75)),
+            };
+            assert_eq!(Fault::from_bytes(&fault.to_bytes()), Some(fault));
+        }
+        let mut unknown = Fault::new(FaultKind::Tilt).to_bytes();
+        unknown[0] = FaultKind::ALL.len() as u8;
+        assert_eq!(Fault::from_bytes(&unknown), None);
     }
 }

@@ -17,8 +17,10 @@
 //! align, run, stop and parked, and in no other state.
 
 mod fault;
+pub mod reaction;
 
-pub use fault::{Fault, FaultKind};
+pub use fault::{FAULT_BYTES, Fault, FaultKind};
+pub use reaction::{Reaction, reaction};
 
 use crate::units::Phase;
 
@@ -88,6 +90,8 @@ pub enum Command {
     Resume,
     /// Leave the fault state.
     Reset,
+    /// Forget the largest drifts so far.
+    ResetPeak,
 }
 
 /// What the rest of the loop reports, of the tick that is over.

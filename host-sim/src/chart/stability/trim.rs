@@ -54,6 +54,10 @@ fn dies_out(gain: f64, delay_turns: u32) -> bool {
             ratio: (1, 1),
             offset_turns: 0.0,
             index_turns: Some(0.0),
+            index_width_turns: 0.0,
+            index_delay_s: 0.0,
+            encoder: false,
+            cycle_steps: 0,
             trim_limit_turns: 0.1,
             trim_rate_hz: 1.0, // two limits' way in a turn
             rotor_inertia_kgm2: 0.0,

@@ -180,6 +180,8 @@ pub(super) fn drift(drift: &Drift, machine: &MachineSettings) -> Result<DriftSet
         tilt_limit_mrad: tilt_mrad.clamp(1e-3, 100.0),
         warp_limit_deg: drift.warp_limit_deg,
         common_limit_deg: drift.common_limit_deg,
+        reading_deg: drift.reading_deg,
+        lag_s: drift.lag_us * 1e-6,
     })
 }
 

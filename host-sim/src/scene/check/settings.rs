@@ -3,8 +3,8 @@
 
 use cophase_core::program::{CAPACITY, EntrySettings};
 use cophase_core::settings::{
-    AxisSettings, BandSettings, DriftSettings, DriveKind, IndexSettings, LimitSettings, MAX_AXES,
-    MAX_BANDS, MachineSettings, PulseSettings,
+    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, IndexSettings,
+    LimitSettings, MAX_AXES, MAX_BANDS, MachineSettings, PulseSettings,
 };
 use cophase_core::setup::{Setup, short_name};
 
@@ -38,6 +38,10 @@ pub(super) fn setup(
             speed_hz: limits.speed_hz,
             acceleration_hz_per_s: limits.acceleration_hz_per_s,
             jerk_hz_per_s2: limits.jerk_hz_per_s2,
+            stop_acceleration_hz_per_s: limits
+                .stop_acceleration_hz_per_s
+                .unwrap_or(limits.acceleration_hz_per_s),
+            stop_jerk_hz_per_s2: limits.stop_jerk_hz_per_s2.unwrap_or(limits.jerk_hz_per_s2),
             creep_hz: limits.creep_hz,
             bands,
         },
@@ -52,6 +56,12 @@ pub(super) fn setup(
         axes: numbers.clone().map(|i| axis(scene, i)).collect(),
         trims_turns: numbers.map(|i| trim_deg(i) / 360.0).collect(),
         drift,
+        correction: CorrectionSettings {
+            part: scene.correction.part,
+            prove_wiring: scene.correction.prove_wiring,
+            coupling: scene.correction.coupling,
+            coupling_per_s: scene.correction.coupling_per_s,
+        },
         park_turns: scene.control.park_deg / 360.0,
         settle_s: scene.control.settle_s,
         program: program.into_iter().take(CAPACITY).collect(),
@@ -65,20 +75,34 @@ fn axis(scene: &Scene, number: usize) -> AxisSettings {
     let own = |pick: fn(&AxisApart) -> Option<f64>| apart.and_then(pick);
     let has_index = apart.and_then(|apart| apart.index).unwrap_or(axes.index);
     let index_deg = own(|a| a.index_deg).unwrap_or(axes.index_deg);
+    let drive = match apart.and_then(|a| a.drive).unwrap_or(axes.drive) {
+        Drive::Stepper => DriveKind::Stepper,
+        Drive::Servo => DriveKind::Servo,
+    };
+    let steps_per_turn = apart
+        .and_then(|a| a.steps_per_turn)
+        .unwrap_or(axes.steps_per_turn);
     AxisSettings {
-        drive: match apart.and_then(|a| a.drive).unwrap_or(axes.drive) {
-            Drive::Stepper => DriveKind::Stepper,
-            Drive::Servo => DriveKind::Servo,
-        },
-        steps_per_turn: apart
-            .and_then(|a| a.steps_per_turn)
-            .unwrap_or(axes.steps_per_turn),
+        drive,
+        steps_per_turn,
         reversed: apart.is_some_and(|a| a.reversed),
         ratio: apart.and_then(|a| a.ratio).unwrap_or(axes.ratio),
         offset_turns: own(|a| a.offset_deg).unwrap_or(axes.offset_deg) / 360.0,
         index_turns: has_index.then_some(index_deg / 360.0),
+        index_width_turns: axes.index_width_deg / 360.0,
+        index_delay_s: axes.index_delay_us * 1e-6,
+        encoder: axes.encoder,
+        cycle_steps: match drive {
+            DriveKind::Stepper => cycle_steps(steps_per_turn, axes.full_steps_per_turn),
+            DriveKind::Servo => 0,
+        },
         trim_limit_turns: axes.trim_limit_deg / 360.0,
         trim_rate_hz: axes.trim_rate_deg_per_s / 360.0,
         rotor_inertia_kgm2: axes.rotor_inertia_kgm2,
     }
+}
+
+/// Steps of one electrical cycle, four full steps, of a stepper that makes so many to a turn.
+pub(crate) fn cycle_steps(steps_per_turn: u32, full_steps_per_turn: u32) -> u32 {
+    (4 * u64::from(steps_per_turn) / u64::from(full_steps_per_turn.max(1))).max(1) as u32
 }

@@ -27,6 +27,15 @@ pub struct Axes {
     /// Crank phase at which the index sensor stands, degrees.
     #[serde(default)]
     pub index_deg: f64,
+    /// Length of the index flag, degrees of the crank.
+    #[serde(default)]
+    pub index_width_deg: f64,
+    /// Time from the flag's edge to the line's, µs.
+    #[serde(default)]
+    pub index_delay_us: f64,
+    /// Whether the motors' encoders are read, at `steps_per_turn` counts to a turn.
+    #[serde(default)]
+    pub encoder: bool,
     /// Greatest trim, degrees.
     #[serde(default = "default_trim_limit_deg")]
     pub trim_limit_deg: f64,

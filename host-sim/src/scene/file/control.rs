@@ -34,6 +34,13 @@ pub struct Limits {
     pub acceleration_hz_per_s: f64,
     /// Greatest jerk, rev/s³.
     pub jerk_hz_per_s2: f64,
+    /// Greatest acceleration of a stop that a fault asks for, rev/s²: what the motors' torque allows; the usual one
+    /// unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stop_acceleration_hz_per_s: Option<f64>,
+    /// Its greatest jerk, rev/s³; the usual one unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stop_jerk_hz_per_s2: Option<f64>,
     /// Speed of the slow turn that finds index pulses and the parking phase, rev/s.
     #[serde(default = "default_creep_hz")]
     pub creep_hz: f64,
@@ -98,6 +105,31 @@ pub struct Drift {
     pub warp_limit_deg: f64,
     /// Mean lag of all, degrees.
     pub common_limit_deg: f64,
+    /// What a reading may be off by, from noise alone, degrees.
+    pub reading_deg: f64,
+    /// Time by which all cranks follow late by their nature, µs.
+    pub lag_us: f64,
+}
+
+/// What is done against drift.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Correction {
+    /// Part of a difference between cranks that is trimmed away in a turn; 0 is never.
+    pub part: f64,
+    /// Whether align moves each crank by an amount of its own, and asks to see that crank follow.
+    pub prove_wiring: bool,
+    /// Cross-coupling of servos: setpoint against what an axis is off from the mean of all.
+    pub coupling: f64,
+    /// … and against that integrated, 1/s.
+    pub coupling_per_s: f64,
+}
+
+impl Correction {
+    /// Whether nothing is done.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 impl Default for Drift {
@@ -106,6 +138,8 @@ impl Default for Drift {
             tilt_limit_mrad: 3.0,
             warp_limit_deg: 3.0,
             common_limit_deg: 15.0,
+            reading_deg: 0.25,
+            lag_us: 0.0,
         }
     }
 }

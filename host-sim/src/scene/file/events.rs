@@ -27,6 +27,8 @@ pub enum CommandName {
     Resume,
     /// Leave the fault state.
     Reset,
+    /// Forget the largest drifts so far.
+    ResetPeak,
 }
 
 /// A change of a safety input.

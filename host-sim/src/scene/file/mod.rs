@@ -7,6 +7,7 @@ mod axes;
 mod cam;
 mod control;
 mod events;
+mod fault;
 mod fidelity;
 mod machine;
 mod program;
@@ -14,8 +15,9 @@ mod questions;
 
 pub use axes::{Axes, AxisApart, Drive, ServoDrive};
 pub use cam::{CamShaft, Damper, LawName};
-pub use control::{Band, Control, Drift, Index, Limits, Pulse};
+pub use control::{Band, Control, Correction, Drift, Index, Limits, Pulse};
 pub use events::{CommandAt, CommandName, InputAt, InputLine, LateAt, Scope};
+pub use fault::{FaultAt, FaultName, Lines, Noise};
 pub use fidelity::{Fidelity, Method, MethodName};
 pub use machine::{Foundation, Frame, Machine, Platform, Rods};
 pub use program::{Segment, Shape};
@@ -69,6 +71,12 @@ pub struct Scene {
     /// How far the cranks may be apart.
     #[serde(default)]
     pub drift: Drift,
+    /// What is done against it.
+    #[serde(default, skip_serializing_if = "Correction::is_none")]
+    pub correction: Correction,
+    /// What sensors and loads make of themselves.
+    #[serde(default, skip_serializing_if = "Noise::is_none")]
+    pub noise: Noise,
     /// amax(t).
     pub program: Vec<Segment>,
     /// Commands that come at a time.
@@ -77,6 +85,9 @@ pub struct Scene {
     /// Changes of the enable and stop inputs.
     #[serde(default, rename = "input", skip_serializing_if = "Vec::is_empty")]
     pub input: Vec<InputAt>,
+    /// What goes wrong.
+    #[serde(default, rename = "fault", skip_serializing_if = "Vec::is_empty")]
+    pub fault: Vec<FaultAt>,
     /// Lateness of the loop.
     #[serde(default, rename = "late", skip_serializing_if = "Vec::is_empty")]
     pub late: Vec<LateAt>,
