@@ -103,7 +103,8 @@ impl<const N: usize> Controller<N> {
                 DriveKind::Stepper => timing.check_rate(axis, speed_hz, tick_hz).map_err(place)?,
                 DriveKind::Servo => {
                     PulseTiming::check_counts(axis, speed_hz, tick_hz).map_err(place)?;
-                    let acceleration = settings.limits.reachable_acceleration_hz_per_s() * ratio;
+                    let acceleration =
+                        settings.limits.reachable_stop_acceleration_hz_per_s() * ratio;
                     *slot = Some(FeedForward::new(
                         &settings.machine,
                         N,
