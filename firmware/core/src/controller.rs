@@ -16,7 +16,7 @@ use crate::servo::{FeedForward, Setpoint};
 use crate::settings::{DriveKind, Problem, Settings, SettingsError, turns};
 use crate::shaft::{Demand, Motion, Shaft, ShaftLimits, Target};
 use crate::signals::{Feedback, Output};
-use crate::supervisor::{Action, Fault, FaultKind, Seen, State, Supervisor};
+use crate::supervisor::{Action, Fault, FaultKind, Reaction, Seen, State, Supervisor};
 use crate::units::{Amax, ONE_TURN, Phase, Turns};
 use punctuality::Punctuality;
 
@@ -276,6 +276,8 @@ impl<const N: usize> Controller<N> {
         };
         Seen {
             fault,
+            reaction: Reaction::Stop,
+            refines: false,
             at_rest: self.motion.at_rest,
             aligned: self.drift.is_aligned(),
             program_done: self.cursor.is_done(&self.program),
