@@ -1,5 +1,6 @@
 //! Properties of the shaft, checked on nothing but the phases that it leaves behind.
 
+mod at_phase;
 mod shortest;
 
 use super::*;

@@ -35,8 +35,14 @@ fn over_the_least(watch: &mut Watch, also: impl Fn(u64) -> bool) -> f64 {
     let least = least_ticks_from(watch);
     let from = watch.ticks;
     let mut demand = Demand::Stop(None);
-    while !watch.advance(demand).at_rest {
+    let mut moved = 0;
+    loop {
+        let motion = watch.advance(demand);
         let number = watch.ticks - from;
+        moved += u64::from(motion.speed > Turns::ZERO);
+        if motion.at_rest {
+            break;
+        }
         assert!(
             (number as f64) < least + 10.0,
             "no rest, where {least} ticks are enough"
@@ -44,18 +50,20 @@ fn over_the_least(watch: &mut Watch, also: impl Fn(u64) -> bool) -> f64 {
         demand = Demand::Stop(also(number).then_some(Turns::from_num(0.25)));
     }
     assert_eq!((watch.speed, watch.acceleration), (0, 0));
-    // In the last of these ticks it stands.
-    (watch.ticks - from - 1) as f64 - least
+    moved as f64 - least
 }
 
-/// Two ticks over the least, and never below it, less the tick in which the acceleration ends at a stand. A part in 10⁹ is
-/// left to the f64s.
+/// At most two ticks over the least. Never below it, less the two in which the shaft stands already: one in which the
+/// speed is zero, one in which the acceleration is. A part in 10⁹ is left to the f64s.
 fn is_the_shortest(over: f64, ticks: u64) -> bool {
     let rounding = 1e-9 * ticks as f64 + 1e-6;
-    (-1.0 - rounding..=2.0 + rounding).contains(&over)
+    (-2.0 - rounding..=2.0 + rounding).contains(&over)
 }
 
 proptest! {
+    // Every fourth case or so has no band, or ended at a stand.
+    #![proptest_config(ProptestConfig { max_global_rejects: 100_000, ..ProptestConfig::default() })]
+
     /// Were it wrong, cranks that drift apart would turn longer than the motors' torque asks for: from any speed and
     /// acceleration, in a band or out of it, the stop is the shortest plus two ticks.
     #[test]
