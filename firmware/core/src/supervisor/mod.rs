@@ -297,4 +297,6 @@ impl Supervisor {
 }
 
 #[cfg(test)]
+mod model;
+#[cfg(test)]
 mod tests;
