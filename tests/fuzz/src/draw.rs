@@ -111,7 +111,11 @@ pub fn settings<const N: usize>(script: &mut Script<'_>) -> Settings<N> {
             CorrectionSettings::NONE
         } else {
             CorrectionSettings {
-                part: script.between(0.05, 1.0),
+                part: if script.one_in(4) {
+                    0.0
+                } else {
+                    script.between(0.05, 1.0)
+                },
                 prove_wiring: script.one_in(3),
                 coupling: if script.one_in(2) {
                     script.between(0.01, 2.0)

@@ -17,6 +17,9 @@ pub struct Watch<const N: usize> {
     /// Axes that turn once with the master: their phases are its own, but for the offset and the trim.
     plain: [Option<Turns>; N],
     stepper: [bool; N],
+    /// Whether drift is corrected, and whether align proves the wiring.
+    corrects: bool,
+    proves: bool,
     tick_cycles: u32,
     phase: Phase,
     speed: i64,
@@ -46,6 +49,8 @@ impl<const N: usize> Watch<N> {
                 once.then(|| Turns::saturating_from_num(axes[i].offset_turns))
             }),
             stepper: std::array::from_fn(|i| axes[i].drive == DriveKind::Stepper),
+            corrects: settings.correction.part > 0.0,
+            proves: settings.correction.prove_wiring,
             tick_cycles: settings.tick_cycles(),
             phase: Phase::ZERO,
             speed: 0,
@@ -167,16 +172,31 @@ impl<const N: usize> Watch<N> {
             .map(|turns| turns.to_bits())
             .sum();
         assert_eq!(sum, 0, "corrections {:?}", telemetry.correction);
+        let untouched = self.corrects || telemetry.correction.iter().all(|&turns| turns == 0);
+        assert!(
+            untouched || telemetry.state != State::Run,
+            "runs with {:?}, and nothing is to be corrected",
+            telemetry.correction
+        );
         for (i, most) in self.trim_most.iter().enumerate() {
+            // What proves the wiring comes on top, until it is taken back.
+            let proof = if self.proves && telemetry.state != State::Run {
+                *most
+            } else {
+                0
+            };
+            let most_now = most + proof;
             let correction = telemetry.correction[i].to_bits().abs();
             assert!(
-                correction <= *most,
-                "axis {i}: correction {correction} over {most}"
+                correction <= most_now,
+                "axis {i}: correction {correction} over {most_now}"
             );
             if let Some(offset) = self.plain[i] {
+                // What is left is the trim that an operator set, with a limit of its own.
                 let trim = telemetry.axis_phase[i]
                     .since(telemetry.phase)
-                    .wrapping_sub(offset);
+                    .wrapping_sub(offset)
+                    .wrapping_sub(telemetry.correction[i]);
                 // An offset is rounded once, and so may be the limit.
                 let trim = trim.to_bits().abs();
                 assert!(trim <= most + 2, "axis {i}: trim {trim} over {most}");
