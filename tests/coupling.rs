@@ -63,7 +63,10 @@ fn derived() -> (Gains, CorrectionSettings) {
 #[test]
 fn the_coupling_swings_where_its_margin_ends() {
     let (gains, told) = derived();
-    assert_eq!((told.coupling, told.coupling_per_s), (gains.proportional, gains.per_s));
+    assert_eq!(
+        (told.coupling, told.coupling_per_s),
+        (gains.proportional, gains.per_s)
+    );
     assert!(gains.gain_margin >= 1.0 / (1.0 - APART), "{gains:?}");
     let swings = |times: f64| {
         let correction = format!(
@@ -72,9 +75,8 @@ fn the_coupling_swings_where_its_margin_ends() {
             gains.per_s * times
         );
         let errors = errors(&scene(&text(&correction, "torque_nm = 1\nfor_s = 0.02")));
-        let worst = |ticks: std::ops::Range<usize>| {
-            errors[ticks].iter().map(spread).fold(0.0, f64::max)
-        };
+        let worst =
+            |ticks: std::ops::Range<usize>| errors[ticks].iter().map(spread).fold(0.0, f64::max);
         worst(1500..2000) > worst(200..700)
     };
     let (mut inside, mut outside) = (1.0, 2.0 * gains.gain_margin);
@@ -88,7 +90,10 @@ fn the_coupling_swings_where_its_margin_ends() {
             inside = times;
         }
     }
-    println!("margin {:.2}, swings at {inside:.2} times its gains; {gains:?}", gains.gain_margin);
+    println!(
+        "margin {:.2}, swings at {inside:.2} times its gains; {gains:?}",
+        gains.gain_margin
+    );
     // Of the inertia, the derivation takes the worst, which no crank has all around the turn.
     let part = inside / gains.gain_margin;
     assert!((0.9..1.4).contains(&part), "{part} of the margin");

@@ -81,8 +81,9 @@ impl Plant {
     fn apart(&self, proportional: f64, per_s: f64) -> f64 {
         let inertias = [self.least_kgm2, self.most_kgm2];
         let all = inertias.iter().flat_map(|&inertia| {
-            self.frequencies()
-                .map(move |omega| (self.open_loop(proportional, per_s, inertia, omega) + 1.0).norm())
+            self.frequencies().map(move |omega| {
+                (self.open_loop(proportional, per_s, inertia, omega) + 1.0).norm()
+            })
         });
         all.fold(f64::INFINITY, f64::min)
     }

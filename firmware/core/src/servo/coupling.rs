@@ -68,8 +68,8 @@ impl<const N: usize> Coupling<N> {
             .iter()
             .all(|added| added.to_bits().abs() <= self.limit)
         {
-            for axis in 0..N {
-                self.change[axis] = added[axis].wrapping_sub(self.added[axis]);
+            for ((change, &to), &from) in self.change.iter_mut().zip(&added).zip(&self.added) {
+                *change = to.wrapping_sub(from);
             }
             self.added = added;
         } else {
