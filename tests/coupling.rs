@@ -75,13 +75,12 @@ fn the_coupling_swings_where_its_margin_ends() {
             gains.per_s * times
         );
         let errors = errors(&scene(&text(&correction, "torque_nm = 1\nfor_s = 0.02")));
-        let worst =
-            |ticks: std::ops::Range<usize>| errors[ticks].iter().map(spread).fold(0.0, f64::max);
-        worst(1500..2000) > worst(200..700)
+        // What has died out is below a hundredth of a degree.
+        errors[1500..].iter().any(|error| spread(error) > 0.1)
     };
-    let (mut inside, mut outside) = (1.0, 2.0 * gains.gain_margin);
+    let (mut inside, mut outside) = (1.0, 1.5 * gains.gain_margin);
     assert!(!swings(inside), "at its own gains");
-    assert!(swings(outside), "at twice its margin");
+    assert!(swings(outside), "far beyond its margin");
     while outside - inside > 0.02 * inside {
         let times = f64::midpoint(inside, outside);
         if swings(times) {

@@ -41,7 +41,7 @@ impl<const N: usize> Coupling<N> {
 
     /// Takes in the drifts at a tick's end.
     pub fn advance(&mut self, drift: &[Turns; N]) {
-        // Below half a turn each: 31 bits, and room for gains of up to 2 and a sum of six.
+        // Below half a turn each: 31 bits, and room for gains of up to 20 and a sum of six.
         let drift = drift.map(|e| e.to_bits() >> 16);
         let mean = drift.iter().sum::<i64>() / N as i64;
         let mut integral = self.integral;
