@@ -53,6 +53,8 @@ pub struct Moment<'a, const N: usize> {
     pub master_turns: f64,
     /// Commanded phases, turns since power-up.
     pub command_turns: [f64; N],
+    /// Phases at which cranks are to be: as commanded, but for what only corrects that they are elsewhere.
+    pub aim_turns: [f64; N],
     /// True phases of the cranks, turns since power-up.
     pub actual_turns: [f64; N],
     /// The machine at the tick's end.
@@ -71,7 +73,7 @@ impl<const N: usize> Moment<'_, N> {
             acceleration_turns_s2 * std::f64::consts::TAU,
         );
         self.machine
-            .pose(&self.actual_turns, &self.command_turns, commanded)
+            .pose(&self.actual_turns, &self.aim_turns, commanded)
     }
 }
 
@@ -238,7 +240,9 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
         let axes = self
             .axes
             .get_or_insert_with(|| telemetry.axis_phase.map(Unwrapped::starting_at));
-        let command_turns = std::array::from_fn(|i| axes[i].follow(telemetry.axis_phase[i]));
+        let command_turns: [f64; N] =
+            std::array::from_fn(|i| axes[i].follow(telemetry.axis_phase[i]));
+        let correction = telemetry.correction.map(turns);
         let turns = turns(telemetry.motion.speed);
         for (axis, extra) in self.faults.extra(*start_us) {
             self.machine.axes[axis].add_pulses(extra);
@@ -264,6 +268,7 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             index: &index,
             master_turns,
             command_turns,
+            aim_turns: std::array::from_fn(|i| command_turns[i] - correction[i]),
             actual_turns: std::array::from_fn(|i| self.machine.axes[i].turns()),
             machine: &self.machine,
         };

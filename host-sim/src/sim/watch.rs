@@ -122,10 +122,8 @@ impl Watch {
             let tilt_mrad = moment.machine.tilt_mrad(&moment.actual_turns);
             self.tilt_mrad = self.tilt_mrad.max(tilt_mrad);
         }
-        let corrected = moment.telemetry.correction.map(turns);
-        let errors: [f64; N] = std::array::from_fn(|i| {
-            moment.actual_turns[i] - (moment.command_turns[i] - corrected[i])
-        });
+        let errors: [f64; N] =
+            std::array::from_fn(|i| moment.actual_turns[i] - moment.aim_turns[i]);
         // Where drives have never been on, nobody has said where cranks are.
         if moment.telemetry.state == State::Idle {
             return;

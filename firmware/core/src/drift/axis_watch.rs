@@ -15,6 +15,9 @@ const MOST_MISSED: u8 = 2;
 const EXTRA_WEIGHT: u8 = 4;
 const MOST_EXTRA: u8 = 12;
 
+/// Index pulses over which what crank and encoder differ by is averaged: 2 to this power.
+const CALM: u32 = 4;
+
 /// Turns after which what happened to an axis is no longer why it is where it is.
 const FORGOTTEN_AFTER: u8 = 8;
 
@@ -72,6 +75,7 @@ impl AxisWatch {
             delay: libm::round(axis.index_delay_s * f64::from(tick_hz) * 65_536.0) as u32,
             gate,
             overdue: alone.max(gate),
+            calm: if axis.encoder { CALM } else { 0 },
         };
         let index = axis.index_turns.map(|index| IndexWatch::new(place(index)));
         let jump = Turns::from_bits(tolerance.to_bits() * 8);

@@ -28,6 +28,9 @@ pub(super) struct Place {
     pub gate: Turns,
     /// A pulse that is late by more stands for a crank past its limit.
     pub overdue: Turns,
+    /// Of what a pulse in place shows anew, 1/2^`calm` is believed: where an encoder has the crank anyway, the index need not
+    /// bring its own noise in.
+    pub calm: u32,
 }
 
 /// What a tick brought.
@@ -186,7 +189,8 @@ impl IndexWatch {
             if at.since(self.heard_at) < HALF {
                 return Heard::Nothing; // the same passage
             }
-            self.believe(offset, at);
+            let calm = Turns::from_bits(by.to_bits() >> self.place.calm);
+            self.believe(nearest(self.offset.wrapping_add(calm)), at);
             let extra = self.suspect.take();
             let extra = extra.map(|suspect| nearest(suspect.offset.wrapping_sub(offset)));
             return Heard::InPlace { extra };

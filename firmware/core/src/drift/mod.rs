@@ -270,7 +270,8 @@ impl<const N: usize> DriftMonitor<N> {
         }
         for axis in 0..N {
             let fresh = self.axes.get_mut(axis).and_then(AxisWatch::take_fresh);
-            if let Some((kind, by)) = fresh {
+            // While cranks are found out, and brought together, what they do is looked at by whoever does that.
+            if let Some((kind, by)) = fresh.filter(|_| !self.finding_out) {
                 self.find(axis, kind, by, past.is_none());
             }
         }
