@@ -12,7 +12,6 @@ use crate::dynamics::Corners;
 use crate::faults::Injected;
 use crate::mechanism::slider_crank::SliderCrank;
 use crate::scene::Checked;
-use crate::units::turns;
 
 /// A crank that turns by less than this part of the greatest speed stands.
 const STANDS: f64 = 1e-3;
