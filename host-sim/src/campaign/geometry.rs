@@ -103,6 +103,12 @@ impl Geometry {
         worst * 1e3
     }
 
+    /// Inertia that the platform and its load have at one crank, where that is greatest, kg·m²: an Nth of m (dx/dα)².
+    pub fn most_inertia_kgm2(&self) -> f64 {
+        let most_way_m = self.mrad_per_turn / 1e3 / TAU;
+        self.load.mass_kg * most_way_m * most_way_m / self.count as f64
+    }
+
     /// The most that all cranks together ask at up to a speed and acceleration, at any angle, N·m.
     pub fn most_torque_nm(&self, omega_rad_s: f64, acceleration_rad_s2: f64) -> f64 {
         let at = |omega, acceleration| {

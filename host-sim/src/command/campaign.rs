@@ -102,7 +102,7 @@ fn run_shard(args: &CampaignArgs, plan: &Plan) -> Result<Shard, CommandError> {
     let numbers = numbers(args)?;
     let bar = progress_bar(args.quiet, numbers.end - numbers.start);
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(args.threads.map_or(0, usize::from))
+        .num_threads(args.threads.map_or_else(cores, usize::from))
         .build()
         .map_err(|error| input("--threads", &error))?;
     let rows = pool
@@ -113,6 +113,11 @@ fn run_shard(args: &CampaignArgs, plan: &Plan) -> Result<Shard, CommandError> {
         header: Header::new(plan, numbers),
         rows,
     })
+}
+
+/// rayon would count them too, unless an environment variable says otherwise.
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// Writes a shard with its picture and its table, and prints the table.

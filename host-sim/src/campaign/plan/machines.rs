@@ -47,10 +47,11 @@ impl Driven {
     }
 }
 
-/// A motor gives so many times what is asked of it: at 2, a stepper's rotor is at most 30° of its electrical cycle behind.
-const PLENTY: f64 = 2.0;
+/// A motor gives so many times what is asked of it: at 3, a stepper's rotor is 20° of its electrical cycle behind at most, and
+/// may swing by three times as much.
+const PLENTY: f64 = 3.0;
 
-/// Damping of a stepper's rotor in its field, as a part of what is critical.
+/// Damping of a stepper's rotor in its field, with its share of the load, as a part of what is critical.
 const FIELD_ZETA: f64 = 0.2;
 
 /// Electrical cycles to a turn: 200 full steps, four a cycle.
@@ -162,7 +163,8 @@ fn control(stream: &mut Stream, scene: &mut Scene) {
 /// Motors that give [`PLENTY`] times what the machine asks at its greatest speed.
 fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven) {
     let asked_nm = asked_nm(scene);
-    let (inertia, friction) = (scene.axes.rotor_inertia_kgm2, scene.axes.friction_nm);
+    let load = Geometry::new(scene).map_or(0.0, |geometry| geometry.most_inertia_kgm2());
+    let (inertia, friction) = (scene.axes.rotor_inertia_kgm2 + load, scene.axes.friction_nm);
     let axes = &mut scene.axes;
     axes.encoder = driven.has_encoder();
     if driven == Driven::Servo {
@@ -174,7 +176,7 @@ fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven) {
             position_gain_per_s: VELOCITY_RAD_S / 4.0,
             velocity_gain_nms: rounded(VELOCITY_RAD_S * inertia, 6),
             integral_s: None,
-            limit_nm: Some(rounded(3.0 * PLENTY * asked_nm + friction, 3)),
+            limit_nm: Some(rounded(PLENTY * asked_nm + friction, 3)),
         });
         return;
     }
