@@ -11,6 +11,7 @@ pub mod chart;
 pub mod command;
 pub mod design;
 pub mod dynamics;
+pub mod faults;
 pub mod fidelity;
 pub mod machine;
 pub mod mechanism;

@@ -130,6 +130,8 @@ fn left_out(scene: &Scene) -> Vec<String> {
         ("[[command]]", !scene.command.is_empty()),
         ("[[input]]", !scene.input.is_empty()),
         ("[[late]]", !scene.late.is_empty()),
+        ("[[fault]]", !scene.fault.is_empty()),
+        ("[noise]", !scene.noise.is_none()),
         ("[scope]", scene.scope.is_some()),
     ];
     let given = |keys: &[(&str, bool)]| -> Vec<String> {

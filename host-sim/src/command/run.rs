@@ -225,7 +225,8 @@ fn mark(scope: &mut ScopeData, outcome: &Outcome) {
             Happening::Fault { fault, .. } => {
                 scope.mark(event.t_s, &format!("fault: {}", fault.kind));
             }
-            Happening::Commanded(_) | Happening::Input { .. } => {
+            Happening::Told(fault) => scope.mark(event.t_s, &format!("told: {}", fault.kind)),
+            Happening::Commanded(_) | Happening::Input { .. } | Happening::Injected(_) => {
                 scope.mark(event.t_s, &report::describe(&event.what));
             }
             Happening::State(_) | Happening::Running { .. } | Happening::Lagged { .. } => {}

@@ -29,6 +29,8 @@ pub struct Driven {
     integrals: Vec<(usize, f64)>,
     /// Where each field is at the tick's beginning, and its speed through the tick.
     pub fields: Vec<Field>,
+    /// What each crank is loaded with beyond its share of the machine, against its turning forward, N·m.
+    pub loads_nm: [f64; MOST],
     /// Whether the drives are on; without them only friction and the load act.
     pub energised: bool,
 }
@@ -42,6 +44,7 @@ impl Driven {
             integrals: motors.iter().enumerate().filter_map(integral).collect(),
             freedom,
             motors,
+            loads_nm: [0.0; MOST],
             energised: false,
         };
         assert_eq!(driven.body().axes(), driven.motors.len(), "a motor an axis");
@@ -110,6 +113,15 @@ impl Driven {
         match self.freedom {
             Freedom::Rigid(_) => 0,
             _ => i,
+        }
+    }
+
+    /// Has rotor `i` stand whatever pushes it, as if its inertia were without end, or lets it go; on one shaft it has no effect.
+    pub fn hold(&mut self, i: usize, held: bool) {
+        match &mut self.freedom {
+            Freedom::Rigid(_) => {}
+            Freedom::Phased(phased) => phased.hold(i, held),
+            Freedom::Sprung(sprung) => sprung.hold(i, held),
         }
     }
 
@@ -214,6 +226,10 @@ impl Equations for Driven {
     fn rates(&self, t_s: f64, state: &[f64], rates: &mut [f64]) {
         let n = self.positions();
         let torques = self.torques_nm(t_s, state);
+        let mut net = torques;
+        for (net, load) in net.iter_mut().zip(&self.loads_nm) {
+            *net -= load;
+        }
         let (q, rest) = state.split_at(n);
         let (v, integrals) = rest.split_at(n);
         let (speeds, rest) = rates.split_at_mut(n);
@@ -221,10 +237,10 @@ impl Equations for Driven {
         speeds.copy_from_slice(v);
         match &self.freedom {
             Freedom::Rigid(rigid) => {
-                accelerations[0] = rigid.acceleration_rad_s2(q[0], v[0], torques.iter().sum());
+                accelerations[0] = rigid.acceleration_rad_s2(q[0], v[0], net.iter().sum());
             }
-            Freedom::Phased(phased) => phased.accelerations(q, v, &torques, accelerations),
-            Freedom::Sprung(sprung) => sprung.accelerations(q, v, &torques, accelerations),
+            Freedom::Phased(phased) => phased.accelerations(q, v, &net, accelerations),
+            Freedom::Sprung(sprung) => sprung.accelerations(q, v, &net, accelerations),
         }
         let of_each = self.integrals.iter().zip(integrals).zip(integral_rates);
         for ((&(i, integral_s), integral), rate) in of_each {

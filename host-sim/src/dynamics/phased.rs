@@ -59,6 +59,15 @@ impl Phased {
         self
     }
 
+    /// Gives rotor `i` inertia without end, or its own again.
+    pub fn hold(&mut self, i: usize, held: bool) {
+        self.rotor_mobility[i] = if held {
+            0.0
+        } else {
+            self.body.rotors_kgm2[i].recip()
+        };
+    }
+
     /// The body.
     pub fn body(&self) -> &Body {
         &self.body

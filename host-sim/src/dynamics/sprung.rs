@@ -5,7 +5,7 @@
 //! times −dhᵢ/dα, the frame the opposite. What [`super::Phased`] takes as settled oscillates here, at √(N k / m) in
 //! heave, and √(N k ρ² / 2I) in tilt.
 
-use super::corners::{Corners, FREEDOMS};
+use super::corners::{Corners, FREEDOMS, MOST};
 use super::{Body, Frame, PlaneMotion};
 
 /// A machine of N angles and a free platform, and of a frame's plane if it has one. Positions are in that order.
@@ -16,6 +16,8 @@ pub struct Sprung {
     frame: Option<Frame>,
     /// Damping of each rod, N·s/m.
     damper_ns_per_m: f64,
+    /// Rotors that stand whatever pushes them.
+    held: [bool; MOST],
 }
 
 impl Sprung {
@@ -29,6 +31,7 @@ impl Sprung {
             corners,
             body,
             frame: None,
+            held: [false; MOST],
         }
     }
 
@@ -37,6 +40,11 @@ impl Sprung {
     pub fn on(mut self, frame: Frame) -> Self {
         self.frame = Some(frame);
         self
+    }
+
+    /// Has rotor `i` stand, or lets it go.
+    pub fn hold(&mut self, i: usize, held: bool) {
+        self.held[i] = held;
     }
 
     /// The body.
@@ -92,7 +100,11 @@ impl Sprung {
                 *force += share * push_n;
             }
             let net_nm = torque[i] + body.drag_nm(i, v[i]) - push_n * crank.lever_m;
-            out[i] = net_nm / body.rotors_kgm2[i];
+            out[i] = if self.held[i] {
+                0.0
+            } else {
+                net_nm / body.rotors_kgm2[i]
+            };
         }
         for (f, mass) in body.masses().into_iter().enumerate() {
             out[n + f] = forces[f] / mass;

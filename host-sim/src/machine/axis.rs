@@ -14,6 +14,8 @@ use cophase_core::settings::AxisSettings;
 use cophase_core::units::{Phase, Turns};
 
 use super::PullOut;
+use super::flag::{Extra, Flag};
+use super::index::Passed;
 use super::rotors::Told;
 
 /// How a simulated axis is driven.
@@ -43,7 +45,7 @@ pub struct SimulatedAxis {
     offset_turns: f64,
     /// Crank phase at step 0, turns.
     origin_turns: f64,
-    index_turns: Option<f64>,
+    flag: Option<Flag>,
     step_high: bool,
     /// Level of DIR, in the axis's own sense.
     forward: bool,
@@ -65,8 +67,10 @@ pub struct SimulatedAxis {
     travelled_turns: f64,
 }
 
+/// What the load makes of a motor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Overload {
+pub enum Overload {
+    /// It keeps step.
     None,
     /// The motor would have to give more than it can.
     Driving,
@@ -81,6 +85,7 @@ impl SimulatedAxis {
         drive: AxisDrive,
         start_turns: f64,
         friction_nm: f64,
+        flag: Option<Flag>,
     ) -> Self {
         Self {
             drive,
@@ -91,7 +96,7 @@ impl SimulatedAxis {
             ratio: f64::from(settings.ratio.0) / f64::from(settings.ratio.1),
             offset_turns: settings.offset_turns,
             origin_turns: settings.offset_turns + start_turns,
-            index_turns: settings.index_turns,
+            flag,
             step_high: false,
             forward: true,
             counted: 0,
@@ -192,16 +197,66 @@ impl SimulatedAxis {
 
     /// Takes over where the crank has come to in a tick of `cycles`; the cycle at which the index flag came, if it
     /// did, as if it had turned evenly.
-    pub fn moved(&mut self, turns: f64, cycles: u32) -> Option<u32> {
+    pub fn moved(&mut self, turns: f64, cycles: u32) -> Passed {
+        self.moved_under(turns, self.told_turns, cycles)
+    }
+
+    /// The same, where the field went `field_turns` from where it was at power-up, whatever the drive was told.
+    pub fn moved_under(&mut self, turns: f64, field_turns: f64, cycles: u32) -> Passed {
         let before = self.turns();
         self.travelled_turns = turns - self.origin_turns;
         if let AxisDrive::Stepper { cycle_steps, .. } = self.drive {
-            let behind = (self.travelled_turns - self.told_turns) * self.steps_per_turn;
+            let behind = (self.travelled_turns - field_turns) * self.steps_per_turn;
             self.lost_cycles = (behind / cycle_steps as f64).round() as i64;
         }
-        let passed = self.index_passed(before, turns)?;
-        let part = (passed - before) / (turns - before);
-        Some((part * f64::from(cycles)) as u32)
+        self.pass(before, cycles, None)
+    }
+
+    /// Puts the crank elsewhere at once: it falls back without its sensor seeing it.
+    pub fn fall_back(&mut self, turns: f64) {
+        self.travelled_turns -= turns;
+    }
+
+    /// Has index pulses come that no flag makes.
+    pub fn add_pulses(&mut self, extra: Extra) {
+        if let Some(flag) = &mut self.flag {
+            flag.add(extra);
+        }
+    }
+
+    /// What its index sensor sees, if it has one.
+    pub fn flag(&self) -> Option<&Flag> {
+        self.flag.as_ref()
+    }
+
+    /// How far the crank has gone since power-up, turns.
+    pub fn travelled_turns(&self) -> f64 {
+        self.travelled_turns
+    }
+
+    /// Steps, or counts, to a turn of the crank.
+    pub fn steps_per_turn(&self) -> f64 {
+        self.steps_per_turn
+    }
+
+    /// Whether the motor is mounted the other way round.
+    pub fn is_reversed(&self) -> bool {
+        self.reversed
+    }
+
+    /// An electrical cycle of its stepper, turns; a servo has none.
+    pub fn cycle_turns(&self) -> Option<f64> {
+        match self.drive {
+            AxisDrive::Stepper { cycle_steps, .. } => {
+                Some(cycle_steps as f64 / self.steps_per_turn)
+            }
+            AxisDrive::Servo => None,
+        }
+    }
+
+    /// What the load makes of the motor, by what was last compared.
+    pub fn overload(&self) -> Overload {
+        self.overload
     }
 
     /// How far a servo's setpoint has moved, turns; the first says where the loop believes the crank to be.
@@ -227,7 +282,7 @@ impl SimulatedAxis {
         setpoint: &Setpoint,
         steps: i64,
         drives_enabled: bool,
-    ) -> Option<u32> {
+    ) -> Passed {
         let before = self.turns();
         match self.drive {
             AxisDrive::Stepper { cycle_steps, .. } => {
@@ -243,20 +298,38 @@ impl SimulatedAxis {
                     "the drive counts what the loop commands"
                 );
                 self.travelled_turns = (self.counted + self.slipped) as f64 / self.steps_per_turn;
-                let passed = self.index_passed(before, self.turns())?;
-                self.when(runs, passed)
             }
             AxisDrive::Servo => {
                 let told_turns = self.follow(setpoint);
                 if drives_enabled {
                     self.travelled_turns += told_turns;
                 }
-                let after = self.turns();
-                let passed = self.index_passed(before, after)?;
-                let part = (passed - before) / (after - before);
-                let cycles: u32 = runs.iter().map(|run| run.cycles()).sum();
-                Some((part * f64::from(cycles)) as u32)
             }
+        }
+        let cycles: u32 = runs.iter().map(|run| run.cycles()).sum();
+        let edges = matches!(self.drive, AxisDrive::Stepper { .. }).then_some(runs);
+        self.pass(before, cycles, edges)
+    }
+
+    /// What the sensor sees of the way from `before` in a tick of `cycles`: as if the crank had turned evenly, or, where
+    /// `edges` took it there, at the very edge that brought the flag.
+    fn pass(&mut self, before: f64, cycles: u32, edges: Option<&Runs>) -> Passed {
+        let after = self.turns();
+        let Some(flag) = &mut self.flag else {
+            return Passed::default();
+        };
+        let met = flag.meet(before, after);
+        let evenly = |place: f64| {
+            let part = (place - before) / (after - before);
+            (part * f64::from(cycles)) as u32
+        };
+        Passed {
+            rise: met.rise.map(|place| match edges {
+                Some(runs) if after > before => self.when(runs, place),
+                _ => evenly(place),
+            }),
+            fall: met.fall.map(evenly),
+            extra: met.extra.map(|part| (part * f64::from(cycles)) as u32),
         }
     }
 
@@ -302,15 +375,8 @@ impl SimulatedAxis {
         self.slipping -= whole;
     }
 
-    /// The place of the index, in turns since power-up, if the crank passed it going forward.
-    fn index_passed(&self, before: f64, after: f64) -> Option<f64> {
-        let index = self.index_turns?;
-        let passes = (after - index).floor();
-        (passes > (before - index).floor()).then_some(passes + index)
-    }
-
     /// Cycle of the rising edge that took the crank to `place`, or past it.
-    fn when(&self, runs: &Runs, place: f64) -> Option<u32> {
+    fn when(&self, runs: &Runs, place: f64) -> u32 {
         let beyond = ((self.turns() - place) * self.steps_per_turn + 1e-6).floor() as i64;
         // Counted from the tick's end: `beyond` rises came after it.
         let mut high = self.step_high;
@@ -320,7 +386,7 @@ impl SimulatedAxis {
             for _ in 0..run.edges() {
                 if high {
                     if left == 0 {
-                        return Some(end);
+                        return end;
                     }
                     left -= 1;
                 }
@@ -332,6 +398,6 @@ impl SimulatedAxis {
             }
         }
         // A slip, not an edge, took the crank past its index: it passed at some time in the tick.
-        Some(end)
+        end
     }
 }

@@ -1,15 +1,60 @@
-//! An index sensor between the crank and the loop: the line rises as its flag comes and falls as it goes,
-//! and the loop hears what the core's filter makes of that.
+//! An index sensor between the crank and the loop: the line rises as its flag comes and falls as it goes, later by the
+//! sensor's delay, and the loop hears what the core's filter makes of that.
+
+use std::collections::VecDeque;
 
 use cophase_core::drift::{IndexFilter, IndexPulse};
+
+use crate::faults::Stream;
+
+/// How much of a tick a line may be ahead of its flag, by noise: one in four is as far back as the filter tells of.
+const MOST_OF_TICK: u32 = 4;
+
+/// What comes before a sensor in a tick, and when: cycles from its beginning.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Passed {
+    /// The flag comes.
+    pub rise: Option<u32>,
+    /// It goes. Of a flag without a length that is not said: the line falls by itself.
+    pub fall: Option<u32>,
+    /// A pulse comes without it.
+    pub extra: Option<u32>,
+}
+
+impl Passed {
+    /// The flag comes, or does not.
+    pub const fn rising(rise: Option<u32>) -> Self {
+        Self {
+            rise,
+            fall: None,
+            extra: None,
+        }
+    }
+}
+
+/// What an index line did in a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Line {
+    /// The cycle at which it rose, if it did.
+    pub rose: Option<u32>,
+    /// What the loop hears.
+    pub pulse: Option<IndexPulse>,
+}
 
 /// One index line with its filter.
 #[derive(Clone, Debug)]
 pub struct IndexSensor {
     filter: IndexFilter,
     high_cycles: u32,
-    /// The line is high and falls so many cycles after the present tick's beginning.
-    falls: Option<u32>,
+    has_length: bool,
+    delay_cycles: i64,
+    time: Option<Stream>,
+    /// Edges of the flag so far: the numbers of their noise.
+    edges: i64,
+    /// Changes to come, in order: cycles from the present tick's beginning.
+    changes: VecDeque<(i64, bool)>,
+    /// The flag that is before it is not seen.
+    blind: bool,
 }
 
 impl IndexSensor {
@@ -18,26 +63,106 @@ impl IndexSensor {
         Self {
             filter: IndexFilter::new(width, false),
             high_cycles,
-            falls: None,
+            has_length: false,
+            delay_cycles: 0,
+            time: None,
+            edges: 0,
+            changes: VecDeque::new(),
+            blind: false,
         }
     }
 
-    /// One tick of `cycles`, in which the flag came at the cycle `rises` or did not come.
-    pub fn tick(&mut self, rises: Option<u32>, cycles: u32) -> Option<IndexPulse> {
-        if let Some(rise) = rises {
-            self.fall_before(rise);
-            self.filter.change(rise as i32, true);
-            self.falls = Some(rise + self.high_cycles);
-        }
-        self.fall_before(cycles);
-        self.falls = self.falls.map(|falls| falls - cycles);
-        self.filter.end_tick(cycles)
+    /// The same, of a flag with a length, which is before it now or is not.
+    #[must_use]
+    pub fn of_length(mut self, width: u32, is_over: bool) -> Self {
+        self.filter = IndexFilter::new(width, is_over);
+        self.has_length = true;
+        self
     }
 
-    fn fall_before(&mut self, cycle: u32) {
-        if let Some(falls) = self.falls.take_if(|falls| *falls < cycle) {
-            self.filter.change(falls as i32, false);
+    /// The same, whose line changes so many cycles late, and with noise on that, in cycles.
+    #[must_use]
+    pub fn delayed(mut self, cycles: u32, noise: Option<Stream>) -> Self {
+        self.delay_cycles = i64::from(cycles);
+        self.time = noise;
+        self
+    }
+
+    /// One tick of `cycles`. `missed` is asked once for each flag that comes: it may not be seen.
+    pub fn tick(&mut self, passed: Passed, cycles: u32, mut missed: impl FnMut() -> bool) -> Line {
+        // Of a short flag, or one on which the crank turns back, the end may come first.
+        if passed.fall < passed.rise {
+            self.fall(passed.fall, cycles);
         }
+        if let Some(rise) = passed.rise {
+            self.blind = missed();
+            if !self.blind {
+                let at = self.late(rise, cycles);
+                self.rise_at(at);
+                if !self.has_length {
+                    self.changes
+                        .push_back((at + i64::from(self.high_cycles), false));
+                }
+            }
+        }
+        if passed.fall >= passed.rise {
+            self.fall(passed.fall, cycles);
+        }
+        if let Some(extra) = passed.extra {
+            let at = i64::from(extra);
+            self.rise_at(at);
+            self.changes
+                .push_back((at + i64::from(self.high_cycles), false));
+        }
+        let mut rose = None;
+        // A rise at the very end is of this tick, a fall there of the next.
+        while let Some((at, level)) = self.changes.pop_front_if(|(at, level)| {
+            *at < i64::from(cycles) || (*level && *at == i64::from(cycles))
+        }) {
+            self.filter.change(at as i32, level);
+            if level {
+                rose = rose.or(Some(at.max(0) as u32));
+            }
+        }
+        for (at, _) in &mut self.changes {
+            *at -= i64::from(cycles);
+        }
+        Line {
+            rose,
+            pulse: self.filter.end_tick(cycles),
+        }
+    }
+
+    fn fall(&mut self, fall: Option<u32>, cycles: u32) {
+        let Some(fall) = fall else { return };
+        if std::mem::take(&mut self.blind) {
+            return;
+        }
+        let at = self.late(fall, cycles);
+        self.push(at, false);
+    }
+
+    /// A rise while the line is high has it stay so.
+    fn rise_at(&mut self, at: i64) {
+        while self
+            .changes
+            .pop_back_if(|(last, level)| !*level && *last >= at)
+            .is_some()
+        {}
+        self.push(at, true);
+    }
+
+    fn push(&mut self, at: i64, level: bool) {
+        let last = self.changes.back().map_or(at, |(last, _)| *last);
+        self.changes.push_back((at.max(last), level));
+    }
+
+    /// When the line follows. No line of a sensor is ahead of its flag by more than the tick before can still be told of.
+    fn late(&mut self, cycle: u32, cycles: u32) -> i64 {
+        let noise = self.time.as_ref().map_or(0.0, |time| time.draw(self.edges));
+        self.edges += 1;
+        let at = i64::from(cycle) + self.delay_cycles + noise.round() as i64;
+        at.max(-i64::from(cycles / MOST_OF_TICK))
     }
 }
 
@@ -45,13 +170,20 @@ impl IndexSensor {
 mod tests {
     use super::*;
 
+    fn tick(sensor: &mut IndexSensor, passed: Passed) -> Option<IndexPulse> {
+        sensor.tick(passed, 1000, || false).pulse
+    }
+
+    const fn edge(cycle: i32) -> Option<IndexPulse> {
+        Some(IndexPulse { cycle })
+    }
+
     /// Were a passage told twice, or not at its edge, drift would be wrong where a tick ends.
     #[test]
     fn a_passage_is_told_once_wherever_the_tick_ends() {
         for rise in 0..=1000 {
             let mut sensor = IndexSensor::new(50, 120);
-            let told = [sensor.tick(Some(rise), 1000), sensor.tick(None, 1000)];
-            let edge = |cycle| Some(IndexPulse { cycle });
+            let told = [Some(rise), None].map(|rise| tick(&mut sensor, Passed::rising(rise)));
             let expected = if rise <= 950 {
                 [edge(rise as i32), None]
             } else {
@@ -59,7 +191,40 @@ mod tests {
             };
             assert_eq!(told, expected, "a rise at {rise}");
             // And the next passage is heard.
-            assert_eq!(sensor.tick(Some(500), 1000), edge(500));
+            assert_eq!(tick(&mut sensor, Passed::rising(Some(500))), edge(500));
         }
+    }
+
+    /// Were it wrong, a late line would be told at its flag's time, or not at all where that is a tick later.
+    #[test]
+    fn a_late_line_is_late_across_ticks() {
+        for delay in [0, 300, 1700] {
+            let mut sensor = IndexSensor::new(50, 120).delayed(delay, None);
+            let rises = [Some(600), None, None];
+            let told = rises.map(|rise| tick(&mut sensor, Passed::rising(rise)));
+            let mut expected = [None; 3];
+            let at = 600 + delay as i32;
+            expected[(at / 1000) as usize] = edge(at % 1000);
+            assert_eq!(told, expected, "late by {delay}");
+        }
+    }
+
+    /// Were it wrong, a flag that is before its sensor at power-up would be a passage, or one that is not seen would come as
+    /// it goes.
+    #[test]
+    fn a_flag_with_a_length_is_heard_as_it_comes() {
+        let mut sensor = IndexSensor::new(50, 120).of_length(50, true);
+        let at = |rise, fall| Passed {
+            rise,
+            fall,
+            extra: None,
+        };
+        assert_eq!(tick(&mut sensor, at(None, Some(200))), None);
+        assert_eq!(tick(&mut sensor, at(Some(300), None)), edge(300));
+        assert_eq!(tick(&mut sensor, at(None, None)), None);
+        assert_eq!(tick(&mut sensor, at(None, Some(100))), None);
+        let blind = sensor.tick(at(Some(300), Some(700)), 1000, || true);
+        assert_eq!((blind.rose, blind.pulse), (None, None));
+        assert_eq!(tick(&mut sensor, at(Some(10), Some(400))), edge(10));
     }
 }

@@ -9,17 +9,20 @@
 //! What the lower two leave out: inertia's effect on the motion (the cranks never lag by less than a slip), and how the
 //! others' torque changes once one axis has slipped.
 
+mod astray;
 mod axis;
 mod cam;
+mod flag;
 mod index;
 mod platform;
 mod pull_out;
 mod rotors;
 mod torque;
 
-pub use axis::{AxisDrive, SimulatedAxis};
+pub use axis::{AxisDrive, Overload, SimulatedAxis};
 pub use cam::{Followers, Peaks, Pusher, Turned};
-pub use index::IndexSensor;
+pub use flag::{Extra, Flag};
+pub use index::{IndexSensor, Line, Passed};
 pub use platform::{Platform, Pose};
 pub use pull_out::PullOut;
 pub use rotors::{Broken, Chosen, MOST_STEPS, RESOLUTION, Rotors, Told};
@@ -31,8 +34,10 @@ use cophase_core::signals::Output;
 use cophase_methods::Scheme;
 
 use crate::dynamics::FrameMotion;
+use crate::faults::{Amiss, Sensor, Stream};
 use crate::scene::file::{Drive, Fidelity};
 use crate::scene::{Checked, SceneError};
+use astray::Astray;
 
 /// How long an index line stays high: 20 µs, as wide as a sensor's flag is likely to be. Whoever has a filter
 /// for longer levels has wider flags.
@@ -89,6 +94,8 @@ pub struct Machine<const N: usize> {
     rotors: Option<Rotors>,
     /// Where axes are cam shafts.
     followers: Option<Followers>,
+    /// What has become of drives that do not do as they are told; none where all do.
+    astray: Option<Astray<N>>,
 }
 
 impl<const N: usize> Machine<N> {
@@ -117,18 +124,25 @@ impl<const N: usize> Machine<N> {
             let friction_nm = apart
                 .and_then(|apart| apart.friction_nm)
                 .unwrap_or(axes.friction_nm);
-            SimulatedAxis::new(own, drive, start_turns, friction_nm)
+            let flag = Flag::new(checked, i);
+            SimulatedAxis::new(own, drive, start_turns, friction_nm, flag)
         };
         let mut axes: [SimulatedAxis; N] = std::array::from_fn(make);
         let rotors = torque::rotors(checked, &settings, &pull_out, &mut axes)?;
         let turns = axes.each_ref().map(SimulatedAxis::turns);
+        let tick_s = 1.0 / f64::from(settings.tick_hz);
+        let cycles = CLOCK_HZ / settings.tick_hz;
         Ok(Self {
+            astray: checked
+                .scene
+                .touches_drives()
+                .then(|| Astray::new(&axes, tick_s, cycles)),
             followers: Followers::new(checked, &turns)?,
             rotors,
             axes,
             platform: Platform::new(checked)?,
             index_cycles: FLAG_CYCLES.max(2 * settings.index.width_cycles()),
-            tick_s: 1.0 / f64::from(settings.tick_hz),
+            tick_s,
             torques: checked.fidelity == Fidelity::QuasiStatic,
             omega_before: 0.0,
             asked_nm: None,
@@ -228,8 +242,45 @@ impl<const N: usize> Machine<N> {
         rotors.or_else(|| Some(self.followers.as_ref()?.broken()?.into()))
     }
 
-    /// Plays one tick and returns the cycles in it at which index flags came. `master_turns` is
-    /// what the master makes, `command_turns` where the axes are told to be at its end.
+    /// The index sensors of its cranks, as they stand now.
+    ///
+    /// # Errors
+    /// `N` is another number than the scene's.
+    pub fn sensors(&self, checked: &Checked) -> Result<[IndexSensor; N], SceneError> {
+        let settings = checked.settings::<N>()?;
+        let noise = &checked.scene.noise;
+        let width = settings.index.width_cycles();
+        let cycles = |seconds: f64| seconds * f64::from(CLOCK_HZ);
+        Ok(std::array::from_fn(|i| {
+            let delay = cycles(settings.axes[i].index_delay_s).round() as u32;
+            let deviation = cycles(noise.index_us * 1e-6);
+            let time = Stream::new(noise.seed, Sensor::EdgeTime, i, deviation);
+            let sensor = IndexSensor::new(width, self.index_cycles).delayed(delay, time);
+            match self.axes[i].flag().filter(|flag| flag.has_length()) {
+                Some(flag) => sensor.of_length(width, flag.is_over(self.axes[i].turns())),
+                None => sensor,
+            }
+        }))
+    }
+
+    /// Counts of motor `i`'s encoder since power-up, in the motor's own sense, wrapping. What a crank has slipped on its
+    /// shaft, the motor has not.
+    pub fn encoder(&self, i: usize) -> i32 {
+        /// A crank that is on a count to a digit or two is on it.
+        const ROUNDING: f64 = 1e-6;
+        let axis = &self.axes[i];
+        let slipped = self
+            .astray
+            .as_ref()
+            .map_or(0.0, |astray| astray.slipped_turns(i));
+        let sense = if axis.is_reversed() { -1.0 } else { 1.0 };
+        let counts = sense * (axis.travelled_turns() + slipped) * axis.steps_per_turn();
+        (counts + ROUNDING).floor() as i64 as i32
+    }
+
+    /// Plays one tick and returns what came before the index sensors in it. `master_turns` is what the master makes,
+    /// `command_turns` where the axes are told to be at its end; `amiss` is what is wrong with each drive, in a scene where
+    /// any ever is.
     ///
     /// Drives that are off do not follow: their cranks stand, or run on where torque moves them.
     pub fn play(
@@ -238,16 +289,13 @@ impl<const N: usize> Machine<N> {
         drives_enabled: bool,
         master_turns: f64,
         command_turns: &[f64; N],
-    ) -> [Option<u32>; N] {
+        amiss: Option<&[Amiss; N]>,
+    ) -> [Passed; N] {
         if let Some(rotors) = &mut self.rotors {
-            let told: [Told; N] = std::array::from_fn(|i| {
-                self.axes[i].tell(
-                    &played.runs[i],
-                    &played.setpoints[i],
-                    played.steps[i],
-                    command_turns[i],
-                )
-            });
+            let told = tell(&mut self.axes, played, command_turns);
+            if let (Some(astray), Some(amiss)) = (&mut self.astray, amiss) {
+                return astray.turn(&mut self.axes, rotors, &told, amiss, drives_enabled);
+            }
             rotors.play(&told, drives_enabled);
             let cycles = (self.tick_s * f64::from(CLOCK_HZ)).round() as u32;
             return std::array::from_fn(|i| self.axes[i].moved(rotors.turns(i), cycles));
@@ -267,6 +315,10 @@ impl<const N: usize> Machine<N> {
             }));
         }
         self.omega_before = omega;
+        if let (Some(astray), Some(amiss)) = (&mut self.astray, amiss) {
+            let told = tell(&mut self.axes, played, command_turns);
+            return astray.place(&mut self.axes, &told, amiss, drives_enabled);
+        }
         let before = self.axes.each_ref().map(SimulatedAxis::turns);
         let index = std::array::from_fn(|i| {
             self.axes[i].play(
@@ -289,4 +341,20 @@ impl<const N: usize> Machine<N> {
         }
         index
     }
+}
+
+/// What drives are told in a tick.
+fn tell<const N: usize>(
+    axes: &mut [SimulatedAxis; N],
+    played: &Played<N>,
+    command_turns: &[f64; N],
+) -> [Told; N] {
+    std::array::from_fn(|i| {
+        axes[i].tell(
+            &played.runs[i],
+            &played.setpoints[i],
+            played.steps[i],
+            command_turns[i],
+        )
+    })
 }

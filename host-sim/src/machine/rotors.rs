@@ -193,6 +193,25 @@ impl Rotors {
         self.broken
     }
 
+    /// Has field and rotor of crank `i` fall back together, at once.
+    pub fn fall_back(&mut self, i: usize, turns: f64) {
+        self.told[i].turns -= turns;
+        self.state[i] -= turns * std::f64::consts::TAU;
+    }
+
+    /// Has crank `i` stand whatever pushes it, or lets it go.
+    pub fn hold(&mut self, i: usize, held: bool) {
+        self.driven.hold(i, held);
+        if held {
+            self.state[self.driven.positions() + i] = 0.0;
+        }
+    }
+
+    /// Loads crank `i` with so much more, against its turning forward, N·m.
+    pub fn load(&mut self, i: usize, load_nm: f64) {
+        self.driven.loads_nm[i] = load_nm;
+    }
+
     /// Plays a tick in which drives lead their rotors evenly from where they were told last to `told`.
     pub fn play(&mut self, told: &[Told], energised: bool) {
         self.were_on |= energised;

@@ -9,13 +9,15 @@ pub use summary::summary;
 pub use warnings::warnings;
 pub use words::{describe, is_news};
 
+use cophase_core::supervisor::Fault;
 use serde::Serialize;
 
 use model::{FidelityReport, MethodReport, judged};
 
+use crate::scene::file::FaultName;
 use crate::scene::{Checked, Scene};
-use crate::sim::Outcome;
 use crate::sim::events::{Event, Happening, StoppedBy};
+use crate::sim::{Outcome, Statistics};
 use crate::units::degrees;
 
 /// How a trace was written.
@@ -62,6 +64,11 @@ pub struct Report<'a> {
     accel_worst_mps2: Option<f64>,
     late_deadlines: u32,
     missed_deadlines: u32,
+    /// What the scene put in, in the order in which it began.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    injected: Vec<InjectedReport>,
+    /// What the loop told, whatever it did about it.
+    incidents: Vec<FaultReport>,
     faults: Vec<FaultReport>,
     events: Vec<EventReport>,
     events_left_out: usize,
@@ -135,10 +142,19 @@ struct HoldingReport {
 #[derive(Clone, Debug, Serialize)]
 struct FaultReport {
     t_s: f64,
-    kind: String,
+    kind: &'static str,
     axis: Option<usize>,
     size_deg: f64,
-    crank_phase_deg: f64,
+    phase_deg: f64,
+    tick: u64,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+struct InjectedReport {
+    at_s: f64,
+    kind: FaultName,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    axis: Option<usize>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -229,7 +245,15 @@ impl<'a> Report<'a> {
                 .map(|_| seen.worst_accel_mps2),
             late_deadlines: seen.late_deadlines,
             missed_deadlines: seen.missed_deadlines,
-            faults: seen.events.iter().filter_map(fault_report).collect(),
+            injected: seen.events.iter().filter_map(injected_report).collect(),
+            incidents: faults(seen, |what| match what {
+                Happening::Told(fault) => Some(fault),
+                _ => None,
+            }),
+            faults: faults(seen, |what| match what {
+                Happening::Fault { fault, .. } => Some(fault),
+                _ => None,
+            }),
             events: seen.events.iter().map(event_report).collect(),
             events_left_out: seen.events_left_out,
             written,
@@ -242,16 +266,33 @@ impl<'a> Report<'a> {
     }
 }
 
-fn fault_report(event: &Event) -> Option<FaultReport> {
-    let Happening::Fault { fault, .. } = &event.what else {
-        return None;
-    };
-    Some(FaultReport {
-        t_s: round(event.t_s, 9),
-        kind: fault.kind.to_string(),
+/// Those events that `pick` has a fault of.
+fn faults(seen: &Statistics, pick: fn(&Happening) -> Option<&Fault>) -> Vec<FaultReport> {
+    let events = seen.events.iter();
+    events
+        .filter_map(|event| Some(fault_report(event.t_s, pick(&event.what)?)))
+        .collect()
+}
+
+fn fault_report(t_s: f64, fault: &Fault) -> FaultReport {
+    FaultReport {
+        t_s: round(t_s, 9),
+        kind: fault.kind.name(),
         axis: fault.axis,
         size_deg: degrees(fault.size),
-        crank_phase_deg: degrees(fault.phase.within_turn()),
+        phase_deg: degrees(fault.phase.within_turn()),
+        tick: fault.tick,
+    }
+}
+
+fn injected_report(event: &Event) -> Option<InjectedReport> {
+    let Happening::Injected(fault) = &event.what else {
+        return None;
+    };
+    Some(InjectedReport {
+        at_s: round(event.t_s, 9),
+        kind: fault.kind,
+        axis: fault.axis,
     })
 }
 

@@ -3,7 +3,7 @@
 use cophase_core::supervisor::{Command, Fault, FaultKind, State};
 use cophase_core::units::Turns;
 
-use crate::scene::file::InputLine;
+use crate::scene::file::{FaultAt, InputLine, Lines};
 use crate::sim::events::Happening;
 use crate::units::degrees;
 
@@ -54,6 +54,8 @@ pub fn describe(what: &Happening) -> String {
             let plural = if deadlines == 1 { "" } else { "s" };
             format!("{deadlines} deadline{plural} missed: all axes stood still")
         }
+        Happening::Injected(fault) => format!("put in: {}", injected_words(&fault)),
+        Happening::Told(fault) => format!("told: {}", fault_words(&fault)),
         Happening::Fault { fault, leading_deg } if fault.kind == FaultKind::Tilt => format!(
             "fault: {}; the cranks lead at {leading_deg:.0}° around the platform",
             fault_words(&fault)
@@ -69,6 +71,34 @@ pub fn is_news(what: &Happening) -> bool {
         Happening::HeldAtBand { for_s } | Happening::Lagged { for_s, .. } => *for_s >= SHORT_S,
         _ => true,
     }
+}
+
+/// A fault that a scene puts in, in words.
+fn injected_words(fault: &FaultAt) -> String {
+    let mut words = vec![fault.kind.name().replace('-', " ")];
+    let number = |number: Option<f64>, unit: &str| number.map(|number| format!("{number}{unit}"));
+    let plural = |count: i64| if count.abs() == 1 { "" } else { "s" };
+    let lines = fault.lines.map(|lines| match lines {
+        Lines::Drive => "drive lines".to_owned(),
+        Lines::Sensors => "sensors".to_owned(),
+    });
+    words.extend(fault.axis.map(|axis| format!("axis {axis}")));
+    words.extend(fault.with.map(|with| format!("with axis {with}")));
+    words.extend(lines);
+    let cycles = fault.cycles;
+    words.extend(cycles.map(|cycles| format!("{cycles} cycle{}", plural(cycles))));
+    words.extend(number(fault.rate_deg_per_s, "°/s"));
+    words.extend(number(fault.speed_hz, " rev/s"));
+    words.extend(
+        fault
+            .count
+            .map(|count| format!("{count} time{}", plural(count.into()))),
+    );
+    let counts = fault.counts;
+    words.extend(counts.map(|counts| format!("{counts} count{}", plural(counts))));
+    words.extend(number(fault.torque_nm, " N·m"));
+    words.extend(number(fault.for_s, " s long"));
+    words.join(", ")
 }
 
 /// A fault in words.

@@ -5,6 +5,7 @@
 //! the file.
 
 mod cam;
+mod faults;
 mod numbers;
 mod program;
 mod settings;
@@ -49,7 +50,8 @@ impl Checked {
     ///
     /// # Errors
     /// The first thing that is wrong, by key, with what would be right. The error has no origin yet.
-    pub fn new(scene: Scene) -> Result<Self, SceneError> {
+    pub fn new(mut scene: Scene) -> Result<Self, SceneError> {
+        faults::fill(&mut scene);
         let Mechanism {
             machine,
             drift,
@@ -69,6 +71,7 @@ impl Checked {
         }
         PullOut::new(&scene.axes.pull_out)?;
         numbers::check_times(&scene)?;
+        faults::check(&scene)?;
         numbers::check_torque(&scene)?;
         numbers::check_bands(&scene.limits)?;
         numbers::check_questions(&scene.questions)?;
@@ -123,6 +126,7 @@ impl Checked {
                  as [[speed_hz, torque_nm], …], or let fidelity be \"kinematic\"",
             ));
         }
+        faults::check_rung(&other, rung)?;
         with_axes!(other.scene.axes.count, N => Machine::<N>::new(&other).map(|_| ()))?;
         Ok(other)
     }
@@ -133,7 +137,7 @@ impl Checked {
         chosen.unwrap_or("the scene asks for it")
     }
 
-    /// The key that has cranks stand, or turn, apart from each other, if one does.
+    /// The key, or the kind of fault, that has cranks stand, or turn, apart from each other, if one does.
     pub fn cranks_apart(&self) -> Option<&'static str> {
         let axes = &self.setup.axes;
         let trims = &self.setup.trims_turns;
@@ -149,6 +153,8 @@ impl Checked {
             Some("trim_deg")
         } else if (1..axes.len()).any(|i| starts(i) != starts(0)) {
             Some("start_deg")
+        } else if let Some(fault) = self.scene.moving_fault() {
+            Some(self.scene.fault[fault].kind.name())
         } else {
             None
         }

@@ -2,7 +2,7 @@
 
 use cophase_core::supervisor::{Command, Fault, State};
 
-use crate::scene::file::InputLine;
+use crate::scene::file::{FaultAt, InputLine};
 
 /// Something that happened at a time.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,6 +63,10 @@ pub enum Happening {
         /// How many.
         deadlines: u32,
     },
+    /// The scene puts in a fault.
+    Injected(FaultAt),
+    /// The loop tells of something, whatever it does about it.
+    Told(Fault),
     /// A fault latched.
     Fault {
         /// What was seen.

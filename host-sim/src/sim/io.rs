@@ -13,10 +13,11 @@ use cophase_core::supervisor::{Command, Fault, State};
 use cophase_core::units::{Phase, Turns};
 use embassy_time::Instant;
 
-use super::Outcome;
 use super::schedule::Schedule;
 use super::statistics::Statistics;
-use crate::machine::{IndexSensor, Machine, Played, Pose};
+use super::{Outcome, Watch};
+use crate::faults::Faults;
+use crate::machine::{IndexSensor, Machine, Passed, Played, Pose};
 use crate::units::turns;
 use crate::virtual_time::TICKS_PER_S;
 
@@ -83,6 +84,15 @@ struct Waiting<const N: usize> {
     sync: bool,
 }
 
+/// What is gathered of a run.
+#[derive(Debug)]
+pub struct Seen {
+    /// In numbers and events.
+    pub statistics: Statistics,
+    /// What went wrong, and what came of it.
+    pub watch: Watch,
+}
+
 /// The loop's world, simulated.
 pub struct SimulatedIo<'a, const N: usize, O, P> {
     tick_us: u64,
@@ -92,7 +102,10 @@ pub struct SimulatedIo<'a, const N: usize, O, P> {
     /// Up to when the sensors have been heard: the end of a tick.
     sensed_us: u64,
     schedule: Schedule,
-    statistics: Statistics,
+    faults: Faults<N>,
+    /// Which axes' encoders are read.
+    encoders: Vec<bool>,
+    seen: Seen,
     observer: &'a mut O,
     progress: P,
     /// Boxed, as an output has kilobytes of room for runs, and is passed on every tick.
@@ -126,7 +139,9 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
         machine: Machine<N>,
         sensors: [IndexSensor; N],
         schedule: Schedule,
-        statistics: Statistics,
+        faults: Faults<N>,
+        encoders: Vec<bool>,
+        seen: Seen,
         observer: &'a mut O,
         progress: P,
     ) -> Self {
@@ -137,7 +152,9 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             sensors,
             sensed_us: 0,
             schedule,
-            statistics,
+            faults,
+            encoders,
+            seen,
             observer,
             progress,
             waiting: VecDeque::new(),
@@ -155,7 +172,10 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
 
     /// How the run ended.
     pub fn finish(self) -> Outcome {
-        let mut statistics = self.statistics;
+        let Seen {
+            mut statistics,
+            watch,
+        } = self.seen;
         statistics.finish(&self.machine);
         Outcome {
             method: self.machine.method(),
@@ -165,28 +185,37 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             ticks: self.played,
             tick_hz: self.tick_hz,
             statistics,
+            watch,
         }
     }
 
     /// Hears the sensors over ticks in which nothing was played, up to the time `until_us`.
     fn stand(&mut self, until_us: u64, heard: &mut [Option<IndexPulse>; N]) {
         while self.sensed_us < until_us {
-            self.hear(&[None; N], heard);
+            self.hear(&[Passed::default(); N], heard);
         }
     }
 
-    /// Hears the sensors over one tick in which lines rose at the cycles `rises`. Of what is read at one
+    /// Hears the sensors over one tick in which that came before them; when their lines rose. Of what is read at one
     /// deadline the latest counts: the loop asks for no more than one tick, unless it was late.
-    fn hear(&mut self, rises: &[Option<u32>; N], heard: &mut [Option<IndexPulse>; N]) {
+    fn hear(
+        &mut self,
+        passed: &[Passed; N],
+        heard: &mut [Option<IndexPulse>; N],
+    ) -> [Option<u32>; N] {
         let cycles = CLOCK_HZ / self.tick_hz;
-        for ((sensor, rise), heard) in self.sensors.iter_mut().zip(rises).zip(heard) {
-            *heard = sensor.tick(*rise, cycles).or(*heard);
+        let mut rose = [None; N];
+        for (i, sensor) in self.sensors.iter_mut().enumerate() {
+            let line = sensor.tick(passed[i], cycles, || self.faults.misses(i));
+            heard[i] = line.pulse.or(heard[i]);
+            rose[i] = line.rose;
         }
         self.sensed_us += self.tick_us;
+        rose
     }
 
-    /// Plays one output and shows it round; when index lines rose.
-    fn play(&mut self, waiting: &Waiting<N>) -> [Option<u32>; N] {
+    /// Plays one output, hears the sensors, and shows it round.
+    fn play(&mut self, waiting: &Waiting<N>, heard: &mut [Option<IndexPulse>; N]) {
         let Waiting {
             start_us,
             played,
@@ -199,9 +228,20 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             .get_or_insert_with(|| telemetry.axis_phase.map(Unwrapped::starting_at));
         let command_turns = std::array::from_fn(|i| axes[i].follow(telemetry.axis_phase[i]));
         let turns = turns(telemetry.motion.speed);
-        let index = self
-            .machine
-            .play(played, self.drives_enabled, turns, &command_turns);
+        for (axis, extra) in self.faults.extra(*start_us) {
+            self.machine.axes[axis].add_pulses(extra);
+        }
+        let amiss = self.faults.amiss(*start_us);
+        let passed = self.machine.play(
+            played,
+            self.drives_enabled,
+            turns,
+            &command_turns,
+            amiss.as_ref(),
+        );
+        let mut index = self.hear(&passed, heard);
+        self.faults.swap(&mut index);
+        self.take_note(*start_us as f64 / TICKS_PER_S as f64);
         let moment = Moment {
             start_ns: start_us * 1000,
             end_ns: (start_us + self.tick_us) * 1000,
@@ -216,9 +256,17 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             machine: &self.machine,
         };
         self.played += 1;
-        self.statistics.tick(&moment);
+        self.seen.statistics.tick(&moment);
+        self.seen.watch.tick(&moment);
         self.observer.tick(&moment);
-        index
+    }
+
+    /// Tells of faults that have begun.
+    fn take_note(&mut self, t_s: f64) {
+        for injected in self.faults.news() {
+            self.seen.statistics.injected(t_s, injected.fault);
+            self.seen.watch.injected(injected);
+        }
     }
 }
 
@@ -234,29 +282,38 @@ impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'
             let Some(waiting) = self.waiting.pop_front() else {
                 break;
             };
-            let rises = self.play(&waiting);
             self.stand(waiting.start_us, &mut heard);
-            self.hear(&rises, &mut heard);
+            self.play(&waiting, &mut heard);
             self.spare.push(waiting);
         }
         self.stand(now - now % self.tick_us, &mut heard);
         let now_s = now as f64 / TICKS_PER_S as f64;
         while let Some(input) = self.schedule.input(now) {
-            self.statistics.input(now_s, input.line, input.active);
+            self.seen.statistics.input(now_s, input.line, input.active);
         }
         let command = self.schedule.command(now);
         // That a scene begins with a start is not news.
         if let Some(command) = command.filter(|command| now > 0 || *command != Command::Start) {
-            self.statistics.commanded(now_s, command);
+            self.seen.statistics.commanded(now_s, command);
         }
-        Feedback {
+        let counts = |i: usize| {
+            if self.encoders[i] {
+                self.machine.encoder(i)
+            } else {
+                0
+            }
+        };
+        let mut feedback = Feedback {
             index: heard,
-            encoder: [0; N],
+            encoder: std::array::from_fn(counts),
             alarm: [false; N],
             ran_dry: None,
             inputs: self.schedule.lines(),
             command,
-        }
+        };
+        self.faults.read(now, &mut feedback);
+        self.take_note(now_s);
+        feedback
     }
 
     fn write(&mut self, output: &Output<N>, start: Instant) -> Written {

@@ -7,19 +7,22 @@ pub mod events;
 mod io;
 mod schedule;
 pub mod statistics;
+pub mod watch;
 
 pub use io::{Moment, Observer};
 pub use statistics::Statistics;
+pub use watch::Watch;
 
 use cophase_core::control_loop;
 use cophase_core::controller::Controller;
 use cophase_core::supervisor::{Fault, State};
 use cophase_methods::Scheme;
 
-use crate::machine::{IndexSensor, Machine};
+use crate::faults::Faults;
+use crate::machine::{Machine, SimulatedAxis};
 use crate::scene::{Checked, SceneError};
 use crate::virtual_time;
-use io::SimulatedIo;
+use io::{Seen, SimulatedIo};
 use schedule::Schedule;
 
 /// How a run ended.
@@ -35,6 +38,8 @@ pub struct Outcome {
     pub tick_hz: u32,
     /// What was seen on the way.
     pub statistics: Statistics,
+    /// What went wrong, what the loop told of it and when, and what the cranks truly did.
+    pub watch: Watch,
     /// How the machine was advanced, and in how many steps a tick; none if nothing was integrated.
     pub method: Option<(Scheme, u32)>,
     /// Why the simulated machine went no further, in a sentence: its equations, not the loop, came to an end.
@@ -42,9 +47,10 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Whether a motor slipped without a fault: the controller believes the cranks in phase, and they are not.
+    /// Whether a motor slipped and nothing was told of it: the controller believes the cranks in phase, and they are not.
     pub fn slipped_unseen(&self) -> bool {
         self.fault.is_none()
+            && self.watch.told.is_empty()
             && self
                 .statistics
                 .slipped_cycles
@@ -78,17 +84,21 @@ pub fn simulate<const N: usize>(
     );
     let mut controller: Controller<N> = checked.controller()?;
     let schedule = Schedule::new(checked, controller.program().0.duration());
+    let encoders = checked.setup.axes.iter().map(|axis| axis.encoder);
+    let encoders = encoders.collect();
     let mut lateness = schedule.lateness();
     let machine = Machine::new(checked)?;
-    let width = checked.setup.index.width_cycles();
-    let sensors = std::array::from_fn(|_| IndexSensor::new(width, machine.index_cycles));
+    let sensors = machine.sensors(checked)?;
     let statistics = Statistics::new(checked, machine.platform.mechanism());
+    let watch = Watch::new(checked, machine.axes.each_ref().map(SimulatedAxis::turns));
     let mut io = SimulatedIo::new(
         controller.tick_hz(),
         machine,
         sensors,
         schedule,
-        statistics,
+        Faults::new(checked),
+        encoders,
+        Seen { statistics, watch },
         observer,
         progress,
     );

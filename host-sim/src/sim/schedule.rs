@@ -3,7 +3,7 @@
 use cophase_core::supervisor::{Command, SafetyInputs};
 
 use crate::scene::Checked;
-use crate::scene::file::{CommandName, InputAt, InputLine, LateAt};
+use crate::scene::file::{CommandName, FaultName, InputAt, InputLine};
 use crate::virtual_time::TICKS_PER_S;
 
 /// Commands and input changes in order of time.
@@ -11,7 +11,10 @@ use crate::virtual_time::TICKS_PER_S;
 pub struct Schedule {
     commands: Vec<(u64, Command)>,
     inputs: Vec<(u64, InputAt)>,
-    late: Vec<LateAt>,
+    late: Vec<(u64, u64)>,
+    /// When the last fault begins, and up to when commands and inputs have been asked for, µs.
+    last_fault_us: u64,
+    asked_us: u64,
     next_command: usize,
     next_input: usize,
     lines: SafetyInputs,
@@ -47,14 +50,36 @@ impl Schedule {
             .iter()
             .map(|(at, _)| *at)
             .chain(inputs.iter().map(|(at, _)| *at))
+            .chain(scene.fault.iter().map(|fault| clock(fault.at_s)))
             .max();
+        let faults = scene.fault.iter().map(|fault| clock(fault.at_s));
+        let last_fault_us = faults.max().unwrap_or(0);
+        let late = scene
+            .late
+            .iter()
+            .map(|late| (clock(late.at_s), late.by_us as u64));
+        // A deadline is missed by as much as takes it to the next.
+        let tick_us = TICKS_PER_S / u64::from(scene.control.tick_hz);
+        let overruns = scene
+            .fault
+            .iter()
+            .filter(|fault| fault.kind == FaultName::Overrun)
+            .map(|fault| {
+                (
+                    clock(fault.at_s),
+                    u64::from(fault.count.unwrap_or(0)) * tick_us,
+                )
+            });
+        let late = late.chain(overruns).collect();
         let program_s = program_ticks as f64 / f64::from(scene.control.tick_hz);
         // Switching on, a turn to align, a turn to park.
         let around_s = scene.control.settle_s + 2.5 / scene.limits.creep_hz;
         Self {
             commands,
             inputs,
-            late: scene.late.clone(),
+            late,
+            last_fault_us,
+            asked_us: 0,
             next_command: 0,
             next_input: 0,
             lines: SafetyInputs {
@@ -67,6 +92,7 @@ impl Schedule {
 
     /// The command that is due, if one is; each is given once.
     pub fn command(&mut self, now: u64) -> Option<Command> {
+        self.asked_us = now;
         let &(at, command) = self.commands.get(self.next_command)?;
         if at > now {
             return None;
@@ -96,7 +122,9 @@ impl Schedule {
 
     /// Whether nothing more is to happen.
     pub fn is_over(&self) -> bool {
-        self.next_command == self.commands.len() && self.next_input == self.inputs.len()
+        self.next_command == self.commands.len()
+            && self.next_input == self.inputs.len()
+            && self.last_fault_us <= self.asked_us
     }
 
     /// About how long the run will take, µs.
@@ -111,11 +139,7 @@ impl Schedule {
 
     /// What makes the loop late.
     pub fn lateness(&self) -> Lateness {
-        let mut late: Vec<_> = self
-            .late
-            .iter()
-            .map(|late| (clock(late.at_s), late.by_us as u64))
-            .collect();
+        let mut late = self.late.clone();
         late.sort_unstable();
         Lateness { late, next: 0 }
     }

@@ -9,7 +9,7 @@ use super::events::{Event, Happening, StoppedBy};
 use crate::machine::{Machine, Peaks, SimulatedAxis};
 use crate::mechanism::slider_crank::SliderCrank;
 use crate::scene::Checked;
-use crate::scene::file::InputLine;
+use crate::scene::file::{FaultAt, FaultName, InputLine};
 use crate::units::speed_hz;
 
 /// How well amax was held where the program holds and the shaft has come to its speed.
@@ -149,6 +149,9 @@ impl Statistics {
         self.forces(moment.machine);
         self.limits(moment, t_s);
         self.level(moment);
+        if let Some(fault) = telemetry.incident {
+            self.note(t_s, Happening::Told(fault));
+        }
         if telemetry.fault != self.fault {
             self.fault = telemetry.fault;
             if let Some(fault) = telemetry.fault {
@@ -191,6 +194,12 @@ impl Statistics {
     pub fn input(&mut self, t_s: f64, line: InputLine, active: bool) {
         self.stop_asked |= line == InputLine::Stop && active;
         self.note(t_s, Happening::Input { line, active });
+    }
+
+    /// Takes note of a fault that the scene puts in.
+    pub fn injected(&mut self, t_s: f64, fault: FaultAt) {
+        self.stop_asked |= fault.kind == FaultName::StopInput;
+        self.note(t_s, Happening::Injected(fault));
     }
 
     /// Where the cranks are.

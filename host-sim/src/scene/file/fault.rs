@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Something that goes wrong at a time. Which of the numbers a kind takes, [`FaultName`] says; others are refused.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct FaultAt {
     /// When, s.
@@ -76,6 +76,29 @@ pub enum FaultName {
     StopInput,
     /// A crank is loaded with `torque_nm` more, `for_s`; where torque moves cranks.
     LoadStep,
+}
+
+impl FaultName {
+    /// What a scene calls it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::LostSteps => "lost-steps",
+            Self::Slip => "slip",
+            Self::Stuck => "stuck",
+            Self::Runaway => "runaway",
+            Self::IndexMissing => "index-missing",
+            Self::IndexExtra => "index-extra",
+            Self::SwappedWiring => "swapped-wiring",
+            Self::Reversed => "reversed",
+            Self::EncoderGlitch => "encoder-glitch",
+            Self::DriveAlarm => "drive-alarm",
+            Self::Overrun => "overrun",
+            Self::RunDry => "run-dry",
+            Self::EnableLoss => "enable-loss",
+            Self::StopInput => "stop-input",
+            Self::LoadStep => "load-step",
+        }
+    }
 }
 
 /// Lines of an axis.

@@ -1,0 +1,240 @@
+//! The layer itself: what is wrong now, tick by tick and reading by reading.
+
+use cophase_core::signals::Feedback;
+
+use super::{Amiss, Planned, Sensor, Stream};
+use crate::machine::Extra;
+use crate::scene::Checked;
+use crate::scene::file::{FaultAt, FaultName, Lines};
+
+/// A fault that has begun.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Injected {
+    /// What was put in.
+    pub fault: FaultAt,
+    /// The control tick in which it began, by the clock: its time over a tick's length.
+    pub tick: u64,
+}
+
+/// All that goes wrong in a scene.
+#[derive(Clone, Debug)]
+pub struct Faults<const N: usize> {
+    planned: Vec<Planned>,
+    /// Which of them have begun, and in this order what has.
+    begun: Vec<bool>,
+    news: Vec<Injected>,
+    tick_us: u64,
+    tick_s: f64,
+    touches_drives: bool,
+    load: [Option<Stream>; N],
+    encoder: [Option<Stream>; N],
+    /// Two axes whose sensors are swapped.
+    swapped_sensors: Vec<(usize, usize)>,
+    /// Axes whose pulses ran dry since the last reading.
+    dry: Option<usize>,
+    /// Index pulses that are still to stay away, each axis; none: no such fault.
+    missing: [Option<u32>; N],
+}
+
+impl<const N: usize> Faults<N> {
+    /// Of a scene.
+    pub fn new(checked: &Checked) -> Self {
+        let scene = &checked.scene;
+        let noise = &scene.noise;
+        let planned: Vec<_> = scene.fault.iter().map(Planned::new).collect();
+        let tick_us = 1_000_000 / u64::from(scene.control.tick_hz);
+        let of_sensors = |fault: &FaultAt| {
+            (fault.kind == FaultName::SwappedWiring && fault.lines == Some(Lines::Sensors))
+                .then_some(())?;
+            fault.axis.zip(fault.with)
+        };
+        let streams = |sensor, deviation| {
+            std::array::from_fn(|i| Stream::new(noise.seed, sensor, i, deviation))
+        };
+        Self {
+            begun: vec![false; planned.len()],
+            news: Vec::new(),
+            swapped_sensors: scene.fault.iter().filter_map(of_sensors).collect(),
+            planned,
+            tick_us,
+            tick_s: tick_us as f64 * 1e-6,
+            touches_drives: scene.touches_drives(),
+            load: streams(Sensor::Load, noise.load_nm),
+            encoder: streams(Sensor::Encoder, noise.encoder_counts),
+            dry: None,
+            missing: [None; N],
+        }
+    }
+
+    /// What has begun since this was last asked.
+    pub fn news(&mut self) -> Vec<Injected> {
+        std::mem::take(&mut self.news)
+    }
+
+    /// Marks what begins up to `at_us`, of the kinds that `which` picks; what of it is new.
+    fn begin(&mut self, at_us: u64, which: fn(FaultName) -> bool) -> Vec<FaultAt> {
+        let mut new = Vec::new();
+        for (planned, begun) in self.planned.iter().zip(&mut self.begun) {
+            if !*begun && planned.from_us <= at_us && which(planned.fault.kind) {
+                *begun = true;
+                new.push(planned.fault);
+                self.news.push(Injected {
+                    fault: planned.fault,
+                    tick: at_us / self.tick_us,
+                });
+            }
+        }
+        new
+    }
+
+    /// What is wrong with each drive in the tick that begins at `start_us`; none in a scene where nothing ever is.
+    pub fn amiss(&mut self, start_us: u64) -> Option<[Amiss; N]> {
+        let new = self.begin(start_us, is_of_a_tick);
+        if !self.touches_drives {
+            return None;
+        }
+        let mut amiss: [Amiss; N] = std::array::from_fn(Amiss::nothing);
+        for planned in self
+            .planned
+            .iter()
+            .filter(|planned| planned.is_on(start_us))
+        {
+            let fault = &planned.fault;
+            let Some(axis) = fault.axis else { continue };
+            let with = |amiss: &mut [Amiss; N], with: usize| {
+                (amiss[axis].from, amiss[with].from) = (amiss[with].from, amiss[axis].from);
+            };
+            match fault.kind {
+                FaultName::Slip => {
+                    let rate_deg_per_s = fault.rate_deg_per_s.unwrap_or(0.0);
+                    amiss[axis].slip_turns += rate_deg_per_s / 360.0 * self.tick_s;
+                }
+                FaultName::Stuck => amiss[axis].stuck = true,
+                FaultName::Runaway => amiss[axis].runaway_hz = fault.speed_hz,
+                FaultName::Reversed => amiss[axis].reversed ^= true,
+                FaultName::LoadStep => amiss[axis].load_nm += fault.torque_nm.unwrap_or(0.0),
+                FaultName::SwappedWiring if fault.lines == Some(Lines::Drive) => {
+                    if let Some(other) = fault.with {
+                        with(&mut amiss, other);
+                    }
+                }
+                _ => {}
+            }
+        }
+        for fault in new {
+            let Some(axis) = fault.axis else { continue };
+            match fault.kind {
+                FaultName::LostSteps => amiss[axis].lost_cycles += fault.cycles.unwrap_or(1),
+                FaultName::RunDry => {
+                    amiss[axis].part = 0.5;
+                    self.dry = Some(axis);
+                }
+                _ => {}
+            }
+        }
+        let tick = (start_us / self.tick_us) as i64;
+        for (amiss, load) in amiss.iter_mut().zip(&self.load) {
+            amiss.load_nm += load.as_ref().map_or(0.0, |load| load.draw(tick));
+        }
+        Some(amiss)
+    }
+
+    /// Extra index pulses that begin in the tick from `start_us`: on which axis, after which part of it, and how many.
+    pub fn extra(&mut self, start_us: u64) -> Vec<(usize, Extra)> {
+        if !self
+            .planned
+            .iter()
+            .any(|planned| is_of_index(planned.fault.kind))
+        {
+            return Vec::new();
+        }
+        let end_us = start_us + self.tick_us - 1;
+        let new = self.begin(end_us, is_of_index);
+        let mut extra = Vec::new();
+        for fault in new {
+            let Some(axis) = fault.axis else { continue };
+            if fault.kind == FaultName::IndexMissing {
+                self.missing[axis] = Some(fault.count.unwrap_or(u32::MAX));
+                continue;
+            }
+            let from_us = Planned::new(&fault).from_us;
+            extra.push((
+                axis,
+                Extra {
+                    part: from_us.saturating_sub(start_us) as f64 / self.tick_us as f64,
+                    count: fault.count.unwrap_or(1),
+                },
+            ));
+        }
+        extra
+    }
+
+    /// Whether a flag that comes before the sensor of an axis is not to be seen; asked once a flag.
+    pub fn misses(&mut self, axis: usize) -> bool {
+        match &mut self.missing[axis] {
+            Some(0) | None => false,
+            Some(u32::MAX) => true,
+            Some(left) => {
+                *left -= 1;
+                true
+            }
+        }
+    }
+
+    /// Puts into what is read at `now_us` what is wrong with it. Safety inputs are as they were set before.
+    pub fn read(&mut self, now_us: u64, feedback: &mut Feedback<N>) {
+        if !self.planned.is_empty() {
+            self.begin(now_us, |kind| !is_of_a_tick(kind) && !is_of_index(kind));
+        }
+        let number = (now_us / self.tick_us) as i64;
+        for (counts, noise) in feedback.encoder.iter_mut().zip(&self.encoder) {
+            if let Some(noise) = noise {
+                *counts = counts.wrapping_add(noise.draw(number).round() as i32);
+            }
+        }
+        for planned in self.planned.iter().filter(|planned| planned.is_on(now_us)) {
+            let fault = &planned.fault;
+            match (fault.kind, fault.axis) {
+                (FaultName::EncoderGlitch, Some(axis)) => {
+                    let counts = fault.counts.unwrap_or(0) as i32;
+                    feedback.encoder[axis] = feedback.encoder[axis].wrapping_add(counts);
+                }
+                (FaultName::DriveAlarm, Some(axis)) => feedback.alarm[axis] = true,
+                (FaultName::EnableLoss, _) => feedback.inputs.enable = false,
+                (FaultName::StopInput, _) => feedback.inputs.stop = true,
+                _ => {}
+            }
+        }
+        self.swap(&mut feedback.index);
+        self.swap(&mut feedback.encoder);
+        feedback.ran_dry = self.dry.take();
+    }
+
+    /// Swaps what comes from sensors whose wires are.
+    pub fn swap<T>(&self, of_each: &mut [T; N]) {
+        for &(one, other) in &self.swapped_sensors {
+            of_each.swap(one, other);
+        }
+    }
+}
+
+/// Kinds that begin with a tick that is played.
+const fn is_of_a_tick(kind: FaultName) -> bool {
+    use FaultName as Kind;
+    matches!(
+        kind,
+        Kind::LostSteps
+            | Kind::Slip
+            | Kind::Stuck
+            | Kind::Runaway
+            | Kind::Reversed
+            | Kind::SwappedWiring
+            | Kind::RunDry
+            | Kind::LoadStep
+    )
+}
+
+/// Kinds that begin within one.
+const fn is_of_index(kind: FaultName) -> bool {
+    matches!(kind, FaultName::IndexMissing | FaultName::IndexExtra)
+}

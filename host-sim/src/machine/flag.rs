@@ -1,0 +1,135 @@
+//! The flag on a crank that its index sensor sees: where it begins and ends, and when a moving crank brings it there.
+//!
+//! A flag without a length is as good as a point, met going forward alone. One with a length is met at its beginning going
+//! forward, and at its end going backward. Noise has each edge elsewhere on each turn, but at one place on that turn,
+//! however often the crank goes to and fro there.
+
+use crate::faults::{Sensor, Stream};
+use crate::scene::Checked;
+
+/// Pulses of a sensor where no flag is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extra {
+    /// The first comes after this part of the tick.
+    pub part: f64,
+    /// How many there are, each a turn of the crank after the other.
+    pub count: u32,
+}
+
+/// What a sensor meets in a tick, as places in turns since power-up.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Met {
+    /// Where the flag comes before the sensor.
+    pub rise: Option<f64>,
+    /// Where it leaves it.
+    pub fall: Option<f64>,
+    /// After which part of the tick a pulse comes without it.
+    pub extra: Option<f64>,
+}
+
+/// A flag, and the noise of its edges.
+#[derive(Clone, Debug)]
+pub struct Flag {
+    start_turns: f64,
+    width_turns: f64,
+    start_noise: Option<Stream>,
+    end_noise: Option<Stream>,
+    /// Pulses to come without it: the first in this tick, and others at a place.
+    begins: Option<Extra>,
+    again: Option<(f64, u32)>,
+}
+
+impl Flag {
+    /// Of axis `number` of a scene; none if it has no sensor.
+    pub fn new(checked: &Checked, number: usize) -> Option<Self> {
+        let axis = &checked.setup.axes[number];
+        let noise = &checked.scene.noise;
+        let stream = |sensor| Stream::new(noise.seed, sensor, number, noise.index_deg / 360.0);
+        Some(Self {
+            start_turns: axis.index_turns?,
+            width_turns: axis.index_width_turns,
+            start_noise: stream(Sensor::FlagStart),
+            end_noise: stream(Sensor::FlagEnd),
+            begins: None,
+            again: None,
+        })
+    }
+
+    /// Whether it has a length, and so an end that the sensor sees.
+    pub fn has_length(&self) -> bool {
+        self.width_turns > 0.0
+    }
+
+    /// Whether it is before the sensor of a crank at rest there, noise aside.
+    pub fn is_over(&self, turns: f64) -> bool {
+        (turns - self.start_turns).rem_euclid(1.0) < self.width_turns
+    }
+
+    /// Has pulses come that no flag makes, from the next tick that is played on.
+    pub fn add(&mut self, extra: Extra) {
+        self.begins = Some(extra);
+    }
+
+    /// What a crank meets that goes from `before` to `after`.
+    pub fn meet(&mut self, before: f64, after: f64) -> Met {
+        let mut met = self.pass(before, after);
+        met.extra = self.extra(before, after);
+        met
+    }
+
+    fn pass(&self, before: f64, after: f64) -> Met {
+        let forward = after > before;
+        if !self.has_length() && self.start_noise.is_none() {
+            let passes = (after - self.start_turns).floor();
+            let passed = passes > (before - self.start_turns).floor();
+            return Met {
+                rise: passed.then_some(passes + self.start_turns),
+                ..Met::default()
+            };
+        }
+        let start = edge(self.start_turns, self.start_noise.as_ref(), before, after);
+        if !self.has_length() {
+            return Met {
+                rise: start.filter(|_| forward),
+                ..Met::default()
+            };
+        }
+        let end_turns = self.start_turns + self.width_turns;
+        let end = edge(end_turns, self.end_noise.as_ref(), before, after);
+        let (rise, fall) = if forward { (start, end) } else { (end, start) };
+        Met {
+            rise,
+            fall,
+            extra: None,
+        }
+    }
+
+    fn extra(&mut self, before: f64, after: f64) -> Option<f64> {
+        if let Some(extra) = self.begins.take() {
+            let place = before + extra.part * (after - before);
+            self.again = (extra.count > 1).then_some((place + 1.0, extra.count - 1));
+            return Some(extra.part);
+        }
+        let (place, left) = self.again.filter(|(place, _)| *place <= after)?;
+        self.again = (left > 1).then_some((place + 1.0, left - 1));
+        Some((place - before) / (after - before))
+    }
+}
+
+/// The place of an edge, nominally at `nominal` of a turn, that lies between two of a crank.
+fn edge(nominal: f64, noise: Option<&Stream>, before: f64, after: f64) -> Option<f64> {
+    let (low, high) = (before.min(after), before.max(after));
+    let reach = noise.map_or(0.0, Stream::reach);
+    let (mut turn, last) = (
+        (low - nominal - reach).ceil(),
+        (high - nominal + reach).floor(),
+    );
+    while turn <= last {
+        let place = turn + nominal + noise.map_or(0.0, |noise| noise.draw(turn as i64));
+        if low < place && place <= high {
+            return Some(place);
+        }
+        turn += 1.0;
+    }
+    None
+}

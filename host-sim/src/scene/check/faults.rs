@@ -1,0 +1,253 @@
+//! `[[fault]]` and `[noise]`: which numbers each kind takes, and on which machines it can be.
+//!
+//! A fault that moves a crank needs cranks that can be moved one by one: on cams a shaft is where it is told to be, and on the
+//! rigid rung all cranks are one.
+
+use super::Checked;
+use super::numbers::range;
+use crate::scene::SceneError;
+use crate::scene::file::{Axes, Drive, FaultAt, FaultName, Fidelity, Lines, Noise, Scene};
+
+/// What a kind takes of the keys of a `[[fault]]`, beside `at_s` and `kind`.
+struct Takes {
+    needed: &'static [&'static str],
+    may: &'static [&'static str],
+}
+
+const fn takes(kind: FaultName) -> Takes {
+    use FaultName as Kind;
+    let (needed, may): (&[_], &[_]) = match kind {
+        Kind::LostSteps => (&["axis"], &["cycles"]),
+        Kind::Slip => (&["axis", "rate_deg_per_s"], &["for_s"]),
+        Kind::Stuck | Kind::DriveAlarm => (&["axis"], &["for_s"]),
+        Kind::Runaway => (&["axis", "speed_hz"], &["for_s"]),
+        Kind::IndexMissing | Kind::IndexExtra => (&["axis"], &["count"]),
+        Kind::SwappedWiring => (&["axis", "with", "lines"], &[]),
+        Kind::Reversed | Kind::RunDry => (&["axis"], &[]),
+        Kind::EncoderGlitch => (&["axis", "counts"], &["for_s"]),
+        Kind::Overrun => (&[], &["count"]),
+        Kind::EnableLoss | Kind::StopInput => (&[], &["for_s"]),
+        Kind::LoadStep => (&["axis", "torque_nm"], &["for_s"]),
+    };
+    Takes { needed, may }
+}
+
+/// The keys, each with whether a fault gives it.
+fn given(fault: &FaultAt) -> [(&'static str, bool); 10] {
+    [
+        ("axis", fault.axis.is_some()),
+        ("with", fault.with.is_some()),
+        ("lines", fault.lines.is_some()),
+        ("cycles", fault.cycles.is_some()),
+        ("rate_deg_per_s", fault.rate_deg_per_s.is_some()),
+        ("speed_hz", fault.speed_hz.is_some()),
+        ("count", fault.count.is_some()),
+        ("counts", fault.counts.is_some()),
+        ("torque_nm", fault.torque_nm.is_some()),
+        ("for_s", fault.for_s.is_some()),
+    ]
+}
+
+/// What is right for a key that is missing.
+fn wanted(key: &str) -> &'static str {
+    match key {
+        "axis" => "the number of the axis that it befalls",
+        "with" => "the number of the other axis",
+        "lines" => "\"drive\" or \"sensors\"",
+        "rate_deg_per_s" => "how fast the crank slips, positive behind",
+        "speed_hz" => "how fast it turns, rev/s",
+        "counts" => "how many counts the reading is off",
+        _ => "the torque, N·m",
+    }
+}
+
+/// Fills in what kinds take unless it is given.
+pub(super) fn fill(scene: &mut Scene) {
+    for fault in &mut scene.fault {
+        match fault.kind {
+            FaultName::LostSteps => fault.cycles = fault.cycles.or(Some(1)),
+            FaultName::IndexExtra => fault.count = fault.count.or(Some(1)),
+            FaultName::Overrun => fault.count = fault.count.or(Some(3)),
+            _ => {}
+        }
+    }
+}
+
+/// Checks all of them against the scene; what depends on its rung, [`check_rung`] does.
+pub(super) fn check(scene: &Scene) -> Result<(), SceneError> {
+    check_noise(&scene.noise, &scene.axes)?;
+    for (i, fault) in scene.fault.iter().enumerate() {
+        check_keys(i, fault)?;
+        check_numbers(i, fault)?;
+        check_axes(i, fault, scene)?;
+    }
+    Ok(())
+}
+
+fn check_noise(noise: &Noise, axes: &Axes) -> Result<(), SceneError> {
+    range("noise.index_deg", noise.index_deg, 0.0, 5.0)?;
+    range("noise.index_us", noise.index_us, 0.0, 50.0)?;
+    range("noise.encoder_counts", noise.encoder_counts, 0.0, 1000.0)?;
+    range("noise.load_nm", noise.load_nm, 0.0, 1000.0)?;
+    if noise.encoder_counts > 0.0 && !axes.encoder {
+        return Err(SceneError::at(
+            "noise.encoder_counts",
+            "is noise of encoders, and none is read: set axes.encoder = true, or leave it out",
+        ));
+    }
+    Ok(())
+}
+
+fn at(i: usize, key: &str) -> String {
+    format!("fault[{i}].{key}")
+}
+
+fn check_keys(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
+    let Takes { needed, may } = takes(fault.kind);
+    for (key, given) in given(fault) {
+        let needs = needed.contains(&key);
+        if needs && !given {
+            return Err(SceneError::at(
+                at(i, key),
+                format!("missing; \"{}\" needs {}", fault.kind.name(), wanted(key)),
+            ));
+        }
+        if given && !needs && !may.contains(&key) {
+            let all: Vec<&str> = needed.iter().chain(may).copied().collect();
+            return Err(SceneError::at(
+                at(i, key),
+                format!(
+                    "\"{}\" takes no {key}; beside at_s it takes {}; leave this out",
+                    fault.kind.name(),
+                    all.join(", ")
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn check_numbers(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
+    range(&at(i, "at_s"), fault.at_s, 0.0, 1e6)?;
+    if let Some(for_s) = fault.for_s {
+        range(&at(i, "for_s"), for_s, 1e-6, 1e6)?;
+    }
+    let either_way = |key: &str, value: Option<f64>, most: f64| {
+        let Some(value) = value else { return Ok(()) };
+        range(&at(i, key), value, -most, most)?;
+        if value != 0.0 {
+            return Ok(());
+        }
+        Err(SceneError::at(
+            at(i, key),
+            format!(
+                "0 is no fault; give a number from {} to {most} other than 0",
+                -most
+            ),
+        ))
+    };
+    either_way("cycles", fault.cycles.map(|cycles| cycles as f64), 1e4)?;
+    either_way("rate_deg_per_s", fault.rate_deg_per_s, 36_000.0)?;
+    either_way("counts", fault.counts.map(|counts| counts as f64), 1e9)?;
+    either_way("torque_nm", fault.torque_nm, 1000.0)?;
+    if let Some(speed_hz) = fault.speed_hz {
+        range(&at(i, "speed_hz"), speed_hz, -200.0, 200.0)?;
+    }
+    if let Some(count) = fault.count {
+        range(&at(i, "count"), f64::from(count), 1.0, 1e6)?;
+    }
+    Ok(())
+}
+
+fn check_axes(i: usize, fault: &FaultAt, scene: &Scene) -> Result<(), SceneError> {
+    for (key, axis) in [("axis", fault.axis), ("with", fault.with)] {
+        if axis.is_some_and(|axis| axis >= scene.axes.count) {
+            return Err(SceneError::at(
+                at(i, key),
+                format!(
+                    "there is no axis {}; with axes.count = {} they are 0 to {}",
+                    axis.unwrap_or_default(),
+                    scene.axes.count,
+                    scene.axes.count - 1
+                ),
+            ));
+        }
+    }
+    let Some(axis) = fault.axis else {
+        return Ok(());
+    };
+    let drive = |axis| {
+        let apart = scene.apart(axis).and_then(|apart| apart.drive);
+        apart.unwrap_or(scene.axes.drive)
+    };
+    let wrong = |key: &str, problem: String| Err(SceneError::at(at(i, key), problem));
+    match fault.kind {
+        FaultName::SwappedWiring if fault.with == Some(axis) => wrong(
+            "with",
+            format!("{axis} is fault[{i}].axis itself; give the other axis of the two"),
+        ),
+        FaultName::SwappedWiring
+            if fault.lines == Some(Lines::Drive)
+                && fault.with.is_some_and(|with| drive(with) != drive(axis)) =>
+        {
+            wrong(
+                "with",
+                "one of the two is a stepper and the other a servo, whose lines fit no other; give two of a kind".to_owned(),
+            )
+        }
+        FaultName::LostSteps | FaultName::RunDry if drive(axis) != Drive::Stepper => wrong(
+            "axis",
+            format!(
+                "axis {axis} is a servo, which has no steps for \"{}\" to lose; give a stepper's",
+                fault.kind.name()
+            ),
+        ),
+        FaultName::EncoderGlitch if !scene.axes.encoder => wrong(
+            "kind",
+            "no encoder is read that could be off: set axes.encoder = true".to_owned(),
+        ),
+        FaultName::IndexMissing | FaultName::IndexExtra if !has_index(scene, axis) => wrong(
+            "axis",
+            format!("axis {axis} has no index sensor; give it one with index = true, or another axis"),
+        ),
+        _ => Ok(()),
+    }
+}
+
+fn has_index(scene: &Scene, axis: usize) -> bool {
+    let apart = scene.apart(axis).and_then(|apart| apart.index);
+    apart.unwrap_or(scene.axes.index)
+}
+
+/// Checks what of them cannot be on a rung.
+pub(super) fn check_rung(checked: &Checked, rung: Fidelity) -> Result<(), SceneError> {
+    let scene = &checked.scene;
+    if let Some(i) = scene.moving_fault().filter(|_| checked.cam.is_some()) {
+        return Err(SceneError::at(
+            at(i, "kind"),
+            format!(
+                "\"{}\" has a crank be elsewhere than it is told, and cam shafts are where they are told to be; leave it \
+                 out, or give a scene with [machine]",
+                scene.fault[i].kind.name()
+            ),
+        ));
+    }
+    if rung.moves_by_torque() && checked.cam.is_none() {
+        return Ok(()); // that the rigid rung has no crank by itself, `cranks_apart` says
+    }
+    let right = "torque moves no cranks on this rung; let fidelity be \"phased\", or leave it out";
+    let load_step = |fault: &FaultAt| fault.kind == FaultName::LoadStep;
+    if let Some(i) = scene.fault.iter().position(load_step) {
+        return Err(SceneError::at(
+            at(i, "kind"),
+            format!("\"load-step\" is a torque, and {right}"),
+        ));
+    }
+    if scene.noise.load_nm > 0.0 {
+        return Err(SceneError::at(
+            "noise.load_nm",
+            format!("is a torque, and {right}"),
+        ));
+    }
+    Ok(())
+}

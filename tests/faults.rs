@@ -1,0 +1,77 @@
+//! What a scene's `[[fault]]` and `[noise]` do to drives, cranks and sensors, whatever the controller makes of it.
+//!
+//! Each is looked at on a *kinematic* machine, whose cranks are where their fields are to the last digit, and where that
+//! says another thing on a *phased* one too, whose cranks swing there. The loop is looked past: what it tells, and when it
+//! stops, are other tests' affair. So faults come early in a long turn at a low speed, and limits are wide.
+
+#[path = "faults/drives.rs"]
+mod drives;
+#[path = "faults/looks.rs"]
+mod looks;
+#[path = "faults/noise.rs"]
+mod noise;
+#[path = "faults/sensors.rs"]
+mod sensors;
+
+use cophase_core::supervisor::FaultKind;
+use cophase_tests::scene;
+use looks::{Looks, look};
+
+/// Three steppers, 50 electrical cycles to a turn. They align from 0.02 s on at 5 rev/s, and a turn is 400 ticks of 0.5 ms.
+const KINEMATIC: &str = r#"
+name = "faults"
+fidelity = "kinematic"
+[machine]
+crank_radius_mm = 10
+lambda = 0.25
+load_kg = 5
+[control]
+settle_s = 0.02
+[limits]
+speed_hz = 12
+acceleration_hz_per_s = 200
+jerk_hz_per_s2 = 20000
+creep_hz = 5
+[axes]
+count = 3
+drive = "stepper"
+steps_per_turn = 12800
+rotor_inertia_kgm2 = 1e-3
+damping_nms = 0.4
+pull_out = [[0, 20.0], [60, 20.0]]
+encoder = true
+[drift]
+tilt_limit_mrad = 100
+warp_limit_deg = 90
+common_limit_deg = 90
+[[program]]
+amax_g = 2.5
+ramp_s = 0.1
+hold_s = 1
+"#;
+
+/// When faults come: in the first turn, before any index is heard and anything is judged by it.
+const AT_S: f64 = 0.12;
+/// The same as a tick.
+const AT_TICK: u64 = 240;
+const TICK_S: f64 = 5e-4;
+
+fn phased() -> String {
+    KINEMATIC.replace("kinematic", "phased")
+}
+
+fn with(text: &str, fault: &str) -> Looks {
+    look(&scene(&format!("{text}[[fault]]\nat_s = {AT_S}\n{fault}")))
+}
+
+/// The first fault that was put in: its tick.
+#[track_caller]
+fn began(looks: &Looks) -> u64 {
+    looks.outcome.watch.injected[0].tick
+}
+
+/// Whether the loop was told what it can be told at once.
+fn latched(looks: &Looks, kind: FaultKind) -> bool {
+    let told = looks.outcome.watch.latched.map(|(_, fault)| fault.kind);
+    told == Some(kind)
+}

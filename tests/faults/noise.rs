@@ -1,0 +1,117 @@
+//! `[noise]`: of the size that the scene says, and the same for the same seed.
+
+use cophase_tests::{record, scene};
+use host_sim::trace::{Every, Window};
+
+use super::looks::readings;
+use super::{KINEMATIC, look, phased};
+
+/// A hold of 40 turns, at which no noise of these sizes trips anything.
+fn long(noise: &str) -> String {
+    // Not where cranks stand at power-up: noise would have some there pass a flag, and others not.
+    let text = KINEMATIC
+        .replace("hold_s = 1\n", "hold_s = 8\n")
+        .replace("encoder = true", "encoder = true\nindex_deg = 40");
+    format!("{text}[noise]\n{noise}\n")
+}
+
+/// Mean and deviation.
+fn spread(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let square = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n;
+    (mean, square.sqrt())
+}
+
+/// That values have that deviation about 0. Of n draws a mean is off by σ/√n and a deviation by σ/√2n: four of those are past
+/// once in 10,000 seeds.
+#[track_caller]
+fn assert_normal(values: &[f64], sigma: f64) {
+    let n = values.len() as f64;
+    let (mean, found) = spread(values);
+    assert!(mean.abs() < 4.0 * sigma / n.sqrt(), "mean {mean}");
+    let off = (found / sigma - 1.0).abs();
+    assert!(off < 4.0 / (2.0 * n).sqrt(), "{found}, not {sigma}");
+}
+
+/// Were it wrong, a run with noise could not be run again, or another seed would be the same noise.
+#[test]
+fn one_seed_is_one_noise() {
+    let noise = "index_deg = 0.05\nindex_us = 2\nencoder_counts = 1.5\nload_nm = 0.5";
+    let text = |seed: u64| format!("{}[noise]\nseed = {seed}\n{noise}\n", phased());
+    let run = |seed| record(&scene(&text(seed)), Every::Ticks(1), Window::All);
+    let (one, again, other) = (run(5), run(5), run(6));
+    assert!(one.csv == again.csv && one.vcd == again.vcd);
+    assert_eq!(one.lasting_report(false), again.lasting_report(false));
+    assert!(one.csv != other.csv && one.vcd != other.vcd);
+}
+
+/// Were it wrong, edges would be off by more, or less, than a scene says; by their place, or by their time.
+#[test]
+fn index_edges_are_off_by_what_was_asked_for() {
+    let plain = look(&scene(&long("")));
+    for (seed, noise, sigma_us) in [
+        // At 7 rev/s, whatever it truly is in the hold, an edge off by a place is off by a time.
+        (1, "index_deg = 0.3", None),
+        (2, "index_us = 20", Some(20.0)),
+    ] {
+        let noisy = look(&scene(&long(&format!("seed = {seed}\n{noise}"))));
+        let mut off = Vec::new();
+        for axis in 0..3 {
+            let (plain, noisy) = (plain.rises_us(axis), noisy.rises_us(axis));
+            assert_eq!(plain.len(), noisy.len(), "no pulse is lost or doubled");
+            // In the hold, where a turn always takes the same time.
+            let turns = 10..plain.len() - 6;
+            off.extend(turns.clone().map(|turn| noisy[turn] - plain[turn]));
+        }
+        let turn_us = {
+            let rises = plain.rises_us(0);
+            rises[31] - rises[30]
+        };
+        assert!(off.len() > 100);
+        assert_normal(&off, sigma_us.unwrap_or(0.3 / 360.0 * turn_us));
+    }
+}
+
+/// Were it wrong, encoders would all be off alike, or one sensor's noise change with another's.
+#[test]
+fn encoders_are_off_by_what_was_asked_for() {
+    let checked = scene(&long("seed = 3\nencoder_counts = 30"));
+    let said = readings(&checked, 0..4000);
+    let of = |axis: usize| -> Vec<f64> {
+        said.iter()
+            .map(|feedback| f64::from(feedback.encoder[axis]))
+            .collect()
+    };
+    for axis in 0..3 {
+        assert_normal(&of(axis), 30.0);
+    }
+    let product: Vec<f64> = of(0).iter().zip(of(1)).map(|(a, b)| a * b).collect();
+    // Of two that have nothing to do with each other the mean product is off 0 by σ²/√n.
+    assert!(spread(&product).0.abs() < 4.0 * 900.0 / 4000.0_f64.sqrt());
+    let both = scene(&long("seed = 3\nencoder_counts = 30\nindex_us = 5"));
+    for (one, other) in said.iter().zip(readings(&both, 0..4000)) {
+        assert_eq!(one.encoder, other.encoder);
+    }
+}
+
+/// Were it wrong, a load that changes every tick would shake no crank, or all alike.
+#[test]
+fn load_noise_shakes_each_crank_by_itself() {
+    let plain = look(&scene(&phased()));
+    let noisy = look(&scene(&format!("{}[noise]\nload_nm = 2\n", phased())));
+    let off = |axis: usize| -> Vec<f64> {
+        let ticks = 400..1200;
+        let off = |tick| noisy.ahead(axis, tick) - plain.ahead(axis, tick);
+        ticks.map(off).collect()
+    };
+    let (_, deviation) = spread(&off(0));
+    // A spring of 1000 N·m/rad under 2 N·m at rest is off by 2 mrad; what comes anew each tick is mostly borne by inertia, and
+    // swings it up near its own frequency instead.
+    let still = 2.0 / 1000.0 / std::f64::consts::TAU;
+    assert!(
+        (0.05 * still..5.0 * still).contains(&deviation),
+        "{deviation}"
+    );
+    assert!(off(0) != off(1));
+}

@@ -1,0 +1,177 @@
+//! Faults of sensors, inputs and the loop itself.
+
+use cophase_core::supervisor::FaultKind;
+use cophase_tests::{record, scene};
+use host_sim::faults::Faults;
+use host_sim::trace::{Every, Window};
+
+use super::looks::readings;
+use super::{AT_S, AT_TICK, KINEMATIC, began, latched, look, phased, with};
+
+fn at(fault: &str) -> host_sim::scene::Checked {
+    scene(&format!("{KINEMATIC}[[fault]]\nat_s = {AT_S}\n{fault}"))
+}
+
+/// Were it wrong, pulses would stay away from another axis, or come back too early or never.
+#[test]
+fn missing_pulses_are_as_many_as_were_asked_for() {
+    for text in [KINEMATIC.to_owned(), phased()] {
+        let all = look(&scene(&text));
+        let first = with(&text, "kind = \"index-missing\"\naxis = 1\ncount = 1\n");
+        let never = with(&text, "kind = \"index-missing\"\naxis = 1\n");
+        // Up to where the loop makes anything of it both run alike: a turn and a half.
+        let until =
+            |rises: Vec<f64>| -> Vec<f64> { rises.into_iter().filter(|&us| us < 0.3e6).collect() };
+        assert_eq!(until(all.rises_us(1)).len(), 1);
+        assert!(until(first.rises_us(1)).is_empty());
+        assert!(never.rises_us(1).is_empty());
+        assert_eq!(until(first.rises_us(0)), until(all.rises_us(0)));
+    }
+    // Whether the loop waits for the one after is its affair; the layer has so many stay away, and no more.
+    let mut faults = Faults::<3>::new(&at("kind = \"index-missing\"\naxis = 1\ncount = 2\n"));
+    let passes = |faults: &mut Faults<3>| std::array::from_fn(|_| faults.misses(1));
+    faults.extra((AT_TICK - 1) * 500);
+    assert_eq!(passes(&mut faults), [false; 4]);
+    faults.extra(AT_TICK * 500);
+    assert!(!faults.misses(0));
+    assert_eq!(passes(&mut faults), [true, true, false, false]);
+}
+
+/// Were it wrong, extra pulses would come at another time, or not at the same phase of the next turn.
+#[test]
+fn extra_pulses_come_at_their_time_and_a_turn_after() {
+    for text in [KINEMATIC.to_owned(), phased()] {
+        let looks = with(&text, "kind = \"index-extra\"\naxis = 0\ncount = 2\n");
+        let rises = looks.rises_us(0);
+        assert!((rises[0] - AT_S * 1e6).abs() < 0.1, "{rises:?}");
+        assert_eq!(began(&looks), AT_TICK);
+        let place = |us: f64| {
+            let (tick, part) = ((us / 500.0) as u64, us / 500.0 % 1.0);
+            let (from, to) = (looks.at(tick - 1).actual[0], looks.at(tick).actual[0]);
+            from + part * (to - from)
+        };
+        let again = rises
+            .iter()
+            .find(|&&us| (place(us) - place(rises[0]) - 1.0).abs() < 1e-4);
+        assert!(again.is_some(), "{rises:?}");
+    }
+}
+
+/// Were it wrong, wires would be swapped for the drives, or for one kind of sensor alone.
+#[test]
+fn swapped_sensors_speak_of_the_other_axis() {
+    let own = "[[axis]]\nnumber = 0\nindex_deg = 90\n";
+    let fault = "kind = \"swapped-wiring\"\naxis = 0\nwith = 2\nlines = \"sensors\"\n";
+    let plain = look(&scene(&format!("{KINEMATIC}{own}")));
+    let swapped = with(&format!("{KINEMATIC}{own}"), fault);
+    // The first pulse of each, before anything is made of it.
+    assert_eq!(swapped.rises_us(0)[0], plain.rises_us(2)[0]);
+    assert_eq!(swapped.rises_us(2)[0], plain.rises_us(0)[0]);
+    assert_eq!(swapped.rises_us(1)[0], plain.rises_us(1)[0]);
+}
+
+/// Were it wrong, a glitch would hit another encoder, or last for another time.
+#[test]
+fn a_glitch_is_off_by_its_counts_while_it_lasts() {
+    let glitch = at("kind = \"encoder-glitch\"\naxis = 1\ncounts = -700\nfor_s = 0.01\n");
+    let said = readings(&glitch, AT_TICK - 2..AT_TICK + 22);
+    let counts: Vec<i32> = said.iter().map(|feedback| feedback.encoder[1]).collect();
+    let mut expected = [-700; 24];
+    expected[..2].fill(0);
+    expected[22..].fill(0);
+    assert_eq!(counts, expected);
+    assert!(said.iter().all(|feedback| feedback.encoder[0] == 0));
+    let for_good = at("kind = \"encoder-glitch\"\naxis = 1\ncounts = 9\n");
+    assert_eq!(readings(&for_good, 10_000..10_001)[0].encoder[1], 9);
+}
+
+/// Were it wrong, an alarm or an input would be another's, or not go away again.
+#[test]
+fn alarms_and_inputs_are_on_while_they_last() {
+    let during = AT_TICK..AT_TICK + 20;
+    let on = |kind: &str, which: fn(&cophase_core::signals::Feedback<3>) -> bool| {
+        let said = readings(&at(&format!("kind = \"{kind}\"\nfor_s = 0.01\n")), 0..500);
+        for (tick, feedback) in (0..).zip(&said) {
+            assert_eq!(which(feedback), during.contains(&tick), "{kind} at {tick}");
+        }
+    };
+    on("enable-loss", |feedback| !feedback.inputs.enable);
+    on("stop-input", |feedback| feedback.inputs.stop);
+    on("drive-alarm\"\naxis = 2\n#\"", |feedback| feedback.alarm[2]);
+    let looks = with(KINEMATIC, "kind = \"drive-alarm\"\naxis = 2\n");
+    assert!(latched(&looks, FaultKind::DriveAlarm));
+    assert_eq!(looks.outcome.watch.latched.unwrap().0, AT_TICK);
+}
+
+/// Were it wrong, an overrun would miss another number of deadlines, and be a fault or none by that.
+#[test]
+fn an_overrun_misses_its_deadlines() {
+    for count in [1, 3] {
+        let looks = with(KINEMATIC, &format!("kind = \"overrun\"\ncount = {count}\n"));
+        assert_eq!(looks.outcome.statistics.missed_deadlines, count);
+        assert_eq!(latched(&looks, FaultKind::Overrun), count == 3);
+    }
+}
+
+/// Were it wrong, an encoder would count another way than its motor turns.
+#[test]
+fn encoders_count_in_their_motors_sense() {
+    for text in [KINEMATIC.to_owned(), phased()] {
+        let looks = look(&scene(&format!(
+            "{text}[[axis]]\nnumber = 2\nreversed = true\n"
+        )));
+        for look in &looks.ticks {
+            for (axis, sense) in [(0, 1.0), (2, -1.0)] {
+                let counts = sense * look.actual[axis] * 12800.0;
+                let off = counts - f64::from(look.encoder[axis]);
+                assert!((-1e-5..1.0).contains(&off), "axis {axis}: {off}");
+            }
+        }
+    }
+}
+
+/// Were it wrong, a flag's length would shift the pulse of a crank that turns forward, or not that of one turning backward.
+#[test]
+fn a_flag_with_a_length_is_met_at_either_end() {
+    let long = KINEMATIC.replace(
+        "encoder = true",
+        "encoder = true\nindex_width_deg = 10\nindex_deg = 40",
+    );
+    let short = KINEMATIC.replace("encoder = true", "encoder = true\nindex_deg = 40");
+    let first = |text: &str| look(&scene(text)).rises_us(1)[0];
+    assert_eq!(first(&long), first(&short));
+    let backward = with(&long, "kind = \"reversed\"\naxis = 1\n");
+    let us = backward.rises_us(1)[0];
+    let tick = backward.at((us / 500.0) as u64);
+    // Going down from 0, the end at 50° is met at -310°; a tick there is 0.9°.
+    let place = tick.actual[1] * 360.0;
+    assert!((-310.9..=-309.1).contains(&place), "{place}");
+}
+
+/// Were it wrong, a sensor that answers late would answer in time, or lose what falls into the next tick.
+#[test]
+fn a_late_line_is_late_by_its_delay() {
+    let first = |text: &str| look(&scene(text)).rises_us(1)[0];
+    let late = KINEMATIC.replace("encoder = true", "encoder = true\nindex_delay_us = 700");
+    let off = first(&late) - first(KINEMATIC);
+    assert!((off - 700.0).abs() < 0.01, "{off}");
+}
+
+/// Were it wrong, a reader of the report would not know what was put in, or what was told.
+#[test]
+fn the_report_lists_what_was_put_in() {
+    let run = record(
+        &at("kind = \"lost-steps\"\naxis = 2\ncycles = 3\n"),
+        Every::Fitting,
+        Window::FirstMotion,
+    );
+    let injected = &run.report["injected"];
+    assert_eq!(injected.as_array().map(Vec::len), Some(1));
+    assert_eq!(injected[0]["kind"], "lost-steps");
+    assert_eq!(injected[0]["axis"], 2);
+    assert_eq!(injected[0]["at_s"], AT_S);
+    let events = run.report["events"].as_array().unwrap();
+    let words = "put in: lost steps, axis 2, 3 cycles";
+    assert!(events.iter().any(|event| event["what"] == words));
+    assert!(run.report["incidents"].is_array());
+}
