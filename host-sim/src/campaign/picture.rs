@@ -1,7 +1,6 @@
 //! The picture of a campaign: how soon faults are told after a crank is past its limit, and how far platforms tilt, by kind.
 
 use super::shards::Header;
-use super::table;
 use super::tally::{Group, Tally};
 use crate::chart::axis::Axis;
 use crate::chart::ink::{Ink, Stroke};
@@ -91,7 +90,7 @@ fn lines(tally: &Tally, encoder: bool, values: fn(&Group) -> &Vec<f64>) -> Vec<L
             Some(Line {
                 marked: false,
                 stroke,
-                ..Line::new(table::name(*kind), ink, distribution(values(group)))
+                ..Line::new(kind.name(), ink, distribution(values(group)))
             })
         })
         .collect()

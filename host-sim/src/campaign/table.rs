@@ -5,18 +5,9 @@ use std::fmt::Write as _;
 use super::interval::Rate;
 use super::shards::Header;
 use super::tally::{Group, Tally};
-use crate::scene::file::FaultName;
 
 /// Most cases that are named for each thing that is not as claimed.
 const MOST_NAMED: usize = 12;
-
-/// A kind as it is written in scenes.
-pub fn name(kind: FaultName) -> String {
-    serde_json::to_value(kind)
-        .ok()
-        .and_then(|value| value.as_str().map(str::to_owned))
-        .unwrap_or_default()
-}
 
 /// All of it: what was run, the table, what is not as claimed.
 pub fn text(header: &Header, tally: &Tally) -> String {
@@ -37,7 +28,7 @@ pub fn text(header: &Header, tally: &Tally) -> String {
     let mut rows = vec![HEADER.map(str::to_owned).to_vec()];
     for ((kind, encoder), group) in &tally.groups {
         let with = if *encoder { "encoder" } else { "index" };
-        rows.push(row(&name(*kind), with, group));
+        rows.push(row(kind.name(), with, group));
     }
     rows.push(row("all", "", &tally.all));
     text.push_str(&aligned(&rows));
@@ -136,7 +127,7 @@ fn failures(text: &mut String, tally: &Tally) {
         for (what, cases) in &group.failed {
             lines.push(format!(
                 "- {} ({with}), {what}: {}",
-                name(*kind),
+                kind.name(),
                 list(cases)
             ));
         }

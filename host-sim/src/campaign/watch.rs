@@ -9,7 +9,7 @@ use cophase_core::supervisor::{Fault, FaultKind, State};
 
 use super::geometry::Geometry;
 use crate::sim::{Moment, Observer};
-use crate::units::speed_hz;
+use crate::units::{speed_hz, turns};
 
 /// A place in a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,7 +151,10 @@ impl<'a, const N: usize> Watch<'a, N> {
 
     fn cranks(&mut self, moment: &Moment<'_, N>, end: Place) {
         let actual = &moment.actual_turns;
-        let errors: [f64; N] = std::array::from_fn(|i| actual[i] - moment.command_turns[i]);
+        // What corrects a crank is in its command, and not where it should be.
+        let corrected = moment.telemetry.correction.map(turns);
+        let errors: [f64; N] =
+            std::array::from_fn(|i| actual[i] - (moment.command_turns[i] - corrected[i]));
         // Cranks that are all alike neither tilt nor bend the platform.
         if errors.iter().any(|error| *error != errors[0]) {
             self.seen.tilt_mrad = self.seen.tilt_mrad.max(moment.machine.tilt_mrad(actual));

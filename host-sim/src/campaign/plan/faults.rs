@@ -70,7 +70,7 @@ pub fn draw(
     kind: FaultName,
 ) -> FaultAt {
     let axes = scene.axes.count;
-    let axis = axis(stream, scene, kind);
+    let axis = one_of(stream, axes_for(scene, kind).as_slice());
     // How far a crank goes until it is seen by its platform, degrees.
     let limit_deg = geometry.map_or(scene.drift.warp_limit_deg, |geometry| {
         geometry.single_limit_turns() * 360.0
@@ -113,7 +113,9 @@ pub fn draw(
         FaultName::IndexExtra => fault.count = Some(stream.one_of(&[1, 2, 3])),
         FaultName::SwappedWiring => {
             fault.at_s = 0.0;
-            fault.with = Some((axis + 1 + stream.below(axes - 1)) % axes);
+            let mut others = axes_for(scene, kind);
+            others.retain(|&other| other != axis && driven(scene, other) == driven(scene, axis));
+            fault.with = Some(one_of(stream, &others));
             fault.lines = Some(stream.one_of(&[Lines::Drive, Lines::Sensors]));
         }
         FaultName::Reversed => fault.at_s = 0.0,
@@ -169,21 +171,27 @@ fn at_s(stream: &mut Stream, window: &Window) -> f64 {
     rounded(at_s, 6)
 }
 
-/// An axis that the kind can befall; the first, where the scene has none such (and its kinds are drawn so that it has).
-fn axis(stream: &mut Stream, scene: &Scene, kind: FaultName) -> usize {
-    let fits: Vec<_> = (0..scene.axes.count)
-        .filter(|&axis| {
-            let drive = scene.apart(axis).and_then(|apart| apart.drive);
-            let driven = match drive.unwrap_or(scene.axes.drive) {
-                Drive::Servo => Driven::Servo,
-                Drive::Stepper if scene.axes.encoder => Driven::WatchedStepper,
-                Drive::Stepper => Driven::Stepper,
-            };
-            befalls(kind, driven)
-        })
-        .collect();
-    if fits.is_empty() {
-        return 0;
+/// How an axis is driven and watched.
+pub fn driven(scene: &Scene, axis: usize) -> Driven {
+    let drive = scene.apart(axis).and_then(|apart| apart.drive);
+    match drive.unwrap_or(scene.axes.drive) {
+        Drive::Servo => Driven::Servo,
+        Drive::Stepper if scene.axes.encoder => Driven::WatchedStepper,
+        Drive::Stepper => Driven::Stepper,
     }
-    stream.one_of(&fits)
+}
+
+/// Axes that a kind can befall.
+pub fn axes_for(scene: &Scene, kind: FaultName) -> Vec<usize> {
+    (0..scene.axes.count)
+        .filter(|&axis| befalls(kind, driven(scene, axis)))
+        .collect()
+}
+
+/// One of several axes; the first axis, of none, for which nothing is drawn in the end.
+fn one_of(stream: &mut Stream, axes: &[usize]) -> usize {
+    match axes {
+        [] => 0,
+        axes => stream.one_of(axes),
+    }
 }

@@ -7,7 +7,7 @@ pub mod faults;
 pub mod machines;
 pub mod stream;
 
-use crate::scene::file::{Drive, FaultAt, FaultName, Noise};
+use crate::scene::file::{FaultAt, FaultName, Noise};
 use crate::scene::{Checked, Scene, SceneError};
 use crate::with_axes;
 use faults::Window;
@@ -76,6 +76,12 @@ impl Plan {
             ));
         }
         let kinds = kinds_of(checked);
+        if kinds.is_empty() {
+            return Err(SceneError::at(
+                "",
+                "has nothing that could go wrong on its rung; give axes with index sensors or encoders",
+            ));
+        }
         Ok(Self { seed, scene, kinds })
     }
 
@@ -152,27 +158,30 @@ fn given(stream: &mut Stream, checked: &Checked) -> (String, Scene) {
     (checked.scene.name.clone(), scene)
 }
 
-/// What can go wrong with a scene.
+/// What can go wrong with a scene: what makes sense for its axes, can be seen, and is not refused by its check.
 fn kinds_of(checked: &Checked) -> Vec<FaultName> {
     let scene = &checked.scene;
-    let drives: Vec<_> = (0..scene.axes.count)
-        .map(|axis| {
-            let drive = scene.apart(axis).and_then(|apart| apart.drive);
-            match drive.unwrap_or(scene.axes.drive) {
-                Drive::Servo => Driven::Servo,
-                Drive::Stepper if scene.axes.encoder => Driven::WatchedStepper,
-                Drive::Stepper => Driven::Stepper,
-            }
-        })
-        .collect();
+    let geometry = Geometry::new(scene);
+    let window = window_of_given(checked);
+    let is_taken = |kind: FaultName| {
+        let mut stream = Stream::new(0, 0);
+        let (_, mut scene) = given(&mut stream, checked);
+        scene.fault = vec![faults::draw(
+            &mut stream,
+            &scene,
+            geometry.as_ref(),
+            &window,
+            kind,
+        )];
+        Checked::new(scene).is_ok()
+    };
     let fits = |kind: &FaultName| {
-        let sees =
-            scene.axes.encoder || !matches!(kind, FaultName::Reversed | FaultName::EncoderGlitch);
-        sees && drives.iter().any(|&driven| faults::befalls(*kind, driven))
+        let needs_index = matches!(kind, FaultName::IndexMissing | FaultName::IndexExtra);
+        !faults::axes_for(scene, *kind).is_empty()
             && (scene.correction.prove_wiring || !faults::needs_proof(*kind))
             && (checked.fidelity.moves_by_torque() || !faults::needs_torque(*kind))
-            && (scene.axes.index
-                || !matches!(kind, FaultName::IndexMissing | FaultName::IndexExtra))
+            && (scene.axes.index || !needs_index)
+            && is_taken(*kind)
     };
     faults::KINDS.into_iter().filter(fits).collect()
 }
