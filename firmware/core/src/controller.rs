@@ -5,19 +5,21 @@
 //! for one tick. The index pulses handed to it came between the deadline before and this one, while
 //! the output of two ticks ago was played.
 
+mod align;
 mod punctuality;
 
-use crate::axes::Axis;
-use crate::drift::{DriftLimits, DriftMonitor, TickPhase};
+use crate::axes::{Axis, Correction};
+use crate::drift::{DriftMonitor, Finding, Sensed, TickPhase, is_better};
 use crate::profile::{Profile, SliderCrank};
 use crate::program::{Cursor, Program, ProgramBuilder};
 use crate::pulse::{Paces, Planner, PulseTiming, Runs};
-use crate::servo::{FeedForward, Setpoint};
-use crate::settings::{DriveKind, Problem, Settings, SettingsError, turns};
+use crate::servo::{Coupling, FeedForward, Setpoint};
+use crate::settings::{AxisSettings, DriveKind, Problem, Settings, SettingsError, turns};
 use crate::shaft::{Demand, Motion, Shaft, ShaftLimits, Target};
 use crate::signals::{Feedback, Output};
-use crate::supervisor::{Action, Fault, FaultKind, Seen, State, Supervisor};
+use crate::supervisor::{Action, Fault, FaultKind, Reaction, Seen, State, Supervisor, reaction};
 use crate::units::{Amax, ONE_TURN, Phase, Turns};
+use align::Align;
 use punctuality::Punctuality;
 
 /// The control loop's state, less its waiting.
@@ -31,12 +33,24 @@ pub struct Controller<const N: usize> {
     /// The level towards which the program goes, and the speed that belongs to it.
     end: (Amax, Turns),
     shaft: Shaft,
+    /// Phase at which the cranks park, as they stand, and as the master counts it.
+    park_crank: Turns,
     park: Turns,
     channels: [Channel; N],
     has_servos: bool,
     pace: Paces,
     drift: DriftMonitor<N>,
+    align: Align<N>,
+    correction: Correction<N>,
+    /// Rounds of the monitor, and turns of the master, up to when the cranks were corrected last.
+    corrected: u32,
+    turned: Turns,
+    coupling: Option<Coupling<N>>,
     supervisor: Supervisor,
+    /// What is told a tick later, as there was something else to tell.
+    untold: Option<Fault>,
+    /// The stop input's level in the last tick.
+    stop_input: bool,
     motion: Motion,
     ticks: u64,
     punctuality: Punctuality,
@@ -76,6 +90,26 @@ impl<const N: usize> Settings<N> {
     }
 }
 
+/// A mean drift that is found in align counts as lag up to this part of the common limit: one in four.
+const LAG_PART: f64 = 4.0;
+
+/// The pattern that proves the wiring, if trims and platform allow it.
+fn wiring_pattern<const N: usize>(
+    drift: &DriftMonitor<N>,
+    correction: &Correction<N>,
+) -> Result<[Turns; N], SettingsError> {
+    let tolerances = (0..N).map(|axis| drift.tolerance(axis));
+    let pattern = align::pattern::<N>(tolerances.max().unwrap_or_default());
+    if correction.past_limit(&pattern).is_none() && drift.allows(&pattern) {
+        return Ok(pattern);
+    }
+    let most = pattern.iter().map(|level| level.abs()).max();
+    let problem = Problem::WiringPattern {
+        deg: most.unwrap_or_default().to_num::<f64>() * 360.0,
+    };
+    Err(SettingsError::new("correction.prove_wiring", problem))
+}
+
 impl<const N: usize> Controller<N> {
     /// A controller at power-up: idle, every axis at its offset.
     ///
@@ -91,7 +125,7 @@ impl<const N: usize> Controller<N> {
         for (i, (axis, slot)) in settings.axes.iter().zip(&mut feed_forward).enumerate() {
             let ratio = f64::from(axis.ratio.0) / f64::from(axis.ratio.1);
             // Trim comes on top of what the gear makes.
-            let speed_hz = settings.limits.speed_hz * ratio + axis.trim_rate_hz;
+            let speed_hz = settings.limits.speed_hz * ratio + 2.0 * axis.trim_rate_hz;
             let place = |error: SettingsError| error.on_entry(i);
             if speed_hz > 0.5 * hz {
                 let problem = Problem::TooFastForTick {
@@ -103,7 +137,8 @@ impl<const N: usize> Controller<N> {
                 DriveKind::Stepper => timing.check_rate(axis, speed_hz, tick_hz).map_err(place)?,
                 DriveKind::Servo => {
                     PulseTiming::check_counts(axis, speed_hz, tick_hz).map_err(place)?;
-                    let acceleration = settings.limits.reachable_acceleration_hz_per_s() * ratio;
+                    let acceleration =
+                        settings.limits.reachable_stop_acceleration_hz_per_s() * ratio;
                     *slot = Some(FeedForward::new(
                         &settings.machine,
                         N,
@@ -127,7 +162,25 @@ impl<const N: usize> Controller<N> {
                 played: still,
             }
         });
-        let index = core::array::from_fn(|i| settings.axes[i].index_turns.map(turns));
+        let drift = DriftMonitor::new(settings);
+        let correction = Correction::new(settings);
+        let pattern = if settings.correction.prove_wiring {
+            wiring_pattern(&drift, &correction)?
+        } else {
+            [Turns::ZERO; N]
+        };
+        let has_datum = settings
+            .axes
+            .iter()
+            .all(|axis| axis.ratio.0 == axis.ratio.1);
+        let lag = turns(settings.drift.common_limit_deg / 360.0 / LAG_PART);
+        let park = Phase::from_turns(turns(settings.park_turns)).within_turn();
+        let coupling = Coupling::new(settings);
+        let measured = |axis: &AxisSettings| axis.drive == DriveKind::Servo && axis.encoder;
+        if coupling.is_some() && !settings.axes.iter().all(measured) {
+            let key = "correction.coupling";
+            return Err(SettingsError::new(key, Problem::CouplingBlind));
+        }
         Ok(Self {
             tick_hz,
             profile: settings.profile(),
@@ -136,14 +189,18 @@ impl<const N: usize> Controller<N> {
             target: Target::steady(Turns::ZERO),
             end: (Amax::ZERO, Turns::ZERO),
             shaft: Shaft::new(limits),
-            park: Phase::from_turns(turns(settings.park_turns)).within_turn(),
+            park_crank: park,
+            park,
             has_servos: feed_forward.iter().any(Option::is_some),
             pace: Paces::new(timing.tick()),
-            drift: DriftMonitor::new(
-                DriftLimits::new(&settings.drift, &settings.machine),
-                index,
-                timing.tick(),
-            ),
+            drift,
+            align: Align::new(pattern, has_datum, lag),
+            correction,
+            corrected: 0,
+            turned: Turns::ZERO,
+            coupling,
+            untold: None,
+            stop_input: false,
             supervisor: Supervisor::new(libm::ceil(settings.settle_s * hz) as u32),
             motion: Motion {
                 at_rest: true,
@@ -240,12 +297,13 @@ impl<const N: usize> Controller<N> {
     /// for a frame of kilobytes, at twice the time; and this is the name by which the image's checks find it.
     #[inline(never)]
     pub fn tick(&mut self, feedback: &Feedback<N>) -> &Output<N> {
-        let seen = self.observe(feedback);
-        let before = self.supervisor.state();
+        let (seen, told) = self.observe(feedback);
+        let before = (self.supervisor.state(), self.supervisor.fault());
         let action = self
             .supervisor
             .step(feedback.inputs, feedback.command, seen);
-        self.enter(before, self.supervisor.state());
+        self.enter(before.0, self.supervisor.state());
+        self.tell(before.1, told, feedback);
         let demand = self.demand(action);
         self.motion = self.shaft.advance(demand);
         self.drive(action != Action::Stand);
@@ -257,42 +315,162 @@ impl<const N: usize> Controller<N> {
 
     /// What has been seen since the last tick.
     #[inline(never)]
-    fn observe(&mut self, feedback: &Feedback<N>) -> Seen {
-        let drift = if core::mem::take(&mut self.was_late) {
-            self.drift.disregard(&feedback.index);
-            Ok(())
-        } else {
-            let played = core::array::from_fn(|axis| &self.channels[axis].played);
-            self.drift.observe(&feedback.index, &played)
-        };
-        let alarm = feedback.alarm.iter().fold(false, |any, alarm| any | alarm);
-        let all_is_well =
-            !alarm && drift.is_ok() && feedback.ran_dry.is_none() && self.overrun.is_none();
-        let fault = if all_is_well {
-            None
-        } else {
-            self.blame(feedback, drift.err())
-        };
-        Seen {
-            fault,
+    fn observe(&mut self, feedback: &Feedback<N>) -> (Seen, Option<Fault>) {
+        let mut found = self.measure(feedback);
+        let drives_on = self.supervisor.drives_enabled();
+        if found.is_some() && !drives_on {
+            found = None; // what cranks do that nothing drives is nobody's fault
+        }
+        if self.supervisor.state() == State::Align && found.is_none() {
+            found = self.find_out();
+        } else if self.correction.is_on() && self.supervisor.state() == State::Run {
+            self.correct();
+        }
+        let mut seen = Seen {
             at_rest: self.motion.at_rest,
-            aligned: self.drift.is_aligned(),
+            aligned: self.align.is_done(),
             program_done: self.cursor.is_done(&self.program),
             tick: self.ticks,
-            phase: self.shaft.phase(),
+            phase: self.crank_phase(),
+            ..Seen::default()
+        };
+        let mut told = None;
+        if let Some(found) = found {
+            let reaction = reaction(found.fault.kind, found.in_safety);
+            if found.refines {
+                // What latched may be something else, which no sensor of a crank has a better name for.
+                let latched = self.supervisor.fault();
+                if latched.is_some_and(|old| is_better(found.fault.kind, old.kind)) {
+                    seen.fault = Some(found.fault);
+                    seen.reaction = reaction;
+                    seen.refines = true;
+                }
+            } else if reaction >= Reaction::Stop {
+                seen.fault = Some(found.fault);
+                seen.reaction = reaction;
+            } else {
+                told = Some(found.fault);
+            }
+        }
+        let alarm = feedback.alarm.iter().fold(false, |any, alarm| any | alarm);
+        if alarm || feedback.ran_dry.is_some() || self.overrun.is_some() {
+            self.blame(feedback, &mut seen);
+        }
+        (seen, told)
+    }
+
+    /// Hears the sensors.
+    #[inline(never)]
+    fn measure(&mut self, feedback: &Feedback<N>) -> Option<Finding> {
+        let sensed = Sensed {
+            index: &feedback.index,
+            encoder: &feedback.encoder,
+            commanded: core::array::from_fn(|axis| &self.channels[axis].played),
+            correction: self.correction.now(),
+            speed: self.motion.speed,
+        };
+        if core::mem::take(&mut self.was_late) {
+            self.drift.disregard(&sensed);
+            return None;
+        }
+        let found = self.drift.observe(&sensed);
+        if let Some(coupling) = &mut self.coupling {
+            if self.supervisor.drives_enabled() {
+                coupling.advance(self.drift.drift());
+            } else {
+                coupling.reset();
+            }
+        }
+        found
+    }
+
+    /// Goes on with finding out where the cranks are.
+    fn find_out(&mut self) -> Option<Finding> {
+        let found = self.align.advance(&mut self.drift, &mut self.correction);
+        let park = self.park_crank.wrapping_sub(self.align.datum());
+        self.park = Phase::from_turns(park).within_turn();
+        found.map(|fault| Finding {
+            fault,
+            in_safety: false,
+            refines: false,
+        })
+    }
+
+    /// Trims away part of what drives the cranks apart, once a turn.
+    fn correct(&mut self) {
+        if self.drift.has_encoders() {
+            self.turned = self.turned.wrapping_add(self.motion.speed);
+            if self.turned < Turns::ONE {
+                return;
+            }
+            self.turned = Turns::ZERO;
+        } else if self.corrected == self.drift.rounds() {
+            return;
+        }
+        self.corrected = self.drift.rounds();
+        if self.correction.is_moving() || !self.drift.is_aligned() {
+            return;
+        }
+        let errors = align::errors(&self.drift, &self.correction);
+        let watched = self.drift.watched();
+        let target = self.correction.against(&errors, watched, false);
+        // What trims are not allowed to take away stays, until it is past a limit.
+        if self.correction.past_limit(&target).is_none() && self.drift.allows(&target) {
+            self.correction.go_to(target);
         }
     }
 
-    /// Which of all that is wrong is told, when the drift monitor says `drift`.
+    /// The master's phase as the cranks stand.
+    fn crank_phase(&self) -> Phase {
+        self.shaft.phase().advanced(self.align.datum())
+    }
+
+    /// Tells what has happened, one thing a tick.
+    fn tell(&mut self, before: Option<Fault>, told: Option<Fault>, feedback: &Feedback<N>) {
+        let stop = feedback.inputs.stop && !self.stop_input;
+        self.stop_input = feedback.inputs.stop;
+        let latched = self.supervisor.fault();
+        let is_news = latched.is_some() && latched != before;
+        self.output.telemetry.incident = None;
+        if !is_news && told.is_none() && !stop && self.untold.is_none() {
+            return;
+        }
+        let (tick, phase) = (self.ticks, self.crank_phase());
+        let at = |fault: Fault| fault.at(tick, phase);
+        let stop = stop.then(|| at(Fault::new(FaultKind::StopInput)));
+        let all = [
+            latched.filter(|_| is_news),
+            self.untold.take(),
+            told.map(at),
+            stop,
+        ];
+        let mut all = all.into_iter().flatten();
+        let telemetry = &mut self.output.telemetry;
+        telemetry.incident = all.next();
+        telemetry.incidents = telemetry.incidents.wrapping_add(1);
+        self.untold = all.next();
+        // More than two at once are counted, and no more.
+        telemetry.incidents = telemetry.incidents.wrapping_add(all.count() as u32);
+    }
+
+    /// Which of all that is wrong comes first.
     #[cold]
     #[inline(never)] // a fault has 48 bytes, to be moved about only where there is one
-    fn blame(&mut self, feedback: &Feedback<N>, drift: Option<Fault>) -> Option<Fault> {
+    fn blame(&mut self, feedback: &Feedback<N>, seen: &mut Seen) {
         let dry = feedback
             .ran_dry
             .map(|axis| Fault::new(FaultKind::RanDry).on_axis(axis));
         let alarm = feedback.alarm.iter().position(|&alarm| alarm);
         let alarm = alarm.map(|axis| Fault::new(FaultKind::DriveAlarm).on_axis(axis));
-        dry.or(self.overrun.take()).or(alarm).or(drift)
+        // What disables the drives comes before all that stops them.
+        if seen.fault.is_some() && seen.reaction == Reaction::Disable {
+            return;
+        }
+        if let Some(fault) = dry.or(self.overrun.take()).or(alarm) {
+            seen.fault = Some(fault);
+            seen.reaction = reaction(fault.kind, false);
+            seen.refines = false;
+        }
     }
 
     /// Sets up for a state that was just entered.
@@ -303,7 +481,9 @@ impl<const N: usize> Controller<N> {
         match now {
             // Whatever the cranks did while the drives were off, only their index pulses tell.
             State::Align if before == State::Idle => {
-                self.drift.reset();
+                self.drift
+                    .reset(&core::array::from_fn(|i| self.channels[i].axis.phase()));
+                self.align.begin();
                 self.cursor = Cursor::new();
                 self.target = Target::steady(Turns::ZERO);
             }
@@ -362,13 +542,32 @@ impl<const N: usize> Controller<N> {
             ..
         } = &mut self.output;
         let master = moving.then_some(self.motion.speed);
-        for (channel, runs) in self.channels.iter_mut().zip(runs) {
-            channel.advance(master.as_ref(), &mut self.pace, runs);
+        let trims = if moving {
+            self.correction.advance()
+        } else {
+            None
+        };
+        for (axis, (channel, runs)) in self.channels.iter_mut().zip(runs).enumerate() {
+            let trim = trims.and_then(|trims| trims.get(axis)).copied();
+            channel.advance(
+                master.as_ref(),
+                trim.unwrap_or_default(),
+                &mut self.pace,
+                runs,
+            );
         }
         if self.has_servos {
-            for (channel, setpoint) in self.channels.iter().zip(setpoints) {
+            let datum = self.align.datum();
+            for (axis, (channel, setpoint)) in self.channels.iter().zip(setpoints).enumerate() {
                 if let Some(forward) = &channel.feed_forward {
-                    *setpoint = channel.setpoint(forward, self.motion.acceleration);
+                    let coupled = self.coupling.as_ref().map(|coupling| coupling.of(axis));
+                    let (position, speed) = coupled.unwrap_or_default();
+                    *setpoint = channel.setpoint(forward, self.motion.acceleration, datum);
+                    setpoint.position = setpoint.position.advanced(position);
+                    setpoint.velocity = setpoint.velocity.wrapping_add(speed);
+                    if channel.reversed {
+                        *setpoint = setpoint.reversed();
+                    }
                 }
             }
         }
@@ -381,9 +580,9 @@ impl<const N: usize> Controller<N> {
 
     #[inline(never)]
     fn report(&mut self, action: Action) {
+        let within = self.crank_phase().within_turn();
         let output = &mut self.output;
         output.drives_enabled = self.supervisor.drives_enabled();
-        let within = self.shaft.phase().within_turn();
         output.sync = within.to_bits() < ONE_TURN / 2;
         let telemetry = &mut output.telemetry;
         telemetry.state = self.supervisor.state();
@@ -396,18 +595,21 @@ impl<const N: usize> Controller<N> {
         telemetry.motion = self.motion;
         telemetry.phase = self.shaft.phase();
         telemetry.drift = *self.drift.drift();
+        telemetry.peak = *self.drift.peak();
         telemetry.modes = *self.drift.modes();
+        telemetry.correction = *self.correction.now();
+        telemetry.datum = self.align.datum();
     }
 }
 
 impl Channel {
     /// Moves on with the master, if it is to move, and fills `runs`.
     #[inline(never)]
-    fn advance(&mut self, master: Option<&Turns>, pace: &mut Paces, runs: &mut Runs) {
+    fn advance(&mut self, master: Option<&Turns>, trim: Turns, pace: &mut Paces, runs: &mut Runs) {
         self.played = self.playing;
         self.playing.start = self.axis.phase();
         let turns = match master {
-            Some(&speed) => self.axis.advance(speed),
+            Some(&speed) => self.axis.advance(speed, trim),
             None => Turns::ZERO,
         };
         self.playing.turns = turns;
@@ -418,20 +620,16 @@ impl Channel {
         }
     }
 
-    /// What a servo is told at the end of a tick in which the master accelerated.
+    /// What a servo is told at the end of a tick in which the master accelerated, in the axis's own sense. Its crank stands
+    /// `datum` further than its phase says.
     #[inline(never)]
-    fn setpoint(&self, forward: &FeedForward, acceleration: Turns) -> Setpoint {
+    fn setpoint(&self, forward: &FeedForward, acceleration: Turns, datum: Turns) -> Setpoint {
         let (position, velocity) = (self.axis.phase(), self.playing.turns);
         let acceleration = self.axis.gear().share(acceleration);
-        let setpoint = Setpoint {
+        Setpoint {
             position,
             velocity,
-            torque: forward.torque(position, velocity, acceleration),
-        };
-        if self.reversed {
-            setpoint.reversed()
-        } else {
-            setpoint
+            torque: forward.torque(position.advanced(datum), velocity, acceleration),
         }
     }
 }

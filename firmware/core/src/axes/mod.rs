@@ -6,9 +6,11 @@
 //! and only the outputs (DIR, and the signs of a servo's setpoints) are turned round, so that the
 //! phases of axes of equal ratio are equal to the count, whichever way round they are mounted.
 
+mod correction;
 mod gear;
 mod trim;
 
+pub use correction::Correction;
 pub use gear::Gear;
 pub use trim::Trim;
 
@@ -53,9 +55,10 @@ impl Axis {
         &mut self.trim
     }
 
-    /// Moves on with the master and returns the axis's own turns in this tick.
-    pub fn advance(&mut self, master: Turns) -> Turns {
-        let turns = self.gear.advance(master).wrapping_add(self.trim.advance());
+    /// Moves on with the master, and by a correction, and returns the axis's own turns in this tick.
+    pub fn advance(&mut self, master: Turns, correction: Turns) -> Turns {
+        let trims = self.trim.advance().wrapping_add(correction);
+        let turns = self.gear.advance(master).wrapping_add(trims);
         self.phase = self.phase.advanced(turns);
         turns
     }

@@ -1,9 +1,9 @@
 //! How far the modes may go.
 
-use super::Modes;
+use super::{Modes, Mount};
 use crate::functions::multiply;
 use crate::settings::{DriftSettings, MachineSettings, turns};
-use crate::supervisor::{Fault, FaultKind};
+use crate::supervisor::FaultKind;
 use crate::units::Turns;
 
 /// Limits on the modes, in turns of crank angle.
@@ -13,48 +13,65 @@ use crate::units::Turns;
 /// that one measurement a turn bounds the tilt over the whole turn.
 #[derive(Clone, Copy, Debug)]
 pub struct DriftLimits {
+    tilt: Turns,
     tilt_squared: u64,
     warp: Turns,
-    common: Turns,
-    /// Turns after which an index pulse is overdue: one, and what the common limit allows.
-    pub(super) index_turns: Turns,
+    pub(super) common: Turns,
+    /// Ticks by which all follow late by their nature, 16 fraction bits.
+    lag: i64,
+    /// What a reading may be off by, of itself.
+    pub(super) reading: Turns,
 }
 
 impl DriftLimits {
     /// From checked settings.
-    pub fn new(settings: &DriftSettings, machine: &MachineSettings) -> Self {
+    pub fn new(settings: &DriftSettings, machine: &MachineSettings, tick_hz: u32) -> Self {
         let mrad_per_turn =
             1e3 * core::f64::consts::TAU * machine.crank_radius_m * most_way(machine)
                 / machine.mount_radius_m;
-        let common = settings.common_limit_deg / 360.0;
+        let tilt = turns((settings.tilt_limit_mrad / mrad_per_turn).min(0.5));
         Self {
-            tilt_squared: square(turns((settings.tilt_limit_mrad / mrad_per_turn).min(0.5))),
+            tilt,
+            tilt_squared: square(tilt),
             warp: turns(settings.warp_limit_deg / 360.0),
-            common: turns(common),
-            index_turns: turns(1.0 + common.max(0.02)),
+            common: turns(settings.common_limit_deg / 360.0),
+            lag: libm::round(settings.lag_s * f64::from(tick_hz) * 65_536.0) as i64,
+            reading: turns(settings.reading_deg / 360.0),
         }
     }
 
-    pub(super) fn check<const N: usize>(
-        &self,
-        modes: &Modes,
-        drift: &[Turns; N],
-    ) -> Result<(), Fault> {
+    /// Which limit the platform is past, if it is: of the modes that make it tilt and bend.
+    pub(super) fn of_platform(&self, modes: &Modes) -> Option<FaultKind> {
         if square(modes.tilt_x) + square(modes.tilt_y) > self.tilt_squared {
-            let axes = drift.iter().enumerate();
-            let worst = axes.max_by_key(|(_, drift)| (**drift - modes.common).abs());
-            let fault = Fault::new(FaultKind::Tilt);
-            return Err(worst.map_or(fault, |(axis, &drift)| fault.on_axis(axis).with_size(drift)));
+            Some(FaultKind::Tilt)
+        } else if modes.warp > self.warp {
+            Some(FaultKind::Warp)
+        } else {
+            None
         }
-        if modes.warp > self.warp {
-            let fault = Fault::new(FaultKind::Warp).on_axis(modes.warp_axis);
-            let size = drift.get(modes.warp_axis).copied();
-            return Err(fault.with_size(size.unwrap_or_default()));
-        }
-        if modes.common.abs() > self.common {
-            return Err(Fault::new(FaultKind::CommonLag).with_size(modes.common));
-        }
-        Ok(())
+    }
+
+    /// The same for what all cranks have in common, at a speed of the master (turns a tick).
+    pub(super) fn of_common(&self, modes: &Modes, speed: Turns) -> Option<FaultKind> {
+        let natural = (speed.to_bits() >> 16).wrapping_mul(self.lag);
+        let off = modes.common.wrapping_add(Turns::from_bits(natural));
+        (off.abs() > self.common).then_some(FaultKind::CommonLag)
+    }
+
+    /// By how much one axis alone must be off for some limit to be passed.
+    pub(super) fn alone<const N: usize>(&self, mount: &Mount<N>, axis: usize) -> Turns {
+        let (tilt, warp) = mount.alone(axis);
+        let most = |limit: Turns, share: f64| {
+            if share > 1e-6 {
+                limit.to_num::<f64>() / share
+            } else {
+                f64::INFINITY
+            }
+        };
+        let least = most(self.tilt, tilt).min(most(self.warp, warp));
+        // A platform of which nothing is known but how far all lag.
+        let common = self.common.to_num::<f64>() * N as f64;
+        turns(least.min(common).min(0.25))
     }
 }
 

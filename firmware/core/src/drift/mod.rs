@@ -1,227 +1,367 @@
-//! The drift monitor: how far each crank is from where it was told to be, and what that does to the
-//! platform.
+//! The drift monitor: how far each crank is from where it was told to be, what that does to the platform, and what it is
+//! called.
 //!
-//! Words: *drift* is measured minus commanded phase of one axis. An *index pulse* comes once a turn
-//! of a crank, when it passes its sensor. The cranks stand in a circle, so their N drifts are taken
-//! apart into *modes*: common (all lag alike: harmless), tilt about two axes, and warp, which is what
-//! no flat platform can follow.
+//! Words: *drift* is measured minus commanded phase of one axis. An *index pulse* comes once a turn of a crank, when it passes
+//! its sensor; an *encoder*, where an axis has one, is read every tick. The cranks stand in a circle, so their N drifts, with
+//! the trims that correct them, are taken apart into *modes*: common (all lag alike: harmless), tilt about two axes, and warp,
+//! which is what no flat platform can follow.
 //!
-//! The modes are taken whenever every axis has been heard since they were taken last, so that drifts
-//! of one turn are compared with each other and not with those of the turn before.
+//! - [`IndexFilter`] makes pulses of noisy lines; `index_watch` believes them, or does not.
+//! - `encoder_watch` does the same for encoders. Of an axis that has both, the index tells what encoder and crank differ by.
+//! - [`Mount`] takes drifts apart, [`DriftLimits`] says which modes are too large, `naming` what a crank that moved is called.
 //!
-//! Index lines are noisy; [`IndexFilter`] makes pulses of their levels, which are what is heard here.
+//! A *round* is over when every axis without an encoder has been heard since the last: drifts of one turn are compared with
+//! each other and not with those of the turn before. What all cranks do alike is nobody's fault, and is taken out before one is
+//! named.
 //!
-//! What it does not do yet: name what happened (lost steps, slip, a bad sensor), or use encoders.
+//! What it does not do: decide what is done ([`crate::supervisor::reaction`] does), or move anything.
 
+mod axis_watch;
+mod encoder_watch;
 pub mod index_filter;
+mod index_watch;
 mod limits;
 mod modes;
+mod naming;
+mod tick_phase;
 
 pub use index_filter::IndexFilter;
 pub use limits::DriftLimits;
-pub use modes::{Modes, Mount};
+pub use modes::{AxisSet, Knowledge, Modes, Mount};
+pub(crate) use naming::is_better;
+pub use tick_phase::{IndexPulse, TickPhase};
 
-use crate::functions::{multiply_high, multiply_long};
+use crate::settings::Settings;
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{Phase, Turns, nearest};
+use axis_watch::AxisWatch;
+use heapless::Deque;
+use tick_phase::TickClock;
 
-/// An index pulse: when it came, seen from the tick that was over when it was read.
+/// What the monitor has to say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct IndexPulse {
-    /// Cycles of the step clock from the beginning of that tick, up to a tick's cycles; negative if it
-    /// came in the tick before, and was confirmed in that one.
-    pub cycle: i32,
+pub struct Finding {
+    /// What it is.
+    pub fault: Fault,
+    /// The platform is within its limits, and the crank still seen.
+    pub in_safety: bool,
+    /// It is what was found before, better named.
+    pub refines: bool,
 }
 
-/// Phase of an axis over one tick: where it began, and how far it went, at constant speed.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct TickPhase {
-    /// Commanded phase at the tick's beginning.
-    pub start: Phase,
-    /// Turns commanded in it.
-    pub turns: Turns,
-}
-
-impl TickPhase {
-    /// A tick in which nothing moves.
-    pub const fn still(phase: Phase) -> Self {
-        Self {
-            start: phase,
-            turns: Turns::ZERO,
-        }
-    }
-
-    /// Commanded phase `cycle` cycles into a tick.
-    fn at(&self, cycle: u32, clock: TickClock) -> Phase {
-        // cycle / tick_cycles with 24 fraction bits; and of the turns of a tick, below ½, the upper 40: 2⁻²⁴ of a tick
-        // is less than a cycle.
-        let part = multiply_high(cycle << CYCLE_SPARE_BITS, clock.per_cycle).min(1 << 24);
-        let turns = (self.turns.to_bits() >> 8) as u64;
-        let turns = multiply_long(turns, part) as i64 >> 16;
-        self.start.advanced(Turns::from_bits(turns))
-    }
-}
-
-/// A tick has at most 18 bits of cycles: 250,000.
-const CYCLE_SPARE_BITS: u32 = 14;
-
-/// How long a tick is.
+/// What came in during a tick.
 #[derive(Clone, Copy, Debug)]
-struct TickClock {
-    cycles: u32,
-    /// 2⁴² / cycles.
-    per_cycle: u32,
+pub struct Sensed<'a, const N: usize> {
+    /// Index pulses.
+    pub index: &'a [Option<IndexPulse>; N],
+    /// Encoder counts at its end, in the motors' own sense.
+    pub encoder: &'a [i32; N],
+    /// Phases that were commanded in it.
+    pub commanded: [&'a TickPhase; N],
+    /// What of these was correction.
+    pub correction: &'a [Turns; N],
+    /// Turns that the master made in it.
+    pub speed: Turns,
 }
 
-/// A set of axes: a bit for each.
-type Axes = u8;
-
-/// The index sensor of one axis, if it has one.
-#[derive(Clone, Debug)]
-struct Sensor {
-    /// The phase at which it stands.
-    index: Option<Turns>,
-    /// Commanded turns since its last pulse.
-    since: Turns,
-    /// Turns commanded in the tick before the one that is over, which ended where the one that is over began.
-    before: Turns,
-}
-
-impl Sensor {
-    /// The drift that a pulse shows; none if it came in a tick of which nothing is known.
-    #[inline(never)] // seldom, and what it needs of registers the loop over all axes would lack
-    fn drift(
-        &self,
-        index: Turns,
-        pulse: IndexPulse,
-        commanded: &TickPhase,
-        before_is_known: bool,
-        clock: TickClock,
-    ) -> Option<Turns> {
-        let back = pulse.cycle.min(0).unsigned_abs();
-        let at = if back == 0 {
-            commanded.at(pulse.cycle.unsigned_abs(), clock)
-        } else if before_is_known {
-            let before = TickPhase {
-                start: commanded.start.advanced(self.before.wrapping_neg()),
-                turns: self.before,
-            };
-            before.at(clock.cycles.saturating_sub(back), clock)
-        } else {
-            return None;
-        };
-        Some(nearest(Phase::from_turns(index).since(at)))
-    }
-}
+/// Findings that may wait to be told, one a tick.
+const WAITING: usize = 8;
 
 /// Watches the drift of `N` axes.
 #[derive(Clone, Debug)]
 pub struct DriftMonitor<const N: usize> {
     limits: DriftLimits,
     mount: Mount<N>,
-    sensors: [Sensor; N],
-    /// Axes that have a sensor.
-    sensed: Axes,
+    axes: [AxisWatch; N],
+    /// Axes that have an index sensor; that have no encoder besides; that have an encoder.
+    sensed: AxisSet,
+    by_index: AxisSet,
+    by_encoder: AxisSet,
     clock: TickClock,
     /// The last call of [`Self::observe`] told of the tick before the one that is over.
     before_is_known: bool,
+    /// Where the cranks stand is not known yet: what they are off by is nobody's fault.
+    finding_out: bool,
     drift: [Turns; N],
-    /// Axes heard since the modes were taken last.
-    heard: Axes,
-    /// Axes that have been heard at all.
-    known: Axes,
+    peak: [Turns; N],
+    /// Axes by index heard in this round.
+    heard: AxisSet,
+    /// Axes whose index has been heard at all.
+    known: AxisSet,
+    /// Axes whose index has been heard since [`Self::look_again`].
+    seen: AxisSet,
+    rounds: u32,
     modes: Modes,
+    findings: Deque<Finding, WAITING>,
+    /// What a stop was asked for, which may get a better name.
+    open: Option<(Option<usize>, FaultKind)>,
 }
 
 impl<const N: usize> DriftMonitor<N> {
-    /// For sensors at the phases `index` (none: the axis has no sensor).
-    pub fn new(limits: DriftLimits, index: [Option<Turns>; N], tick_cycles: u32) -> Self {
+    /// Of settings that have been checked.
+    pub fn new(settings: &Settings<N>) -> Self {
+        let limits = DriftLimits::new(&settings.drift, &settings.machine, settings.tick_hz);
+        let set = |has: &dyn Fn(usize) -> bool| {
+            let axes = (0..N).filter(|&axis| has(axis));
+            axes.fold(0, |set, axis| set | 1 << axis)
+        };
+        let has_index = |axis: usize| settings.axes[axis].index_turns.is_some();
+        let has_encoder = |axis: usize| settings.axes[axis].encoder;
+        let mount = Mount::with(set(&|axis| has_index(axis) || has_encoder(axis)));
         Self {
-            limits,
-            mount: Mount::new(),
-            sensors: index.map(|index| Sensor {
-                index,
-                since: Turns::ZERO,
-                before: Turns::ZERO,
+            axes: core::array::from_fn(|axis| {
+                let alone = limits.alone(&mount, axis);
+                AxisWatch::new(
+                    &settings.axes[axis],
+                    settings.tick_hz,
+                    limits.reading,
+                    alone,
+                )
             }),
-            sensed: (0..N)
-                .filter(|&axis| index[axis].is_some())
-                .fold(0, |axes, axis| axes | 1 << axis),
-            clock: TickClock {
-                cycles: tick_cycles,
-                // Ticks have 12,500 cycles and more: 29 bits.
-                per_cycle: ((1 << (24 + 32 - CYCLE_SPARE_BITS)) / u64::from(tick_cycles)) as u32,
-            },
+            limits,
+            mount,
+            sensed: set(&has_index),
+            by_index: set(&|axis| has_index(axis) && !has_encoder(axis)),
+            by_encoder: set(&has_encoder),
+            clock: TickClock::new(settings.tick_cycles()),
             before_is_known: false,
+            finding_out: true,
             drift: [Turns::ZERO; N],
+            peak: [Turns::ZERO; N],
             heard: 0,
             known: 0,
+            seen: 0,
+            rounds: 0,
             modes: Modes::default(),
+            findings: Deque::new(),
+            open: None,
         }
     }
 
-    /// Takes in the index pulses of a tick that is over, with the phases that were commanded in it.
-    ///
-    /// # Errors
-    /// A mode past its limit, or an index pulse that stays away for over a turn.
+    /// Takes in what came during a tick that is over; the next thing to tell, if there is one.
     #[inline(never)]
-    pub fn observe(
-        &mut self,
-        pulses: &[Option<IndexPulse>; N],
-        commanded: &[&TickPhase; N],
-    ) -> Result<(), Fault> {
-        let limit = self.limits.index_turns;
-        let mut missing = None;
-        let mut heard = 0;
+    pub fn observe(&mut self, sensed: &Sensed<'_, N>) -> Option<Finding> {
         let before_is_known = core::mem::replace(&mut self.before_is_known, true);
+        let mut news = 0;
+        for (axis, watch) in self.axes.iter_mut().enumerate() {
+            let (pulse, count) = (sensed.index[axis].as_ref(), sensed.encoder[axis]);
+            let commanded = sensed.commanded[axis];
+            if watch.observe(pulse, count, commanded, before_is_known, self.clock) {
+                news |= 1 << axis;
+            }
+        }
+        if news != 0 || self.by_encoder != 0 {
+            self.consider(news, sensed);
+        }
+        if self.findings.is_empty() {
+            None
+        } else {
+            self.findings.pop_front()
+        }
+    }
+
+    /// Takes note of a tick to which no phase belongs: sensors that were heard in it are alive.
+    pub fn disregard(&mut self, sensed: &Sensed<'_, N>) {
+        self.before_is_known = false;
+        for (axis, watch) in self.axes.iter_mut().enumerate() {
+            let start = sensed.commanded[axis].start;
+            watch.disregard(sensed.index[axis].is_some(), sensed.encoder[axis], start);
+        }
+    }
+
+    /// Sorts what was heard, and looks at what has come of it.
+    #[inline(never)]
+    fn consider(&mut self, news: AxisSet, sensed: &Sensed<'_, N>) {
+        let all_late = self.axes.iter().all(AxisWatch::is_late);
         for axis in 0..N {
-            let (sensor, pulse, commanded) =
-                (&mut self.sensors[axis], &pulses[axis], commanded[axis]);
-            let Some(index) = sensor.index else {
+            if news & 1 << axis == 0 {
+                continue;
+            }
+            let tolerance = self.limits.common;
+            let Some(watch) = self.axes.get_mut(axis) else {
                 continue;
             };
-            if let Some(pulse) = *pulse {
-                let drift = sensor.drift(index, pulse, commanded, before_is_known, self.clock);
-                if let (Some(drift), Some(slot)) = (drift, self.drift.get_mut(axis)) {
-                    *slot = drift;
-                    heard |= 1 << axis;
-                }
-                sensor.since = Turns::ZERO;
-            } else {
-                // The turns of this tick come on top only now: a pulse in it may wait to be confirmed.
-                if sensor.since > limit {
-                    missing = Some(axis);
-                }
-                // Bounded: beyond the limit it is a fault and begins anew, and no axis goes back by more than
-                // its trim.
-                sensor.since = sensor.since.wrapping_add(commanded.turns);
+            let heard = watch.sort(all_late.then_some(tolerance));
+            if heard.is_heard {
+                self.heard |= 1 << axis;
+                self.known |= 1 << axis;
+                self.seen |= 1 << axis;
             }
-            sensor.before = commanded.turns;
-        }
-        self.heard |= heard;
-        self.known |= heard;
-        if let Some(axis) = missing {
-            if let Some(sensor) = self.sensors.get_mut(axis) {
-                sensor.since = Turns::ZERO;
+            if let Some((kind, by, in_safety)) = heard.told {
+                self.find(axis, kind, by, in_safety);
             }
-            return Err(Fault::new(FaultKind::IndexMissing).on_axis(axis));
         }
-        if heard != 0 && self.heard == self.sensed {
+        let round = news != 0 && self.heard & self.by_index == self.by_index && self.heard != 0;
+        if round {
             self.heard = 0;
-            self.modes = self.mount.modes(&self.drift);
-            return self.limits.check(&self.modes, &self.drift);
+            self.rounds = self.rounds.wrapping_add(1);
+            self.update();
+            if !self.finding_out {
+                self.compare();
+            }
+        } else if self.by_encoder != 0 {
+            self.update();
+        } else {
+            return;
         }
-        Ok(())
+        self.check(sensed);
     }
 
-    /// Takes note of index pulses that came at times to which no phase belongs: their sensors are alive.
-    pub fn disregard(&mut self, pulses: &[Option<IndexPulse>; N]) {
-        self.before_is_known = false;
-        for (sensor, pulse) in self.sensors.iter_mut().zip(pulses) {
-            if pulse.is_some() {
-                sensor.since = Turns::ZERO;
+    fn update(&mut self) {
+        for ((drift, peak), watch) in self.drift.iter_mut().zip(&mut self.peak).zip(&self.axes) {
+            *drift = watch.drift();
+            *peak = drift.wrapping_abs().max(*peak);
+        }
+    }
+
+    /// Names the axes by index that moved otherwise than the others in this round.
+    fn compare(&mut self) {
+        let (mut jumps, mut walks) = ([Turns::ZERO; N], [Turns::ZERO; N]);
+        let mut count = 0;
+        let by_index = self.by_index;
+        let counted = |axis: usize| by_index & 1 << axis != 0;
+        for (axis, watch) in self.axes.iter().enumerate().filter(|(i, _)| counted(*i)) {
+            let _ = axis;
+            if let (Some(jump), Some(walk)) = (jumps.get_mut(count), walks.get_mut(count)) {
+                (*jump, *walk) = (watch.jump(), watch.walk());
+            }
+            count += 1;
+        }
+        if count == 0 {
+            return;
+        }
+        let jump = naming::in_common(&jumps, count);
+        let walk = naming::in_common(&walks, count);
+        for (axis, watch) in self.axes.iter_mut().enumerate() {
+            if counted(axis) {
+                watch.compare(jump, walk);
             }
         }
+    }
+
+    /// Holds what is known against the limits, and tells what was named.
+    fn check(&mut self, sensed: &Sensed<'_, N>) {
+        if !self.is_aligned() {
+            self.check_encoders();
+            return;
+        }
+        let mut error = self.drift;
+        // While nobody knows the common zero, drifts may lie around half a turn: differences are what counts.
+        let first = self.watched().trailing_zeros() as usize;
+        let base = match error.get(first) {
+            Some(&first) if self.finding_out => first,
+            _ => Turns::ZERO,
+        };
+        for (error, &correction) in error.iter_mut().zip(sensed.correction) {
+            *error = nearest(error.wrapping_add(correction).wrapping_sub(base));
+        }
+        self.modes = self.mount.modes(&error);
+        let mut past = self.limits.of_platform(&self.modes);
+        if past.is_none() && !self.finding_out {
+            past = self.limits.of_common(&self.modes, sensed.speed);
+        }
+        for axis in 0..N {
+            let fresh = self.axes.get_mut(axis).and_then(AxisWatch::take_fresh);
+            if let Some((kind, by)) = fresh {
+                self.find(axis, kind, by, past.is_none());
+            }
+        }
+        if let Some(kind) = past {
+            self.blame(kind, &error);
+        }
+    }
+
+    /// The cranks are past a limit: which of them, and why, if that is known.
+    #[cold]
+    fn blame(&mut self, kind: FaultKind, error: &[Turns; N]) {
+        if kind == FaultKind::CommonLag {
+            let size = self.modes.common;
+            return self.push(Fault::new(kind).with_size(size), false);
+        }
+        if self.finding_out {
+            let kind = FaultKind::TooFarOut;
+            return self.push_axis(self.worst(error), kind);
+        }
+        let worst = self.worst(error);
+        let known = self.axes.get(worst).and_then(AxisWatch::name);
+        self.push_axis(worst, known.unwrap_or(kind));
+    }
+
+    fn push_axis(&mut self, axis: usize, kind: FaultKind) {
+        let size = self.drift.get(axis).copied().unwrap_or_default();
+        self.push(Fault::new(kind).on_axis(axis).with_size(size), false);
+    }
+
+    /// The axis that is furthest from what all have in common.
+    fn worst(&self, error: &[Turns; N]) -> usize {
+        let watched = self.sensed | self.by_encoder;
+        let mut counted = [Turns::ZERO; N];
+        let mut count = 0;
+        for (axis, &error) in error.iter().enumerate() {
+            if watched & 1 << axis != 0
+                && let Some(slot) = counted.get_mut(count)
+            {
+                *slot = error;
+                count += 1;
+            }
+        }
+        let common = naming::in_common(&counted, count);
+        let off = |axis: usize| {
+            let error = error.get(axis).copied().unwrap_or_default();
+            nearest(error.wrapping_sub(common)).abs()
+        };
+        let axes = (0..N).filter(|&axis| watched & 1 << axis != 0);
+        axes.max_by_key(|&axis| off(axis)).unwrap_or(0)
+    }
+
+    /// Before all indices are known, encoders still tell of an axis that does not turn as it is told.
+    fn check_encoders(&mut self) {
+        for axis in 0..N {
+            let Some(watch) = self.axes.get(axis) else {
+                continue;
+            };
+            if let Some((kind, by)) = watch.astray() {
+                let fault = Fault::new(kind).on_axis(axis).with_size(by);
+                self.push(fault, false);
+            }
+        }
+    }
+
+    fn find(&mut self, axis: usize, kind: FaultKind, by: Turns, in_safety: bool) {
+        let fault = Fault::new(kind).on_axis(axis).with_size(by);
+        self.push(fault, in_safety);
+    }
+
+    /// To be told. What is no longer safe goes first, and once; after that only better names for it.
+    #[cold]
+    #[inline(never)]
+    fn push(&mut self, fault: Fault, in_safety: bool) {
+        let mut refines = false;
+        if let Some((axis, kind)) = self.open {
+            let same = axis == fault.axis || axis.is_none();
+            if same && naming::is_better(fault.kind, kind) {
+                refines = true;
+            } else if !in_safety {
+                return; // it is being stopped
+            }
+        }
+        if !in_safety || refines {
+            self.open = Some((fault.axis, fault.kind));
+        }
+        let finding = Finding {
+            fault,
+            in_safety: in_safety && !refines,
+            refines,
+        };
+        if self.findings.is_full() {
+            self.findings.pop_back();
+        }
+        // There is room now.
+        let _ = if in_safety {
+            self.findings.push_back(finding)
+        } else {
+            self.findings.push_front(finding)
+        };
     }
 
     /// Whether every axis that has a sensor has been heard since [`Self::reset`].
@@ -229,15 +369,77 @@ impl<const N: usize> DriftMonitor<N> {
         self.known == self.sensed
     }
 
-    /// Forgets what was measured: the cranks may have been turned while the drives were off.
-    pub fn reset(&mut self) {
+    /// Rounds that are over since power-up; wraps.
+    pub const fn rounds(&self) -> u32 {
+        self.rounds
+    }
+
+    /// Forgets what was measured: the cranks may have been turned while the drives were off. From now on they are found out.
+    pub fn reset(&mut self, phase: &[Phase; N]) {
         self.heard = 0;
         self.known = 0;
-        for sensor in &mut self.sensors {
-            sensor.since = Turns::ZERO;
+        self.finding_out = true;
+        self.findings.clear();
+        self.open = None;
+        for (watch, &phase) in self.axes.iter_mut().zip(phase) {
+            watch.reset(phase);
         }
         self.drift = [Turns::ZERO; N];
         self.modes = Modes::default();
+    }
+
+    /// Whatever was heard, every index is to be heard again.
+    pub const fn look_again(&mut self) {
+        self.seen = 0;
+    }
+
+    /// Whether every index has been heard since [`Self::look_again`].
+    pub const fn has_looked(&self) -> bool {
+        self.seen & self.sensed == self.sensed
+    }
+
+    /// The cranks are where they are: from now on, what moves one of them is a fault.
+    pub fn settle(&mut self) {
+        self.finding_out = false;
+        for watch in &mut self.axes {
+            watch.settle();
+        }
+    }
+
+    /// All phases are counted from elsewhere: every crank is `by` less ahead than it was.
+    pub fn shift(&mut self, by: Turns) {
+        for watch in &mut self.axes {
+            watch.shift(by.wrapping_neg());
+        }
+        self.update();
+        self.peak = self.drift.map(Turns::wrapping_abs);
+    }
+
+    /// What a crank's reading may be off by, turns.
+    pub fn tolerance(&self, axis: usize) -> Turns {
+        self.axes
+            .get(axis)
+            .map_or(Turns::ZERO, |watch| watch.tolerance())
+    }
+
+    /// Whether the platform may tilt and bend so.
+    pub fn allows(&self, error: &[Turns; N]) -> bool {
+        self.limits.of_platform(&self.mount.modes(error)).is_none()
+    }
+
+    /// Axes of which something is heard.
+    pub const fn watched(&self) -> AxisSet {
+        self.sensed | self.by_encoder
+    }
+
+    /// Whether axes with an encoder are among them.
+    pub const fn has_encoders(&self) -> bool {
+        self.by_encoder != 0
+    }
+
+    /// How much of the platform's modes these tell.
+    pub const fn knowledge(&self) -> Knowledge {
+        self.mount.knowledge()
     }
 
     /// The drift of each axis, as last measured: turns, −½ to ½.
@@ -245,7 +447,17 @@ impl<const N: usize> DriftMonitor<N> {
         &self.drift
     }
 
-    /// The modes of the drifts, as last taken.
+    /// The largest of it so far, without sign.
+    pub const fn peak(&self) -> &[Turns; N] {
+        &self.peak
+    }
+
+    /// Forgets the largest drifts.
+    pub fn reset_peak(&mut self) {
+        self.peak = [Turns::ZERO; N];
+    }
+
+    /// The modes of the drifts and their correction, as last taken.
     pub const fn modes(&self) -> &Modes {
         &self.modes
     }

@@ -5,8 +5,12 @@
 //! stand evenly, the least-squares fit is a discrete Fourier transform: c = Σe/N, a = 2/N Σ e cos θ,
 //! b = 2/N Σ e sin θ. Two axes have only one tilt, a = (e₀ − e₁)/2, and b is 0. Up to three axes
 //! there is no warp.
+//!
+//! Where some axes have no sensor there are fewer equations ([`Knowledge`] says how many), and the best plane through those that
+//! are heard is another sum with other weights. Errors of the plane grow with what has to be extrapolated: the axis opposite
+//! three neighbours of six is known six times worse than these.
 
-use crate::functions::{multiply_q30, sine_cosine};
+use crate::functions::multiply_q30;
 use crate::units::Turns;
 
 /// The modes of one set of drifts, turns of crank angle.
@@ -34,32 +38,126 @@ impl Modes {
     }
 }
 
-/// Where `N` axes stand: cosines and sines, 30 fraction bits.
+/// A set of axes: a bit for each.
+pub type AxisSet = u8;
+
+/// What `N` axes tell of a platform on which they stand evenly, when some or all of them are heard.
 #[derive(Clone, Debug)]
 pub struct Mount<const N: usize> {
+    /// Weights of the drifts, 28 fraction bits; zero for those that are not heard.
+    common: [i32; N],
+    tilt_x: [i32; N],
+    tilt_y: [i32; N],
+    /// Where they stand, 30 fraction bits.
     cosine: [i32; N],
     sine: [i32; N],
+    heard: AxisSet,
 }
 
 /// Fraction bits that are dropped of a drift: ±½ turn then has 30 bits, and so has a sum of six, each below its drift.
 const DROPPED_BITS: u32 = 19;
 
-impl<const N: usize> Mount<N> {
-    /// 1/N, and the share that a tilt takes of a projection: 30 fraction bits.
-    const MEAN: i32 = (1 << 30) / N as i32;
-    const SHARE: i32 = if N == 2 { Self::MEAN } else { 2 * Self::MEAN };
+/// Fraction bits of a product of a drift and a weight, less those of a drift.
+const WEIGHT_BITS: u32 = 28;
 
-    /// Evenly around the circle, axis 0 at θ = 0.
+/// One turn, as drifts times weights have it.
+const ONE_TURN_OF_SUM: i32 = 1 << (Turns::FRAC_NBITS - DROPPED_BITS + WEIGHT_BITS - 30);
+
+/// How much a set of axes tells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Knowledge {
+    /// Nothing.
+    Nothing,
+    /// One axis: it stands for all, and nobody knows of a tilt.
+    Common,
+    /// Two: what they have in common, and the least tilt that explains their difference.
+    OneTilt,
+    /// Three: a plane, and nothing to check it by.
+    Plane,
+    /// Four and more: the plane that fits best, and what is off from it.
+    All,
+}
+
+impl<const N: usize> Mount<N> {
+    /// Evenly around the circle, axis 0 at θ = 0, all of them heard.
     pub fn new() -> Self {
-        let place =
-            |i: usize| sine_cosine(((i as u64 * (1 << 32) + N as u64 / 2) / N as u64) as u32);
+        Self::with(((1_u32 << N) - 1) as AxisSet)
+    }
+
+    /// The same, of which only some are heard.
+    pub fn with(heard: AxisSet) -> Self {
+        let theta = |i: usize| core::f64::consts::TAU * i as f64 / N as f64;
+        let place = |i: usize| {
+            // With two axes there is no second direction to tilt in.
+            let sine = if N == 2 { 0.0 } else { libm::sin(theta(i)) };
+            (libm::cos(theta(i)), sine)
+        };
+        let axes = || (0..N).filter(|&axis| heard & 1 << axis != 0);
+        let count = axes().count();
+        let mut weights = [[0.0; 3]; N];
+        if count >= 3 {
+            // The normal equations of the best plane: M c = Σ e (1, cos θ, sin θ).
+            let mut normal = [[0.0; 3]; 3];
+            for (x, y) in axes().map(place) {
+                let row = [1.0, x, y];
+                for i in 0..3 {
+                    for j in 0..3 {
+                        normal[i][j] += row[i] * row[j];
+                    }
+                }
+            }
+            let inverse = inverse(&normal);
+            for axis in axes() {
+                let (x, y) = place(axis);
+                weights[axis] = inverse.map(|row| row[0] + row[1] * x + row[2] * y);
+            }
+        } else if let (Some(a), Some(b)) = (axes().next(), axes().nth(1)) {
+            let ((ax, ay), (bx, by)) = (place(a), place(b));
+            let (dx, dy) = (ax - bx, ay - by);
+            let square = dx * dx + dy * dy;
+            weights[a] = [0.5, dx / square, dy / square];
+            weights[b] = [0.5, -dx / square, -dy / square];
+        } else if let Some(axis) = axes().next() {
+            weights[axis][0] = 1.0;
+        }
+        let fixed = |value: f64, bits: u32| libm::round(value * f64::from(1_u32 << bits)) as i32;
+        let weight = |mode: usize| core::array::from_fn(|i| fixed(weights[i][mode], WEIGHT_BITS));
         Self {
-            cosine: core::array::from_fn(|i| place(i).cosine),
-            sine: core::array::from_fn(|i| if N == 2 { 0 } else { place(i).sine }),
+            common: weight(0),
+            tilt_x: weight(1),
+            tilt_y: weight(2),
+            cosine: core::array::from_fn(|i| fixed(place(i).0, 30)),
+            sine: core::array::from_fn(|i| fixed(place(i).1, 30)),
+            heard,
         }
     }
 
-    /// Takes the drifts, each from −½ to ½ turn, apart.
+    /// What these axes tell.
+    pub const fn knowledge(&self) -> Knowledge {
+        match self.heard.count_ones() {
+            0 => Knowledge::Nothing,
+            1 => Knowledge::Common,
+            2 => Knowledge::OneTilt,
+            3 => Knowledge::Plane,
+            _ => Knowledge::All,
+        }
+    }
+
+    /// The tilt, and the warp of its own, that an axis makes which is off by one, alone.
+    pub(super) fn alone(&self, axis: usize) -> (f64, f64) {
+        let float = |value: i32, bits: u32| f64::from(value) / f64::from(1_u32 << bits);
+        let of = |weights: &[i32; N]| weights.get(axis).map_or(0.0, |&w| float(w, WEIGHT_BITS));
+        let (common, x, y) = (of(&self.common), of(&self.tilt_x), of(&self.tilt_y));
+        let at = |places: &[i32; N]| places.get(axis).map_or(0.0, |&p| float(p, 30));
+        let warp = if self.knowledge() == Knowledge::All {
+            1.0 - common - x * at(&self.cosine) - y * at(&self.sine)
+        } else {
+            0.0
+        };
+        (libm::sqrt(x * x + y * y), warp)
+    }
+
+    /// Takes the drifts, each from −½ to ½ turn, apart; those that are not heard are not looked at.
     ///
     /// Error below 1e-6 of the largest, and 2⁻²⁵ turn: drifts are taken with 29 fraction bits, and up to twelve
     /// products are rounded down.
@@ -68,17 +166,21 @@ impl<const N: usize> Mount<N> {
         let drift = drift.map(|e| (e.to_bits() >> DROPPED_BITS) as i32);
         let project = |weights: &[i32; N]| {
             let products = drift.iter().zip(weights);
-            let sum = products.map(|(&e, &weight)| multiply_q30(e, weight)).sum();
-            multiply_q30(sum, Self::SHARE)
+            let sum: i32 = products.map(|(&e, &weight)| multiply_q30(e, weight)).sum();
+            // Three neighbours of six that are all far off would be extrapolated to several turns.
+            sum.clamp(-ONE_TURN_OF_SUM, ONE_TURN_OF_SUM) << (30 - WEIGHT_BITS)
         };
-        let common = multiply_q30(drift.iter().sum(), Self::MEAN);
-        let tilt_x = project(&self.cosine);
-        let tilt_y = project(&self.sine);
+        let common = project(&self.common);
+        let tilt_x = project(&self.tilt_x);
+        let tilt_y = project(&self.tilt_y);
         let (mut warp, mut warp_axis) = (0, 0);
-        if N > 3 {
+        if self.knowledge() == Knowledge::All {
             for (axis, ((e, &cosine), &sine)) in
                 drift.iter().zip(&self.cosine).zip(&self.sine).enumerate()
             {
+                if self.heard & 1 << axis == 0 {
+                    continue;
+                }
                 let plane = common + multiply_q30(tilt_x, cosine) + multiply_q30(tilt_y, sine);
                 let off = (e - plane).abs();
                 if off > warp {
@@ -95,6 +197,17 @@ impl<const N: usize> Mount<N> {
             warp_axis,
         }
     }
+}
+
+/// Inverse of a symmetric matrix that has one.
+fn inverse(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let minor = |r: usize, c: usize| {
+        let (r1, r2) = ((r + 1) % 3, (r + 2) % 3);
+        let (c1, c2) = ((c + 1) % 3, (c + 2) % 3);
+        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
+    };
+    let determinant: f64 = (0..3).map(|c| m[0][c] * minor(0, c)).sum();
+    core::array::from_fn(|r| core::array::from_fn(|c| minor(c, r) / determinant))
 }
 
 impl<const N: usize> Default for Mount<N> {
@@ -157,6 +270,52 @@ mod tests {
             check::<5>(common, (x, y), warp);
             check::<6>(common, (x, y), warp);
         }
+    }
+
+    /// Every subset of sensors gives back what it can tell: a plane from three, a tilt and the mean from two, the mean from one.
+    #[test]
+    fn missing_sensors_leave_fewer_equations() {
+        fn check<const N: usize>() {
+            let (c, x, y) = (0.01, 0.02, if N == 2 { 0.0 } else { -0.015 });
+            let theta = |i: usize| core::f64::consts::TAU * i as f64 / N as f64;
+            let plane = |i: usize| c + x * theta(i).cos() + y * theta(i).sin();
+            for heard in 0..1_u32 << N {
+                let mount = Mount::<N>::with(heard as AxisSet);
+                // What is not heard is rubbish, and must not count.
+                let drift = core::array::from_fn(|i| {
+                    let e = if heard & 1 << i == 0 { 0.3 } else { plane(i) };
+                    Turns::from_num(e)
+                });
+                let modes = mount.modes(&drift);
+                let got = [modes.common, modes.tilt_x, modes.tilt_y].map(Turns::to_num::<f64>);
+                assert!(modes.warp.to_num::<f64>() < 1e-6, "a plane has no warp");
+                let heard: std::vec::Vec<_> = (0..N).filter(|i| heard & 1 << i != 0).collect();
+                let near = |a: f64, b: f64| (a - b).abs() < 1e-6;
+                match (mount.knowledge(), heard.as_slice()) {
+                    (Knowledge::Nothing, []) => assert_eq!(got, [0.0; 3]),
+                    (Knowledge::Common, &[a]) => assert!(near(got[0], plane(a))),
+                    (Knowledge::OneTilt, &[a, b]) => {
+                        assert!(near(got[0], (plane(a) + plane(b)) / 2.0));
+                        let at = |i: usize| got[1] * theta(i).cos() + got[2] * theta(i).sin();
+                        assert!(near(at(a) - at(b), plane(a) - plane(b)));
+                        let least = (plane(a) - plane(b)).abs();
+                        assert!(got[1].hypot(got[2]) <= least + 1e-6, "not the least tilt");
+                    }
+                    (Knowledge::Plane | Knowledge::All, _) => {
+                        assert!(
+                            near(got[0], c) && near(got[1], x) && near(got[2], y),
+                            "{got:?}"
+                        );
+                    }
+                    other => panic!("{other:?}"),
+                }
+            }
+        }
+        check::<2>();
+        check::<3>();
+        check::<4>();
+        check::<5>();
+        check::<6>();
     }
 
     /// One crank out of five or six off by an electrical cycle: the plane takes 3/N of it, the rest

@@ -2,8 +2,10 @@
 //!
 //! They are made from the same phase, in the same tick, as the pulses of stepper axes.
 
+mod coupling;
 mod feed_forward;
 
+pub use coupling::Coupling;
 pub use feed_forward::FeedForward;
 
 use crate::units::{Phase, Torque, Turns};

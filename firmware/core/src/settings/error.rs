@@ -29,6 +29,15 @@ pub enum Problem {
     #[error("{0} is not a finite number; give one")]
     NotFinite(f64),
     #[error(
+        "cross-coupling is for servos that are all watched by encoders; give axes.drive = \"servo\" and axes.encoder = true, or leave it at 0"
+    )]
+    CouplingBlind,
+    #[error(
+        "proving the wiring moves cranks by up to {deg:.2}°, which a trim limit or the limits on tilt and warp do not allow; raise \
+         axes.trim_limit_deg or the limits in [drift], lower drift.reading_deg, or let it be false"
+    )]
+    WiringPattern { deg: f64 },
+    #[error(
         "a tick of 1/{0} s is not a whole number of microseconds; 500, 1000, 2000, 4000, 5000, 8000 and 10000 are among those that are"
     )]
     NotWholeMicroseconds(u32),

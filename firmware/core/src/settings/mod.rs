@@ -344,8 +344,19 @@ impl LimitSettings {
     /// The acceleration limit, or what the jerk lets the shaft reach at all: between rest and full
     /// speed V its acceleration stays below sqrt(2 J V), as letting it go gains a²/2J of speed.
     pub(crate) fn reachable_acceleration_hz_per_s(&self) -> f64 {
-        let by_jerk = 2.0 * libm::sqrt(self.jerk_hz_per_s2 * self.speed_hz);
-        self.acceleration_hz_per_s.min(by_jerk)
+        self.reachable(self.acceleration_hz_per_s, self.jerk_hz_per_s2)
+    }
+
+    /// The same in a stop that a fault asks for. It is the greatest of all, as no limit of that stop is below the usual.
+    ///
+    /// Letting it go takes 2 sqrt(V/J) at most, which is the least that V/a + a/J can be: the check of the usual ramp's
+    /// length holds for this one too.
+    pub(crate) fn reachable_stop_acceleration_hz_per_s(&self) -> f64 {
+        self.reachable(self.stop_acceleration_hz_per_s, self.stop_jerk_hz_per_s2)
+    }
+
+    fn reachable(&self, acceleration_hz_per_s: f64, jerk_hz_per_s2: f64) -> f64 {
+        acceleration_hz_per_s.min(2.0 * libm::sqrt(jerk_hz_per_s2 * self.speed_hz))
     }
 
     pub(crate) fn check(&self, tick_hz: f64) -> Result<(), SettingsError> {

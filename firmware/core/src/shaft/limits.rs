@@ -9,37 +9,55 @@ use crate::settings::{LimitSettings, MAX_BANDS, turns_at_most};
 pub struct ShaftLimits {
     /// Turns a tick.
     pub(crate) speed: i64,
-    /// Turns a tick².
-    pub(crate) acceleration: i64,
-    /// Turns a tick³.
-    pub(crate) jerk: i64,
     /// The slow speed, turns a tick.
     pub(crate) creep: i64,
     /// Forbidden bands, lowest first, apart from each other, between creep and greatest speed.
     pub(crate) bands: heapless::Vec<Band, MAX_BANDS>,
+    /// How fast the speed may change.
+    pub(crate) usual: RampLimits,
+    /// … in a stop that a fault asks for; not slower.
+    pub(crate) fault: RampLimits,
+}
+
+/// How fast the speed may change.
+#[derive(Clone, Debug)]
+pub(crate) struct RampLimits {
+    /// Turns a tick².
+    pub acceleration: i64,
+    /// Turns a tick³.
+    pub jerk: i64,
     /// What the speed gains while an acceleration is let go.
     pub(super) gain: Gain,
     /// What it still gains from the limit.
     pub(super) gain_from_limit: u64,
 }
 
-impl ShaftLimits {
-    /// From settings that [`crate::settings::Settings::check`] has passed.
-    pub fn new(settings: &LimitSettings, tick_hz: u32) -> Self {
-        let hz = f64::from(tick_hz);
-        let acceleration =
-            turns_at_most(settings.reachable_acceleration_hz_per_s() / (hz * hz)).max(1);
-        let jerk = turns_at_most(settings.jerk_hz_per_s2 / (hz * hz * hz)).max(1);
-        let speed = turns_at_most(settings.speed_hz / hz);
+impl RampLimits {
+    /// Up to `speed`, turns a tick.
+    fn new(acceleration_hz_per_s: f64, jerk_hz_per_s2: f64, speed: i64, hz: f64) -> Self {
+        let acceleration = turns_at_most(acceleration_hz_per_s / (hz * hz)).max(1);
+        let jerk = turns_at_most(jerk_hz_per_s2 / (hz * hz * hz)).max(1);
         let gain = Gain::new(
             jerk.unsigned_abs(),
             acceleration.unsigned_abs(),
             speed.unsigned_abs(),
         );
         Self {
-            speed,
             acceleration,
             jerk,
+            gain_from_limit: gain.of(acceleration.unsigned_abs()),
+            gain,
+        }
+    }
+}
+
+impl ShaftLimits {
+    /// From settings that [`crate::settings::Settings::check`] has passed.
+    pub fn new(settings: &LimitSettings, tick_hz: u32) -> Self {
+        let hz = f64::from(tick_hz);
+        let speed = turns_at_most(settings.speed_hz / hz);
+        Self {
+            speed,
             creep: turns_at_most(settings.creep_hz / hz).max(1),
             bands: settings
                 .bands
@@ -49,8 +67,18 @@ impl ShaftLimits {
                     to: turns_at_most(band.to_hz / hz) + 1,
                 })
                 .collect(),
-            gain_from_limit: gain.of(acceleration.unsigned_abs()),
-            gain,
+            usual: RampLimits::new(
+                settings.reachable_acceleration_hz_per_s(),
+                settings.jerk_hz_per_s2,
+                speed,
+                hz,
+            ),
+            fault: RampLimits::new(
+                settings.reachable_stop_acceleration_hz_per_s(),
+                settings.stop_jerk_hz_per_s2,
+                speed,
+                hz,
+            ),
         }
     }
 

@@ -2,7 +2,8 @@
 //!
 //! Its phase is an integer, and every axis is derived from it. It follows the speed that the
 //! program asks for as closely as its limits on speed, acceleration and jerk allow; crosses
-//! forbidden bands without dwelling in them; and stops as fast as it can, or at a chosen phase.
+//! forbidden bands without dwelling in them; and stops as fast as it can, or at a chosen phase. For a
+//! stop as fast as it can, which a fault asks for, acceleration and jerk have limits of their own.
 //!
 //! Words: the *speed* is turns a tick and holds over a whole tick; the *acceleration* is the
 //! difference of two speeds, the *jerk* of two accelerations. These are differences of integers, so
@@ -17,6 +18,7 @@ mod regulator;
 mod stop;
 
 pub use bands::Band;
+use limits::RampLimits;
 pub use limits::ShaftLimits;
 
 use crate::units::{Phase, Turns};
@@ -29,8 +31,8 @@ use stop::StopPlan;
 pub enum Demand {
     /// Turn at a speed.
     Follow(Target),
-    /// Come to rest: at the next possible passage through a phase (a fraction of a turn), or as fast
-    /// as the limits allow.
+    /// Come to rest: at the next possible passage through a phase (a fraction of a turn); or, with none, as fast as
+    /// the limits of a fault's stop allow. That one, once asked for, goes on until the shaft stands.
     Stop(Option<Turns>),
     /// Be at rest this very tick. For when the drives have been cut off: nothing moves any more.
     Halt,
@@ -90,7 +92,7 @@ pub struct Shaft {
 enum Mode {
     Rest,
     Follow,
-    /// Stopping by the shortest way, wherever that ends.
+    /// Stopping by the shortest way, wherever that ends, within the limits for a fault's stop.
     StopFast,
     /// Coming to a constant speed from which the stop at a phase can be planned.
     Settle {
@@ -135,10 +137,14 @@ impl Shaft {
                 Demand::Follow(target) => self.follow(target, &mut motion),
                 _ => 0,
             },
-            Mode::StopFast => self.regulate(Aim::steady(0), 0, self.limits.speed),
+            Mode::StopFast => {
+                let top = self.limits.speed;
+                self.regulate(&self.limits.fault, Aim::steady(0), 0, top)
+            }
             Mode::Settle { speed, .. } => {
                 let speed = *speed;
-                self.regulate(Aim::steady(speed), 0, self.limits.speed)
+                let top = self.limits.speed;
+                self.regulate(&self.limits.usual, Aim::steady(speed), 0, top)
             }
             Mode::StopAt(plan) => plan.advance(),
         };
@@ -171,7 +177,8 @@ impl Shaft {
                 self.acceleration = 0;
                 self.mode = Mode::Rest;
             }
-            (Demand::Follow(_), Mode::Follow) => {}
+            // A fault's stop may brake harder than the usual limits could let go before standstill: it goes on to its end.
+            (Demand::Follow(_), Mode::Follow | Mode::StopFast) => {}
             (Demand::Follow(_), _) => self.mode = Mode::Follow,
             (Demand::Stop(_), Mode::Rest | Mode::StopFast) => {}
             (Demand::Stop(None), _) => self.mode = Mode::StopFast,
@@ -189,7 +196,7 @@ impl Shaft {
     /// acceleration is let go, but outside the forbidden bands and not below creeping.
     fn settling_speed(&self) -> i64 {
         let acceleration = self.acceleration.unsigned_abs();
-        let gained = self.limits.gain.of(acceleration) - acceleration;
+        let gained = self.limits.usual.gain.of(acceleration) - acceleration;
         let coasting = self.speed + self.acceleration.signum() * gained as i64;
         let outside = bands::below_band(&self.limits.bands, coasting);
         outside.max(self.limits.creep).min(self.limits.speed)
@@ -201,7 +208,7 @@ impl Shaft {
             && self.acceleration == 0
         {
             let ahead = stop_at.wrapping_sub(self.phase.within_turn());
-            self.mode = Mode::StopAt(StopPlan::new(speed, ahead, &self.limits));
+            self.mode = Mode::StopAt(StopPlan::new(speed, ahead, &self.limits.usual));
         }
     }
 
@@ -228,21 +235,15 @@ impl Shaft {
         } else {
             (corridor.floor.max(end), corridor.ceiling)
         };
-        let speed = self.regulate(aim, floor, ceiling);
+        let speed = self.regulate(&self.limits.usual, aim, floor, ceiling);
         motion.lagging = speed.abs_diff(aim.next) > aim.next.unsigned_abs() >> 8;
         speed
     }
 
     /// The next speed on the way to `aim`, between `floor` and `ceiling` where that can still be.
-    fn regulate(&self, aim: Aim, floor: i64, ceiling: i64) -> i64 {
-        let acceleration = regulator::acceleration(
-            &self.limits,
-            self.speed,
-            self.acceleration,
-            aim,
-            floor,
-            ceiling,
-        );
+    fn regulate(&self, limits: &RampLimits, aim: Aim, floor: i64, ceiling: i64) -> i64 {
+        let acceleration =
+            regulator::acceleration(limits, self.speed, self.acceleration, aim, floor, ceiling);
         self.speed + acceleration
     }
 }

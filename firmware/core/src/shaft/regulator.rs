@@ -12,7 +12,7 @@
 //! Whatever is wanted, the jerk leaves a range for the next acceleration. All is looked for within that range only,
 //! and most often its end is the answer.
 
-use super::ShaftLimits;
+use super::limits::RampLimits;
 
 /// A speed to reach; where it moves, the step that it makes over the coming tick is its rate.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +60,7 @@ impl Range {
 }
 
 /// What gains `way` (not negative) and no more, up to `limit`; clamped to the range.
-fn settling(way: i64, limit: i64, range: Range, limits: &ShaftLimits) -> i64 {
+fn settling(way: i64, limit: i64, range: Range, limits: &RampLimits) -> i64 {
     let most = range.most.min(limit);
     if most <= 0 || most <= range.least {
         return range.clamp(most);
@@ -79,7 +79,7 @@ fn settling(way: i64, limit: i64, range: Range, limits: &ShaftLimits) -> i64 {
 }
 
 /// The same for a way of either sign.
-fn towards(way: i64, limit: i64, range: Range, limits: &ShaftLimits) -> i64 {
+fn towards(way: i64, limit: i64, range: Range, limits: &RampLimits) -> i64 {
     if way < 0 {
         -settling(-way, limit, range.mirrored(), limits)
     } else {
@@ -88,7 +88,7 @@ fn towards(way: i64, limit: i64, range: Range, limits: &ShaftLimits) -> i64 {
 }
 
 /// What to take, within the range, to meet an aim that moves at `rate` and is `way` ahead.
-fn pursuing(way: i64, rate: i64, range: Range, limits: &ShaftLimits) -> i64 {
+fn pursuing(way: i64, rate: i64, range: Range, limits: &RampLimits) -> i64 {
     if way == 0 {
         return range.clamp(rate);
     }
@@ -104,7 +104,7 @@ fn pursuing(way: i64, rate: i64, range: Range, limits: &ShaftLimits) -> i64 {
 }
 
 /// `wanted`, or what of it still meets a ceiling that is `way` above; below the ceiling's, the fastest way back to it.
-fn bounded(wanted: i64, way: i64, range: Range, limits: &ShaftLimits) -> i64 {
+fn bounded(wanted: i64, way: i64, range: Range, limits: &RampLimits) -> i64 {
     if way >= 0 && wanted <= 0 {
         return wanted;
     }
@@ -118,7 +118,7 @@ fn bounded(wanted: i64, way: i64, range: Range, limits: &ShaftLimits) -> i64 {
 /// Within the limits of acceleration and jerk always; between `floor` and `ceiling` for as long as
 /// they do not move towards the speed faster than the limits allow.
 pub(super) fn acceleration(
-    limits: &ShaftLimits,
+    limits: &RampLimits,
     speed: i64,
     acceleration: i64,
     aim: Aim,
@@ -153,16 +153,17 @@ mod tests {
             creep_hz: 1.0,
             bands: heapless::Vec::new(),
         };
-        let limits = ShaftLimits::new(&settings, 2000);
+        let limits = crate::shaft::ShaftLimits::new(&settings, 2000);
+        let (top, limits) = (limits.speed, limits.usual);
         let fall = limits.acceleration * 3 / 10;
-        let start = limits.speed / 2;
+        let start = top / 2;
         let (mut speed, mut a, mut ticks) = (0, 0, 0_i64);
         loop {
             let aim = Aim {
                 now: start - fall * ticks,
                 next: start - fall * (ticks + 1),
             };
-            a = acceleration(&limits, speed, a, aim, 0, limits.speed);
+            a = acceleration(&limits, speed, a, aim, 0, top);
             speed += a;
             ticks += 1;
             if speed == aim.next && a == -fall {

@@ -15,7 +15,7 @@
 //! the jerk by less than four and the acceleration by less than two: by that the ramp is planned
 //! gentler than the limits.
 
-use super::ShaftLimits;
+use super::limits::RampLimits;
 use crate::functions::isqrt;
 use crate::units::{ONE_TURN, Turns};
 
@@ -43,7 +43,7 @@ pub(super) struct StopPlan {
 impl StopPlan {
     /// From constant `speed` (above 0), a stop at the first possible passage through the phase that
     /// lies `ahead` turns (modulo 1).
-    pub fn new(speed: i64, ahead: Turns, limits: &ShaftLimits) -> Self {
+    pub fn new(speed: i64, ahead: Turns, limits: &RampLimits) -> Self {
         let v = speed.unsigned_abs().max(1);
         let (short, long) = boxcars(v, limits);
         // After short + long ticks the ramp that starts now has taken v (short + long + 2)/2.
@@ -99,7 +99,7 @@ impl StopPlan {
 }
 
 /// Lengths (short, long) of the two boxcars: the fewest ticks that keep the limits.
-fn boxcars(v: u64, limits: &ShaftLimits) -> (u64, u64) {
+fn boxcars(v: u64, limits: &RampLimits) -> (u64, u64) {
     let acceleration = (limits.acceleration - 2).max(1).unsigned_abs();
     let jerk = (limits.jerk - 4).max(1).unsigned_abs();
     let long = v.div_ceil(acceleration);

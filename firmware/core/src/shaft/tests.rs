@@ -1,5 +1,8 @@
 //! Properties of the shaft, checked on nothing but the phases that it leaves behind.
 
+mod at_phase;
+mod shortest;
+
 use super::*;
 use crate::settings::{BandSettings, LimitSettings};
 use crate::units::ONE_TURN;
@@ -12,6 +15,8 @@ struct Watch {
     speed: i64,
     acceleration: i64,
     ticks: u64,
+    /// A fault's stop has been asked for, and is not over.
+    fault_stop: bool,
 }
 
 impl Watch {
@@ -21,16 +26,23 @@ impl Watch {
             speed: 0,
             acceleration: 0,
             ticks: 0,
+            fault_stop: false,
         }
     }
 
     fn advance(&mut self, demand: Demand) -> Motion {
         let before = self.shaft.phase();
+        self.fault_stop |= demand == Demand::Stop(None);
         let motion = self.shaft.advance(demand);
         let speed = self.shaft.phase().since(before).to_bits();
         let acceleration = speed - self.speed;
         let jerk = acceleration - self.acceleration;
         let limits = self.shaft.limits();
+        let ramp = if self.fault_stop {
+            &limits.fault
+        } else {
+            &limits.usual
+        };
         assert!(
             speed >= 0,
             "tick {}: the shaft turns back by {speed}",
@@ -38,19 +50,20 @@ impl Watch {
         );
         assert!(speed <= limits.speed, "tick {}: speed {speed}", self.ticks);
         assert!(
-            acceleration.abs() <= limits.acceleration,
+            acceleration.abs() <= ramp.acceleration,
             "tick {}: acceleration {acceleration} over {}",
             self.ticks,
-            limits.acceleration
+            ramp.acceleration
         );
         assert!(
-            jerk.abs() <= limits.jerk,
+            jerk.abs() <= ramp.jerk,
             "tick {}: jerk {jerk} over {}",
             self.ticks,
-            limits.jerk
+            ramp.jerk
         );
         assert_eq!(motion.speed.to_bits(), speed);
         assert_eq!(motion.acceleration.to_bits(), acceleration);
+        self.fault_stop &= !motion.at_rest;
         self.speed = speed;
         self.acceleration = acceleration;
         self.ticks += 1;
@@ -72,7 +85,7 @@ fn ticks_between(limits: &ShaftLimits, from: i64, to: i64) -> u64 {
     let (mut speed, mut acceleration, mut ticks) = (from, 0, 0);
     while speed != to || acceleration != 0 {
         acceleration = regulator::acceleration(
-            limits,
+            &limits.usual,
             speed,
             acceleration,
             Aim::steady(to),
@@ -147,24 +160,33 @@ fn any_limit_settings() -> impl Strategy<Value = (u32, LimitSettings)> {
     (
         prop::sample::select(std::vec![500_u32, 1000, 2000, 5000, 10_000]),
         1.0..200.0_f64,
-        0.0..1.0_f64,
-        0.0..1.0_f64,
+        (0.0..1.0_f64, 0.0..1.0_f64),
+        // How much harder a fault's stop may be; not at all in every third case.
+        prop_oneof![1 => Just((0.0, 0.0)), 2 => (0.0..1.0_f64, 0.0..1.0_f64)],
     )
-        .prop_filter_map("what is refused", |(tick_hz, speed_hz, a, j)| {
-            let hz = f64::from(tick_hz);
-            let between =
-                |low: f64, high: f64, part: f64| (low.ln() + (high / low).ln() * part).exp();
-            let settings = LimitSettings {
-                speed_hz,
-                acceleration_hz_per_s: between(0.01, speed_hz * hz, a),
-                jerk_hz_per_s2: between(0.01, speed_hz * hz * hz, j),
-                stop_acceleration_hz_per_s: between(0.01, speed_hz * hz, a),
-                stop_jerk_hz_per_s2: between(0.01, speed_hz * hz * hz, j),
-                creep_hz: (speed_hz / 20.0).min(1.0),
-                bands: heapless::Vec::new(),
-            };
-            settings.check(hz).is_ok().then_some((tick_hz, settings))
-        })
+        .prop_filter_map(
+            "what is refused",
+            |(tick_hz, speed_hz, (a, j), (stop_a, stop_j))| {
+                let hz = f64::from(tick_hz);
+                let between =
+                    |low: f64, high: f64, part: f64| (low.ln() + (high / low).ln() * part).exp();
+                let (most, most_jerk) = (speed_hz * hz, speed_hz * hz * hz);
+                let acceleration_hz_per_s = between(0.01, most, a);
+                let jerk_hz_per_s2 = between(0.01, most_jerk, j);
+                let settings = LimitSettings {
+                    speed_hz,
+                    acceleration_hz_per_s,
+                    jerk_hz_per_s2,
+                    stop_acceleration_hz_per_s: between(acceleration_hz_per_s, most, stop_a)
+                        .clamp(acceleration_hz_per_s, most),
+                    stop_jerk_hz_per_s2: between(jerk_hz_per_s2, most_jerk, stop_j)
+                        .clamp(jerk_hz_per_s2, most_jerk),
+                    creep_hz: (speed_hz / 20.0).min(1.0),
+                    bands: heapless::Vec::new(),
+                };
+                settings.check(hz).is_ok().then_some((tick_hz, settings))
+            },
+        )
 }
 
 /// A program of speeds as a fraction of the greatest: ramps and holds, as `(to, ramp, hold)`.
@@ -243,7 +265,7 @@ proptest! {
     #[test]
     fn stops_at_a_phase_take_no_longer_than_limits_ask(limits in any_limits(), part in 0.05..1.0_f64) {
         let speed = bands::below_band(&limits.bands, (part * limits.speed as f64) as i64).max(limits.creep);
-        let mut plan = StopPlan::new(speed, Turns::ZERO, &limits);
+        let mut plan = StopPlan::new(speed, Turns::ZERO, &limits.usual);
         let mut ramp = 0;
         while !plan.is_done() {
             if plan.advance() != speed {
@@ -251,7 +273,7 @@ proptest! {
             }
         }
         let shortest = ticks_between(&limits, speed, 0) as f64;
-        let margin = 4.0 / limits.jerk as f64 + 2.0 / limits.acceleration as f64;
+        let margin = 4.0 / limits.usual.jerk as f64 + 2.0 / limits.usual.acceleration as f64;
         prop_assert!(f64::from(ramp) <= shortest * (1.0 + margin) + 2.0, "{ramp} over {shortest}");
     }
 
@@ -260,7 +282,7 @@ proptest! {
     #[test]
     fn the_longest_ramps_can_be_planned((tick_hz, settings) in any_limit_settings()) {
         let limits = ShaftLimits::new(&settings, tick_hz);
-        let mut plan = StopPlan::new(limits.speed, Turns::ZERO, &limits);
+        let mut plan = StopPlan::new(limits.speed, Turns::ZERO, &limits.usual);
         let mut way = 0_i64;
         for _ in 0..200_000 {
             if plan.is_done() {

@@ -6,15 +6,18 @@
 //!    ▲                  │                         │ ▲                           │        │ │
 //!    │                  │ stop, fault             │ └───────────── start ───────┼────────┘ │
 //!    │                  └──────────► stop ◄───────┘ fault                       ▼          │
-//!    └───────────────────────── reset ◄──────────────────────────────────── fault         │
+//!    ├───────────────────────── reset ◄──────────────────────────────────── fault ◄── any ─┤
+//!    │                                                        enable lost while moving,    │
+//!    │                                                        fault that disables          │
 //!    └──────────────────────────────────────── enable taken away ◄─────────────────────────┘
 //! ```
 //!
-//! Every stop is coordinated: the shaft stops, and with it all axes, in phase. The one exception is
-//! the enable input: where it is taken away while anything moves, the drives are off the same tick.
+//! Every stop is coordinated: the shaft stops, and with it all axes, in phase. There are two exceptions: where the
+//! enable input is taken away while anything moves, and where the table of reactions says so, the drives are off the
+//! same tick. A parked machine whose enable is taken away is idle, as nothing is wrong with it.
 //!
-//! A fault *latches*: the first is kept, with what was seen, until a reset. The drives are on in
-//! align, run, stop and parked, and in no other state.
+//! A fault *latches*: the first is kept, with what was seen, until a reset. What is learnt about it later may give it a
+//! better name, never another time. The drives are on in align, run, stop and parked, and in no other state.
 
 mod fault;
 pub mod reaction;
@@ -95,10 +98,14 @@ pub enum Command {
 }
 
 /// What the rest of the loop reports, of the tick that is over.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Seen {
-    /// Something is wrong.
+    /// Something is wrong that the machine must not go on with.
     pub fault: Option<Fault>,
+    /// What is to be done about it: to stop, or to disable. What is milder is told, and no fault.
+    pub reaction: Reaction,
+    /// The fault is the one that latched, better named.
+    pub refines: bool,
     /// The shaft stands where it was to stop.
     pub at_rest: bool,
     /// Every index sensor has been heard.
@@ -109,6 +116,22 @@ pub struct Seen {
     pub tick: u64,
     /// The master's phase.
     pub phase: Phase,
+}
+
+impl Default for Seen {
+    /// Nothing; and were it a fault, it would stop the machine.
+    fn default() -> Self {
+        Self {
+            fault: None,
+            reaction: Reaction::Stop,
+            refines: false,
+            at_rest: false,
+            aligned: false,
+            program_done: false,
+            tick: 0,
+            phase: Phase::ZERO,
+        }
+    }
 }
 
 /// What the shaft is to do.
@@ -182,10 +205,22 @@ impl Supervisor {
         self.action()
     }
 
-    /// Keeps the first fault; what follows from it is not what began it.
+    /// Keeps the first fault; what follows from it is not what began it, unless it is a better name for that.
     fn latch(&mut self, seen: Seen) {
-        if self.drives_enabled() && self.fault.is_none() {
-            self.fault = seen.fault.map(|fault| fault.at(seen.tick, seen.phase));
+        let Some(fault) = seen.fault else {
+            return;
+        };
+        let on = self.drives_enabled();
+        match &mut self.fault {
+            Some(first) if seen.refines => {
+                *first = Fault {
+                    tick: first.tick,
+                    phase: first.phase,
+                    ..fault
+                };
+            }
+            None if on => self.fault = Some(fault.at(seen.tick, seen.phase)),
+            _ => {}
         }
     }
 
@@ -195,6 +230,11 @@ impl Supervisor {
         if moving && !inputs.enable {
             let lost = Fault::new(FaultKind::EnableLost).at(seen.tick, seen.phase);
             self.fault.get_or_insert(lost);
+            return State::Fault;
+        }
+        // Whichever fault is the first, a later one may be what must not go on for another tick.
+        let disable = seen.fault.is_some() && seen.reaction == Reaction::Disable;
+        if disable && self.drives_enabled() {
             return State::Fault;
         }
         match self.state {
@@ -256,5 +296,7 @@ impl Supervisor {
     }
 }
 
+#[cfg(test)]
+mod model;
 #[cfg(test)]
 mod tests;

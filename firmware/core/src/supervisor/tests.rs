@@ -185,6 +185,74 @@ fn the_first_fault_is_kept() {
     assert_eq!(supervisor.fault().unwrap().kind, FaultKind::Tilt);
 }
 
+/// Were it wrong, a report would keep the first guess, or lose when it all began.
+#[test]
+fn a_better_name_replaces_what_latched_and_not_when() {
+    let mut supervisor = in_state(State::Run);
+    let seen = |kind, refines, tick| Seen {
+        fault: Some(Fault::new(kind)),
+        refines,
+        tick,
+        at_rest: tick == 9,
+        ..Seen::default()
+    };
+    supervisor.step(SAFE, None, seen(FaultKind::Tilt, false, 7));
+    let better = Fault::new(FaultKind::Stuck).on_axis(2);
+    let refined = Seen {
+        fault: Some(better),
+        ..seen(FaultKind::Stuck, true, 8)
+    };
+    supervisor.step(SAFE, None, refined);
+    let told = supervisor.fault().unwrap();
+    assert_eq!(
+        (told.kind, told.axis, told.tick),
+        (FaultKind::Stuck, Some(2), 7)
+    );
+    // At rest with the drives off it may still be learnt; without a fault there is nothing to name.
+    supervisor.step(
+        SAFE,
+        None,
+        Seen {
+            at_rest: true,
+            ..Seen::default()
+        },
+    );
+    assert_eq!(supervisor.state(), State::Fault);
+    supervisor.step(SAFE, None, seen(FaultKind::Slip, true, 9));
+    assert_eq!(supervisor.fault().unwrap().kind, FaultKind::Slip);
+    supervisor.step(SAFE, Some(Command::Reset), Seen::default());
+    supervisor.step(SAFE, None, seen(FaultKind::Slip, true, 10));
+    assert_eq!(supervisor.fault(), None);
+}
+
+/// Were it wrong, a runaway would be waited for: it does not come to rest with the others.
+#[test]
+fn a_fault_that_disables_switches_off_at_once_and_during_another_stop_too() {
+    let disables = Seen {
+        fault: Some(Fault::new(FaultKind::Runaway)),
+        reaction: Reaction::Disable,
+        ..Seen::default()
+    };
+    for state in [State::Align, State::Run, State::Stop, State::Parked] {
+        let mut supervisor = in_state(state);
+        assert_eq!(supervisor.step(SAFE, None, disables), Action::Stand);
+        assert_eq!(supervisor.state(), State::Fault);
+        assert_eq!(supervisor.fault().unwrap().kind, FaultKind::Runaway);
+    }
+    let mut supervisor = in_state(State::Run);
+    let stops = Seen {
+        fault: Some(Fault::new(FaultKind::Tilt)),
+        ..Seen::default()
+    };
+    assert_eq!(supervisor.step(SAFE, None, stops), Action::StopFast);
+    assert_eq!(supervisor.step(SAFE, None, disables), Action::Stand);
+    assert_eq!(
+        supervisor.fault().unwrap().kind,
+        FaultKind::Tilt,
+        "the first"
+    );
+}
+
 /// Whatever comes, in whatever order: the machine does not run before every index has been heard.
 #[test]
 fn nothing_runs_unaligned() {

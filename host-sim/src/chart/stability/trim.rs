@@ -71,7 +71,7 @@ fn dies_out(gain: f64, delay_turns: u32) -> bool {
     let (mut early, mut late) = (0.0, 0.0);
     for turn in 0..PLAYED {
         for _ in 0..TICKS_A_TURN {
-            axis.advance(a_tick);
+            axis.advance(a_tick, Turns::ZERO);
             master = master.advanced(a_tick);
         }
         let drift_turns = SLIP_TURNS + axis.phase().since(master).to_num::<f64>();

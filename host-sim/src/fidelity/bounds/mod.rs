@@ -162,10 +162,10 @@ fn follower_mode(top: &Checked) -> Mode {
 }
 
 fn cranks<const N: usize>(checked: &Checked, settings: &Settings<N>, driven: &Driven) -> Cranks {
-    let limits = &checked.scene.limits;
     let drive = Drive {
         top_rad_s: std::f64::consts::TAU * checked.top_speed_hz(),
-        acceleration_rad_s2: std::f64::consts::TAU * limits.acceleration_hz_per_s,
+        // A fault's stop is the hardest of all ramps.
+        acceleration_rad_s2: std::f64::consts::TAU * settings.limits.stop_acceleration_hz_per_s,
         tick_s: 1.0 / f64::from(settings.tick_hz),
         ratios: settings
             .axes

@@ -1,0 +1,365 @@
+//! All that watches one axis: its index sensor, its encoder, and what they tell of its crank together.
+
+use super::encoder_watch::{EncoderWatch, Manner, Read};
+use super::index_watch::{Heard, IndexWatch, Place};
+use super::naming::Story;
+use super::tick_phase::{IndexPulse, TickClock, TickPhase};
+use crate::settings::{AxisSettings, turns};
+use crate::supervisor::FaultKind;
+use crate::units::{Phase, Turns, nearest};
+
+/// Index pulses that may stay away in a row, where an encoder watches.
+const MOST_MISSED: u8 = 2;
+
+/// Extra pulses: each weighs so much, a turn without one takes one off, and so many are no sensor any more.
+const EXTRA_WEIGHT: u8 = 4;
+const MOST_EXTRA: u8 = 12;
+
+/// Turns after which what happened to an axis is no longer why it is where it is.
+const FORGOTTEN_AFTER: u8 = 8;
+
+/// What was sorted out of a tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sorted {
+    /// The index tells where the crank is.
+    pub is_heard: bool,
+    /// What there is to tell: its size, and whether the crank is still seen.
+    pub told: Option<(FaultKind, Turns, bool)>,
+}
+
+/// Watches one axis.
+#[derive(Clone, Debug)]
+pub(super) struct AxisWatch {
+    index: Option<IndexWatch>,
+    encoder: Option<EncoderWatch>,
+    heard: Heard,
+    read: Read,
+    tolerance: Turns,
+    /// Further than this from where it was, a crank has moved.
+    gate: Turns,
+    /// So far off, this crank alone takes the platform past a limit.
+    alone: Turns,
+    /// Offset at the last round, and where it was when all was well.
+    last: Turns,
+    home: Turns,
+    story: Story,
+    /// Named in this tick, and not told yet.
+    fresh: Option<(FaultKind, Turns)>,
+    /// What it was called last, and for how many rounds more that counts.
+    name: Option<FaultKind>,
+    name_for: u8,
+    silent: bool,
+    missed: u8,
+    extra: u8,
+}
+
+impl AxisWatch {
+    pub(super) fn new(axis: &AxisSettings, tick_hz: u32, reading: Turns, alone: Turns) -> Self {
+        let step = turns(1.0 / f64::from(axis.steps_per_turn));
+        let tolerance = reading.saturating_add(step).saturating_add(step);
+        let cycle = turns(f64::from(axis.cycle_steps) / f64::from(axis.steps_per_turn));
+        // Half way to the first cycle that may be lost, less what a reading is off; and no less than two readings differ by.
+        let mut gate = Turns::from_bits(tolerance.to_bits() * 4);
+        if cycle > 0 {
+            let half = Turns::from_bits(cycle.to_bits() / 2 - tolerance.to_bits());
+            gate = gate
+                .min(half)
+                .max(Turns::from_bits(tolerance.to_bits() * 2));
+        }
+        let place = |index: f64| Place {
+            index: turns(index),
+            flag: turns(axis.index_width_turns),
+            delay: libm::round(axis.index_delay_s * f64::from(tick_hz) * 65_536.0) as u32,
+            gate,
+            overdue: alone.max(gate),
+        };
+        let index = axis.index_turns.map(|index| IndexWatch::new(place(index)));
+        let jump = Turns::from_bits(tolerance.to_bits() * 8);
+        let encoder = axis
+            .encoder
+            .then(|| EncoderWatch::new(axis.steps_per_turn, axis.reversed, jump));
+        Self {
+            index,
+            encoder,
+            heard: Heard::Nothing,
+            read: Read::Nothing,
+            tolerance,
+            gate,
+            alone,
+            last: Turns::ZERO,
+            home: Turns::ZERO,
+            story: Story::new(cycle, Turns::from_bits(tolerance.to_bits() * 2)),
+            fresh: None,
+            name: None,
+            name_for: 0,
+            silent: false,
+            missed: 0,
+            extra: 0,
+        }
+    }
+
+    /// Takes in a tick; whether there is news.
+    #[inline]
+    pub(super) fn observe(
+        &mut self,
+        pulse: Option<&IndexPulse>,
+        count: i32,
+        commanded: &TickPhase,
+        before_is_known: bool,
+        clock: TickClock,
+    ) -> bool {
+        let Some(encoder) = &mut self.encoder else {
+            let Some(index) = &mut self.index else {
+                return false;
+            };
+            self.heard = index.observe(pulse, commanded, before_is_known, clock);
+            return self.heard != Heard::Nothing;
+        };
+        // Where the motor is, not where it was told to be.
+        let start = commanded.start.advanced(encoder.drift());
+        let (read, turns) = encoder.observe(count, commanded);
+        self.read = read;
+        self.heard = match &mut self.index {
+            Some(index) => {
+                let measured = TickPhase { start, turns };
+                index.observe(pulse, &measured, before_is_known, clock)
+            }
+            None => Heard::Nothing,
+        };
+        self.heard != Heard::Nothing || self.read != Read::Nothing
+    }
+
+    pub(super) fn disregard(&mut self, pulse: bool, count: i32, start: Phase) {
+        let mut start = start;
+        if let Some(encoder) = &mut self.encoder {
+            encoder.skip(count);
+            start = start.advanced(encoder.drift());
+        }
+        if pulse && let Some(index) = &mut self.index {
+            index.disregard(start);
+        }
+    }
+
+    /// Sorts the news. Where all axes are late together, a pulse may be so by `patience`.
+    pub(super) fn sort(&mut self, patience: Option<Turns>) -> Sorted {
+        let mut sorted = self.sort_index(patience);
+        if let Some(told) = self.sort_encoder(sorted.told.is_some()) {
+            sorted.told = Some(told);
+        }
+        sorted
+    }
+
+    fn sort_index(&mut self, patience: Option<Turns>) -> Sorted {
+        let Some(index) = &mut self.index else {
+            return Sorted::default();
+        };
+        let mut sorted = Sorted {
+            is_heard: true,
+            told: None,
+        };
+        match core::mem::replace(&mut self.heard, Heard::Nothing) {
+            Heard::Nothing => return Sorted::default(),
+            Heard::First => {}
+            Heard::InPlace { extra } => {
+                self.missed = 0;
+                self.extra = self.extra.saturating_sub(1);
+                if core::mem::take(&mut self.silent) {
+                    sorted.told = Some((FaultKind::IndexMissing, Turns::ZERO, false));
+                } else if let Some(by) = extra {
+                    sorted.told = Some(self.extra(by));
+                } else if let Some(encoder) = &mut self.encoder {
+                    let doubt = core::mem::take(&mut encoder.doubt);
+                    if doubt != 0 {
+                        sorted.told = Some((FaultKind::EncoderGlitch, doubt, true));
+                    } else {
+                        self.walk_by_encoder();
+                    }
+                }
+            }
+            Heard::Extra { by } => {
+                sorted.is_heard = false;
+                sorted.told = Some(self.extra(by));
+            }
+            Heard::Moved { by } => {
+                self.silent = false;
+                self.missed = 0;
+                if let Some(encoder) = &mut self.encoder {
+                    encoder.doubt = Turns::ZERO;
+                    self.home = self.home.wrapping_add(by);
+                    self.named(by, None);
+                }
+            }
+            Heard::Overdue => {
+                sorted.is_heard = false;
+                match (&self.encoder, patience) {
+                    (Some(_), _) if index.is_known() => {
+                        index.pass_over();
+                        self.missed = self.missed.saturating_add(1);
+                        let in_safety = self.missed <= MOST_MISSED;
+                        sorted.told = Some((FaultKind::IndexMissing, Turns::ZERO, in_safety));
+                    }
+                    (_, Some(patience)) if patience > self.alone && !self.silent => {
+                        index.wait(patience);
+                        self.silent = true;
+                    }
+                    _ => {
+                        self.silent = true;
+                        let late = self.alone.wrapping_neg();
+                        sorted.told = Some((FaultKind::Silent, late, false));
+                    }
+                }
+            }
+        }
+        sorted
+    }
+
+    fn sort_encoder(&mut self, already: bool) -> Option<(FaultKind, Turns, bool)> {
+        let encoder = self.encoder.as_mut()?;
+        match core::mem::replace(&mut self.read, Read::Nothing) {
+            Read::Glitch { by } if !already => Some((FaultKind::EncoderGlitch, by, true)),
+            // Nothing else tells where the crank is: it is believed.
+            Read::Jump { by } if self.index.is_none() => {
+                encoder.believe();
+                self.named(by, None);
+                None
+            }
+            _ => None,
+        }
+    }
+
+    fn extra(&mut self, by: Turns) -> (FaultKind, Turns, bool) {
+        self.extra = self.extra.saturating_add(EXTRA_WEIGHT);
+        (FaultKind::IndexExtra, by, self.extra <= MOST_EXTRA)
+    }
+
+    /// Crank and encoder go apart, turn by turn.
+    fn walk_by_encoder(&mut self) {
+        let walk = nearest(self.offset().wrapping_sub(self.home));
+        if walk.abs() > self.gate {
+            self.home = self.offset();
+            self.named(walk, Some(FaultKind::Slip));
+        }
+    }
+
+    /// Gives what happened a name: that of its story unless it is known.
+    fn named(&mut self, by: Turns, kind: Option<FaultKind>) {
+        let kind = kind.unwrap_or_else(|| self.story.jumped(by));
+        self.fresh = Some((kind, by));
+        self.name = Some(kind);
+        self.name_for = FORGOTTEN_AFTER;
+    }
+
+    /// At the end of a round in which all others jumped by `jump`, and have walked by `walk`, of an axis by index.
+    pub(super) fn compare(&mut self, jump: Turns, walk: Turns) {
+        let own_jump = nearest(self.jump().wrapping_sub(jump));
+        let own_walk = nearest(self.walk().wrapping_sub(walk));
+        self.last = self.offset();
+        self.name_for = self.name_for.saturating_sub(1);
+        if self.name_for == 0 {
+            self.name = None;
+        }
+        if own_jump.abs() > self.gate {
+            self.home = self.home.wrapping_add(own_jump);
+            self.named(own_jump, None);
+            return;
+        }
+        self.story.rest();
+        if own_walk.abs() > self.gate {
+            self.home = self.offset().wrapping_sub(walk);
+            self.named(own_walk, Some(FaultKind::Slip));
+        }
+    }
+
+    /// Since the last round, and since all was well.
+    pub(super) fn jump(&self) -> Turns {
+        nearest(self.offset().wrapping_sub(self.last))
+    }
+
+    pub(super) fn walk(&self) -> Turns {
+        nearest(self.offset().wrapping_sub(self.home))
+    }
+
+    pub(super) const fn take_fresh(&mut self) -> Option<(FaultKind, Turns)> {
+        self.fresh.take()
+    }
+
+    fn offset(&self) -> Turns {
+        self.index.as_ref().map_or(Turns::ZERO, IndexWatch::offset)
+    }
+
+    /// Measured minus commanded, turns, −½ to ½.
+    pub(super) fn drift(&self) -> Turns {
+        match &self.encoder {
+            Some(encoder) => nearest(self.offset().wrapping_add(encoder.drift())),
+            None => self.offset(),
+        }
+    }
+
+    /// What it is called that this axis is where it is, if that is known.
+    pub(super) fn name(&self) -> Option<FaultKind> {
+        self.manner().or(self.name)
+    }
+
+    fn manner(&self) -> Option<FaultKind> {
+        match self.encoder.as_ref()?.manner() {
+            Manner::Follows => None,
+            Manner::Stands => Some(FaultKind::Stuck),
+            Manner::Backwards => Some(FaultKind::Reversed),
+            Manner::Ahead => Some(FaultKind::Runaway),
+        }
+    }
+
+    /// By its encoder alone, an axis that does not turn as it is told.
+    pub(super) fn astray(&self) -> Option<(FaultKind, Turns)> {
+        let by = self.encoder.as_ref()?.drift();
+        let kind = self.manner().unwrap_or(FaultKind::Tilt);
+        (by.wrapping_abs() > self.alone).then_some((kind, by))
+    }
+
+    pub(super) const fn tolerance(&self) -> Turns {
+        self.tolerance
+    }
+
+    /// Its pulse is late, or nothing is expected of it.
+    pub(super) fn is_late(&self) -> bool {
+        self.encoder.is_none() && self.index.as_ref().is_none_or(IndexWatch::is_unheard)
+    }
+
+    pub(super) fn reset(&mut self, phase: Phase) {
+        if let Some(index) = &mut self.index {
+            index.reset(phase);
+        }
+        if let Some(encoder) = &mut self.encoder {
+            encoder.reset();
+        }
+        self.heard = Heard::Nothing;
+        self.read = Read::Nothing;
+        self.story.rest();
+        self.fresh = None;
+        self.name = None;
+        self.silent = false;
+        self.missed = 0;
+        self.extra = 0;
+    }
+
+    pub(super) fn settle(&mut self) {
+        self.last = self.offset();
+        self.home = self.last;
+        self.fresh = None;
+        self.name = None;
+    }
+
+    pub(super) fn shift(&mut self, by: Turns) {
+        if let Some(index) = &mut self.index {
+            index.shift(by);
+        }
+        self.last = nearest(self.last.wrapping_add(by));
+        self.home = nearest(self.home.wrapping_add(by));
+    }
+
+    /// Has no name for a slow walk: for tests of the limits alone.
+    #[cfg(test)]
+    pub(super) fn never_walks(&mut self) {
+        self.gate = Turns::MAX;
+    }
+}

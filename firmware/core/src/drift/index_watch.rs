@@ -1,0 +1,258 @@
+//! One axis's index sensor: which of its pulses are to be believed, and when one stays away.
+//!
+//! A pulse is *in place* if it shows about the same offset as the one before. Any other is a *suspect*: noise, or a crank that
+//! has moved. Which of the two, the place tells where the next pulse was expected: a pulse there clears the suspect as an extra
+//! one; silence there, or the same again a turn later, shows that the crank has moved. So an extra pulse never counts as
+//! drift, and a crank that has moved is known to have within a turn and the width of a place.
+//!
+//! The *offset* that a pulse shows is the sensor's place minus the axis's phase at that moment: of an axis without an encoder
+//! its commanded phase, so that the offset is its drift; of one with an encoder the measured, so that it is what crank and
+//! encoder differ by.
+
+use super::tick_phase::{IndexPulse, TickClock, TickPhase};
+use crate::units::{ONE_TURN, Phase, Turns, nearest};
+
+const ONE: Turns = Turns::from_bits(ONE_TURN);
+const HALF: Turns = Turns::from_bits(ONE_TURN / 2);
+
+/// Where a sensor stands, and what it may be off by.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    /// Phase at which its flag begins, going forward.
+    pub index: Turns,
+    /// The flag's length.
+    pub flag: Turns,
+    /// Ticks by which its line is late, 16 fraction bits.
+    pub delay: u32,
+    /// A pulse further than this from the last is out of place.
+    pub gate: Turns,
+    /// A pulse that is late by more stands for a crank past its limit.
+    pub overdue: Turns,
+}
+
+/// What a tick brought.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Heard {
+    /// Nothing new.
+    Nothing,
+    /// The first pulse of all.
+    First,
+    /// A pulse in its place; and a suspect before it was none.
+    InPlace {
+        /// By how much that was off.
+        extra: Option<Turns>,
+    },
+    /// A suspect was none, and here is another.
+    Extra {
+        /// By how much the first was off.
+        by: Turns,
+    },
+    /// The crank is elsewhere.
+    Moved {
+        /// By how much, forward.
+        by: Turns,
+    },
+    /// A pulse stays away: told once, until one comes.
+    Overdue,
+}
+
+/// A pulse out of place.
+#[derive(Clone, Copy, Debug)]
+struct Suspect {
+    offset: Turns,
+    at: Phase,
+}
+
+/// Watches one sensor.
+#[derive(Clone, Debug)]
+pub(super) struct IndexWatch {
+    place: Place,
+    /// What the last believed pulse showed.
+    offset: Turns,
+    known: bool,
+    /// Phase at that pulse; before the first, where the search began.
+    heard_at: Phase,
+    suspect: Option<Suspect>,
+    /// Nothing came where the next pulse was expected.
+    unheard: bool,
+    /// Turns since then at which there is something to say.
+    alert: Turns,
+    /// Turns of the tick before the one that is over, which ended where the one that is over began.
+    before: Turns,
+}
+
+impl IndexWatch {
+    pub(super) fn new(place: Place) -> Self {
+        Self {
+            place,
+            offset: Turns::ZERO,
+            known: false,
+            heard_at: Phase::ZERO,
+            suspect: None,
+            unheard: false,
+            alert: Turns::ZERO,
+            before: Turns::ZERO,
+        }
+    }
+
+    /// Forgets what was heard; the first pulse is expected within a turn and what may be overdue from `phase` on.
+    pub(super) fn reset(&mut self, phase: Phase) {
+        self.offset = Turns::ZERO;
+        self.known = false;
+        self.suspect = None;
+        self.unheard = false;
+        self.heard_at = phase;
+        self.alert = ONE.wrapping_add(self.place.overdue);
+    }
+
+    pub(super) const fn offset(&self) -> Turns {
+        self.offset
+    }
+
+    pub(super) const fn is_known(&self) -> bool {
+        self.known
+    }
+
+    /// Whether the expected pulse has not come.
+    pub(super) const fn is_unheard(&self) -> bool {
+        self.unheard
+    }
+
+    /// Takes in a tick that is over. `before_is_known`: so is the tick before it.
+    #[inline]
+    pub(super) fn observe(
+        &mut self,
+        pulse: Option<&IndexPulse>,
+        phase: &TickPhase,
+        before_is_known: bool,
+        clock: TickClock,
+    ) -> Heard {
+        let heard = match pulse {
+            Some(pulse) => self.hear(*pulse, phase, before_is_known, clock),
+            // The turns of this tick come on top only in the next: a pulse in it may wait to be confirmed.
+            None if phase.start.since(self.heard_at) > self.alert => self.silence(),
+            None => Heard::Nothing,
+        };
+        self.before = phase.turns;
+        heard
+    }
+
+    #[inline(never)] // seldom, and what it needs of registers the loop over all axes would lack
+    fn hear(
+        &mut self,
+        pulse: IndexPulse,
+        phase: &TickPhase,
+        before_is_known: bool,
+        clock: TickClock,
+    ) -> Heard {
+        let back = pulse.cycle.min(0).unsigned_abs();
+        let tick = if back == 0 {
+            *phase
+        } else if before_is_known {
+            TickPhase {
+                start: phase.start.advanced(self.before.wrapping_neg()),
+                turns: self.before,
+            }
+        } else {
+            self.heard_at = phase.start; // it is alive, and more is not known
+            return Heard::Nothing;
+        };
+        let cycle = if back == 0 {
+            pulse.cycle.unsigned_abs()
+        } else {
+            clock.cycles.saturating_sub(back)
+        };
+        let late = (tick.turns.to_bits() >> 16).wrapping_mul(i64::from(self.place.delay));
+        let at = tick
+            .at(cycle.min(clock.cycles), clock)
+            .advanced(Turns::from_bits(late.wrapping_neg()));
+        // Going backward, a crank meets the flag's other end first.
+        let end = if tick.turns < 0 {
+            self.place.index.wrapping_add(self.place.flag)
+        } else {
+            self.place.index
+        };
+        self.judge(nearest(Phase::from_turns(end).since(at)), at)
+    }
+
+    fn judge(&mut self, offset: Turns, at: Phase) -> Heard {
+        if !self.known {
+            self.known = true;
+            self.believe(offset, at);
+            return Heard::First;
+        }
+        let by = nearest(offset.wrapping_sub(self.offset));
+        if by.abs() <= self.place.gate {
+            if at.since(self.heard_at) < HALF {
+                return Heard::Nothing; // the same passage
+            }
+            self.believe(offset, at);
+            let extra = self.suspect.take();
+            let extra = extra.map(|suspect| nearest(suspect.offset.wrapping_sub(offset)));
+            return Heard::InPlace { extra };
+        }
+        let again = self.suspect.is_some_and(|suspect| {
+            let apart = nearest(offset.wrapping_sub(suspect.offset));
+            apart.abs() <= self.place.gate && at.since(suspect.at) >= HALF
+        });
+        if self.unheard || again {
+            self.suspect = None;
+            self.believe(offset, at);
+            return Heard::Moved { by };
+        }
+        match self.suspect.replace(Suspect { offset, at }) {
+            Some(extra) => Heard::Extra {
+                by: nearest(extra.offset.wrapping_sub(self.offset)),
+            },
+            None => Heard::Nothing,
+        }
+    }
+
+    /// Nothing has come for so long that there is something to say.
+    #[cold]
+    fn silence(&mut self) -> Heard {
+        if self.known && !self.unheard {
+            if let Some(suspect) = self.suspect.take() {
+                let by = nearest(suspect.offset.wrapping_sub(self.offset));
+                self.believe(suspect.offset, suspect.at);
+                return Heard::Moved { by };
+            }
+            self.unheard = true;
+            self.alert = ONE.wrapping_add(self.place.overdue.max(self.place.gate));
+            return Heard::Nothing;
+        }
+        self.unheard = true;
+        self.alert = Turns::MAX;
+        Heard::Overdue
+    }
+
+    fn believe(&mut self, offset: Turns, at: Phase) {
+        self.offset = offset;
+        self.heard_at = at;
+        self.unheard = false;
+        self.alert = ONE.wrapping_add(self.place.gate);
+    }
+
+    /// An overdue pulse is waited for until it is late by `turns`.
+    pub(super) fn wait(&mut self, turns: Turns) {
+        self.alert = ONE.wrapping_add(turns);
+    }
+
+    /// An overdue pulse is done without: the next is expected a turn later.
+    pub(super) fn pass_over(&mut self) {
+        self.heard_at = self.heard_at.advanced(ONE);
+        self.unheard = false;
+        self.alert = ONE.wrapping_add(self.place.gate);
+    }
+
+    /// A pulse came in a tick of which nothing is known: the sensor is alive.
+    pub(super) fn disregard(&mut self, phase: Phase) {
+        self.heard_at = phase;
+    }
+
+    /// All phases are counted from elsewhere from now on: the sensor is found `by` further on.
+    pub(super) fn shift(&mut self, by: Turns) {
+        self.place.index = self.place.index.wrapping_add(by);
+        self.offset = nearest(self.offset.wrapping_add(by));
+    }
+}

@@ -1,0 +1,63 @@
+//! Phase of an axis over one tick, and where in it a pulse came.
+
+use crate::functions::{multiply_high, multiply_long};
+use crate::units::{Phase, Turns};
+
+/// An index pulse: when it came, seen from the tick that was over when it was read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IndexPulse {
+    /// Cycles of the step clock from the beginning of that tick, up to a tick's cycles; negative if it
+    /// came in the tick before, and was confirmed in that one.
+    pub cycle: i32,
+}
+
+/// Phase of an axis over one tick: where it began, and how far it went, at constant speed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TickPhase {
+    /// Phase at the tick's beginning.
+    pub start: Phase,
+    /// Turns made in it.
+    pub turns: Turns,
+}
+
+/// A tick has at most 18 bits of cycles: 250,000.
+const CYCLE_SPARE_BITS: u32 = 14;
+
+/// How long a tick is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TickClock {
+    pub(super) cycles: u32,
+    /// 2⁴² / cycles.
+    per_cycle: u32,
+}
+
+impl TickClock {
+    /// Of a tick of so many cycles, 12,500 and more.
+    pub(super) fn new(cycles: u32) -> Self {
+        Self {
+            cycles,
+            per_cycle: ((1 << (24 + 32 - CYCLE_SPARE_BITS)) / u64::from(cycles)) as u32, // 29 bits
+        }
+    }
+}
+
+impl TickPhase {
+    /// A tick in which nothing moves.
+    pub const fn still(phase: Phase) -> Self {
+        Self {
+            start: phase,
+            turns: Turns::ZERO,
+        }
+    }
+
+    /// Phase `cycle` cycles into a tick.
+    pub(super) fn at(&self, cycle: u32, clock: TickClock) -> Phase {
+        // cycle / tick_cycles with 24 fraction bits; and of the turns of a tick, below ½, the upper 40: 2⁻²⁴ of a tick
+        // is less than a cycle.
+        let part = multiply_high(cycle << CYCLE_SPARE_BITS, clock.per_cycle).min(1 << 24);
+        let way = self.turns.to_bits().unsigned_abs() >> 8;
+        let way = (multiply_long(way, part) >> 16) as i64;
+        self.start
+            .advanced(Turns::from_bits(if self.turns < 0 { -way } else { way }))
+    }
+}
