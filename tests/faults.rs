@@ -12,6 +12,10 @@ mod looks;
 mod noise;
 #[path = "faults/sensors.rs"]
 mod sensors;
+#[path = "faults/servos.rs"]
+mod servos;
+#[path = "faults/watched.rs"]
+mod watched;
 
 use cophase_core::supervisor::FaultKind;
 use cophase_tests::scene;

@@ -62,6 +62,13 @@ impl Geometry {
         (tilt_mrad, warp_turns * 360.0)
     }
 
+    /// The same of one crank that is off, all others in phase.
+    pub fn of_one(&self, error_turns: f64) -> (f64, f64) {
+        let mut errors = vec![0.0; self.count];
+        errors[0] = error_turns;
+        self.modes(&errors)
+    }
+
     /// Whether errors are past the limits, as the controller has them: on tilt at the worst crank angle, and on warp.
     pub fn is_past(&self, errors: &[f64]) -> bool {
         let (tilt_mrad, warp_deg) = self.modes(errors);
@@ -70,9 +77,7 @@ impl Geometry {
 
     /// How far one crank may be from all others before the platform is past its limits, turns.
     pub fn single_limit_turns(&self) -> f64 {
-        let mut errors = vec![0.0; self.count];
-        errors[0] = 1.0;
-        let (tilt_mrad, warp_deg) = self.modes(&errors);
+        let (tilt_mrad, warp_deg) = self.of_one(1.0);
         let by_tilt = self.tilt_limit_mrad / tilt_mrad;
         if warp_deg > 0.0 {
             by_tilt.min(self.warp_limit_deg / warp_deg)

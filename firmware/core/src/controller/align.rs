@@ -140,10 +140,11 @@ impl<const N: usize> Align<N> {
             self.finish(monitor);
             return None;
         }
+        // Where nothing is corrected, what an align that was cut short left of its pattern is taken back.
         self.target = if correction.is_on() {
             target
         } else {
-            *correction.now()
+            [Turns::ZERO; N]
         };
         if let Some(axis) = correction.past_limit(&self.target) {
             let size = monitor.drift()[axis];

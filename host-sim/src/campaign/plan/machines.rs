@@ -149,6 +149,7 @@ fn control(stream: &mut Stream, scene: &mut Scene) {
         let own_deg = rounded(stream.between(-170.0, 170.0), 1);
         apart.index_deg = Some(if together { common_deg } else { own_deg });
     }
+    limits_of_drift(stream, scene);
     // After power-up cranks stand a little apart: a quarter of the way to the limits, at most.
     if stream.percent(50) {
         let most_deg = Geometry::new(scene)
@@ -158,6 +159,30 @@ fn control(stream: &mut Stream, scene: &mut Scene) {
         }
     }
     scene.axes.trim_rate_deg_per_s = 10.0;
+}
+
+/// How far one crank alone may be off, degrees: from half an electrical cycle, so that the first that is lost is past it, to nearly
+/// two.
+const ALONE_DEG: (f64, f64) = (4.0, 12.0);
+
+/// Limits on tilt and warp: one of them as tight as a drawn error of one crank makes it, the other up to twice as wide.
+fn limits_of_drift(stream: &mut Stream, scene: &mut Scene) {
+    let alone_deg = stream.between(ALONE_DEG.0, ALONE_DEG.1);
+    let wider = stream.between(1.0, 2.0);
+    let tilt_is_wider = scene.axes.count > 3 && stream.percent(50);
+    let Some(geometry) = Geometry::new(scene) else {
+        return;
+    };
+    let (tilt_mrad, warp_deg) = geometry.of_one(alone_deg / 360.0);
+    let (tilt_by, warp_by) = if tilt_is_wider {
+        (wider, 1.0)
+    } else {
+        (1.0, wider)
+    };
+    scene.drift.tilt_limit_mrad = rounded(tilt_mrad * tilt_by, 3);
+    if warp_deg > 0.0 {
+        scene.drift.warp_limit_deg = rounded(warp_deg * warp_by, 3);
+    }
 }
 
 /// Motors that give [`PLENTY`] times what the machine asks at its greatest speed.
@@ -181,7 +206,7 @@ fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven) {
         return;
     }
     axes.drive = Drive::Stepper;
-    axes.steps_per_turn = stream.one_of(&[1600, 3200, 6400]);
+    axes.steps_per_turn = stream.one_of(&[3200, 6400]);
     let most_nm = rounded(PLENTY * asked_nm, 3);
     axes.pull_out = vec![(0.0, most_nm), (scene.limits.speed_hz, most_nm)];
     let stiffness = most_nm * CYCLES;
