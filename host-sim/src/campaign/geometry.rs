@@ -108,9 +108,14 @@ impl Geometry {
         worst * 1e3
     }
 
+    /// Greatest way of the platform to an angle of the crank, m/rad.
+    pub fn most_way_m(&self) -> f64 {
+        self.mrad_per_turn / 1e3 / TAU
+    }
+
     /// Inertia that the platform and its load have at one crank, where that is greatest, kg·m²: an Nth of m (dx/dα)².
     pub fn most_inertia_kgm2(&self) -> f64 {
-        let most_way_m = self.mrad_per_turn / 1e3 / TAU;
+        let most_way_m = self.most_way_m();
         self.load.mass_kg * most_way_m * most_way_m / self.count as f64
     }
 

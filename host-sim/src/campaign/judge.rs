@@ -2,7 +2,7 @@
 
 use cophase_core::supervisor::State;
 
-use crate::scene::file::{Drive, FaultAt, FaultName, Scene};
+use crate::scene::file::{AxisApart, Drive, FaultAt, FaultName, Scene};
 
 use super::bound;
 use super::geometry::Geometry;
@@ -82,7 +82,10 @@ fn verdict(scene: &Scene, fault: &FaultAt, seen: &Seen) -> Verdict {
     }
     if seen.told.is_none() {
         let had_time = end.turns - injected.turns > names::turns_to_tell(fault);
-        return match (seen.past, names::must_be_told(fault.kind)) {
+        // An extra pulse before the first is the first, if nothing tells otherwise; what it would have moved is looked at again.
+        let may_be_first = fault.kind == FaultName::IndexExtra && injected.state == State::Align;
+        let must = names::must_be_told(fault.kind) && !may_be_first;
+        return match (seen.past, must) {
             (Some(_), _) => Verdict::Missed,
             (None, true) if had_time => Verdict::Missed,
             (None, true) => Verdict::Moot,
@@ -98,6 +101,8 @@ fn verdict(scene: &Scene, fault: &FaultAt, seen: &Seen) -> Verdict {
             is_stepper: drive.unwrap_or(scene.axes.drive) == Drive::Stepper,
             in_align: injected.state == State::Align || stood,
             is_past: seen.past.is_some(),
+            opposed: differs(scene, fault, |apart| f64::from(u8::from(apart.reversed))),
+            flags_apart: differs(scene, fault, |apart| apart.index_deg.unwrap_or_default()),
         },
     );
     let is_right = |told: &Told| {
@@ -115,6 +120,12 @@ fn verdict(scene: &Scene, fault: &FaultAt, seen: &Seen) -> Verdict {
     } else {
         Verdict::Misnamed
     }
+}
+
+/// Whether the two axes of a swap differ in something that each has apart.
+fn differs(scene: &Scene, fault: &FaultAt, what: fn(&AxisApart) -> f64) -> bool {
+    let of = |axis: Option<usize>| scene.apart(axis?).map(what);
+    of(fault.axis) != of(fault.with)
 }
 
 /// Of which axes the cranks must stop, and not only the commands: those that their drives move as told. A crank that slips is not

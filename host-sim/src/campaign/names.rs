@@ -18,6 +18,10 @@ pub struct Circumstances {
     pub in_align: bool,
     /// The crank was past its limit.
     pub is_past: bool,
+    /// The two axes of a swap are mounted the other way round from each other: what drives one forward drives the other back.
+    pub opposed: bool,
+    /// Their index flags stand at different places.
+    pub flags_apart: bool,
 }
 
 /// What may be told of a fault: any of these kinds.
@@ -25,6 +29,12 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
     use FaultKind as Kind;
     let mut names = match fault.kind {
         FaultName::LostSteps => vec![Kind::LostSteps],
+        // Seen once a turn, a crank that gains on its command slips ahead, or runs away.
+        FaultName::Slip
+            if !at.has_encoder && fault.rate_deg_per_s.is_some_and(|rate| rate < 0.0) =>
+        {
+            vec![Kind::Slip, Kind::Runaway]
+        }
         FaultName::Slip => vec![Kind::Slip],
         // Without an encoder, a crank that stands and a sensor that is dead are the same.
         FaultName::Stuck if !at.has_encoder => match fault.for_s {
@@ -39,14 +49,24 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         FaultName::Runaway if at.has_encoder => vec![Kind::Runaway],
         // Seen once a turn, a crank that gains on its command walks ahead of it.
         FaultName::Runaway => vec![Kind::Runaway, Kind::Slip],
-        FaultName::IndexMissing if at.has_encoder => vec![Kind::IndexMissing],
+        // Where nothing else watches, a pulse that is overdue stops the machine, mostly before the next could tell.
+        FaultName::IndexMissing if at.has_encoder && !at.in_align => vec![Kind::IndexMissing],
         FaultName::IndexMissing => match fault.count {
-            Some(1) => vec![Kind::IndexMissing],
-            Some(_) => vec![Kind::IndexMissing, Kind::Silent],
-            None => vec![Kind::Silent],
+            None if !at.in_align => vec![Kind::Silent],
+            _ => vec![Kind::IndexMissing, Kind::Silent],
         },
         FaultName::IndexExtra => vec![Kind::IndexExtra],
-        FaultName::SwappedWiring => vec![Kind::SwappedWiring],
+        FaultName::SwappedWiring => {
+            let mut names = vec![Kind::SwappedWiring];
+            if at.opposed && at.has_encoder {
+                names.push(Kind::Reversed);
+            }
+            // Before anything is moved, each of the two is seen where the other's flag is.
+            if at.flags_apart {
+                names.push(Kind::TooFarOut);
+            }
+            names
+        }
         FaultName::Reversed => vec![Kind::Reversed],
         FaultName::EncoderGlitch => vec![Kind::EncoderGlitch],
         FaultName::DriveAlarm => vec![Kind::DriveAlarm],
@@ -67,11 +87,12 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         fault.kind,
         FaultName::LostSteps | FaultName::Slip | FaultName::Stuck | FaultName::Runaway
     );
-    if at.in_align && moves_crank {
+    // The first pulse that is heard is where a crank is found.
+    if at.in_align && (moves_crank || fault.kind == FaultName::IndexExtra) {
         names.push(Kind::TooFarOut);
-        if at.is_past {
-            names.extend([Kind::Tilt, Kind::Warp]);
-        }
+    }
+    if at.in_align && moves_crank && at.is_past {
+        names.extend([Kind::Tilt, Kind::Warp]);
     }
     names
 }

@@ -88,6 +88,7 @@ pub fn draw(
     }
     control(stream, &mut scene);
     motors(stream, &mut scene, driven);
+    rods(&mut scene);
     let level_hz = rounded(scene.limits.speed_hz * stream.between(0.25, 1.0), 3);
     program(stream, &mut scene, level_hz);
     scene.correction = Correction {
@@ -211,6 +212,24 @@ fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven) {
     axes.pull_out = vec![(0.0, most_nm), (scene.limits.speed_hz, most_nm)];
     let stiffness = most_nm * CYCLES;
     axes.damping_nms = rounded(2.0 * FIELD_ZETA * (stiffness * inertia).sqrt(), 4);
+}
+
+/// A motor bends the rods by an error of its crank with so much of its torque, where one crank alone is at the limit.
+const BENDS: f64 = 0.25;
+
+/// Rods that the motors of four and more cranks can bend as far as the limits let them be apart: with stiffer ones no motor could
+/// move its crank to there, whatever it was told. A crank that is off by e pulls on its rod with at most k R e, a lever R away.
+fn rods(scene: &mut Scene) {
+    let asked_nm = PLENTY * asked_nm(scene);
+    let Some(geometry) = Geometry::new(scene).filter(|_| scene.axes.count > 3) else {
+        return;
+    };
+    let error_rad = geometry.single_limit_turns() * TAU;
+    let way_m = geometry.most_way_m();
+    let n_per_m = BENDS * asked_nm / (way_m * way_m * error_rad);
+    if let Some(machine) = &mut scene.machine {
+        machine.rod_n_per_um = rounded((n_per_m * 1e-6).clamp(0.01, machine.rod_n_per_um), 4);
+    }
 }
 
 /// The most that the machine asks of one motor: at full speed and at rest, at any crank angle.
