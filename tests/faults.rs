@@ -64,6 +64,11 @@ fn phased() -> String {
     KINEMATIC.replace("kinematic", "phased")
 }
 
+/// The same with nobody reading the encoders: the loop does not see at once that a motor turns as it is not told, and goes on.
+fn unread(text: &str) -> String {
+    text.replace("encoder = true", "encoder = false")
+}
+
 fn with(text: &str, fault: &str) -> Looks {
     look(&scene(&format!("{text}[[fault]]\nat_s = {AT_S}\n{fault}")))
 }

@@ -4,7 +4,7 @@ use cophase_tests::{built_in, scene};
 use host_sim::scene::{Checked, load};
 use host_sim::trace::{Every, Window};
 
-use super::{AT_TICK, KINEMATIC, TICK_S, with};
+use super::{AT_TICK, KINEMATIC, TICK_S, unread, with};
 
 /// The same machine on servos.
 fn servos(rung: &str) -> String {
@@ -29,7 +29,7 @@ const LAG: f64 = 2.0 * 5.0 * 35.0 * 0.0103 / 3.0 / 200.0 / std::f64::consts::TAU
 #[test]
 fn reversed_and_slipping_servos() {
     for (rung, off) in [(KINEMATIC_RUNG, 1e-9), (PHASED, LAG)] {
-        let looks = with(&servos(rung), "kind = \"reversed\"\naxis = 1\n");
+        let looks = with(&unread(&servos(rung)), "kind = \"reversed\"\naxis = 1\n");
         let look = looks.at(AT_TICK);
         assert!((look.actual[1] + look.command[1]).abs() < off);
         let slip = "kind = \"slip\"\naxis = 0\nrate_deg_per_s = 36\nfor_s = 0.5\n";

@@ -84,6 +84,19 @@ struct Waiting<const N: usize> {
     sync: bool,
 }
 
+/// What the loop stands against.
+#[derive(Debug)]
+pub struct World<const N: usize> {
+    /// The machine.
+    pub machine: Machine<N>,
+    /// Its index sensors.
+    pub sensors: [IndexSensor; N],
+    /// What happens from outside.
+    pub schedule: Schedule,
+    /// What goes wrong.
+    pub faults: Faults<N>,
+}
+
 /// What is gathered of a run.
 #[derive(Debug)]
 pub struct Seen {
@@ -103,8 +116,6 @@ pub struct SimulatedIo<'a, const N: usize, O, P> {
     sensed_us: u64,
     schedule: Schedule,
     faults: Faults<N>,
-    /// Which axes' encoders are read.
-    encoders: Vec<bool>,
     seen: Seen,
     observer: &'a mut O,
     progress: P,
@@ -136,15 +147,17 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
     /// A machine at power-up.
     pub fn new(
         tick_hz: u32,
-        machine: Machine<N>,
-        sensors: [IndexSensor; N],
-        schedule: Schedule,
-        faults: Faults<N>,
-        encoders: Vec<bool>,
+        world: World<N>,
         seen: Seen,
         observer: &'a mut O,
         progress: P,
     ) -> Self {
+        let World {
+            machine,
+            sensors,
+            schedule,
+            faults,
+        } = world;
         Self {
             tick_us: 1_000_000 / u64::from(tick_hz),
             tick_hz,
@@ -153,7 +166,6 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             sensed_us: 0,
             schedule,
             faults,
-            encoders,
             seen,
             observer,
             progress,
@@ -296,16 +308,9 @@ impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'
         if let Some(command) = command.filter(|command| now > 0 || *command != Command::Start) {
             self.seen.statistics.commanded(now_s, command);
         }
-        let counts = |i: usize| {
-            if self.encoders[i] {
-                self.machine.encoder(i)
-            } else {
-                0
-            }
-        };
         let mut feedback = Feedback {
             index: heard,
-            encoder: std::array::from_fn(counts),
+            encoder: self.machine.encoders(),
             alarm: [false; N],
             ran_dry: None,
             inputs: self.schedule.lines(),

@@ -147,8 +147,8 @@ impl Watch {
             .command
             .get_or_insert_with(|| moment.command_turns.to_vec());
         let (mut turning, mut astray) = (false, false);
-        for i in 0..N {
-            let told = moment.command_turns[i] - command[i];
+        for (i, command) in command.iter_mut().enumerate() {
+            let told = moment.command_turns[i] - *command;
             let moved = (moment.actual_turns[i] - self.actual[i]).abs() > self.stands_turns;
             if told != 0.0 {
                 self.told_to_move[i] = Some(tick);
@@ -158,7 +158,7 @@ impl Watch {
             }
             turning |= moved;
             astray |= told.abs() > self.stands_turns && !moved;
-            command[i] = moment.command_turns[i];
+            *command = moment.command_turns[i];
             self.actual[i] = moment.actual_turns[i];
         }
         if moment.drives_enabled && turning && astray {

@@ -1,15 +1,16 @@
 //! Bytes as a story.
 
-/// Reads numbers from bytes, from the beginning again when they end, each time turned by one more.
+/// Reads numbers from bytes, and from the beginning again when they end, each time as other ones: few bytes tell a long
+/// story too, in which nothing repeats.
 #[derive(Clone, Debug)]
 pub struct Script<'a> {
     bytes: &'a [u8],
     at: usize,
-    round: u8,
+    round: u32,
 }
 
 impl<'a> Script<'a> {
-    /// Of any bytes, none at all too: then it reads zeros, ones, twos …
+    /// Of any bytes, none at all too.
     pub const fn new(bytes: &'a [u8]) -> Self {
         Self {
             bytes,
@@ -22,7 +23,13 @@ impl<'a> Script<'a> {
     pub fn byte(&mut self) -> u8 {
         let byte = self.bytes.get(self.at).copied().unwrap_or_default();
         self.at += 1;
-        let told = byte.wrapping_add(self.round);
+        // Knuth's multiplicative hash of the round and the place in it; none in the first.
+        let hash = (self.round << 16 ^ self.at as u32).wrapping_mul(2_654_435_761) >> 24;
+        let told = if self.round == 0 {
+            byte
+        } else {
+            byte ^ hash as u8
+        };
         if self.at >= self.bytes.len() {
             self.at = 0;
             self.round = self.round.wrapping_add(1);

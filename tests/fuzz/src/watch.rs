@@ -17,9 +17,8 @@ pub struct Watch<const N: usize> {
     /// Axes that turn once with the master: their phases are its own, but for the offset and the trim.
     plain: [Option<Turns>; N],
     stepper: [bool; N],
-    /// Whether drift is corrected, and whether align proves the wiring.
+    /// Whether drift is corrected.
     corrects: bool,
-    proves: bool,
     tick_cycles: u32,
     phase: Phase,
     speed: i64,
@@ -50,7 +49,6 @@ impl<const N: usize> Watch<N> {
             }),
             stepper: std::array::from_fn(|i| axes[i].drive == DriveKind::Stepper),
             corrects: settings.correction.part > 0.0,
-            proves: settings.correction.prove_wiring,
             tick_cycles: settings.tick_cycles(),
             phase: Phase::ZERO,
             speed: 0,
@@ -179,17 +177,10 @@ impl<const N: usize> Watch<N> {
             telemetry.correction
         );
         for (i, most) in self.trim_most.iter().enumerate() {
-            // What proves the wiring comes on top, until it is taken back.
-            let proof = if self.proves && telemetry.state != State::Run {
-                *most
-            } else {
-                0
-            };
-            let most_now = most + proof;
             let correction = telemetry.correction[i].to_bits().abs();
             assert!(
-                correction <= most_now,
-                "axis {i}: correction {correction} over {most_now}"
+                correction <= *most,
+                "axis {i}: correction {correction} over {most}"
             );
             if let Some(offset) = self.plain[i] {
                 // What is left is the trim that an operator set, with a limit of its own.

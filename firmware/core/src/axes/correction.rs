@@ -65,7 +65,7 @@ impl<const N: usize> Correction<N> {
         let is_watched = |axis: usize| watched & 1 << axis != 0;
         let axes = || (0..N).filter(|&axis| is_watched(axis));
         let count = axes().count();
-        let Some(last) = axes().last().filter(|_| count > 1) else {
+        let Some(last) = axes().next_back().filter(|_| count > 1) else {
             return target;
         };
         // 1/count with 16 fraction bits: what that is off, the last axis makes up for below.

@@ -136,7 +136,8 @@ impl<const N: usize> Align<N> {
             let by = target[axis].wrapping_sub(correction.now()[axis]);
             by.wrapping_abs() > monitor.tolerance(axis)
         });
-        if !proves && !(correction.is_on() && differs) {
+        let corrects = correction.is_on() && differs;
+        if !proves && !corrects {
             self.finish(monitor);
             return None;
         }
@@ -146,18 +147,20 @@ impl<const N: usize> Align<N> {
         } else {
             [Turns::ZERO; N]
         };
-        if let Some(axis) = correction.past_limit(&self.target) {
+        let mut moved = self.target;
+        for (moved, &level) in moved.iter_mut().zip(&self.pattern) {
+            *moved = moved.wrapping_add(level);
+        }
+        let refused = correction.past_limit(&self.target);
+        if let Some(axis) = refused.or_else(|| correction.past_limit(&moved)) {
             let size = monitor.drift()[axis];
             let fault = Fault::new(FaultKind::TooFarOut);
             return Some(fault.on_axis(axis).with_size(size));
         }
         self.before = *monitor.drift();
         self.from = *correction.now();
-        let mut moved = self.target;
-        for (moved, &level) in moved.iter_mut().zip(&self.pattern) {
-            *moved = moved.wrapping_add(level);
-        }
-        // A pattern on top of what is corrected may pass a trim's limit; the platform's own it does not, for long.
+        // All go straight from where they are to the pattern: the platform tilts no further than at one of these ends, and both
+        // are within its limits.
         correction.go_to(moved);
         self.step = Step::Move;
         None

@@ -64,6 +64,9 @@ pub struct Sensed<'a, const N: usize> {
     pub speed: Turns,
 }
 
+/// Turns after which what a machine was stopped for gets no better name: a crank at the end of a stop does other things.
+const NAMED_WITHIN: Turns = Turns::lit("4");
+
 /// Findings that may wait to be told, one a tick.
 const WAITING: usize = 8;
 
@@ -93,8 +96,9 @@ pub struct DriftMonitor<const N: usize> {
     rounds: u32,
     modes: Modes,
     findings: Deque<Finding, WAITING>,
-    /// What a stop was asked for, which may get a better name.
+    /// What a stop was asked for, which may get a better name, and the master's turns since.
     open: Option<(Option<usize>, FaultKind)>,
+    since_open: Turns,
 }
 
 impl<const N: usize> DriftMonitor<N> {
@@ -135,6 +139,7 @@ impl<const N: usize> DriftMonitor<N> {
             modes: Modes::default(),
             findings: Deque::new(),
             open: None,
+            since_open: Turns::ZERO,
         }
     }
 
@@ -149,6 +154,9 @@ impl<const N: usize> DriftMonitor<N> {
             if watch.observe(pulse, count, commanded, before_is_known, self.clock) {
                 news |= 1 << axis;
             }
+        }
+        if self.open.is_some() {
+            self.since_open = self.since_open.saturating_add(sensed.speed);
         }
         if news != 0 || self.by_encoder != 0 {
             self.consider(news, sensed);
@@ -339,11 +347,15 @@ impl<const N: usize> DriftMonitor<N> {
         let mut refines = false;
         if let Some((axis, kind)) = self.open {
             let same = axis == fault.axis || axis.is_none();
-            if same && naming::is_better(fault.kind, kind) {
+            let in_time = self.since_open < NAMED_WITHIN;
+            if same && in_time && naming::is_better(fault.kind, kind) {
                 refines = true;
             } else if !in_safety {
                 return; // it is being stopped
             }
+        }
+        if !refines && !in_safety {
+            self.since_open = Turns::ZERO;
         }
         if !in_safety || refines {
             self.open = Some((fault.axis, fault.kind));

@@ -53,10 +53,12 @@ impl Story {
         } else {
             self.is_whole(by)
         };
-        if whole && (by < 0 || self.row <= 2) {
-            FaultKind::LostSteps
-        } else if goes_on && by > 0 {
+        // What runs away gains more in its second turn than in what was left of the first.
+        let gains = goes_on && by > 0 && (by > before || self.row > 2);
+        if gains {
             FaultKind::Runaway
+        } else if whole {
+            FaultKind::LostSteps
         } else {
             FaultKind::Slip
         }
@@ -150,8 +152,8 @@ mod tests {
         gains.jumped(deg(50.0));
         assert_eq!(gains.jumped(deg(83.0)), FaultKind::Runaway);
         let mut in_two = story();
-        assert_eq!(in_two.jumped(deg(5.0)), FaultKind::Slip);
-        assert_eq!(in_two.jumped(deg(9.4)), FaultKind::LostSteps);
+        assert_eq!(in_two.jumped(deg(9.4)), FaultKind::Slip);
+        assert_eq!(in_two.jumped(deg(5.0)), FaultKind::LostSteps);
         assert_eq!(in_two.jumped(deg(7.2)), FaultKind::Runaway);
         gains.rest();
         assert_eq!(gains.jumped(deg(7.2)), FaultKind::LostSteps);

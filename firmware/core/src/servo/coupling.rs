@@ -41,7 +41,7 @@ impl<const N: usize> Coupling<N> {
 
     /// Takes in the drifts at a tick's end.
     pub fn advance(&mut self, drift: &[Turns; N]) {
-        // Below half a turn each: 31 bits, and room for gains of up to 2 and a sum of six.
+        // Below half a turn each: 31 bits, and room for gains of up to 20 and a sum of six.
         let drift = drift.map(|e| e.to_bits() >> 16);
         let mean = drift.iter().sum::<i64>() / N as i64;
         let mut integral = self.integral;
@@ -68,8 +68,8 @@ impl<const N: usize> Coupling<N> {
             .iter()
             .all(|added| added.to_bits().abs() <= self.limit)
         {
-            for axis in 0..N {
-                self.change[axis] = added[axis].wrapping_sub(self.added[axis]);
+            for ((change, &to), &from) in self.change.iter_mut().zip(&added).zip(&self.added) {
+                *change = to.wrapping_sub(from);
             }
             self.added = added;
         } else {
