@@ -121,17 +121,19 @@ impl IndexWatch {
         self.unheard
     }
 
-    /// Takes in a tick that is over. `before_is_known`: so is the tick before it.
+    /// Takes in a tick that is over, in which the axis was told to turn `backward` or not. `before_is_known`: so is the tick
+    /// before it.
     #[inline]
     pub(super) fn observe(
         &mut self,
         pulse: Option<&IndexPulse>,
         phase: &TickPhase,
+        backward: bool,
         before_is_known: bool,
         clock: TickClock,
     ) -> Heard {
         let heard = match pulse {
-            Some(pulse) => self.hear(*pulse, phase, before_is_known, clock),
+            Some(pulse) => self.hear(*pulse, phase, backward, before_is_known, clock),
             // The turns of this tick come on top only in the next: a pulse in it may wait to be confirmed.
             None if phase.start.since(self.heard_at) > self.alert => self.silence(),
             None => Heard::Nothing,
@@ -145,6 +147,7 @@ impl IndexWatch {
         &mut self,
         pulse: IndexPulse,
         phase: &TickPhase,
+        backward: bool,
         before_is_known: bool,
         clock: TickClock,
     ) -> Heard {
@@ -170,7 +173,7 @@ impl IndexWatch {
             .at(cycle.min(clock.cycles), clock)
             .advanced(Turns::from_bits(late.wrapping_neg()));
         // Going backward, a crank meets the flag's other end first.
-        let end = if tick.turns < 0 {
+        let end = if backward {
             self.place.index.wrapping_add(self.place.flag)
         } else {
             self.place.index

@@ -181,6 +181,7 @@ impl<const N: usize> DriftMonitor<N> {
     #[inline(never)]
     fn consider(&mut self, news: AxisSet, sensed: &Sensed<'_, N>) {
         let all_late = self.axes.iter().all(AxisWatch::is_late);
+        let mut moved = 0;
         for axis in 0..N {
             if news & 1 << axis == 0 {
                 continue;
@@ -195,12 +196,20 @@ impl<const N: usize> DriftMonitor<N> {
                 self.known |= 1 << axis;
                 self.seen |= 1 << axis;
             }
+            if heard.has_moved {
+                moved |= 1 << axis;
+            }
             if let Some((kind, by, in_safety)) = heard.told {
                 self.find(axis, kind, by, in_safety);
             }
         }
         let round = news != 0 && self.heard & self.by_index == self.by_index && self.heard != 0;
-        if round {
+        if moved != 0 && !round && !self.finding_out && self.others_are_heard(moved) {
+            // It is not waited for the others, of which none is late: they have not moved with it.
+            self.update();
+            self.compare();
+            self.check(sensed);
+        } else if round {
             self.heard = 0;
             self.rounds = self.rounds.wrapping_add(1);
             self.update();
@@ -213,6 +222,13 @@ impl<const N: usize> DriftMonitor<N> {
             return;
         }
         self.check(sensed);
+    }
+
+    /// Whether none but the axes in `moved` is late.
+    fn others_are_heard(&self, moved: AxisSet) -> bool {
+        let others = self.by_index & !moved;
+        let mut axes = self.axes.iter().enumerate();
+        axes.all(|(axis, watch)| others & 1 << axis == 0 || !watch.is_late())
     }
 
     fn update(&mut self) {
@@ -375,6 +391,12 @@ impl<const N: usize> DriftMonitor<N> {
         } else {
             self.findings.push_front(finding)
         };
+    }
+
+    /// What a jump of an axis is called that nothing is known of but its size.
+    pub fn name_of(&self, axis: usize, by: Turns) -> FaultKind {
+        let watch = self.axes.get(axis);
+        watch.map_or(FaultKind::Slip, |watch| watch.name_of(by))
     }
 
     /// Whether every axis that has a sensor has been heard since [`Self::reset`].

@@ -64,6 +64,15 @@ impl Story {
         }
     }
 
+    /// What one jump is called that stands for itself.
+    pub(super) fn of_one(&self, by: Turns) -> FaultKind {
+        if self.is_whole(by) {
+            FaultKind::LostSteps
+        } else {
+            FaultKind::Slip
+        }
+    }
+
     /// Whether a jump is one or more whole electrical cycles.
     fn is_whole(&self, by: Turns) -> bool {
         if self.cycle <= 0 {
@@ -80,7 +89,11 @@ impl Story {
 pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
     const fn rank(kind: FaultKind) -> u8 {
         match kind {
-            FaultKind::Tilt | FaultKind::Warp | FaultKind::CommonLag | FaultKind::Silent => 0,
+            FaultKind::Tilt
+            | FaultKind::Warp
+            | FaultKind::CommonLag
+            | FaultKind::Silent
+            | FaultKind::IndexExtra => 0,
             FaultKind::LostSteps | FaultKind::Slip => 1,
             FaultKind::IndexMissing
             | FaultKind::Stuck
@@ -121,13 +134,13 @@ mod tests {
     }
 
     fn story() -> Story {
-        Story::new(deg(CYCLE_DEG), deg(0.9))
+        Story::new(deg(CYCLE_DEG), deg(0.45))
     }
 
     #[test]
     fn whole_cycles_are_lost_steps_and_nothing_else_is() {
         for cycles in [-20.0, -3.0, -1.0, 1.0, 2.0] {
-            for off in [-0.8, 0.0, 0.8] {
+            for off in [-0.4, 0.0, 0.4] {
                 let by = deg(cycles * CYCLE_DEG + off);
                 assert_eq!(story().jumped(by), FaultKind::LostSteps, "{by}");
             }
