@@ -98,6 +98,7 @@ impl<const N: usize> Align<N> {
     }
 
     /// Plays one tick of the search.
+    #[inline]
     pub(super) fn advance(
         &mut self,
         monitor: &mut DriftMonitor<N>,
@@ -128,7 +129,7 @@ impl<const N: usize> Align<N> {
         monitor: &mut DriftMonitor<N>,
         correction: &mut Correction<N>,
     ) -> Option<Fault> {
-        self.find_datum(monitor);
+        self.find_datum(monitor, correction);
         let proves = self.pattern.iter().any(|&level| level != 0);
         let error = errors(monitor, correction);
         let target = correction.against(&error, monitor.watched(), true);
@@ -163,17 +164,18 @@ impl<const N: usize> Align<N> {
     }
 
     /// What all cranks are off by together is where the machine's zero is.
-    fn find_datum(&mut self, monitor: &mut DriftMonitor<N>) {
+    fn find_datum(&mut self, monitor: &mut DriftMonitor<N>, correction: &Correction<N>) {
         if !self.has_datum {
             return;
         }
+        // Drifts may lie around half a turn: their differences have a mean.
         let watched = monitor.watched();
-        let axes = || (0..N).filter(move |&axis| watched & 1 << axis != 0);
-        let Some(first) = axes().next() else { return };
-        let base = monitor.drift()[first];
-        let off = |axis: usize| nearest(monitor.drift()[axis].wrapping_sub(base)).to_bits();
-        let sum: i64 = axes().map(off).sum();
-        let mean = nearest(base.wrapping_add(Turns::from_bits(sum / axes().count() as i64)));
+        let first = watched.trailing_zeros() as usize;
+        let base = monitor.drift().get(first).copied().unwrap_or_default();
+        let off = monitor
+            .drift()
+            .map(|drift| nearest(drift.wrapping_sub(base)));
+        let mean = nearest(base.wrapping_add(correction.mean(&off, watched)));
         if mean.abs() > self.lag {
             monitor.shift(mean);
             self.datum = nearest(self.datum.wrapping_add(mean));
@@ -187,25 +189,17 @@ impl<const N: usize> Align<N> {
         monitor: &mut DriftMonitor<N>,
         correction: &mut Correction<N>,
     ) -> Option<Fault> {
-        let moved = |axis: usize| correction.now()[axis].wrapping_sub(self.from[axis]);
-        for axis in (0..N).filter(|&axis| monitor.watched() & 1 << axis != 0) {
-            let off = nearest(monitor.drift()[axis].wrapping_sub(self.before[axis]));
-            let tolerance = monitor.tolerance(axis);
-            let allowed = Turns::from_bits(tolerance.to_bits() * APART / 2);
-            if off.abs() <= allowed {
-                continue;
-            }
-            // As far off as some other crank was moved further?
-            let follows = |other: usize| {
-                let between = moved(other).wrapping_sub(moved(axis));
-                other != axis && nearest(off.wrapping_sub(between)).abs() <= tolerance
+        let mut looks = [Look::default(); N];
+        for (axis, look) in looks.iter_mut().enumerate() {
+            let off = monitor.drift()[axis].wrapping_sub(self.before[axis]);
+            *look = Look {
+                off: nearest(off),
+                moved: correction.now()[axis].wrapping_sub(self.from[axis]),
+                tolerance: monitor.tolerance(axis),
             };
-            let kind = if (0..N).any(follows) {
-                FaultKind::SwappedWiring
-            } else {
-                FaultKind::Slip
-            };
-            return Some(Fault::new(kind).on_axis(axis).with_size(off));
+        }
+        if let Some(fault) = stray(&looks, monitor.watched()) {
+            return Some(fault);
         }
         if self.pattern.iter().all(|&level| level == 0) {
             self.finish(monitor);
@@ -215,6 +209,41 @@ impl<const N: usize> Align<N> {
         }
         None
     }
+}
+
+/// What a crank was found to have done when it was moved.
+#[derive(Clone, Copy, Debug, Default)]
+struct Look {
+    /// Away from what it was told.
+    off: Turns,
+    /// What it was told.
+    moved: Turns,
+    tolerance: Turns,
+}
+
+/// A crank that did not do what it was told, and what may be the reason.
+#[inline(never)] // one for every number of axes
+fn stray(looks: &[Look], watched: u8) -> Option<Fault> {
+    let strays = |look: &Look| {
+        let allowed = Turns::from_bits(look.tolerance.to_bits() * APART / 2);
+        look.off.abs() > allowed
+    };
+    let (axis, look) = looks
+        .iter()
+        .enumerate()
+        .find(|&(axis, look)| watched & 1 << axis != 0 && strays(look))?;
+    // As far off as some other crank was moved further?
+    let follows = |other: usize, by: Turns| {
+        let between = by.wrapping_sub(look.moved);
+        other != axis && nearest(look.off.wrapping_sub(between)).abs() <= look.tolerance
+    };
+    let mut others = looks.iter().enumerate();
+    let kind = if others.any(|(other, at)| follows(other, at.moved)) {
+        FaultKind::SwappedWiring
+    } else {
+        FaultKind::Slip
+    };
+    Some(Fault::new(kind).on_axis(axis).with_size(look.off))
 }
 
 /// What each crank is off from where the master has it.
