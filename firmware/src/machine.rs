@@ -48,6 +48,16 @@ pub enum Refusal {
     Unfit(Unfit),
 }
 
+impl Refusal {
+    /// What that is among faults: settings whose key is under `program` are the program's.
+    pub fn kind(&self) -> FaultKind {
+        match self {
+            Self::Settings(error) if error.key.starts_with("program") => FaultKind::ProgramRejected,
+            _ => FaultKind::SettingsRejected,
+        }
+    }
+}
+
 impl Machine {
     /// Sets the machine up, and the watchdog. After a restart it begins in the fault state. To be called once.
     ///

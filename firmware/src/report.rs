@@ -4,7 +4,7 @@
 //! later. More than the queue holds is lost, and it is told how much.
 
 use cophase_core::signals::Telemetry;
-use cophase_core::supervisor::{Fault, State};
+use cophase_core::supervisor::{Fault, FaultKind, State};
 use cophase_core::units::Turns;
 use embassy_time::{Duration, Timer};
 use heapless::spsc::{Consumer, Producer, Queue};
@@ -39,7 +39,11 @@ enum What {
         drift: [Turns; AXES],
         axes: usize,
     },
-    Fault(Fault),
+    /// What was seen: a fault that latched, or something that is told, whatever is done about it.
+    Incident {
+        fault: Fault,
+        latched: bool,
+    },
     Missed(u32),
     Late(u32),
     Lost(u32),
@@ -70,11 +74,11 @@ impl Reporter {
 
     /// Takes in what a tick came to.
     pub fn observe<const N: usize>(&mut self, tick: u32, telemetry: &Telemetry<N>) {
-        if telemetry.fault.is_some() != self.faulty {
-            self.faulty = telemetry.fault.is_some();
-            if let Some(fault) = telemetry.fault {
-                self.note(tick, What::Fault(fault));
-            }
+        // What latched before the first tick was no incident of any.
+        let is_new = telemetry.fault.is_some() && !self.faulty;
+        self.faulty = telemetry.fault.is_some();
+        if telemetry.incident.is_some() || is_new {
+            self.tell_of(tick, telemetry.incident, telemetry.fault);
         }
         if telemetry.state != self.state {
             self.state = telemetry.state;
@@ -100,6 +104,16 @@ impl Reporter {
         if limits.late_deadlines != self.late {
             self.late = limits.late_deadlines;
             self.note(tick, What::Late(self.late));
+        }
+    }
+
+    /// An incident, or what latched without being one.
+    #[cold]
+    #[inline(never)]
+    fn tell_of(&mut self, tick: u32, incident: Option<Fault>, latched: Option<Fault>) {
+        if let Some(fault) = incident.or(latched) {
+            let latched = latched == Some(fault);
+            self.note(tick, What::Incident { fault, latched });
         }
     }
 
@@ -132,7 +146,7 @@ pub async fn tell(mut notes: Consumer<'static, Note>) -> ! {
                 let drift_deg = drift_deg.get(..axes).unwrap_or_default();
                 defmt::info!("tick {=u32}: {}, drift {} deg", tick, state, drift_deg);
             }
-            What::Fault(fault) => tell_fault(tick, &fault),
+            What::Incident { fault, latched } => tell_fault(tick, &fault, latched),
             What::Missed(all) => {
                 defmt::warn!("tick {=u32}: {=u32} deadlines missed in all", tick, all);
             }
@@ -144,26 +158,49 @@ pub async fn tell(mut notes: Consumer<'static, Note>) -> ! {
     }
 }
 
-fn tell_fault(tick: u32, fault: &Fault) {
-    let size_deg = degrees(fault.size);
-    let phase_deg = degrees(fault.phase.within_turn());
-    match fault.axis {
-        Some(axis) => defmt::error!(
-            "tick {=u32}: fault: {} on axis {=usize}, {=f32} deg, at crank phase {=f32} deg",
+/// A line of words, and the same as the bytes that go over a wire.
+fn tell_fault(tick: u32, fault: &Fault, latched: bool) {
+    let name = fault.kind.name();
+    let (size_deg, phase_deg) = (degrees(fault.size), degrees(fault.phase.within_turn()));
+    let bytes = &fault.to_bytes()[..];
+    let axis = OnAxis(fault.axis);
+    if latched {
+        defmt::error!(
+            "tick {=u32}: fault: {=str}{}, {=f32} deg, at crank phase {=f32} deg {=[u8]:02x}",
             tick,
-            fault.kind,
+            name,
             axis,
             size_deg,
-            phase_deg
-        ),
-        None => defmt::error!(
-            "tick {=u32}: fault: {}, {=f32} deg, at crank phase {=f32} deg",
+            phase_deg,
+            bytes
+        );
+    } else {
+        defmt::warn!(
+            "tick {=u32}: told: {=str}{}, {=f32} deg, at crank phase {=f32} deg {=[u8]:02x}",
             tick,
-            fault.kind,
+            name,
+            axis,
             size_deg,
-            phase_deg
-        ),
+            phase_deg,
+            bytes
+        );
     }
+}
+
+/// The axis that shows a fault, if one does.
+struct OnAxis(Option<usize>);
+
+impl defmt::Format for OnAxis {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        if let Some(axis) = self.0 {
+            defmt::write!(f, " on axis {=usize}", axis);
+        }
+    }
+}
+
+/// What was handed over at power-up is not run: under the name that it has among faults, and why.
+pub fn refused(kind: FaultKind, why: impl defmt::Format) {
+    defmt::error!("{=str}: {}", kind.name(), why);
 }
 
 /// For the eye: floats are for what is told, and never for what is done.

@@ -7,9 +7,12 @@ use cophase_blob::layout::{FLASH_ADDRESS, FLASH_BYTES, SLOT_A_OFFSET, SLOT_B_OFF
 use cophase_blob::store::{Choice, Slot, Store, blob_in, choose, inspect};
 use cophase_blob::{BlobError, decode, verify};
 use cophase_core::setup::Setup;
+use cophase_core::supervisor::FaultKind;
 use embassy_rp::Peri;
 use embassy_rp::flash::{Blocking, Flash};
 use embassy_rp::peripherals::FLASH;
+
+use crate::report;
 
 static BUILT_IN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/built-in.blob"));
 
@@ -26,7 +29,7 @@ pub fn load(flash: Peri<'static, FLASH>) -> Option<Setup> {
             Some(setup)
         }
         Err(error) => {
-            defmt::error!("settings refused: {}", error);
+            report::refused(FaultKind::SettingsRejected, error);
             None
         }
     }

@@ -68,7 +68,7 @@ fn main() -> ! {
             last_seen.is_some(),
             Reporter::new(to_tell),
         );
-        made.inspect_err(|refusal| defmt::error!("settings refused: {}", refusal))
+        made.inspect_err(|refusal| report::refused(refusal.kind(), refusal))
             .ok()
     });
 

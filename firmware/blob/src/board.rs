@@ -25,6 +25,11 @@ pub enum Unfit {
     /// There are no outputs for servos.
     #[error("axis {0} is a servo, and the board has outputs for steppers only")]
     Servo(usize),
+    /// There are no inputs for encoders.
+    #[error(
+        "axis {0} has an encoder, and the board has no pins left to count with; take `encoder` away, or run it on the host"
+    )]
+    Encoder(usize),
     /// The loop cannot do its work in a tick.
     #[error(
         "control.tick_hz: at {tick_hz} Hz a tick is too short for {axes} axes with so many steps; \
@@ -48,6 +53,9 @@ pub fn check(setup: &Setup) -> Result<(), Unfit> {
     let servo = |axis: &AxisSettings| axis.drive == DriveKind::Servo;
     if let Some(axis) = setup.axes.iter().position(servo) {
         return Err(Unfit::Servo(axis));
+    }
+    if let Some(axis) = setup.axes.iter().position(|axis| axis.encoder) {
+        return Err(Unfit::Encoder(axis));
     }
     if has_time(setup, setup.tick_hz) {
         return Ok(());

@@ -99,8 +99,14 @@ fn wiring_pattern<const N: usize>(
     correction: &Correction<N>,
 ) -> Result<[Turns; N], SettingsError> {
     let tolerances = (0..N).map(|axis| drift.tolerance(axis));
-    let pattern = align::pattern::<N>(tolerances.max().unwrap_or_default());
-    if correction.past_limit(&pattern).is_none() && drift.allows(&pattern) {
+    let tolerance = tolerances.max().unwrap_or_default();
+    let pattern = align::pattern::<N>(tolerance);
+    // With what readings may be off on top.
+    let reserve = pattern.map(|level| {
+        let on_top = if level < 0 { -tolerance } else { tolerance };
+        level.wrapping_add(on_top)
+    });
+    if correction.past_limit(&pattern).is_none() && drift.allows(&reserve) {
         return Ok(pattern);
     }
     let most = pattern.iter().map(|level| level.abs()).max();
@@ -298,12 +304,22 @@ impl<const N: usize> Controller<N> {
     #[inline(never)]
     pub fn tick(&mut self, feedback: &Feedback<N>) -> &Output<N> {
         let (seen, told) = self.observe(feedback);
-        let before = (self.supervisor.state(), self.supervisor.fault());
+        let before = self.supervisor.state();
+        let was_well = !self.supervisor.has_fault();
         let action = self
             .supervisor
             .step(feedback.inputs, feedback.command, seen);
-        self.enter(before.0, self.supervisor.state());
-        self.tell(before.1, told, feedback);
+        let now = self.supervisor.state();
+        if now != before {
+            self.enter(before, now);
+        }
+        let is_news = self.supervisor.has_fault() && (was_well || seen.refines);
+        let stop = feedback.inputs.stop && !self.stop_input;
+        self.stop_input = feedback.inputs.stop;
+        self.output.telemetry.incident = None;
+        if is_news || stop || told.is_some() || self.untold.is_some() {
+            self.tell(is_news, told, stop);
+        }
         let demand = self.demand(action);
         self.motion = self.shaft.advance(demand);
         self.drive(action != Action::Stand);
@@ -334,24 +350,7 @@ impl<const N: usize> Controller<N> {
             phase: self.crank_phase(),
             ..Seen::default()
         };
-        let mut told = None;
-        if let Some(found) = found {
-            let reaction = reaction(found.fault.kind, found.in_safety);
-            if found.refines {
-                // What latched may be something else, which no sensor of a crank has a better name for.
-                let latched = self.supervisor.fault();
-                if latched.is_some_and(|old| is_better(found.fault.kind, old.kind)) {
-                    seen.fault = Some(found.fault);
-                    seen.reaction = reaction;
-                    seen.refines = true;
-                }
-            } else if reaction >= Reaction::Stop {
-                seen.fault = Some(found.fault);
-                seen.reaction = reaction;
-            } else {
-                told = Some(found.fault);
-            }
-        }
+        let told = found.and_then(|found| weigh(found, &self.supervisor, &mut seen));
         let alarm = feedback.alarm.iter().fold(false, |any, alarm| any | alarm);
         if alarm || feedback.ran_dry.is_some() || self.overrun.is_some() {
             self.blame(feedback, &mut seen);
@@ -425,16 +424,11 @@ impl<const N: usize> Controller<N> {
         self.shaft.phase().advanced(self.align.datum())
     }
 
-    /// Tells what has happened, one thing a tick.
-    fn tell(&mut self, before: Option<Fault>, told: Option<Fault>, feedback: &Feedback<N>) {
-        let stop = feedback.inputs.stop && !self.stop_input;
-        self.stop_input = feedback.inputs.stop;
+    /// Tells what has happened, one thing a tick: a fault that latched or has a better name, what else was seen, the stop input.
+    #[cold]
+    #[inline(never)]
+    fn tell(&mut self, is_news: bool, told: Option<Fault>, stop: bool) {
         let latched = self.supervisor.fault();
-        let is_news = latched.is_some() && latched != before;
-        self.output.telemetry.incident = None;
-        if !is_news && told.is_none() && !stop && self.untold.is_none() {
-            return;
-        }
         let (tick, phase) = (self.ticks, self.crank_phase());
         let at = |fault: Fault| fault.at(tick, phase);
         let stop = stop.then(|| at(Fault::new(FaultKind::StopInput)));
@@ -474,10 +468,9 @@ impl<const N: usize> Controller<N> {
     }
 
     /// Sets up for a state that was just entered.
+    #[cold]
+    #[inline(never)]
     fn enter(&mut self, before: State, now: State) {
-        if before == now {
-            return;
-        }
         match now {
             // Whatever the cranks did while the drives were off, only their index pulses tell.
             State::Align if before == State::Idle => {
@@ -600,6 +593,27 @@ impl<const N: usize> Controller<N> {
         telemetry.correction = *self.correction.now();
         telemetry.datum = self.align.datum();
     }
+}
+
+/// What is to be done about what was found: what is seen of it, or else what is told.
+#[cold]
+#[inline(never)]
+fn weigh(found: Finding, supervisor: &Supervisor, seen: &mut Seen) -> Option<Fault> {
+    let Finding { fault, .. } = found;
+    let reaction = reaction(fault.kind, found.in_safety);
+    if found.refines {
+        // What latched may be something else, which no sensor of a crank has a better name for.
+        let latched = supervisor.fault();
+        if latched.is_none_or(|old| !is_better(fault.kind, old.kind)) {
+            return None;
+        }
+        seen.refines = true;
+    } else if reaction < Reaction::Stop {
+        return Some(fault);
+    }
+    seen.fault = Some(fault);
+    seen.reaction = reaction;
+    None
 }
 
 impl Channel {

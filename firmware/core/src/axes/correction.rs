@@ -20,6 +20,8 @@ pub struct Correction<const N: usize> {
     rate: u64,
     /// Part of a difference that is corrected at once, 16 fraction bits.
     part: i64,
+    /// 1, ½ … 1/N with as many: nothing is divided in a tick.
+    shares: [u32; N],
 }
 
 impl<const N: usize> Correction<N> {
@@ -40,6 +42,7 @@ impl<const N: usize> Correction<N> {
             }),
             rate: rates.min().unwrap_or(0).max(1).unsigned_abs(),
             part: libm::round(settings.correction.part * 65_536.0) as i64,
+            shares: core::array::from_fn(|n| 65_536 / (n as u32 + 1)),
         }
     }
 
@@ -62,25 +65,24 @@ impl<const N: usize> Correction<N> {
     /// the part that is taken away at once. Axes that are not `watched` keep theirs.
     pub fn against(&self, error: &[Turns; N], watched: u8, all: bool) -> [Turns; N] {
         let mut target = self.now;
-        let is_watched = |axis: usize| watched & 1 << axis != 0;
-        let axes = || (0..N).filter(|&axis| is_watched(axis));
-        let count = axes().count();
-        let Some(last) = axes().next_back().filter(|_| count > 1) else {
-            return target;
-        };
-        // 1/count with 16 fraction bits: what that is off, the last axis makes up for below.
-        let share = 65_536 / count as i64;
-        let sum: i64 = axes().map(|axis| error[axis].to_bits() >> 16).sum();
-        let mean = sum * share;
-        let mut rest = Turns::ZERO;
-        for axis in axes().filter(|&axis| axis != last) {
-            let off = mean - error[axis].to_bits();
-            let by = Turns::from_bits(if all { off } else { (off >> 16) * self.part });
-            target[axis] = target[axis].wrapping_add(by);
-            rest = rest.wrapping_sub(by);
+        if watched.count_ones() > 1 {
+            let mean = self.mean(error, watched);
+            take_away(
+                &mut target,
+                error,
+                watched,
+                mean,
+                (!all).then_some(self.part),
+            );
         }
-        target[last] = target[last].wrapping_add(rest);
         target
+    }
+
+    /// The mean of what some axes are off by, to a part in 10,000; zero of none.
+    pub fn mean(&self, error: &[Turns; N], watched: u8) -> Turns {
+        let axes = (watched.count_ones() as usize).wrapping_sub(1);
+        let share = self.shares.get(axes).copied();
+        Turns::from_bits(sum(error, watched) * i64::from(share.unwrap_or(0)))
     }
 
     /// The axis, if any, whose limit a target is past.
@@ -93,19 +95,7 @@ impl<const N: usize> Correction<N> {
 
     /// Goes to `target`, whose sum is that of the trims in force, from where the trims are.
     pub fn go_to(&mut self, target: [Turns; N]) {
-        let way = |axis: usize| target[axis].wrapping_sub(self.now[axis]);
-        let most = (0..N).map(|axis| way(axis).to_bits().unsigned_abs()).max();
-        // A power of two of ticks, so that nothing has to be divided.
-        let mut doublings = 0;
-        while most.unwrap_or(0) >> doublings > self.rate {
-            doublings += 1;
-        }
-        let mut rest = Turns::ZERO;
-        for axis in 0..N - 1 {
-            self.change[axis] = Turns::from_bits(way(axis).to_bits() >> doublings);
-            rest = rest.wrapping_sub(self.change[axis]);
-        }
-        self.change[N - 1] = rest;
+        let doublings = share_out(&mut self.change, &self.now, &target, self.rate);
         self.target = target;
         self.left = 1 << doublings;
     }
@@ -115,8 +105,9 @@ impl<const N: usize> Correction<N> {
         match self.left {
             0 => return None,
             1 => {
-                for axis in 0..N {
-                    self.change[axis] = self.target[axis].wrapping_sub(self.now[axis]);
+                let way = self.target.iter().zip(&self.now);
+                for (change, (target, &now)) in self.change.iter_mut().zip(way) {
+                    *change = target.wrapping_sub(now);
                 }
             }
             _ => {}
@@ -127,4 +118,62 @@ impl<const N: usize> Correction<N> {
         }
         Some(&self.change)
     }
+}
+
+/// The sum of what some axes are off by, less 16 fraction bits.
+#[inline(never)] // one for every number of axes, as all of these
+fn sum(error: &[Turns], watched: u8) -> i64 {
+    let axes = error.iter().enumerate();
+    axes.filter(|(axis, _)| watched & 1 << axis != 0)
+        .map(|(_, error)| error.to_bits() >> 16)
+        .sum()
+}
+
+/// Takes away from trims what some axes are off from the mean, or a part of that. The last of them makes up for the rest, so that their
+/// sum stays.
+#[inline(never)]
+fn take_away(trims: &mut [Turns], error: &[Turns], watched: u8, mean: Turns, part: Option<i64>) {
+    let mut rest = Turns::ZERO;
+    let mut left = watched;
+    for (axis, (trim, &error)) in trims.iter_mut().zip(error).enumerate() {
+        let own = 1 << axis;
+        if left & own == 0 {
+            continue;
+        }
+        left &= !own;
+        let off = mean.wrapping_sub(error);
+        let by = match part {
+            _ if left == 0 => rest,
+            None => off,
+            Some(part) => Turns::from_bits((off.to_bits() >> 16) * part),
+        };
+        *trim = trim.wrapping_add(by);
+        rest = rest.wrapping_sub(by);
+    }
+}
+
+/// What changes in a tick, of the way from trims to where they are to be: the way over a power of two of ticks, so that nothing has
+/// to be divided. Which power.
+#[inline(never)]
+fn share_out(change: &mut [Turns], now: &[Turns], target: &[Turns], rate: u64) -> u32 {
+    let mut most = 0;
+    let way = target.iter().zip(now);
+    for (change, (target, &now)) in change.iter_mut().zip(way) {
+        *change = target.wrapping_sub(now);
+        most = most.max(change.to_bits().unsigned_abs());
+    }
+    let mut doublings = 0;
+    while most > rate {
+        most >>= 1;
+        doublings += 1;
+    }
+    let Some((last, others)) = change.split_last_mut() else {
+        return doublings;
+    };
+    *last = Turns::ZERO;
+    for change in others {
+        *change = Turns::from_bits(change.to_bits() >> doublings);
+        *last = last.wrapping_sub(*change);
+    }
+    doublings
 }

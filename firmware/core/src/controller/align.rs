@@ -5,9 +5,12 @@
 //! machine's own zero, the *datum*; what they are off from each other is trimmed away, all at once and within the limits,
 //! and looked at for a turn more. A crank that is too far out for that is refused.
 //!
-//! To *prove the wiring* each crank is moved by an amount of its own besides. A crank that follows its own lines keeps its drift,
-//! as that is against what it is told; where the lines of two are swapped, each shows what the other was told. Then all is
+//! To *prove the wiring* each crank is then moved by an amount of its own. A crank that follows its own lines keeps its drift, as
+//! that is against what it is told; where the lines of two are swapped, each shows what the other was told. Then all is
 //! taken back.
+//!
+//! A crank *strays* that did not do what it was told in three looks, turn after turn: a rotor swings in its field when it is
+//! moved slowly, and one look alone may catch it so.
 
 use crate::axes::Correction;
 use crate::drift::DriftMonitor;
@@ -42,26 +45,35 @@ pub(super) struct Align<const N: usize> {
     has_datum: bool,
     /// A mean up to this is lag, and no other zero.
     lag: Turns,
-    /// Drifts before the cranks were moved, where they were then, and where they are to be.
+    /// Whether the pattern is on.
+    proving: bool,
+    /// Drifts before the cranks were moved, and the trims then.
     before: [Turns; N],
     from: [Turns; N],
-    target: [Turns; N],
+    /// Looks in which some crank strayed, and by how much each was off in all of them.
+    looks: u8,
+    off: [Turns; N],
     datum: Turns,
 }
 
 /// How many tolerances two levels of the pattern are apart.
 const APART: i64 = 3;
 
-/// The pattern that proves the wiring: levels `apart` from each other, the upper ones on even axes and the lower ones on odd, so that
-/// the platform tilts and bends little; their sum is zero.
+/// Looks after which a crank that strays in each is believed to.
+const LOOKS: u8 = 3;
+
+/// The pattern that proves the wiring: levels [`APART`] from each other; their sum is zero. Four cranks go with a plane, which bends
+/// nothing. Of more the upper levels are on even axes and the lower on odd, so that the platform tilts little: a plane with six
+/// levels would tilt it by twice as much.
 pub(super) fn pattern<const N: usize>(tolerance: Turns) -> [Turns; N] {
     let half = tolerance.to_bits() * APART / 2;
+    const PLANE: [usize; 4] = [0, 1, 3, 2];
     let upper = N.div_ceil(2);
     core::array::from_fn(|axis| {
-        let rank = if axis % 2 == 0 {
-            axis / 2
-        } else {
-            upper + axis / 2
+        let rank = match PLANE.get(axis) {
+            Some(&rank) if N == 4 => rank,
+            _ if axis % 2 == 0 => axis / 2,
+            _ => upper + axis / 2,
         };
         Turns::from_bits((N as i64 - 1 - 2 * rank as i64) * half)
     })
@@ -75,9 +87,11 @@ impl<const N: usize> Align<N> {
             pattern,
             has_datum,
             lag,
+            proving: false,
             before: [Turns::ZERO; N],
             from: [Turns::ZERO; N],
-            target: [Turns::ZERO; N],
+            looks: 0,
+            off: [Turns::ZERO; N],
             datum: Turns::ZERO,
         }
     }
@@ -85,6 +99,7 @@ impl<const N: usize> Align<N> {
     /// Begins.
     pub(super) const fn begin(&mut self) {
         self.step = Step::Find;
+        self.proving = false;
     }
 
     /// Whether the cranks are where they should be.
@@ -98,6 +113,7 @@ impl<const N: usize> Align<N> {
     }
 
     /// Plays one tick of the search.
+    #[inline]
     pub(super) fn advance(
         &mut self,
         monitor: &mut DriftMonitor<N>,
@@ -128,56 +144,86 @@ impl<const N: usize> Align<N> {
         monitor: &mut DriftMonitor<N>,
         correction: &mut Correction<N>,
     ) -> Option<Fault> {
-        self.find_datum(monitor);
-        let proves = self.pattern.iter().any(|&level| level != 0);
-        let error = errors(monitor, correction);
-        let target = correction.against(&error, monitor.watched(), true);
+        self.find_datum(monitor, correction);
+        let mut target = *correction.now();
+        if correction.is_on() {
+            let error = errors(monitor, correction);
+            target = correction.against(&error, monitor.watched(), true);
+        } else if self.proves() {
+            // What an align that was cut short left of its pattern is taken back.
+            target = [Turns::ZERO; N];
+        }
         let differs = (0..N).any(|axis| {
             let by = target[axis].wrapping_sub(correction.now()[axis]);
             by.wrapping_abs() > monitor.tolerance(axis)
         });
-        let corrects = correction.is_on() && differs;
-        if !proves && !corrects {
+        if differs {
+            return self.move_to(target, monitor, correction);
+        }
+        self.go_on(monitor, correction)
+    }
+
+    fn proves(&self) -> bool {
+        self.pattern.iter().any(|&level| level != 0)
+    }
+
+    /// The cranks are together: it is proved that each is its own, or all is done.
+    fn go_on(
+        &mut self,
+        monitor: &mut DriftMonitor<N>,
+        correction: &mut Correction<N>,
+    ) -> Option<Fault> {
+        if self.proving {
+            correction.go_to(self.from);
+            self.step = Step::Return;
+            return None;
+        }
+        if !self.proves() {
             self.finish(monitor);
             return None;
         }
-        // Where nothing is corrected, what an align that was cut short left of its pattern is taken back.
-        self.target = if correction.is_on() {
-            target
-        } else {
-            [Turns::ZERO; N]
-        };
-        let mut moved = self.target;
+        self.proving = true;
+        let mut moved = *correction.now();
         for (moved, &level) in moved.iter_mut().zip(&self.pattern) {
             *moved = moved.wrapping_add(level);
         }
-        let refused = correction.past_limit(&self.target);
-        if let Some(axis) = refused.or_else(|| correction.past_limit(&moved)) {
+        self.move_to(moved, monitor, correction)
+    }
+
+    /// Moves the cranks to other trims, straight and together: the platform tilts no further than at one of the two ends.
+    fn move_to(
+        &mut self,
+        trims: [Turns; N],
+        monitor: &DriftMonitor<N>,
+        correction: &mut Correction<N>,
+    ) -> Option<Fault> {
+        if let Some(axis) = correction.past_limit(&trims) {
             let size = monitor.drift()[axis];
             let fault = Fault::new(FaultKind::TooFarOut);
             return Some(fault.on_axis(axis).with_size(size));
         }
         self.before = *monitor.drift();
         self.from = *correction.now();
-        // All go straight from where they are to the pattern: the platform tilts no further than at one of these ends, and both
-        // are within its limits.
-        correction.go_to(moved);
+        self.looks = 0;
+        self.off = [Turns::ZERO; N];
+        correction.go_to(trims);
         self.step = Step::Move;
         None
     }
 
     /// What all cranks are off by together is where the machine's zero is.
-    fn find_datum(&mut self, monitor: &mut DriftMonitor<N>) {
+    fn find_datum(&mut self, monitor: &mut DriftMonitor<N>, correction: &Correction<N>) {
         if !self.has_datum {
             return;
         }
+        // Drifts may lie around half a turn: their differences have a mean.
         let watched = monitor.watched();
-        let axes = || (0..N).filter(move |&axis| watched & 1 << axis != 0);
-        let Some(first) = axes().next() else { return };
-        let base = monitor.drift()[first];
-        let off = |axis: usize| nearest(monitor.drift()[axis].wrapping_sub(base)).to_bits();
-        let sum: i64 = axes().map(off).sum();
-        let mean = nearest(base.wrapping_add(Turns::from_bits(sum / axes().count() as i64)));
+        let first = watched.trailing_zeros() as usize;
+        let base = monitor.drift().get(first).copied().unwrap_or_default();
+        let off = monitor
+            .drift()
+            .map(|drift| nearest(drift.wrapping_sub(base)));
+        let mean = nearest(base.wrapping_add(correction.mean(&off, watched)));
         if mean.abs() > self.lag {
             monitor.shift(mean);
             self.datum = nearest(self.datum.wrapping_add(mean));
@@ -191,34 +237,72 @@ impl<const N: usize> Align<N> {
         monitor: &mut DriftMonitor<N>,
         correction: &mut Correction<N>,
     ) -> Option<Fault> {
-        let moved = |axis: usize| correction.now()[axis].wrapping_sub(self.from[axis]);
-        for axis in (0..N).filter(|&axis| monitor.watched() & 1 << axis != 0) {
+        let mut looks = [Look::default(); N];
+        self.looks += 1;
+        for (axis, look) in looks.iter_mut().enumerate() {
             let off = nearest(monitor.drift()[axis].wrapping_sub(self.before[axis]));
-            let tolerance = monitor.tolerance(axis);
-            let allowed = Turns::from_bits(tolerance.to_bits() * APART / 2);
-            if off.abs() <= allowed {
-                continue;
-            }
-            // As far off as some other crank was moved further?
-            let follows = |other: usize| {
-                let between = moved(other).wrapping_sub(moved(axis));
-                other != axis && nearest(off.wrapping_sub(between)).abs() <= tolerance
+            self.off[axis] = self.off[axis].wrapping_add(off);
+            *look = Look {
+                off,
+                moved: correction.now()[axis].wrapping_sub(self.from[axis]),
+                tolerance: monitor.tolerance(axis),
             };
-            let kind = if (0..N).any(follows) {
-                FaultKind::SwappedWiring
-            } else {
-                FaultKind::Slip
-            };
-            return Some(Fault::new(kind).on_axis(axis).with_size(off));
         }
-        if self.pattern.iter().all(|&level| level == 0) {
-            self.finish(monitor);
+        if stray(&looks, monitor.watched()).is_none() {
+            return self.go_on(monitor, correction);
+        }
+        if self.looks < LOOKS {
+            monitor.look_again();
+            return None;
+        }
+        for (look, off) in looks.iter_mut().zip(self.off) {
+            look.off = Turns::from_bits(off.to_bits() / i64::from(LOOKS));
+        }
+        let Some((axis, is_swapped)) = stray(&looks, monitor.watched()) else {
+            return self.go_on(monitor, correction);
+        };
+        let off = looks[axis].off;
+        let kind = if is_swapped {
+            FaultKind::SwappedWiring
         } else {
-            correction.go_to(self.target);
-            self.step = Step::Return;
-        }
-        None
+            monitor.name_of(axis, off)
+        };
+        Some(Fault::new(kind).on_axis(axis).with_size(off))
     }
+}
+
+/// What a crank was found to have done when it was moved.
+#[derive(Clone, Copy, Debug, Default)]
+struct Look {
+    /// Away from what it was told.
+    off: Turns,
+    /// What it was told.
+    moved: Turns,
+    tolerance: Turns,
+}
+
+/// The crank that strays most, and whether it does what another was told.
+#[inline(never)] // one for every number of axes
+fn stray(looks: &[Look], watched: u8) -> Option<(usize, bool)> {
+    let strays = |look: &Look| {
+        let allowed = Turns::from_bits(look.tolerance.to_bits() * APART / 2);
+        look.off.abs() > allowed
+    };
+    let (axis, look) = looks
+        .iter()
+        .enumerate()
+        .filter(|&(axis, look)| watched & 1 << axis != 0 && strays(look))
+        .max_by_key(|(_, look)| look.off.abs())?;
+    // As far off as some other crank was moved further?
+    let follows = |other: usize, by: Turns| {
+        let between = by.wrapping_sub(look.moved);
+        let allowed = Turns::from_bits(look.tolerance.to_bits() * APART / 2);
+        let apart = between.abs() > allowed;
+        other != axis && apart && nearest(look.off.wrapping_sub(between)).abs() <= allowed
+    };
+    let mut others = looks.iter().enumerate();
+    let is_swapped = others.any(|(other, at)| follows(other, at.moved));
+    Some((axis, is_swapped))
 }
 
 /// What each crank is off from where the master has it.

@@ -6,7 +6,7 @@ use super::naming::Story;
 use super::tick_phase::{IndexPulse, TickClock, TickPhase};
 use crate::settings::{AxisSettings, turns};
 use crate::supervisor::FaultKind;
-use crate::units::{Phase, Turns, nearest};
+use crate::units::{FRACTION_BITS, Phase, Turns, nearest};
 
 /// Index pulses that may stay away in a row, where an encoder watches.
 const MOST_MISSED: u8 = 2;
@@ -35,6 +35,17 @@ pub(super) struct Sorted {
     pub told: Option<(FaultKind, Turns, bool)>,
 }
 
+/// What cranks are off by as an angle of 2⁻³² turn, which wraps as they do: half a word, and nothing to bring back within the turn.
+pub(super) const fn angle(turns: Turns) -> i32 {
+    (turns.to_bits() >> ANGLE_CUT) as i32
+}
+
+const ANGLE_CUT: u32 = FRACTION_BITS - 32;
+
+fn of_angle(angle: i32) -> Turns {
+    Turns::from_bits(i64::from(angle) << ANGLE_CUT)
+}
+
 /// Watches one axis.
 #[derive(Clone, Debug)]
 pub(super) struct AxisWatch {
@@ -43,13 +54,13 @@ pub(super) struct AxisWatch {
     heard: Heard,
     read: Read,
     tolerance: Turns,
-    /// Further than this from where it was, a crank has moved.
-    gate: Turns,
+    /// Further than this angle from where it was, a crank has moved.
+    gate: u32,
     /// So far off, this crank alone takes the platform past a limit.
     alone: Turns,
-    /// Offset at the last round, and where it was when all was well.
-    last: Turns,
-    home: Turns,
+    /// Offset at the last round, and where it was when all was well: angles.
+    last: i32,
+    home: i32,
     story: Story,
     /// Named in this tick, and not told yet.
     fresh: Option<(FaultKind, Turns)>,
@@ -95,10 +106,10 @@ impl AxisWatch {
             heard: Heard::Nothing,
             read: Read::Nothing,
             tolerance,
-            gate,
+            gate: angle(gate).unsigned_abs(),
             alone,
-            last: Turns::ZERO,
-            home: Turns::ZERO,
+            last: 0,
+            home: 0,
             story: Story::new(cycle, tolerance),
             fresh: None,
             name: None,
@@ -110,8 +121,17 @@ impl AxisWatch {
         }
     }
 
+    /// Whether a tick without a pulse is no news: of an axis by index whose next pulse is not due. Nearly all are so.
+    #[inline(always)]
+    pub(super) fn passes_over(&mut self, commanded: &TickPhase) -> bool {
+        match (&self.encoder, &mut self.index) {
+            (None, Some(index)) => index.passes_over(commanded),
+            _ => false,
+        }
+    }
+
     /// Takes in a tick; whether there is news.
-    #[inline]
+    #[inline(never)]
     pub(super) fn observe(
         &mut self,
         pulse: Option<&IndexPulse>,
@@ -210,8 +230,9 @@ impl AxisWatch {
                 if let Some(encoder) = &mut self.encoder {
                     // Only where the encoder saw a jump as well did the motor move; else the crank did on its shaft.
                     let doubt = core::mem::take(&mut encoder.doubt);
-                    let seen = doubt != 0 && by.wrapping_sub(doubt).wrapping_abs() <= self.gate;
-                    self.home = self.home.wrapping_add(by);
+                    let off = angle(by.wrapping_sub(doubt)).unsigned_abs();
+                    let seen = doubt != 0 && off <= self.gate;
+                    self.home = self.home.wrapping_add(angle(by));
                     self.named(by, (!seen).then_some(FaultKind::Slip));
                 } else {
                     sorted.has_moved = true;
@@ -262,10 +283,10 @@ impl AxisWatch {
 
     /// Crank and encoder go apart, turn by turn.
     fn walk_by_encoder(&mut self) {
-        let walk = nearest(self.offset().wrapping_sub(self.home));
-        if walk.abs() > self.gate {
-            self.home = self.offset();
-            self.named(walk, Some(FaultKind::Slip));
+        let (_, walk) = self.moved();
+        if walk.unsigned_abs() > self.gate {
+            self.home = angle(self.offset());
+            self.named(of_angle(walk), Some(FaultKind::Slip));
         }
     }
 
@@ -278,33 +299,31 @@ impl AxisWatch {
     }
 
     /// At the end of a round in which all others jumped by `jump`, and have walked by `walk`, of an axis by index.
-    pub(super) fn compare(&mut self, jump: Turns, walk: Turns) {
-        let own_jump = nearest(self.jump().wrapping_sub(jump));
-        let own_walk = nearest(self.walk().wrapping_sub(walk));
-        self.last = self.offset();
+    pub(super) fn compare(&mut self, jump: i32, walk: i32) {
+        let moved = self.moved();
+        let own_jump = moved.0.wrapping_sub(jump);
+        let own_walk = moved.1.wrapping_sub(walk);
+        self.last = angle(self.offset());
         self.name_for = self.name_for.saturating_sub(1);
         if self.name_for == 0 {
             self.name = None;
         }
-        if own_jump.abs() > self.gate {
+        if own_jump.unsigned_abs() > self.gate {
             self.home = self.home.wrapping_add(own_jump);
-            self.named(own_jump, None);
+            self.named(of_angle(own_jump), None);
             return;
         }
         self.story.rest();
-        if own_walk.abs() > self.gate {
-            self.home = self.offset().wrapping_sub(walk);
-            self.named(own_walk, Some(FaultKind::Slip));
+        if own_walk.unsigned_abs() > self.gate {
+            self.home = self.last.wrapping_sub(walk);
+            self.named(of_angle(own_walk), Some(FaultKind::Slip));
         }
     }
 
-    /// Since the last round, and since all was well.
-    pub(super) fn jump(&self) -> Turns {
-        nearest(self.offset().wrapping_sub(self.last))
-    }
-
-    pub(super) fn walk(&self) -> Turns {
-        nearest(self.offset().wrapping_sub(self.home))
+    /// How far the crank has gone since the last round, and since all was well.
+    pub(super) fn moved(&self) -> (i32, i32) {
+        let now = angle(self.offset());
+        (now.wrapping_sub(self.last), now.wrapping_sub(self.home))
     }
 
     pub(super) const fn take_fresh(&mut self) -> Option<(FaultKind, Turns)> {
@@ -377,7 +396,7 @@ impl AxisWatch {
     }
 
     pub(super) fn settle(&mut self) {
-        self.last = self.offset();
+        self.last = angle(self.offset());
         self.home = self.last;
         self.fresh = None;
         self.name = None;
@@ -387,13 +406,13 @@ impl AxisWatch {
         if let Some(index) = &mut self.index {
             index.shift(by);
         }
-        self.last = nearest(self.last.wrapping_add(by));
-        self.home = nearest(self.home.wrapping_add(by));
+        self.last = self.last.wrapping_add(angle(by));
+        self.home = self.home.wrapping_add(angle(by));
     }
 
     /// Has no name for a slow walk: for tests of the limits alone.
     #[cfg(test)]
     pub(super) fn never_walks(&mut self) {
-        self.gate = Turns::MAX;
+        self.gate = u32::MAX;
     }
 }

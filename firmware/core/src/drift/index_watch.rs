@@ -121,6 +121,13 @@ impl IndexWatch {
         self.unheard
     }
 
+    /// Takes in a tick without a pulse, if there is nothing to say of it; whether there was not.
+    #[inline(always)]
+    pub(super) fn passes_over(&mut self, phase: &TickPhase) -> bool {
+        self.before = phase.turns;
+        phase.start.since(self.heard_at) <= self.alert
+    }
+
     /// Takes in a tick that is over, in which the axis was told to turn `backward` or not. `before_is_known`: so is the tick
     /// before it.
     #[inline]

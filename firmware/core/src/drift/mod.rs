@@ -31,10 +31,10 @@ pub use modes::{AxisSet, Knowledge, Modes, Mount};
 pub(crate) use naming::is_better;
 pub use tick_phase::{IndexPulse, TickPhase};
 
-use crate::settings::Settings;
+use crate::settings::{MAX_AXES, Settings};
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{Phase, Turns, nearest};
-use axis_watch::AxisWatch;
+use axis_watch::{AxisWatch, angle};
 use heapless::Deque;
 use tick_phase::TickClock;
 
@@ -148,11 +148,17 @@ impl<const N: usize> DriftMonitor<N> {
     pub fn observe(&mut self, sensed: &Sensed<'_, N>) -> Option<Finding> {
         let before_is_known = core::mem::replace(&mut self.before_is_known, true);
         let mut news = 0;
-        for (axis, watch) in self.axes.iter_mut().enumerate() {
-            let (pulse, count) = (sensed.index[axis].as_ref(), sensed.encoder[axis]);
-            let commanded = sensed.commanded[axis];
-            if watch.observe(pulse, count, commanded, before_is_known, self.clock) {
-                news |= 1 << axis;
+        let stirred = stirred(&mut self.axes, sensed.index, &sensed.commanded);
+        if stirred != 0 {
+            let heard = sensed.index.iter().zip(sensed.encoder);
+            let all = self.axes.iter_mut().zip(heard.zip(sensed.commanded));
+            for (axis, (watch, ((pulse, &count), commanded))) in all.enumerate() {
+                let pulse = pulse.as_ref();
+                if stirred & 1 << axis != 0
+                    && watch.observe(pulse, count, commanded, before_is_known, self.clock)
+                {
+                    news |= 1 << axis;
+                }
             }
         }
         if self.open.is_some() {
@@ -208,7 +214,6 @@ impl<const N: usize> DriftMonitor<N> {
             // It is not waited for the others, of which none is late: they have not moved with it.
             self.update();
             self.compare();
-            self.check(sensed);
         } else if round {
             self.heard = 0;
             self.rounds = self.rounds.wrapping_add(1);
@@ -240,27 +245,7 @@ impl<const N: usize> DriftMonitor<N> {
 
     /// Names the axes by index that moved otherwise than the others in this round.
     fn compare(&mut self) {
-        let (mut jumps, mut walks) = ([Turns::ZERO; N], [Turns::ZERO; N]);
-        let mut count = 0;
-        let by_index = self.by_index;
-        let counted = |axis: usize| by_index & 1 << axis != 0;
-        for (axis, watch) in self.axes.iter().enumerate().filter(|(i, _)| counted(*i)) {
-            let _ = axis;
-            if let (Some(jump), Some(walk)) = (jumps.get_mut(count), walks.get_mut(count)) {
-                (*jump, *walk) = (watch.jump(), watch.walk());
-            }
-            count += 1;
-        }
-        if count == 0 {
-            return;
-        }
-        let jump = naming::in_common(&jumps, count);
-        let walk = naming::in_common(&walks, count);
-        for (axis, watch) in self.axes.iter_mut().enumerate() {
-            if counted(axis) {
-                watch.compare(jump, walk);
-            }
-        }
+        compare(&mut self.axes, self.by_index);
     }
 
     /// Holds what is known against the limits, and tells what was named.
@@ -303,10 +288,11 @@ impl<const N: usize> DriftMonitor<N> {
             let size = self.modes.common;
             return self.push(Fault::new(kind).with_size(size), false);
         }
-        if self.finding_out {
-            let kind = FaultKind::TooFarOut;
-            return self.push_axis(self.worst(error), kind);
-        }
+        let kind = if self.finding_out {
+            FaultKind::TooFarOut
+        } else {
+            kind
+        };
         let worst = self.worst(error);
         let known = self.axes.get(worst).and_then(AxisWatch::name);
         self.push_axis(worst, known.unwrap_or(kind));
@@ -319,24 +305,7 @@ impl<const N: usize> DriftMonitor<N> {
 
     /// The axis that is furthest from what all have in common.
     fn worst(&self, error: &[Turns; N]) -> usize {
-        let watched = self.sensed | self.by_encoder;
-        let mut counted = [Turns::ZERO; N];
-        let mut count = 0;
-        for (axis, &error) in error.iter().enumerate() {
-            if watched & 1 << axis != 0
-                && let Some(slot) = counted.get_mut(count)
-            {
-                *slot = error;
-                count += 1;
-            }
-        }
-        let common = naming::in_common(&counted, count);
-        let off = |axis: usize| {
-            let error = error.get(axis).copied().unwrap_or_default();
-            nearest(error.wrapping_sub(common)).abs()
-        };
-        let axes = (0..N).filter(|&axis| watched & 1 << axis != 0);
-        axes.max_by_key(|&axis| off(axis)).unwrap_or(0)
+        furthest(error, self.watched())
     }
 
     /// Before all indices are known, encoders still tell of an axis that does not turn as it is told.
@@ -496,6 +465,81 @@ impl<const N: usize> DriftMonitor<N> {
     pub const fn modes(&self) -> &Modes {
         &self.modes
     }
+}
+
+/// Axes of which there may be news. All others are done with: in nearly all ticks, all.
+#[inline(never)] // one for every number of axes, and in a loop of its own: unrolled, it lacks registers
+fn stirred(
+    axes: &mut [AxisWatch],
+    index: &[Option<IndexPulse>],
+    commanded: &[&TickPhase],
+) -> AxisSet {
+    let mut set = 0;
+    let mut own = 1;
+    for (watch, (pulse, commanded)) in axes.iter_mut().zip(index.iter().zip(commanded)) {
+        if pulse.is_some() || !watch.passes_over(commanded) {
+            set |= own;
+        }
+        own <<= 1;
+    }
+    set
+}
+
+/// Angles of as many axes as there may be, of which some count.
+#[derive(Default)]
+struct Angles {
+    angles: [i32; MAX_AXES],
+    count: usize,
+}
+
+impl Angles {
+    fn push(&mut self, angle: i32) {
+        if let Some(slot) = self.angles.get_mut(self.count) {
+            *slot = angle;
+            self.count += 1;
+        }
+    }
+
+    /// What they have in common.
+    fn common(&mut self) -> i32 {
+        naming::in_common(self.angles.get_mut(..self.count).unwrap_or_default())
+    }
+}
+
+/// Compares what each axis of a set did in a round with what they did in common.
+#[inline(never)] // one for every number of axes, as the next
+fn compare(axes: &mut [AxisWatch], set: AxisSet) {
+    let (mut jumps, mut walks) = (Angles::default(), Angles::default());
+    for (axis, watch) in axes.iter().enumerate() {
+        if set & 1 << axis != 0 {
+            let (jump, walk) = watch.moved();
+            jumps.push(jump);
+            walks.push(walk);
+        }
+    }
+    let (jump, walk) = (jumps.common(), walks.common());
+    for (axis, watch) in axes.iter_mut().enumerate() {
+        if set & 1 << axis != 0 {
+            watch.compare(jump, walk);
+        }
+    }
+}
+
+/// Of a set, the axis whose error is furthest from what they have in common.
+#[inline(never)]
+fn furthest(errors: &[Turns], set: AxisSet) -> usize {
+    let axes = || {
+        let all = errors.iter().map(|&error| angle(error)).enumerate();
+        all.filter(|(axis, _)| set & 1 << axis != 0)
+    };
+    let mut counted = Angles::default();
+    for (_, error) in axes() {
+        counted.push(error);
+    }
+    let common = counted.common();
+    axes()
+        .max_by_key(|(_, error)| error.wrapping_sub(common).unsigned_abs())
+        .map_or(0, |(axis, _)| axis)
 }
 
 #[cfg(test)]

@@ -79,8 +79,11 @@ impl Story {
             return false;
         }
         let cycle = self.cycle.to_bits();
-        let cycles = (by.to_bits().abs() + cycle / 2) / cycle;
-        let off = nearest(Turns::from_bits(by.to_bits().abs() - cycles * cycle));
+        let by = by.wrapping_abs().to_bits();
+        // Half a turn and more has 32 bits so, and a cycle is not below 2⁻¹⁴ turn: how many there are comes out right.
+        let units = |turns: i64| (turns >> 17) as u32;
+        let cycles = units(by + cycle / 2).checked_div(units(cycle)).unwrap_or(0);
+        let off = nearest(Turns::from_bits(by - i64::from(cycles) * cycle));
         cycles > 0 && off.abs() <= self.tolerance
     }
 }
@@ -108,18 +111,31 @@ pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
     new_rank < 3 && (new_rank > old_rank || told_apart)
 }
 
-/// What all of `values` have in common when few of them differ: the middle one; of two middle ones the smaller, so that of two
-/// axes the one counts as moved that moved more. The first `count` count, at least one.
-pub(super) fn in_common<const N: usize>(values: &[Turns; N], count: usize) -> Turns {
-    let mut sorted = *values;
-    let count = count.clamp(1, N);
-    let (counted, _) = sorted.split_at_mut(count);
-    counted.sort_unstable();
-    let (low, high) = (counted.get((count - 1) / 2), counted.get(count / 2));
+/// What all of `values`, wrapping angles, have in common when few of them differ: the middle one; of two middle ones the smaller, so
+/// that of two axes the one counts as moved that moved more. Sorts them.
+#[inline(never)] // one for every number of axes
+pub(super) fn in_common(values: &mut [i32]) -> i32 {
+    // As many as six: a sort of the library's has more to set up than to do, and lies in the flash.
+    for placed in 1..values.len() {
+        let Some((last, before)) = values.get_mut(..=placed).and_then(<[i32]>::split_last_mut)
+        else {
+            break;
+        };
+        let mut held = *last;
+        for value in before.iter_mut() {
+            if *value > held {
+                core::mem::swap(value, &mut held);
+            }
+        }
+        *last = held;
+    }
+    let count = values.len();
+    let low = values.get(count.saturating_sub(1) / 2).copied();
+    let high = values.get(count / 2).copied();
     match (low, high) {
-        (Some(&low), Some(&high)) if high.abs() < low.abs() => high,
-        (Some(&low), _) => low,
-        _ => Turns::ZERO,
+        (Some(low), Some(high)) if high.unsigned_abs() < low.unsigned_abs() => high,
+        (Some(low), _) => low,
+        _ => 0,
     }
 }
 
@@ -174,10 +190,11 @@ mod tests {
 
     #[test]
     fn what_all_do_is_no_ones_own() {
-        let all = |turns: &[f64; 4], count| in_common(&turns.map(deg), count);
-        assert_eq!(all(&[-3.0, -3.0, -10.0, -3.0], 4), deg(-3.0));
-        assert_eq!(all(&[0.0, -7.2, 9.0, 9.0], 2), deg(0.0));
-        assert_eq!(all(&[7.2, 0.0, 9.0, 9.0], 2), deg(0.0));
-        assert_eq!(all(&[5.0, 9.0, 9.0, 9.0], 1), deg(5.0));
+        assert_eq!(in_common(&mut [-30, -30, -100, -30]), -30);
+        assert_eq!(in_common(&mut [0, -72]), 0);
+        assert_eq!(in_common(&mut [72, 0]), 0);
+        assert_eq!(in_common(&mut [5]), 5);
+        assert_eq!(in_common(&mut []), 0);
+        assert_eq!(in_common(&mut [9, 1, 8, 2, 7, i32::MIN]), 2);
     }
 }

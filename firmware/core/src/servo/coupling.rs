@@ -40,10 +40,13 @@ impl<const N: usize> Coupling<N> {
     }
 
     /// Takes in the drifts at a tick's end.
+    #[inline(never)] // of boards without servos it is not to be in the way
     pub fn advance(&mut self, drift: &[Turns; N]) {
         // Below half a turn each: 31 bits, and room for gains of up to 20 and a sum of six.
         let drift = drift.map(|e| e.to_bits() >> 16);
-        let mean = drift.iter().sum::<i64>() / N as i64;
+        // 1/N with 28 bits: what the mean is off, 2⁻²⁸ of it, is the last axis's.
+        let share = const { (1 << 28) / N as i64 };
+        let mean = (drift.iter().sum::<i64>() * share) >> 28;
         let mut integral = self.integral;
         let mut added = self.added;
         let (mut rest, mut rest_integral) = (0, 0);

@@ -184,6 +184,11 @@ impl Supervisor {
         self.fault
     }
 
+    /// Whether one has.
+    pub const fn has_fault(&self) -> bool {
+        self.fault.is_some()
+    }
+
     /// Whether the drives are to be on.
     pub const fn drives_enabled(&self) -> bool {
         matches!(

@@ -73,7 +73,11 @@ pub const REACTIONS: [Row; FaultKind::ALL.len()] = {
 
 /// What is done about a kind.
 pub const fn reaction(kind: FaultKind, in_safety: bool) -> Reaction {
-    let row = REACTIONS[kind as usize];
+    let place = kind as usize;
+    if place >= REACTIONS.len() {
+        return Reaction::Disable; // there is no such kind: a compiler is not always told
+    }
+    let row = REACTIONS[place];
     if in_safety { row.safe } else { row.unsafe_ }
 }
 
