@@ -5,9 +5,9 @@
 //! machine's own zero, the *datum*; what they are off from each other is trimmed away, all at once and within the limits,
 //! and looked at for a turn more. A crank that is too far out for that is refused.
 //!
-//! To *prove the wiring* each crank is then moved by an amount of its own. A crank that follows its own lines keeps its drift, as
-//! that is against what it is told; where the lines of two are swapped, each shows what the other was told. Then all is
-//! taken back.
+//! To *prove the wiring* the platform is then tilted, about one axis and about the other: any two cranks are moved differently once.
+//! A crank that follows its own lines keeps its drift, as that is against what it is told; where the lines of two are swapped,
+//! each shows what the other was told. A plane bends nothing, however stiff the rods. Then all is taken back.
 //!
 //! A crank *strays* that did not do what it was told in three looks, turn after turn: a rotor swings in its field when it is
 //! moved slowly, and one look alone may catch it so.
@@ -39,14 +39,15 @@ enum Step {
 #[derive(Clone, Debug)]
 pub(super) struct Align<const N: usize> {
     step: Step,
-    /// What moves each crank by an amount of its own; zero if the wiring is not to be proved.
-    pattern: [Turns; N],
+    /// The two tilts; zero if the wiring is not to be proved.
+    patterns: [[Turns; N]; 2],
     /// Whether there is a common zero: all cranks turn once with the master.
     has_datum: bool,
     /// A mean up to this is lag, and no other zero.
     lag: Turns,
-    /// Whether the pattern is on.
-    proving: bool,
+    /// Tilts that have been looked at, and the trims without them.
+    proven: usize,
+    base: [Turns; N],
     /// Drifts before the cranks were moved, and the trims then.
     before: [Turns; N],
     from: [Turns; N],
@@ -56,38 +57,49 @@ pub(super) struct Align<const N: usize> {
     datum: Turns,
 }
 
-/// How many tolerances two levels of the pattern are apart.
+/// How many tolerances any two cranks are moved apart, at least, in one of the tilts.
 const APART: i64 = 3;
 
 /// Looks after which a crank that strays in each is believed to.
 const LOOKS: u8 = 3;
 
-/// The pattern that proves the wiring: levels [`APART`] from each other; their sum is zero. Four cranks go with a plane, which bends
-/// nothing. Of more the upper levels are on even axes and the lower on odd, so that the platform tilts little: a plane with six
-/// levels would tilt it by twice as much.
-pub(super) fn pattern<const N: usize>(tolerance: Turns) -> [Turns; N] {
-    let half = tolerance.to_bits() * APART / 2;
-    const PLANE: [usize; 4] = [0, 1, 3, 2];
-    let upper = N.div_ceil(2);
-    core::array::from_fn(|axis| {
-        let rank = match PLANE.get(axis) {
-            Some(&rank) if N == 4 => rank,
-            _ if axis % 2 == 0 => axis / 2,
-            _ => upper + axis / 2,
-        };
-        Turns::from_bits((N as i64 - 1 - 2 * rank as i64) * half)
+/// The tilts that prove the wiring, each of sum zero.
+pub(super) fn patterns<const N: usize>(tolerance: Turns) -> [[Turns; N]; 2] {
+    let place = |i: usize| {
+        let theta = core::f64::consts::TAU * i as f64 / N as f64;
+        // Two axes are on a line: there is one tilt.
+        let sine = if N == 2 { 0.0 } else { libm::sin(theta) };
+        [libm::cos(theta), sine]
+    };
+    let apart = |i: usize, j: usize| {
+        let ([a, b], [c, d]) = (place(i), place(j));
+        libm::fabs(a - c).max(libm::fabs(b - d))
+    };
+    let pairs = (0..N).flat_map(|i| (0..i).map(move |j| apart(i, j)));
+    let least = pairs.fold(f64::INFINITY, f64::min);
+    let amplitude = tolerance.to_num::<f64>() * APART as f64 / least;
+    core::array::from_fn(|tilt| {
+        let mut levels: [Turns; N] =
+            core::array::from_fn(|i| Turns::from_num(amplitude * place(i)[tilt]));
+        // To the count.
+        let rest = levels.iter().fold(Turns::ZERO, |sum, &level| sum + level);
+        if let Some(last) = levels.last_mut() {
+            *last -= rest;
+        }
+        levels
     })
 }
 
 impl<const N: usize> Align<N> {
-    /// With the pattern that proves the wiring, or none.
-    pub(super) const fn new(pattern: [Turns; N], has_datum: bool, lag: Turns) -> Self {
+    /// With the tilts that prove the wiring, or none.
+    pub(super) const fn new(patterns: [[Turns; N]; 2], has_datum: bool, lag: Turns) -> Self {
         Self {
             step: Step::Off,
-            pattern,
+            patterns,
             has_datum,
             lag,
-            proving: false,
+            proven: 0,
+            base: [Turns::ZERO; N],
             before: [Turns::ZERO; N],
             from: [Turns::ZERO; N],
             looks: 0,
@@ -99,7 +111,7 @@ impl<const N: usize> Align<N> {
     /// Begins.
     pub(super) const fn begin(&mut self) {
         self.step = Step::Find;
-        self.proving = false;
+        self.proven = 0;
     }
 
     /// Whether the cranks are where they should be.
@@ -164,7 +176,7 @@ impl<const N: usize> Align<N> {
     }
 
     fn proves(&self) -> bool {
-        self.pattern.iter().any(|&level| level != 0)
+        is_pattern(&self.patterns[0])
     }
 
     /// The cranks are together: it is proved that each is its own, or all is done.
@@ -173,21 +185,41 @@ impl<const N: usize> Align<N> {
         monitor: &mut DriftMonitor<N>,
         correction: &mut Correction<N>,
     ) -> Option<Fault> {
-        if self.proving {
-            correction.go_to(self.from);
-            self.step = Step::Return;
+        if self.proven == 0 {
+            self.base = *correction.now();
+        }
+        let pattern = self
+            .patterns
+            .get(self.proven)
+            .filter(|levels| is_pattern(*levels));
+        let Some(&pattern) = pattern else {
+            if self.proven == 0 {
+                self.finish(monitor);
+            } else {
+                correction.go_to(self.base);
+                self.step = Step::Return;
+            }
             return None;
+        };
+        self.proven += 1;
+        // Tilted the other way it proves as much: there may be room in the trims for that alone.
+        let trims = self.tilted(&pattern, false);
+        let trims = if correction.past_limit(&trims).is_some() {
+            self.tilted(&pattern, true)
+        } else {
+            trims
+        };
+        self.move_to(trims, monitor, correction)
+    }
+
+    /// The trims without a tilt, and one on top, this way or the other.
+    fn tilted(&self, pattern: &[Turns; N], over: bool) -> [Turns; N] {
+        let mut trims = self.base;
+        for (trim, &level) in trims.iter_mut().zip(pattern) {
+            let level = if over { level.wrapping_neg() } else { level };
+            *trim = trim.wrapping_add(level);
         }
-        if !self.proves() {
-            self.finish(monitor);
-            return None;
-        }
-        self.proving = true;
-        let mut moved = *correction.now();
-        for (moved, &level) in moved.iter_mut().zip(&self.pattern) {
-            *moved = moved.wrapping_add(level);
-        }
-        self.move_to(moved, monitor, correction)
+        trims
     }
 
     /// Moves the cranks to other trims, straight and together: the platform tilts no further than at one of the two ends.
@@ -269,6 +301,10 @@ impl<const N: usize> Align<N> {
         };
         Some(Fault::new(kind).on_axis(axis).with_size(off))
     }
+}
+
+fn is_pattern(levels: &[Turns]) -> bool {
+    levels.iter().any(|&level| level != 0)
 }
 
 /// What a crank was found to have done when it was moved.

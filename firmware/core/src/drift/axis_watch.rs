@@ -226,7 +226,6 @@ impl AxisWatch {
             Heard::Moved { by } => {
                 self.silent = false;
                 self.missed = 0;
-                self.crowd = 0;
                 if let Some(encoder) = &mut self.encoder {
                     // Only where the encoder saw a jump as well did the motor move; else the crank did on its shaft.
                     let doubt = core::mem::take(&mut encoder.doubt);
@@ -237,6 +236,16 @@ impl AxisWatch {
                 } else {
                     sorted.has_moved = true;
                 }
+            }
+            Heard::Unheard => {
+                let doubt = self.encoder.as_mut().map(|encoder| &mut encoder.doubt);
+                let Some(doubt) = doubt.map(core::mem::take).filter(|doubt| *doubt != 0) else {
+                    return Sorted::default();
+                };
+                // No flag where the crank would be had the encoder lost counts: it did move.
+                index.believe_moved(doubt);
+                self.home = self.home.wrapping_add(angle(doubt));
+                self.named(doubt, None);
             }
             Heard::Overdue => {
                 sorted.is_heard = false;
@@ -347,8 +356,13 @@ impl AxisWatch {
         self.manner().or(self.name)
     }
 
+    /// How its motor moves, if that is why it is off.
     fn manner(&self) -> Option<FaultKind> {
-        match self.encoder.as_ref()?.manner() {
+        let encoder = self.encoder.as_ref()?;
+        if angle(encoder.drift()).unsigned_abs() <= self.gate {
+            return None;
+        }
+        match encoder.manner() {
             Manner::Follows => None,
             Manner::Stands => Some(FaultKind::Stuck),
             Manner::Backwards => Some(FaultKind::Reversed),

@@ -153,9 +153,8 @@ impl EncoderWatch {
         let window = &mut self.window;
         window.ticks = window.ticks.saturating_add(1);
         window.commanded = window.commanded.wrapping_add(commanded);
-        // Far enough for noise to be little of it: two tolerances.
-        let enough = Turns::from_bits(self.jump.to_bits() / 2);
-        if window.ticks < WINDOW_TICKS || window.commanded < enough {
+        // Far enough for noise to be little of it.
+        if window.ticks < WINDOW_TICKS || window.commanded < self.jump {
             return;
         }
         // Of what was commanded, −2 is backwards and −1 is standing; half way between them is the border.

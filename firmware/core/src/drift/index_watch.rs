@@ -55,6 +55,8 @@ pub(super) enum Heard {
         /// By how much, forward.
         by: Turns,
     },
+    /// Nothing came where the next pulse was expected.
+    Unheard,
     /// A pulse stays away: told once, until one comes.
     Overdue,
 }
@@ -233,7 +235,7 @@ impl IndexWatch {
             }
             self.unheard = true;
             self.alert = ONE.wrapping_add(self.place.overdue.max(self.place.gate));
-            return Heard::Nothing;
+            return Heard::Unheard;
         }
         self.unheard = true;
         self.alert = Turns::MAX;
@@ -245,6 +247,15 @@ impl IndexWatch {
         self.heard_at = at;
         self.unheard = false;
         self.alert = ONE.wrapping_add(self.place.gate);
+    }
+
+    /// The crank has moved by so much, as something else tells: its pulse is to come where that has it.
+    pub(super) fn believe_moved(&mut self, by: Turns) {
+        self.offset = nearest(self.offset.wrapping_add(by));
+        self.unheard = false;
+        self.alert = ONE
+            .wrapping_add(self.place.gate)
+            .wrapping_sub(by.min(Turns::ZERO));
     }
 
     /// An overdue pulse is waited for until it is late by `turns`.

@@ -293,9 +293,16 @@ impl<const N: usize> DriftMonitor<N> {
         } else {
             kind
         };
+        // Of two cranks that are apart, the one of which something is known is the one that moved.
         let worst = self.worst(error);
-        let known = self.axes.get(worst).and_then(AxisWatch::name);
-        self.push_axis(worst, known.unwrap_or(kind));
+        let named = |axis: usize| self.axes.get(axis).and_then(AxisWatch::name);
+        let known = (worst..N)
+            .chain(0..worst)
+            .find(|&axis| named(axis).is_some());
+        match known {
+            Some(axis) => self.push_axis(axis, named(axis).unwrap_or(kind)),
+            None => self.push_axis(worst, kind),
+        }
     }
 
     fn push_axis(&mut self, axis: usize, kind: FaultKind) {

@@ -205,7 +205,7 @@ fn window(scene: &Scene, geometry: Option<&Geometry>) -> Window {
         geometry.mechanism().speed_for_amax_rad_s(amax_mps2) / std::f64::consts::TAU
     });
     let proof_s = if scene.correction.prove_wiring {
-        0.5
+        2.0 / scene.limits.creep_hz
     } else {
         0.0
     };
