@@ -38,10 +38,10 @@ function refusals(outcome, blob) {
   const servo = blobOf(scene('hold', (toml) => (toml.axis[0].drive = 'servo')));
   const hasty = blobOf(scene('hold', (toml) => (toml.control.tick_hz = 10_000)));
   for (const [name, bytes, reason] of [
-    ['a bit of the payload', flipped, /settings refused: PayloadCrc/],
-    ['another version', newer, /settings refused: Version.*2/],
-    ['a servo axis', servo, /settings refused: Unfit\(Servo\(2\)\)/],
-    ['a tick too short', hasty, /settings refused: Unfit\(TickTooShort.*tick_hz: 10000/],
+    ['a bit of the payload', flipped, /settings-rejected: PayloadCrc/],
+    ['another version', newer, /settings-rejected: Version.*2/],
+    ['a servo axis', servo, /settings-rejected: Unfit\(Servo\(2\)\)/],
+    ['a tick too short', hasty, /settings-rejected: Unfit\(TickTooShort.*tick_hz: 10000/],
   ]) {
     const machine = powered(flashWith(bytes));
     machine.run(0.3);
