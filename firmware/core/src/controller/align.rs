@@ -137,7 +137,8 @@ impl<const N: usize> Align<N> {
             let by = target[axis].wrapping_sub(correction.now()[axis]);
             by.wrapping_abs() > monitor.tolerance(axis)
         });
-        if !proves && !(correction.is_on() && differs) {
+        let corrects = correction.is_on() && differs;
+        if !(proves || corrects) {
             self.finish(monitor);
             return None;
         }
