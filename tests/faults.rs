@@ -12,6 +12,10 @@ mod looks;
 mod noise;
 #[path = "faults/sensors.rs"]
 mod sensors;
+#[path = "faults/servos.rs"]
+mod servos;
+#[path = "faults/watched.rs"]
+mod watched;
 
 use cophase_core::supervisor::FaultKind;
 use cophase_tests::scene;
@@ -58,6 +62,11 @@ const TICK_S: f64 = 5e-4;
 
 fn phased() -> String {
     KINEMATIC.replace("kinematic", "phased")
+}
+
+/// The same with nobody reading the encoders: the loop does not see at once that a motor turns as it is not told, and goes on.
+fn unread(text: &str) -> String {
+    text.replace("encoder = true", "encoder = false")
 }
 
 fn with(text: &str, fault: &str) -> Looks {

@@ -207,7 +207,8 @@ fn cams_too_far_apart_are_stopped() {
     assert!((lawful.statistics.worst_spread_deg - 3.8).abs() < 1e-6);
     assert_eq!(lawful.statistics.worst_tilt_mrad, 0.0);
     let stopped = with(-4.2);
-    assert_eq!(stopped.fault.map(|fault| fault.kind), Some(FaultKind::Tilt));
+    let kind = stopped.fault.map(|fault| fault.kind);
+    assert_eq!(kind, Some(FaultKind::TooFarOut));
 }
 
 /// Were it wrong, a cam on steps would not be where its steps put it. At 7.5 rev/s and 2 kHz there are 12 steps of 3200 a tick, so

@@ -81,3 +81,57 @@ fn torque_position_and_speed_are_those_of_the_machine() {
         compare.worst_nm
     );
 }
+
+/// Were it wrong, a servo would be told the torque of a gentler stop, or one whose number had run over, just when a fault
+/// asks for the hardest: it may be ten times as hard as any other ramp.
+#[test]
+fn torque_in_a_faults_stop_is_that_of_the_machine() {
+    let text = r#"
+name = "hard stop"
+[machine]
+crank_radius_mm = 10
+lambda = 0.25
+load_kg = 20
+[limits]
+speed_hz = 40
+acceleration_hz_per_s = 40
+jerk_hz_per_s2 = 4000
+stop_acceleration_hz_per_s = 1000
+stop_jerk_hz_per_s2 = 100000
+[axes]
+count = 6
+drive = "servo"
+steps_per_turn = 4096
+rotor_inertia_kgm2 = 0.001
+[[axis]]
+number = 4
+reversed = true
+[[program]]
+amax_g = 40
+ramp_s = 1
+hold_s = 2
+[[fault]]
+at_s = 2
+kind = "drive-alarm"
+axis = 0
+"#;
+    let checked = scene(text);
+    let mut compare = Compare {
+        rotor_inertia_kgm2: checked.scene.axes.rotor_inertia_kgm2,
+        reversed: 4,
+        worst_nm: 0.0,
+        peak_nm: 0.0,
+        ticks: 0,
+    };
+    let outcome =
+        simulate::<AXES>(&checked, &mut compare, |_, _| {}).expect("a checked scene runs");
+    assert!(outcome.fault.is_some());
+    // The rotor alone takes J α = 0.001 · 2π · 1000 = 6.3 N·m.
+    assert!(compare.peak_nm > 6.3, "{} N·m", compare.peak_nm);
+    assert!(
+        compare.worst_nm < 2e-5 * compare.peak_nm + 3.0 / 65_536.0,
+        "off by {:e} of {} N·m",
+        compare.worst_nm,
+        compare.peak_nm
+    );
+}

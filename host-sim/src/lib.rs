@@ -6,6 +6,7 @@
 //! ([`command`]). [`design`] and [`mechanism`] are the mathematics of the machines.
 #![forbid(unsafe_code)]
 
+pub mod campaign;
 pub mod chart;
 pub mod command;
 pub mod design;

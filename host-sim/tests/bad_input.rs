@@ -12,6 +12,8 @@ mod cam;
 mod edit;
 #[path = "bad_input/events.rs"]
 mod events;
+#[path = "bad_input/faults.rs"]
+mod faults;
 #[path = "bad_input/files.rs"]
 mod files;
 #[path = "bad_input/form.rs"]

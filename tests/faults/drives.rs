@@ -4,7 +4,7 @@ use cophase_core::supervisor::FaultKind;
 use cophase_tests::scene;
 use host_sim::scene::{Checked, load};
 
-use super::{AT_TICK, KINEMATIC, TICK_S, began, latched, look, phased, with};
+use super::{AT_TICK, KINEMATIC, TICK_S, began, latched, look, phased, unread, with};
 
 /// A cycle of 256 of 12800 steps, turns.
 const CYCLE: f64 = 0.02;
@@ -115,7 +115,7 @@ fn a_runaway_turns_at_its_own_speed() {
 #[test]
 fn a_reversed_motor_turns_backward_from_the_start() {
     for (text, off) in [(KINEMATIC.to_owned(), STEP), (phased(), SWING)] {
-        let looks = with(&text, "kind = \"reversed\"\naxis = 1\n");
+        let looks = with(&unread(&text), "kind = \"reversed\"\naxis = 1\n");
         assert_eq!(began(&looks), looks.ticks[0].tick);
         let look = looks.at(AT_TICK);
         assert!((look.actual[1] + look.command[1]).abs() < off);
@@ -128,7 +128,7 @@ fn a_reversed_motor_turns_backward_from_the_start() {
 #[test]
 fn swapped_drive_lines_move_the_other_crank() {
     let apart = "[[axis]]\nnumber = 1\nratio = [1, 2]\n[[axis]]\nnumber = 2\nreversed = true\n";
-    for (text, off) in [(KINEMATIC.to_owned(), STEP), (phased(), SWING)] {
+    for (text, off) in [(unread(KINEMATIC), STEP), (unread(&phased()), SWING)] {
         let looks = with(
             &format!("{text}{apart}"),
             "kind = \"swapped-wiring\"\naxis = 0\nwith = 1\nlines = \"drive\"\n",

@@ -6,7 +6,7 @@ use host_sim::faults::Faults;
 use host_sim::trace::{Every, Window};
 
 use super::looks::readings;
-use super::{AT_S, AT_TICK, KINEMATIC, began, latched, look, phased, with};
+use super::{AT_S, AT_TICK, KINEMATIC, began, latched, look, phased, unread, with};
 
 fn at(fault: &str) -> host_sim::scene::Checked {
     scene(&format!("{KINEMATIC}[[fault]]\nat_s = {AT_S}\n{fault}"))
@@ -140,7 +140,7 @@ fn a_flag_with_a_length_is_met_at_either_end() {
     let short = KINEMATIC.replace("encoder = true", "encoder = true\nindex_deg = 40");
     let first = |text: &str| look(&scene(text)).rises_us(1)[0];
     assert_eq!(first(&long), first(&short));
-    let backward = with(&long, "kind = \"reversed\"\naxis = 1\n");
+    let backward = with(&unread(&long), "kind = \"reversed\"\naxis = 1\n");
     let us = backward.rises_us(1)[0];
     let tick = backward.at((us / 500.0) as u64);
     // Going down from 0, the end at 50° is met at -310°; a tick there is 0.9°.

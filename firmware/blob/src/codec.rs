@@ -17,13 +17,15 @@ pub const MAX_PAYLOAD_BYTES: usize = {
     const SMALL: usize = 1; // a flag, a variant, a length below 128
     let name = SMALL + NAME_BYTES;
     let machine = 5 * F64 + SMALL;
-    let limits = 4 * F64 + SMALL + MAX_BANDS * 2 * F64;
+    let limits = 6 * F64 + SMALL + MAX_BANDS * 2 * F64;
     let pulse = 3 * F64;
     let index_width = F64;
-    let axis = SMALL + U32 + SMALL + 2 * U32 + F64 + (SMALL + F64) + 3 * F64;
+    let index = (SMALL + F64) + 2 * F64;
+    let axis = SMALL + U32 + SMALL + 2 * U32 + F64 + index + SMALL + U32 + 3 * F64;
     let axes = SMALL + MAX_AXES * axis;
     let trims = SMALL + MAX_AXES * F64;
-    let drift = 3 * F64;
+    let drift = 5 * F64;
+    let correction = 3 * F64 + SMALL;
     let park_settle = 2 * F64;
     let segment = SMALL + 3 * F64 + SMALL;
     let program = 2 * SMALL + CAPACITY * segment;
@@ -35,6 +37,7 @@ pub const MAX_PAYLOAD_BYTES: usize = {
         + axes
         + trims
         + drift
+        + correction
         + park_settle
         + program
 };

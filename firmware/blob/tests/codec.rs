@@ -136,8 +136,8 @@ fn messages() {
             "9 bytes are fewer than the 256 of a blob's header; give all that `cophase image` wrote",
         ),
         (
-            BlobError::Version { found: 2 },
-            "the blob has format version 2, and version 1 is read here; make it again with the `cophase` of the \
+            BlobError::Version { found: 1 },
+            "the blob has format version 1, and version 2 is read here; make it again with the `cophase` of the \
              same version as the image",
         ),
         (

@@ -93,21 +93,26 @@ impl<const N: usize> Settings<N> {
 /// A mean drift that is found in align counts as lag up to this part of the common limit: one in four.
 const LAG_PART: f64 = 4.0;
 
-/// The pattern that proves the wiring, if trims and platform allow it.
-fn wiring_pattern<const N: usize>(
+/// The tilts that prove the wiring, if trims and platform allow them.
+fn wiring_patterns<const N: usize>(
     drift: &DriftMonitor<N>,
     correction: &Correction<N>,
-) -> Result<[Turns; N], SettingsError> {
+) -> Result<[[Turns; N]; 2], SettingsError> {
     let tolerances = (0..N).map(|axis| drift.tolerance(axis));
-    let pattern = align::pattern::<N>(tolerances.max().unwrap_or_default());
-    if correction.past_limit(&pattern).is_none() && drift.allows(&pattern) {
-        return Ok(pattern);
+    let tolerance = tolerances.max().unwrap_or_default();
+    let patterns = align::patterns::<N>(tolerance);
+    // With what readings may be off on top.
+    let on_top = |level: Turns| level + if level < 0 { -tolerance } else { tolerance };
+    for pattern in &patterns {
+        if correction.past_limit(pattern).is_some() || !drift.allows(&pattern.map(on_top)) {
+            let most = pattern.iter().map(|level| level.abs()).max();
+            let problem = Problem::WiringPattern {
+                deg: most.unwrap_or_default().to_num::<f64>() * 360.0,
+            };
+            return Err(SettingsError::new("correction.prove_wiring", problem));
+        }
     }
-    let most = pattern.iter().map(|level| level.abs()).max();
-    let problem = Problem::WiringPattern {
-        deg: most.unwrap_or_default().to_num::<f64>() * 360.0,
-    };
-    Err(SettingsError::new("correction.prove_wiring", problem))
+    Ok(patterns)
 }
 
 impl<const N: usize> Controller<N> {
@@ -164,10 +169,10 @@ impl<const N: usize> Controller<N> {
         });
         let drift = DriftMonitor::new(settings);
         let correction = Correction::new(settings);
-        let pattern = if settings.correction.prove_wiring {
-            wiring_pattern(&drift, &correction)?
+        let patterns = if settings.correction.prove_wiring {
+            wiring_patterns(&drift, &correction)?
         } else {
-            [Turns::ZERO; N]
+            [[Turns::ZERO; N]; 2]
         };
         let has_datum = settings
             .axes
@@ -194,7 +199,7 @@ impl<const N: usize> Controller<N> {
             has_servos: feed_forward.iter().any(Option::is_some),
             pace: Paces::new(timing.tick()),
             drift,
-            align: Align::new(pattern, has_datum, lag),
+            align: Align::new(patterns, has_datum, lag),
             correction,
             corrected: 0,
             turned: Turns::ZERO,

@@ -3,6 +3,7 @@
 //! Exit status: 0 done; 1 the run ended in a fault, or a simulated motor slipped and the controller did not
 //! see it, and everything was still written; 2 bad input, and nothing was written.
 
+mod campaign;
 mod chart;
 mod image;
 mod run;
@@ -33,6 +34,8 @@ enum What {
     Image(image::ImageArgs),
     /// List the built-in scenes, or print one to start your own from
     Scenes(scenes::ScenesArgs),
+    /// Draw thousands of machines and what goes wrong with each, and hold what the loop does against what it claims
+    Campaign(campaign::CampaignArgs),
     /// Draw a chart, and write its data: speed against accuracy, and where methods stop being stable
     Chart(chart::ChartArgs),
     Design(DesignArgs),
@@ -67,6 +70,7 @@ impl Command {
         let done = match self.what {
             What::Run(args) => run::run(&args, out),
             What::Image(args) => image::image(&args, out),
+            What::Campaign(args) => campaign::campaign(&args, out),
             What::Chart(args) => chart::chart(&args, out),
             What::Scenes(args) => scenes::scenes(&args, out),
             What::Design(args) => match design::run(&args, out) {

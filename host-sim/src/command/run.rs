@@ -1,7 +1,7 @@
 //! `cophase run`: a scene goes in, four files and a page of words come out.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -33,6 +33,19 @@ pub(super) struct RunArgs {
     /// Print nothing but errors
     #[arg(long, short)]
     quiet: bool,
+}
+
+impl RunArgs {
+    /// As if a scene file had been given, and a folder to write to.
+    pub(super) fn of(scene: &Path, out: &Path, quiet: bool) -> Self {
+        Self {
+            scene: scene.display().to_string(),
+            out: out.to_path_buf(),
+            every: None,
+            window: None,
+            quiet,
+        }
+    }
 }
 
 fn ticks(text: &str) -> Result<u64, String> {

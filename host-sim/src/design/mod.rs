@@ -8,6 +8,7 @@
 //! safety factor on the torque, as in the source; nothing here estimates them.
 
 mod command;
+pub mod coupling;
 mod digits;
 mod report;
 mod requirement;

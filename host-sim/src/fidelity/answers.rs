@@ -35,7 +35,7 @@ impl<const N: usize> Observer<N> for Answers {
             return;
         }
         let lags: [f64; N] =
-            std::array::from_fn(|i| (moment.actual_turns[i] - moment.command_turns[i]) * 360.0);
+            std::array::from_fn(|i| (moment.actual_turns[i] - moment.aim_turns[i]) * 360.0);
         let low = lags.iter().copied().fold(f64::INFINITY, f64::min);
         let high = lags.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         self.most(Output::Lag, high.max(-low));

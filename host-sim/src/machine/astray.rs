@@ -57,7 +57,7 @@ impl<const N: usize> Astray<N> {
     ) -> [Passed; N] {
         let ways = self.ways(axes, told, amiss, energised);
         let lead: [Told; N] = std::array::from_fn(|i| {
-            let lost = self.lose(&axes[i], i, &amiss[i]);
+            let lost = self.lose(&axes[i], i, &amiss[i], energised);
             rotors.fall_back(i, lost);
             if lost > 0.0 {
                 axes[i].fall_back(lost);
@@ -92,7 +92,7 @@ impl<const N: usize> Astray<N> {
         let ways = self.ways(axes, told, amiss, energised);
         std::array::from_fn(|i| {
             let axis = &mut axes[i];
-            let lost = self.lose(axis, i, &amiss[i]);
+            let lost = self.lose(axis, i, &amiss[i], energised);
             if lost > 0.0 {
                 axis.fall_back(lost);
             }
@@ -148,9 +148,9 @@ impl<const N: usize> Astray<N> {
         })
     }
 
-    /// By how much field and rotor fall back as the tick begins, turns.
-    fn lose(&mut self, axis: &SimulatedAxis, i: usize, amiss: &Amiss) -> f64 {
-        let cycle_turns = axis.cycle_turns().unwrap_or(0.0);
+    /// By how much field and rotor fall back as the tick begins, turns; a drive that is off has no field to lose.
+    fn lose(&mut self, axis: &SimulatedAxis, i: usize, amiss: &Amiss, energised: bool) -> f64 {
+        let cycle_turns = axis.cycle_turns().filter(|_| energised).unwrap_or(0.0);
         let lost = amiss.lost_cycles as f64 * cycle_turns;
         self.field[i] -= lost;
         lost

@@ -17,6 +17,7 @@ mod index;
 mod platform;
 mod pull_out;
 mod rotors;
+mod sensors;
 mod torque;
 
 pub use axis::{AxisDrive, Overload, SimulatedAxis};
@@ -34,7 +35,7 @@ use cophase_core::signals::Output;
 use cophase_methods::Scheme;
 
 use crate::dynamics::FrameMotion;
-use crate::faults::{Amiss, Sensor, Stream};
+use crate::faults::Amiss;
 use crate::scene::file::{Drive, Fidelity};
 use crate::scene::{Checked, SceneError};
 use astray::Astray;
@@ -94,6 +95,8 @@ pub struct Machine<const N: usize> {
     rotors: Option<Rotors>,
     /// Where axes are cam shafts.
     followers: Option<Followers>,
+    /// Which motors have encoders that are read.
+    has_encoder: [bool; N],
     /// What has become of drives that do not do as they are told; none where all do.
     astray: Option<Astray<N>>,
 }
@@ -133,6 +136,7 @@ impl<const N: usize> Machine<N> {
         let tick_s = 1.0 / f64::from(settings.tick_hz);
         let cycles = CLOCK_HZ / settings.tick_hz;
         Ok(Self {
+            has_encoder: settings.axes.each_ref().map(|axis| axis.encoder),
             astray: checked
                 .scene
                 .touches_drives()
@@ -240,42 +244,6 @@ impl<const N: usize> Machine<N> {
     pub fn broken(&self) -> Option<Broken> {
         let rotors = self.rotors.as_ref().and_then(Rotors::broken);
         rotors.or_else(|| Some(self.followers.as_ref()?.broken()?.into()))
-    }
-
-    /// The index sensors of its cranks, as they stand now.
-    ///
-    /// # Errors
-    /// `N` is another number than the scene's.
-    pub fn sensors(&self, checked: &Checked) -> Result<[IndexSensor; N], SceneError> {
-        let settings = checked.settings::<N>()?;
-        let noise = &checked.scene.noise;
-        let width = settings.index.width_cycles();
-        let cycles = |seconds: f64| seconds * f64::from(CLOCK_HZ);
-        Ok(std::array::from_fn(|i| {
-            let delay = cycles(settings.axes[i].index_delay_s).round() as u32;
-            let deviation = cycles(noise.index_us * 1e-6);
-            let time = Stream::new(noise.seed, Sensor::EdgeTime, i, deviation);
-            let sensor = IndexSensor::new(width, self.index_cycles).delayed(delay, time);
-            match self.axes[i].flag().filter(|flag| flag.has_length()) {
-                Some(flag) => sensor.of_length(width, flag.is_over(self.axes[i].turns())),
-                None => sensor,
-            }
-        }))
-    }
-
-    /// Counts of motor `i`'s encoder since power-up, in the motor's own sense, wrapping. What a crank has slipped on its
-    /// shaft, the motor has not.
-    pub fn encoder(&self, i: usize) -> i32 {
-        /// A crank that is on a count to a digit or two is on it.
-        const ROUNDING: f64 = 1e-6;
-        let axis = &self.axes[i];
-        let slipped = self
-            .astray
-            .as_ref()
-            .map_or(0.0, |astray| astray.slipped_turns(i));
-        let sense = if axis.is_reversed() { -1.0 } else { 1.0 };
-        let counts = sense * (axis.travelled_turns() + slipped) * axis.steps_per_turn();
-        (counts + ROUNDING).floor() as i64 as i32
     }
 
     /// Plays one tick and returns what came before the index sensors in it. `master_turns` is what the master makes,

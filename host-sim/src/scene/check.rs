@@ -5,6 +5,7 @@
 //! the file.
 
 mod cam;
+mod correction;
 mod faults;
 mod numbers;
 mod program;
@@ -25,6 +26,7 @@ use crate::machine::{Chosen, Machine, PullOut, RESOLUTION};
 use crate::with_axes;
 
 pub use cam::Follower;
+pub use correction::plant;
 
 /// A scene whose numbers have been checked, each by itself and against the others.
 #[derive(Clone, Debug)]
@@ -82,6 +84,7 @@ impl Checked {
                 &scene,
                 machine,
                 drift,
+                correction::correction(&scene, &machine)?,
                 program.into_iter().map(|(entry, _)| entry),
             ),
             fidelity: scene.fidelity,

@@ -11,7 +11,7 @@ pub mod file;
 pub mod library;
 pub mod load;
 
-pub use check::Checked;
+pub use check::{Checked, plant};
 pub use error::SceneError;
 pub use file::Scene;
 

@@ -53,6 +53,8 @@ pub struct Moment<'a, const N: usize> {
     pub master_turns: f64,
     /// Commanded phases, turns since power-up.
     pub command_turns: [f64; N],
+    /// Phases at which cranks are to be: as commanded, but for what only corrects that they are elsewhere.
+    pub aim_turns: [f64; N],
     /// True phases of the cranks, turns since power-up.
     pub actual_turns: [f64; N],
     /// The machine at the tick's end.
@@ -71,7 +73,7 @@ impl<const N: usize> Moment<'_, N> {
             acceleration_turns_s2 * std::f64::consts::TAU,
         );
         self.machine
-            .pose(&self.actual_turns, &self.command_turns, commanded)
+            .pose(&self.actual_turns, &self.aim_turns, commanded)
     }
 }
 
@@ -82,6 +84,19 @@ struct Waiting<const N: usize> {
     played: Played<N>,
     telemetry: Telemetry<N>,
     sync: bool,
+}
+
+/// What the loop stands against.
+#[derive(Debug)]
+pub struct World<const N: usize> {
+    /// The machine.
+    pub machine: Machine<N>,
+    /// Its index sensors.
+    pub sensors: [IndexSensor; N],
+    /// What happens from outside.
+    pub schedule: Schedule,
+    /// What goes wrong.
+    pub faults: Faults<N>,
 }
 
 /// What is gathered of a run.
@@ -103,8 +118,6 @@ pub struct SimulatedIo<'a, const N: usize, O, P> {
     sensed_us: u64,
     schedule: Schedule,
     faults: Faults<N>,
-    /// Which axes' encoders are read.
-    encoders: Vec<bool>,
     seen: Seen,
     observer: &'a mut O,
     progress: P,
@@ -136,15 +149,17 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
     /// A machine at power-up.
     pub fn new(
         tick_hz: u32,
-        machine: Machine<N>,
-        sensors: [IndexSensor; N],
-        schedule: Schedule,
-        faults: Faults<N>,
-        encoders: Vec<bool>,
+        world: World<N>,
         seen: Seen,
         observer: &'a mut O,
         progress: P,
     ) -> Self {
+        let World {
+            machine,
+            sensors,
+            schedule,
+            faults,
+        } = world;
         Self {
             tick_us: 1_000_000 / u64::from(tick_hz),
             tick_hz,
@@ -153,7 +168,6 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             sensed_us: 0,
             schedule,
             faults,
-            encoders,
             seen,
             observer,
             progress,
@@ -226,7 +240,9 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
         let axes = self
             .axes
             .get_or_insert_with(|| telemetry.axis_phase.map(Unwrapped::starting_at));
-        let command_turns = std::array::from_fn(|i| axes[i].follow(telemetry.axis_phase[i]));
+        let command_turns: [f64; N] =
+            std::array::from_fn(|i| axes[i].follow(telemetry.axis_phase[i]));
+        let correction = telemetry.correction.map(turns);
         let turns = turns(telemetry.motion.speed);
         for (axis, extra) in self.faults.extra(*start_us) {
             self.machine.axes[axis].add_pulses(extra);
@@ -252,6 +268,7 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             index: &index,
             master_turns,
             command_turns,
+            aim_turns: std::array::from_fn(|i| command_turns[i] - correction[i]),
             actual_turns: std::array::from_fn(|i| self.machine.axes[i].turns()),
             machine: &self.machine,
         };
@@ -296,16 +313,9 @@ impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'
         if let Some(command) = command.filter(|command| now > 0 || *command != Command::Start) {
             self.seen.statistics.commanded(now_s, command);
         }
-        let counts = |i: usize| {
-            if self.encoders[i] {
-                self.machine.encoder(i)
-            } else {
-                0
-            }
-        };
         let mut feedback = Feedback {
             index: heard,
-            encoder: std::array::from_fn(counts),
+            encoder: self.machine.encoders(),
             alarm: [false; N],
             ran_dry: None,
             inputs: self.schedule.lines(),

@@ -22,7 +22,7 @@ use crate::faults::Faults;
 use crate::machine::{Machine, SimulatedAxis};
 use crate::scene::{Checked, SceneError};
 use crate::virtual_time;
-use io::{Seen, SimulatedIo};
+use io::{Seen, SimulatedIo, World};
 use schedule::Schedule;
 
 /// How a run ended.
@@ -84,20 +84,20 @@ pub fn simulate<const N: usize>(
     );
     let mut controller: Controller<N> = checked.controller()?;
     let schedule = Schedule::new(checked, controller.program().0.duration());
-    let encoders = checked.setup.axes.iter().map(|axis| axis.encoder);
-    let encoders = encoders.collect();
     let mut lateness = schedule.lateness();
     let machine = Machine::new(checked)?;
     let sensors = machine.sensors(checked)?;
     let statistics = Statistics::new(checked, machine.platform.mechanism());
     let watch = Watch::new(checked, machine.axes.each_ref().map(SimulatedAxis::turns));
-    let mut io = SimulatedIo::new(
-        controller.tick_hz(),
+    let world = World {
         machine,
         sensors,
         schedule,
-        Faults::new(checked),
-        encoders,
+        faults: Faults::new(checked),
+    };
+    let mut io = SimulatedIo::new(
+        controller.tick_hz(),
+        world,
         Seen { statistics, watch },
         observer,
         progress,

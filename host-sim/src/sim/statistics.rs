@@ -206,7 +206,7 @@ impl Statistics {
     fn cranks<const N: usize>(&mut self, moment: &Moment<'_, N>, t_s: f64) {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for i in 0..N {
-            let error = moment.actual_turns[i] - moment.command_turns[i];
+            let error = moment.actual_turns[i] - moment.aim_turns[i];
             low = low.min(error);
             high = high.max(error);
             let slipped = moment.machine.axes[i].slipped_cycles();
@@ -242,7 +242,7 @@ impl Statistics {
             let tilt_mrad = moment.machine.tilt_mrad(&moment.actual_turns);
             self.worst_tilt_mrad = self.worst_tilt_mrad.max(tilt_mrad);
             let platform = &moment.machine.platform;
-            let warp_deg = platform.warp_deg(&moment.actual_turns, &moment.command_turns);
+            let warp_deg = platform.warp_deg(&moment.actual_turns, &moment.aim_turns);
             self.worst_warp_deg = self.worst_warp_deg.max(warp_deg);
         }
         if moment.telemetry.state == State::Run {

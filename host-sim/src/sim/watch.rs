@@ -12,7 +12,6 @@ use crate::dynamics::Corners;
 use crate::faults::Injected;
 use crate::mechanism::slider_crank::SliderCrank;
 use crate::scene::Checked;
-use crate::units::turns;
 
 /// A crank that turns by less than this part of the greatest speed stands.
 const STANDS: f64 = 1e-3;
@@ -37,12 +36,14 @@ pub struct Watch {
     pub warp_deg: f64,
     /// The first tick in which the errors passed a limit of `[drift]`.
     pub past_limit: Option<u64>,
-    /// For each axis the last tick in which its drive was told to move.
+    /// For each axis the last tick in which its drive was told to move, however slowly.
     pub told_to_move: Vec<Option<u64>>,
-    /// For each axis the last tick in which its crank moved.
+    /// For each axis the last tick in which its crank moved, faster than a thousandth of the greatest speed.
     pub moved: Vec<Option<u64>>,
-    /// Ticks in which drives were on, and some axes turned while another stood that was told to turn, or turned that was not.
+    /// Ticks in which drives were on, and some axes turned while another stood that was told to turn; and the last of them.
     pub ran_alone_ticks: u64,
+    /// See `ran_alone_ticks`.
+    pub ran_alone: Option<u64>,
 
     tick_s: f64,
     stands_turns: f64,
@@ -72,6 +73,7 @@ impl Watch {
             told_to_move: vec![None; N],
             moved: vec![None; N],
             ran_alone_ticks: 0,
+            ran_alone: None,
             tick_s,
             stands_turns: STANDS * settings.limits.speed_hz * tick_s,
             tilt_limit_mrad: drift.tilt_limit_mrad,
@@ -113,14 +115,14 @@ impl Watch {
     }
 
     fn errors<const N: usize>(&mut self, moment: &Moment<'_, N>, tick: u64) {
-        if self.has_platform {
+        // Tilt is a difference of cranks: where they are all alike, there is none.
+        let first = moment.actual_turns[0];
+        if self.has_platform && moment.actual_turns.iter().any(|&turns| turns != first) {
             let tilt_mrad = moment.machine.tilt_mrad(&moment.actual_turns);
             self.tilt_mrad = self.tilt_mrad.max(tilt_mrad);
         }
-        let corrected = moment.telemetry.correction.map(turns);
-        let errors: [f64; N] = std::array::from_fn(|i| {
-            moment.actual_turns[i] - (moment.command_turns[i] - corrected[i])
-        });
+        let errors: [f64; N] =
+            std::array::from_fn(|i| moment.actual_turns[i] - moment.aim_turns[i]);
         // Where drives have never been on, nobody has said where cranks are.
         if moment.telemetry.state == State::Idle {
             return;
@@ -142,22 +144,23 @@ impl Watch {
             .command
             .get_or_insert_with(|| moment.command_turns.to_vec());
         let (mut turning, mut astray) = (false, false);
-        for i in 0..N {
-            let told = (moment.command_turns[i] - command[i]).abs() > self.stands_turns;
+        for (i, command) in command.iter_mut().enumerate() {
+            let told = moment.command_turns[i] - *command;
             let moved = (moment.actual_turns[i] - self.actual[i]).abs() > self.stands_turns;
-            if told {
+            if told != 0.0 {
                 self.told_to_move[i] = Some(tick);
             }
             if moved {
                 self.moved[i] = Some(tick);
             }
             turning |= moved;
-            astray |= told && !moved;
-            command[i] = moment.command_turns[i];
+            astray |= told.abs() > self.stands_turns && !moved;
+            *command = moment.command_turns[i];
             self.actual[i] = moment.actual_turns[i];
         }
         if moment.drives_enabled && turning && astray {
             self.ran_alone_ticks += 1;
+            self.ran_alone = Some(tick);
         }
     }
 }

@@ -93,6 +93,7 @@ pub fn longest() -> Setup {
     longest.tick_hz = u32::MAX;
     for axis in &mut longest.axes {
         axis.steps_per_turn = u32::MAX;
+        axis.cycle_steps = u32::MAX;
         axis.ratio = (u32::MAX, u32::MAX);
     }
     longest

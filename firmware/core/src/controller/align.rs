@@ -5,9 +5,12 @@
 //! machine's own zero, the *datum*; what they are off from each other is trimmed away, all at once and within the limits,
 //! and looked at for a turn more. A crank that is too far out for that is refused.
 //!
-//! To *prove the wiring* each crank is moved by an amount of its own besides. A crank that follows its own lines keeps its drift,
-//! as that is against what it is told; where the lines of two are swapped, each shows what the other was told. Then all is
-//! taken back.
+//! To *prove the wiring* the platform is then tilted, about one axis and about the other: any two cranks are moved differently once.
+//! A crank that follows its own lines keeps its drift, as that is against what it is told; where the lines of two are swapped,
+//! each shows what the other was told. A plane bends nothing, however stiff the rods. Then all is taken back.
+//!
+//! A crank *strays* that did not do what it was told in three looks, turn after turn: a rotor swings in its field when it is
+//! moved slowly, and one look alone may catch it so.
 
 use crate::axes::Correction;
 use crate::drift::DriftMonitor;
@@ -36,48 +39,71 @@ enum Step {
 #[derive(Clone, Debug)]
 pub(super) struct Align<const N: usize> {
     step: Step,
-    /// What moves each crank by an amount of its own; zero if the wiring is not to be proved.
-    pattern: [Turns; N],
+    /// The two tilts; zero if the wiring is not to be proved.
+    patterns: [[Turns; N]; 2],
     /// Whether there is a common zero: all cranks turn once with the master.
     has_datum: bool,
     /// A mean up to this is lag, and no other zero.
     lag: Turns,
-    /// Drifts before the cranks were moved, where they were then, and where they are to be.
+    /// Tilts that have been looked at, and the trims without them.
+    proven: usize,
+    base: [Turns; N],
+    /// Drifts before the cranks were moved, and the trims then.
     before: [Turns; N],
     from: [Turns; N],
-    target: [Turns; N],
+    /// Looks in which some crank strayed, and by how much each was off in all of them.
+    looks: u8,
+    off: [Turns; N],
     datum: Turns,
 }
 
-/// How many tolerances two levels of the pattern are apart.
+/// How many tolerances any two cranks are moved apart, at least, in one of the tilts.
 const APART: i64 = 3;
 
-/// The pattern that proves the wiring: levels `apart` from each other, the upper ones on even axes and the lower ones on odd, so that
-/// the platform tilts and bends little; their sum is zero.
-pub(super) fn pattern<const N: usize>(tolerance: Turns) -> [Turns; N] {
-    let half = tolerance.to_bits() * APART / 2;
-    let upper = N.div_ceil(2);
-    core::array::from_fn(|axis| {
-        let rank = if axis % 2 == 0 {
-            axis / 2
-        } else {
-            upper + axis / 2
-        };
-        Turns::from_bits((N as i64 - 1 - 2 * rank as i64) * half)
+/// Looks after which a crank that strays in each is believed to.
+const LOOKS: u8 = 3;
+
+/// The tilts that prove the wiring, each of sum zero.
+pub(super) fn patterns<const N: usize>(tolerance: Turns) -> [[Turns; N]; 2] {
+    let place = |i: usize| {
+        let theta = core::f64::consts::TAU * i as f64 / N as f64;
+        // Two axes are on a line: there is one tilt.
+        let sine = if N == 2 { 0.0 } else { libm::sin(theta) };
+        [libm::cos(theta), sine]
+    };
+    let apart = |i: usize, j: usize| {
+        let ([a, b], [c, d]) = (place(i), place(j));
+        libm::fabs(a - c).max(libm::fabs(b - d))
+    };
+    let pairs = (0..N).flat_map(|i| (0..i).map(move |j| apart(i, j)));
+    let least = pairs.fold(f64::INFINITY, f64::min);
+    let amplitude = tolerance.to_num::<f64>() * APART as f64 / least;
+    core::array::from_fn(|tilt| {
+        let mut levels: [Turns; N] =
+            core::array::from_fn(|i| Turns::from_num(amplitude * place(i)[tilt]));
+        // To the count.
+        let rest = levels.iter().fold(Turns::ZERO, |sum, &level| sum + level);
+        if let Some(last) = levels.last_mut() {
+            *last -= rest;
+        }
+        levels
     })
 }
 
 impl<const N: usize> Align<N> {
-    /// With the pattern that proves the wiring, or none.
-    pub(super) const fn new(pattern: [Turns; N], has_datum: bool, lag: Turns) -> Self {
+    /// With the tilts that prove the wiring, or none.
+    pub(super) const fn new(patterns: [[Turns; N]; 2], has_datum: bool, lag: Turns) -> Self {
         Self {
             step: Step::Off,
-            pattern,
+            patterns,
             has_datum,
             lag,
+            proven: 0,
+            base: [Turns::ZERO; N],
             before: [Turns::ZERO; N],
             from: [Turns::ZERO; N],
-            target: [Turns::ZERO; N],
+            looks: 0,
+            off: [Turns::ZERO; N],
             datum: Turns::ZERO,
         }
     }
@@ -85,6 +111,7 @@ impl<const N: usize> Align<N> {
     /// Begins.
     pub(super) const fn begin(&mut self) {
         self.step = Step::Find;
+        self.proven = 0;
     }
 
     /// Whether the cranks are where they should be.
@@ -130,36 +157,88 @@ impl<const N: usize> Align<N> {
         correction: &mut Correction<N>,
     ) -> Option<Fault> {
         self.find_datum(monitor, correction);
-        let proves = self.pattern.iter().any(|&level| level != 0);
-        let error = errors(monitor, correction);
-        let target = correction.against(&error, monitor.watched(), true);
+        let mut target = *correction.now();
+        if correction.is_on() {
+            let error = errors(monitor, correction);
+            target = correction.against(&error, monitor.watched(), true);
+        } else if self.proves() {
+            // What an align that was cut short left of its pattern is taken back.
+            target = [Turns::ZERO; N];
+        }
         let differs = (0..N).any(|axis| {
             let by = target[axis].wrapping_sub(correction.now()[axis]);
             by.wrapping_abs() > monitor.tolerance(axis)
         });
-        let corrects = correction.is_on() && differs;
-        if !(proves || corrects) {
-            self.finish(monitor);
-            return None;
+        if differs {
+            return self.move_to(target, monitor, correction);
         }
-        self.target = if correction.is_on() {
-            target
-        } else {
-            *correction.now()
+        self.go_on(monitor, correction)
+    }
+
+    fn proves(&self) -> bool {
+        is_pattern(&self.patterns[0])
+    }
+
+    /// The cranks are together: it is proved that each is its own, or all is done.
+    fn go_on(
+        &mut self,
+        monitor: &mut DriftMonitor<N>,
+        correction: &mut Correction<N>,
+    ) -> Option<Fault> {
+        if self.proven == 0 {
+            self.base = *correction.now();
+        }
+        let pattern = self
+            .patterns
+            .get(self.proven)
+            .filter(|levels| is_pattern(*levels));
+        let Some(&pattern) = pattern else {
+            if self.proven == 0 {
+                self.finish(monitor);
+            } else {
+                correction.go_to(self.base);
+                self.step = Step::Return;
+            }
+            return None;
         };
-        if let Some(axis) = correction.past_limit(&self.target) {
+        self.proven += 1;
+        // Tilted the other way it proves as much: there may be room in the trims for that alone.
+        let trims = self.tilted(&pattern, false);
+        let trims = if correction.past_limit(&trims).is_some() {
+            self.tilted(&pattern, true)
+        } else {
+            trims
+        };
+        self.move_to(trims, monitor, correction)
+    }
+
+    /// The trims without a tilt, and one on top, this way or the other.
+    fn tilted(&self, pattern: &[Turns; N], over: bool) -> [Turns; N] {
+        let mut trims = self.base;
+        for (trim, &level) in trims.iter_mut().zip(pattern) {
+            let level = if over { level.wrapping_neg() } else { level };
+            *trim = trim.wrapping_add(level);
+        }
+        trims
+    }
+
+    /// Moves the cranks to other trims, straight and together: the platform tilts no further than at one of the two ends.
+    fn move_to(
+        &mut self,
+        trims: [Turns; N],
+        monitor: &DriftMonitor<N>,
+        correction: &mut Correction<N>,
+    ) -> Option<Fault> {
+        if let Some(axis) = correction.past_limit(&trims) {
             let size = monitor.drift()[axis];
             let fault = Fault::new(FaultKind::TooFarOut);
             return Some(fault.on_axis(axis).with_size(size));
         }
         self.before = *monitor.drift();
         self.from = *correction.now();
-        let mut moved = self.target;
-        for (moved, &level) in moved.iter_mut().zip(&self.pattern) {
-            *moved = moved.wrapping_add(level);
-        }
-        // A pattern on top of what is corrected may pass a trim's limit; the platform's own it does not, for long.
-        correction.go_to(moved);
+        self.looks = 0;
+        self.off = [Turns::ZERO; N];
+        correction.go_to(trims);
         self.step = Step::Move;
         None
     }
@@ -191,25 +270,41 @@ impl<const N: usize> Align<N> {
         correction: &mut Correction<N>,
     ) -> Option<Fault> {
         let mut looks = [Look::default(); N];
+        self.looks += 1;
         for (axis, look) in looks.iter_mut().enumerate() {
-            let off = monitor.drift()[axis].wrapping_sub(self.before[axis]);
+            let off = nearest(monitor.drift()[axis].wrapping_sub(self.before[axis]));
+            self.off[axis] = self.off[axis].wrapping_add(off);
             *look = Look {
-                off: nearest(off),
+                off,
                 moved: correction.now()[axis].wrapping_sub(self.from[axis]),
                 tolerance: monitor.tolerance(axis),
             };
         }
-        if let Some(fault) = stray(&looks, monitor.watched()) {
-            return Some(fault);
+        if stray(&looks, monitor.watched()).is_none() {
+            return self.go_on(monitor, correction);
         }
-        if self.pattern.iter().all(|&level| level == 0) {
-            self.finish(monitor);
+        if self.looks < LOOKS {
+            monitor.look_again();
+            return None;
+        }
+        for (look, off) in looks.iter_mut().zip(self.off) {
+            look.off = Turns::from_bits(off.to_bits() / i64::from(LOOKS));
+        }
+        let Some((axis, is_swapped)) = stray(&looks, monitor.watched()) else {
+            return self.go_on(monitor, correction);
+        };
+        let off = looks[axis].off;
+        let kind = if is_swapped {
+            FaultKind::SwappedWiring
         } else {
-            correction.go_to(self.target);
-            self.step = Step::Return;
-        }
-        None
+            monitor.name_of(axis, off)
+        };
+        Some(Fault::new(kind).on_axis(axis).with_size(off))
     }
+}
+
+fn is_pattern(levels: &[Turns]) -> bool {
+    levels.iter().any(|&level| level != 0)
 }
 
 /// What a crank was found to have done when it was moved.
@@ -222,9 +317,9 @@ struct Look {
     tolerance: Turns,
 }
 
-/// A crank that did not do what it was told, and what may be the reason.
+/// The crank that strays most, and whether it does what another was told.
 #[inline(never)] // one for every number of axes
-fn stray(looks: &[Look], watched: u8) -> Option<Fault> {
+fn stray(looks: &[Look], watched: u8) -> Option<(usize, bool)> {
     let strays = |look: &Look| {
         let allowed = Turns::from_bits(look.tolerance.to_bits() * APART / 2);
         look.off.abs() > allowed
@@ -232,19 +327,18 @@ fn stray(looks: &[Look], watched: u8) -> Option<Fault> {
     let (axis, look) = looks
         .iter()
         .enumerate()
-        .find(|&(axis, look)| watched & 1 << axis != 0 && strays(look))?;
+        .filter(|&(axis, look)| watched & 1 << axis != 0 && strays(look))
+        .max_by_key(|(_, look)| look.off.abs())?;
     // As far off as some other crank was moved further?
     let follows = |other: usize, by: Turns| {
         let between = by.wrapping_sub(look.moved);
-        other != axis && nearest(look.off.wrapping_sub(between)).abs() <= look.tolerance
+        let allowed = Turns::from_bits(look.tolerance.to_bits() * APART / 2);
+        let apart = between.abs() > allowed;
+        other != axis && apart && nearest(look.off.wrapping_sub(between)).abs() <= allowed
     };
     let mut others = looks.iter().enumerate();
-    let kind = if others.any(|(other, at)| follows(other, at.moved)) {
-        FaultKind::SwappedWiring
-    } else {
-        FaultKind::Slip
-    };
-    Some(Fault::new(kind).on_axis(axis).with_size(look.off))
+    let is_swapped = others.any(|(other, at)| follows(other, at.moved));
+    Some((axis, is_swapped))
 }
 
 /// What each crank is off from where the master has it.

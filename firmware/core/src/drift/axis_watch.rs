@@ -15,6 +15,12 @@ const MOST_MISSED: u8 = 2;
 const EXTRA_WEIGHT: u8 = 4;
 const MOST_EXTRA: u8 = 12;
 
+/// Pulses out of place, one after the other: a crank passes its flag more often than it should.
+const CROWD: u8 = 2;
+
+/// Index pulses over which what crank and encoder differ by is averaged: 2 to this power.
+const CALM: u32 = 4;
+
 /// Turns after which what happened to an axis is no longer why it is where it is.
 const FORGOTTEN_AFTER: u8 = 8;
 
@@ -23,6 +29,8 @@ const FORGOTTEN_AFTER: u8 = 8;
 pub(super) struct Sorted {
     /// The index tells where the crank is.
     pub is_heard: bool,
+    /// It is elsewhere, and nothing but the index watches.
+    pub has_moved: bool,
     /// What there is to tell: its size, and whether the crank is still seen.
     pub told: Option<(FaultKind, Turns, bool)>,
 }
@@ -62,6 +70,8 @@ pub(super) struct AxisWatch {
     silent: bool,
     missed: u8,
     extra: u8,
+    /// Pulses out of place without one in place between.
+    crowd: u8,
 }
 
 impl AxisWatch {
@@ -83,9 +93,10 @@ impl AxisWatch {
             delay: libm::round(axis.index_delay_s * f64::from(tick_hz) * 65_536.0) as u32,
             gate,
             overdue: alone.max(gate),
+            calm: if axis.encoder { CALM } else { 0 },
         };
         let index = axis.index_turns.map(|index| IndexWatch::new(place(index)));
-        let jump = Turns::from_bits(tolerance.to_bits() * 8);
+        let jump = Turns::from_bits(tolerance.to_bits() * 4);
         let encoder = axis
             .encoder
             .then(|| EncoderWatch::new(axis.steps_per_turn, axis.reversed, jump));
@@ -99,13 +110,14 @@ impl AxisWatch {
             alone,
             last: 0,
             home: 0,
-            story: Story::new(cycle, Turns::from_bits(tolerance.to_bits() * 2)),
+            story: Story::new(cycle, tolerance),
             fresh: None,
             name: None,
             name_for: 0,
             silent: false,
             missed: 0,
             extra: 0,
+            crowd: 0,
         }
     }
 
@@ -132,7 +144,8 @@ impl AxisWatch {
             let Some(index) = &mut self.index else {
                 return false;
             };
-            self.heard = index.observe(pulse, commanded, before_is_known, clock);
+            let backward = commanded.turns < 0;
+            self.heard = index.observe(pulse, commanded, backward, before_is_known, clock);
             return self.heard != Heard::Nothing;
         };
         // Where the motor is, not where it was told to be.
@@ -142,7 +155,9 @@ impl AxisWatch {
         self.heard = match &mut self.index {
             Some(index) => {
                 let measured = TickPhase { start, turns };
-                index.observe(pulse, &measured, before_is_known, clock)
+                // A motor's noise turns it back for a tick; its flag is met by the way that it is told.
+                let backward = commanded.turns < 0;
+                index.observe(pulse, &measured, backward, before_is_known, clock)
             }
             None => Heard::Nothing,
         };
@@ -175,13 +190,14 @@ impl AxisWatch {
         };
         let mut sorted = Sorted {
             is_heard: true,
-            told: None,
+            ..Sorted::default()
         };
         match core::mem::replace(&mut self.heard, Heard::Nothing) {
             Heard::Nothing => return Sorted::default(),
             Heard::First => {}
             Heard::InPlace { extra } => {
                 self.missed = 0;
+                self.crowd = 0;
                 self.extra = self.extra.saturating_sub(1);
                 if core::mem::take(&mut self.silent) {
                     sorted.told = Some((FaultKind::IndexMissing, Turns::ZERO, false));
@@ -198,16 +214,38 @@ impl AxisWatch {
             }
             Heard::Extra { by } => {
                 sorted.is_heard = false;
-                sorted.told = Some(self.extra(by));
+                self.crowd = self.crowd.saturating_add(1);
+                sorted.told = if self.crowd < CROWD {
+                    Some(self.extra(by))
+                } else {
+                    self.name = Some(FaultKind::Runaway);
+                    self.name_for = FORGOTTEN_AFTER;
+                    Some((FaultKind::Runaway, by, false))
+                };
             }
             Heard::Moved { by } => {
                 self.silent = false;
                 self.missed = 0;
                 if let Some(encoder) = &mut self.encoder {
-                    encoder.doubt = Turns::ZERO;
+                    // Only where the encoder saw a jump as well did the motor move; else the crank did on its shaft.
+                    let doubt = core::mem::take(&mut encoder.doubt);
+                    let off = angle(by.wrapping_sub(doubt)).unsigned_abs();
+                    let seen = doubt != 0 && off <= self.gate;
                     self.home = self.home.wrapping_add(angle(by));
-                    self.named(by, None);
+                    self.named(by, (!seen).then_some(FaultKind::Slip));
+                } else {
+                    sorted.has_moved = true;
                 }
+            }
+            Heard::Unheard => {
+                let doubt = self.encoder.as_mut().map(|encoder| &mut encoder.doubt);
+                let Some(doubt) = doubt.map(core::mem::take).filter(|doubt| *doubt != 0) else {
+                    return Sorted::default();
+                };
+                // No flag where the crank would be had the encoder lost counts: it did move.
+                index.believe_moved(doubt);
+                self.home = self.home.wrapping_add(angle(doubt));
+                self.named(doubt, None);
             }
             Heard::Overdue => {
                 sorted.is_heard = false;
@@ -318,8 +356,13 @@ impl AxisWatch {
         self.manner().or(self.name)
     }
 
+    /// How its motor moves, if that is why it is off.
     fn manner(&self) -> Option<FaultKind> {
-        match self.encoder.as_ref()?.manner() {
+        let encoder = self.encoder.as_ref()?;
+        if angle(encoder.drift()).unsigned_abs() <= self.gate {
+            return None;
+        }
+        match encoder.manner() {
             Manner::Follows => None,
             Manner::Stands => Some(FaultKind::Stuck),
             Manner::Backwards => Some(FaultKind::Reversed),
@@ -336,6 +379,11 @@ impl AxisWatch {
 
     pub(super) const fn tolerance(&self) -> Turns {
         self.tolerance
+    }
+
+    /// What a jump is called that nothing is known of but its size.
+    pub(super) fn name_of(&self, by: Turns) -> FaultKind {
+        self.story.of_one(by)
     }
 
     /// Its pulse is late, or nothing is expected of it.
@@ -358,6 +406,7 @@ impl AxisWatch {
         self.silent = false;
         self.missed = 0;
         self.extra = 0;
+        self.crowd = 0;
     }
 
     pub(super) fn settle(&mut self) {

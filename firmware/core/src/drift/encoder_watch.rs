@@ -153,6 +153,7 @@ impl EncoderWatch {
         let window = &mut self.window;
         window.ticks = window.ticks.saturating_add(1);
         window.commanded = window.commanded.wrapping_add(commanded);
+        // Far enough for noise to be little of it.
         if window.ticks < WINDOW_TICKS || window.commanded < self.jump {
             return;
         }

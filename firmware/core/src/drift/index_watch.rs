@@ -28,6 +28,9 @@ pub(super) struct Place {
     pub gate: Turns,
     /// A pulse that is late by more stands for a crank past its limit.
     pub overdue: Turns,
+    /// Of what a pulse in place shows anew, 1/2^`calm` is believed: where an encoder has the crank anyway, the index need not
+    /// bring its own noise in.
+    pub calm: u32,
 }
 
 /// What a tick brought.
@@ -52,6 +55,8 @@ pub(super) enum Heard {
         /// By how much, forward.
         by: Turns,
     },
+    /// Nothing came where the next pulse was expected.
+    Unheard,
     /// A pulse stays away: told once, until one comes.
     Overdue,
 }
@@ -125,17 +130,19 @@ impl IndexWatch {
         phase.start.since(self.heard_at) <= self.alert
     }
 
-    /// Takes in a tick that is over. `before_is_known`: so is the tick before it.
+    /// Takes in a tick that is over, in which the axis was told to turn `backward` or not. `before_is_known`: so is the tick
+    /// before it.
     #[inline]
     pub(super) fn observe(
         &mut self,
         pulse: Option<&IndexPulse>,
         phase: &TickPhase,
+        backward: bool,
         before_is_known: bool,
         clock: TickClock,
     ) -> Heard {
         let heard = match pulse {
-            Some(pulse) => self.hear(*pulse, phase, before_is_known, clock),
+            Some(pulse) => self.hear(*pulse, phase, backward, before_is_known, clock),
             // The turns of this tick come on top only in the next: a pulse in it may wait to be confirmed.
             None if phase.start.since(self.heard_at) > self.alert => self.silence(),
             None => Heard::Nothing,
@@ -149,6 +156,7 @@ impl IndexWatch {
         &mut self,
         pulse: IndexPulse,
         phase: &TickPhase,
+        backward: bool,
         before_is_known: bool,
         clock: TickClock,
     ) -> Heard {
@@ -174,7 +182,7 @@ impl IndexWatch {
             .at(cycle.min(clock.cycles), clock)
             .advanced(Turns::from_bits(late.wrapping_neg()));
         // Going backward, a crank meets the flag's other end first.
-        let end = if tick.turns < 0 {
+        let end = if backward {
             self.place.index.wrapping_add(self.place.flag)
         } else {
             self.place.index
@@ -193,7 +201,8 @@ impl IndexWatch {
             if at.since(self.heard_at) < HALF {
                 return Heard::Nothing; // the same passage
             }
-            self.believe(offset, at);
+            let calm = Turns::from_bits(by.to_bits() >> self.place.calm);
+            self.believe(nearest(self.offset.wrapping_add(calm)), at);
             let extra = self.suspect.take();
             let extra = extra.map(|suspect| nearest(suspect.offset.wrapping_sub(offset)));
             return Heard::InPlace { extra };
@@ -226,7 +235,7 @@ impl IndexWatch {
             }
             self.unheard = true;
             self.alert = ONE.wrapping_add(self.place.overdue.max(self.place.gate));
-            return Heard::Nothing;
+            return Heard::Unheard;
         }
         self.unheard = true;
         self.alert = Turns::MAX;
@@ -238,6 +247,15 @@ impl IndexWatch {
         self.heard_at = at;
         self.unheard = false;
         self.alert = ONE.wrapping_add(self.place.gate);
+    }
+
+    /// The crank has moved by so much, as something else tells: its pulse is to come where that has it.
+    pub(super) fn believe_moved(&mut self, by: Turns) {
+        self.offset = nearest(self.offset.wrapping_add(by));
+        self.unheard = false;
+        self.alert = ONE
+            .wrapping_add(self.place.gate)
+            .wrapping_sub(by.min(Turns::ZERO));
     }
 
     /// An overdue pulse is waited for until it is late by `turns`.

@@ -64,6 +64,9 @@ pub struct Sensed<'a, const N: usize> {
     pub speed: Turns,
 }
 
+/// Turns after which what a machine was stopped for gets no better name: a crank at the end of a stop does other things.
+const NAMED_WITHIN: Turns = Turns::lit("4");
+
 /// Findings that may wait to be told, one a tick.
 const WAITING: usize = 8;
 
@@ -93,8 +96,9 @@ pub struct DriftMonitor<const N: usize> {
     rounds: u32,
     modes: Modes,
     findings: Deque<Finding, WAITING>,
-    /// What a stop was asked for, which may get a better name.
+    /// What a stop was asked for, which may get a better name, and the master's turns since.
     open: Option<(Option<usize>, FaultKind)>,
+    since_open: Turns,
 }
 
 impl<const N: usize> DriftMonitor<N> {
@@ -135,6 +139,7 @@ impl<const N: usize> DriftMonitor<N> {
             modes: Modes::default(),
             findings: Deque::new(),
             open: None,
+            since_open: Turns::ZERO,
         }
     }
 
@@ -155,6 +160,9 @@ impl<const N: usize> DriftMonitor<N> {
                     news |= 1 << axis;
                 }
             }
+        }
+        if self.open.is_some() {
+            self.since_open = self.since_open.saturating_add(sensed.speed);
         }
         if news != 0 || self.by_encoder != 0 {
             self.consider(news, sensed);
@@ -179,6 +187,7 @@ impl<const N: usize> DriftMonitor<N> {
     #[inline(never)]
     fn consider(&mut self, news: AxisSet, sensed: &Sensed<'_, N>) {
         let all_late = self.axes.iter().all(AxisWatch::is_late);
+        let mut moved = 0;
         for axis in 0..N {
             if news & 1 << axis == 0 {
                 continue;
@@ -193,12 +202,19 @@ impl<const N: usize> DriftMonitor<N> {
                 self.known |= 1 << axis;
                 self.seen |= 1 << axis;
             }
+            if heard.has_moved {
+                moved |= 1 << axis;
+            }
             if let Some((kind, by, in_safety)) = heard.told {
                 self.find(axis, kind, by, in_safety);
             }
         }
         let round = news != 0 && self.heard & self.by_index == self.by_index && self.heard != 0;
-        if round {
+        if moved != 0 && !round && !self.finding_out && self.others_are_heard(moved) {
+            // It is not waited for the others, of which none is late: they have not moved with it.
+            self.update();
+            self.compare();
+        } else if round {
             self.heard = 0;
             self.rounds = self.rounds.wrapping_add(1);
             self.update();
@@ -211,6 +227,13 @@ impl<const N: usize> DriftMonitor<N> {
             return;
         }
         self.check(sensed);
+    }
+
+    /// Whether none but the axes in `moved` is late.
+    fn others_are_heard(&self, moved: AxisSet) -> bool {
+        let others = self.by_index & !moved;
+        let mut axes = self.axes.iter().enumerate();
+        axes.all(|(axis, watch)| others & 1 << axis == 0 || !watch.is_late())
     }
 
     fn update(&mut self) {
@@ -248,7 +271,8 @@ impl<const N: usize> DriftMonitor<N> {
         }
         for axis in 0..N {
             let fresh = self.axes.get_mut(axis).and_then(AxisWatch::take_fresh);
-            if let Some((kind, by)) = fresh {
+            // While cranks are found out, and brought together, what they do is looked at by whoever does that.
+            if let Some((kind, by)) = fresh.filter(|_| !self.finding_out) {
                 self.find(axis, kind, by, past.is_none());
             }
         }
@@ -264,13 +288,21 @@ impl<const N: usize> DriftMonitor<N> {
             let size = self.modes.common;
             return self.push(Fault::new(kind).with_size(size), false);
         }
-        if self.finding_out {
-            let kind = FaultKind::TooFarOut;
-            return self.push_axis(self.worst(error), kind);
-        }
+        let kind = if self.finding_out {
+            FaultKind::TooFarOut
+        } else {
+            kind
+        };
+        // Of two cranks that are apart, the one of which something is known is the one that moved.
         let worst = self.worst(error);
-        let known = self.axes.get(worst).and_then(AxisWatch::name);
-        self.push_axis(worst, known.unwrap_or(kind));
+        let named = |axis: usize| self.axes.get(axis).and_then(AxisWatch::name);
+        let known = (worst..N)
+            .chain(0..worst)
+            .find(|&axis| named(axis).is_some());
+        match known {
+            Some(axis) => self.push_axis(axis, named(axis).unwrap_or(kind)),
+            None => self.push_axis(worst, kind),
+        }
     }
 
     fn push_axis(&mut self, axis: usize, kind: FaultKind) {
@@ -308,11 +340,15 @@ impl<const N: usize> DriftMonitor<N> {
         let mut refines = false;
         if let Some((axis, kind)) = self.open {
             let same = axis == fault.axis || axis.is_none();
-            if same && naming::is_better(fault.kind, kind) {
+            let in_time = self.since_open < NAMED_WITHIN;
+            if same && in_time && naming::is_better(fault.kind, kind) {
                 refines = true;
             } else if !in_safety {
                 return; // it is being stopped
             }
+        }
+        if !refines && !in_safety {
+            self.since_open = Turns::ZERO;
         }
         if !in_safety || refines {
             self.open = Some((fault.axis, fault.kind));
@@ -331,6 +367,12 @@ impl<const N: usize> DriftMonitor<N> {
         } else {
             self.findings.push_front(finding)
         };
+    }
+
+    /// What a jump of an axis is called that nothing is known of but its size.
+    pub fn name_of(&self, axis: usize, by: Turns) -> FaultKind {
+        let watch = self.axes.get(axis);
+        watch.map_or(FaultKind::Slip, |watch| watch.name_of(by))
     }
 
     /// Whether every axis that has a sensor has been heard since [`Self::reset`].

@@ -56,10 +56,21 @@ impl Story {
         } else {
             self.is_whole(by)
         };
-        if whole && (by < 0 || self.row <= 2) {
-            FaultKind::LostSteps
-        } else if goes_on && by > 0 {
+        // What runs away gains more in its second turn than in what was left of the first.
+        let gains = goes_on && by > 0 && (by > before || self.row > 2);
+        if gains {
             FaultKind::Runaway
+        } else if whole {
+            FaultKind::LostSteps
+        } else {
+            FaultKind::Slip
+        }
+    }
+
+    /// What one jump is called that stands for itself.
+    pub(super) fn of_one(&self, by: Turns) -> FaultKind {
+        if self.is_whole(by) {
+            FaultKind::LostSteps
         } else {
             FaultKind::Slip
         }
@@ -91,7 +102,11 @@ impl Story {
 pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
     const fn rank(kind: FaultKind) -> u8 {
         match kind {
-            FaultKind::Tilt | FaultKind::Warp | FaultKind::CommonLag | FaultKind::Silent => 0,
+            FaultKind::Tilt
+            | FaultKind::Warp
+            | FaultKind::CommonLag
+            | FaultKind::Silent
+            | FaultKind::IndexExtra => 0,
             FaultKind::LostSteps | FaultKind::Slip => 1,
             FaultKind::IndexMissing
             | FaultKind::Stuck
@@ -145,13 +160,13 @@ mod tests {
     }
 
     fn story() -> Story {
-        Story::new(deg(CYCLE_DEG), deg(0.9))
+        Story::new(deg(CYCLE_DEG), deg(0.45))
     }
 
     #[test]
     fn whole_cycles_are_lost_steps_and_nothing_else_is() {
         for cycles in [-20.0, -3.0, -1.0, 1.0, 2.0] {
-            for off in [-0.8, 0.0, 0.8] {
+            for off in [-0.4, 0.0, 0.4] {
                 let by = deg(cycles * CYCLE_DEG + off);
                 assert_eq!(story().jumped(by), FaultKind::LostSteps, "{by}");
             }
@@ -176,8 +191,8 @@ mod tests {
         gains.jumped(deg(50.0));
         assert_eq!(gains.jumped(deg(83.0)), FaultKind::Runaway);
         let mut in_two = story();
-        assert_eq!(in_two.jumped(deg(5.0)), FaultKind::Slip);
-        assert_eq!(in_two.jumped(deg(9.4)), FaultKind::LostSteps);
+        assert_eq!(in_two.jumped(deg(9.4)), FaultKind::Slip);
+        assert_eq!(in_two.jumped(deg(5.0)), FaultKind::LostSteps);
         assert_eq!(in_two.jumped(deg(7.2)), FaultKind::Runaway);
         let mut by_chance = story();
         by_chance.jumped(deg(51.456));

@@ -42,7 +42,7 @@ impl<const N: usize> Coupling<N> {
     /// Takes in the drifts at a tick's end.
     #[inline(never)] // of boards without servos it is not to be in the way
     pub fn advance(&mut self, drift: &[Turns; N]) {
-        // Below half a turn each: 31 bits, and room for gains of up to 2 and a sum of six.
+        // Below half a turn each: 31 bits, and room for gains of up to 20 and a sum of six.
         let drift = drift.map(|e| e.to_bits() >> 16);
         // 1/N with 28 bits: what the mean is off, 2⁻²⁸ of it, is the last axis's.
         let share = const { (1 << 28) / N as i64 };
@@ -71,10 +71,8 @@ impl<const N: usize> Coupling<N> {
             .iter()
             .all(|added| added.to_bits().abs() <= self.limit)
         {
-            for (change, (added, &before)) in
-                self.change.iter_mut().zip(added.iter().zip(&self.added))
-            {
-                *change = added.wrapping_sub(before);
+            for ((change, &to), &from) in self.change.iter_mut().zip(&added).zip(&self.added) {
+                *change = to.wrapping_sub(from);
             }
             self.added = added;
         } else {

@@ -205,9 +205,9 @@ pub struct CorrectionSettings {
     pub part: f64,
     /// Whether *align* trims each crank by an amount of its own and asks to see that crank, and no other, follow.
     pub prove_wiring: bool,
-    /// Cross-coupling of servos: setpoint against what an axis is off from the mean of all, 0 to 2.
+    /// Cross-coupling of servos: setpoint against what an axis is off from the mean of all, 0 to 20.
     pub coupling: f64,
-    /// … and against that integrated, 1/s, 0 to 1000.
+    /// … and against that integrated, 1/s, 0 to 10,000.
     pub coupling_per_s: f64,
 }
 
@@ -284,9 +284,9 @@ impl<const N: usize> Settings<N> {
 impl CorrectionSettings {
     fn check(&self) -> Result<(), SettingsError> {
         inside("correction.part", self.part, 0.0, 1.0)?;
-        inside("correction.coupling", self.coupling, 0.0, 2.0)?;
+        inside("correction.coupling", self.coupling, 0.0, 20.0)?;
         let per_s = self.coupling_per_s;
-        inside("correction.coupling_per_s", per_s, 0.0, 1000.0)?;
+        inside("correction.coupling_per_s", per_s, 0.0, 10_000.0)?;
         Ok(())
     }
 }

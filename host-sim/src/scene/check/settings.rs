@@ -16,6 +16,7 @@ pub(super) fn setup(
     scene: &Scene,
     machine: MachineSettings,
     drift: DriftSettings,
+    correction: CorrectionSettings,
     program: impl IntoIterator<Item = EntrySettings>,
 ) -> Setup {
     let limits = &scene.limits;
@@ -56,12 +57,7 @@ pub(super) fn setup(
         axes: numbers.clone().map(|i| axis(scene, i)).collect(),
         trims_turns: numbers.map(|i| trim_deg(i) / 360.0).collect(),
         drift,
-        correction: CorrectionSettings {
-            part: scene.correction.part,
-            prove_wiring: scene.correction.prove_wiring,
-            coupling: scene.correction.coupling,
-            coupling_per_s: scene.correction.coupling_per_s,
-        },
+        correction,
         park_turns: scene.control.park_deg / 360.0,
         settle_s: scene.control.settle_s,
         program: program.into_iter().take(CAPACITY).collect(),

@@ -119,10 +119,14 @@ pub struct Correction {
     pub part: f64,
     /// Whether align moves each crank by an amount of its own, and asks to see that crank follow.
     pub prove_wiring: bool,
-    /// Cross-coupling of servos: setpoint against what an axis is off from the mean of all.
-    pub coupling: f64,
+    /// Cross-coupling of servos: its gains are derived from [axes.servo], but for those that are given.
+    pub couple: bool,
+    /// Setpoint against what an axis is off from the mean of all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coupling: Option<f64>,
     /// … and against that integrated, 1/s.
-    pub coupling_per_s: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coupling_per_s: Option<f64>,
 }
 
 impl Correction {

@@ -68,6 +68,9 @@ struct Found {
     margin: f64,
     /// By how many ticks of coasting the reference's passage was not too near.
     spare: f64,
+    /// How many of these the shaft may need: one for letting go in whole ticks, one for a ramp that is two longer, and what
+    /// a coasting speed off by up to J/8 adds to the ramp's way.
+    needed: f64,
     moved: u64,
 }
 
@@ -101,6 +104,7 @@ fn stop_at(watch: &mut Watch, phase: Turns) -> Found {
         turns_later: turns_later as i64,
         margin: planning + jerk / 8.0 / reference.coasting * (coasted + 2.0),
         spare: (first - reference.way) / reference.coasting,
+        needed: 2.0 + planning + jerk / 8.0 / reference.coasting * (reference.last_ramp + 2.0),
         moved,
     }
 }
@@ -112,7 +116,7 @@ fn is_the_earliest(found: &Found) -> bool {
     let in_time = found.over <= 2.0 + found.margin + rounding;
     match found.turns_later {
         0 => in_time,
-        1 => in_time && found.spare <= 2.0 + found.margin,
+        1 => in_time && found.spare <= found.needed,
         _ => false,
     }
 }

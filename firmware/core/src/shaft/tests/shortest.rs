@@ -53,11 +53,11 @@ fn over_the_least(watch: &mut Watch, also: impl Fn(u64) -> bool) -> f64 {
     moved as f64 - least
 }
 
-/// At most two ticks over the least. Never below it, less the two in which the shaft stands already: one in which the
+/// At most a tick over the least, where two are allowed. Never below it, less the two in which the shaft stands already: one in which the
 /// speed is zero, one in which the acceleration is. A part in 10⁹ is left to the f64s.
 fn is_the_shortest(over: f64, ticks: u64) -> bool {
     let rounding = 1e-9 * ticks as f64 + 1e-6;
-    (-2.0 - rounding..=2.0 + rounding).contains(&over)
+    (-2.0 - rounding..=1.0 + rounding).contains(&over)
 }
 
 proptest! {

@@ -1,0 +1,140 @@
+//! Holds a run against what the campaign claims.
+
+use cophase_core::supervisor::State;
+
+use crate::scene::file::{AxisApart, Drive, FaultAt, FaultName, Scene};
+
+use super::bound;
+use super::geometry::Geometry;
+use super::names::{self, Circumstances};
+use super::watch::{Seen, Told};
+
+/// What a crank is from where it was told to be for rounding: a step either way. More than this, it was moved.
+const ROUNDING_STEPS: f64 = 2.0;
+
+/// What a faulty run comes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Told, and rightly.
+    Right,
+    /// Told, and wrongly.
+    Misnamed,
+    /// Not told, though a crank was past its limit, or the kind is one that must be told.
+    Missed,
+    /// Nothing was told, and nothing had to be: no crank was past its limit.
+    Within,
+    /// The machine did not move when it came, or not for long enough after it.
+    Moot,
+    /// A clean run in which nothing was told.
+    Clean,
+    /// Something was told before anything was wrong.
+    FalseTrip,
+    /// The machine's equations came to an end.
+    Diverged,
+}
+
+/// The judgement of one run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judgement {
+    /// Rightly told or not.
+    pub verdict: Verdict,
+    /// Turns of the master from the crank passing its limit to two ticks before it was told; below 0, it was told before.
+    pub turns: Option<f64>,
+    /// Most that the platform may tilt, mrad.
+    pub bound_mrad: f64,
+    /// An axis was left running.
+    pub left_running: bool,
+}
+
+/// Judges a run by what was seen in it.
+pub fn judge(scene: &Scene, geometry: Option<&Geometry>, seen: &Seen, diverged: bool) -> Judgement {
+    let bound_mrad = geometry.map_or(0.0, |geometry| {
+        bound::tilt_mrad(scene, geometry, seen.past.as_ref())
+    });
+    let steps = f64::from(scene.axes.steps_per_turn);
+    let verdict = match scene.fault.first() {
+        _ if diverged => Verdict::Diverged,
+        _ if !seen.early.is_empty() => Verdict::FalseTrip,
+        None => Verdict::Clean,
+        Some(fault) => verdict(scene, fault, seen),
+    };
+    let turns = match (&seen.past, &seen.told) {
+        (Some(past), Some(_)) => Some(seen.told_turns - past.turns),
+        _ => None,
+    };
+    Judgement {
+        verdict,
+        turns,
+        bound_mrad,
+        left_running: seen.left_running_turns * steps > ROUNDING_STEPS,
+    }
+}
+
+fn verdict(scene: &Scene, fault: &FaultAt, seen: &Seen) -> Verdict {
+    let Some((injected, end)) = seen.injected.zip(seen.end) else {
+        return Verdict::Moot;
+    };
+    let stood = !matches!(injected.state, State::Align | State::Run | State::Stop);
+    let from_power_up = matches!(fault.kind, FaultName::SwappedWiring | FaultName::Reversed);
+    if stood && !from_power_up && seen.told.is_none() && seen.past.is_none() {
+        return Verdict::Moot;
+    }
+    if seen.told.is_none() {
+        let had_time = end.turns - injected.turns > names::turns_to_tell(fault);
+        // An extra pulse before the first is the first, if nothing tells otherwise; what it would have moved is looked at again.
+        let may_be_first = fault.kind == FaultName::IndexExtra && injected.state == State::Align;
+        let must = names::must_be_told(fault.kind) && !may_be_first;
+        return match (seen.past, must) {
+            (Some(_), _) => Verdict::Missed,
+            (None, true) if had_time => Verdict::Missed,
+            (None, true) => Verdict::Moot,
+            (None, false) => Verdict::Within,
+        };
+    }
+    let axis = fault.axis.unwrap_or_default();
+    let drive = scene.apart(axis).and_then(|apart| apart.drive);
+    let accepted = names::accepted(
+        fault,
+        Circumstances {
+            has_encoder: scene.axes.encoder,
+            is_stepper: drive.unwrap_or(scene.axes.drive) == Drive::Stepper,
+            in_align: injected.state == State::Align || stood,
+            is_past: seen.past.is_some(),
+            opposed: differs(scene, fault, |apart| f64::from(u8::from(apart.reversed))),
+            flags_apart: differs(scene, fault, |apart| apart.index_deg.unwrap_or_default()),
+        },
+    );
+    let is_right = |told: &Told| {
+        let axes = [fault.axis, fault.with];
+        accepted.contains(&told.kind)
+            && (!names::has_axis(fault.kind) || (told.axis.is_some() && axes.contains(&told.axis)))
+    };
+    // What latched is what counts, as it was called at last; where nothing did, all that was told.
+    let right = match &seen.fault {
+        Some(told) => is_right(told),
+        None => !seen.incidents.is_empty() && seen.incidents.iter().all(is_right),
+    };
+    if right {
+        Verdict::Right
+    } else {
+        Verdict::Misnamed
+    }
+}
+
+/// Whether the two axes of a swap differ in something that each has apart.
+fn differs(scene: &Scene, fault: &FaultAt, what: fn(&AxisApart) -> f64) -> bool {
+    let of = |axis: Option<usize>| scene.apart(axis?).map(what);
+    of(fault.axis) != of(fault.with)
+}
+
+/// Of which axes the cranks must stop, and not only the commands: those that their drives move as told. A crank that slips is not
+/// moved by its drive, one that stands for a while is not either, and one that torque moves swings on.
+pub fn cranks_that_count<const N: usize>(scene: &Scene) -> [bool; N] {
+    let astray = |axis: usize| {
+        scene.fault.first().is_some_and(|fault| {
+            matches!(fault.kind, FaultName::Slip | FaultName::Stuck) && fault.axis == Some(axis)
+        })
+    };
+    std::array::from_fn(|axis| !scene.fidelity.moves_by_torque() && !astray(axis))
+}

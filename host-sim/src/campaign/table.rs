@@ -1,0 +1,193 @@
+//! Figures as a table, in Markdown that a terminal shows as well.
+
+use std::fmt::Write as _;
+
+use super::interval::Rate;
+use super::shards::Header;
+use super::tally::{Group, Tally};
+
+/// Most cases that are named for each thing that is not as claimed.
+const MOST_NAMED: usize = 12;
+
+/// All of it: what was run, the table, what is not as claimed.
+pub fn text(header: &Header, tally: &Tally) -> String {
+    let mut text = String::new();
+    let cases = header.numbers.end - header.numbers.start;
+    let _ = writeln!(
+        text,
+        "{cases} faulty runs and {cases} clean ones, {:.1} hours simulated: cases {} to {} of seed {}, {}.\n",
+        tally.simulated_s / 3600.0,
+        header.numbers.start,
+        header.numbers.end.saturating_sub(1),
+        header.seed,
+        match header.scene.as_str() {
+            "machines" => "machines drawn".to_owned(),
+            scene => format!("scene {scene}"),
+        }
+    );
+    let mut rows = vec![HEADER.map(str::to_owned).to_vec()];
+    for ((kind, encoder), group) in &tally.groups {
+        let with = if *encoder { "encoder" } else { "index" };
+        rows.push(row(kind.name(), with, group));
+    }
+    rows.push(row("all", "", &tally.all));
+    text.push_str(&aligned(&rows));
+    let _ = writeln!(
+        text,
+        "\nFalse trips: {} of {} clean runs; {}.",
+        tally.false_trips.hits,
+        tally.false_trips.of,
+        bounds(tally.false_trips)
+    );
+    let _ = writeln!(
+        text,
+        "Told in time: {} of {} in which a crank passed its limit; {}.",
+        tally.all.in_time.hits,
+        tally.all.in_time.of,
+        bounds(tally.all.in_time)
+    );
+    let _ = writeln!(
+        text,
+        "Rightly named: {} of {}; {}.",
+        tally.all.named.hits,
+        tally.all.named.of,
+        bounds(tally.all.named)
+    );
+    let _ = writeln!(
+        text,
+        "Left running: {} of {}; {}.",
+        tally.all.left_running.hits,
+        tally.all.left_running.of,
+        bounds(tally.all.left_running)
+    );
+    failures(&mut text, tally);
+    text
+}
+
+const HEADER: [&str; 13] = [
+    "fault",
+    "seen by",
+    "runs",
+    "past limit",
+    "in time",
+    "turns, half",
+    "95 %",
+    "99 %",
+    "all",
+    "named rightly",
+    "at least",
+    "tilt/limit",
+    "tilt/bound",
+];
+
+fn row(name: &str, with: &str, group: &Group) -> Vec<String> {
+    let turns = |part| {
+        Group::quantile(&group.turns, part).map_or(String::new(), |turns| format!("{turns:.2}"))
+    };
+    let named = group
+        .named
+        .part()
+        .map_or(String::new(), |part| format!("{:.2} %", part * 100.0));
+    let at_least = match group.named.of {
+        0 => String::new(),
+        _ => format!("{:.2} %", group.named.bounds().0 * 100.0),
+    };
+    let over_bound = Group::quantile(&group.tilt_over_bound, 1.0).unwrap_or_default();
+    vec![
+        name.to_owned(),
+        with.to_owned(),
+        group.runs.to_string(),
+        group.past.to_string(),
+        group.in_time.hits.to_string(),
+        turns(0.5),
+        turns(0.95),
+        turns(0.99),
+        turns(1.0),
+        named,
+        at_least,
+        format!("{:.2}", group.tilt_over_limit),
+        format!("{over_bound:.2}"),
+    ]
+}
+
+fn bounds(rate: Rate) -> String {
+    let (low, high) = rate.bounds();
+    format!(
+        "the rate is {:.3} to {:.3} % (95 %)",
+        low * 100.0,
+        high * 100.0
+    )
+}
+
+/// What is not as claimed, each with cases to replay.
+fn failures(text: &mut String, tally: &Tally) {
+    let mut lines = Vec::new();
+    for ((kind, encoder), group) in &tally.groups {
+        let with = if *encoder { "encoder" } else { "index" };
+        for (what, cases) in &group.failed {
+            lines.push(format!(
+                "- {} ({with}), {what}: {}",
+                kind.name(),
+                list(cases)
+            ));
+        }
+    }
+    if !tally.tripped.is_empty() {
+        lines.push(format!("- clean, told something: {}", list(&tally.tripped)));
+    }
+    if lines.is_empty() {
+        return;
+    }
+    text.push_str("\nNot as claimed, by case (--replay shows one):\n\n");
+    for line in lines {
+        let _ = writeln!(text, "{line}");
+    }
+}
+
+fn list(cases: &[u64]) -> String {
+    let shown: Vec<_> = cases
+        .iter()
+        .take(MOST_NAMED)
+        .map(ToString::to_string)
+        .collect();
+    let rest = cases.len().saturating_sub(MOST_NAMED);
+    let more = if rest > 0 {
+        format!(" and {rest} more")
+    } else {
+        String::new()
+    };
+    format!("{} ({}{more})", cases.len(), shown.join(", "))
+}
+
+/// A Markdown table, its columns as wide as what is in them; numbers to the right.
+fn aligned(rows: &[Vec<String>]) -> String {
+    let columns = rows.first().map_or(0, Vec::len);
+    let width = |column: usize| {
+        let cells = rows.iter().filter_map(|row| row.get(column));
+        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
+    let widths: Vec<_> = (0..columns).map(width).collect();
+    let mut text = String::new();
+    for (number, row) in rows.iter().enumerate() {
+        for (column, (cell, &width)) in row.iter().zip(&widths).enumerate() {
+            let _ = if column < 2 {
+                write!(text, "| {cell:width$} ")
+            } else {
+                write!(text, "| {cell:>width$} ")
+            };
+        }
+        text.push_str("|\n");
+        if number == 0 {
+            for (column, &width) in widths.iter().enumerate() {
+                let dashes = "-".repeat(width);
+                let _ = if column < 2 {
+                    write!(text, "| {dashes} ")
+                } else {
+                    write!(text, "| {}: ", &dashes[1..])
+                };
+            }
+            text.push_str("|\n");
+        }
+    }
+    text
+}

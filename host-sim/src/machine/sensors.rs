@@ -1,0 +1,56 @@
+//! What a machine's sensors are, and what its encoders count.
+
+use cophase_core::settings::CLOCK_HZ;
+
+use super::{IndexSensor, Machine};
+use crate::faults::{Sensor, Stream};
+use crate::scene::{Checked, SceneError};
+
+impl<const N: usize> Machine<N> {
+    /// The index sensors of its cranks, as they stand now.
+    ///
+    /// # Errors
+    /// `N` is another number than the scene's.
+    pub fn sensors(&self, checked: &Checked) -> Result<[IndexSensor; N], SceneError> {
+        let settings = checked.settings::<N>()?;
+        let noise = &checked.scene.noise;
+        let width = settings.index.width_cycles();
+        let cycles = |seconds: f64| seconds * f64::from(CLOCK_HZ);
+        Ok(std::array::from_fn(|i| {
+            let delay = cycles(settings.axes[i].index_delay_s).round() as u32;
+            let deviation = cycles(noise.index_us * 1e-6);
+            let time = Stream::new(noise.seed, Sensor::EdgeTime, i, deviation);
+            let sensor = IndexSensor::new(width, self.index_cycles).delayed(delay, time);
+            match self.axes[i].flag().filter(|flag| flag.has_length()) {
+                Some(flag) => sensor.of_length(width, flag.is_over(self.axes[i].turns())),
+                None => sensor,
+            }
+        }))
+    }
+
+    /// Counts of motor `i`'s encoder since power-up, in the motor's own sense, wrapping. What a crank has slipped on its
+    /// shaft, the motor has not.
+    pub fn encoder(&self, i: usize) -> i32 {
+        /// A crank that is on a count to a digit or two is on it.
+        const ROUNDING: f64 = 1e-6;
+        let axis = &self.axes[i];
+        let slipped = self
+            .astray
+            .as_ref()
+            .map_or(0.0, |astray| astray.slipped_turns(i));
+        let sense = if axis.is_reversed() { -1.0 } else { 1.0 };
+        let counts = sense * (axis.travelled_turns() + slipped) * axis.steps_per_turn();
+        (counts + ROUNDING).floor() as i64 as i32
+    }
+
+    /// Counts of all encoders; 0 of those that are not read.
+    pub fn encoders(&self) -> [i32; N] {
+        std::array::from_fn(|i| {
+            if self.has_encoder[i] {
+                self.encoder(i)
+            } else {
+                0
+            }
+        })
+    }
+}

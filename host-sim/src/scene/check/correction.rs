@@ -1,0 +1,71 @@
+//! What is done against drift, as the core is told: gains of the cross-coupling are derived unless they are given.
+
+use cophase_core::settings::{CorrectionSettings, MachineSettings};
+
+use crate::design::coupling::{APART, Plant};
+use crate::mechanism::slider_crank::SliderCrank;
+use crate::scene::SceneError;
+use crate::scene::file::Scene;
+
+pub(super) fn correction(
+    scene: &Scene,
+    machine: &MachineSettings,
+) -> Result<CorrectionSettings, SceneError> {
+    let given = &scene.correction;
+    let both = given.coupling.is_some() && given.coupling_per_s.is_some();
+    let gains = if given.couple && !both {
+        let gains = plant(scene, machine)?.gains().ok_or_else(|| {
+            SceneError::at(
+                "correction.couple",
+                format!(
+                    "the drives of [axes.servo] leave no room for a coupling that keeps {APART} away from swinging; damp them \
+                     (a higher velocity_gain_nms, a lower position_gain_per_s), raise control.tick_hz, or give \
+                     correction.coupling and correction.coupling_per_s"
+                ),
+            )
+        })?;
+        (gains.proportional, gains.per_s)
+    } else {
+        (0.0, 0.0)
+    };
+    Ok(CorrectionSettings {
+        part: given.part,
+        prove_wiring: given.prove_wiring,
+        coupling: given.coupling.unwrap_or(gains.0),
+        coupling_per_s: given.coupling_per_s.unwrap_or(gains.1),
+    })
+}
+
+/// The servos of a scene, as a coupling has to do with them.
+///
+/// # Errors
+/// The scene does not say what its drives and rotors are.
+pub fn plant(scene: &Scene, machine: &MachineSettings) -> Result<Plant, SceneError> {
+    let axes = &scene.axes;
+    let servo = axes.servo.ok_or_else(|| {
+        SceneError::at(
+            "axes.servo",
+            "missing; correction.couple derives its gains from those of the drives, so give [axes.servo], or \
+             correction.coupling and correction.coupling_per_s themselves",
+        )
+    })?;
+    if axes.rotor_inertia_kgm2 <= 0.0 {
+        return Err(SceneError::at(
+            "axes.rotor_inertia_kgm2",
+            "is 0; correction.couple derives its gains from the rotors' inertia, so give it, or correction.coupling and \
+             correction.coupling_per_s themselves",
+        ));
+    }
+    let radius_m = machine.crank_radius_m;
+    let mechanism = SliderCrank::new(radius_m, radius_m / machine.lambda)
+        .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
+    let way = (0..180).map(|degree| mechanism.s(f64::from(degree).to_radians()));
+    let lever_m = radius_m * way.fold(0.0, f64::max);
+    let share_kg = machine.load_kg / axes.count as f64;
+    Ok(Plant {
+        servo,
+        least_kgm2: axes.rotor_inertia_kgm2,
+        most_kgm2: axes.rotor_inertia_kgm2 + share_kg * lever_m * lever_m,
+        tick_hz: f64::from(scene.control.tick_hz),
+    })
+}

@@ -1,0 +1,120 @@
+//! Cross-coupled servos: what is promised of the gains that are derived from a scene, held against the machine itself.
+//!
+//! Three servos on the phased rung, each crank its own rotor; the loop, its encoders and delays are the real ones.
+
+use cophase_core::settings::CorrectionSettings;
+use cophase_tests::scene;
+use host_sim::design::coupling::{APART, Gains};
+use host_sim::scene::{Checked, plant};
+use host_sim::sim::{Moment, Observer, simulate};
+
+const TICK_HZ: f64 = 2000.0;
+
+/// A machine at 20 rev/s; of crank 1 the load is raised by a step, or for a moment.
+fn text(correction: &str, load: &str) -> String {
+    format!(
+        "name = \"coupled\"\nfidelity = \"phased\"\n\
+         [machine]\ncrank_radius_mm = 5\nlambda = 0.25\nload_kg = 6\nplatform = \"above\"\nmount_radius_mm = 200\n\
+         [limits]\nspeed_hz = 30\nacceleration_hz_per_s = 60\njerk_hz_per_s2 = 600\n\
+         [drift]\ntilt_limit_mrad = 20\n\
+         [axes]\ncount = 3\ndrive = \"servo\"\nencoder = true\nsteps_per_turn = 65536\nrotor_inertia_kgm2 = 1e-3\n\
+         servo = {{ position_gain_per_s = 120, velocity_gain_nms = 1.0 }}\n\
+         [correction]\n{correction}\n\
+         [[program]]\namax_g = 10\nramp_s = 0.5\nhold_s = 2\n\
+         [[fault]]\nat_s = 2.2\nkind = \"load-step\"\naxis = 1\n{load}\n"
+    )
+}
+
+/// Errors of the cranks, degrees, tick by tick from when the load came.
+struct Errors(Vec<[f64; 3]>);
+
+impl Observer<3> for Errors {
+    fn tick(&mut self, moment: &Moment<'_, 3>) {
+        if moment.start_ns >= 2_200_000_000 && self.0.len() < 2000 {
+            let error = |i: usize| (moment.actual_turns[i] - moment.command_turns[i]) * 360.0;
+            self.0.push(std::array::from_fn(error));
+        }
+    }
+}
+
+fn errors(checked: &Checked) -> Vec<[f64; 3]> {
+    let mut errors = Errors(Vec::new());
+    let outcome = simulate::<3>(checked, &mut errors, |_, _| {}).unwrap();
+    assert_eq!(outcome.diverged, None);
+    errors.0
+}
+
+fn spread(error: &[f64; 3]) -> f64 {
+    let most = error.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    most - error.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+/// The gains that the scene derives, and those that the core is told.
+fn derived() -> (Gains, CorrectionSettings) {
+    let checked = scene(&text("couple = true", "torque_nm = 1"));
+    let gains = plant(&checked.scene, &checked.setup.machine)
+        .unwrap()
+        .gains()
+        .unwrap();
+    (gains, checked.setup.correction)
+}
+
+/// Were the derivation wrong, or the loop slower than it says, the coupling would swing at other gains than its margin tells.
+#[test]
+fn the_coupling_swings_where_its_margin_ends() {
+    let (gains, told) = derived();
+    assert_eq!(
+        (told.coupling, told.coupling_per_s),
+        (gains.proportional, gains.per_s)
+    );
+    assert!(gains.gain_margin >= 1.0 / (1.0 - APART), "{gains:?}");
+    let swings = |times: f64| {
+        let correction = format!(
+            "coupling = {}\ncoupling_per_s = {}",
+            gains.proportional * times,
+            gains.per_s * times
+        );
+        let errors = errors(&scene(&text(&correction, "torque_nm = 1\nfor_s = 0.02")));
+        // What has died out is below a hundredth of a degree.
+        errors[1500..].iter().any(|error| spread(error) > 0.1)
+    };
+    let (mut inside, mut outside) = (1.0, 1.5 * gains.gain_margin);
+    assert!(!swings(inside), "at its own gains");
+    assert!(swings(outside), "far beyond its margin");
+    while outside - inside > 0.02 * inside {
+        let times = f64::midpoint(inside, outside);
+        if swings(times) {
+            outside = times;
+        } else {
+            inside = times;
+        }
+    }
+    println!(
+        "margin {:.2}, swings at {inside:.2} times its gains; {gains:?}",
+        gains.gain_margin
+    );
+    // Of the inertia, the derivation takes the worst, which no crank has all around the turn.
+    let part = inside / gains.gain_margin;
+    assert!((0.9..1.4).contains(&part), "{part} of the margin");
+}
+
+/// Were the others not told to wait, a crank that is held up would be left alone until its own drive has brought it back, and
+/// under a lasting load it would stay behind.
+#[test]
+fn the_others_wait_for_one_that_is_held_up() {
+    let alone = errors(&scene(&text("", "torque_nm = 3")));
+    let coupled = errors(&scene(&text("couple = true", "torque_nm = 3")));
+    let worst = |errors: &[[f64; 3]]| errors.iter().map(spread).fold(0.0, f64::max);
+    // A turn takes 100 ticks.
+    let (lasting, held) = (worst(&alone[1500..2000]), worst(&coupled[1500..2000]));
+    println!("3 N·m on one: lasting spread {lasting:.3}° alone, {held:.4}° coupled");
+    // 3 N·m over 120 N·m/rad.
+    let stiffness_deg = (3.0_f64 / 120.0).to_degrees();
+    assert!((lasting / stiffness_deg - 1.0).abs() < 0.3, "{lasting}");
+    assert!(held < 0.05 * lasting, "{held} of {lasting}");
+    let others = |errors: &[[f64; 3]], tick: usize| f64::midpoint(errors[tick][0], errors[tick][2]);
+    // While it is being brought back, the others are behind of where they would be.
+    let tick = (0.03 * TICK_HZ) as usize;
+    let waited = others(&coupled, tick) - others(&alone, tick);
+    assert!(waited < -0.1 * stiffness_deg, "{waited}");
+}

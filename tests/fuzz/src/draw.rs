@@ -1,0 +1,161 @@
+//! Machines and programs: any that settings accept, as fast as cases are short.
+
+use cophase_core::controller::Controller;
+use cophase_core::program::{SegmentSettings, Shape};
+use cophase_core::settings::{
+    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, IndexSettings,
+    LimitSettings, MachineSettings, Platform, PulseSettings, Settings,
+};
+
+use crate::Script;
+
+/// Settings; a few of them are refused, which is for the caller to see.
+pub fn settings<const N: usize>(script: &mut Script<'_>) -> Settings<N> {
+    let tick_hz = [2000, 1000, 500, 2000, 5000, 10_000, 2000, 1000][script.below(8)];
+    let speed_hz = script.between(4.0, 60.0);
+    let acceleration_hz_per_s = script.between(20.0, 4000.0);
+    let jerk_hz_per_s2 = acceleration_hz_per_s * script.between(10.0, 1000.0);
+    let harder = if script.one_in(2) {
+        1.0
+    } else {
+        script.between(1.0, 20.0)
+    };
+    let creep_hz = script.between(2.0, 10.0).min(speed_hz);
+    let banded = script.one_in(3) && 0.3 * speed_hz > creep_hz;
+    let band = banded.then_some(BandSettings {
+        from_hz: 0.4 * speed_hz,
+        to_hz: 0.6 * speed_hz,
+    });
+    let servos = script.byte();
+    let kind = script.byte();
+    let sensors = script.byte();
+    let trim_limit_turns = script.between(1e-3, 0.1);
+    Settings {
+        tick_hz,
+        machine: MachineSettings {
+            crank_radius_m: 0.01,
+            lambda: script.between(0.1, 0.6),
+            load_kg: script.between(0.1, 20.0),
+            platform: if script.one_in(2) {
+                Platform::Above
+            } else {
+                Platform::Below
+            },
+            gravity_mps2: 9.80665,
+            mount_radius_m: 0.25,
+        },
+        limits: LimitSettings {
+            speed_hz,
+            acceleration_hz_per_s,
+            jerk_hz_per_s2,
+            stop_acceleration_hz_per_s: acceleration_hz_per_s * harder,
+            stop_jerk_hz_per_s2: jerk_hz_per_s2 * harder,
+            creep_hz,
+            bands: band.into_iter().collect(),
+        },
+        pulse: PulseSettings {
+            width_ns: 200.0,
+            dir_setup_ns: 200.0,
+            dir_hold_ns: 200.0,
+        },
+        index: IndexSettings { width_us: 2.0 },
+        axes: std::array::from_fn(|i| {
+            let bit = |bits: u8| bits >> i & 1 == 1;
+            let servo = match kind % 3 {
+                0 => false,
+                1 => true,
+                _ => bit(servos),
+            };
+            let steps_per_turn = if servo {
+                4096
+            } else {
+                [800, 1600, 3200][script.below(3)]
+            };
+            AxisSettings {
+                drive: if servo {
+                    DriveKind::Servo
+                } else {
+                    DriveKind::Stepper
+                },
+                steps_per_turn,
+                reversed: script.one_in(3),
+                ratio: if script.one_in(16) {
+                    (1 + u32::from(script.byte() % 3), 2)
+                } else {
+                    (1, 1)
+                },
+                offset_turns: if script.one_in(4) {
+                    script.between(0.01, 0.5)
+                } else {
+                    0.0
+                },
+                // Every fourth machine lacks some.
+                index_turns: (!sensors.is_multiple_of(4) || bit(sensors >> 2)).then_some(0.125),
+                index_width_turns: 0.02,
+                index_delay_s: if script.one_in(4) { 1e-4 } else { 0.0 },
+                encoder: servo || script.one_in(3),
+                cycle_steps: if servo { 0 } else { steps_per_turn / 50 },
+                trim_limit_turns,
+                trim_rate_hz: script.between(0.01, 1.0),
+                rotor_inertia_kgm2: 1e-4,
+            }
+        }),
+        drift: DriftSettings {
+            tilt_limit_mrad: script.between(0.1, 20.0),
+            warp_limit_deg: script.between(1.0, 30.0),
+            common_limit_deg: script.between(2.0, 90.0),
+            reading_deg: script.between(0.05, 1.0),
+            lag_s: 0.0,
+        },
+        correction: if script.one_in(3) {
+            CorrectionSettings::NONE
+        } else {
+            CorrectionSettings {
+                part: if script.one_in(4) {
+                    0.0
+                } else {
+                    script.between(0.05, 1.0)
+                },
+                prove_wiring: script.one_in(3),
+                coupling: if script.one_in(2) {
+                    script.between(0.01, 2.0)
+                } else {
+                    0.0
+                },
+                coupling_per_s: if script.one_in(2) {
+                    script.between(0.1, 1000.0)
+                } else {
+                    0.0
+                },
+            }
+        },
+        park_turns: f64::from(script.byte()) / 256.0,
+        settle_s: if script.one_in(2) { 0.01 } else { 0.0 },
+    }
+}
+
+/// The loop with a program of one to three levels.
+pub fn controller<const N: usize>(
+    settings: &Settings<N>,
+    script: &mut Script<'_>,
+) -> Option<Controller<N>> {
+    settings.check().ok()?;
+    let mut builder = settings.program_builder();
+    for _ in 0..=script.below(3) {
+        let top = std::f64::consts::TAU * settings.limits.speed_hz;
+        let machine = &settings.machine;
+        let most = machine.crank_radius_m * (1.0 + machine.lambda) * top * top;
+        let segment = SegmentSettings {
+            amax_mps2: most * 0.98 * f64::from(script.byte()) / 255.0,
+            ramp_s: f64::from(script.byte()) / 256.0,
+            hold_s: f64::from(script.byte()) / 128.0,
+            shape: if script.one_in(2) {
+                Shape::Smooth
+            } else {
+                Shape::Linear
+            },
+        };
+        builder.segment(segment).ok()?;
+    }
+    Controller::new(settings, builder.build().ok()?).ok()
+}

@@ -1,0 +1,61 @@
+//! The loop under arbitrary feedback.
+//!
+//! An input is one tick of feedback; a *case* is a machine and [`TICKS`] of them in a row, both read from bytes by a
+//! [`Script`]. Feedback that is random throughout never gets past align, so a script says what goes wrong and for how
+//! long with an otherwise sound [`Machine`], and where feedback is to be random throughout. What must hold
+//! whatever comes is in [`Watch`].
+#![forbid(unsafe_code)]
+
+mod draw;
+mod machine;
+mod script;
+mod watch;
+
+pub use script::Script;
+
+use machine::Machine;
+use watch::Watch;
+
+/// Ticks of a case: enough to align at the slowest, run, stop and start again.
+pub const TICKS: u32 = 5000;
+
+/// How far a case got, so that a test can see that cases get anywhere.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Reached {
+    /// Ticks that were played.
+    pub ticks: u32,
+    /// In how many of them the program was played.
+    pub running: u32,
+    /// Faults that latched.
+    pub faults: u32,
+    /// What went wrong, fault or not: a bit for each kind, at its number.
+    pub kinds: u32,
+}
+
+/// Plays the case of some bytes on a machine of `N` axes.
+///
+/// # Panics
+/// If the loop does, or anything that must hold does not.
+pub fn play<const N: usize>(bytes: &[u8]) -> Reached {
+    let mut script = Script::new(bytes);
+    let mut drawn = (0..100).map(|_| {
+        let settings = draw::settings::<N>(&mut script);
+        Some((draw::controller(&settings, &mut script)?, settings))
+    });
+    let (mut controller, settings) = drawn
+        .find_map(|drawn| drawn)
+        .expect("of a hundred machines one is accepted");
+    let mut machine = Machine::new(&settings);
+    let mut watch = Watch::new(&settings);
+    while watch.reached().ticks < TICKS {
+        machine.disturb(&mut script, &mut controller);
+        let left = TICKS - watch.reached().ticks;
+        for _ in 0..machine.calm_ticks(&mut script).min(left) {
+            let feedback = machine.feedback(&mut script);
+            let output = controller.tick(&feedback);
+            watch.check(&feedback, output);
+            machine.play(output);
+        }
+    }
+    watch.reached()
+}

@@ -1,0 +1,246 @@
+//! A machine that does as it is told, but for what the script does to it.
+
+use cophase_core::controller::Controller;
+use cophase_core::drift::IndexPulse;
+use cophase_core::settings::Settings;
+use cophase_core::signals::{Feedback, Output};
+use cophase_core::supervisor::Command;
+use cophase_core::units::{ONE_TURN, Phase, Turns};
+
+use crate::Script;
+
+/// One crank and its sensors.
+#[derive(Clone, Copy, Debug)]
+struct Crank {
+    steps_per_turn: i64,
+    reversed: bool,
+    /// The phase at which its flag begins.
+    index: i64,
+    /// Where it was told to be at the end of the ticks that were played last, the latest first; units of a turn, not wrapped.
+    told: [i64; 4],
+    /// How far from that it is.
+    apart: i64,
+    /// How much further in each tick.
+    walks: i64,
+    stuck: bool,
+    reversed_by_mistake: bool,
+    index_dead: bool,
+    /// What its encoder is off by, counts.
+    glitch: i32,
+    encoder_dead: bool,
+    was: i64,
+    is: i64,
+}
+
+/// All of them, and what else feedback has.
+pub struct Machine<const N: usize> {
+    cranks: [Crank; N],
+    tick_cycles: i64,
+    enable: bool,
+    stop: bool,
+    alarm: [bool; N],
+    /// Two axes whose lines are swapped.
+    swapped: Option<(usize, usize)>,
+    /// All feedback is random.
+    wild: bool,
+    command: Option<Command>,
+    ran_dry: Option<usize>,
+    pulse: Option<(usize, i32)>,
+}
+
+const COMMANDS: [Command; 6] = [
+    Command::Start,
+    Command::Stop,
+    Command::Hold,
+    Command::Resume,
+    Command::Reset,
+    Command::ResetPeak,
+];
+
+impl<const N: usize> Machine<N> {
+    pub fn new(settings: &Settings<N>) -> Self {
+        let units = |turns: f64| (turns * ONE_TURN as f64) as i64;
+        Self {
+            cranks: std::array::from_fn(|i| {
+                let axis = &settings.axes[i];
+                let at = units(axis.offset_turns);
+                Crank {
+                    steps_per_turn: i64::from(axis.steps_per_turn),
+                    reversed: axis.reversed,
+                    index: units(axis.index_turns.unwrap_or_default()),
+                    told: [at; 4],
+                    apart: 0,
+                    walks: 0,
+                    stuck: false,
+                    reversed_by_mistake: false,
+                    index_dead: axis.index_turns.is_none(),
+                    glitch: 0,
+                    encoder_dead: false,
+                    was: at,
+                    is: at,
+                }
+            }),
+            tick_cycles: i64::from(settings.tick_cycles()),
+            enable: true,
+            stop: false,
+            alarm: [false; N],
+            swapped: None,
+            wild: false,
+            command: Some(Command::Start),
+            ran_dry: None,
+            pulse: None,
+        }
+    }
+
+    /// Something happens; half of the time what was wrong is right again, and the machine is started.
+    pub fn disturb(&mut self, script: &mut Script<'_>, controller: &mut Controller<N>) {
+        let axis = script.below(N);
+        let what = script.byte() % 48;
+        let crank = &mut self.cranks[axis];
+        match what {
+            0 => self.command = Some(COMMANDS[script.below(6)]),
+            1 => self.enable = !self.enable,
+            2 => self.stop = !self.stop,
+            3 => self.alarm[axis] = !self.alarm[axis],
+            4 => self.ran_dry = Some(axis),
+            5 => self.ran_dry = Some(script.word() as usize),
+            6 => self.pulse = Some((axis, script.number())),
+            7 => {
+                self.pulse = Some((
+                    axis,
+                    script.below(200) as i32 * self.tick_cycles as i32 / 200,
+                ));
+            }
+            8 => crank.index_dead = !crank.index_dead,
+            9 => crank.glitch = crank.glitch.wrapping_add(script.number()),
+            10 => crank.encoder_dead = !crank.encoder_dead,
+            11 => crank.stuck = !crank.stuck,
+            12 => crank.reversed_by_mistake = !crank.reversed_by_mistake,
+            13 => crank.walks = i64::from(script.number()) << 8,
+            // Whole electrical cycles, of a 50-pole motor.
+            14 => crank.apart += i64::from(script.number() % 8) * (ONE_TURN / 50),
+            15 => {
+                crank.apart =
+                    crank.apart.wrapping_add(i64::from(script.number()) << 20) % (8 * ONE_TURN);
+            }
+            16 => self.swapped = Some((axis, script.below(N))),
+            17 => self.wild = true,
+            18 => controller.late(script.number().unsigned_abs(), script.one_in(2)),
+            19 => controller.held_over(script.number().unsigned_abs()),
+            20 => controller.late(1 + script.below(2) as u32, script.one_in(2)),
+            21 => {
+                let turns = Turns::from_bits(i64::from(script.number()) << 20);
+                let _whole = controller.set_trim(script.below(N + 2), turns);
+            }
+            22 => controller.seek(u64::from(script.number().unsigned_abs())),
+            23..=30 => self.mend(Command::Reset),
+            31..=40 => self.mend(Command::Start),
+            _ => {}
+        }
+    }
+
+    /// All is well, and a command comes.
+    fn mend(&mut self, command: Command) {
+        (self.enable, self.stop, self.wild) = (true, false, false);
+        (self.alarm, self.swapped) = ([false; N], None);
+        self.command = Some(command);
+        for crank in &mut self.cranks {
+            (crank.walks, crank.stuck, crank.reversed_by_mistake) = (0, false, false);
+            (crank.index_dead, crank.encoder_dead) = (false, false);
+            crank.apart = 0;
+        }
+    }
+
+    /// How long nothing else happens.
+    pub fn calm_ticks(&self, script: &mut Script<'_>) -> u32 {
+        match script.byte() {
+            short @ 0..64 => u32::from(short % 4),
+            long => u32::from(long),
+        }
+    }
+
+    /// What the loop reads at this deadline.
+    pub fn feedback(&mut self, script: &mut Script<'_>) -> Feedback<N> {
+        for crank in &mut self.cranks {
+            crank.move_on();
+        }
+        let mut feedback = Feedback::of(self.command.take());
+        feedback.inputs.enable = self.enable;
+        feedback.inputs.stop = self.stop;
+        feedback.alarm = self.alarm;
+        feedback.ran_dry = self.ran_dry.take();
+        for (i, crank) in self.cranks.iter().enumerate() {
+            let seen = match self.swapped {
+                Some((a, b)) if i == a => b,
+                Some((a, b)) if i == b => a,
+                _ => i,
+            };
+            let seen = &self.cranks[seen];
+            feedback.index[i] = seen.pulse(self.tick_cycles);
+            feedback.encoder[i] = if crank.encoder_dead { 0 } else { seen.counts() };
+        }
+        if let Some((axis, cycle)) = self.pulse.take() {
+            feedback.index[axis] = Some(IndexPulse { cycle });
+        }
+        if self.wild {
+            feedback.index = std::array::from_fn(|_| {
+                let cycle = script.number();
+                script.one_in(3).then_some(IndexPulse { cycle })
+            });
+            feedback.encoder = std::array::from_fn(|_| script.number());
+            feedback.alarm[script.below(N)] = script.one_in(64);
+            if script.one_in(8) {
+                feedback.command = Some(COMMANDS[script.below(6)]);
+            }
+        }
+        feedback
+    }
+
+    /// Takes in what is to be played from the next deadline on.
+    pub fn play(&mut self, output: &Output<N>) {
+        for (crank, phase) in self.cranks.iter_mut().zip(&output.telemetry.axis_phase) {
+            let last = crank.told[0];
+            let step = phase.since(Phase::from_turns(Turns::from_bits(last)));
+            crank.told = [last + step.to_bits(), last, crank.told[1], crank.told[2]];
+        }
+    }
+}
+
+impl Crank {
+    /// On to where it is at this deadline: what was told two ticks ago has just been played.
+    fn move_on(&mut self) {
+        self.was = self.is;
+        let step = self.told[1] - self.told[2];
+        if self.stuck {
+            self.apart -= step;
+        } else if self.reversed_by_mistake {
+            self.apart -= 2 * step;
+        }
+        self.apart = self.apart.wrapping_add(self.walks) % (1 << 60);
+        self.is = self.told[1].wrapping_add(self.apart);
+    }
+
+    /// A pulse where it met its flag going forward in the tick that is over, at that cycle.
+    fn pulse(&self, tick_cycles: i64) -> Option<IndexPulse> {
+        let (from, to) = (
+            self.was.wrapping_sub(self.index),
+            self.is.wrapping_sub(self.index),
+        );
+        let way = to.wrapping_sub(from);
+        let met = way > 0 && from.div_euclid(ONE_TURN) != to.div_euclid(ONE_TURN);
+        let left = ONE_TURN - from.rem_euclid(ONE_TURN);
+        let cycle = (left as f64 / way as f64 * tick_cycles as f64) as i64;
+        (met && !self.index_dead).then_some(IndexPulse {
+            cycle: cycle.clamp(0, tick_cycles) as i32,
+        })
+    }
+
+    fn counts(&self) -> i32 {
+        let turns = self.is.div_euclid(ONE_TURN);
+        let within = i128::from(self.is.rem_euclid(ONE_TURN)) * i128::from(self.steps_per_turn);
+        let counts =
+            turns.wrapping_mul(self.steps_per_turn) + (within / i128::from(ONE_TURN)) as i64;
+        let counts = if self.reversed { -counts } else { counts };
+        (counts as i32).wrapping_add(self.glitch)
+    }
+}

@@ -1,0 +1,197 @@
+//! What must hold after every tick, whatever was read.
+
+use cophase_core::settings::{DriveKind, Settings};
+use cophase_core::signals::{Feedback, Output};
+use cophase_core::supervisor::{Command, Fault, State};
+use cophase_core::units::{ONE_TURN, Phase, Turns};
+
+use crate::Reached;
+
+/// The limits in units of 2⁻⁴⁸ turn and one tick, and the tick before.
+pub struct Watch<const N: usize> {
+    speed_most: f64,
+    /// Usual, and in a fault's stop.
+    acceleration_most: [f64; 2],
+    jerk_most: [f64; 2],
+    trim_most: [i64; N],
+    /// Axes that turn once with the master: their phases are its own, but for the offset and the trim.
+    plain: [Option<Turns>; N],
+    stepper: [bool; N],
+    /// Whether drift is corrected.
+    corrects: bool,
+    tick_cycles: u32,
+    phase: Phase,
+    speed: i64,
+    acceleration: i64,
+    state: State,
+    fault: Option<Fault>,
+    reached: Reached,
+}
+
+impl<const N: usize> Watch<N> {
+    pub fn new(settings: &Settings<N>) -> Self {
+        let (hz, turn) = (f64::from(settings.tick_hz), ONE_TURN as f64);
+        let limits = &settings.limits;
+        let accelerations = [
+            limits.acceleration_hz_per_s,
+            limits.stop_acceleration_hz_per_s,
+        ];
+        let jerks = [limits.jerk_hz_per_s2, limits.stop_jerk_hz_per_s2];
+        let axes = &settings.axes;
+        Self {
+            speed_most: limits.speed_hz / hz * turn,
+            acceleration_most: accelerations.map(|a| a / (hz * hz) * turn),
+            jerk_most: jerks.map(|j| j / (hz * hz * hz) * turn),
+            trim_most: std::array::from_fn(|i| (axes[i].trim_limit_turns * turn) as i64),
+            plain: std::array::from_fn(|i| {
+                let once = axes[i].ratio.0 == axes[i].ratio.1;
+                once.then(|| Turns::saturating_from_num(axes[i].offset_turns))
+            }),
+            stepper: std::array::from_fn(|i| axes[i].drive == DriveKind::Stepper),
+            corrects: settings.correction.part > 0.0,
+            tick_cycles: settings.tick_cycles(),
+            phase: Phase::ZERO,
+            speed: 0,
+            acceleration: 0,
+            state: State::Idle,
+            fault: None,
+            reached: Reached::default(),
+        }
+    }
+
+    pub const fn reached(&self) -> Reached {
+        self.reached
+    }
+
+    /// Holds one tick against everything.
+    pub fn check(&mut self, feedback: &Feedback<N>, output: &Output<N>) {
+        let telemetry = &output.telemetry;
+        self.check_state(feedback, output);
+        self.check_shaft(output);
+        self.check_trims(output);
+        for (i, runs) in output.runs.iter().enumerate() {
+            let cycles: u32 = runs.iter().map(|run| run.cycles()).sum();
+            assert_eq!(
+                cycles, self.tick_cycles,
+                "axis {i}: runs do not fill the tick"
+            );
+            let edges = runs.iter().any(|run| run.edges() > 0);
+            assert!(self.stepper[i] || !edges, "axis {i}: pulses for a servo");
+            assert!(
+                output.drives_enabled || !edges,
+                "axis {i}: pulses for a drive that is off"
+            );
+        }
+        self.state = telemetry.state;
+        self.reached.ticks += 1;
+        self.reached.running += u32::from(telemetry.state == State::Run);
+        self.reached.faults += u32::from(telemetry.fault.is_some() && self.fault.is_none());
+        for fault in telemetry.fault.iter().chain(&telemetry.incident) {
+            self.reached.kinds |= 1 << fault.kind as u32;
+        }
+        self.fault = telemetry.fault;
+    }
+
+    fn check_state(&self, feedback: &Feedback<N>, output: &Output<N>) {
+        let telemetry = &output.telemetry;
+        let (before, now) = (self.state, telemetry.state);
+        let on = !matches!(now, State::Idle | State::Fault);
+        assert_eq!(output.drives_enabled, on, "{now:?}");
+        assert!(
+            feedback.inputs.enable || !on,
+            "drives on without enable: {now:?}"
+        );
+        if let Some(fault) = self.fault {
+            let reset = before == State::Fault && feedback.command == Some(Command::Reset);
+            match telemetry.fault {
+                None => assert!(
+                    reset && now == State::Idle,
+                    "{fault:?} forgotten: {before:?} to {now:?}"
+                ),
+                Some(later) => {
+                    assert_eq!(
+                        (later.tick, later.phase),
+                        (fault.tick, fault.phase),
+                        "another fault"
+                    );
+                    assert!(
+                        matches!(now, State::Stop | State::Fault),
+                        "{now:?} with {fault:?}"
+                    );
+                }
+            }
+        }
+        if feedback.inputs.stop {
+            assert!(
+                !matches!(now, State::Align | State::Run),
+                "stop is not heeded"
+            );
+        }
+        assert!(
+            before != State::Idle || now == State::Idle || feedback.command == Some(Command::Start),
+            "started by nobody"
+        );
+    }
+
+    fn check_shaft(&mut self, output: &Output<N>) {
+        let (phase, drives) = (output.telemetry.phase, output.drives_enabled);
+        let speed = phase.since(self.phase).to_bits();
+        let (acceleration, jerk) = (speed - self.speed, speed - self.speed - self.acceleration);
+        if drives {
+            let fault = usize::from(output.telemetry.fault.is_some());
+            let most = (self.acceleration_most[fault], self.jerk_most[fault]);
+            assert!(
+                speed >= 0 && speed as f64 <= self.speed_most,
+                "speed {speed}"
+            );
+            assert!(
+                acceleration.unsigned_abs() as f64 <= most.0,
+                "acceleration {acceleration} over {}",
+                most.0
+            );
+            assert!(
+                jerk.unsigned_abs() as f64 <= most.1,
+                "jerk {jerk} over {}",
+                most.1
+            );
+            self.acceleration = acceleration;
+        } else {
+            assert_eq!(speed, 0, "moves with drives off");
+            self.acceleration = 0;
+        }
+        (self.phase, self.speed) = (phase, speed);
+    }
+
+    fn check_trims(&self, output: &Output<N>) {
+        let telemetry = &output.telemetry;
+        let sum: i64 = telemetry
+            .correction
+            .iter()
+            .map(|turns| turns.to_bits())
+            .sum();
+        assert_eq!(sum, 0, "corrections {:?}", telemetry.correction);
+        let untouched = self.corrects || telemetry.correction.iter().all(|&turns| turns == 0);
+        assert!(
+            untouched || telemetry.state != State::Run,
+            "runs with {:?}, and nothing is to be corrected",
+            telemetry.correction
+        );
+        for (i, most) in self.trim_most.iter().enumerate() {
+            let correction = telemetry.correction[i].to_bits().abs();
+            assert!(
+                correction <= *most,
+                "axis {i}: correction {correction} over {most}"
+            );
+            if let Some(offset) = self.plain[i] {
+                // What is left is the trim that an operator set, with a limit of its own.
+                let trim = telemetry.axis_phase[i]
+                    .since(telemetry.phase)
+                    .wrapping_sub(offset)
+                    .wrapping_sub(telemetry.correction[i]);
+                // An offset is rounded once, and so may be the limit.
+                let trim = trim.to_bits().abs();
+                assert!(trim <= most + 2, "axis {i}: trim {trim} over {most}");
+            }
+        }
+    }
+}

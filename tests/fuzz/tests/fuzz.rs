@@ -1,0 +1,72 @@
+//! Arbitrary feedback, as much of it as asked for. `COPHASE_FUZZ_INPUTS` says how many ticks in all; without it there
+//! are few:
+//!
+//!     COPHASE_FUZZ_INPUTS=10000000 cargo test -p cophase-fuzz -- --nocapture
+//!
+//! With overflow checks on, so not in release mode; ten million take some seconds. Every run plays
+//! other cases. One that fails is made smaller, and told with the seed that brings it back (`BOLERO_RANDOM_SEED`).
+
+use std::sync::Mutex;
+
+use cophase_core::supervisor::FaultKind;
+use cophase_fuzz::{Reached, TICKS, play};
+
+/// Ticks over all numbers of axes.
+fn inputs() -> u32 {
+    let asked = std::env::var("COPHASE_FUZZ_INPUTS").ok();
+    asked.map_or(1_000_000, |asked| asked.parse().expect("a number of ticks"))
+}
+
+fn fuzz<const N: usize>() {
+    let all = Mutex::new(Reached::default());
+    let cases = inputs().div_ceil(5 * TICKS) as usize;
+    bolero::check!()
+        .with_iterations(cases)
+        .with_max_len(1024)
+        .for_each(|bytes: &[u8]| {
+            let reached = play::<N>(bytes);
+            let mut all = all.lock().expect("no case left it locked");
+            all.ticks += reached.ticks;
+            all.running += reached.running;
+            all.faults += reached.faults;
+            all.kinds |= reached.kinds;
+        });
+    let all = *all.lock().expect("no case left it locked");
+    let seen = |kind: &&FaultKind| all.kinds >> **kind as u32 & 1 == 1;
+    let kinds: Vec<&str> = FaultKind::ALL
+        .iter()
+        .filter(seen)
+        .map(|kind| kind.name())
+        .collect();
+    println!(
+        "{N} axes: {} ticks, {} of them in run; {} faults latched; {}",
+        all.ticks,
+        all.running,
+        all.faults,
+        kinds.join(", ")
+    );
+    // Were it so, nothing would have been tried. Over many cases it is one tick in eight, and five faults a case.
+    assert!(all.running > all.ticks / 200, "hardly anything runs");
+    assert!(all.faults > all.ticks / TICKS, "hardly anything goes wrong");
+}
+
+#[test]
+fn two() {
+    fuzz::<2>();
+}
+#[test]
+fn three() {
+    fuzz::<3>();
+}
+#[test]
+fn four() {
+    fuzz::<4>();
+}
+#[test]
+fn five() {
+    fuzz::<5>();
+}
+#[test]
+fn six() {
+    fuzz::<6>();
+}

@@ -1,0 +1,226 @@
+//! The shortest stop, on whole machines: two to six axes, steppers, servos and both.
+//!
+//! That all axes are in phase, to the count, at every tick of these runs, is asserted by [`cophase_tests::watch`]. How
+//! long a stop may take is reckoned here, from the speed and acceleration before it: see `shaft/tests/shortest.rs` in
+//! the core for why that is the least.
+
+use cophase_core::supervisor::FaultKind;
+use cophase_core::supervisor::State::{Align, Fault, Parked, Run, Stop};
+use cophase_tests::story::{HZ, ONE_TURN, command};
+use cophase_tests::{Tick, Watched, scene, watch};
+
+/// Limits of a fault's stop, rev/s² and rev/s³: harder than the usual 40 and 800.
+const HARD: (f64, f64) = (160.0, 12_800.0);
+const USUAL: (f64, f64) = (40.0, 800.0);
+
+fn machine(axes: usize, drive: &str, happens: &str) -> Watched {
+    let (first, mixed) = match drive {
+        "mixed" => (
+            "servo",
+            "[[axis]]\nnumber = 1\ndrive = \"stepper\"\nreversed = true\n",
+        ),
+        all => (all, ""),
+    };
+    watch(&scene(&format!(
+        r#"
+name = "shortest"
+[machine]
+crank_radius_mm = 10
+lambda = 0.25
+load_kg = 5
+[control]
+park_deg = 33.3
+settle_s = 0.02
+[limits]
+speed_hz = 20
+acceleration_hz_per_s = {}
+jerk_hz_per_s2 = {}
+stop_acceleration_hz_per_s = {}
+stop_jerk_hz_per_s2 = {}
+creep_hz = 4
+band = [{{ from_hz = 9, to_hz = 11 }}]
+[axes]
+count = {axes}
+drive = "{first}"
+steps_per_turn = 3200
+{mixed}
+[[program]]
+amax_g = 13
+ramp_s = 1.5
+hold_s = 1
+{}{happens}"#,
+        USUAL.0,
+        USUAL.1,
+        HARD.0,
+        HARD.1,
+        command(0.0, "start")
+    )))
+}
+
+const DRIVES: [&str; 3] = ["stepper", "servo", "mixed"];
+
+fn alarm(at_s: f64, axis: usize) -> String {
+    format!("[[fault]]\nat_s = {at_s}\nkind = \"drive-alarm\"\naxis = {axis}\n")
+}
+
+/// The least time to stand, ticks, from a speed and an acceleration, both per tick.
+fn least_ticks(limits: (f64, f64), speed: f64, acceleration: f64) -> f64 {
+    let (most, jerk) = (
+        limits.0 / HZ.powi(2) * ONE_TURN,
+        limits.1 / HZ.powi(3) * ONE_TURN,
+    );
+    let room = speed - acceleration / 2.0 + acceleration.powi(2) / (2.0 * jerk);
+    let peak = (jerk * room).sqrt().min(most);
+    (acceleration + 2.0 * peak) / jerk + (room - peak * peak / jerk) / peak
+}
+
+/// The last tick before a fault latched, and the speed before that; then how long the machine went on moving, over the
+/// least time.
+fn stop_of(watched: &Watched) -> (Tick, f64) {
+    let ticks = &watched.ticks;
+    let at = ticks.iter().position(|tick| tick.fault.is_some());
+    let at = at.expect("a fault");
+    let (last, before) = (ticks[at - 1], ticks[at - 2]);
+    let least = least_ticks(HARD, last.speed as f64, (last.speed - before.speed) as f64);
+    let moving = ticks[at..].iter().take_while(|tick| tick.speed > 0);
+    let count = moving.clone().count();
+    for tick in moving {
+        assert_eq!((tick.state, tick.drives_enabled), (Stop, true), "{tick:?}");
+    }
+    for tick in &ticks[at + count..] {
+        assert_eq!(tick.speed, 0, "stands for good: {tick:?}");
+    }
+    let end = watched.last();
+    assert_eq!((end.state, end.drives_enabled), (Fault, false));
+    (last, count as f64 - least)
+}
+
+/// Two ticks over at most; two under are those in which speed, then acceleration, are zero already.
+fn assert_shortest(watched: &Watched, what: &str) -> Tick {
+    let (last, over) = stop_of(watched);
+    assert!(
+        (-2.01..=2.0).contains(&over),
+        "{what}: {over} ticks over the least"
+    );
+    last
+}
+
+fn each_machine(check: impl Fn(usize, &str)) {
+    for axes in 2..=6 {
+        for drive in DRIVES {
+            check(axes, drive);
+        }
+    }
+}
+
+/// Were it wrong, a fault at speed would leave some axis turning when others stand, or all turning for too long.
+#[test]
+fn a_fault_stops_all_axes_in_the_least_time() {
+    each_machine(|axes, drive| {
+        for at_s in [0.6, 1.0, 2.2] {
+            let watched = machine(axes, drive, &alarm(at_s, axes - 1));
+            let last = assert_shortest(&watched, &format!("{axes} {drive}s at {at_s} s"));
+            assert_eq!(last.state, Run);
+            let fault = watched.outcome.fault.expect("a fault");
+            assert_eq!(
+                (fault.kind, fault.axis),
+                (FaultKind::DriveAlarm, Some(axes - 1))
+            );
+        }
+    });
+}
+
+/// Were it wrong, a fault in a resonance would be met by going through it.
+#[test]
+fn a_fault_while_crossing_a_band_stops_in_the_least_time() {
+    each_machine(|axes, drive| {
+        let plain = machine(axes, drive, "");
+        let inside = || plain.ticks.iter().filter(|tick| tick.crossing);
+        let count = inside().count();
+        for part in [0, count / 4, count / 2, 3 * count / 4] {
+            let at_s = inside().nth(part).expect("a band is crossed").start_ns as f64 * 1e-9;
+            let watched = machine(axes, drive, &alarm(at_s, 0));
+            let last = assert_shortest(&watched, &format!("{axes} {drive}s in a band"));
+            assert!(last.crossing || part == 0, "{axes} {drive}s: {last:?}");
+        }
+    });
+}
+
+/// Were it wrong, a fault before the cranks are aligned would go unheeded, or be met by a stop at a phase that nobody knows.
+#[test]
+fn a_fault_during_align_stops_in_the_least_time() {
+    each_machine(|axes, drive| {
+        for at_s in [0.04, 0.08, 0.2] {
+            let watched = machine(axes, drive, &alarm(at_s, 0));
+            let last = assert_shortest(&watched, &format!("{axes} {drive}s aligning"));
+            assert_eq!(last.state, Align, "{axes} {drive}s");
+        }
+    });
+}
+
+/// Were it wrong, a machine that is parking would finish that first; and of two faults at once the second would restart
+/// the stop, or be told instead of the first.
+#[test]
+fn a_fault_during_another_stop_and_two_at_once_stop_in_the_least_time() {
+    each_machine(|axes, drive| {
+        let parking = command(1.8, "stop");
+        for at_s in [1.801, 1.9, 2.0, 2.2] {
+            let watched = machine(axes, drive, &(parking.clone() + &alarm(at_s, 1)));
+            let last = assert_shortest(&watched, &format!("{axes} {drive}s parking at {at_s} s"));
+            assert_eq!(last.state, Stop, "{axes} {drive}s");
+        }
+        let one = machine(axes, drive, &alarm(1.8, 0));
+        let twice = alarm(1.8, 0) + &alarm(1.8, 1) + &alarm(1.82, 1) + &parking;
+        let two = machine(axes, drive, &twice);
+        assert_shortest(&two, &format!("{axes} {drive}s twice"));
+        let told = |watched: &Watched| watched.outcome.fault.expect("a fault");
+        assert_eq!(told(&one), told(&two), "the first is told");
+        let speeds = |watched: &Watched| -> Vec<i64> {
+            let stopping = watched.ticks.iter().filter(|tick| tick.state == Stop);
+            stopping.map(|tick| tick.speed).collect()
+        };
+        assert_eq!(
+            speeds(&one),
+            speeds(&two),
+            "{axes} {drive}s: one stop, once"
+        );
+    });
+}
+
+/// Were it wrong, a machine told to park would pass the phase at which all its cranks could already stand.
+#[test]
+fn a_stop_at_a_phase_is_at_the_first_passage() {
+    let park = (33.3 / 360.0 * ONE_TURN).round();
+    each_machine(|axes, drive| {
+        for step in 0..8 {
+            let at_s = 2.3 + 0.0061 * f64::from(step);
+            let watched = machine(axes, drive, &command(at_s, "stop"));
+            let at = watched.ticks.iter().position(|tick| tick.state == Stop);
+            let (at, ticks) = (at.expect("a stop"), &watched.ticks);
+            let (last, before) = (ticks[at - 1], ticks[at - 2]);
+            assert_eq!(last.speed, before.speed, "at a constant speed");
+            let speed = last.speed as f64;
+            let moved = ticks[at..].iter().take_while(|tick| tick.speed > 0).count();
+            let ramp = least_ticks(USUAL, speed, 0.0);
+            // The nearest place that can be reached, and the first passage after that.
+            let way = speed * (ramp / 2.0 - 1.0);
+            let ahead = (park - last.phase.within_turn().to_bits() as f64).rem_euclid(ONE_TURN);
+            let first = ahead + ((way - ahead) / ONE_TURN).ceil() * ONE_TURN;
+            let (over, spare) = (
+                moved as f64 - ramp - (first - way) / speed,
+                (first - way) / speed,
+            );
+            let end = watched.last();
+            assert_eq!(
+                (end.state, end.phase.within_turn().to_bits() as f64),
+                (Parked, park)
+            );
+            // Nearer than a ramp of whole ticks can reach, it is the next passage.
+            let late = if spare <= 2.0 { ONE_TURN / speed } else { 0.0 };
+            assert!(
+                (-2.01..=2.01 + late).contains(&over),
+                "{axes} {drive}s at {at_s} s: {over}"
+            );
+        }
+    });
+}

@@ -1,0 +1,113 @@
+//! How far apart cranks are that run steadily: servos with cross-coupling and steppers with index correction, each with noise and
+//! uneven load.
+//!
+//! A short time by default; ten minutes of each, as docs/faults.md has them, by
+//!
+//!     COPHASE_STEADY_S=600 cargo test --release -p cophase-tests --test spread -- --nocapture
+
+use cophase_core::supervisor::State;
+use cophase_tests::scene;
+use host_sim::sim::{Moment, Observer, simulate};
+
+/// What both machines are: four cranks, two of them turning the other way, at 60 rev/s, with bearings of their own.
+fn text(hold_s: f64, motors: &str, more: &str) -> String {
+    let counts = if motors.contains("encoder") {
+        "encoder_counts = 1"
+    } else {
+        ""
+    };
+    format!(
+        "name = \"steady\"\nfidelity = \"phased\"\n\
+         [machine]\ncrank_radius_mm = 5\nlambda = 0.25\nload_kg = 6\nplatform = \"above\"\nmount_radius_mm = 200\n\
+         [limits]\nspeed_hz = 62\nacceleration_hz_per_s = 40\njerk_hz_per_s2 = 400\n\
+         [axes]\ncount = 4\nrotor_inertia_kgm2 = 1e-3\nfriction_nm = 0.2\n{motors}\n\
+         [[axis]]\nnumber = 1\nreversed = true\nfriction_nm = 0.4\nstart_deg = 1.5\n\
+         [[axis]]\nnumber = 3\nreversed = true\nfriction_nm = 0.1\nstart_deg = -1\n\
+         [[program]]\namax_g = 90.6\nramp_s = 3\nhold_s = {hold_s}\n\
+         [noise]\nseed = 7\nindex_deg = 0.05\nindex_us = 1\nload_nm = 0.1\n{counts}\n\
+         [correction]\npart = 0.25\n{more}\n"
+    )
+}
+
+fn steady_s() -> f64 {
+    let asked = std::env::var("COPHASE_STEADY_S").ok();
+    asked.map_or(10.0, |asked| asked.parse().expect("seconds"))
+}
+
+/// What cranks are apart while they run steadily, degrees.
+#[derive(Default)]
+struct Steady {
+    worst_deg: f64,
+    squares: f64,
+    ticks: u32,
+}
+
+impl Steady {
+    fn rms_deg(&self) -> f64 {
+        (self.squares / f64::from(self.ticks)).sqrt()
+    }
+}
+
+impl Observer<4> for Steady {
+    fn tick(&mut self, moment: &Moment<'_, 4>) {
+        // From the moment at which the ramp is over.
+        if moment.telemetry.state != State::Run || moment.telemetry.program_ticks < 6_500 {
+            return;
+        }
+        let off = |i: usize| (moment.actual_turns[i] - moment.aim_turns[i]) * 360.0;
+        let offs = [off(0), off(1), off(2), off(3)];
+        let most = offs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let spread = most - offs.iter().copied().fold(f64::INFINITY, f64::min);
+        self.worst_deg = self.worst_deg.max(spread);
+        self.squares += spread * spread;
+        self.ticks += 1;
+    }
+}
+
+fn run(text: &str) -> Steady {
+    let mut steady = Steady::default();
+    let outcome = simulate::<4>(&scene(text), &mut steady, |_, _| {}).unwrap();
+    assert_eq!((outcome.fault, outcome.diverged.as_deref()), (None, None));
+    let top_hz = outcome.statistics.top_speed_hz;
+    assert!((top_hz - 60.0).abs() < 0.1, "{top_hz} rev/s");
+    assert!(f64::from(steady.ticks) > 0.9 * 2000.0 * steady_s());
+    steady
+}
+
+/// Were the coupling weaker, or noise of the index brought in by it, the cranks would be further apart than is promised.
+#[test]
+fn servos_stay_together_within_a_twentieth_of_a_degree() {
+    let motors = "drive = \"servo\"\nencoder = true\nsteps_per_turn = 32768\n\
+                  servo = { position_gain_per_s = 120, velocity_gain_nms = 1.0 }";
+    let coupled = "couple = true\n\
+                   [[fault]]\nat_s = 8\nkind = \"load-step\"\naxis = 2\ntorque_nm = 1\nfor_s = 2";
+    let text = text(steady_s(), motors, coupled);
+    let alone = run(&text.replace("couple = true", "couple = false"));
+    let steady = run(&text);
+    println!(
+        "servos, {} s at 60 rev/s: {:.3}° at most, {:.4}° rms; uncoupled {:.3}°, {:.4}°",
+        steady_s(),
+        steady.worst_deg,
+        steady.rms_deg(),
+        alone.worst_deg,
+        alone.rms_deg()
+    );
+    assert!(steady.rms_deg() <= 0.05);
+    assert!(steady.rms_deg() < 0.5 * alone.rms_deg());
+}
+
+/// Were the correction unsteady, or align left what it had to correct, steppers would be further apart than a microstep.
+#[test]
+fn steppers_stay_together_within_a_microstep() {
+    let motors = "drive = \"stepper\"\nsteps_per_turn = 3200\ndamping_nms = 0.3\n\
+                  pull_out = [[0, 30.0], [62, 22.0]]";
+    let text = text(steady_s(), motors, "");
+    let steady = run(&text);
+    println!(
+        "steppers, {} s at 60 rev/s: {:.3}° at most, {:.4}° rms; a microstep is 0.1125°",
+        steady_s(),
+        steady.worst_deg,
+        steady.rms_deg()
+    );
+    assert!(steady.rms_deg() <= 360.0 / 3200.0);
+}
