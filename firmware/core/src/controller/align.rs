@@ -62,6 +62,8 @@ const APART: i64 = 3;
 
 /// Looks after which a crank that strays in each is believed to.
 const LOOKS: u8 = 3;
+/// One of them, 16 fraction bits.
+const PART_OF_LOOKS: i64 = 65_536 / LOOKS as i64;
 
 /// The tilts that prove the wiring, each of sum zero.
 pub(super) fn patterns<const N: usize>(tolerance: Turns) -> [[Turns; N]; 2] {
@@ -271,12 +273,15 @@ impl<const N: usize> Align<N> {
     ) -> Option<Fault> {
         let mut looks = [Look::default(); N];
         self.looks += 1;
-        for (axis, look) in looks.iter_mut().enumerate() {
-            let off = nearest(monitor.drift()[axis].wrapping_sub(self.before[axis]));
-            self.off[axis] = self.off[axis].wrapping_add(off);
+        let drifts = monitor.drift().iter().zip(&self.before);
+        let trims = correction.now().iter().zip(&self.from);
+        let all = drifts.zip(trims).zip(&mut self.off).enumerate();
+        for (look, (axis, (((drift, &before), (now, &from)), sum))) in looks.iter_mut().zip(all) {
+            let off = nearest(drift.wrapping_sub(before));
+            *sum = sum.wrapping_add(off);
             *look = Look {
                 off,
-                moved: correction.now()[axis].wrapping_sub(self.from[axis]),
+                moved: now.wrapping_sub(from),
                 tolerance: monitor.tolerance(axis),
             };
         }
@@ -288,12 +293,11 @@ impl<const N: usize> Align<N> {
             return None;
         }
         for (look, off) in looks.iter_mut().zip(self.off) {
-            look.off = Turns::from_bits(off.to_bits() / i64::from(LOOKS));
+            look.off = Turns::from_bits((off.to_bits() >> 16) * PART_OF_LOOKS);
         }
-        let Some((axis, is_swapped)) = stray(&looks, monitor.watched()) else {
+        let Some((axis, off, is_swapped)) = stray(&looks, monitor.watched()) else {
             return self.go_on(monitor, correction);
         };
-        let off = looks[axis].off;
         let kind = if is_swapped {
             FaultKind::SwappedWiring
         } else {
@@ -317,9 +321,9 @@ struct Look {
     tolerance: Turns,
 }
 
-/// The crank that strays most, and whether it does what another was told.
+/// The crank that strays most, by how much, and whether it does what another was told.
 #[inline(never)] // one for every number of axes
-fn stray(looks: &[Look], watched: u8) -> Option<(usize, bool)> {
+fn stray(looks: &[Look], watched: u8) -> Option<(usize, Turns, bool)> {
     let strays = |look: &Look| {
         let allowed = Turns::from_bits(look.tolerance.to_bits() * APART / 2);
         look.off.abs() > allowed
@@ -338,7 +342,7 @@ fn stray(looks: &[Look], watched: u8) -> Option<(usize, bool)> {
     };
     let mut others = looks.iter().enumerate();
     let is_swapped = others.any(|(other, at)| follows(other, at.moved));
-    Some((axis, is_swapped))
+    Some((axis, look.off, is_swapped))
 }
 
 /// What each crank is off from where the master has it.
