@@ -215,6 +215,7 @@ impl<const N: usize> Align<N> {
     }
 
     /// The trims without a tilt, and one on top, this way or the other.
+    #[inline(never)]
     fn tilted(&self, pattern: &[Turns; N], over: bool) -> [Turns; N] {
         let mut trims = self.base;
         for (trim, &level) in trims.iter_mut().zip(pattern) {
@@ -225,6 +226,7 @@ impl<const N: usize> Align<N> {
     }
 
     /// Moves the cranks to other trims, straight and together: the platform tilts no further than at one of the two ends.
+    #[inline(never)]
     fn move_to(
         &mut self,
         trims: [Turns; N],
