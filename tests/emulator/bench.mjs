@@ -5,7 +5,7 @@ import path from 'node:path';
 import { Outcome } from './bench/outcome.mjs';
 import { worse, write } from './bench/figures.mjs';
 
-const SCENARIOS = ['image', 'parity', 'rate', 'cost', 'index', 'safety', 'sweeps', 'store'];
+const SCENARIOS = ['image', 'parity', 'rate', 'cost', 'index', 'faults', 'safety', 'sweeps', 'store'];
 
 const HELP = `usage: tests/emulator/run [--write] [--no-figures] [SCENARIO ... | SCENE.toml ...]
 

@@ -65,3 +65,13 @@ fn the_first_servo_is_named() {
     setup.axes[3].drive = DriveKind::Servo;
     assert_eq!(check(&setup), Err(Unfit::Servo(2)));
 }
+
+/// Were it accepted, the loop would take a motor for stuck whose encoder nobody reads.
+#[test]
+fn the_first_encoder_is_named() {
+    let mut setup = steppers(4, 2000, 3200);
+    setup.axes[1].encoder = true;
+    assert_eq!(check(&setup), Err(Unfit::Encoder(1)));
+    let said = Unfit::Encoder(1).to_string();
+    assert!(said.starts_with("axis 1 has an encoder"), "{said}");
+}

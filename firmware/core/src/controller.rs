@@ -444,23 +444,20 @@ impl<const N: usize> Controller<N> {
     #[cold]
     #[inline(never)]
     fn tell(&mut self, is_news: bool, told: Option<Fault>, stop: bool) {
-        let latched = self.supervisor.fault();
         let (tick, phase) = (self.ticks, self.crank_phase());
-        let at = |fault: Fault| fault.at(tick, phase);
-        let stop = stop.then(|| at(Fault::new(FaultKind::StopInput)));
-        let all = [
-            latched.filter(|_| is_news),
+        let news = [
+            self.supervisor.fault().filter(|_| is_news),
             self.untold.take(),
-            told.map(at),
-            stop,
+            told.map(|fault| fault.at(tick, phase)),
+            stop.then(|| Fault::new(FaultKind::StopInput).at(tick, phase)),
         ];
-        let mut all = all.into_iter().flatten();
+        let (first, second, count) = first_two(&news);
         let telemetry = &mut self.output.telemetry;
-        telemetry.incident = all.next();
-        telemetry.incidents = telemetry.incidents.wrapping_add(1);
-        self.untold = all.next();
         // More than two at once are counted, and no more.
-        telemetry.incidents = telemetry.incidents.wrapping_add(all.count() as u32);
+        let known = u32::from(second.is_some());
+        telemetry.incidents = telemetry.incidents.wrapping_add(count - known);
+        telemetry.incident = first.copied();
+        self.untold = second.copied();
     }
 
     /// Which of all that is wrong comes first.
@@ -609,6 +606,15 @@ impl<const N: usize> Controller<N> {
         telemetry.correction = *self.correction.now();
         telemetry.datum = self.align.datum();
     }
+}
+
+/// Of what there is to tell, what is told now, what next, and how much there is.
+#[inline(never)]
+fn first_two(news: &[Option<Fault>]) -> (Option<&Fault>, Option<&Fault>, u32) {
+    let mut all = news.iter().flatten();
+    let (first, second) = (all.next(), all.next());
+    let count = news.iter().flatten().count() as u32;
+    (first, second, count)
 }
 
 /// What is to be done about what was found: what is seen of it, or else what is told.

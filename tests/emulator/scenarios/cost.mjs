@@ -58,7 +58,7 @@ function fastest(outcome, axes) {
   const machine = new Machine({ ...played, blob: blobOf(played) });
   machine.boot();
   act(machine, played, predict(played), machine.start());
-  const trouble = log(machine.board).find((line) => /fault|missed|late|lost|refused/i.test(line))?.trim();
+  const trouble = log(machine.board).find((line) => /fault|missed|late|lost|rejected/i.test(line))?.trim();
   outcome.check(trouble === undefined, `${axes} axes at ${most} ticks a second: the log tells of no trouble: ${trouble}`);
   outcome.say(`${axes} axes: up to ${most} ticks a second, every deadline met`);
 }

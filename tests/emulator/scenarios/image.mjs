@@ -22,6 +22,10 @@ const BESIDE = [
   'embassy_executor::raw::Executor::poll',
 ];
 
+/** The chip's RAM, and what is to be left of it: an interrupt or two on top of the deepest stack that was seen. */
+const RAM_BYTES = 264 * 1024;
+const LEAST_LEFT = 4096;
+
 export const title = 'Image: panics, what runs from RAM, size, stack';
 
 export function run(outcome, { write = false, compare = true } = {}) {
@@ -40,6 +44,9 @@ export function run(outcome, { write = false, compare = true } = {}) {
   const against = compare ? ['--golden', golden, '--stack-bytes', String(stack), ...(write ? ['--bless'] : [])] : [];
   const size = inspect(['size', IMAGE, ...against]);
   outcome.check(size.status === 0, `the image is about as large as it was:\n${size.stdout}${size.stderr}`);
+  const [, ram] = size.stdout.match(/^RAM +(\d+) bytes/m) ?? [];
+  const left = RAM_BYTES - Number(ram) - stack;
+  outcome.check(left >= LEAST_LEFT, `code, data and the deepest stack leave ${LEAST_LEFT} bytes of the RAM, not ${left}`);
   for (const line of size.stdout.split('\n').filter((text) => /^(flash|RAM|stack)/.test(text))) outcome.say(line);
 }
 

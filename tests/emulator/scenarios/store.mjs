@@ -34,14 +34,17 @@ const powered = (flash) => new Machine({ axes: 6, tickHz: 2000, flash, options: 
 function refusals(outcome, blob) {
   const flipped = Buffer.from(blob);
   flipped[HEADER_BYTES + 37] ^= 0x10;
-  const newer = withHeader(blob, (header) => header.writeUInt16LE(2, VERSION_AT));
+  const newer = withHeader(blob, (header) => header.writeUInt16LE(3, VERSION_AT));
   const servo = blobOf(scene('hold', (toml) => (toml.axis[0].drive = 'servo')));
+  const counting = blobOf(scene('hold', (toml) => (toml.axes.encoder = true)));
   const hasty = blobOf(scene('hold', (toml) => (toml.control.tick_hz = 10_000)));
   for (const [name, bytes, reason] of [
-    ['a bit of the payload', flipped, /settings refused: PayloadCrc/],
-    ['another version', newer, /settings refused: Version.*2/],
-    ['a servo axis', servo, /settings refused: Unfit\(Servo\(2\)\)/],
-    ['a tick too short', hasty, /settings refused: Unfit\(TickTooShort.*tick_hz: 10000/],
+    ['a bit of the payload', flipped, /settings-rejected: PayloadCrc/],
+    ['another version', newer, /settings-rejected: Version.*3/],
+    ['a servo axis', servo, /settings-rejected: Unfit\(Servo\(2\)\)/],
+    ['an encoder', counting, /settings-rejected: Unfit\(Encoder\(0\)\)/],
+    ['a program too quick', quick(blob), /program-rejected: Settings\(program.*amax/],
+    ['a tick too short', hasty, /settings-rejected: Unfit\(TickTooShort.*tick_hz: 10000/],
   ]) {
     const machine = powered(flashWith(bytes));
     machine.run(0.3);
@@ -62,6 +65,19 @@ function withHeader(blob, change) {
   change(changed);
   changed.writeUInt32LE(crc32(changed.subarray(0, HEADER_BYTES - 4)), HEADER_BYTES - 4);
   return changed;
+}
+
+/** The blob with more asked for in its program than there is, whole otherwise. */
+function quick(blob) {
+  const level = Buffer.alloc(8);
+  level.writeDoubleLE(8 * 9.80665);
+  const changed = Buffer.from(blob);
+  const payload = changed.subarray(HEADER_BYTES);
+  const crcAt = changed.indexOf(Buffer.from(Uint32Array.of(crc32(payload)).buffer));
+  const at = payload.indexOf(level);
+  if (at < 0 || crcAt < 0 || crcAt > HEADER_BYTES) throw new Error('the blob is not as it was: docs/blob.md');
+  payload.writeDoubleLE(20_000, at);
+  return withHeader(changed, (header) => header.writeUInt32LE(crc32(payload), crcAt));
 }
 
 // ---- what is stored ----

@@ -36,16 +36,16 @@ export function enablePulses(outcome, running) {
     machine.run(TOLD_S);
     const falls = board.edges.to('enable', 0).filter((cycle) => cycle >= at);
     const lines = log(board);
-    const told = lines.some((line) => /EnableLost/.test(line));
+    const told = lines.some((line) => /enable-loss/.test(line));
     const wrong = [];
     if (length >= SEEN) {
       if (!(falls[0] - at <= CUT)) wrong.push(`the drives are off after ${(falls[0] - at) / 125} µs`);
       if (machine.level('enable') !== 0 || falls.length > 1) wrong.push('the drives do not stay off');
-      if (!told) wrong.push('the log tells of no EnableLost');
+      if (!told) wrong.push('the log tells of no enable-loss');
     }
     if (length <= IGNORED) {
       if (falls.length > 0) wrong.push('the drives are off');
-      if (told) wrong.push('the log tells of EnableLost');
+      if (told) wrong.push('the log tells of enable-loss');
       if (!frozen) wrong.push(...follow.compare().wrong);
     }
     return {

@@ -36,7 +36,7 @@ export function freezes(outcome, running) {
 /** In step and told, or a fault and told. */
 export function judge({ machine, follow, perTurn, reversed }) {
   let lines = log(machine.board);
-  const fault = lines.map((line) => line.match(/fault: (\w+)( on axis \d)?/)).find(Boolean);
+  const fault = lines.map((line) => line.match(/fault: ([\w-]+)( on axis \d)?/)).find(Boolean);
   if (!fault) {
     const { stood, apart, wrong, last } = follow.compare();
     if (stood === 0 && apart > 0) wrong.push(`the blocks are ${apart} cycles apart`);
@@ -51,13 +51,13 @@ export function judge({ machine, follow, perTurn, reversed }) {
   machine.run(STOPPED_S);
   lines = log(machine.board);
   const wrong = [];
-  if (!['Overrun', 'RanDry'].includes(kind)) wrong.push(`the fault is ${kind}`);
+  if (!['overrun', 'run-dry'].includes(kind)) wrong.push(`the fault is ${kind}`);
   if (machine.level('enable') !== 0) wrong.push(`the drives are on after ${kind}`);
   const counts = () => machine.board.edges.tracks.map(({ name, cycles }) => (/^(step|dir)/.test(name) ? cycles.length : 0)).join();
   const before = counts();
   machine.run(0.005);
   if (counts() !== before) wrong.push(`something still moves after ${kind}`);
   const steps = machine.steps(reversed);
-  if (kind === 'Overrun' && !inProportion(steps, perTurn)) wrong.push(`after Overrun the axes are not in step: ${steps.join(', ')}`);
+  if (kind === 'overrun' && !inProportion(steps, perTurn)) wrong.push(`after overrun the axes are not in step: ${steps.join(', ')}`);
   return { wrong, ended: kind, log: () => lines };
 }

@@ -39,7 +39,7 @@ export function panics(outcome, running) {
     if (!board.events.some(({ kind, text }) => kind === 'reset' && text === 'watchdog')) wrong.push('the watchdog does not restart it');
     if (!isFull) says(new RegExp(`panicked at ${FILE}:${LINE}`));
     says(/restarted by the watchdog.*Run/);
-    says(/Restarted/);
+    says(/fault: restarted/);
     return {
       name: `${u.toFixed(4)} ticks after a deadline${isFull ? ', the log full' : ''}`,
       wrong,

@@ -92,7 +92,7 @@ export function starts(outcome, { fresh, predicted }) {
     machine.freeze(when.length / CYCLES_PER_S);
     machine.run(0.008);
     const lines = log(machine.board);
-    const fault = lines.map((line) => line.match(/fault: (\w+)/)).find(Boolean);
+    const fault = lines.map((line) => line.match(/fault: ([\w-]+)/)).find(Boolean);
     if (fault) return { name: name(when), wrong: [], ended: fault[1], log: () => lines };
     const began = machine.start();
     machine.run(0.03);

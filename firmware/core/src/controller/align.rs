@@ -62,6 +62,8 @@ const APART: i64 = 3;
 
 /// Looks after which a crank that strays in each is believed to.
 const LOOKS: u8 = 3;
+/// One of them, 16 fraction bits.
+const PART_OF_LOOKS: i64 = 65_536 / LOOKS as i64;
 
 /// The tilts that prove the wiring, each of sum zero.
 pub(super) fn patterns<const N: usize>(tolerance: Turns) -> [[Turns; N]; 2] {
@@ -213,6 +215,7 @@ impl<const N: usize> Align<N> {
     }
 
     /// The trims without a tilt, and one on top, this way or the other.
+    #[inline(never)]
     fn tilted(&self, pattern: &[Turns; N], over: bool) -> [Turns; N] {
         let mut trims = self.base;
         for (trim, &level) in trims.iter_mut().zip(pattern) {
@@ -223,6 +226,7 @@ impl<const N: usize> Align<N> {
     }
 
     /// Moves the cranks to other trims, straight and together: the platform tilts no further than at one of the two ends.
+    #[inline(never)]
     fn move_to(
         &mut self,
         trims: [Turns; N],
@@ -275,15 +279,19 @@ impl<const N: usize> Align<N> {
         let looks = self.compare(monitor, correction);
         let (axis, is_swapped) = stray(&looks, monitor.watched())?;
         let fault = Fault::new(FaultKind::SwappedWiring).on_axis(axis);
-        is_swapped.then_some(fault.with_size(looks[axis].off))
+        let off = looks.get(axis).map(|look| look.off);
+        is_swapped.then_some(fault.with_size(off.unwrap_or_default()))
     }
 
     /// What each crank did since they were moved, beside what it was told.
     fn compare(&self, monitor: &DriftMonitor<N>, correction: &Correction<N>) -> [Look; N] {
-        core::array::from_fn(|axis| Look {
-            off: nearest(monitor.drift()[axis].wrapping_sub(self.before[axis])),
-            moved: correction.now()[axis].wrapping_sub(self.from[axis]),
-            tolerance: monitor.tolerance(axis),
+        core::array::from_fn(|axis| {
+            let at = |turns: &[Turns; N]| turns.get(axis).copied().unwrap_or_default();
+            Look {
+                off: nearest(at(monitor.drift()).wrapping_sub(at(&self.before))),
+                moved: at(correction.now()).wrapping_sub(at(&self.from)),
+                tolerance: monitor.tolerance(axis),
+            }
         })
     }
 
@@ -308,12 +316,11 @@ impl<const N: usize> Align<N> {
             return None;
         }
         for (look, off) in looks.iter_mut().zip(self.off) {
-            look.off = Turns::from_bits(off.to_bits() / i64::from(LOOKS));
+            look.off = Turns::from_bits((off.to_bits() >> 16) * PART_OF_LOOKS);
         }
-        let Some((axis, is_swapped)) = stray(&looks, monitor.watched()) else {
+        let Some((axis, off, is_swapped)) = stray(&looks, monitor.watched()) else {
             return self.go_on(monitor, correction);
         };
-        let off = looks[axis].off;
         let kind = if is_swapped {
             FaultKind::SwappedWiring
         } else {
@@ -337,9 +344,9 @@ struct Look {
     tolerance: Turns,
 }
 
-/// The crank that strays most, and whether it does what another was told.
+/// The crank that strays most, by how much, and whether it does what another was told.
 #[inline(never)] // one for every number of axes
-fn stray(looks: &[Look], watched: u8) -> Option<(usize, bool)> {
+fn stray(looks: &[Look], watched: u8) -> Option<(usize, Turns, bool)> {
     let strays = |look: &Look| {
         let allowed = Turns::from_bits(look.tolerance.to_bits() * APART / 2);
         look.off.abs() > allowed
@@ -358,7 +365,7 @@ fn stray(looks: &[Look], watched: u8) -> Option<(usize, bool)> {
     };
     let mut others = looks.iter().enumerate();
     let is_swapped = others.any(|(other, at)| follows(other, at.moved));
-    Some((axis, is_swapped))
+    Some((axis, look.off, is_swapped))
 }
 
 /// What each crank is off from where the master has it.

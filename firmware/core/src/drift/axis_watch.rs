@@ -421,6 +421,7 @@ impl AxisWatch {
         self.encoder.is_none() && self.index.as_ref().is_none_or(IndexWatch::is_unheard)
     }
 
+    #[inline(never)] // once a start, and long
     pub(super) fn reset(&mut self, phase: Phase) {
         if let Some(index) = &mut self.index {
             index.reset(phase);

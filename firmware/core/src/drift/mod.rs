@@ -312,6 +312,8 @@ impl<const N: usize> DriftMonitor<N> {
         }
     }
 
+    #[cold]
+    #[inline(never)]
     fn push_axis(&mut self, axis: usize, kind: FaultKind) {
         let size = self.drift.get(axis).copied().unwrap_or_default();
         self.push(Fault::new(kind).on_axis(axis).with_size(size), false);
@@ -335,6 +337,8 @@ impl<const N: usize> DriftMonitor<N> {
         }
     }
 
+    #[cold]
+    #[inline(never)]
     fn find(&mut self, axis: usize, kind: FaultKind, by: Turns, in_safety: bool) {
         let fault = Fault::new(kind).on_axis(axis).with_size(by);
         self.push(fault, in_safety);

@@ -10,6 +10,9 @@
 use crate::supervisor::FaultKind;
 use crate::units::{Turns, nearest};
 
+/// Electrical cycles that a stepper may gain at once.
+const MOST_GAINED: i64 = 4;
+
 /// What one axis did, as far as its name depends on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Story {
@@ -49,7 +52,7 @@ impl Story {
         let whole = if goes_on {
             // A crank that passes its index while it jumps shows part of it then, and the rest a turn later.
             self.is_whole(by) && self.is_whole(before)
-                || self.row == 2 && self.is_whole(before.wrapping_add(by))
+                || self.row == 2 && self.is_whole_in_two(before.wrapping_add(by))
         } else {
             self.is_whole(by)
         };
@@ -71,6 +74,13 @@ impl Story {
         } else {
             FaultKind::Slip
         }
+    }
+
+    /// The same of two parts of a jump. Of large jumps one in four is whole by chance: what gains more than a few cycles is no stepper
+    /// that was pulled on, but one that runs away.
+    fn is_whole_in_two(&self, by: Turns) -> bool {
+        self.is_whole(by)
+            && by.to_bits() <= MOST_GAINED * self.cycle.to_bits() + self.cycle.to_bits() / 2
     }
 
     /// Whether a jump is one or more whole electrical cycles.
@@ -187,6 +197,9 @@ mod tests {
         assert_eq!(in_two.jumped(deg(9.4)), FaultKind::Slip);
         assert_eq!(in_two.jumped(deg(5.0)), FaultKind::LostSteps);
         assert_eq!(in_two.jumped(deg(7.2)), FaultKind::Runaway);
+        let mut by_chance = story();
+        by_chance.jumped(deg(51.456));
+        assert_eq!(by_chance.jumped(deg(107.477)), FaultKind::Runaway);
         gains.rest();
         assert_eq!(gains.jumped(deg(7.2)), FaultKind::LostSteps);
     }

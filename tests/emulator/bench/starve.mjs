@@ -1,0 +1,16 @@
+// A channel that stands: its axis' step machine gets no words, and runs dry.
+
+const DMA = 0x5000_0000;
+const CHANNEL_BYTES = 0x40;
+const AL1_CTRL = 0x10;
+const DMA_ENABLE = 1;
+
+/** Longer than the words last that a FIFO has. */
+const STANDS_S = 0.0008;
+
+export function starve(machine, axis) {
+  const ctrl = DMA + CHANNEL_BYTES * axis + AL1_CTRL;
+  machine.board.poke(ctrl, machine.board.peek(ctrl) & ~DMA_ENABLE);
+  machine.run(STANDS_S);
+  machine.board.poke(ctrl, machine.board.peek(ctrl) | DMA_ENABLE);
+}

@@ -1,0 +1,195 @@
+// Faults: each reaction that this board can have, on host and image alike, from one and the same scene file.
+//
+// The host plays the scene with its `[[fault]]`. What its cranks then do before their sensors is given to the image's pins, as are
+// alarms and inputs; the processor is kept from its deadlines, and a channel from its axis, where the fault is that. Host and image
+// must then be in the same state at every tick, tell of the same things in the same tick, and step alike: to the cycle, or, where a
+// correction follows what was measured, to what the image may read a pulse off by.
+//
+// What cannot be put in alike: a channel that stands costs its axis other steps, and at another moment of the tick, than half a tick
+// of a simulated axis; there the states and what is told are compared, a few ticks may lie between, and steps up to then.
+
+import { blobOf, predict, scene } from '../bench/host.mjs';
+import { log } from '../bench/log.mjs';
+import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
+import * as pins from '../bench/pins.mjs';
+import { feed } from '../bench/play.mjs';
+import { starve } from '../bench/starve.mjs';
+import { ofHost, ofLog } from '../bench/told.mjs';
+import { offsetOf } from './index.mjs';
+
+/** Sizes and phases of what is told, host against image. */
+const MOST_DEG = 0.01;
+
+/** Where trims follow what was measured: the image sees a line every 7 cycles, through three more, on each of two axes that are compared. */
+const READING_CYCLES = 2 * (7 + 3);
+
+/** From a deadline to the first cycle of its tick: as in parity.mjs. */
+const MOST_OFFSET = 25;
+
+/** Ticks by which the image may tell later where a fault cannot be put in alike. */
+const MOST_LATER = 2;
+
+/** Until all is told. */
+const TELLING_S = 0.03;
+
+const stops = ['align', 'run', 'stop', 'fault'];
+const parks = ['align', 'run', 'stop', 'parked'];
+const disables = ['align', 'run', 'fault'];
+const refuses = ['align', 'stop', 'fault'];
+
+/** The scenes, and where each is to end: states in turn, what is told, and what of it is the reaction. */
+const CASES = [
+  ['lost-steps', 'correct', parks, ['lost-steps'], { corrects: true }],
+  ['lost-steps-past', 'stop', stops, ['silent', 'lost-steps']],
+  ['slip', 'correct', parks, ['slip', 'slip'], { corrects: true }],
+  ['slip-past', 'correct, stop', stops, ['slip', 'slip', 'slip'], { corrects: true }],
+  ['stuck', 'stop', stops, ['silent']],
+  ['runaway', 'stop, disable', stops, ['slip', 'runaway']],
+  ['index-missing', 'stop', stops, ['silent', 'index-missing']],
+  ['index-dead', 'stop', stops, ['silent']],
+  ['index-extra', 'report', parks, ['index-extra']],
+  ['index-noisy', 'report, stop', stops, ['index-extra', 'index-extra', 'index-extra', 'index-extra']],
+  ['common-lag', 'stop', stops, ['common-lag']],
+  ['swapped-wiring', 'stop in align', refuses, ['swapped-wiring'], { corrects: true }],
+  ['too-far-out', 'stop in align', refuses, ['too-far-out']],
+  ['start-out', 'corrected in align', parks, [], { corrects: true }],
+  ['drive-alarm', 'stop', stops, ['drive-alarm']],
+  ['at-once', 'stop', stops, ['drive-alarm', 'stop-input']],
+  ['overrun', 'stop', stops, ['overrun'], { stands: true }],
+  ['run-dry', 'stop', stops, ['run-dry'], { differs: true }],
+  ['enable-loss', 'disable', disables, ['enable-loss']],
+  ['stop-input', 'park', parks, ['stop-input']],
+];
+
+/** What needs what the board has not. */
+const NOT_HERE = 'stuck, reversed, encoder-glitch by an encoder; tilt, warp, common-lag of servos: no inputs for encoders, no outputs for servos';
+
+export const title = 'Faults: the same reactions on host and image';
+
+export function run(outcome) {
+  let turned;
+  outcome.say(`${'scene'.padEnd(16)} ${'reaction'.padEnd(18)} ${'told'.padEnd(44)} states (ticks after the start)`);
+  let alike = 0;
+  let worst = 0;
+  for (const [name, reaction, states, told, how = {}] of CASES) {
+    const played = scene(`faults/${name}`);
+    const predicted = predict(played);
+    const blob = blobOf(played);
+    const started = () => {
+      const machine = new Machine({ ...played, blob });
+      machine.boot();
+      return [machine, machine.start()];
+    };
+    turned ??= offsetOf(...started(), predicted);
+    const [machine, began] = started();
+    const wrong = [];
+    put(machine, played, predicted, began, turned);
+    const image = ofLog(log(machine.board), wrong);
+    const host = ofHost(predicted);
+    worst = Math.max(worst, compare(image, host, how, wrong));
+    const inTurn = host.states.map(({ state }) => state);
+    if (inTurn.join() !== states.join()) wrong.push(`it goes through ${states.join(', ')}, not ${inTurn.join(', ')}`);
+    const kinds = host.incidents.map(({ kind }) => kind);
+    if (kinds.join() !== told.join()) wrong.push(`it tells of ${told.join(', ') || 'nothing'}, not ${kinds.join(', ')}`);
+    const steps = stepsAlike(machine, played, predicted, began, how, wrong);
+    const words = image.incidents.map(({ kind, axis, tick }) => `${kind}${axis === undefined ? '' : ` ${axis}`} @${tick}`).join(', ');
+    const passed = image.states.map(({ tick, state }) => `${state} ${tick}`).join(', ');
+    outcome.say(`${name.padEnd(16)} ${reaction.padEnd(18)} ${words.padEnd(44)} ${passed}; ${steps}`);
+    for (const text of wrong) outcome.check(false, `${name}: ${text}`);
+    if (wrong.length === 0) alike += 1;
+  }
+  outcome.say(`${alike} of ${CASES.length} alike; sizes and phases at most ${worst.toFixed(4)}° apart. Not on this board: ${NOT_HERE}`);
+  outcome.figure('faults whose reactions are alike on host and image', alike, 'higher');
+  outcome.figure('sizes and phases told, host against image, deg', worst);
+}
+
+/** Puts into the image what the host was given, and runs it to the end of what the host has. */
+function put(machine, played, predicted, began, turned) {
+  const last = feed(machine, played, predicted, began, turned);
+  const at = (seconds) => began + Math.round(seconds * CYCLES_PER_S);
+  const held = (pin, on, off, { at_s: from, for_s: length }) => {
+    machine.set(pin, on, at(from));
+    if (length !== undefined) machine.set(pin, off, at(from + length));
+  };
+  for (const fault of played.toml.fault ?? []) {
+    const { kind, axis, at_s: from, count = 3 } = fault;
+    if (kind === 'drive-alarm') held(pins.ALARM[axis], 1, 0, fault);
+    if (kind === 'enable-loss') held(pins.ENABLE, 1, 0, fault);
+    if (kind === 'stop-input') held(pins.STOP, 1, 0, fault);
+    if (kind === 'overrun') {
+      // From before the first deadline that the host misses to a tenth of a tick after the last.
+      machine.board.run({ untilCycle: at(from) });
+      const deadline = Math.ceil((at(from) - began) / machine.tick) + count;
+      machine.freeze((began + (deadline + 0.1) * machine.tick - machine.board.cycle) / CYCLES_PER_S);
+    }
+    if (kind === 'run-dry') {
+      machine.board.run({ untilCycle: at(from) });
+      starve(machine, axis);
+    }
+  }
+  machine.board.run({ untilCycle: Math.max(last, machine.board.cycle) + Math.round(TELLING_S * CYCLES_PER_S) });
+}
+
+/** The same states at the same ticks, the same incidents; how far sizes and phases are apart at most, degrees. */
+function compare(image, host, { differs = false }, wrong) {
+  const later = differs ? MOST_LATER : 0;
+  const near = (a, b) => Math.abs(a - b) <= later;
+  const names = (told) => told.map(({ kind, axis = '', latched }) => `${latched ? 'fault' : 'told'}: ${kind} ${axis}`.trim()).join(', ');
+  const walk = ({ states }) => states.map(({ tick, state }) => `${state} ${tick}`).join(', ');
+  const sameStates = image.states.length === host.states.length
+    && image.states.every(({ tick, state }, i) => state === host.states[i].state && (differs || tick === host.states[i].tick));
+  if (!sameStates) wrong.push(`states and ticks of the host, ${walk(host)}; not ${walk(image)}`);
+  if (names(image.incidents) !== names(host.incidents)) {
+    wrong.push(`what the host tells, ${names(host.incidents)}; not ${names(image.incidents)}`);
+    return 0;
+  }
+  let worst = 0;
+  image.incidents.forEach((told, i) => {
+    const other = host.incidents[i];
+    if (!near(told.tick, other.tick)) wrong.push(`${told.kind} at tick ${other.tick}, not ${told.tick}`);
+    if (differs) return;
+    const apart = Math.max(Math.abs(told.sizeDeg - other.sizeDeg), nearest(told.phaseDeg - other.phaseDeg));
+    if (apart > MOST_DEG) wrong.push(`${told.kind} of ${other.sizeDeg}° at ${other.phaseDeg}°, not ${told.sizeDeg}° at ${told.phaseDeg}°`);
+    worst = Math.max(worst, apart);
+  });
+  return worst;
+}
+
+const nearest = (deg) => Math.abs(deg - 360 * Math.round(deg / 360));
+
+/** Step edges as predicted; in words. */
+function stepsAlike(machine, { toml }, predicted, began, { corrects = false, differs = false, stands = false }, wrong) {
+  const perStep = 360 / toml.axes.steps_per_turn;
+  const most = { cycles: 0, deg: 0 };
+  let count = 0;
+  let compared = Infinity;
+  for (let axis = 0; axis < machine.axes; axis += 1) {
+    const wire = `step_${axis}`;
+    const want = predicted.edges.get(wire).filter(({ level }) => level === 1).map(({ cycle }) => cycle);
+    const got = machine.board.edges.to(wire, 1).filter((cycle) => cycle >= began);
+    if (!differs && got.length !== want.length) wrong.push(`${wire}: ${want.length} steps, not ${got.length}`);
+    const offset = got[0] - began - want[0];
+    for (let i = 0; i < Math.min(got.length, want.length); i += 1) {
+      const off = Math.abs(got[i] - began - want[i] - offset);
+      if (off > 0 && differs) {
+        compared = Math.min(compared, want[i]);
+        break;
+      }
+      count += 1;
+      // As the crank went to this step and from it: where it comes to rest, a step is any time off.
+      const apart = Math.max((want[i + 1] ?? Infinity) - want[i], want[i] - (want[i - 1] ?? -Infinity));
+      most.cycles = Math.max(most.cycles, off);
+      most.deg = Math.max(most.deg, (off / apart) * perStep);
+    }
+  }
+  // After a standstill all begin anew, some cycles after a deadline, as at the start.
+  if (stands && most.cycles <= MOST_OFFSET) most.cycles = 0;
+  const until = compared < Infinity ? ` up to tick ${Math.floor(compared / machine.tick)}` : '';
+  if (!corrects) {
+    if (most.cycles > 0) wrong.push(`steps come to the cycle, not ${most.cycles} off`);
+    return `${count} steps${until}, 0 cycles off`;
+  }
+  const allowed = (READING_CYCLES / CYCLES_PER_S) * toml.limits.speed_hz * 360;
+  if (most.deg > allowed) wrong.push(`cranks are within ${allowed.toFixed(4)}° of the host's, not ${most.deg.toFixed(4)}`);
+  return `${count} steps, ${most.deg.toFixed(4)}° off`;
+}
