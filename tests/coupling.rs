@@ -76,7 +76,9 @@ fn the_coupling_swings_where_its_margin_ends() {
         );
         let errors = errors(&scene(&text(&correction, "torque_nm = 1\nfor_s = 0.02")));
         // What has died out is below a hundredth of a degree.
-        errors[1500..].iter().any(|error| spread(error) > 0.1)
+        // A machine that swings so far that it is stopped has no such moments.
+        let late = errors.get(1500..).filter(|late| !late.is_empty());
+        late.is_none_or(|late| late.iter().any(|error| spread(error) > 0.1))
     };
     let (mut inside, mut outside) = (1.0, 1.5 * gains.gain_margin);
     assert!(!swings(inside), "at its own gains");

@@ -12,9 +12,11 @@
 //! | stuck, runaway, reversed | ½ |
 //! | run dry | the way of two ticks |
 //! | swapped wiring | what align trims a crank by to prove it: as far as a crank may be off |
-//! | load step, while torque moves cranks | ½: what overloads a motor loses its steps one after another |
-//! | enable lost, while torque moves cranks | ½: nothing drives them any more, and each coasts as its friction has it |
 //! | all others | 0: no crank moves |
+//!
+//! Where torque moves cranks, and a crank is stuck, runs away, or is loaded, or nothing drives them any more, it is not one crank
+//! against all others: the platform hands on what holds one of them, and the others lose their steps as well. Then the bound is the
+//! greatest tilt that any cranks make ([`Geometry::any_tilt_mrad`]).
 //!
 //! Where torque moves cranks they are apart by what their loads do to them too; how much, is not in this bound: steppers' rotors
 //! are at most a quarter of their electrical cycle from where they are told to be, or they lose it, so that e is larger by two of
@@ -34,6 +36,9 @@ pub fn tilt_mrad(scene: &Scene, geometry: &Geometry, past: Option<&Place>) -> f6
         0.0
     };
     let grows = match (scene.fault.first(), past) {
+        (Some(fault), Some(_)) if torque_turns > 0.0 && overloads(fault.kind) => {
+            return geometry.any_tilt_mrad();
+        }
         (Some(fault), Some(past)) => growth_turns(scene, geometry, fault, past),
         _ => 0.0,
     };
@@ -44,10 +49,17 @@ pub fn tilt_mrad(scene: &Scene, geometry: &Geometry, past: Option<&Place>) -> f6
     limit_mrad + geometry.worst_tilt_mrad(error)
 }
 
+/// Whether a kind asks more of the other motors than they have, where torque moves cranks: then these lose their steps too.
+const fn overloads(kind: FaultName) -> bool {
+    matches!(
+        kind,
+        FaultName::Stuck | FaultName::Runaway | FaultName::LoadStep | FaultName::EnableLoss
+    )
+}
+
 /// How far a crank goes on, turns, after it was past its limit.
 fn growth_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, past: &Place) -> f64 {
     let tick_s = 1.0 / f64::from(scene.control.tick_hz);
-    let by_torque = scene.fidelity.moves_by_torque();
     match fault.kind {
         FaultName::LostSteps => {
             let cycles = fault.cycles.unwrap_or(1).unsigned_abs() as f64;
@@ -61,7 +73,6 @@ fn growth_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, past: &Plac
         FaultName::Stuck | FaultName::Runaway | FaultName::Reversed => 0.5,
         FaultName::RunDry => 2.0 * past.speed_hz * tick_s,
         FaultName::SwappedWiring => geometry.single_limit_turns(),
-        FaultName::LoadStep | FaultName::EnableLoss if by_torque => 0.5,
         FaultName::IndexMissing
         | FaultName::IndexExtra
         | FaultName::EncoderGlitch

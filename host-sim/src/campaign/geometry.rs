@@ -108,6 +108,22 @@ impl Geometry {
         worst * 1e3
     }
 
+    /// Greatest tilt that any cranks make, wherever each of them is, mrad: each at the top or at the bottom, as the plane through
+    /// their heights depends on each in proportion.
+    pub fn any_tilt_mrad(&self) -> f64 {
+        let heights = angles().map(|alpha| self.mechanism.x_m(alpha));
+        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+        let of = |set: u32| {
+            let at = |i: usize| if set >> i & 1 == 1 { high } else { low };
+            let heights: Vec<f64> = (0..self.count).map(at).collect();
+            let [_, x, y] = self.corners.plane(&heights);
+            x.hypot(y)
+        };
+        (0..1 << self.count).map(of).fold(0.0, f64::max) * 1e3
+    }
+
     /// Greatest way of the platform to an angle of the crank, m/rad.
     pub fn most_way_m(&self) -> f64 {
         self.mrad_per_turn / 1e3 / TAU

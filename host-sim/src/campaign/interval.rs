@@ -78,6 +78,14 @@ mod tests {
 
     /// P(at most `hits` of `of`) at a rate.
     fn at_most(hits: u64, of: u64, rate: f64) -> f64 {
+        // Counted from the rarer side: of a thousand misses at a rate near 1 the first term is less than any number.
+        if rate > 0.5 {
+            return if hits == of {
+                1.0
+            } else {
+                1.0 - at_most(of - hits - 1, of, 1.0 - rate)
+            };
+        }
         let mut term = (of as f64 * (1.0 - rate).ln()).exp();
         let mut sum = term;
         for k in 0..hits {

@@ -24,7 +24,8 @@ pub enum Verdict {
     Missed,
     /// Nothing was told, and nothing had to be: no crank was past its limit.
     Within,
-    /// The machine did not move when it came, or not for long enough after it.
+    /// The machine did not move when it came, or not for long enough after it; or, in a clean run, motors lost steps of
+    /// themselves, so that it was none.
     Moot,
     /// A clean run in which nothing was told.
     Clean,
@@ -47,14 +48,20 @@ pub struct Judgement {
     pub left_running: bool,
 }
 
-/// Judges a run by what was seen in it.
-pub fn judge(scene: &Scene, geometry: Option<&Geometry>, seen: &Seen, diverged: bool) -> Judgement {
+/// Judges a run by what was seen in it, and by whether its machine's equations came to an end or a motor slipped of itself.
+pub fn judge(
+    scene: &Scene,
+    geometry: Option<&Geometry>,
+    seen: &Seen,
+    (diverged, slipped): (bool, bool),
+) -> Judgement {
     let bound_mrad = geometry.map_or(0.0, |geometry| {
         bound::tilt_mrad(scene, geometry, seen.past.as_ref())
     });
     let steps = f64::from(scene.axes.steps_per_turn);
     let verdict = match scene.fault.first() {
         _ if diverged => Verdict::Diverged,
+        None if slipped => Verdict::Moot,
         _ if !seen.early.is_empty() => Verdict::FalseTrip,
         None => Verdict::Clean,
         Some(fault) => verdict(scene, fault, seen),

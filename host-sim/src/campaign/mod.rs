@@ -56,7 +56,12 @@ fn watched<const N: usize>(case: &Case, clean: bool, checked: &Checked) -> Resul
     let outcome = simulate::<N>(checked, &mut watch, |_, _| {})?;
     let seen = watch.seen();
     let diverged = outcome.diverged.is_some();
-    let judgement = judge::judge(scene, geometry.as_ref(), &seen, diverged);
+    let slipped = outcome
+        .statistics
+        .slipped_cycles
+        .iter()
+        .any(|&cycles| cycles != 0);
+    let judgement = judge::judge(scene, geometry.as_ref(), &seen, (diverged, slipped));
     let ended = (outcome.state, outcome.simulated_s());
     Ok(Row::new(case, clean, &seen, &judgement, ended))
 }
