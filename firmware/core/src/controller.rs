@@ -51,6 +51,8 @@ pub struct Controller<const N: usize> {
     untold: Option<Fault>,
     /// The stop input's level in the last tick.
     stop_input: bool,
+    /// The tick in which the drives were on last.
+    driven: u64,
     motion: Motion,
     ticks: u64,
     punctuality: Punctuality,
@@ -89,6 +91,9 @@ impl<const N: usize> Settings<N> {
         ProgramBuilder::new(self.tick_hz, self.profile(), self.limits.speed_hz)
     }
 }
+
+/// Ticks after a stop in which what its last pulses show is still heard: a tick is read two ticks after it was reckoned.
+const LAST_PULSES: u64 = 4;
 
 /// A mean drift that is found in align counts as lag up to this part of the common limit: one in four.
 const LAG_PART: f64 = 4.0;
@@ -206,6 +211,7 @@ impl<const N: usize> Controller<N> {
             coupling,
             untold: None,
             stop_input: false,
+            driven: 0,
             supervisor: Supervisor::new(libm::ceil(settings.settle_s * hz) as u32),
             motion: Motion {
                 at_rest: true,
@@ -333,8 +339,19 @@ impl<const N: usize> Controller<N> {
     fn observe(&mut self, feedback: &Feedback<N>) -> (Seen, Option<Fault>) {
         let mut found = self.measure(feedback);
         let drives_on = self.supervisor.drives_enabled();
-        if found.is_some() && !drives_on {
-            found = None; // what cranks do that nothing drives is nobody's fault
+        if drives_on {
+            self.driven = self.ticks;
+        }
+        if let Some(finding) = &mut found {
+            // What cranks do that nothing drives is nobody's fault. But a name may come with the last of a stop's pulses.
+            let in_time = finding.refines && self.ticks - self.driven <= LAST_PULSES;
+            if !drives_on && !in_time {
+                found = None;
+            } else if finding.fault.kind == FaultKind::TooFarOut
+                && let Some(fault) = self.align.explain(&self.drift, &self.correction)
+            {
+                finding.fault = fault;
+            }
         }
         if self.supervisor.state() == State::Align && found.is_none() {
             found = self.find_out();

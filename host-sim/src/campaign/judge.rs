@@ -1,6 +1,6 @@
 //! Holds a run against what the campaign claims.
 
-use cophase_core::supervisor::State;
+use cophase_core::supervisor::{FaultKind, State};
 
 use crate::scene::file::{AxisApart, Drive, FaultAt, FaultName, Scene};
 
@@ -102,13 +102,18 @@ fn verdict(scene: &Scene, fault: &FaultAt, seen: &Seen) -> Verdict {
             in_align: injected.state == State::Align || stood,
             is_past: seen.past.is_some(),
             opposed: differs(scene, fault, |apart| f64::from(u8::from(apart.reversed))),
+            stood_first: !seen.passed_after,
             flags_apart: differs(scene, fault, |apart| apart.index_deg.unwrap_or_default()),
         },
     );
     let is_right = |told: &Told| {
         let axes = [fault.axis, fault.with];
+        // Two cranks that seem far out, each its own way, make the third look so as well.
+        let any = fault.kind == FaultName::SwappedWiring && told.kind == FaultKind::TooFarOut;
         accepted.contains(&told.kind)
-            && (!names::has_axis(fault.kind) || (told.axis.is_some() && axes.contains(&told.axis)))
+            && (any
+                || !names::has_axis(fault.kind)
+                || (told.axis.is_some() && axes.contains(&told.axis)))
     };
     // What latched is what counts, as it was called at last; where nothing did, all that was told.
     let right = match &seen.fault {

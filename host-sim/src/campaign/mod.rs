@@ -52,11 +52,7 @@ fn watched<const N: usize>(case: &Case, clean: bool, checked: &Checked) -> Resul
     let scene = &checked.scene;
     let geometry = Geometry::new(scene);
     let fault = scene.fault.first();
-    let mut watch = Watch::<N>::new(
-        geometry.as_ref(),
-        fault.map(|fault| fault.at_s),
-        judge::cranks_that_count(scene),
-    );
+    let mut watch = Watch::<N>::new(geometry.as_ref(), fault, judge::cranks_that_count(scene));
     let outcome = simulate::<N>(checked, &mut watch, |_, _| {})?;
     let seen = watch.seen();
     let diverged = outcome.diverged.is_some();

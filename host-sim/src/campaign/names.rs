@@ -22,6 +22,8 @@ pub struct Circumstances {
     pub opposed: bool,
     /// Their index flags stand at different places.
     pub flags_apart: bool,
+    /// The crank stood, and the machine with it, before it had passed its flag once more.
+    pub stood_first: bool,
 }
 
 /// What may be told of a fault: any of these kinds.
@@ -87,6 +89,10 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         fault.kind,
         FaultName::LostSteps | FaultName::Slip | FaultName::Stuck | FaultName::Runaway
     );
+    // Its pulse is overdue, and where it would have come nobody sees any more.
+    if moves_crank && !at.has_encoder && at.stood_first {
+        names.push(Kind::Silent);
+    }
     // The first pulse that is heard is where a crank is found.
     if at.in_align && (moves_crank || fault.kind == FaultName::IndexExtra) {
         names.push(Kind::TooFarOut);

@@ -8,6 +8,7 @@ use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::{Fault, FaultKind, State};
 
 use super::geometry::Geometry;
+use crate::scene::file::FaultAt;
 use crate::sim::{Moment, Observer};
 use crate::units::{speed_hz, turns};
 
@@ -54,6 +55,8 @@ pub struct Seen {
     pub past_before: bool,
     /// The beginning of the first moment since the fault in which something was told.
     pub told: Option<Place>,
+    /// Whether the axis it befell passed its index flag after that.
+    pub passed_after: bool,
     /// Turns of the master two ticks before that.
     pub told_turns: f64,
     /// What was told before it.
@@ -75,6 +78,8 @@ pub struct Watch<'a, const N: usize> {
     geometry: Option<&'a Geometry>,
     /// When the fault comes, ns; never, in a clean run.
     at_ns: Option<u64>,
+    /// Which axis it befalls.
+    axis: Option<usize>,
     /// Of a crank that its drive does not move, or that torque moves, how far it goes says nothing.
     cranks_count: [bool; N],
     seen: Seen,
@@ -96,10 +101,15 @@ const MOST_INCIDENTS: usize = 16;
 impl<'a, const N: usize> Watch<'a, N> {
     /// Of a run whose fault comes at a time, if it does; `cranks_count` says of which axes not only the commands, but the cranks
     /// themselves, must stop with the others.
-    pub fn new(geometry: Option<&'a Geometry>, at_s: Option<f64>, cranks_count: [bool; N]) -> Self {
+    pub fn new(
+        geometry: Option<&'a Geometry>,
+        fault: Option<&FaultAt>,
+        cranks_count: [bool; N],
+    ) -> Self {
         Self {
             geometry,
-            at_ns: at_s.map(|at_s| (at_s * 1e9).round() as u64),
+            at_ns: fault.map(|fault| (fault.at_s * 1e9).round() as u64),
+            axis: fault.and_then(|fault| fault.axis),
             cranks_count,
             seen: Seen::default(),
             moments: 0,
@@ -223,6 +233,10 @@ impl<const N: usize> Observer<N> for Watch<'_, N> {
         self.tellings(telemetry, start);
         self.cranks(moment, end);
         self.moves(moment);
+        let index = self.axis.and_then(|axis| moment.index.get(axis));
+        if self.seen.told.is_some() && index.is_some_and(Option::is_some) {
+            self.seen.passed_after = true;
+        }
         self.turns = [moment.master_turns, self.turns[0], self.turns[1]];
         self.moments += 1;
         self.seen.end = Some(end);

@@ -266,6 +266,32 @@ impl<const N: usize> Align<N> {
         }
     }
 
+    /// Why cranks that were moved seem too far out, if it is that two are swapped.
+    #[cold]
+    pub(super) fn explain(
+        &self,
+        monitor: &DriftMonitor<N>,
+        correction: &Correction<N>,
+    ) -> Option<Fault> {
+        if !matches!(self.step, Step::Move | Step::Look) {
+            return None;
+        }
+        let looks = self.compare(monitor, correction);
+        let (axis, off, is_swapped) = stray(&looks, monitor.watched())?;
+        let fault = Fault::new(FaultKind::SwappedWiring).on_axis(axis);
+        is_swapped.then_some(fault.with_size(off))
+    }
+
+    /// What each crank did since they were moved, beside what it was told.
+    #[inline(never)]
+    fn compare(&self, monitor: &DriftMonitor<N>, correction: &Correction<N>) -> [Look; N] {
+        core::array::from_fn(|axis| Look {
+            off: nearest(monitor.drift()[axis].wrapping_sub(self.before[axis])),
+            moved: correction.now()[axis].wrapping_sub(self.from[axis]),
+            tolerance: monitor.tolerance(axis),
+        })
+    }
+
     /// The cranks have been moved, and each heard once more.
     #[cold]
     fn looked(
@@ -273,19 +299,11 @@ impl<const N: usize> Align<N> {
         monitor: &mut DriftMonitor<N>,
         correction: &mut Correction<N>,
     ) -> Option<Fault> {
-        let mut looks = [Look::default(); N];
+        monitor.refresh();
+        let mut looks = self.compare(monitor, correction);
         self.looks += 1;
-        let drifts = monitor.drift().iter().zip(&self.before);
-        let trims = correction.now().iter().zip(&self.from);
-        let all = drifts.zip(trims).zip(&mut self.off).enumerate();
-        for (look, (axis, (((drift, &before), (now, &from)), sum))) in looks.iter_mut().zip(all) {
-            let off = nearest(drift.wrapping_sub(before));
-            *sum = sum.wrapping_add(off);
-            *look = Look {
-                off,
-                moved: now.wrapping_sub(from),
-                tolerance: monitor.tolerance(axis),
-            };
+        for (sum, look) in self.off.iter_mut().zip(&looks) {
+            *sum = sum.wrapping_add(look.off);
         }
         if stray(&looks, monitor.watched()).is_none() {
             return self.go_on(monitor, correction);
@@ -314,7 +332,7 @@ fn is_pattern(levels: &[Turns]) -> bool {
 }
 
 /// What a crank was found to have done when it was moved.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Look {
     /// Away from what it was told.
     off: Turns,

@@ -92,6 +92,7 @@ impl AxisWatch {
             flag: turns(axis.index_width_turns),
             delay: libm::round(axis.index_delay_s * f64::from(tick_hz) * 65_536.0) as u32,
             gate,
+            tolerance,
             overdue: alone.max(gate),
             calm: if axis.encoder { CALM } else { 0 },
         };
@@ -194,7 +195,17 @@ impl AxisWatch {
         };
         match core::mem::replace(&mut self.heard, Heard::Nothing) {
             Heard::Nothing => return Sorted::default(),
-            Heard::First => {}
+            Heard::First => {
+                // Whatever moved before, here the crank is; that the encoder jumped is told all the same.
+                let doubt = self.encoder.as_mut().map(|encoder| &mut encoder.doubt);
+                if let Some(by) = doubt.map(core::mem::take).filter(|doubt| *doubt != 0) {
+                    let kind = match self.story.of_one(by) {
+                        FaultKind::LostSteps => FaultKind::LostSteps,
+                        _ => FaultKind::EncoderGlitch,
+                    };
+                    sorted.told = Some((kind, by, true));
+                }
+            }
             Heard::InPlace { extra } => {
                 self.missed = 0;
                 self.crowd = 0;
@@ -229,8 +240,18 @@ impl AxisWatch {
                 if let Some(encoder) = &mut self.encoder {
                     // Only where the encoder saw a jump as well did the motor move; else the crank did on its shaft.
                     let doubt = core::mem::take(&mut encoder.doubt);
-                    let off = angle(by.wrapping_sub(doubt)).unsigned_abs();
-                    let seen = doubt != 0 && off <= self.gate;
+                    // (One that passes its flag in the jump shows part of it.)
+                    let (by_abs, doubt_abs) =
+                        (angle(by).unsigned_abs(), angle(doubt).unsigned_abs());
+                    let seen = doubt != 0
+                        && (by < 0) == (doubt < 0)
+                        && by_abs <= doubt_abs.saturating_add(self.gate);
+                    let by = if seen {
+                        index.believe_moved(doubt.wrapping_sub(by));
+                        doubt
+                    } else {
+                        by
+                    };
                     self.home = self.home.wrapping_add(angle(by));
                     self.named(by, (!seen).then_some(FaultKind::Slip));
                 } else {
@@ -275,6 +296,10 @@ impl AxisWatch {
         let encoder = self.encoder.as_mut()?;
         match core::mem::replace(&mut self.read, Read::Nothing) {
             Read::Glitch { by } if !already => Some((FaultKind::EncoderGlitch, by, true)),
+            Read::Jump { .. } if let Some(index) = &mut self.index => {
+                index.decide_soon();
+                None
+            }
             // Nothing else tells where the crank is: it is believed.
             Read::Jump { by } if self.index.is_none() => {
                 encoder.believe();
@@ -375,6 +400,11 @@ impl AxisWatch {
         let by = self.encoder.as_ref()?.drift();
         let kind = self.manner().unwrap_or(FaultKind::Tilt);
         (by.wrapping_abs() > self.alone).then_some((kind, by))
+    }
+
+    /// So far off, this crank alone takes the platform past a limit, whatever all have done since the others were heard.
+    pub(super) fn far(&self) -> Turns {
+        self.alone.saturating_add(of_angle(self.gate as i32))
     }
 
     pub(super) const fn tolerance(&self) -> Turns {

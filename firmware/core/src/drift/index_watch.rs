@@ -26,6 +26,8 @@ pub(super) struct Place {
     pub delay: u32,
     /// A pulse further than this from the last is out of place.
     pub gate: Turns,
+    /// What two pulses of a crank that is where it was may be apart.
+    pub tolerance: Turns,
     /// A pulse that is late by more stands for a crank past its limit.
     pub overdue: Turns,
     /// Of what a pulse in place shows anew, 1/2^`calm` is believed: where an encoder has the crank anyway, the index need not
@@ -216,6 +218,7 @@ impl IndexWatch {
             self.believe(offset, at);
             return Heard::Moved { by };
         }
+        self.decide_soon();
         match self.suspect.replace(Suspect { offset, at }) {
             Some(extra) => Heard::Extra {
                 by: nearest(extra.offset.wrapping_sub(self.offset)),
@@ -247,6 +250,13 @@ impl IndexWatch {
         self.heard_at = at;
         self.unheard = false;
         self.alert = ONE.wrapping_add(self.place.gate);
+    }
+
+    /// Something is not as it should be: silence at the very place of the next pulse decides.
+    pub(super) fn decide_soon(&mut self) {
+        if self.known && !self.unheard {
+            self.alert = ONE.wrapping_add(self.place.tolerance);
+        }
     }
 
     /// The crank has moved by so much, as something else tells: its pulse is to come where that has it.

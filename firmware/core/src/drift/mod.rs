@@ -202,7 +202,10 @@ impl<const N: usize> DriftMonitor<N> {
                 self.known |= 1 << axis;
                 self.seen |= 1 << axis;
             }
-            if heard.has_moved {
+            // A crank that walks may pass a limit by its own pulse, long before the round is over.
+            let own = watch.drift().wrapping_add(sensed.correction[axis]);
+            let off = nearest(own.wrapping_sub(self.modes.common)).abs();
+            if heard.has_moved || heard.is_heard && off > watch.far() {
                 moved |= 1 << axis;
             }
             if let Some((kind, by, in_safety)) = heard.told {
@@ -210,7 +213,10 @@ impl<const N: usize> DriftMonitor<N> {
             }
         }
         let round = news != 0 && self.heard & self.by_index == self.by_index && self.heard != 0;
-        if moved != 0 && !round && !self.finding_out && self.others_are_heard(moved) {
+        if self.finding_out && self.is_aligned() && news != 0 && !round {
+            // All creep alike: what was heard a turn ago is as good.
+            self.update();
+        } else if moved != 0 && !round && !self.finding_out && self.others_are_heard(moved) {
             // It is not waited for the others, of which none is late: they have not moved with it.
             self.update();
             self.compare();
@@ -298,6 +304,7 @@ impl<const N: usize> DriftMonitor<N> {
         let named = |axis: usize| self.axes.get(axis).and_then(AxisWatch::name);
         let known = (worst..N)
             .chain(0..worst)
+            .take(if N == 2 { 2 } else { 1 })
             .find(|&axis| named(axis).is_some());
         match known {
             Some(axis) => self.push_axis(axis, named(axis).unwrap_or(kind)),
@@ -401,6 +408,11 @@ impl<const N: usize> DriftMonitor<N> {
         }
         self.drift = [Turns::ZERO; N];
         self.modes = Modes::default();
+    }
+
+    /// Takes in what was heard in a round that is not over.
+    pub fn refresh(&mut self) {
+        self.update();
     }
 
     /// Whatever was heard, every index is to be heard again.

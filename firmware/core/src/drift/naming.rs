@@ -115,6 +115,9 @@ pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
             _ => 3,
         }
     }
+    if let FaultKind::IndexMissing = new {
+        return matches!(old, FaultKind::Silent);
+    }
     let (new_rank, old_rank) = (rank(new), rank(old));
     // Of lost steps and slip the later tells.
     let told_apart = new_rank == 1 && old_rank == 1 && new as u8 != old as u8;
