@@ -279,16 +279,20 @@ impl<const N: usize> Align<N> {
         let looks = self.compare(monitor, correction);
         let (axis, off, is_swapped) = stray(&looks, monitor.watched())?;
         let fault = Fault::new(FaultKind::SwappedWiring).on_axis(axis);
-        is_swapped.then_some(fault.with_size(off))
+        let off = looks.get(axis).map(|look| look.off);
+        is_swapped.then_some(fault.with_size(off.unwrap_or_default()))
     }
 
     /// What each crank did since they were moved, beside what it was told.
     #[inline(never)]
     fn compare(&self, monitor: &DriftMonitor<N>, correction: &Correction<N>) -> [Look; N] {
-        core::array::from_fn(|axis| Look {
-            off: nearest(monitor.drift()[axis].wrapping_sub(self.before[axis])),
-            moved: correction.now()[axis].wrapping_sub(self.from[axis]),
-            tolerance: monitor.tolerance(axis),
+        core::array::from_fn(|axis| {
+            let at = |turns: &[Turns; N]| turns.get(axis).copied().unwrap_or_default();
+            Look {
+                off: nearest(at(monitor.drift()).wrapping_sub(at(&self.before))),
+                moved: at(correction.now()).wrapping_sub(at(&self.from)),
+                tolerance: monitor.tolerance(axis),
+            }
         })
     }
 
