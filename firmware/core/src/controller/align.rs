@@ -279,8 +279,7 @@ impl<const N: usize> Align<N> {
         let looks = self.compare(monitor, correction);
         let (axis, off, is_swapped) = stray(&looks, monitor.watched())?;
         let fault = Fault::new(FaultKind::SwappedWiring).on_axis(axis);
-        let off = looks.get(axis).map(|look| look.off);
-        is_swapped.then_some(fault.with_size(off.unwrap_or_default()))
+        is_swapped.then_some(fault.with_size(off))
     }
 
     /// What each crank did since they were moved, beside what it was told.
