@@ -70,6 +70,7 @@ export function run(outcome) {
   let turned;
   outcome.say(`${'scene'.padEnd(16)} ${'reaction'.padEnd(18)} ${'told'.padEnd(44)} states (ticks after the start)`);
   let alike = 0;
+  let longest = { own: 0 };
   let worst = 0;
   for (const [name, reaction, states, told, how = {}] of CASES) {
     const played = scene(`faults/${name}`);
@@ -91,6 +92,7 @@ export function run(outcome) {
     if (inTurn.join() !== states.join()) wrong.push(`it goes through ${states.join(', ')}, not ${inTurn.join(', ')}`);
     const kinds = host.incidents.map(({ kind }) => kind);
     if (kinds.join() !== told.join()) wrong.push(`it tells of ${told.join(', ') || 'nothing'}, not ${kinds.join(', ')}`);
+    for (const { own } of machine.ticks(began)) if (own > longest.own) longest = { own, name };
     const steps = stepsAlike(machine, played, predicted, began, how, wrong);
     const words = image.incidents.map(({ kind, axis, tick }) => `${kind}${axis === undefined ? '' : ` ${axis}`} @${tick}`).join(', ');
     const passed = image.states.map(({ tick, state }) => `${state} ${tick}`).join(', ');
@@ -99,7 +101,9 @@ export function run(outcome) {
     if (wrong.length === 0) alike += 1;
   }
   outcome.say(`${alike} of ${CASES.length} alike; sizes and phases at most ${worst.toFixed(4)}° apart. Not on this board: ${NOT_HERE}`);
+  outcome.say(`the longest of their ticks is one of ${longest.name}: ${longest.own} cycles`);
   outcome.figure('faults whose reactions are alike on host and image', alike, 'higher');
+  outcome.figure('tick of 4 axes with a fault in it, worst, cycles', longest.own);
   outcome.figure('sizes and phases told, host against image, deg', worst);
 }
 
@@ -167,7 +171,9 @@ function stepsAlike(machine, { toml }, predicted, began, { corrects = false, dif
     const wire = `step_${axis}`;
     const want = predicted.edges.get(wire).filter(({ level }) => level === 1).map(({ cycle }) => cycle);
     const got = machine.board.edges.to(wire, 1).filter((cycle) => cycle >= began);
-    if (!differs && got.length !== want.length) wrong.push(`${wire}: ${want.length} steps, not ${got.length}`);
+    // Where a crank comes to rest on the edge of a step, what a trim is off by decides whether that is made.
+    const fewer = Math.abs(got.length - want.length);
+    if (!differs && fewer > (corrects ? 1 : 0)) wrong.push(`${wire}: ${want.length} steps, not ${got.length}`);
     const offset = got[0] - began - want[0];
     for (let i = 0; i < Math.min(got.length, want.length); i += 1) {
       const off = Math.abs(got[i] - began - want[i] - offset);

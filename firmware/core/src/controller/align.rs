@@ -283,6 +283,7 @@ impl<const N: usize> Align<N> {
     }
 
     /// What each crank did since they were moved, beside what it was told.
+    #[inline(never)]
     fn compare(&self, monitor: &DriftMonitor<N>, correction: &Correction<N>) -> [Look; N] {
         core::array::from_fn(|axis| {
             let at = |turns: &[Turns; N]| turns.get(axis).copied().unwrap_or_default();
