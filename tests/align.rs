@@ -155,7 +155,9 @@ fn swapped_wiring_is_refused_for_every_pair_and_right_wiring_is_not() {
                         "{PROVES}[[fault]]\nat_s = 0\nkind = \"swapped-wiring\"\naxis = {a}\nwith = {b}\nlines = \"{lines}\"\n"
                     );
                     let (_, outcome) = run(&text(count, drive, &apart, &swapped));
-                    let fault = outcome.fault.expect("it is refused");
+                    let Some(fault) = outcome.fault else {
+                        panic!("{count} {drive}: {a}, {b}, {lines}: not refused");
+                    };
                     assert_eq!(
                         fault.kind,
                         FaultKind::SwappedWiring,

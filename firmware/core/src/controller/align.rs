@@ -238,8 +238,11 @@ impl<const N: usize> Align<N> {
             let fault = Fault::new(FaultKind::TooFarOut);
             return Some(fault.on_axis(axis).with_size(size));
         }
-        self.before = *monitor.drift();
-        self.from = *correction.now();
+        // Both tilts are looked at against the cranks without any: from one to the other two may be moved alike.
+        if self.proven <= 1 {
+            self.before = *monitor.drift();
+            self.from = *correction.now();
+        }
         self.looks = 0;
         self.off = [Turns::ZERO; N];
         correction.go_to(trims);

@@ -402,7 +402,12 @@ impl AxisWatch {
         (by.wrapping_abs() > self.alone).then_some((kind, by))
     }
 
-    /// So far off, this crank alone takes the platform past a limit, whatever all have done since the others were heard.
+    /// So far off, this crank alone takes the platform past a limit.
+    pub(super) const fn alone(&self) -> Turns {
+        self.alone
+    }
+
+    /// The same, whatever all have done since the others were heard.
     pub(super) fn far(&self) -> Turns {
         self.alone.saturating_add(of_angle(self.gate as i32))
     }

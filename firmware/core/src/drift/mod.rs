@@ -202,10 +202,15 @@ impl<const N: usize> DriftMonitor<N> {
                 self.known |= 1 << axis;
                 self.seen |= 1 << axis;
             }
-            // A crank that walks may pass a limit by its own pulse, long before the round is over.
+            // A crank may pass a limit by its own pulse, long before the round is over.
             let own = watch.drift().wrapping_add(sensed.correction[axis]);
             let off = nearest(own.wrapping_sub(self.modes.common)).abs();
-            if heard.has_moved || heard.is_heard && off > watch.far() {
+            let most = if heard.has_moved {
+                watch.alone()
+            } else {
+                watch.far()
+            };
+            if heard.is_heard && off > most {
                 moved |= 1 << axis;
             }
             if let Some((kind, by, in_safety)) = heard.told {
