@@ -93,7 +93,8 @@ fn servos_stay_together_within_a_twentieth_of_a_degree() {
         alone.rms_deg()
     );
     assert!(steady.rms_deg() <= 0.05);
-    assert!(steady.rms_deg() < 0.5 * alone.rms_deg());
+    // What the load does while it comes and goes; what stays, index correction takes away in either.
+    assert!(steady.worst_deg < 0.5 * alone.worst_deg);
 }
 
 /// Were the correction unsteady, or align left what it had to correct, steppers would be further apart than a microstep.
