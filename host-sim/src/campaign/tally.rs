@@ -149,7 +149,7 @@ impl Tally {
     pub fn is_kept(&self) -> bool {
         let named = self.all.named.part().is_none_or(|part| part >= LEAST_NAMED);
         let forgiven = |what: &&str| *what == failed::MISNAMED;
-        named && self.false_trips.hits == 0 && self.all.failed.keys().all(|what| forgiven(&what))
+        named && self.false_trips.hits == 0 && self.all.failed.keys().all(forgiven)
     }
 }
 
