@@ -401,7 +401,9 @@ impl<const N: usize> Controller<N> {
 
     /// Goes on with finding out where the cranks are.
     fn find_out(&mut self) -> Option<Finding> {
-        let found = self.align.advance(&mut self.drift, &mut self.correction);
+        let found = self
+            .align
+            .advance(&mut self.drift, &mut self.correction, self.motion.speed);
         let park = self.park_crank.wrapping_sub(self.align.datum());
         self.park = Phase::from_turns(park).within_turn();
         found.map(|fault| Finding {

@@ -116,7 +116,9 @@ fn verdict(scene: &Scene, fault: &FaultAt, seen: &Seen) -> Verdict {
     let is_right = |told: &Told| {
         let axes = [fault.axis, fault.with];
         // Two cranks that seem far out, each its own way, make the third look so as well.
-        let any = fault.kind == FaultName::SwappedWiring && told.kind == FaultKind::TooFarOut;
+        // And of two cranks nobody knows which is out.
+        let any = told.kind == FaultKind::TooFarOut
+            && (fault.kind == FaultName::SwappedWiring || scene.axes.count == 2);
         accepted.contains(&told.kind)
             && (any
                 || !names::has_axis(fault.kind)

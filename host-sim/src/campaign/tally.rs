@@ -122,6 +122,9 @@ impl Tally {
         for row in rows {
             tally.simulated_s += row.simulated_s;
             let Some(kind) = row.kind else {
+                if row.verdict == Verdict::Moot {
+                    continue;
+                }
                 let tripped = row.verdict != Verdict::Clean;
                 tally.false_trips.count(tripped);
                 if tripped {

@@ -56,6 +56,15 @@ impl<const N: usize> Correction<N> {
         &self.now
     }
 
+    /// Where the trims are going, or are.
+    pub const fn target(&self) -> &[Turns; N] {
+        if self.left > 0 {
+            &self.target
+        } else {
+            &self.now
+        }
+    }
+
     /// Whether trims are on their way.
     pub const fn is_moving(&self) -> bool {
         self.left > 0

@@ -48,6 +48,8 @@ pub(super) struct Align<const N: usize> {
     /// Tilts that have been looked at, and the trims without them.
     proven: usize,
     base: [Turns; N],
+    /// Turns of the master since the last step.
+    waited: Turns,
     /// Drifts before the cranks were moved, and the trims then.
     before: [Turns; N],
     from: [Turns; N],
@@ -59,6 +61,9 @@ pub(super) struct Align<const N: usize> {
 
 /// How many tolerances any two cranks are moved apart, at least, in one of the tilts.
 const APART: i64 = 3;
+
+/// Turns of the master in one step after which something is wrong that nothing else has a name for.
+const MOST_WAITED: Turns = Turns::lit("8");
 
 /// Looks after which a crank that strays in each is believed to.
 const LOOKS: u8 = 3;
@@ -102,6 +107,7 @@ impl<const N: usize> Align<N> {
             lag,
             proven: 0,
             base: [Turns::ZERO; N],
+            waited: Turns::ZERO,
             before: [Turns::ZERO; N],
             from: [Turns::ZERO; N],
             looks: 0,
@@ -114,6 +120,7 @@ impl<const N: usize> Align<N> {
     pub(super) const fn begin(&mut self) {
         self.step = Step::Find;
         self.proven = 0;
+        self.waited = Turns::ZERO;
     }
 
     /// Whether the cranks are where they should be.
@@ -126,9 +133,31 @@ impl<const N: usize> Align<N> {
         self.datum
     }
 
-    /// Plays one tick of the search.
+    /// Plays one tick of the search, after one in which the master made `speed` turns.
     #[inline]
     pub(super) fn advance(
+        &mut self,
+        monitor: &mut DriftMonitor<N>,
+        correction: &mut Correction<N>,
+        speed: Turns,
+    ) -> Option<Fault> {
+        let step = self.step;
+        let fault = self.go(monitor, correction);
+        if self.step != step || correction.is_moving() {
+            self.waited = Turns::ZERO;
+        } else if !self.is_done() {
+            self.waited = self.waited.saturating_add(speed);
+        }
+        // Every index is heard, or missed, within a turn or two, and looked for no more than some times.
+        if fault.is_none() && self.waited > MOST_WAITED {
+            self.waited = Turns::ZERO;
+            return Some(Fault::new(FaultKind::Silent));
+        }
+        fault
+    }
+
+    #[inline]
+    fn go(
         &mut self,
         monitor: &mut DriftMonitor<N>,
         correction: &mut Correction<N>,
@@ -279,8 +308,13 @@ impl<const N: usize> Align<N> {
         if !matches!(self.step, Step::Move | Step::Look) {
             return None;
         }
-        let looks = self.compare(monitor, correction);
-        let (axis, off, is_swapped) = stray(&looks, monitor.watched())?;
+        let mut looks = self.compare(monitor, correction);
+        // While they are on their way, each may show part of what the other was told.
+        let going = correction.target().iter().zip(&self.from);
+        for (look, (to, &from)) in looks.iter_mut().zip(going) {
+            look.moved = to.wrapping_sub(from);
+        }
+        let (axis, off, is_swapped) = stray(&looks, monitor.watched(), true)?;
         let fault = Fault::new(FaultKind::SwappedWiring).on_axis(axis);
         is_swapped.then_some(fault.with_size(off))
     }
@@ -311,7 +345,7 @@ impl<const N: usize> Align<N> {
         for (sum, look) in self.off.iter_mut().zip(&looks) {
             *sum = sum.wrapping_add(look.off);
         }
-        if stray(&looks, monitor.watched()).is_none() {
+        if stray(&looks, monitor.watched(), false).is_none() {
             return self.go_on(monitor, correction);
         }
         if self.looks < LOOKS {
@@ -321,7 +355,7 @@ impl<const N: usize> Align<N> {
         for (look, off) in looks.iter_mut().zip(self.off) {
             look.off = Turns::from_bits((off.to_bits() >> 16) * PART_OF_LOOKS);
         }
-        let Some((axis, off, is_swapped)) = stray(&looks, monitor.watched()) else {
+        let Some((axis, off, is_swapped)) = stray(&looks, monitor.watched(), false) else {
             return self.go_on(monitor, correction);
         };
         let kind = if is_swapped {
@@ -349,7 +383,7 @@ struct Look {
 
 /// The crank that strays most, by how much, and whether it does what another was told.
 #[inline(never)] // one for every number of axes
-fn stray(looks: &[Look], watched: u8) -> Option<(usize, Turns, bool)> {
+fn stray(looks: &[Look], watched: u8, on_the_way: bool) -> Option<(usize, Turns, bool)> {
     let strays = |look: &Look| {
         let allowed = Turns::from_bits(look.tolerance.to_bits() * APART / 2);
         look.off.abs() > allowed
@@ -364,7 +398,10 @@ fn stray(looks: &[Look], watched: u8) -> Option<(usize, Turns, bool)> {
         let between = by.wrapping_sub(look.moved);
         let allowed = Turns::from_bits(look.tolerance.to_bits() * APART / 2);
         let apart = between.abs() > allowed;
-        other != axis && apart && nearest(look.off.wrapping_sub(between)).abs() <= allowed
+        let rest = nearest(between.wrapping_sub(look.off));
+        // On the way there it may be anywhere between.
+        let partly = on_the_way && (look.off < 0) == (between < 0) && (rest < 0) == (between < 0);
+        other != axis && apart && (partly || rest.abs() <= allowed)
     };
     let mut others = looks.iter().enumerate();
     let is_swapped = others.any(|(other, at)| follows(other, at.moved));

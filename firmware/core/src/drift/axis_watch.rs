@@ -29,8 +29,8 @@ const FORGOTTEN_AFTER: u8 = 8;
 pub(super) struct Sorted {
     /// The index tells where the crank is.
     pub is_heard: bool,
-    /// It is elsewhere, and nothing but the index watches.
-    pub has_moved: bool,
+    /// It is elsewhere, by so much, and nothing but the index watches.
+    pub has_moved: Option<Turns>,
     /// What there is to tell: its size, and whether the crank is still seen.
     pub told: Option<(FaultKind, Turns, bool)>,
 }
@@ -226,7 +226,8 @@ impl AxisWatch {
             Heard::Extra { by } => {
                 sorted.is_heard = false;
                 self.crowd = self.crowd.saturating_add(1);
-                sorted.told = if self.crowd < CROWD {
+                // One that is ahead already, and comes again before its time, is on its way.
+                sorted.told = if self.crowd < CROWD && !self.story.is_ahead() {
                     Some(self.extra(by))
                 } else {
                     self.name = Some(FaultKind::Runaway);
@@ -255,7 +256,7 @@ impl AxisWatch {
                     self.home = self.home.wrapping_add(angle(by));
                     self.named(by, (!seen).then_some(FaultKind::Slip));
                 } else {
-                    sorted.has_moved = true;
+                    sorted.has_moved = Some(by);
                 }
             }
             Heard::Unheard => {
@@ -414,6 +415,11 @@ impl AxisWatch {
 
     pub(super) const fn tolerance(&self) -> Turns {
         self.tolerance
+    }
+
+    /// What it is called that the crank jumped, with what it did before.
+    pub(super) fn jumped(&mut self, by: Turns) -> FaultKind {
+        self.story.jumped(by)
     }
 
     /// What a jump is called that nothing is known of but its size.

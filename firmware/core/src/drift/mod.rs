@@ -205,13 +205,21 @@ impl<const N: usize> DriftMonitor<N> {
             // A crank may pass a limit by its own pulse, long before the round is over.
             let own = watch.drift().wrapping_add(sensed.correction[axis]);
             let off = nearest(own.wrapping_sub(self.modes.common)).abs();
-            let most = if heard.has_moved {
+            let most = if heard.has_moved.is_some() {
                 watch.alone()
             } else {
                 watch.far()
             };
             if heard.is_heard && off > most {
                 moved |= 1 << axis;
+            }
+            // While it was being found out a crank was lost sight of; where it shows again tells what it did.
+            if let Some(by) = heard.has_moved
+                && self.finding_out
+                && self.open.is_some()
+            {
+                let kind = watch.jumped(by);
+                self.find(axis, kind, by, false);
             }
             if let Some((kind, by, in_safety)) = heard.told {
                 self.find(axis, kind, by, in_safety);
@@ -261,8 +269,10 @@ impl<const N: usize> DriftMonitor<N> {
 
     /// Holds what is known against the limits, and tells what was named.
     fn check(&mut self, sensed: &Sensed<'_, N>) {
-        if !self.is_aligned() {
+        if self.finding_out {
             self.check_encoders();
+        }
+        if !self.is_aligned() {
             return;
         }
         let mut error = self.drift;
@@ -329,7 +339,8 @@ impl<const N: usize> DriftMonitor<N> {
         furthest(error, self.watched())
     }
 
-    /// Before all indices are known, encoders still tell of an axis that does not turn as it is told.
+    /// While nobody knows where the cranks should be, encoders still tell of an axis that does not turn as it is told; of all that do not,
+    /// too, whose drifts are alike.
     fn check_encoders(&mut self) {
         for axis in 0..N {
             let Some(watch) = self.axes.get(axis) else {

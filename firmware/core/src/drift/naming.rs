@@ -67,6 +67,11 @@ impl Story {
         }
     }
 
+    /// Whether the crank jumped forward in the last turn.
+    pub(super) fn is_ahead(&self) -> bool {
+        self.row > 0 && self.last > 0
+    }
+
     /// What one jump is called that stands for itself.
     pub(super) fn of_one(&self, by: Turns) -> FaultKind {
         if self.is_whole(by) {
