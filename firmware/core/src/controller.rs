@@ -17,7 +17,9 @@ use crate::servo::{Coupling, FeedForward, Setpoint};
 use crate::settings::{AxisSettings, DriveKind, Problem, Settings, SettingsError, turns};
 use crate::shaft::{Demand, Motion, Shaft, ShaftLimits, Target};
 use crate::signals::{Feedback, Output};
-use crate::supervisor::{Action, Fault, FaultKind, Reaction, Seen, State, Supervisor, reaction};
+use crate::supervisor::{
+    Action, Command, Fault, FaultKind, Reaction, Seen, State, Supervisor, reaction,
+};
 use crate::units::{Amax, ONE_TURN, Phase, Turns};
 use align::Align;
 use punctuality::Punctuality;
@@ -308,6 +310,9 @@ impl<const N: usize> Controller<N> {
     /// for a frame of kilobytes, at twice the time; and this is the name by which the image's checks find it.
     #[inline(never)]
     pub fn tick(&mut self, feedback: &Feedback<N>) -> &Output<N> {
+        if feedback.command == Some(Command::ResetPeak) {
+            self.drift.reset_peak();
+        }
         let (seen, told) = self.observe(feedback);
         let before = self.supervisor.state();
         let was_well = !self.supervisor.has_fault();
@@ -390,7 +395,8 @@ impl<const N: usize> Controller<N> {
         }
         let found = self.drift.observe(&sensed);
         if let Some(coupling) = &mut self.coupling {
-            if self.supervisor.drives_enabled() {
+            // Before align is over, drifts say where cranks were left, and not what holds them up.
+            if self.supervisor.drives_enabled() && self.align.is_done() {
                 coupling.advance(self.drift.drift());
             } else {
                 coupling.reset();
@@ -471,11 +477,11 @@ impl<const N: usize> Controller<N> {
             .map(|axis| Fault::new(FaultKind::RanDry).on_axis(axis));
         let alarm = feedback.alarm.iter().position(|&alarm| alarm);
         let alarm = alarm.map(|axis| Fault::new(FaultKind::DriveAlarm).on_axis(axis));
-        // What disables the drives comes before all that stops them.
-        if seen.fault.is_some() && seen.reaction == Reaction::Disable {
+        // What disables the drives comes before all that stops them; and a better name is for what latched before.
+        if seen.fault.is_some() && (seen.reaction == Reaction::Disable || seen.refines) {
             return;
         }
-        if let Some(fault) = dry.or(self.overrun.take()).or(alarm) {
+        if let Some(fault) = dry.or_else(|| self.overrun.take()).or(alarm) {
             seen.fault = Some(fault);
             seen.reaction = reaction(fault.kind, false);
             seen.refines = false;
@@ -492,6 +498,7 @@ impl<const N: usize> Controller<N> {
                 self.drift
                     .reset(&core::array::from_fn(|i| self.channels[i].axis.phase()));
                 self.align.begin();
+                self.correction.hold();
                 self.cursor = Cursor::new();
                 self.target = Target::steady(Turns::ZERO);
             }
@@ -543,6 +550,7 @@ impl<const N: usize> Controller<N> {
     /// too: drives that are off would not follow them.
     #[inline(never)]
     fn drive(&mut self, moving: bool) {
+        let trimming = matches!(self.supervisor.state(), State::Align | State::Run);
         let Output {
             runs,
             setpoints,
@@ -550,7 +558,8 @@ impl<const N: usize> Controller<N> {
             ..
         } = &mut self.output;
         let master = moving.then_some(self.motion.speed);
-        let trims = if moving {
+        // A machine that stops is not to be moved by its trims, nor one that is parked.
+        let trims = if moving && trimming {
             self.correction.advance()
         } else {
             None

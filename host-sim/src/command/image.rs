@@ -117,7 +117,6 @@ fn left_out(scene: &Scene) -> Vec<String> {
         ("axes.servo", axes.servo.is_some()),
         ("frame", scene.frame.is_some()),
         ("axes.pull_out", !axes.pull_out.is_empty()),
-        ("axes.full_steps_per_turn", !axes.pull_out.is_empty()),
     ];
     let apart = |axis: &AxisApart| {
         [

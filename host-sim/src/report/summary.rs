@@ -294,7 +294,11 @@ fn ending(outcome: &Outcome) -> String {
     }
     match (faults().next_back(), outcome.state) {
         (Some((t_s, fault)), State::Fault) => format!(
-            "A fault stopped the machine at {t_s:.3} s: {}. {}",
+            "A fault stopped the machine at {:.3} s: {}. {}",
+            // Of what got a better name later, when it was first seen.
+            faults()
+                .find(|(_, first)| first.tick == fault.tick)
+                .map_or(t_s, |(t_s, _)| t_s),
             fault_words(fault),
             match fault.kind {
                 FaultKind::EnableLost => "The drives were switched off the same tick.",

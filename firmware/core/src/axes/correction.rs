@@ -65,6 +65,11 @@ impl<const N: usize> Correction<N> {
         }
     }
 
+    /// Stays where the trims are.
+    pub const fn hold(&mut self) {
+        self.left = 0;
+    }
+
     /// Whether trims are on their way.
     pub const fn is_moving(&self) -> bool {
         self.left > 0

@@ -234,12 +234,14 @@ impl<const N: usize> Align<N> {
         };
         self.proven += 1;
         // Tilted the other way it proves as much: there may be room in the trims for that alone.
-        let trims = self.tilted(&pattern, false);
-        let trims = if correction.past_limit(&trims).is_some() {
-            self.tilted(&pattern, true)
-        } else {
-            trims
-        };
+        let mut trims = self.tilted(&pattern, false);
+        if !has_room(&trims, monitor, correction) {
+            trims = self.tilted(&pattern, true);
+        }
+        if !has_room(&trims, monitor, correction) {
+            let fault = Fault::new(FaultKind::TooFarOut);
+            return Some(fault.on_axis(monitor.furthest(&errors(monitor, correction))));
+        }
         self.move_to(trims, monitor, correction)
     }
 
@@ -365,6 +367,20 @@ impl<const N: usize> Align<N> {
         };
         Some(Fault::new(kind).on_axis(axis).with_size(off))
     }
+}
+
+/// Whether trims are within their limits, and would leave the platform within its own.
+fn has_room<const N: usize>(
+    trims: &[Turns; N],
+    monitor: &DriftMonitor<N>,
+    correction: &Correction<N>,
+) -> bool {
+    let mut after = errors(monitor, correction);
+    let moves = trims.iter().zip(correction.now());
+    for (after, (to, &from)) in after.iter_mut().zip(moves) {
+        *after = nearest(after.wrapping_add(to.wrapping_sub(from)));
+    }
+    correction.past_limit(trims).is_none() && monitor.allows(&after)
 }
 
 fn is_pattern(levels: &[Turns]) -> bool {

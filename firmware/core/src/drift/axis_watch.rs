@@ -82,11 +82,17 @@ impl AxisWatch {
         // Half way to the first cycle that may be lost, less what a reading is off; and no less than two readings differ by.
         let mut gate = Turns::from_bits(tolerance.to_bits() * 4);
         if cycle > 0 {
-            let half = Turns::from_bits(cycle.to_bits() / 2 - tolerance.to_bits());
-            gate = gate
-                .min(half)
-                .max(Turns::from_bits(tolerance.to_bits() * 2));
+            let (half, tolerance) = (cycle.to_bits() / 2, tolerance.to_bits());
+            // Where steps are so coarse that this is less than what readings differ by, half a cycle is all that can be told.
+            let sure = half - tolerance;
+            let most = if sure < 2 * tolerance { half } else { sure };
+            gate = gate.min(Turns::from_bits(most));
         }
+        let whole = if cycle > 0 {
+            tolerance.min(Turns::from_bits(cycle.to_bits() / 4))
+        } else {
+            tolerance
+        };
         let place = |index: f64| Place {
             index: turns(index),
             flag: turns(axis.index_width_turns),
@@ -111,7 +117,7 @@ impl AxisWatch {
             alone,
             last: 0,
             home: 0,
-            story: Story::new(cycle, tolerance),
+            story: Story::new(cycle, whole),
             fresh: None,
             name: None,
             name_for: 0,
@@ -145,8 +151,8 @@ impl AxisWatch {
             let Some(index) = &mut self.index else {
                 return false;
             };
-            let backward = commanded.turns < 0;
-            self.heard = index.observe(pulse, commanded, backward, before_is_known, clock);
+            let told = commanded.turns;
+            self.heard = index.observe(pulse, commanded, told, before_is_known, clock);
             return self.heard != Heard::Nothing;
         };
         // Where the motor is, not where it was told to be.
@@ -157,8 +163,8 @@ impl AxisWatch {
             Some(index) => {
                 let measured = TickPhase { start, turns };
                 // A motor's noise turns it back for a tick; its flag is met by the way that it is told.
-                let backward = commanded.turns < 0;
-                index.observe(pulse, &measured, backward, before_is_known, clock)
+                let told = commanded.turns;
+                index.observe(pulse, &measured, told, before_is_known, clock)
             }
             None => Heard::Nothing,
         };

@@ -43,6 +43,10 @@ pub(super) enum Read {
 pub(super) struct EncoderWatch {
     /// Turns of a count in the axis's own sense.
     per_count: i64,
+    /// Counts to a turn; what a turn is more than so many of the above; and what of that is left over.
+    counts: i64,
+    rest_a_count: i64,
+    rest: i64,
     /// More than this in a tick, against what was told, is no crank's doing.
     jump: Turns,
     last: Option<i32>,
@@ -70,9 +74,13 @@ const WINDOW_TICKS: u8 = 4;
 impl EncoderWatch {
     /// Of `counts` to a turn, `reversed` or not; `jump`: see there.
     pub(super) fn new(counts: u32, reversed: bool, jump: Turns) -> Self {
-        let per_count = crate::units::ONE_TURN / i64::from(counts.max(1));
+        let counts = i64::from(counts.max(1));
+        let sense = if reversed { -1 } else { 1 };
         Self {
-            per_count: if reversed { -per_count } else { per_count },
+            per_count: sense * (crate::units::ONE_TURN / counts),
+            counts,
+            rest_a_count: sense * (crate::units::ONE_TURN % counts),
+            rest: 0,
             jump,
             last: None,
             drift: Turns::ZERO,
@@ -112,7 +120,14 @@ impl EncoderWatch {
         };
         // A tick has at most half a turn, and that at most 2^15 counts; what is more is nonsense, and wraps.
         let counts = i64::from(count.wrapping_sub(last));
-        let made = Turns::from_bits(counts.wrapping_mul(self.per_count));
+        let mut made = counts.wrapping_mul(self.per_count);
+        if self.rest_a_count != 0 {
+            // So that a million turns are a million turns.
+            self.rest += counts * self.rest_a_count;
+            made = made.wrapping_add(self.rest.div_euclid(self.counts));
+            self.rest = self.rest.rem_euclid(self.counts);
+        }
+        let made = Turns::from_bits(made);
         let off = made.wrapping_sub(commanded.turns);
         let read = self.weigh(off);
         self.judge(commanded.turns);

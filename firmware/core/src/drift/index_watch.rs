@@ -132,19 +132,20 @@ impl IndexWatch {
         phase.start.since(self.heard_at) <= self.alert
     }
 
-    /// Takes in a tick that is over, in which the axis was told to turn `backward` or not. `before_is_known`: so is the tick
+    /// Takes in a tick that is over, in which the axis was told to make `commanded` turns: a motor's noise would be
+    /// multiplied by the line's delay. `before_is_known`: so is the tick
     /// before it.
     #[inline]
     pub(super) fn observe(
         &mut self,
         pulse: Option<&IndexPulse>,
         phase: &TickPhase,
-        backward: bool,
+        commanded: Turns,
         before_is_known: bool,
         clock: TickClock,
     ) -> Heard {
         let heard = match pulse {
-            Some(pulse) => self.hear(*pulse, phase, backward, before_is_known, clock),
+            Some(pulse) => self.hear(*pulse, phase, commanded, before_is_known, clock),
             // The turns of this tick come on top only in the next: a pulse in it may wait to be confirmed.
             None if phase.start.since(self.heard_at) > self.alert => self.silence(),
             None => Heard::Nothing,
@@ -158,7 +159,7 @@ impl IndexWatch {
         &mut self,
         pulse: IndexPulse,
         phase: &TickPhase,
-        backward: bool,
+        commanded: Turns,
         before_is_known: bool,
         clock: TickClock,
     ) -> Heard {
@@ -179,12 +180,12 @@ impl IndexWatch {
         } else {
             clock.cycles.saturating_sub(back)
         };
-        let late = (tick.turns.to_bits() >> 16).wrapping_mul(i64::from(self.place.delay));
+        let late = (commanded.to_bits() >> 16).wrapping_mul(i64::from(self.place.delay));
         let at = tick
             .at(cycle.min(clock.cycles), clock)
             .advanced(Turns::from_bits(late.wrapping_neg()));
         // Going backward, a crank meets the flag's other end first.
-        let end = if backward {
+        let end = if commanded < 0 {
             self.place.index.wrapping_add(self.place.flag)
         } else {
             self.place.index
@@ -203,7 +204,12 @@ impl IndexWatch {
             if at.since(self.heard_at) < HALF {
                 return Heard::Nothing; // the same passage
             }
-            let calm = Turns::from_bits(by.to_bits() >> self.place.calm);
+            // What is more than noise is believed whole, so that a walk is never behind by more.
+            let calm = if by.abs() > self.place.tolerance {
+                by
+            } else {
+                Turns::from_bits(by.to_bits() >> self.place.calm)
+            };
             self.believe(nearest(self.offset.wrapping_add(calm)), at);
             let extra = self.suspect.take();
             let extra = extra.map(|suspect| nearest(suspect.offset.wrapping_sub(offset)));

@@ -53,9 +53,13 @@ impl DriftLimits {
 
     /// The same for what all cranks have in common, at a speed of the master (turns a tick).
     pub(super) fn of_common(&self, modes: &Modes, speed: Turns) -> Option<FaultKind> {
+        (self.beyond_natural(modes, speed).abs() > self.common).then_some(FaultKind::CommonLag)
+    }
+
+    /// The common lag less what belongs to the speed.
+    pub(super) fn beyond_natural(&self, modes: &Modes, speed: Turns) -> Turns {
         let natural = (speed.to_bits() >> 16).wrapping_mul(self.lag);
-        let off = modes.common.wrapping_add(Turns::from_bits(natural));
-        (off.abs() > self.common).then_some(FaultKind::CommonLag)
+        modes.common.wrapping_add(Turns::from_bits(natural))
     }
 
     /// By how much one axis alone must be off for some limit to be passed.

@@ -298,15 +298,15 @@ impl<const N: usize> DriftMonitor<N> {
             }
         }
         if let Some(kind) = past {
-            self.blame(kind, &error);
+            self.blame(kind, &error, sensed.speed);
         }
     }
 
     /// The cranks are past a limit: which of them, and why, if that is known.
     #[cold]
-    fn blame(&mut self, kind: FaultKind, error: &[Turns; N]) {
+    fn blame(&mut self, kind: FaultKind, error: &[Turns; N], speed: Turns) {
         if kind == FaultKind::CommonLag {
-            let size = self.modes.common;
+            let size = self.limits.beyond_natural(&self.modes, speed);
             return self.push(Fault::new(kind).with_size(size), false);
         }
         let kind = if self.finding_out {
@@ -463,6 +463,11 @@ impl<const N: usize> DriftMonitor<N> {
         self.axes
             .get(axis)
             .map_or(Turns::ZERO, |watch| watch.tolerance())
+    }
+
+    /// The watched axis that is furthest from what all have in common.
+    pub fn furthest(&self, error: &[Turns; N]) -> usize {
+        self.worst(error)
     }
 
     /// Whether the platform may tilt and bend so.
