@@ -94,7 +94,7 @@ fn what_a_board_cannot_be_told_is_named() {
     };
     assert_eq!(
         left_out(BASE),
-        "machine.tilt_inertia_kgm2, axes.servo, frame, axes.pull_out, axes.full_steps_per_turn, [[command]], [[input]], [[late]], [scope]."
+        "machine.tilt_inertia_kgm2, axes.servo, frame, axes.pull_out, [[command]], [[input]], [[late]], [scope]."
     );
     // Without any of these; then each by itself.
     let (loop_only, _) = BASE.split_once("[[command]]").unwrap();
