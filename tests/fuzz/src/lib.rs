@@ -2,8 +2,8 @@
 //!
 //! An input is one tick of feedback; a *case* is a machine and [`TICKS`] of them in a row, both read from bytes by a
 //! [`Script`]. Feedback that is random throughout never gets past align, so a script says what goes wrong and for how
-//! long with an otherwise sound [`Machine`], and where feedback is to be random throughout. What must hold
-//! whatever comes is in [`Watch`].
+//! long with an otherwise sound `Machine`, and where feedback is to be random throughout. What must hold
+//! whatever comes is in `Watch`.
 #![forbid(unsafe_code)]
 
 mod draw;

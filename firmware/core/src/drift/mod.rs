@@ -14,7 +14,7 @@
 //! each other and not with those of the turn before. What all cranks do alike is nobody's fault, and is taken out before one is
 //! named.
 //!
-//! What it does not do: decide what is done ([`crate::supervisor::reaction`] does), or move anything.
+//! What it does not do: decide what is done ([`mod@crate::supervisor::reaction`] does), or move anything.
 
 mod axis_watch;
 mod encoder_watch;

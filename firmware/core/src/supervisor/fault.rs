@@ -4,7 +4,7 @@
 
 use crate::units::{FRACTION_BITS, Phase, Turns};
 
-/// What went wrong. What is done about it is in [`super::reaction`].
+/// What went wrong. What is done about it is in [`mod@super::reaction`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
