@@ -43,8 +43,7 @@ pub(super) enum Read {
 pub(super) struct EncoderWatch {
     /// Turns of a count in the axis's own sense.
     per_count: i64,
-    /// Counts to a turn; what a turn is more than so many of the above; and what of that is left over.
-    counts: i64,
+    /// What a count is more than that, 16 fraction bits; and what of it is left over.
     rest_a_count: i64,
     rest: i64,
     /// More than this in a tick, against what was told, is no crank's doing.
@@ -78,8 +77,7 @@ impl EncoderWatch {
         let sense = if reversed { -1 } else { 1 };
         Self {
             per_count: sense * (crate::units::ONE_TURN / counts),
-            counts,
-            rest_a_count: sense * (crate::units::ONE_TURN % counts),
+            rest_a_count: sense * (((crate::units::ONE_TURN % counts) << 16) / counts),
             rest: 0,
             jump,
             last: None,
@@ -121,12 +119,12 @@ impl EncoderWatch {
         // A tick has at most half a turn, and that at most 2^15 counts; what is more is nonsense, and wraps.
         let counts = i64::from(count.wrapping_sub(last));
         let mut made = counts.wrapping_mul(self.per_count);
-        if self.rest_a_count != 0 {
-            // So that a million turns are a million turns.
-            self.rest += counts * self.rest_a_count;
-            made = made.wrapping_add(self.rest.div_euclid(self.counts));
-            self.rest = self.rest.rem_euclid(self.counts);
-        }
+        // So that a million turns are a million turns, to a millionth of a degree.
+        self.rest = self
+            .rest
+            .wrapping_add(counts.wrapping_mul(self.rest_a_count));
+        made = made.wrapping_add(self.rest >> 16);
+        self.rest &= 0xFFFF;
         let made = Turns::from_bits(made);
         let off = made.wrapping_sub(commanded.turns);
         let read = self.weigh(off);
