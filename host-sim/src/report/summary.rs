@@ -12,7 +12,7 @@ use crate::machine::Peaks;
 use crate::scene::Checked;
 use crate::scene::file::{Drive, Fidelity};
 use crate::sim::Outcome;
-use crate::sim::events::{Happening, StoppedBy};
+use crate::sim::events::{Event, Happening, StoppedBy};
 
 /// No more events than this are listed, of which so many from the end.
 const LISTED: usize = 24;
@@ -100,11 +100,27 @@ fn write_page(
     }
     writeln!(page)?;
 
-    let news: Vec<_> = seen
+    let mut news: Vec<_> = seen
         .events
         .iter()
         .filter(|event| is_news(&event.what))
         .collect();
+    let all = news.len();
+    if all > LISTED {
+        // A motor that slips does so hundreds of times: its first and its last are told, and nothing else is hidden by them.
+        let axis = |event: &Event| match event.what {
+            Happening::Slipped { axis, .. } => Some(axis),
+            _ => None,
+        };
+        let slips: Vec<_> = news.iter().map(|event| axis(event)).collect();
+        let mut place = 0;
+        news.retain(|_| {
+            let (before, rest) = slips.split_at(place);
+            place += 1;
+            let own = rest[0];
+            own.is_none() || !before.contains(&own) || !rest[1..].contains(&own)
+        });
+    }
     // The end is what is most often looked for: where there is too much, the middle is left out.
     let (first, last) = if news.len() > LISTED {
         (
@@ -117,7 +133,7 @@ fn write_page(
     for event in first {
         writeln!(page, "  {:9.3} s  {}", event.t_s, describe(&event.what))?;
     }
-    let between = news.len() - first.len() - last.len() + seen.events_left_out;
+    let between = all - first.len() - last.len() + seen.events_left_out;
     if between > 0 {
         writeln!(
             page,

@@ -4,6 +4,7 @@
 use cophase_core::supervisor::State;
 
 use crate::scene::Checked;
+use crate::scene::file::{FaultAt, FaultName};
 use crate::sim::Outcome;
 
 /// Warnings, a sentence each.
@@ -38,10 +39,17 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     let limit_mrad = scene.drift.tilt_limit_mrad;
     if seen.worst_tilt_mrad > limit_mrad {
         warnings.push(format!(
-            "The platform tilted by {:.2} mrad, past its limit of {limit_mrad}: drift is heard once a turn, and a motor \
-             that keeps slipping does so until it stands.",
+            "The platform tilted by {:.2} mrad, past its limit of {limit_mrad}: an index is heard once a turn, and what \
+             moves a crank, or holds it, does so until all stand (docs/faults.md).",
             seen.worst_tilt_mrad
         ));
+    }
+    let swapped = |fault: &FaultAt| fault.kind == FaultName::SwappedWiring;
+    if scene.fault.iter().any(swapped) && outcome.fault.is_none() && outcome.watch.told.is_empty() {
+        warnings.push(
+            "Lines of two axes were swapped, and the controller did not find out: correction.prove_wiring looks for that."
+                .to_owned(),
+        );
     }
     if outcome.diverged.is_none() && !matches!(outcome.state, State::Parked | State::Fault) {
         warnings.push(format!(
