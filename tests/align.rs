@@ -95,6 +95,17 @@ fn small_differences_are_trimmed_away_before_it_runs() {
             let most = 2.0 * 1.1 + CREEP_HZ * (2.0 * 1.5 / 20.0 + 0.2);
             assert!(looks.turns < most, "{count}: {} turns", looks.turns);
             assert!(looks.largest_deg < 3.0);
+            // And the report tells of it.
+            let told = &outcome.statistics;
+            assert!(
+                told.correction_deg.iter().any(|deg| deg.abs() > 0.5),
+                "{told:?}"
+            );
+            assert!(
+                told.drift_peak_deg
+                    .iter()
+                    .all(|deg| (0.1..3.5).contains(deg))
+            );
         }
     }
 }

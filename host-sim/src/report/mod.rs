@@ -104,6 +104,10 @@ struct AxisReport {
     command_turns: f64,
     actual_turns: f64,
     slipped_cycles: i64,
+    /// Largest drift that was measured, since power-up or the last `reset-peak`, without sign.
+    drift_peak_deg: f64,
+    /// What corrected it at the end.
+    correction_deg: f64,
     /// Largest part of the pull-out torque that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pull_out_used: Option<f64>,
@@ -187,6 +191,8 @@ impl<'a> Report<'a> {
             command_turns: seen.turns[i].0,
             actual_turns: seen.turns[i].1,
             slipped_cycles: seen.slipped_cycles[i],
+            drift_peak_deg: seen.drift_peak_deg[i],
+            correction_deg: seen.correction_deg[i],
             pull_out_used: seen.torque_used[i].map(|(used, _)| used),
             torque_worst_nm: seen.worst_torque_nm.get(i).copied(),
             follower: seen.followers.get(i).map(|peaks| FollowerReport {

@@ -206,6 +206,17 @@ fn write_page(
             scene.drift.tilt_limit_mrad,
         )?;
     }
+    let trims = seen.correction_deg.iter().enumerate();
+    if trims.clone().any(|(_, trim_deg)| *trim_deg != 0.0) {
+        let trims: Vec<_> = trims
+            .map(|(axis, trim_deg)| format!("axis {axis} by {trim_deg:.2}°"))
+            .collect();
+        writeln!(
+            page,
+            "The cranks were brought together: {}.",
+            trims.join(", ")
+        )?;
+    }
     followers(page, checked, outcome)?;
     let closest = seen
         .torque_used

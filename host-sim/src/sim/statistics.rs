@@ -10,7 +10,7 @@ use crate::machine::{Machine, Peaks, SimulatedAxis};
 use crate::mechanism::slider_crank::SliderCrank;
 use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName, InputLine};
-use crate::units::speed_hz;
+use crate::units::{degrees, speed_hz};
 
 /// How well amax was held where the program holds and the shaft has come to its speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -59,6 +59,10 @@ pub struct Statistics {
     pub steps: Vec<i64>,
     /// Turns commanded, and turns made, each axis.
     pub turns: Vec<(f64, f64)>,
+    /// Largest drift that the loop measured, each axis, and what corrects it, degrees.
+    pub drift_peak_deg: Vec<f64>,
+    /// See there.
+    pub correction_deg: Vec<f64>,
     /// Electrical cycles slipped, each axis.
     pub slipped_cycles: Vec<i64>,
     /// The largest part of its pull-out torque that each axis was asked for, and at which speed (rev/s);
@@ -115,6 +119,8 @@ impl Statistics {
             time_in_state_s: [0.0; 6],
             steps: vec![0; axes],
             turns: vec![(0.0, 0.0); axes],
+            drift_peak_deg: vec![0.0; axes],
+            correction_deg: vec![0.0; axes],
             slipped_cycles: vec![0; axes],
             torque_used: Vec::new(),
             worst_torque_nm: Vec::new(),
@@ -221,6 +227,8 @@ impl Statistics {
                 );
             }
             self.steps[i] = moment.telemetry.steps[i];
+            self.drift_peak_deg[i] = degrees(moment.telemetry.peak[i]);
+            self.correction_deg[i] = degrees(moment.telemetry.correction[i]);
             self.turns[i] = (moment.command_turns[i], moment.actual_turns[i]);
         }
         if let Some(followers) = moment.machine.followers() {
