@@ -1,26 +1,19 @@
 //! What a reader should not overlook: where the simulated machine and its controller disagree, or where
 //! the run does not show what was asked.
 
+use cophase_core::drift::{Knowledge, Mount};
 use cophase_core::supervisor::State;
 
 use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName};
 use crate::sim::Outcome;
+use crate::with_axes;
 
 /// Warnings, a sentence each.
 pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     let (scene, seen) = (&checked.scene, &outcome.statistics);
     let mut warnings = Vec::new();
-    let unwatched: Vec<String> = (0..scene.axes.count)
-        .filter(|&axis| !checked.has_index(axis))
-        .map(|axis| axis.to_string())
-        .collect();
-    if !unwatched.is_empty() {
-        warnings.push(format!(
-            "Without an index sensor the drift of axis {} is not watched; drift_deg is 0 there for want of a measurement.",
-            unwatched.join(", ")
-        ));
-    }
+    warnings.extend(unwatched(checked));
     if let Some(why) = &outcome.diverged {
         warnings.push(format!(
             "The simulated machine diverged, and the run was ended there: {why}."
@@ -58,4 +51,70 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
         ));
     }
     warnings
+}
+
+/// What is not known of cranks that neither an index sensor nor an encoder watches, and of the platform then.
+fn unwatched(checked: &Checked) -> Option<String> {
+    let count = checked.scene.axes.count;
+    let is_watched = |axis: &usize| checked.has_index(*axis) || checked.scene.axes.encoder;
+    let (watched, unwatched): (Vec<usize>, Vec<usize>) = (0..count).partition(is_watched);
+    let set = watched.iter().fold(0, |set, axis| set | 1 << axis);
+    let tells = match with_axes!(count, N => Mount::<N>::with(set).knowledge()) {
+        _ if unwatched.is_empty() => return None,
+        Knowledge::Nothing => "nothing tells of the platform's tilt",
+        Knowledge::Common => "one axis stands for all, and nothing tells of the platform's tilt",
+        Knowledge::OneTilt => {
+            "of the platform two axes tell the least tilt that explains their difference"
+        }
+        Knowledge::Plane => "of the platform three axes tell a plane, and nothing checks it",
+        Knowledge::All => "the platform's plane is the best through the others",
+    };
+    let axes: Vec<_> = unwatched.iter().map(usize::to_string).collect();
+    Some(format!(
+        "Without a sensor the drift of axis {} is not watched, and drift_deg is 0 there for want of a measurement; {tells}.",
+        axes.join(", ")
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::load;
+
+    /// Were it wrong, a run would promise to watch a tilt that nothing measures, or warn of cranks that encoders watch.
+    #[test]
+    fn what_sensors_leave_unknown_is_said() {
+        let said = |count: usize, without: &[usize], encoder: bool| {
+            let apart: String = without
+                .iter()
+                .map(|axis| format!("[[axis]]\nnumber = {axis}\nindex = false\n"))
+                .collect();
+            let text = format!(
+                "name = \"sensors\"\n[machine]\ncrank_radius_mm = 10\nlambda = 0.25\nload_kg = 5\n\
+                 [limits]\nspeed_hz = 10\nacceleration_hz_per_s = 20\njerk_hz_per_s2 = 200\n\
+                 [axes]\ncount = {count}\ndrive = \"servo\"\nsteps_per_turn = 4096\nencoder = {encoder}\n{apart}\
+                 [[program]]\namax_g = 1\nhold_s = 1\n"
+            );
+            unwatched(&Checked::new(load::parse(&text).unwrap()).unwrap())
+        };
+        assert_eq!(said(4, &[], false), None);
+        assert_eq!(said(4, &[0, 1], true), None, "encoders watch them");
+        for (without, tells) in [
+            (
+                &[2][..],
+                "axis 2 is not watched, and drift_deg is 0 there for want of a measurement; of the platform three axes",
+            ),
+            (
+                &[1, 3],
+                "axis 1, 3 is not watched, and drift_deg is 0 there for want of a measurement; of the platform two axes",
+            ),
+            (&[0, 1, 2], "one axis stands for all"),
+            (&[0, 1, 2, 3], "nothing tells"),
+        ] {
+            let said = said(4, without, false).expect("some are not watched");
+            assert!(said.contains(tells), "{said}");
+        }
+        let said = said(5, &[4], false).expect("one is not watched");
+        assert!(said.ends_with("the best through the others."), "{said}");
+    }
 }

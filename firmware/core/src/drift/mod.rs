@@ -485,11 +485,6 @@ impl<const N: usize> DriftMonitor<N> {
         self.by_encoder != 0
     }
 
-    /// How much of the platform's modes these tell.
-    pub const fn knowledge(&self) -> Knowledge {
-        self.mount.knowledge()
-    }
-
     /// The drift of each axis, as last measured: turns, −½ to ½.
     pub const fn drift(&self) -> &[Turns; N] {
         &self.drift

@@ -108,7 +108,7 @@ pub struct Seen {
     pub refines: bool,
     /// The shaft stands where it was to stop.
     pub at_rest: bool,
-    /// Every index sensor has been heard.
+    /// Align is over: every index has been heard, and the cranks are together as far as that is asked for.
     pub aligned: bool,
     /// The program is over.
     pub program_done: bool,
