@@ -60,9 +60,17 @@ impl Flag {
         self.width_turns > 0.0
     }
 
-    /// Whether it is before the sensor of a crank at rest there, noise aside.
+    /// Whether it is before the sensor of a crank at rest there: by the very edges that the crank meets when it moves on.
     pub fn is_over(&self, turns: f64) -> bool {
-        (turns - self.start_turns).rem_euclid(1.0) < self.width_turns
+        let place = |nominal: f64, noise: Option<&Stream>, turn: f64| {
+            turn + nominal + noise.map_or(0.0, |noise| noise.draw(turn as i64))
+        };
+        let end_turns = self.start_turns + self.width_turns;
+        let turn = (turns - self.start_turns).floor();
+        [turn - 1.0, turn, turn + 1.0].into_iter().any(|turn| {
+            place(self.start_turns, self.start_noise.as_ref(), turn) <= turns
+                && turns < place(end_turns, self.end_noise.as_ref(), turn)
+        })
     }
 
     /// Has pulses come that no flag makes, from the next tick that is played on.
@@ -132,4 +140,36 @@ fn edge(nominal: f64, noise: Option<&Stream>, before: f64, after: f64) -> Option
         turn += 1.0;
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Were it wrong, a crank that stands within the noise of an edge at power-up would have its sensor on the wrong side of that edge:
+    /// the flag that it then meets would not rise, and a sound sensor be taken for a dead one.
+    #[test]
+    fn what_is_over_the_sensor_at_rest_is_what_the_edges_make_of_it() {
+        for seed in 0..50 {
+            let noise = |sensor| Stream::new(seed, sensor, 0, 0.05 / 360.0);
+            let mut flag = Flag {
+                start_turns: 0.3,
+                width_turns: 6.0 / 360.0,
+                start_noise: noise(Sensor::FlagStart),
+                end_noise: noise(Sensor::FlagEnd),
+                begins: None,
+                again: None,
+            };
+            let mut is_over = flag.is_over(0.28);
+            assert!(!is_over);
+            // To and fro over both edges, in steps of a fifth of the noise.
+            let there = (0..2000).map(|step| 0.28 + f64::from(step) * 3e-5);
+            let places: Vec<f64> = there.clone().chain(there.rev()).collect();
+            for pair in places.windows(2) {
+                let met = flag.meet(pair[0], pair[1]);
+                is_over = (is_over || met.rise.is_some()) && met.fall.is_none();
+                assert_eq!(is_over, flag.is_over(pair[1]), "seed {seed}, {pair:?}");
+            }
+        }
+    }
 }
