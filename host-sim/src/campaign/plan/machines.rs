@@ -54,6 +54,9 @@ const PLENTY: f64 = 3.0;
 /// Damping of a stepper's rotor in its field, with its share of the load, as a part of what is critical.
 const FIELD_ZETA: f64 = 0.2;
 
+/// Motors keep their torque up to so many times the machine's greatest speed.
+const PULL_OUT_SPEEDS: f64 = 1.5;
+
 /// Electrical cycles to a turn: 200 full steps, four a cycle.
 const CYCLES: f64 = 50.0;
 
@@ -209,7 +212,9 @@ fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven) {
     axes.drive = Drive::Stepper;
     axes.steps_per_turn = stream.one_of(&[3200, 6400]);
     let most_nm = rounded(PLENTY * asked_nm, 3);
-    axes.pull_out = vec![(0.0, most_nm), (scene.limits.speed_hz, most_nm)];
+    // A rotor that swings is faster than its field for a while: the torque must not end at the field's greatest speed.
+    let most_hz = PULL_OUT_SPEEDS * scene.limits.speed_hz;
+    axes.pull_out = vec![(0.0, most_nm), (most_hz, most_nm)];
     let stiffness = most_nm * CYCLES;
     axes.damping_nms = rounded(2.0 * FIELD_ZETA * (stiffness * inertia).sqrt(), 4);
 }
