@@ -38,6 +38,9 @@ struct Looks {
     end_turns: Vec<f64>,
     worst_sum: i64,
     largest_deg: f64,
+    /// Time and master's turns at the end of each tick, and the number of the first that is played with a fault.
+    ticks: Vec<(f64, f64)>,
+    told: Option<usize>,
 }
 
 impl<const N: usize> Observer<N> for Looks {
@@ -55,6 +58,11 @@ impl<const N: usize> Observer<N> for Looks {
             self.turns = moment.master_turns;
         }
         self.end_turns = moment.actual_turns.to_vec();
+        if moment.telemetry.fault.is_some() && self.told.is_none() {
+            self.told = Some(self.ticks.len());
+        }
+        self.ticks
+            .push((moment.end_ns as f64 * 1e-9, moment.master_turns));
     }
 }
 
@@ -179,6 +187,48 @@ fn swapped_wiring_is_refused_for_every_pair_and_right_wiring_is_not() {
                         "{fault:?}, not {a} or {b}"
                     );
                 }
+            }
+        }
+    }
+}
+
+/// Were it wrong, a crank that lost its steps in align would be corrected with what it was before, be looked at for three turns more,
+/// or be driven up to speed. In whatever step of align they are lost, from the first pulse on to the last look.
+#[test]
+fn steps_lost_in_align_are_told_within_a_turn() {
+    const WATCHED: &str = "drive = \"stepper\"\nsteps_per_turn = 3200\nencoder = true";
+    let apart = [0.9, 1.1, -0.8, 0.4];
+    for drive in [STEPPERS, WATCHED] {
+        for prove in [false, true] {
+            let correction = format!("[correction]\npart = 0.5\nprove_wiring = {prove}\n");
+            let (aligned, _) = run(&text(4, drive, &apart, &correction));
+            let align_turns = aligned.turns;
+            let until = aligned.ticks.iter().find(|tick| tick.1 >= align_turns);
+            let (until_s, _) = *until.expect("it runs");
+            // All have been heard at a place of 40°.
+            for part in [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9] {
+                let at_s = 0.25 + part * (until_s - 0.25);
+                let lost = format!(
+                    "{correction}[[fault]]\nat_s = {at_s}\nkind = \"lost-steps\"\naxis = 1\ncycles = 2\n"
+                );
+                let (looks, outcome) = run(&text(4, drive, &apart, &lost));
+                let fault = outcome.fault.expect("it is told");
+                let told = looks.told.expect("it is told");
+                let was = looks.ticks.iter().position(|tick| tick.0 > at_s);
+                let was = looks.ticks[was.expect("it was on its way")].1;
+                // What is played in a tick was made of the one two before.
+                let turns = looks.ticks[told - 3].1 - was;
+                assert!(
+                    turns <= 1.0,
+                    "{drive}, {prove}: lost at {at_s} s, told {turns} turns later"
+                );
+                // Where an index alone watches, a machine that creeps may stand before the crank is heard again.
+                let is_named = fault.kind == FaultKind::LostSteps
+                    || drive == STEPPERS && fault.kind == FaultKind::Silent;
+                assert!(
+                    is_named && fault.axis == Some(1),
+                    "{drive}, {prove}, at {at_s} s: {fault:?}"
+                );
             }
         }
     }

@@ -142,6 +142,11 @@ impl<const N: usize> Align<N> {
         speed: Turns,
     ) -> Option<Fault> {
         let step = self.step;
+        if let Some((axis, by)) = monitor.take_moved()
+            && let Some(fault) = self.moved(axis, by, monitor, correction)
+        {
+            return Some(fault);
+        }
         let fault = self.go(monitor, correction);
         if self.step != step || correction.is_moving() {
             self.waited = Turns::ZERO;
@@ -271,7 +276,7 @@ impl<const N: usize> Align<N> {
         }
         // Both tilts are looked at against the cranks without any: from one to the other two may be moved alike.
         if self.proven <= 1 {
-            self.before = *monitor.drift();
+            self.before = monitor.calm_drift();
             self.from = *correction.now();
         }
         self.looks = 0;
@@ -310,24 +315,50 @@ impl<const N: usize> Align<N> {
         if !matches!(self.step, Step::Move | Step::Look) {
             return None;
         }
-        let mut looks = self.compare(monitor, correction);
         // While they are on their way, each may show part of what the other was told.
-        let going = correction.target().iter().zip(&self.from);
-        for (look, (to, &from)) in looks.iter_mut().zip(going) {
-            look.moved = to.wrapping_sub(from);
-        }
+        let looks = self.on_the_way(monitor, correction);
         let (axis, off, is_swapped) = stray(&looks, monitor.watched(), true)?;
         let fault = Fault::new(FaultKind::SwappedWiring).on_axis(axis);
         is_swapped.then_some(fault.with_size(off))
     }
 
+    /// A crank was heard elsewhere than in the turn before, by so much: that is told at once, unless it is no further than a rotor
+    /// swings, or another was told to go there, so that the looks have to tell.
+    #[cold]
+    fn moved(
+        &self,
+        axis: usize,
+        by: Turns,
+        monitor: &DriftMonitor<N>,
+        correction: &Correction<N>,
+    ) -> Option<Fault> {
+        let goes = self.step != Step::Find;
+        let looks = self.on_the_way(monitor, correction);
+        if by.abs() <= monitor.swing(axis) || goes && stray(&looks, 1 << axis, true)?.2 {
+            return None;
+        }
+        let kind = monitor.name_of(axis, by);
+        Some(Fault::new(kind).on_axis(axis).with_size(by))
+    }
+
+    /// What each crank did since they were moved, beside how far they are to go.
+    fn on_the_way(&self, monitor: &DriftMonitor<N>, correction: &Correction<N>) -> [Look; N] {
+        let mut looks = self.compare(monitor, correction);
+        let going = correction.target().iter().zip(&self.from);
+        for (look, (to, &from)) in looks.iter_mut().zip(going) {
+            look.moved = to.wrapping_sub(from);
+        }
+        looks
+    }
+
     /// What each crank did since they were moved, beside what it was told.
     #[inline(never)]
     fn compare(&self, monitor: &DriftMonitor<N>, correction: &Correction<N>) -> [Look; N] {
+        let drift = monitor.calm_drift();
         core::array::from_fn(|axis| {
             let at = |turns: &[Turns; N]| turns.get(axis).copied().unwrap_or_default();
             Look {
-                off: nearest(at(monitor.drift()).wrapping_sub(at(&self.before))),
+                off: nearest(at(&drift).wrapping_sub(at(&self.before))),
                 moved: at(correction.now()).wrapping_sub(at(&self.from)),
                 tolerance: monitor.tolerance(axis),
             }

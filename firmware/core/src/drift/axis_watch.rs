@@ -1,6 +1,9 @@
 //! All that watches one axis: its index sensor, its encoder, and what they tell of its crank together.
 
+mod sorting;
+
 use super::encoder_watch::{EncoderWatch, Manner, Read};
+use super::index_filter::BRIDGE_WIDTHS;
 use super::index_watch::{Heard, IndexWatch, Place};
 use super::naming::Story;
 use super::tick_phase::{IndexPulse, TickClock, TickPhase};
@@ -8,32 +11,11 @@ use crate::settings::{AxisSettings, turns};
 use crate::supervisor::FaultKind;
 use crate::units::{FRACTION_BITS, Phase, Turns, nearest};
 
-/// Index pulses that may stay away in a row, where an encoder watches.
-const MOST_MISSED: u8 = 2;
-
-/// Extra pulses: each weighs so much, a turn without one takes one off, and so many are no sensor any more.
-const EXTRA_WEIGHT: u8 = 4;
-const MOST_EXTRA: u8 = 12;
-
-/// Pulses out of place, one after the other: a crank passes its flag more often than it should.
-const CROWD: u8 = 2;
-
 /// Index pulses over which what crank and encoder differ by is averaged: 2 to this power.
 const CALM: u32 = 4;
 
 /// Turns after which what happened to an axis is no longer why it is where it is.
 const FORGOTTEN_AFTER: u8 = 8;
-
-/// What was sorted out of a tick.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sorted {
-    /// The index tells where the crank is.
-    pub is_heard: bool,
-    /// It is elsewhere, by so much, and nothing but the index watches.
-    pub has_moved: Option<Turns>,
-    /// What there is to tell: its size, and whether the crank is still seen.
-    pub told: Option<(FaultKind, Turns, bool)>,
-}
 
 /// What cranks are off by as an angle of 2⁻³² turn, which wraps as they do: half a word, and nothing to bring back within the turn.
 pub(super) const fn angle(turns: Turns) -> i32 {
@@ -53,6 +35,9 @@ pub(super) struct AxisWatch {
     encoder: Option<EncoderWatch>,
     heard: Heard,
     read: Read,
+    /// Where the tick began in which the encoder was read last, and where the one in which it jumped.
+    began: Phase,
+    jumped_at: Phase,
     tolerance: Turns,
     /// Further than this angle from where it was, a crank has moved.
     gate: u32,
@@ -75,7 +60,13 @@ pub(super) struct AxisWatch {
 }
 
 impl AxisWatch {
-    pub(super) fn new(axis: &AxisSettings, tick_hz: u32, reading: Turns, alone: Turns) -> Self {
+    pub(super) fn new(
+        axis: &AxisSettings,
+        filter_s: f64,
+        tick_hz: u32,
+        reading: Turns,
+        alone: Turns,
+    ) -> Self {
         let step = turns(1.0 / f64::from(axis.steps_per_turn));
         let tolerance = reading.saturating_add(step).saturating_add(step);
         let cycle = turns(f64::from(axis.cycle_steps) / f64::from(axis.steps_per_turn));
@@ -93,12 +84,18 @@ impl AxisWatch {
         } else {
             tolerance
         };
+        let ticks = |time_s: f64| time_s * f64::from(tick_hz) * 65_536.0;
+        // From a pulse's edge until the filter tells of it: what it bridges, and its width.
+        let filter_s = filter_s * f64::from(BRIDGE_WIDTHS + 1);
         let place = |index: f64| Place {
             index: turns(index),
             flag: turns(axis.index_width_turns),
-            delay: libm::round(axis.index_delay_s * f64::from(tick_hz) * 65_536.0) as u32,
+            delay: libm::round(ticks(axis.index_delay_s)) as u32,
+            told_of: libm::floor(65_536.0 - ticks(axis.index_delay_s + filter_s)) as i32,
             gate,
             tolerance,
+            // Where the crank is taken from an encoder, that one's noise comes on top, then and now.
+            sure: Turns::from_bits(tolerance.to_bits() << u32::from(axis.encoder)),
             overdue: alone.max(gate),
             calm: if axis.encoder { CALM } else { 0 },
         };
@@ -112,6 +109,8 @@ impl AxisWatch {
             encoder,
             heard: Heard::Nothing,
             read: Read::Nothing,
+            began: Phase::ZERO,
+            jumped_at: Phase::ZERO,
             tolerance,
             gate: angle(gate).unsigned_abs(),
             alone,
@@ -159,6 +158,8 @@ impl AxisWatch {
         let start = commanded.start.advanced(encoder.drift());
         let (read, turns) = encoder.observe(count, commanded);
         self.read = read;
+        // A jump is told a tick later.
+        self.jumped_at = core::mem::replace(&mut self.began, start);
         self.heard = match &mut self.index {
             Some(index) => {
                 let measured = TickPhase { start, turns };
@@ -179,155 +180,6 @@ impl AxisWatch {
         }
         if pulse && let Some(index) = &mut self.index {
             index.disregard(start);
-        }
-    }
-
-    /// Sorts the news. Where all axes are late together, a pulse may be so by `patience`.
-    pub(super) fn sort(&mut self, patience: Option<Turns>) -> Sorted {
-        let mut sorted = self.sort_index(patience);
-        if let Some(told) = self.sort_encoder(sorted.told.is_some()) {
-            sorted.told = Some(told);
-        }
-        sorted
-    }
-
-    fn sort_index(&mut self, patience: Option<Turns>) -> Sorted {
-        let Some(index) = &mut self.index else {
-            return Sorted::default();
-        };
-        let mut sorted = Sorted {
-            is_heard: true,
-            ..Sorted::default()
-        };
-        match core::mem::replace(&mut self.heard, Heard::Nothing) {
-            Heard::Nothing => return Sorted::default(),
-            Heard::First => {
-                // Whatever moved before, here the crank is; that the encoder jumped is told all the same.
-                let doubt = self.encoder.as_mut().map(|encoder| &mut encoder.doubt);
-                if let Some(by) = doubt.map(core::mem::take).filter(|doubt| *doubt != 0) {
-                    let kind = match self.story.of_one(by) {
-                        FaultKind::LostSteps => FaultKind::LostSteps,
-                        _ => FaultKind::EncoderGlitch,
-                    };
-                    sorted.told = Some((kind, by, true));
-                }
-            }
-            Heard::InPlace { extra } => {
-                self.missed = 0;
-                self.crowd = 0;
-                self.extra = self.extra.saturating_sub(1);
-                if core::mem::take(&mut self.silent) {
-                    sorted.told = Some((FaultKind::IndexMissing, Turns::ZERO, false));
-                } else if let Some(by) = extra {
-                    sorted.told = Some(self.extra(by));
-                } else if let Some(encoder) = &mut self.encoder {
-                    let doubt = core::mem::take(&mut encoder.doubt);
-                    if doubt != 0 {
-                        sorted.told = Some((FaultKind::EncoderGlitch, doubt, true));
-                    } else {
-                        self.walk_by_encoder();
-                    }
-                }
-            }
-            Heard::Extra { by } => {
-                sorted.is_heard = false;
-                self.crowd = self.crowd.saturating_add(1);
-                // One that is ahead already, and comes again before its time, is on its way.
-                sorted.told = if self.crowd < CROWD && !self.story.is_ahead() {
-                    Some(self.extra(by))
-                } else {
-                    self.name = Some(FaultKind::Runaway);
-                    self.name_for = FORGOTTEN_AFTER;
-                    Some((FaultKind::Runaway, by, false))
-                };
-            }
-            Heard::Moved { by } => {
-                self.silent = false;
-                self.missed = 0;
-                if let Some(encoder) = &mut self.encoder {
-                    // Only where the encoder saw a jump as well did the motor move; else the crank did on its shaft.
-                    let doubt = core::mem::take(&mut encoder.doubt);
-                    // (One that passes its flag in the jump shows part of it.)
-                    let (by_abs, doubt_abs) =
-                        (angle(by).unsigned_abs(), angle(doubt).unsigned_abs());
-                    let seen = doubt != 0
-                        && (by < 0) == (doubt < 0)
-                        && by_abs <= doubt_abs.saturating_add(self.gate);
-                    let by = if seen {
-                        index.believe_moved(doubt.wrapping_sub(by));
-                        doubt
-                    } else {
-                        by
-                    };
-                    self.home = self.home.wrapping_add(angle(by));
-                    self.named(by, (!seen).then_some(FaultKind::Slip));
-                } else {
-                    sorted.has_moved = Some(by);
-                }
-            }
-            Heard::Unheard => {
-                let doubt = self.encoder.as_mut().map(|encoder| &mut encoder.doubt);
-                let Some(doubt) = doubt.map(core::mem::take).filter(|doubt| *doubt != 0) else {
-                    return Sorted::default();
-                };
-                // No flag where the crank would be had the encoder lost counts: it did move.
-                index.believe_moved(doubt);
-                self.home = self.home.wrapping_add(angle(doubt));
-                self.named(doubt, None);
-            }
-            Heard::Overdue => {
-                sorted.is_heard = false;
-                match (&self.encoder, patience) {
-                    (Some(_), _) if index.is_known() => {
-                        index.pass_over();
-                        self.missed = self.missed.saturating_add(1);
-                        let in_safety = self.missed <= MOST_MISSED;
-                        sorted.told = Some((FaultKind::IndexMissing, Turns::ZERO, in_safety));
-                    }
-                    (_, Some(patience)) if patience > self.alone && !self.silent => {
-                        index.wait(patience);
-                        self.silent = true;
-                    }
-                    _ => {
-                        self.silent = true;
-                        let late = self.alone.wrapping_neg();
-                        sorted.told = Some((FaultKind::Silent, late, false));
-                    }
-                }
-            }
-        }
-        sorted
-    }
-
-    fn sort_encoder(&mut self, already: bool) -> Option<(FaultKind, Turns, bool)> {
-        let encoder = self.encoder.as_mut()?;
-        match core::mem::replace(&mut self.read, Read::Nothing) {
-            Read::Glitch { by } if !already => Some((FaultKind::EncoderGlitch, by, true)),
-            Read::Jump { .. } if let Some(index) = &mut self.index => {
-                index.decide_soon();
-                None
-            }
-            // Nothing else tells where the crank is: it is believed.
-            Read::Jump { by } if self.index.is_none() => {
-                encoder.believe();
-                self.named(by, None);
-                None
-            }
-            _ => None,
-        }
-    }
-
-    fn extra(&mut self, by: Turns) -> (FaultKind, Turns, bool) {
-        self.extra = self.extra.saturating_add(EXTRA_WEIGHT);
-        (FaultKind::IndexExtra, by, self.extra <= MOST_EXTRA)
-    }
-
-    /// Crank and encoder go apart, turn by turn.
-    fn walk_by_encoder(&mut self) {
-        let (_, walk) = self.moved();
-        if walk.unsigned_abs() > self.gate {
-            self.home = angle(self.offset());
-            self.named(of_angle(walk), Some(FaultKind::Slip));
         }
     }
 
@@ -383,6 +235,14 @@ impl AxisWatch {
         }
     }
 
+    /// The same with little of the readings' noise, and some ticks late: where cranks are compared with where they were.
+    pub(super) fn calm_drift(&self) -> Turns {
+        match &self.encoder {
+            Some(encoder) => nearest(self.offset().wrapping_add(encoder.calm_drift())),
+            None => self.offset(),
+        }
+    }
+
     /// What it is called that this axis is where it is, if that is known.
     pub(super) fn name(&self) -> Option<FaultKind> {
         self.manner().or(self.name)
@@ -423,6 +283,17 @@ impl AxisWatch {
         self.tolerance
     }
 
+    /// Whether its index is all that watches it.
+    pub(super) const fn is_by_index(&self) -> bool {
+        self.encoder.is_none()
+    }
+
+    /// What no crank is off by that only swings about its place: a rotor that is half an electrical cycle from its field does not come
+    /// back to where it was.
+    pub(super) fn swing(&self) -> Turns {
+        of_angle(self.gate as i32).max(self.story.half_cycle())
+    }
+
     /// What it is called that the crank jumped, with what it did before.
     pub(super) fn jumped(&mut self, by: Turns) -> FaultKind {
         self.story.jumped(by)
@@ -433,9 +304,11 @@ impl AxisWatch {
         self.story.of_one(by)
     }
 
-    /// Its pulse is late, or nothing is expected of it.
+    /// Its pulse is late, or was until this tick, or nothing is expected of it.
     pub(super) fn is_late(&self) -> bool {
-        self.encoder.is_none() && self.index.as_ref().is_none_or(IndexWatch::is_unheard)
+        let came_late = matches!(self.heard, Heard::Moved { by } if by < 0);
+        let is_unheard = self.index.as_ref().is_none_or(IndexWatch::is_unheard);
+        self.encoder.is_none() && (is_unheard || came_late)
     }
 
     #[inline(never)] // once a start, and long

@@ -49,8 +49,9 @@ pub(super) struct EncoderWatch {
     /// More than this in a tick, against what was told, is no crank's doing.
     jump: Turns,
     last: Option<i32>,
-    /// Measured minus commanded turns since the reset.
+    /// Measured minus commanded turns since the reset; and the same without most of its noise, some ticks later.
     drift: Turns,
+    calm: Turns,
     held: Option<Turns>,
     /// It really moves by more than a jump a tick.
     moving: bool,
@@ -70,6 +71,9 @@ struct Window {
 
 const WINDOW_TICKS: u8 = 4;
 
+/// Each tick's reading counts for this part of the calm drift, as a power of two: 16 ticks take away three quarters of the noise.
+const CALM: u32 = 4;
+
 impl EncoderWatch {
     /// Of `counts` to a turn, `reversed` or not; `jump`: see there.
     pub(super) fn new(counts: u32, reversed: bool, jump: Turns) -> Self {
@@ -82,6 +86,7 @@ impl EncoderWatch {
             jump,
             last: None,
             drift: Turns::ZERO,
+            calm: Turns::ZERO,
             held: None,
             moving: false,
             doubt: Turns::ZERO,
@@ -94,6 +99,7 @@ impl EncoderWatch {
         *self = Self {
             last: None,
             drift: Turns::ZERO,
+            calm: Turns::ZERO,
             held: None,
             moving: false,
             doubt: Turns::ZERO,
@@ -104,6 +110,11 @@ impl EncoderWatch {
 
     pub(super) const fn drift(&self) -> Turns {
         self.drift
+    }
+
+    /// The drift as a mean over the last ticks, some 16.
+    pub(super) const fn calm_drift(&self) -> Turns {
+        self.calm
     }
 
     pub(super) const fn manner(&self) -> Manner {
@@ -129,6 +140,10 @@ impl EncoderWatch {
         let off = made.wrapping_sub(commanded.turns);
         let read = self.weigh(off);
         self.judge(commanded.turns);
+        let anew = self.drift.wrapping_sub(self.calm);
+        self.calm = self
+            .calm
+            .wrapping_add(Turns::from_bits(anew.to_bits() >> CALM));
         let made = commanded
             .turns
             .wrapping_add(self.drift.wrapping_sub(before));

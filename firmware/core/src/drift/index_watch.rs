@@ -24,10 +24,15 @@ pub(super) struct Place {
     pub flag: Turns,
     /// Ticks by which its line is late, 16 fraction bits.
     pub delay: u32,
+    /// Of a tick that is over, the part in which no flag can have come that is not told of yet, 16 fraction bits: the line is late,
+    /// and its filter waits. Below zero where that takes longer than a tick.
+    pub told_of: i32,
     /// A pulse further than this from the last is out of place.
     pub gate: Turns,
     /// What two pulses of a crank that is where it was may be apart.
     pub tolerance: Turns,
+    /// A pulse that is late by more does not come where it was.
+    pub sure: Turns,
     /// A pulse that is late by more stands for a crank past its limit.
     pub overdue: Turns,
     /// Of what a pulse in place shows anew, 1/2^`calm` is believed: where an encoder has the crank anyway, the index need not
@@ -77,6 +82,8 @@ pub(super) struct IndexWatch {
     /// What the last believed pulse showed.
     offset: Turns,
     known: bool,
+    /// Pulses that this is the mean of, up to what `calm` asks for.
+    meant: u8,
     /// Phase at that pulse; before the first, where the search began.
     heard_at: Phase,
     suspect: Option<Suspect>,
@@ -94,6 +101,7 @@ impl IndexWatch {
             place,
             offset: Turns::ZERO,
             known: false,
+            meant: 0,
             heard_at: Phase::ZERO,
             suspect: None,
             unheard: false,
@@ -129,7 +137,16 @@ impl IndexWatch {
     #[inline(always)]
     pub(super) fn passes_over(&mut self, phase: &TickPhase) -> bool {
         self.before = phase.turns;
-        phase.start.since(self.heard_at) <= self.alert
+        // Up to its end, which is further than what is sure of it.
+        let end = phase.start.advanced(phase.turns);
+        end.since(self.heard_at) <= self.alert
+    }
+
+    /// Whether it is sure that no flag came where there would be something to say of it.
+    fn is_silent(&self, phase: &TickPhase, commanded: Turns) -> bool {
+        let sure = (commanded.to_bits() >> 16).wrapping_mul(i64::from(self.place.told_of));
+        let since = phase.start.since(self.heard_at);
+        since.wrapping_add(Turns::from_bits(sure)) > self.alert
     }
 
     /// Takes in a tick that is over, in which the axis was told to make `commanded` turns: a motor's noise would be
@@ -146,8 +163,13 @@ impl IndexWatch {
     ) -> Heard {
         let heard = match pulse {
             Some(pulse) => self.hear(*pulse, phase, commanded, before_is_known, clock),
-            // The turns of this tick come on top only in the next: a pulse in it may wait to be confirmed.
-            None if phase.start.since(self.heard_at) > self.alert => self.silence(),
+            None if self.is_silent(phase, commanded) => match self.silence() {
+                // In the same tick it may be so late that it is overdue; where nothing else watches, that is what matters.
+                Heard::Unheard if self.place.calm == 0 && self.is_silent(phase, commanded) => {
+                    self.silence()
+                }
+                heard => heard,
+            },
             None => Heard::Nothing,
         };
         self.before = phase.turns;
@@ -196,6 +218,7 @@ impl IndexWatch {
     fn judge(&mut self, offset: Turns, at: Phase) -> Heard {
         if !self.known {
             self.known = true;
+            self.meant = 1;
             self.believe(offset, at);
             return Heard::First;
         }
@@ -204,12 +227,7 @@ impl IndexWatch {
             if at.since(self.heard_at) < HALF {
                 return Heard::Nothing; // the same passage
             }
-            // What is more than noise is believed whole, so that a walk is never behind by more.
-            let calm = if by.abs() > self.place.tolerance {
-                by
-            } else {
-                Turns::from_bits(by.to_bits() >> self.place.calm)
-            };
+            let calm = self.calmed(by);
             self.believe(nearest(self.offset.wrapping_add(calm)), at);
             let extra = self.suspect.take();
             let extra = extra.map(|suspect| nearest(suspect.offset.wrapping_sub(offset)));
@@ -221,6 +239,7 @@ impl IndexWatch {
         });
         if self.unheard || again {
             self.suspect = None;
+            self.meant = 1;
             self.believe(offset, at);
             return Heard::Moved { by };
         }
@@ -233,12 +252,25 @@ impl IndexWatch {
         }
     }
 
+    /// What is believed of a pulse that shows `by` more than is known: of the first few their mean, then the part that `calm` is.
+    fn calmed(&mut self, by: Turns) -> Turns {
+        // What is more than noise is believed whole, so that a walk is never behind by more.
+        if by.abs() > self.place.tolerance {
+            self.meant = 1;
+            return by;
+        }
+        let part = u32::from(self.meant).checked_ilog2().map_or(0, |n| n + 1);
+        self.meant = self.meant.saturating_add(1);
+        Turns::from_bits(by.to_bits() >> part.min(self.place.calm))
+    }
+
     /// Nothing has come for so long that there is something to say.
     #[cold]
     fn silence(&mut self) -> Heard {
         if self.known && !self.unheard {
             if let Some(suspect) = self.suspect.take() {
                 let by = nearest(suspect.offset.wrapping_sub(self.offset));
+                self.meant = 1;
                 self.believe(suspect.offset, suspect.at);
                 return Heard::Moved { by };
             }
@@ -258,10 +290,18 @@ impl IndexWatch {
         self.alert = ONE.wrapping_add(self.place.gate);
     }
 
-    /// Something is not as it should be: silence at the very place of the next pulse decides.
-    pub(super) fn decide_soon(&mut self) {
+    /// A pulse came out of place: silence at the very place of the next decides.
+    fn decide_soon(&mut self) {
+        if !self.unheard {
+            self.alert = ONE.wrapping_add(self.place.sure);
+        }
+    }
+
+    /// The crank may have moved at `phase`: silence at the place of the next pulse decides, and within a turn from then.
+    pub(super) fn decide_within_a_turn_of(&mut self, phase: Phase) {
         if self.known && !self.unheard {
-            self.alert = ONE.wrapping_add(self.place.tolerance);
+            let went = phase.since(self.heard_at).max(Turns::ZERO);
+            self.alert = ONE.wrapping_add(went.min(self.place.gate));
         }
     }
 

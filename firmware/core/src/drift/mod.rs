@@ -85,6 +85,8 @@ pub struct DriftMonitor<const N: usize> {
     before_is_known: bool,
     /// Where the cranks stand is not known yet: what they are off by is nobody's fault.
     finding_out: bool,
+    /// Meanwhile a crank was heard to be elsewhere than in the turn before, by so much.
+    moved: Option<(usize, Turns)>,
     drift: [Turns; N],
     peak: [Turns; N],
     /// Axes by index heard in this round.
@@ -117,6 +119,7 @@ impl<const N: usize> DriftMonitor<N> {
                 let alone = limits.alone(&mount, axis);
                 AxisWatch::new(
                     &settings.axes[axis],
+                    settings.index.width_us * 1e-6,
                     settings.tick_hz,
                     limits.reading,
                     alone,
@@ -130,6 +133,7 @@ impl<const N: usize> DriftMonitor<N> {
             clock: TickClock::new(settings.tick_cycles()),
             before_is_known: false,
             finding_out: true,
+            moved: None,
             drift: [Turns::ZERO; N],
             peak: [Turns::ZERO; N],
             heard: 0,
@@ -205,7 +209,8 @@ impl<const N: usize> DriftMonitor<N> {
             // A crank may pass a limit by its own pulse, long before the round is over.
             let own = watch.drift().wrapping_add(sensed.correction[axis]);
             let off = nearest(own.wrapping_sub(self.modes.common)).abs();
-            let most = if heard.has_moved.is_some() {
+            let has_moved = heard.has_moved.filter(|_| watch.is_by_index());
+            let most = if has_moved.is_some() {
                 watch.alone()
             } else {
                 watch.far()
@@ -214,12 +219,16 @@ impl<const N: usize> DriftMonitor<N> {
                 moved |= 1 << axis;
             }
             // While it was being found out a crank was lost sight of; where it shows again tells what it did.
-            if let Some(by) = heard.has_moved
+            if let Some(by) = has_moved
                 && self.finding_out
                 && self.open.is_some()
             {
                 let kind = watch.jumped(by);
                 self.find(axis, kind, by, false);
+            } else if let Some(by) = heard.has_moved
+                && self.finding_out
+            {
+                self.moved = Some((axis, by));
             }
             if let Some((kind, by, in_safety)) = heard.told {
                 self.find(axis, kind, by, in_safety);
@@ -417,6 +426,7 @@ impl<const N: usize> DriftMonitor<N> {
         self.heard = 0;
         self.known = 0;
         self.finding_out = true;
+        self.moved = None;
         self.findings.clear();
         self.open = None;
         for (watch, &phase) in self.axes.iter_mut().zip(phase) {
@@ -424,6 +434,16 @@ impl<const N: usize> DriftMonitor<N> {
         }
         self.drift = [Turns::ZERO; N];
         self.modes = Modes::default();
+    }
+
+    /// A crank that was heard to be elsewhere than in the turn before while cranks are found out, and by how much.
+    pub const fn take_moved(&mut self) -> Option<(usize, Turns)> {
+        self.moved.take()
+    }
+
+    /// The drift of each axis as it is known now, round or not, with little of the readings' noise and some ticks late.
+    pub fn calm_drift(&self) -> [Turns; N] {
+        core::array::from_fn(|axis| self.axes[axis].calm_drift())
     }
 
     /// Takes in what was heard in a round that is not over.
@@ -463,6 +483,13 @@ impl<const N: usize> DriftMonitor<N> {
         self.axes
             .get(axis)
             .map_or(Turns::ZERO, |watch| watch.tolerance())
+    }
+
+    /// What a crank's readings differ by, at most, where its rotor only swings, turns.
+    pub fn swing(&self, axis: usize) -> Turns {
+        self.axes
+            .get(axis)
+            .map_or(Turns::MAX, |watch| watch.swing())
     }
 
     /// The watched axis that is furthest from what all have in common.

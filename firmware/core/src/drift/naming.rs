@@ -35,6 +35,11 @@ impl Story {
         }
     }
 
+    /// Half of an electrical cycle, turns.
+    pub(super) fn half_cycle(&self) -> Turns {
+        Turns::from_bits(self.cycle.to_bits() / 2)
+    }
+
     /// A turn without a jump.
     pub(super) const fn rest(&mut self) {
         self.row = 0;

@@ -380,13 +380,17 @@ fn a_walk_is_slip() {
 }
 
 fn encoders(tilt_mrad: f64) -> Cranks<3> {
+    encoders_at(0.01, tilt_mrad)
+}
+
+fn encoders_at(speed: f64, tilt_mrad: f64) -> Cranks<3> {
     let mut settings = settings(tilt_mrad, 5.0, 15.0);
     for axis in &mut settings.axes {
         axis.encoder = true;
     }
     let mut monitor = DriftMonitor::new(&settings);
     monitor.reset(&[Phase::ZERO; 3]);
-    Cranks::new(monitor, 0.01).aligned()
+    Cranks::new(monitor, speed).aligned()
 }
 
 /// With an encoder a crank that stands, turns back or runs away is known within some ticks, by its name.
@@ -560,7 +564,10 @@ fn a_pulse_of_a_tick_that_is_not_known_is_not_measured() {
 /// confirmed, the width a quarter of a tick. A pulse that waits is not a missing one.
 #[test]
 fn pulses_that_wait_to_be_confirmed_are_not_missed() {
-    let mut monitor = monitor::<2>(100.0, 90.0, 1.0);
+    let mut settings = settings::<2>(100.0, 90.0, 1.0);
+    settings.index.width_us = 0.25e6 / f64::from(settings.tick_hz);
+    let mut monitor = DriftMonitor::new(&settings);
+    monitor.reset(&[Phase::ZERO; 2]);
     let tick_cycles = f64::from(TICK_CYCLES);
     let turns = 0.3987; // so that passages fall anywhere in a tick
     let mut waiting = None;
@@ -590,3 +597,5 @@ fn pulses_that_wait_to_be_confirmed_are_not_missed() {
     }
     assert!(monitor.is_aligned());
 }
+
+mod silence;

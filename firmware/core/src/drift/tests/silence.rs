@@ -1,0 +1,94 @@
+//! When a pulse that stays away is known to: as soon as it can be, and not before the line and its filter could tell of it.
+
+use super::*;
+
+/// Cycles into a tick, and the tick, in which a place is reached at an even speed.
+fn tick_of(place: f64, speed: f64) -> (u32, f64) {
+    let ticks = place / speed;
+    (ticks as u32, ticks.fract() * f64::from(TICK_CYCLES))
+}
+
+/// Were it wrong, a crank that stands would be a tick longer on its way: at 200 rev/s and 2 kHz that is 36°.
+#[test]
+fn an_overdue_pulse_is_told_in_the_tick_in_which_it_is_overdue() {
+    let filter_cycles = 3.0 * 2e-6 * f64::from(crate::settings::CLOCK_HZ);
+    for speed in [0.0013, 0.01, 0.031, 0.0997] {
+        let mut cranks = Cranks::new(monitor::<4>(3.0, 5.0, 15.0), speed).aligned();
+        let overdue = cranks.monitor.axes[3].alone().to_num::<f64>();
+        let ticks = (2.2 / speed) as u32;
+        let found = cranks.turn_with(ticks, |_, _| 0.0, |i, _, pulse| pulse.filter(|_| i != 3));
+        let (mut due, cycle) = tick_of(2.0 + overdue, speed);
+        // A pulse in the filter's time before the tick's end may be told of in the next.
+        due += u32::from(cycle > f64::from(TICK_CYCLES) - filter_cycles);
+        assert_eq!(
+            (found[0].0, found[0].1.fault.kind),
+            (due, FaultKind::Silent),
+            "{speed} turns a tick"
+        );
+    }
+}
+
+/// Were it wrong, a line that is late by more than a tick would be missing in every turn, as soon as the machine is fast.
+#[test]
+fn a_line_that_is_late_is_waited_for() {
+    let (speed, late_ticks) = (0.02, 2.5);
+    let mut settings = settings::<3>(3.0, 5.0, 15.0);
+    for axis in &mut settings.axes {
+        axis.index_delay_s = late_ticks / f64::from(settings.tick_hz);
+    }
+    let mut monitor = DriftMonitor::new(&settings);
+    monitor.reset(&[Phase::ZERO; 3]);
+    let overdue = monitor.axes[0].alone().to_num::<f64>();
+    let silent_after = 5.5;
+    let mut told = None;
+    for tick in 0..350_u32 {
+        let start = f64::from(tick) * speed;
+        let phase = TickPhase {
+            start: Phase::from_turns(Turns::wrapping_from_num(start)),
+            turns: Turns::from_num(speed),
+        };
+        // Where the flags were when the line that is now at the loop left them.
+        let flags = |t: f64| (t - late_ticks * speed).max(0.0).floor();
+        let passes = flags(start + speed) > flags(start);
+        let edge = flags(start + speed) + late_ticks * speed;
+        let pulse = passes.then(|| IndexPulse {
+            cycle: ((edge - start) / speed * f64::from(TICK_CYCLES)) as i32,
+        });
+        let heard = [pulse, pulse.filter(|_| start < silent_after), pulse];
+        if let Some(finding) = hear(&mut monitor, &heard, &[0; 3], &[phase; 3]) {
+            told = Some((tick, finding.fault.kind, finding.fault.axis));
+            break;
+        }
+        if tick == 60 {
+            assert!(monitor.is_aligned());
+            monitor.settle();
+        }
+    }
+    // Due at 6 turns, told of two and a half ticks later, and overdue after the way that is allowed.
+    let (due, _) = tick_of(6.0 + overdue + late_ticks * speed, speed);
+    assert_eq!(told, Some((due, FaultKind::Silent, Some(1))));
+}
+
+/// Were it wrong, steps lost right after the index passed, and seen by the encoder at once, would be named a turn and a margin
+/// later, with the crank past its limit for all that time.
+#[test]
+fn steps_lost_beside_an_index_are_known_within_a_turn() {
+    for after in [0.0007, 0.0013, 0.003, 0.01, 0.3, 0.99] {
+        for speed in [0.0031, 0.01] {
+            let mut cranks = encoders_at(speed, 3.0);
+            let lost = move |i: usize, t: f64| {
+                let gone = i == 1 && t > 2.0 + after;
+                if gone { -0.02 } else { 0.0 }
+            };
+            let found = cranks.turn((3.5 / speed) as u32, lost);
+            let (tick, finding) = found[0];
+            assert_eq!(finding.fault.kind, FaultKind::LostSteps, "{found:?}");
+            // The tick in which the crank was past its limit is over at most a turn before the one begins that tells.
+            let past = (tick_of(2.0 + after, speed).0 + 1, tick);
+            assert!(
+                f64::from(past.1 - past.0) * speed <= 1.0,
+                "{after} after the index, {speed} turns a tick: {past:?}"
+            );
+        }
+    }
+}
