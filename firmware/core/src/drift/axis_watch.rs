@@ -2,6 +2,7 @@
 
 mod sorting;
 
+use super::angles::{angle, of_angle};
 use super::encoder_watch::{EncoderWatch, Manner, Read};
 use super::index_filter::BRIDGE_WIDTHS;
 use super::index_watch::{Heard, IndexWatch, Place};
@@ -9,24 +10,13 @@ use super::naming::Story;
 use super::tick_phase::{IndexPulse, TickClock, TickPhase};
 use crate::settings::{AxisSettings, turns};
 use crate::supervisor::FaultKind;
-use crate::units::{FRACTION_BITS, Phase, Turns, nearest};
+use crate::units::{Phase, Turns, nearest};
 
 /// Index pulses over which what crank and encoder differ by is averaged: 2 to this power.
 const CALM: u32 = 4;
 
 /// Turns after which what happened to an axis is no longer why it is where it is.
 const FORGOTTEN_AFTER: u8 = 8;
-
-/// What cranks are off by as an angle of 2⁻³² turn, which wraps as they do: half a word, and nothing to bring back within the turn.
-pub(super) const fn angle(turns: Turns) -> i32 {
-    (turns.to_bits() >> ANGLE_CUT) as i32
-}
-
-const ANGLE_CUT: u32 = FRACTION_BITS - 32;
-
-fn of_angle(angle: i32) -> Turns {
-    Turns::from_bits(i64::from(angle) << ANGLE_CUT)
-}
 
 /// Watches one axis.
 #[derive(Clone, Debug)]

@@ -16,8 +16,10 @@
 //!
 //! What it does not do: decide what is done ([`mod@crate::supervisor::reaction`] does), or move anything.
 
+mod angles;
 mod axis_watch;
 mod encoder_watch;
+mod findings;
 pub mod index_filter;
 mod index_watch;
 mod limits;
@@ -25,29 +27,20 @@ mod modes;
 mod naming;
 mod tick_phase;
 
+pub use findings::Finding;
 pub use index_filter::IndexFilter;
 pub use limits::DriftLimits;
 pub use modes::{AxisSet, Knowledge, Modes, Mount};
 pub(crate) use naming::is_better;
 pub use tick_phase::{IndexPulse, TickPhase};
 
-use crate::settings::{MAX_AXES, Settings};
+use crate::settings::Settings;
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{Phase, Turns, nearest};
-use axis_watch::{AxisWatch, angle};
-use heapless::Deque;
+use angles::{Angles, furthest};
+use axis_watch::AxisWatch;
+use findings::Findings;
 use tick_phase::TickClock;
-
-/// What the monitor has to say.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Finding {
-    /// What it is.
-    pub fault: Fault,
-    /// The platform is within its limits, and the crank still seen.
-    pub in_safety: bool,
-    /// It is what was found before, better named.
-    pub refines: bool,
-}
 
 /// What came in during a tick.
 #[derive(Clone, Copy, Debug)]
@@ -63,12 +56,6 @@ pub struct Sensed<'a, const N: usize> {
     /// Turns that the master made in it.
     pub speed: Turns,
 }
-
-/// Turns after which what a machine was stopped for gets no better name: a crank at the end of a stop does other things.
-const NAMED_WITHIN: Turns = Turns::lit("4");
-
-/// Findings that may wait to be told, one a tick.
-const WAITING: usize = 8;
 
 /// Watches the drift of `N` axes.
 #[derive(Clone, Debug)]
@@ -97,10 +84,7 @@ pub struct DriftMonitor<const N: usize> {
     seen: AxisSet,
     rounds: u32,
     modes: Modes,
-    findings: Deque<Finding, WAITING>,
-    /// What a stop was asked for, which may get a better name, and the master's turns since.
-    open: Option<(Option<usize>, FaultKind)>,
-    since_open: Turns,
+    findings: Findings,
 }
 
 impl<const N: usize> DriftMonitor<N> {
@@ -141,9 +125,7 @@ impl<const N: usize> DriftMonitor<N> {
             seen: 0,
             rounds: 0,
             modes: Modes::default(),
-            findings: Deque::new(),
-            open: None,
-            since_open: Turns::ZERO,
+            findings: Findings::new(),
         }
     }
 
@@ -165,17 +147,11 @@ impl<const N: usize> DriftMonitor<N> {
                 }
             }
         }
-        if self.open.is_some() {
-            self.since_open = self.since_open.saturating_add(sensed.speed);
-        }
+        self.findings.pass(sensed.speed);
         if news != 0 || self.by_encoder != 0 {
             self.consider(news, sensed);
         }
-        if self.findings.is_empty() {
-            None
-        } else {
-            self.findings.pop_front()
-        }
+        self.findings.next()
     }
 
     /// Takes note of a tick to which no phase belongs: sensors that were heard in it are alive.
@@ -221,7 +197,7 @@ impl<const N: usize> DriftMonitor<N> {
             // While it was being found out a crank was lost sight of; where it shows again tells what it did.
             if let Some(by) = has_moved
                 && self.finding_out
-                && self.open.is_some()
+                && self.findings.has_asked_for_a_stop()
             {
                 let kind = watch.jumped(by);
                 self.find(axis, kind, by, false);
@@ -316,7 +292,7 @@ impl<const N: usize> DriftMonitor<N> {
     fn blame(&mut self, kind: FaultKind, error: &[Turns; N], speed: Turns) {
         if kind == FaultKind::CommonLag {
             let size = self.limits.beyond_natural(&self.modes, speed);
-            return self.push(Fault::new(kind).with_size(size), false);
+            return self.findings.push(Fault::new(kind).with_size(size), false);
         }
         let kind = if self.finding_out {
             FaultKind::TooFarOut
@@ -340,7 +316,8 @@ impl<const N: usize> DriftMonitor<N> {
     #[inline(never)]
     fn push_axis(&mut self, axis: usize, kind: FaultKind) {
         let size = self.drift.get(axis).copied().unwrap_or_default();
-        self.push(Fault::new(kind).on_axis(axis).with_size(size), false);
+        self.findings
+            .push(Fault::new(kind).on_axis(axis).with_size(size), false);
     }
 
     /// The axis that is furthest from what all have in common.
@@ -357,7 +334,7 @@ impl<const N: usize> DriftMonitor<N> {
             };
             if let Some((kind, by)) = watch.astray() {
                 let fault = Fault::new(kind).on_axis(axis).with_size(by);
-                self.push(fault, false);
+                self.findings.push(fault, false);
             }
         }
     }
@@ -366,43 +343,7 @@ impl<const N: usize> DriftMonitor<N> {
     #[inline(never)]
     fn find(&mut self, axis: usize, kind: FaultKind, by: Turns, in_safety: bool) {
         let fault = Fault::new(kind).on_axis(axis).with_size(by);
-        self.push(fault, in_safety);
-    }
-
-    /// To be told. What is no longer safe goes first, and once; after that only better names for it.
-    #[cold]
-    #[inline(never)]
-    fn push(&mut self, fault: Fault, in_safety: bool) {
-        let mut refines = false;
-        if let Some((axis, kind)) = self.open {
-            let same = axis == fault.axis || axis.is_none();
-            let in_time = self.since_open < NAMED_WITHIN;
-            if same && in_time && naming::is_better(fault.kind, kind) {
-                refines = true;
-            } else if !in_safety {
-                return; // it is being stopped
-            }
-        }
-        if !refines && !in_safety {
-            self.since_open = Turns::ZERO;
-        }
-        if !in_safety || refines {
-            self.open = Some((fault.axis, fault.kind));
-        }
-        let finding = Finding {
-            fault,
-            in_safety: in_safety && !refines,
-            refines,
-        };
-        if self.findings.is_full() {
-            self.findings.pop_back();
-        }
-        // There is room now.
-        let _ = if in_safety {
-            self.findings.push_back(finding)
-        } else {
-            self.findings.push_front(finding)
-        };
+        self.findings.push(fault, in_safety);
     }
 
     /// What a jump of an axis is called that nothing is known of but its size.
@@ -428,7 +369,6 @@ impl<const N: usize> DriftMonitor<N> {
         self.finding_out = true;
         self.moved = None;
         self.findings.clear();
-        self.open = None;
         for (watch, &phase) in self.axes.iter_mut().zip(phase) {
             watch.reset(phase);
         }
@@ -551,27 +491,6 @@ fn stirred(
     set
 }
 
-/// Angles of as many axes as there may be, of which some count.
-#[derive(Default)]
-struct Angles {
-    angles: [i32; MAX_AXES],
-    count: usize,
-}
-
-impl Angles {
-    fn push(&mut self, angle: i32) {
-        if let Some(slot) = self.angles.get_mut(self.count) {
-            *slot = angle;
-            self.count += 1;
-        }
-    }
-
-    /// What they have in common.
-    fn common(&mut self) -> i32 {
-        naming::in_common(self.angles.get_mut(..self.count).unwrap_or_default())
-    }
-}
-
 /// Compares what each axis of a set did in a round with what they did in common.
 #[inline(never)] // one for every number of axes, as the next
 fn compare(axes: &mut [AxisWatch], set: AxisSet) {
@@ -589,23 +508,6 @@ fn compare(axes: &mut [AxisWatch], set: AxisSet) {
             watch.compare(jump, walk);
         }
     }
-}
-
-/// Of a set, the axis whose error is furthest from what they have in common.
-#[inline(never)]
-fn furthest(errors: &[Turns], set: AxisSet) -> usize {
-    let axes = || {
-        let all = errors.iter().map(|&error| angle(error)).enumerate();
-        all.filter(|(axis, _)| set & 1 << axis != 0)
-    };
-    let mut counted = Angles::default();
-    for (_, error) in axes() {
-        counted.push(error);
-    }
-    let common = counted.common();
-    axes()
-        .max_by_key(|(_, error)| error.wrapping_sub(common).unsigned_abs())
-        .map_or(0, |(axis, _)| axis)
 }
 
 #[cfg(test)]

@@ -134,37 +134,6 @@ pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
     new_rank < 3 && (new_rank > old_rank || told_apart)
 }
 
-/// What all of `values`, wrapping angles, have in common when few of them differ: the middle one; of two middle ones the smaller, so
-/// that of two axes the one counts as moved that moved more. Sorts them.
-#[inline(never)] // one for every number of axes
-pub(super) fn in_common(values: &mut [i32]) -> i32 {
-    // As many as six: a sort of the library's has more to set up than to do, and lies in the flash.
-    for placed in 1..values.len() {
-        let Some((last, before)) = values.get_mut(..=placed).and_then(<[i32]>::split_last_mut)
-        else {
-            break;
-        };
-        let mut held = *last;
-        for value in before.iter_mut() {
-            if *value > held {
-                core::mem::swap(value, &mut held);
-            }
-        }
-        *last = held;
-    }
-    let count = values.len();
-    if count < 2 {
-        return 0; // of one alone nobody knows what all do
-    }
-    let low = values.get(count.saturating_sub(1) / 2).copied();
-    let high = values.get(count / 2).copied();
-    match (low, high) {
-        (Some(low), Some(high)) if high.unsigned_abs() < low.unsigned_abs() => high,
-        (Some(low), _) => low,
-        _ => 0,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -215,15 +184,5 @@ mod tests {
         assert_eq!(by_chance.jumped(deg(107.477)), FaultKind::Runaway);
         gains.rest();
         assert_eq!(gains.jumped(deg(7.2)), FaultKind::LostSteps);
-    }
-
-    #[test]
-    fn what_all_do_is_no_ones_own() {
-        assert_eq!(in_common(&mut [-30, -30, -100, -30]), -30);
-        assert_eq!(in_common(&mut [0, -72]), 0);
-        assert_eq!(in_common(&mut [72, 0]), 0);
-        assert_eq!(in_common(&mut [5]), 0);
-        assert_eq!(in_common(&mut []), 0);
-        assert_eq!(in_common(&mut [9, 1, 8, 2, 7, i32::MIN]), 2);
     }
 }

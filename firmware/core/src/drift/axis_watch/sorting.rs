@@ -3,7 +3,8 @@
 //! An encoder that jumped is *doubted* until the index tells: a pulse where it was due shows that counts were lost, silence
 //! there that the crank moved. An index that is out of place, with an encoder that saw nothing, is a crank that slipped on its shaft.
 
-use super::{AxisWatch, FORGOTTEN_AFTER, angle, of_angle};
+use super::{AxisWatch, FORGOTTEN_AFTER};
+use crate::drift::angles::{angle, of_angle};
 use crate::drift::encoder_watch::Read;
 use crate::drift::index_watch::Heard;
 use crate::supervisor::FaultKind;

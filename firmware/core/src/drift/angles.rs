@@ -1,0 +1,100 @@
+//! Angles of cranks as half a word, and what several of them have in common.
+
+use super::modes::AxisSet;
+use crate::settings::MAX_AXES;
+use crate::units::{FRACTION_BITS, Turns};
+
+/// What cranks are off by as an angle of 2⁻³² turn, which wraps as they do: half a word, and nothing to bring back within the turn.
+pub(super) const fn angle(turns: Turns) -> i32 {
+    (turns.to_bits() >> ANGLE_CUT) as i32
+}
+
+const ANGLE_CUT: u32 = FRACTION_BITS - 32;
+
+pub(super) fn of_angle(angle: i32) -> Turns {
+    Turns::from_bits(i64::from(angle) << ANGLE_CUT)
+}
+
+/// Angles of as many axes as there may be, of which some count.
+#[derive(Default)]
+pub(super) struct Angles {
+    angles: [i32; MAX_AXES],
+    count: usize,
+}
+
+impl Angles {
+    pub(super) fn push(&mut self, angle: i32) {
+        if let Some(slot) = self.angles.get_mut(self.count) {
+            *slot = angle;
+            self.count += 1;
+        }
+    }
+
+    /// What they have in common.
+    pub(super) fn common(&mut self) -> i32 {
+        in_common(self.angles.get_mut(..self.count).unwrap_or_default())
+    }
+}
+
+/// Of a set, the axis whose error is furthest from what they have in common.
+#[inline(never)]
+pub(super) fn furthest(errors: &[Turns], set: AxisSet) -> usize {
+    let axes = || {
+        let all = errors.iter().map(|&error| angle(error)).enumerate();
+        all.filter(|(axis, _)| set & 1 << axis != 0)
+    };
+    let mut counted = Angles::default();
+    for (_, error) in axes() {
+        counted.push(error);
+    }
+    let common = counted.common();
+    axes()
+        .max_by_key(|(_, error)| error.wrapping_sub(common).unsigned_abs())
+        .map_or(0, |(axis, _)| axis)
+}
+
+/// What all of `values`, wrapping angles, have in common when few of them differ: the middle one; of two middle ones the smaller, so
+/// that of two axes the one counts as moved that moved more. Sorts them.
+#[inline(never)] // one for every number of axes
+fn in_common(values: &mut [i32]) -> i32 {
+    // As many as six: a sort of the library's has more to set up than to do, and lies in the flash.
+    for placed in 1..values.len() {
+        let Some((last, before)) = values.get_mut(..=placed).and_then(<[i32]>::split_last_mut)
+        else {
+            break;
+        };
+        let mut held = *last;
+        for value in before.iter_mut() {
+            if *value > held {
+                core::mem::swap(value, &mut held);
+            }
+        }
+        *last = held;
+    }
+    let count = values.len();
+    if count < 2 {
+        return 0; // of one alone nobody knows what all do
+    }
+    let low = values.get(count.saturating_sub(1) / 2).copied();
+    let high = values.get(count / 2).copied();
+    match (low, high) {
+        (Some(low), Some(high)) if high.unsigned_abs() < low.unsigned_abs() => high,
+        (Some(low), _) => low,
+        _ => 0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_all_do_is_no_ones_own() {
+        assert_eq!(in_common(&mut [-30, -30, -100, -30]), -30);
+        assert_eq!(in_common(&mut [0, -72]), 0);
+        assert_eq!(in_common(&mut [72, 0]), 0);
+        assert_eq!(in_common(&mut [5]), 0);
+        assert_eq!(in_common(&mut []), 0);
+        assert_eq!(in_common(&mut [9, 1, 8, 2, 7, i32::MIN]), 2);
+    }
+}
