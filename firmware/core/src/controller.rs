@@ -6,23 +6,25 @@
 //! the output of two ticks ago was played.
 
 mod align;
+mod channel;
 mod punctuality;
+mod telling;
 
 use crate::axes::{Axis, Correction};
-use crate::drift::{DriftMonitor, Finding, Sensed, TickPhase, is_better};
+use crate::drift::{DriftMonitor, Finding, Sensed, TickPhase};
 use crate::profile::{Profile, SliderCrank};
 use crate::program::{Cursor, Program, ProgramBuilder};
-use crate::pulse::{Paces, Planner, PulseTiming, Runs};
-use crate::servo::{Coupling, FeedForward, Setpoint};
+use crate::pulse::{Paces, Planner, PulseTiming};
+use crate::servo::{Coupling, FeedForward};
 use crate::settings::{AxisSettings, DriveKind, Problem, Settings, SettingsError, turns};
 use crate::shaft::{Demand, Motion, Shaft, ShaftLimits, Target};
 use crate::signals::{Feedback, Output};
-use crate::supervisor::{
-    Action, Command, Fault, FaultKind, Reaction, Seen, State, Supervisor, reaction,
-};
+use crate::supervisor::{Action, Command, Fault, FaultKind, Seen, State, Supervisor};
 use crate::units::{Amax, ONE_TURN, Phase, Turns};
 use align::Align;
+use channel::Channel;
 use punctuality::Punctuality;
+use telling::weigh;
 
 /// The control loop's state, less its waiting.
 #[derive(Clone, Debug)]
@@ -64,19 +66,6 @@ pub struct Controller<const N: usize> {
     output: Output<N>,
 }
 
-/// One axis, from the master's turns to what its drive is told.
-#[derive(Clone, Debug)]
-struct Channel {
-    axis: Axis,
-    planner: Planner,
-    reversed: bool,
-    /// Of a servo axis; one without is a stepper.
-    feed_forward: Option<FeedForward>,
-    /// Phases of the last two outputs: the one being played, and the one before.
-    playing: TickPhase,
-    played: TickPhase,
-}
-
 impl<const N: usize> Settings<N> {
     /// The profile that these settings' machine has.
     pub fn profile(&self) -> Profile {
@@ -99,28 +88,6 @@ const LAST_PULSES: u64 = 4;
 
 /// A mean drift that is found in align counts as lag up to this part of the common limit: one in four.
 const LAG_PART: f64 = 4.0;
-
-/// The tilts that prove the wiring, if trims and platform allow them.
-fn wiring_patterns<const N: usize>(
-    drift: &DriftMonitor<N>,
-    correction: &Correction<N>,
-) -> Result<[[Turns; N]; 2], SettingsError> {
-    let tolerances = (0..N).map(|axis| drift.tolerance(axis));
-    let tolerance = tolerances.max().unwrap_or_default();
-    let patterns = align::patterns::<N>(tolerance);
-    // With what readings may be off on top.
-    let on_top = |level: Turns| level + if level < 0 { -tolerance } else { tolerance };
-    for pattern in &patterns {
-        if correction.past_limit(pattern).is_some() || !drift.allows(&pattern.map(on_top)) {
-            let most = pattern.iter().map(|level| level.abs()).max();
-            let problem = Problem::WiringPattern {
-                deg: most.unwrap_or_default().to_num::<f64>() * 360.0,
-            };
-            return Err(SettingsError::new("correction.prove_wiring", problem));
-        }
-    }
-    Ok(patterns)
-}
 
 impl<const N: usize> Controller<N> {
     /// A controller at power-up: idle, every axis at its offset.
@@ -177,7 +144,7 @@ impl<const N: usize> Controller<N> {
         let drift = DriftMonitor::new(settings);
         let correction = Correction::new(settings);
         let patterns = if settings.correction.prove_wiring {
-            wiring_patterns(&drift, &correction)?
+            align::wiring_patterns(&drift, &correction)?
         } else {
             [[Turns::ZERO; N]; 2]
         };
@@ -448,46 +415,6 @@ impl<const N: usize> Controller<N> {
         self.shaft.phase().advanced(self.align.datum())
     }
 
-    /// Tells what has happened, one thing a tick: a fault that latched or has a better name, what else was seen, the stop input.
-    #[cold]
-    #[inline(never)]
-    fn tell(&mut self, is_news: bool, told: Option<Fault>, stop: bool) {
-        let (tick, phase) = (self.ticks, self.crank_phase());
-        let news = [
-            self.supervisor.fault().filter(|_| is_news),
-            self.untold.take(),
-            told.map(|fault| fault.at(tick, phase)),
-            stop.then(|| Fault::new(FaultKind::StopInput).at(tick, phase)),
-        ];
-        let (first, second, count) = first_two(&news);
-        let telemetry = &mut self.output.telemetry;
-        // More than two at once are counted, and no more.
-        let known = u32::from(second.is_some());
-        telemetry.incidents = telemetry.incidents.wrapping_add(count - known);
-        telemetry.incident = first.copied();
-        self.untold = second.copied();
-    }
-
-    /// Which of all that is wrong comes first.
-    #[cold]
-    #[inline(never)] // a fault has 48 bytes, to be moved about only where there is one
-    fn blame(&mut self, feedback: &Feedback<N>, seen: &mut Seen) {
-        let dry = feedback
-            .ran_dry
-            .map(|axis| Fault::new(FaultKind::RanDry).on_axis(axis));
-        let alarm = feedback.alarm.iter().position(|&alarm| alarm);
-        let alarm = alarm.map(|axis| Fault::new(FaultKind::DriveAlarm).on_axis(axis));
-        // What disables the drives comes before all that stops them; and a better name is for what latched before.
-        if seen.fault.is_some() && (seen.reaction == Reaction::Disable || seen.refines) {
-            return;
-        }
-        if let Some(fault) = dry.or_else(|| self.overrun.take()).or(alarm) {
-            seen.fault = Some(fault);
-            seen.reaction = reaction(fault.kind, false);
-            seen.refines = false;
-        }
-    }
-
     /// Sets up for a state that was just entered.
     #[cold]
     #[inline(never)]
@@ -616,68 +543,6 @@ impl<const N: usize> Controller<N> {
         telemetry.modes = *self.drift.modes();
         telemetry.correction = *self.correction.now();
         telemetry.datum = self.align.datum();
-    }
-}
-
-/// Of what there is to tell, what is told now, what next, and how much there is.
-#[inline(never)]
-fn first_two(news: &[Option<Fault>]) -> (Option<&Fault>, Option<&Fault>, u32) {
-    let mut all = news.iter().flatten();
-    let (first, second) = (all.next(), all.next());
-    let count = news.iter().flatten().count() as u32;
-    (first, second, count)
-}
-
-/// What is to be done about what was found: what is seen of it, or else what is told.
-#[cold]
-#[inline(never)]
-fn weigh(found: Finding, supervisor: &Supervisor, seen: &mut Seen) -> Option<Fault> {
-    let Finding { fault, .. } = found;
-    let reaction = reaction(fault.kind, found.in_safety);
-    if found.refines {
-        // What latched may be something else, which no sensor of a crank has a better name for.
-        let latched = supervisor.fault();
-        if latched.is_none_or(|old| !is_better(fault.kind, old.kind)) {
-            return None;
-        }
-        seen.refines = true;
-    } else if reaction < Reaction::Stop {
-        return Some(fault);
-    }
-    seen.fault = Some(fault);
-    seen.reaction = reaction;
-    None
-}
-
-impl Channel {
-    /// Moves on with the master, if it is to move, and fills `runs`.
-    #[inline(never)]
-    fn advance(&mut self, master: Option<&Turns>, trim: Turns, pace: &mut Paces, runs: &mut Runs) {
-        self.played = self.playing;
-        self.playing.start = self.axis.phase();
-        let turns = match master {
-            Some(&speed) => self.axis.advance(speed, trim),
-            None => Turns::ZERO,
-        };
-        self.playing.turns = turns;
-        if self.feed_forward.is_none() {
-            self.planner.plan(turns, pace, runs);
-        } else {
-            self.planner.count(turns, pace, runs);
-        }
-    }
-
-    /// What a servo is told at the end of a tick in which the master accelerated, in the axis's own sense. Its crank stands
-    /// `datum` further than its phase says.
-    #[inline(never)]
-    fn setpoint(&self, forward: &FeedForward, acceleration: Turns, datum: Turns) -> Setpoint {
-        let (position, velocity) = (self.axis.phase(), self.playing.turns);
-        let acceleration = self.axis.gear().share(acceleration);
-        Setpoint {
-            position,
-            velocity,
-            torque: forward.torque(position.advanced(datum), velocity, acceleration),
-        }
     }
 }
 

@@ -12,10 +12,16 @@
 //! A crank *strays* that did not do what it was told in three looks, turn after turn: a rotor swings in its field when it is
 //! moved slowly, and one look alone may catch it so.
 
+mod looks;
+mod patterns;
+
 use crate::axes::Correction;
 use crate::drift::DriftMonitor;
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{Turns, nearest};
+use looks::{Look, stray};
+use patterns::is_pattern;
+pub(super) use patterns::wiring_patterns;
 
 /// How far align has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -59,9 +65,6 @@ pub(super) struct Align<const N: usize> {
     datum: Turns,
 }
 
-/// How many tolerances any two cranks are moved apart, at least, in one of the tilts.
-const APART: i64 = 3;
-
 /// Turns of the master in one step after which something is wrong that nothing else has a name for.
 const MOST_WAITED: Turns = Turns::lit("8");
 
@@ -69,33 +72,6 @@ const MOST_WAITED: Turns = Turns::lit("8");
 const LOOKS: u8 = 3;
 /// One of them, 16 fraction bits.
 const PART_OF_LOOKS: i64 = 65_536 / LOOKS as i64;
-
-/// The tilts that prove the wiring, each of sum zero.
-pub(super) fn patterns<const N: usize>(tolerance: Turns) -> [[Turns; N]; 2] {
-    let place = |i: usize| {
-        let theta = core::f64::consts::TAU * i as f64 / N as f64;
-        // Two axes are on a line: there is one tilt.
-        let sine = if N == 2 { 0.0 } else { libm::sin(theta) };
-        [libm::cos(theta), sine]
-    };
-    let apart = |i: usize, j: usize| {
-        let ([a, b], [c, d]) = (place(i), place(j));
-        libm::fabs(a - c).max(libm::fabs(b - d))
-    };
-    let pairs = (0..N).flat_map(|i| (0..i).map(move |j| apart(i, j)));
-    let least = pairs.fold(f64::INFINITY, f64::min);
-    let amplitude = tolerance.to_num::<f64>() * APART as f64 / least;
-    core::array::from_fn(|tilt| {
-        let mut levels: [Turns; N] =
-            core::array::from_fn(|i| Turns::from_num(amplitude * place(i)[tilt]));
-        // To the count.
-        let rest = levels.iter().fold(Turns::ZERO, |sum, &level| sum + level);
-        if let Some(last) = levels.last_mut() {
-            *last -= rest;
-        }
-        levels
-    })
-}
 
 impl<const N: usize> Align<N> {
     /// With the tilts that prove the wiring, or none.
@@ -412,47 +388,6 @@ fn has_room<const N: usize>(
         *after = nearest(after.wrapping_add(to.wrapping_sub(from)));
     }
     correction.past_limit(trims).is_none() && monitor.allows(&after)
-}
-
-fn is_pattern(levels: &[Turns]) -> bool {
-    levels.iter().any(|&level| level != 0)
-}
-
-/// What a crank was found to have done when it was moved.
-#[derive(Clone, Copy, Debug)]
-struct Look {
-    /// Away from what it was told.
-    off: Turns,
-    /// What it was told.
-    moved: Turns,
-    tolerance: Turns,
-}
-
-/// The crank that strays most, by how much, and whether it does what another was told.
-#[inline(never)] // one for every number of axes
-fn stray(looks: &[Look], watched: u8, on_the_way: bool) -> Option<(usize, Turns, bool)> {
-    let strays = |look: &Look| {
-        let allowed = Turns::from_bits(look.tolerance.to_bits() * APART / 2);
-        look.off.abs() > allowed
-    };
-    let (axis, look) = looks
-        .iter()
-        .enumerate()
-        .filter(|&(axis, look)| watched & 1 << axis != 0 && strays(look))
-        .max_by_key(|(_, look)| look.off.abs())?;
-    // As far off as some other crank was moved further?
-    let follows = |other: usize, by: Turns| {
-        let between = by.wrapping_sub(look.moved);
-        let allowed = Turns::from_bits(look.tolerance.to_bits() * APART / 2);
-        let apart = between.abs() > allowed;
-        let rest = nearest(between.wrapping_sub(look.off));
-        // On the way there it may be anywhere between.
-        let partly = on_the_way && (look.off < 0) == (between < 0) && (rest < 0) == (between < 0);
-        other != axis && apart && (partly || rest.abs() <= allowed)
-    };
-    let mut others = looks.iter().enumerate();
-    let is_swapped = others.any(|(other, at)| follows(other, at.moved));
-    Some((axis, look.off, is_swapped))
 }
 
 /// What each crank is off from where the master has it.

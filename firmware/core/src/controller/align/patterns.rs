@@ -1,0 +1,66 @@
+//! The tilts that prove whose lines are whose: about one axis, and about the other.
+
+use crate::axes::Correction;
+use crate::drift::DriftMonitor;
+use crate::settings::{Problem, SettingsError};
+use crate::units::Turns;
+
+/// How many tolerances any two cranks are moved apart, at least, in one of the tilts.
+pub(super) const APART: i64 = 3;
+
+/// The tilts that prove the wiring, if trims and platform allow them.
+///
+/// # Errors
+/// They do not.
+pub(in crate::controller) fn wiring_patterns<const N: usize>(
+    drift: &DriftMonitor<N>,
+    correction: &Correction<N>,
+) -> Result<[[Turns; N]; 2], SettingsError> {
+    let tolerances = (0..N).map(|axis| drift.tolerance(axis));
+    let tolerance = tolerances.max().unwrap_or_default();
+    let patterns = patterns::<N>(tolerance);
+    // With what readings may be off on top.
+    let on_top = |level: Turns| level + if level < 0 { -tolerance } else { tolerance };
+    for pattern in &patterns {
+        if correction.past_limit(pattern).is_some() || !drift.allows(&pattern.map(on_top)) {
+            let most = pattern.iter().map(|level| level.abs()).max();
+            let problem = Problem::WiringPattern {
+                deg: most.unwrap_or_default().to_num::<f64>() * 360.0,
+            };
+            return Err(SettingsError::new("correction.prove_wiring", problem));
+        }
+    }
+    Ok(patterns)
+}
+
+/// The tilts that prove the wiring, each of sum zero.
+fn patterns<const N: usize>(tolerance: Turns) -> [[Turns; N]; 2] {
+    let place = |i: usize| {
+        let theta = core::f64::consts::TAU * i as f64 / N as f64;
+        // Two axes are on a line: there is one tilt.
+        let sine = if N == 2 { 0.0 } else { libm::sin(theta) };
+        [libm::cos(theta), sine]
+    };
+    let apart = |i: usize, j: usize| {
+        let ([a, b], [c, d]) = (place(i), place(j));
+        libm::fabs(a - c).max(libm::fabs(b - d))
+    };
+    let pairs = (0..N).flat_map(|i| (0..i).map(move |j| apart(i, j)));
+    let least = pairs.fold(f64::INFINITY, f64::min);
+    let amplitude = tolerance.to_num::<f64>() * APART as f64 / least;
+    core::array::from_fn(|tilt| {
+        let mut levels: [Turns; N] =
+            core::array::from_fn(|i| Turns::from_num(amplitude * place(i)[tilt]));
+        // To the count.
+        let rest = levels.iter().fold(Turns::ZERO, |sum, &level| sum + level);
+        if let Some(last) = levels.last_mut() {
+            *last -= rest;
+        }
+        levels
+    })
+}
+
+/// Whether it tilts anything.
+pub(super) fn is_pattern(levels: &[Turns]) -> bool {
+    levels.iter().any(|&level| level != 0)
+}
