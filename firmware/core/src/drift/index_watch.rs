@@ -293,7 +293,7 @@ impl IndexWatch {
     /// A pulse came out of place: silence at the very place of the next decides.
     fn decide_soon(&mut self) {
         if !self.unheard {
-            self.alert = ONE.wrapping_add(self.place.sure);
+            self.alert = self.alert.min(ONE.wrapping_add(self.place.sure));
         }
     }
 

@@ -58,6 +58,9 @@ pub struct Window {
     pub level_hz: f64,
 }
 
+/// So many standard deviations of what two readings differ by are no chance.
+const NOISES: f64 = 5.0;
+
 /// One in so many hundred comes during align.
 const IN_ALIGN_PERCENT: u32 = 10;
 
@@ -120,10 +123,12 @@ pub fn draw(
         }
         FaultName::Reversed => fault.at_s = 0.0,
         FaultName::EncoderGlitch => {
-            // From what no reading is off by, and no tick goes, to half a turn.
+            // From what no reading is off by (four tolerances, each of two steps besides), and no tick goes, to half a turn.
             let per_turn = f64::from(scene.axes.steps_per_turn);
             let tick_turns = window.level_hz / f64::from(scene.control.tick_hz);
-            let least = (4.0 * scene.drift.reading_deg / 360.0 + 2.0 * tick_turns).min(0.25);
+            let tolerance = scene.drift.reading_deg / 360.0 + 2.0 / per_turn;
+            let noise = NOISES * 2.0_f64.sqrt() * scene.noise.encoder_counts / per_turn;
+            let least = (4.0 * tolerance + noise + 2.0 * tick_turns).min(0.25);
             let counts = stream.log_between(least * per_turn, 0.5 * per_turn);
             fault.counts = Some((stream.sign() * counts) as i64);
             let tick_s = 1.0 / f64::from(scene.control.tick_hz);
