@@ -192,6 +192,35 @@ fn swapped_wiring_is_refused_for_every_pair_and_right_wiring_is_not() {
     }
 }
 
+/// Were it wrong, a correction that reads two cranks' sensors the wrong way round would drive them apart, up to its limit, faster and
+/// faster; or one that only mends what it should would be taken for such.
+#[test]
+fn a_correction_that_drives_cranks_apart_is_stopped_as_swapped_wiring() {
+    for count in 2..=6 {
+        let apart = starts(count, |i| [0.3, -0.2, 0.4, -0.3, 0.2, -0.4][i]);
+        let long =
+            "[correction]\npart = 0.5\n\n[[program]]\namax_g = 8\nramp_s = 0.5\nhold_s = 6\n";
+        let (_, right) = run(&text(count, STEPPERS, &apart, long));
+        assert_eq!((right.state, right.fault), (State::Parked, None), "{count}");
+        for (a, b) in (0..count).flat_map(|b| (0..b).map(move |a| (a, b))) {
+            let swapped = format!(
+                "{long}[[fault]]\nat_s = 0\nkind = \"swapped-wiring\"\naxis = {a}\nwith = {b}\nlines = \"sensors\"\n"
+            );
+            let (looks, outcome) = run(&text(count, STEPPERS, &apart, &swapped));
+            let Some(fault) = outcome.fault else {
+                panic!("{count}: {a}, {b}: not stopped");
+            };
+            assert_eq!(fault.kind, FaultKind::SwappedWiring, "{count}: {a}, {b}");
+            assert!(
+                [Some(a), Some(b)].contains(&fault.axis),
+                "{fault:?}, not {a} or {b}"
+            );
+            // The trims' limit is 5°.
+            assert!(looks.largest_deg < 4.0, "{}° of trim", looks.largest_deg);
+        }
+    }
+}
+
 /// Were it wrong, a crank that lost its steps in align would be corrected with what it was before, be looked at for three turns more,
 /// or be driven up to speed. In whatever step of align they are lost, from the first pulse on to the last look.
 #[test]

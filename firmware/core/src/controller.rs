@@ -328,7 +328,9 @@ impl<const N: usize> Controller<N> {
         if self.supervisor.state() == State::Align && found.is_none() {
             found = self.find_out();
         } else if self.correction.is_on() && self.supervisor.state() == State::Run {
-            self.correct();
+            let swapped = self.correct();
+            // What is told in safety of cranks that are driven apart comes of that.
+            found = found.filter(|found| !found.in_safety).or(swapped).or(found);
         }
         let mut seen = Seen {
             at_rest: self.motion.at_rest,
@@ -379,27 +381,26 @@ impl<const N: usize> Controller<N> {
             .advance(&mut self.drift, &mut self.correction, self.motion.speed);
         let park = self.park_crank.wrapping_sub(self.align.datum());
         self.park = Phase::from_turns(park).within_turn();
-        found.map(|fault| Finding {
-            fault,
-            in_safety: false,
-            refines: false,
-        })
+        found.map(Finding::of)
     }
 
-    /// Trims away part of what drives the cranks apart, once a turn.
-    fn correct(&mut self) {
+    /// Trims away part of what drives the cranks apart, once a turn; unless that is what drives them apart.
+    fn correct(&mut self) -> Option<Finding> {
         if self.drift.has_encoders() {
             self.turned = self.turned.wrapping_add(self.motion.speed);
             if self.turned < Turns::ONE {
-                return;
+                return None;
             }
             self.turned = Turns::ZERO;
         } else if self.corrected == self.drift.rounds() {
-            return;
+            return None;
         }
         self.corrected = self.drift.rounds();
         if self.correction.is_moving() || !self.drift.is_aligned() {
-            return;
+            return None;
+        }
+        if let Some(fault) = self.align.corrected(&self.drift, &self.correction) {
+            return Some(Finding::of(fault));
         }
         let errors = align::errors(&self.drift, &self.correction);
         let watched = self.drift.watched();
@@ -408,6 +409,7 @@ impl<const N: usize> Controller<N> {
         if self.correction.past_limit(&target).is_none() && self.drift.allows(&target) {
             self.correction.go_to(target);
         }
+        None
     }
 
     /// The master's phase as the cranks stand.

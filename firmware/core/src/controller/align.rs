@@ -20,8 +20,8 @@ use crate::drift::DriftMonitor;
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{Turns, nearest};
 use looks::{Look, stray};
-use patterns::is_pattern;
 pub(super) use patterns::wiring_patterns;
+use patterns::{APART, is_pattern};
 
 /// How far align has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -70,7 +70,9 @@ const MOST_WAITED: Turns = Turns::lit("8");
 
 /// Looks after which a crank that strays in each is believed to.
 const LOOKS: u8 = 3;
-/// One of them, 16 fraction bits.
+/// Corrections after which it is believed in run: by the third, what a swap does may pass for a crank that runs away.
+const TWICE: u8 = 2;
+/// One of the looks, 16 fraction bits.
 const PART_OF_LOOKS: i64 = 65_536 / LOOKS as i64;
 
 impl<const N: usize> Align<N> {
@@ -150,15 +152,18 @@ impl<const N: usize> Align<N> {
                 self.step = Step::Look;
             }
             Step::Look if monitor.has_looked() => return self.looked(monitor, correction),
-            Step::Return if !correction.is_moving() => self.finish(monitor),
+            Step::Return if !correction.is_moving() => self.finish(monitor, correction),
             _ => {}
         }
         None
     }
 
-    fn finish(&mut self, monitor: &mut DriftMonitor<N>) {
+    fn finish(&mut self, monitor: &mut DriftMonitor<N>, correction: &Correction<N>) {
         monitor.settle();
         self.step = Step::Done;
+        self.looks = 0;
+        self.before = monitor.calm_drift();
+        self.from = *correction.now();
     }
 
     /// Every index has been heard.
@@ -206,7 +211,7 @@ impl<const N: usize> Align<N> {
             .filter(|levels| is_pattern(*levels));
         let Some(&pattern) = pattern else {
             if self.proven == 0 {
-                self.finish(monitor);
+                self.finish(monitor, correction);
             } else {
                 correction.go_to(self.base);
                 self.step = Step::Return;
@@ -317,6 +322,31 @@ impl<const N: usize> Align<N> {
         Some(Fault::new(kind).on_axis(axis).with_size(by))
     }
 
+    /// The cranks are about to be corrected once more, in run: whether they did what they were told the last time. One that shows
+    /// in two corrections, one after the other, what another was told has its lines swapped with that one's, and the more is
+    /// corrected the further they go.
+    pub(super) fn corrected(
+        &mut self,
+        monitor: &DriftMonitor<N>,
+        correction: &Correction<N>,
+    ) -> Option<Fault> {
+        let mut looks = self.compare(monitor, correction);
+        // Each such correction is half as large again as the one before: it must be seen before it looks like something else.
+        for (axis, look) in looks.iter_mut().enumerate() {
+            look.allowed = monitor.tolerance(axis);
+        }
+        self.before = monitor.calm_drift();
+        self.from = *correction.now();
+        let swapped = stray(&looks, monitor.watched(), false).filter(|&(_, _, swapped)| swapped);
+        let Some((axis, off, _)) = swapped else {
+            self.looks = 0;
+            return None;
+        };
+        self.looks += 1;
+        let fault = Fault::new(FaultKind::SwappedWiring).on_axis(axis);
+        (self.looks >= TWICE).then_some(fault.with_size(off))
+    }
+
     /// What each crank did since they were moved, beside how far they are to go.
     fn on_the_way(&self, monitor: &DriftMonitor<N>, correction: &Correction<N>) -> [Look; N] {
         let mut looks = self.compare(monitor, correction);
@@ -336,7 +366,7 @@ impl<const N: usize> Align<N> {
             Look {
                 off: nearest(at(&drift).wrapping_sub(at(&self.before))),
                 moved: at(correction.now()).wrapping_sub(at(&self.from)),
-                tolerance: monitor.tolerance(axis),
+                allowed: Turns::from_bits(monitor.tolerance(axis).to_bits() * APART / 2),
             }
         })
     }

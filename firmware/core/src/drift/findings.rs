@@ -16,6 +16,17 @@ pub struct Finding {
     pub refines: bool,
 }
 
+impl Finding {
+    /// Of what is no longer safe, and was not told before.
+    pub(crate) const fn of(fault: Fault) -> Self {
+        Self {
+            fault,
+            in_safety: false,
+            refines: false,
+        }
+    }
+}
+
 /// Turns after which what a machine was stopped for gets no better name: a crank at the end of a stop does other things.
 const NAMED_WITHIN: Turns = Turns::lit("4");
 

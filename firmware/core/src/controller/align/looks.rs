@@ -1,6 +1,5 @@
 //! What cranks did when they were moved, next to what they were told: which of them strays, and whether it does what another was told.
 
-use super::patterns::APART;
 use crate::units::{Turns, nearest};
 
 /// What a crank was found to have done when it was moved.
@@ -10,15 +9,14 @@ pub(super) struct Look {
     pub off: Turns,
     /// What it was told.
     pub moved: Turns,
-    /// What its readings may be off by.
-    pub tolerance: Turns,
+    /// What both may be off by.
+    pub allowed: Turns,
 }
 
 /// The crank that strays most, by how much, and whether it does what another was told.
 #[inline(never)] // one for every number of axes
 pub(super) fn stray(looks: &[Look], watched: u8, on_the_way: bool) -> Option<(usize, Turns, bool)> {
-    let allowed = |look: &Look| Turns::from_bits(look.tolerance.to_bits() * APART / 2);
-    let strays = |look: &Look| look.off.abs() > allowed(look);
+    let strays = |look: &Look| look.off.abs() > look.allowed;
     let (axis, look) = looks
         .iter()
         .enumerate()
@@ -27,11 +25,11 @@ pub(super) fn stray(looks: &[Look], watched: u8, on_the_way: bool) -> Option<(us
     // As far off as some other crank was moved further?
     let follows = |other: usize, by: Turns| {
         let between = by.wrapping_sub(look.moved);
-        let apart = between.abs() > allowed(look);
+        let apart = between.abs() > look.allowed;
         let rest = nearest(between.wrapping_sub(look.off));
         // On the way there it may be anywhere between.
         let partly = on_the_way && (look.off < 0) == (between < 0) && (rest < 0) == (between < 0);
-        other != axis && apart && (partly || rest.abs() <= allowed(look))
+        other != axis && apart && (partly || rest.abs() <= look.allowed)
     };
     let mut others = looks.iter().enumerate();
     let is_swapped = others.any(|(other, at)| follows(other, at.moved));
