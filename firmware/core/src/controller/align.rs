@@ -162,7 +162,7 @@ impl<const N: usize> Align<N> {
         monitor.settle();
         self.step = Step::Done;
         self.looks = 0;
-        self.before = monitor.calm_drift();
+        self.before = monitor.drift_at_flags();
         self.from = *correction.now();
     }
 
@@ -257,7 +257,7 @@ impl<const N: usize> Align<N> {
         }
         // Both tilts are looked at against the cranks without any: from one to the other two may be moved alike.
         if self.proven <= 1 {
-            self.before = monitor.calm_drift();
+            self.before = monitor.drift_at_flags();
             self.from = *correction.now();
         }
         self.looks = 0;
@@ -330,12 +330,12 @@ impl<const N: usize> Align<N> {
         monitor: &DriftMonitor<N>,
         correction: &Correction<N>,
     ) -> Option<Fault> {
-        let mut looks = self.compare(monitor, correction);
+        let mut looks = self.compare(&monitor.drift_at_flags(), monitor, correction);
         // Each such correction is half as large again as the one before: it must be seen before it looks like something else.
         for (axis, look) in looks.iter_mut().enumerate() {
             look.allowed = monitor.tolerance(axis);
         }
-        self.before = monitor.calm_drift();
+        self.before = monitor.drift_at_flags();
         self.from = *correction.now();
         let swapped = stray(&looks, monitor.watched(), false).filter(|&(_, _, swapped)| swapped);
         let Some((axis, off, _)) = swapped else {
@@ -349,7 +349,7 @@ impl<const N: usize> Align<N> {
 
     /// What each crank did since they were moved, beside how far they are to go.
     fn on_the_way(&self, monitor: &DriftMonitor<N>, correction: &Correction<N>) -> [Look; N] {
-        let mut looks = self.compare(monitor, correction);
+        let mut looks = self.compare(&monitor.calm_drift(), monitor, correction);
         let going = correction.target().iter().zip(&self.from);
         for (look, (to, &from)) in looks.iter_mut().zip(going) {
             look.moved = to.wrapping_sub(from);
@@ -357,14 +357,18 @@ impl<const N: usize> Align<N> {
         looks
     }
 
-    /// What each crank did since they were moved, beside what it was told.
+    /// What each crank did since they were moved, by its drift then and now, beside what it was told.
     #[inline(never)]
-    fn compare(&self, monitor: &DriftMonitor<N>, correction: &Correction<N>) -> [Look; N] {
-        let drift = monitor.calm_drift();
+    fn compare(
+        &self,
+        drift: &[Turns; N],
+        monitor: &DriftMonitor<N>,
+        correction: &Correction<N>,
+    ) -> [Look; N] {
         core::array::from_fn(|axis| {
             let at = |turns: &[Turns; N]| turns.get(axis).copied().unwrap_or_default();
             Look {
-                off: nearest(at(&drift).wrapping_sub(at(&self.before))),
+                off: nearest(at(drift).wrapping_sub(at(&self.before))),
                 moved: at(correction.now()).wrapping_sub(at(&self.from)),
                 allowed: Turns::from_bits(monitor.tolerance(axis).to_bits() * APART / 2),
             }
@@ -379,7 +383,7 @@ impl<const N: usize> Align<N> {
         correction: &mut Correction<N>,
     ) -> Option<Fault> {
         monitor.refresh();
-        let mut looks = self.compare(monitor, correction);
+        let mut looks = self.compare(&monitor.drift_at_flags(), monitor, correction);
         self.looks += 1;
         for (sum, look) in self.off.iter_mut().zip(&looks) {
             *sum = sum.wrapping_add(look.off);

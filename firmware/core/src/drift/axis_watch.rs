@@ -28,6 +28,8 @@ pub(super) struct AxisWatch {
     /// Where the tick began in which the encoder was read last, and where the one in which it jumped.
     began: Phase,
     jumped_at: Phase,
+    /// What motor and command differed by as the index was heard last.
+    at_flag: Turns,
     tolerance: Turns,
     /// Further than this angle from where it was, a crank has moved.
     gate: u32,
@@ -74,6 +76,13 @@ impl AxisWatch {
         } else {
             tolerance
         };
+        // One that is late by a gate has lost a cycle, or seems to. Where a cycle is too far, it may have been since a turn ago.
+        let is_cycle_too_far = cycle > 0 && alone < cycle.saturating_sub(tolerance);
+        let overdue = if is_cycle_too_far {
+            gate
+        } else {
+            alone.max(gate)
+        };
         let ticks = |time_s: f64| time_s * f64::from(tick_hz) * 65_536.0;
         // From a pulse's edge until the filter tells of it: what it bridges, and its width.
         let filter_s = filter_s * f64::from(BRIDGE_WIDTHS + 1);
@@ -86,7 +95,7 @@ impl AxisWatch {
             tolerance,
             // Where the crank is taken from an encoder, that one's noise comes on top, then and now.
             sure: Turns::from_bits(tolerance.to_bits() << u32::from(axis.encoder)),
-            overdue: alone.max(gate),
+            overdue,
             calm: if axis.encoder { CALM } else { 0 },
         };
         let index = axis.index_turns.map(|index| IndexWatch::new(place(index)));
@@ -101,6 +110,7 @@ impl AxisWatch {
             read: Read::Nothing,
             began: Phase::ZERO,
             jumped_at: Phase::ZERO,
+            at_flag: Turns::ZERO,
             tolerance,
             gate: angle(gate).unsigned_abs(),
             alone,
@@ -225,11 +235,20 @@ impl AxisWatch {
         }
     }
 
-    /// The same with little of the readings' noise, and some ticks late: where cranks are compared with where they were.
+    /// The same with little of the readings' noise, and some ticks late.
     pub(super) fn calm_drift(&self) -> Turns {
         match &self.encoder {
             Some(encoder) => nearest(self.offset().wrapping_add(encoder.calm_drift())),
             None => self.offset(),
+        }
+    }
+
+    /// The same as its crank passed its flag last: what loads do to a crank is the same there in each turn. Of one without a flag,
+    /// now.
+    pub(super) fn drift_at_flag(&self) -> Turns {
+        match (&self.encoder, &self.index) {
+            (Some(_), Some(_)) => nearest(self.offset().wrapping_add(self.at_flag)),
+            _ => self.calm_drift(),
         }
     }
 

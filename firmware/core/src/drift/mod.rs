@@ -386,6 +386,11 @@ impl<const N: usize> DriftMonitor<N> {
         core::array::from_fn(|axis| self.axes[axis].calm_drift())
     }
 
+    /// The same as each crank passed its flag last: to be compared with what it was a turn ago.
+    pub fn drift_at_flags(&self) -> [Turns; N] {
+        core::array::from_fn(|axis| self.axes[axis].drift_at_flag())
+    }
+
     /// Takes in what was heard in a round that is not over.
     pub fn refresh(&mut self) {
         self.update();

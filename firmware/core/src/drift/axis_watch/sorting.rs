@@ -75,6 +75,9 @@ impl AxisWatch {
             Heard::Unheard => self.nowhere(),
             Heard::Overdue => Sorted::unheard(self.overdue(patience)),
         };
+        if let (true, Some(encoder)) = (sorted.is_heard, &self.encoder) {
+            self.at_flag = encoder.calm_drift();
+        }
         if let Some(told) = self.sort_encoder(sorted.told.is_some()) {
             sorted.told = Some(told);
         }

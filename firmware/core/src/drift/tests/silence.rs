@@ -8,23 +8,34 @@ fn tick_of(place: f64, speed: f64) -> (u32, f64) {
     (ticks as u32, ticks.fract() * f64::from(TICK_CYCLES))
 }
 
-/// Were it wrong, a crank that stands would be a tick longer on its way: at 200 rev/s and 2 kHz that is 36°.
+/// Were it wrong, a crank that stands would be a tick longer on its way: at 200 rev/s and 2 kHz that is 36°. It is overdue when it
+/// may have been past its limit for a turn: as soon as it is late by its limit; of a stepper that is past it with a cycle lost, as soon as
+/// it is out of place.
 #[test]
 fn an_overdue_pulse_is_told_in_the_tick_in_which_it_is_overdue() {
     let filter_cycles = 3.0 * 2e-6 * f64::from(crate::settings::CLOCK_HZ);
     for speed in [0.0013, 0.01, 0.031, 0.0997] {
-        let mut cranks = Cranks::new(monitor::<4>(3.0, 5.0, 15.0), speed).aligned();
-        let overdue = cranks.monitor.axes[3].alone().to_num::<f64>();
-        let ticks = (2.2 / speed) as u32;
-        let found = cranks.turn_with(ticks, |_, _| 0.0, |i, _, pulse| pulse.filter(|_| i != 3));
-        let (mut due, cycle) = tick_of(2.0 + overdue, speed);
-        // A pulse in the filter's time before the tick's end may be told of in the next.
-        due += u32::from(cycle > f64::from(TICK_CYCLES) - filter_cycles);
-        assert_eq!(
-            (found[0].0, found[0].1.fault.kind),
-            (due, FaultKind::Silent),
-            "{speed} turns a tick"
-        );
+        for cycle_steps in [0, 64] {
+            let mut settings = settings::<4>(3.0, 5.0, 15.0);
+            settings.axes[3].cycle_steps = cycle_steps;
+            let mut monitor = DriftMonitor::new(&settings);
+            monitor.reset(&[Phase::ZERO; 4]);
+            let alone = monitor.axes[3].alone().to_num::<f64>();
+            assert!((0.006..0.018).contains(&alone), "{alone}");
+            let gate = 4.0 * monitor.tolerance(3).to_num::<f64>();
+            let overdue = if cycle_steps == 0 { alone } else { gate };
+            let mut cranks = Cranks::new(monitor, speed).aligned();
+            let ticks = (2.2 / speed) as u32;
+            let found = cranks.turn_with(ticks, |_, _| 0.0, |i, _, pulse| pulse.filter(|_| i != 3));
+            let (mut due, cycle) = tick_of(2.0 + overdue, speed);
+            // A pulse in the filter's time before the tick's end may be told of in the next.
+            due += u32::from(cycle > f64::from(TICK_CYCLES) - filter_cycles);
+            assert_eq!(
+                (found[0].0, found[0].1.fault.kind),
+                (due, FaultKind::Silent),
+                "{speed} turns a tick, {cycle_steps} steps a cycle"
+            );
+        }
     }
 }
 
@@ -38,7 +49,7 @@ fn a_line_that_is_late_is_waited_for() {
     }
     let mut monitor = DriftMonitor::new(&settings);
     monitor.reset(&[Phase::ZERO; 3]);
-    let overdue = monitor.axes[0].alone().to_num::<f64>();
+    let overdue = 4.0 * monitor.tolerance(1).to_num::<f64>();
     let silent_after = 5.5;
     let mut told = None;
     for tick in 0..350_u32 {
