@@ -9,6 +9,7 @@ mod align;
 mod channel;
 mod punctuality;
 mod telling;
+mod wiring_proof;
 
 use crate::axes::{Axis, Correction};
 use crate::drift::{DriftMonitor, Finding, Sensed, TickPhase};
@@ -25,6 +26,7 @@ use align::Align;
 use channel::Channel;
 use punctuality::Punctuality;
 use telling::weigh;
+use wiring_proof::wiring_patterns;
 
 /// The control loop's state, less its waiting.
 #[derive(Clone, Debug)]
@@ -144,7 +146,7 @@ impl<const N: usize> Controller<N> {
         let drift = DriftMonitor::new(settings);
         let correction = Correction::new(settings);
         let patterns = if settings.correction.prove_wiring {
-            align::wiring_patterns(&drift, &correction)?
+            wiring_patterns(&drift, &correction)?
         } else {
             [[Turns::ZERO; N]; 2]
         };
@@ -153,6 +155,7 @@ impl<const N: usize> Controller<N> {
             .iter()
             .all(|axis| axis.ratio.0 == axis.ratio.1);
         let lag = turns(settings.drift.common_limit_deg / 360.0 / LAG_PART);
+        let tolerance = core::array::from_fn(|axis| drift.tolerance(axis));
         let park = Phase::from_turns(turns(settings.park_turns)).within_turn();
         let coupling = Coupling::new(settings);
         let measured = |axis: &AxisSettings| axis.drive == DriveKind::Servo && axis.encoder;
@@ -172,8 +175,8 @@ impl<const N: usize> Controller<N> {
             park,
             has_servos: feed_forward.iter().any(Option::is_some),
             pace: Paces::new(timing.tick()),
+            align: Align::new(patterns, has_datum, lag, tolerance),
             drift,
-            align: Align::new(patterns, has_datum, lag),
             correction,
             corrected: 0,
             turned: Turns::ZERO,

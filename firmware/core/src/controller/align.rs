@@ -13,15 +13,13 @@
 //! moved slowly, and one look alone may catch it so.
 
 mod looks;
-mod patterns;
 
+use super::wiring_proof::APART;
 use crate::axes::Correction;
-use crate::drift::DriftMonitor;
+use crate::drift::{AxisSet, DriftMonitor};
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{Turns, nearest};
-use looks::{Look, stray};
-pub(super) use patterns::wiring_patterns;
-use patterns::{APART, is_pattern};
+use looks::{Moves, Stray};
 
 /// How far align has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -51,6 +49,8 @@ pub(super) struct Align<const N: usize> {
     has_datum: bool,
     /// A mean up to this is lag, and no other zero.
     lag: Turns,
+    /// What readings may be off by.
+    tolerance: [Turns; N],
     /// Tilts that have been looked at, and the trims without them.
     proven: usize,
     base: [Turns; N],
@@ -77,12 +77,18 @@ const PART_OF_LOOKS: i64 = 65_536 / LOOKS as i64;
 
 impl<const N: usize> Align<N> {
     /// With the tilts that prove the wiring, or none.
-    pub(super) const fn new(patterns: [[Turns; N]; 2], has_datum: bool, lag: Turns) -> Self {
+    pub(super) const fn new(
+        patterns: [[Turns; N]; 2],
+        has_datum: bool,
+        lag: Turns,
+        tolerance: [Turns; N],
+    ) -> Self {
         Self {
             step: Step::Off,
             patterns,
             has_datum,
             lag,
+            tolerance,
             proven: 0,
             base: [Turns::ZERO; N],
             waited: Turns::ZERO,
@@ -286,8 +292,42 @@ impl<const N: usize> Align<N> {
         }
     }
 
+    /// What the cranks did since they were moved to trims, by their drifts now; it may be off by so many halves of a tolerance.
+    const fn moves<'a>(
+        &'a self,
+        drift: &'a [Turns; N],
+        to: &'a [Turns; N],
+        halves: i64,
+    ) -> Moves<'a> {
+        Moves {
+            before: &self.before,
+            drift,
+            from: &self.from,
+            to,
+            tolerance: &self.tolerance,
+            halves,
+            on_the_way: false,
+        }
+    }
+
+    /// Of a set of cranks that are on their way to where they were told to go, the one that strays most.
+    fn on_the_way(
+        &self,
+        set: AxisSet,
+        monitor: &DriftMonitor<N>,
+        correction: &Correction<N>,
+    ) -> Option<Stray> {
+        let drift = monitor.calm_drift();
+        let moves = Moves {
+            on_the_way: true,
+            ..self.moves(&drift, correction.target(), APART)
+        };
+        moves.stray(set)
+    }
+
     /// Why cranks that were moved seem too far out, if it is that two are swapped.
     #[cold]
+    #[inline(never)]
     pub(super) fn explain(
         &self,
         monitor: &DriftMonitor<N>,
@@ -297,15 +337,15 @@ impl<const N: usize> Align<N> {
             return None;
         }
         // While they are on their way, each may show part of what the other was told.
-        let looks = self.on_the_way(monitor, correction);
-        let (axis, off, is_swapped) = stray(&looks, monitor.watched(), true)?;
-        let fault = Fault::new(FaultKind::SwappedWiring).on_axis(axis);
-        is_swapped.then_some(fault.with_size(off))
+        let stray = self.on_the_way(monitor.watched(), monitor, correction)?;
+        let fault = Fault::new(FaultKind::SwappedWiring).on_axis(stray.axis);
+        stray.is_swapped.then_some(fault.with_size(stray.off))
     }
 
     /// A crank was heard elsewhere than in the turn before, by so much: that is told at once, unless it is no further than a rotor
     /// swings, or another was told to go there, so that the looks have to tell.
     #[cold]
+    #[inline(never)]
     fn moved(
         &self,
         axis: usize,
@@ -313,9 +353,10 @@ impl<const N: usize> Align<N> {
         monitor: &DriftMonitor<N>,
         correction: &Correction<N>,
     ) -> Option<Fault> {
-        let goes = self.step != Step::Find;
-        let looks = self.on_the_way(monitor, correction);
-        if by.abs() <= monitor.swing(axis) || goes && stray(&looks, 1 << axis, true)?.2 {
+        if by.abs() <= monitor.swing(axis) {
+            return None;
+        }
+        if self.step != Step::Find && self.on_the_way(1 << axis, monitor, correction)?.is_swapped {
             return None;
         }
         let kind = monitor.name_of(axis, by);
@@ -325,54 +366,27 @@ impl<const N: usize> Align<N> {
     /// The cranks are about to be corrected once more, in run: whether they did what they were told the last time. One that shows
     /// in two corrections, one after the other, what another was told has its lines swapped with that one's, and the more is
     /// corrected the further they go.
+    #[inline(never)]
     pub(super) fn corrected(
         &mut self,
         monitor: &DriftMonitor<N>,
         correction: &Correction<N>,
     ) -> Option<Fault> {
-        let mut looks = self.compare(&monitor.drift_at_flags(), monitor, correction);
+        let drift = monitor.drift_at_flags();
         // Each such correction is half as large again as the one before: it must be seen before it looks like something else.
-        for (axis, look) in looks.iter_mut().enumerate() {
-            look.allowed = monitor.tolerance(axis);
-        }
-        self.before = monitor.drift_at_flags();
+        let moves = self.moves(&drift, correction.now(), 2);
+        let swapped = moves
+            .stray(monitor.watched())
+            .filter(|stray| stray.is_swapped);
+        self.before = drift;
         self.from = *correction.now();
-        let swapped = stray(&looks, monitor.watched(), false).filter(|&(_, _, swapped)| swapped);
-        let Some((axis, off, _)) = swapped else {
+        let Some(swapped) = swapped else {
             self.looks = 0;
             return None;
         };
         self.looks += 1;
-        let fault = Fault::new(FaultKind::SwappedWiring).on_axis(axis);
-        (self.looks >= TWICE).then_some(fault.with_size(off))
-    }
-
-    /// What each crank did since they were moved, beside how far they are to go.
-    fn on_the_way(&self, monitor: &DriftMonitor<N>, correction: &Correction<N>) -> [Look; N] {
-        let mut looks = self.compare(&monitor.calm_drift(), monitor, correction);
-        let going = correction.target().iter().zip(&self.from);
-        for (look, (to, &from)) in looks.iter_mut().zip(going) {
-            look.moved = to.wrapping_sub(from);
-        }
-        looks
-    }
-
-    /// What each crank did since they were moved, by its drift then and now, beside what it was told.
-    #[inline(never)]
-    fn compare(
-        &self,
-        drift: &[Turns; N],
-        monitor: &DriftMonitor<N>,
-        correction: &Correction<N>,
-    ) -> [Look; N] {
-        core::array::from_fn(|axis| {
-            let at = |turns: &[Turns; N]| turns.get(axis).copied().unwrap_or_default();
-            Look {
-                off: nearest(at(drift).wrapping_sub(at(&self.before))),
-                moved: at(correction.now()).wrapping_sub(at(&self.from)),
-                allowed: Turns::from_bits(monitor.tolerance(axis).to_bits() * APART / 2),
-            }
-        })
+        let fault = Fault::new(FaultKind::SwappedWiring).on_axis(swapped.axis);
+        (self.looks >= TWICE).then_some(fault.with_size(swapped.off))
     }
 
     /// The cranks have been moved, and each heard once more.
@@ -383,30 +397,33 @@ impl<const N: usize> Align<N> {
         correction: &mut Correction<N>,
     ) -> Option<Fault> {
         monitor.refresh();
-        let mut looks = self.compare(&monitor.drift_at_flags(), monitor, correction);
+        let mut drift = monitor.drift_at_flags();
         self.looks += 1;
-        for (sum, look) in self.off.iter_mut().zip(&looks) {
-            *sum = sum.wrapping_add(look.off);
+        for (sum, (now, &before)) in self.off.iter_mut().zip(drift.iter().zip(&self.before)) {
+            *sum = sum.wrapping_add(nearest(now.wrapping_sub(before)));
         }
-        if stray(&looks, monitor.watched(), false).is_none() {
+        let moves = self.moves(&drift, correction.now(), APART);
+        if moves.stray(monitor.watched()).is_none() {
             return self.go_on(monitor, correction);
         }
         if self.looks < LOOKS {
             monitor.look_again();
             return None;
         }
-        for (look, off) in looks.iter_mut().zip(self.off) {
-            look.off = Turns::from_bits((off.to_bits() >> 16) * PART_OF_LOOKS);
+        for (mean, (off, &before)) in drift.iter_mut().zip(self.off.iter().zip(&self.before)) {
+            let off = Turns::from_bits((off.to_bits() >> 16) * PART_OF_LOOKS);
+            *mean = before.wrapping_add(off);
         }
-        let Some((axis, off, is_swapped)) = stray(&looks, monitor.watched(), false) else {
+        let moves = self.moves(&drift, correction.now(), APART);
+        let Some(stray) = moves.stray(monitor.watched()) else {
             return self.go_on(monitor, correction);
         };
-        let kind = if is_swapped {
+        let kind = if stray.is_swapped {
             FaultKind::SwappedWiring
         } else {
-            monitor.name_of(axis, off)
+            monitor.name_of(stray.axis, stray.off)
         };
-        Some(Fault::new(kind).on_axis(axis).with_size(off))
+        Some(Fault::new(kind).on_axis(stray.axis).with_size(stray.off))
     }
 }
 
@@ -430,4 +447,9 @@ pub(super) fn errors<const N: usize>(
     correction: &Correction<N>,
 ) -> [Turns; N] {
     core::array::from_fn(|axis| nearest(monitor.drift()[axis].wrapping_add(correction.now()[axis])))
+}
+
+/// Whether it tilts anything.
+fn is_pattern(levels: &[Turns]) -> bool {
+    levels.iter().any(|&level| level != 0)
 }

@@ -383,12 +383,16 @@ impl<const N: usize> DriftMonitor<N> {
 
     /// The drift of each axis as it is known now, round or not, with little of the readings' noise and some ticks late.
     pub fn calm_drift(&self) -> [Turns; N] {
-        core::array::from_fn(|axis| self.axes[axis].calm_drift())
+        let mut drifts = self.drift;
+        fill(&mut drifts, &self.axes, AxisWatch::calm_drift);
+        drifts
     }
 
     /// The same as each crank passed its flag last: to be compared with what it was a turn ago.
     pub fn drift_at_flags(&self) -> [Turns; N] {
-        core::array::from_fn(|axis| self.axes[axis].drift_at_flag())
+        let mut drifts = self.drift;
+        fill(&mut drifts, &self.axes, AxisWatch::drift_at_flag);
+        drifts
     }
 
     /// Takes in what was heard in a round that is not over.
@@ -494,6 +498,14 @@ fn stirred(
         own <<= 1;
     }
     set
+}
+
+/// A drift of each axis.
+#[inline(never)] // one for every number of axes
+fn fill(drifts: &mut [Turns], axes: &[AxisWatch], of: impl Fn(&AxisWatch) -> Turns) {
+    for (drift, watch) in drifts.iter_mut().zip(axes) {
+        *drift = of(watch);
+    }
 }
 
 /// Compares what each axis of a set did in a round with what they did in common.

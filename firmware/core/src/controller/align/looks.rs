@@ -1,37 +1,75 @@
 //! What cranks did when they were moved, next to what they were told: which of them strays, and whether it does what another was told.
 
+use crate::drift::AxisSet;
 use crate::units::{Turns, nearest};
 
-/// What a crank was found to have done when it was moved.
+/// Cranks that were moved, or are on their way: a place for each in every slice.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Look {
-    /// Away from what it was told.
-    pub off: Turns,
-    /// What it was told.
-    pub moved: Turns,
-    /// What both may be off by.
-    pub allowed: Turns,
+pub(super) struct Moves<'a> {
+    /// Drifts before, and now.
+    pub before: &'a [Turns],
+    pub drift: &'a [Turns],
+    /// Trims before, and those that they were told.
+    pub from: &'a [Turns],
+    pub to: &'a [Turns],
+    /// What a reading may be off by.
+    pub tolerance: &'a [Turns],
+    /// So many halves of that are allowed.
+    pub halves: i64,
+    /// On the way there a crank may be anywhere between.
+    pub on_the_way: bool,
 }
 
-/// The crank that strays most, by how much, and whether it does what another was told.
-#[inline(never)] // one for every number of axes
-pub(super) fn stray(looks: &[Look], watched: u8, on_the_way: bool) -> Option<(usize, Turns, bool)> {
-    let strays = |look: &Look| look.off.abs() > look.allowed;
-    let (axis, look) = looks
-        .iter()
-        .enumerate()
-        .filter(|&(axis, look)| watched & 1 << axis != 0 && strays(look))
-        .max_by_key(|(_, look)| look.off.abs())?;
-    // As far off as some other crank was moved further?
-    let follows = |other: usize, by: Turns| {
-        let between = by.wrapping_sub(look.moved);
-        let apart = between.abs() > look.allowed;
-        let rest = nearest(between.wrapping_sub(look.off));
-        // On the way there it may be anywhere between.
-        let partly = on_the_way && (look.off < 0) == (between < 0) && (rest < 0) == (between < 0);
-        other != axis && apart && (partly || rest.abs() <= look.allowed)
-    };
-    let mut others = looks.iter().enumerate();
-    let is_swapped = others.any(|(other, at)| follows(other, at.moved));
-    Some((axis, look.off, is_swapped))
+/// A crank that did not do what it was told.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stray {
+    pub axis: usize,
+    /// By how much it is off.
+    pub off: Turns,
+    /// It does what another was told.
+    pub is_swapped: bool,
+}
+
+impl Moves<'_> {
+    /// Of a set of axes, the one that strays most.
+    #[inline(never)] // one for every number of axes
+    pub(super) fn stray(&self, set: AxisSet) -> Option<Stray> {
+        let mut worst: Option<Stray> = None;
+        for axis in 0..self.drift.len() {
+            let off = nearest(difference(self.drift, self.before, axis));
+            let most = worst.map_or(self.allowed(axis), |worst| worst.off.abs());
+            if set & 1 << axis != 0 && off.abs() > most {
+                worst = Some(Stray {
+                    axis,
+                    off,
+                    is_swapped: false,
+                });
+            }
+        }
+        let mut worst = worst?;
+        worst.is_swapped = (0..self.drift.len()).any(|other| self.follows(&worst, other));
+        Some(worst)
+    }
+
+    /// Whether a crank is as far off as another was moved further.
+    fn follows(&self, stray: &Stray, other: usize) -> bool {
+        let moved = |axis| difference(self.to, self.from, axis);
+        let between = moved(other).wrapping_sub(moved(stray.axis));
+        let allowed = self.allowed(stray.axis);
+        let rest = nearest(between.wrapping_sub(stray.off));
+        let same_sense = |turns: Turns| (turns < 0) == (between < 0);
+        let is_between = self.on_the_way && same_sense(stray.off) && same_sense(rest);
+        let is_there = is_between || rest.abs() <= allowed;
+        other != stray.axis && between.abs() > allowed && is_there
+    }
+
+    fn allowed(&self, axis: usize) -> Turns {
+        let tolerance = self.tolerance.get(axis).copied().unwrap_or_default();
+        Turns::from_bits(tolerance.to_bits() * self.halves / 2)
+    }
+}
+
+fn difference(now: &[Turns], before: &[Turns], axis: usize) -> Turns {
+    let at = |turns: &[Turns]| turns.get(axis).copied().unwrap_or_default();
+    at(now).wrapping_sub(at(before))
 }

@@ -1,4 +1,4 @@
-//! The tilts that prove whose lines are whose: about one axis, and about the other.
+//! The tilts that prove whose lines are whose: about one axis, and about the other. Made once, of settings; [`super::align`] plays them.
 
 use crate::axes::Correction;
 use crate::drift::DriftMonitor;
@@ -12,7 +12,7 @@ pub(super) const APART: i64 = 3;
 ///
 /// # Errors
 /// They do not.
-pub(in crate::controller) fn wiring_patterns<const N: usize>(
+pub(super) fn wiring_patterns<const N: usize>(
     drift: &DriftMonitor<N>,
     correction: &Correction<N>,
 ) -> Result<[[Turns; N]; 2], SettingsError> {
@@ -58,9 +58,4 @@ fn patterns<const N: usize>(tolerance: Turns) -> [[Turns; N]; 2] {
         }
         levels
     })
-}
-
-/// Whether it tilts anything.
-pub(super) fn is_pattern(levels: &[Turns]) -> bool {
-    levels.iter().any(|&level| level != 0)
 }
