@@ -25,18 +25,18 @@ pub(super) struct Gain {
 }
 
 /// The multiple of the jerk below an acceleration.
-struct Step {
+pub(super) struct Step {
     /// n, below 2²³: settings bound the length of a ramp.
-    number: u32,
+    pub number: u32,
     /// b = n J.
-    base: u64,
+    pub base: u64,
     /// g(b) = b (n + 1)/2.
     gain: u64,
 }
 
 impl Gain {
-    /// For `jerk` (64 or more), accelerations up to `most` and gains up to `speed`, none of which must take over 2²³
-    /// ticks to let go.
+    /// For `jerk` (59 or more: 64 less what planning leaves, and a rounding), accelerations up to `most` and gains up
+    /// to `speed`, none of which must take over 2²³ ticks to let go.
     pub const fn new(jerk: u64, most: u64, speed: u64) -> Self {
         let fastest = settling(speed, jerk);
         let most = if most > fastest { most } else { fastest };
@@ -57,11 +57,12 @@ impl Gain {
     }
 
     /// g(a) of an acceleration from a step up to, and including, the next.
-    const fn above(&self, step: &Step, acceleration: u64) -> u64 {
+    pub const fn above(&self, step: &Step, acceleration: u64) -> u64 {
         step.gain + multiply_long(acceleration - step.base, step.number + 1)
     }
 
-    const fn step(&self, acceleration: u64) -> Step {
+    /// The multiple below `acceleration`.
+    pub const fn step(&self, acceleration: u64) -> Step {
         // The scaled acceleration and the inverse are right to 2^-26, so that the quotient is at most one too small.
         let scaled = (acceleration >> self.scale) as u32;
         let mut number = multiply_high(scaled, self.inverse) >> self.down;
@@ -121,7 +122,7 @@ mod tests {
 
     /// Limits as settings may have them: letting go takes up to 2²² ticks.
     fn any_gain() -> impl Strategy<Value = (Gain, u64)> {
-        let limits = (6_u32..40, 0_u32..22, any::<(u64, u64)>());
+        let limits = (5_u32..40, 0_u32..22, any::<(u64, u64)>());
         limits.prop_map(|(jerk_bits, ticks_bits, (a, b))| {
             let jerk = (1 << jerk_bits) + a % (1 << jerk_bits);
             // Of the speed, 2^47 at most, 8 V/J < ticks².

@@ -17,6 +17,8 @@ pub struct ShaftLimits {
     pub(crate) usual: RampLimits,
     /// … in a stop that a fault asks for; not slower.
     pub(crate) fault: RampLimits,
+    /// … in a stop at a phase: gentler than `usual` by what rounding its phase may add.
+    pub(super) parking: RampLimits,
 }
 
 /// How fast the speed may change.
@@ -37,9 +39,14 @@ impl RampLimits {
     fn new(acceleration_hz_per_s: f64, jerk_hz_per_s2: f64, speed: i64, hz: f64) -> Self {
         let acceleration = turns_at_most(acceleration_hz_per_s / (hz * hz)).max(1);
         let jerk = turns_at_most(jerk_hz_per_s2 / (hz * hz * hz)).max(1);
+        Self::within(acceleration, jerk, acceleration, speed)
+    }
+
+    /// For limits of which accelerations up to `asked` are asked about.
+    const fn within(acceleration: i64, jerk: i64, asked: i64, speed: i64) -> Self {
         let gain = Gain::new(
             jerk.unsigned_abs(),
-            acceleration.unsigned_abs(),
+            asked.unsigned_abs(),
             speed.unsigned_abs(),
         );
         Self {
@@ -49,6 +56,14 @@ impl RampLimits {
             gain,
         }
     }
+
+    /// Limits that a motion may keep whose phase is rounded afterwards, by less than a unit: that changes the
+    /// acceleration by less than two and the jerk by less than four.
+    fn before_rounding(&self, speed: i64) -> Self {
+        let acceleration = (self.acceleration - 2).max(1);
+        let jerk = (self.jerk - 4).max(1);
+        Self::within(acceleration, jerk, self.acceleration, speed)
+    }
 }
 
 impl ShaftLimits {
@@ -56,6 +71,12 @@ impl ShaftLimits {
     pub fn new(settings: &LimitSettings, tick_hz: u32) -> Self {
         let hz = f64::from(tick_hz);
         let speed = turns_at_most(settings.speed_hz / hz);
+        let usual = RampLimits::new(
+            settings.reachable_acceleration_hz_per_s(),
+            settings.jerk_hz_per_s2,
+            speed,
+            hz,
+        );
         Self {
             speed,
             creep: turns_at_most(settings.creep_hz / hz).max(1),
@@ -67,12 +88,8 @@ impl ShaftLimits {
                     to: turns_at_most(band.to_hz / hz) + 1,
                 })
                 .collect(),
-            usual: RampLimits::new(
-                settings.reachable_acceleration_hz_per_s(),
-                settings.jerk_hz_per_s2,
-                speed,
-                hz,
-            ),
+            parking: usual.before_rounding(speed),
+            usual,
             fault: RampLimits::new(
                 settings.reachable_stop_acceleration_hz_per_s(),
                 settings.stop_jerk_hz_per_s2,

@@ -12,6 +12,9 @@
 //! What it does not do: know why it should turn (the supervisor does), or what an axis makes of it.
 
 mod bands;
+mod blend;
+mod brake;
+mod easing;
 mod gain;
 mod limits;
 mod regulator;
@@ -23,6 +26,7 @@ pub use limits::ShaftLimits;
 
 use crate::units::{Phase, Turns};
 use bands::{Corridor, Passage};
+use blend::State;
 use regulator::Aim;
 use stop::StopPlan;
 
@@ -94,11 +98,6 @@ enum Mode {
     Follow,
     /// Stopping by the shortest way, wherever that ends, within the limits for a fault's stop.
     StopFast,
-    /// Coming to a constant speed from which the stop at a phase can be planned.
-    Settle {
-        speed: i64,
-        stop_at: Turns,
-    },
     /// Stopping at a phase.
     StopAt(StopPlan),
 }
@@ -131,6 +130,7 @@ impl Shaft {
     pub fn advance(&mut self, demand: Demand) -> Motion {
         self.heed(demand);
         let mut motion = Motion::default();
+        let state = self.state();
         let speed = match &mut self.mode {
             Mode::Rest => 0,
             Mode::Follow => match demand {
@@ -141,12 +141,7 @@ impl Shaft {
                 let top = self.limits.speed;
                 self.regulate(&self.limits.fault, Aim::steady(0), 0, top)
             }
-            Mode::Settle { speed, .. } => {
-                let speed = *speed;
-                let top = self.limits.speed;
-                self.regulate(&self.limits.usual, Aim::steady(speed), 0, top)
-            }
-            Mode::StopAt(plan) => plan.advance(),
+            Mode::StopAt(plan) => plan.advance(self.phase, state, &self.limits),
         };
         motion.speed = Turns::from_bits(speed);
         motion.acceleration = Turns::from_bits(speed - self.speed);
@@ -159,7 +154,7 @@ impl Shaft {
             Mode::Rest => true,
             Mode::StopFast => speed == 0 && self.acceleration == 0,
             Mode::StopAt(plan) => plan.is_done(),
-            Mode::Follow | Mode::Settle { .. } => false,
+            Mode::Follow => false,
         };
         if arrived {
             // The acceleration of this last tick stays: it counts for the jerk of the next.
@@ -182,33 +177,17 @@ impl Shaft {
             (Demand::Follow(_), _) => self.mode = Mode::Follow,
             (Demand::Stop(_), Mode::Rest | Mode::StopFast) => {}
             (Demand::Stop(None), _) => self.mode = Mode::StopFast,
-            (Demand::Stop(Some(stop_at)), Mode::Follow) => {
-                let speed = self.settling_speed();
-                self.mode = Mode::Settle { speed, stop_at };
-                self.plan_stop_if_settled();
+            (Demand::Stop(Some(at)), Mode::Follow) => {
+                self.mode = Mode::StopAt(StopPlan::new(self.state(), at, &self.limits));
             }
-            (Demand::Stop(Some(_)), Mode::Settle { .. }) => self.plan_stop_if_settled(),
             (Demand::Stop(Some(_)), Mode::StopAt(_)) => {}
         }
     }
 
-    /// The constant speed from which to stop at a phase: what the speed comes to when the
-    /// acceleration is let go, but outside the forbidden bands and not below creeping.
-    fn settling_speed(&self) -> i64 {
-        let acceleration = self.acceleration.unsigned_abs();
-        let gained = self.limits.usual.gain.of(acceleration) - acceleration;
-        let coasting = self.speed + self.acceleration.signum() * gained as i64;
-        let outside = bands::below_band(&self.limits.bands, coasting);
-        outside.max(self.limits.creep).min(self.limits.speed)
-    }
-
-    fn plan_stop_if_settled(&mut self) {
-        if let Mode::Settle { speed, stop_at } = self.mode
-            && self.speed == speed
-            && self.acceleration == 0
-        {
-            let ahead = stop_at.wrapping_sub(self.phase.within_turn());
-            self.mode = Mode::StopAt(StopPlan::new(speed, ahead, &self.limits.usual));
+    const fn state(&self) -> State {
+        State {
+            speed: self.speed,
+            acceleration: self.acceleration,
         }
     }
 

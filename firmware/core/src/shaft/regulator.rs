@@ -135,6 +135,15 @@ pub(super) fn acceleration(
     -bounded(-below, speed - floor, range.mirrored(), limits)
 }
 
+/// The acceleration of the coming tick on the fastest way to a stand, whatever else there is to keep to.
+pub(super) fn brake(limits: &RampLimits, speed: i64, acceleration: i64) -> i64 {
+    let range = Range {
+        least: acceleration - limits.jerk,
+        most: acceleration + limits.jerk,
+    };
+    -settling(speed, limits.acceleration, range.mirrored(), limits)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

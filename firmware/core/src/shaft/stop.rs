@@ -1,194 +1,113 @@
-//! A stop at a chosen phase, hit to the count.
+//! A stop at a chosen phase, hit to the count, and no later than there is need.
 //!
-//! From a constant speed v, a ramp down of n + m ticks takes away v · W(k) / (n m) by its k-th tick,
-//! where the weights w = W' are a trapezoid: 1, 2, … n, … n, … 2, 1 (two boxcars of n and m ticks,
-//! n ≤ m, convolved). Its acceleration is at most v/m, its jerk v/(n m), and being symmetric it
-//! covers a way that is known beforehand to half a unit.
+//! The shaft eases ([`super::easing`]) until it must brake. What the phase is beyond the way of the fastest brake
+//! that begins now is the *slack*; braking a tick later goes further by some D. As long as the slack is at least D,
+//! the shaft eases for another tick. Then the two brakes, the one that begins now and the one that begins a tick
+//! later, are blended so that the slack is made up exactly ([`super::blend`]).
 //!
-//! Starting the ramp a tick later lengthens the way by exactly v, so that some number of ticks at
-//! constant speed and a rest r < v remain to be covered. The rest comes from *blending*: r/v parts of
-//! the ramp that starts one tick later and 1 − r/v of the one that starts now. Both keep the limits,
-//! so their mean does, and its way is exactly r longer.
-//!
-//! The blend is carried in exact rational arithmetic over the denominator n m (quotient and rest,
-//! additions only), and only the phase is rounded. Rounding the phase by less than one unit changes
-//! the jerk by less than four and the acceleration by less than two: by that the ramp is planned
-//! gentler than the limits.
+//! The way of a brake is not summed up ahead: [`super::brake`] has it in closed form, modulo a turn, so that the
+//! slack is that to the first passage that can be reached. It is not even asked in every tick: slack lasts for as
+//! many ticks as it has of the most that a tick may take of it.
 
-use super::limits::RampLimits;
-use crate::functions::isqrt;
-use crate::units::{ONE_TURN, Turns};
+use super::blend::{Blend, State};
+use super::brake::quotient;
+use super::easing::Easing;
+use super::limits::{RampLimits, ShaftLimits};
+use crate::units::{ONE_TURN, Phase, Turns};
 
 /// A stop that is under way.
 #[derive(Clone, Debug)]
 pub(super) struct StopPlan {
-    speed: i64,
-    /// Ticks at constant speed that are left.
-    wait: u64,
-    /// Ticks of the ramp that are done.
-    tick: u64,
-    /// The boxcars' lengths, `short ≤ long`.
-    short: u64,
-    long: u64,
-    /// Their product.
-    denominator: u64,
-    /// `speed · w / (short · long)` and its sums: acceleration, speed taken, way taken.
-    weight: Ladder,
-    /// `rest · w / (short · long)` and its sum.
-    blend: Ladder,
-    /// Way taken away so far, rounded.
-    taken: i64,
+    /// The phase to stop at, a fraction of a turn.
+    at: Turns,
+    easing: Easing,
+    /// Ticks for which the slack lasts for certain.
+    lasts: u32,
+    /// The way of a brake from here, if it was found a tick ago.
+    way: Option<i64>,
+    brake: Option<Blend>,
 }
 
 impl StopPlan {
-    /// From constant `speed` (above 0), a stop at the first possible passage through the phase that
-    /// lies `ahead` turns (modulo 1).
-    pub fn new(speed: i64, ahead: Turns, limits: &RampLimits) -> Self {
-        let v = speed.unsigned_abs().max(1);
-        let (short, long) = boxcars(v, limits);
-        // After short + long ticks the ramp that starts now has taken v (short + long + 2)/2.
-        let ticks = short + long;
-        let ramp_way = ticks * v - (v * (ticks + 2)) / 2;
-        let left = ahead.to_bits().wrapping_sub(ramp_way as i64) & (ONE_TURN - 1);
-        let left = left as u64;
-        let denominator = (short * long).max(1);
+    /// From how the shaft moves, a stop at the first possible passage through `at`.
+    pub fn new(state: State, at: Turns, limits: &ShaftLimits) -> Self {
         Self {
-            speed,
-            wait: left / v,
-            tick: 0,
-            short,
-            long,
-            denominator,
-            weight: Ladder::new(v, denominator),
-            blend: Ladder::new(left % v, denominator),
-            taken: 0,
+            at,
+            easing: Easing::new(state, limits),
+            lasts: 0,
+            way: None,
+            brake: None,
         }
     }
 
-    /// The speed of the coming tick.
-    pub fn advance(&mut self) -> i64 {
-        if self.wait > 0 {
-            self.wait -= 1;
-            return self.speed;
+    /// The speed of the coming tick, from where the shaft is and how it moves.
+    pub fn advance(&mut self, phase: Phase, state: State, limits: &ShaftLimits) -> i64 {
+        if let Some(brake) = &mut self.brake {
+            return brake.advance(&limits.parking);
         }
-        self.tick += 1;
-        let slope = if self.tick <= self.short {
-            Slope::Up
-        } else if self.tick <= self.long {
-            Slope::Flat
+        let way = self.way.take();
+        if self.lasts == 0 && !self.easing.is_ready(state, limits) {
+            return self.easing.step_unready(state, limits).speed;
+        }
+        let later = self.easing.step(state, limits);
+        if self.lasts > 0 {
+            self.lasts -= 1;
+            if self.lasts == 0 {
+                self.way = Some(later.braking_way(&limits.parking));
+            }
+        } else if let Some(brake) = self.look(way, phase, state, later, &limits.parking) {
+            return self.brake.insert(brake).advance(&limits.parking);
+        }
+        later.speed
+    }
+
+    /// How to brake, if the slack does not last for a tick after which the shaft moves as in `later`.
+    fn look(
+        &mut self,
+        way: Option<i64>,
+        phase: Phase,
+        state: State,
+        later: State,
+        limits: &RampLimits,
+    ) -> Option<Blend> {
+        let way = way.unwrap_or_else(|| state.braking_way(limits));
+        let ahead = self.at.wrapping_sub(phase.within_turn()).to_bits();
+        let slack = ahead.wrapping_sub(way) & (ONE_TURN - 1);
+        let lasts = quotient(slack, self.easing.most_way(state));
+        if lasts > 1 {
+            // Less this one.
+            self.lasts = lasts - 1;
+            return None;
+        }
+        let later_way = later.braking_way(limits);
+        let further =
+            |next: State, its_way: i64| its_way.wrapping_add(next.speed).wrapping_sub(way);
+        let most = further(later, later_way);
+        if slack >= most {
+            self.way = Some(later_way);
+            return None;
+        }
+        let earlier = state.braked(limits);
+        // A tick of speeding up makes the stand later by up to five, any other by up to two.
+        if !self.easing.speeds_up(state) {
+            return Some(Blend::new(earlier, later, slack, most));
+        }
+        // Rounded up, so that there is speed enough for letting it go.
+        let half = (later.acceleration - earlier.acceleration + 1) / 2;
+        let between = state.after(earlier.acceleration + half);
+        let least = further(between, between.braking_way(limits));
+        Some(if slack < least {
+            Blend::new(earlier, between, slack, least)
         } else {
-            Slope::Down
-        };
-        let denominator = self.denominator;
-        self.weight.step(slope, denominator);
-        self.blend.step(slope, denominator);
-        let taken = self
-            .weight
-            .second
-            .minus(self.blend.first, denominator)
-            .whole;
-        let speed = self.speed - (taken - self.taken);
-        self.taken = taken;
-        speed
+            Blend::new(between, later, slack - least, most - least)
+        })
     }
 
     /// Whether the shaft stands.
     pub const fn is_done(&self) -> bool {
-        self.wait == 0 && self.tick == self.short + self.long
-    }
-}
-
-/// Lengths (short, long) of the two boxcars: the fewest ticks that keep the limits.
-fn boxcars(v: u64, limits: &RampLimits) -> (u64, u64) {
-    let acceleration = (limits.acceleration - 2).max(1).unsigned_abs();
-    let jerk = (limits.jerk - 4).max(1).unsigned_abs();
-    let long = v.div_ceil(acceleration);
-    let short = v.div_ceil((jerk * long).max(1));
-    if short <= long {
-        return (short, long);
-    }
-    // The jerk alone decides. Two equal boxcars, or one shorter by a tick where that is enough.
-    let square = v.div_ceil(jerk);
-    let root = u64::from(isqrt(square));
-    let long = root + u64::from(root * root < square);
-    (v.div_ceil((jerk * long).max(1)), long)
-}
-
-#[derive(Clone, Copy)]
-enum Slope {
-    Up,
-    Flat,
-    Down,
-}
-
-/// A quantity times the trapezoid's weight, with its running sum and that sum's running sum.
-#[derive(Clone, Copy, Debug)]
-struct Ladder {
-    unit: Rational,
-    level: Rational,
-    first: Rational,
-    second: Rational,
-}
-
-impl Ladder {
-    const fn new(numerator: u64, denominator: u64) -> Self {
-        let unit = Rational {
-            whole: (numerator / denominator) as i64,
-            rest: numerator % denominator,
-        };
-        Self {
-            unit,
-            level: Rational::ZERO,
-            first: Rational::ZERO,
-            second: Rational::ZERO,
-        }
-    }
-
-    fn step(&mut self, slope: Slope, denominator: u64) {
-        match slope {
-            Slope::Up => self.level = self.level.plus(self.unit, denominator),
-            Slope::Flat => {}
-            Slope::Down => self.level = self.level.minus(self.unit, denominator),
-        }
-        self.first = self.first.plus(self.level, denominator);
-        self.second = self.second.plus(self.first, denominator);
-    }
-}
-
-/// `whole + rest / denominator`, 0 ≤ rest < denominator, which all of one plan share.
-#[derive(Clone, Copy, Debug)]
-struct Rational {
-    whole: i64,
-    rest: u64,
-}
-
-impl Rational {
-    const ZERO: Self = Self { whole: 0, rest: 0 };
-
-    const fn plus(self, other: Self, denominator: u64) -> Self {
-        let (whole, rest) = (self.whole + other.whole, self.rest + other.rest);
-        if rest >= denominator {
-            Self {
-                whole: whole + 1,
-                rest: rest - denominator,
-            }
-        } else {
-            Self { whole, rest }
-        }
-    }
-
-    const fn minus(self, other: Self, denominator: u64) -> Self {
-        let whole = self.whole - other.whole;
-        if self.rest < other.rest {
-            Self {
-                whole: whole - 1,
-                rest: self.rest + denominator - other.rest,
-            }
-        } else {
-            Self {
-                whole,
-                rest: self.rest - other.rest,
-            }
+        match &self.brake {
+            Some(brake) => brake.is_done(),
+            None => false,
         }
     }
 }
