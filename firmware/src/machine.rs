@@ -79,6 +79,16 @@ impl Machine {
             axes => Err(Refusal::Axes(axes)),
         }
     }
+
+    const fn begin_with(&mut self, fault: Fault) {
+        match self {
+            Self::Two(controller, _) => controller.begin_with(fault),
+            Self::Three(controller, _) => controller.begin_with(fault),
+            Self::Four(controller, _) => controller.begin_with(fault),
+            Self::Five(controller, _) => controller.begin_with(fault),
+            Self::Six(controller, _) => controller.begin_with(fault),
+        }
+    }
 }
 
 #[inline(never)] // each number of axes in a frame of its own
@@ -92,13 +102,10 @@ fn make<const N: usize>(
     static MACHINE: StaticCell<Machine> = StaticCell::new();
     static BUFFERS: ConstStaticCell<Buffers> = ConstStaticCell::new(Buffers::new());
 
-    let mut controller = setup.controller::<N>().map_err(Refusal::Settings)?;
-    if restarted {
-        controller.begin_with(Fault::new(FaultKind::Restarted));
-    }
-    let tick_hz = controller.tick_hz();
+    let ready = setup.ready::<N>().map_err(Refusal::Settings)?;
+    let tick_hz = ready.tick_hz();
     let tick_us = 1_000_000 / tick_hz;
-    let reversed: [bool; N] = core::array::from_fn(|axis| controller.is_reversed(axis));
+    let reversed: [bool; N] = core::array::from_fn(|axis| ready.is_reversed(axis));
     let tick = Duration::from_micros(tick_us.into());
     let levels = lines::read();
     let width = setup.index.width_cycles();
@@ -115,5 +122,9 @@ fn make<const N: usize>(
         ran_dry: None,
         read_to: None,
     };
-    Ok(MACHINE.init_with(|| machine(controller, board)))
+    let machine = MACHINE.init_with(|| machine(ready.controller(), board));
+    if restarted {
+        machine.begin_with(Fault::new(FaultKind::Restarted));
+    }
+    Ok(machine)
 }

@@ -7,26 +7,27 @@
 
 mod align;
 mod channel;
+mod preparation;
 mod punctuality;
 mod telling;
 mod wiring_proof;
 
-use crate::axes::{Axis, Correction};
+use crate::axes::Correction;
 use crate::drift::{DriftMonitor, Finding, Sensed, TickPhase};
 use crate::profile::{Profile, SliderCrank};
 use crate::program::{Cursor, Program, ProgramBuilder};
-use crate::pulse::{Paces, Planner, PulseTiming};
-use crate::servo::{Coupling, FeedForward};
-use crate::settings::{AxisSettings, DriveKind, Problem, Settings, SettingsError, turns};
-use crate::shaft::{Demand, Motion, Shaft, ShaftLimits, Target};
+use crate::pulse::Paces;
+use crate::servo::Coupling;
+use crate::settings::{Settings, SettingsError};
+use crate::shaft::{Demand, Motion, Shaft, Target};
 use crate::signals::{Feedback, Output};
 use crate::supervisor::{Action, Command, Fault, FaultKind, Seen, State, Supervisor};
 use crate::units::{Amax, ONE_TURN, Phase, Turns};
 use align::Align;
 use channel::Channel;
+pub use preparation::Prepared;
 use punctuality::Punctuality;
 use telling::weigh;
-use wiring_proof::wiring_patterns;
 
 /// The control loop's state, less its waiting.
 #[derive(Clone, Debug)]
@@ -88,114 +89,17 @@ impl<const N: usize> Settings<N> {
 /// Ticks after a stop in which what its last pulses show is still heard: a tick is read two ticks after it was reckoned.
 const LAST_PULSES: u64 = 4;
 
-/// A mean drift that is found in align counts as lag up to this part of the common limit: one in four.
-const LAG_PART: f64 = 4.0;
-
 impl<const N: usize> Controller<N> {
     /// A controller at power-up: idle, every axis at its offset.
     ///
     /// # Errors
     /// The first setting that is wrong.
     pub fn new(settings: &Settings<N>, program: Program) -> Result<Self, SettingsError> {
-        settings.check()?;
-        let tick_hz = settings.tick_hz;
-        let hz = f64::from(tick_hz);
-        let limits = ShaftLimits::new(&settings.limits, tick_hz);
-        let timing = PulseTiming::new(&settings.pulse, tick_hz)?;
-        let mut feed_forward = [None; N];
-        for (i, (axis, slot)) in settings.axes.iter().zip(&mut feed_forward).enumerate() {
-            let ratio = f64::from(axis.ratio.0) / f64::from(axis.ratio.1);
-            // Trim comes on top of what the gear makes.
-            let speed_hz = settings.limits.speed_hz * ratio + 2.0 * axis.trim_rate_hz;
-            let place = |error: SettingsError| error.on_entry(i);
-            if speed_hz > 0.5 * hz {
-                let problem = Problem::TooFastForTick {
-                    turns_per_tick: speed_hz / hz,
-                };
-                return Err(place(SettingsError::new("axes.ratio", problem)));
-            }
-            match axis.drive {
-                DriveKind::Stepper => timing.check_rate(axis, speed_hz, tick_hz).map_err(place)?,
-                DriveKind::Servo => {
-                    PulseTiming::check_counts(axis, speed_hz, tick_hz).map_err(place)?;
-                    let acceleration =
-                        settings.limits.reachable_stop_acceleration_hz_per_s() * ratio;
-                    *slot = Some(FeedForward::new(
-                        &settings.machine,
-                        N,
-                        axis.rotor_inertia_kgm2,
-                        tick_hz,
-                        turns(speed_hz / hz),
-                        turns(acceleration / hz / hz),
-                    )?);
-                }
-            }
-        }
-        let channels: [Channel; N] = core::array::from_fn(|i| {
-            let axis = Axis::new(&settings.axes[i], tick_hz);
-            let still = TickPhase::still(axis.phase());
-            Channel {
-                axis,
-                planner: Planner::new(timing, settings.axes[i].steps_per_turn),
-                reversed: settings.axes[i].reversed,
-                feed_forward: feed_forward[i],
-                playing: still,
-                played: still,
-            }
-        });
-        let drift = DriftMonitor::new(settings);
-        let correction = Correction::new(settings);
-        let patterns = if settings.correction.prove_wiring {
-            wiring_patterns(&drift, &correction)?
-        } else {
-            [[Turns::ZERO; N]; 2]
-        };
-        let has_datum = settings
-            .axes
-            .iter()
-            .all(|axis| axis.ratio.0 == axis.ratio.1);
-        let lag = turns(settings.drift.common_limit_deg / 360.0 / LAG_PART);
-        let tolerance = core::array::from_fn(|axis| drift.tolerance(axis));
-        let park = Phase::from_turns(turns(settings.park_turns)).within_turn();
-        let coupling = Coupling::new(settings);
-        let measured = |axis: &AxisSettings| axis.drive == DriveKind::Servo && axis.encoder;
-        if coupling.is_some() && !settings.axes.iter().all(measured) {
-            let key = "correction.coupling";
-            return Err(SettingsError::new(key, Problem::CouplingBlind));
-        }
-        Ok(Self {
-            tick_hz,
-            profile: settings.profile(),
+        Ok(Self::assembled(
+            &Prepared::new(settings)?,
+            settings,
             program,
-            cursor: Cursor::new(),
-            target: Target::steady(Turns::ZERO),
-            end: (Amax::ZERO, Turns::ZERO),
-            shaft: Shaft::new(limits),
-            park_crank: park,
-            park,
-            has_servos: feed_forward.iter().any(Option::is_some),
-            pace: Paces::new(timing.tick()),
-            align: Align::new(patterns, has_datum, lag, tolerance),
-            drift,
-            correction,
-            corrected: 0,
-            turned: Turns::ZERO,
-            coupling,
-            untold: None,
-            stop_input: false,
-            driven: 0,
-            supervisor: Supervisor::new(libm::ceil(settings.settle_s * hz) as u32),
-            motion: Motion {
-                at_rest: true,
-                ..Motion::default()
-            },
-            ticks: 0,
-            punctuality: Punctuality::default(),
-            overrun: None,
-            was_late: false,
-            output: Output::idle(core::array::from_fn(|i| channels[i].axis.phase())),
-            channels,
-        })
+        ))
     }
 
     /// Control ticks a second.

@@ -3,6 +3,7 @@
 use super::*;
 use crate::drift::IndexPulse;
 use crate::program::{SegmentSettings, Shape};
+use crate::settings::DriveKind;
 use crate::settings::{
     AxisSettings, BandSettings, CorrectionSettings, DriftSettings, IndexSettings, LimitSettings,
     MachineSettings, Platform, PulseSettings,

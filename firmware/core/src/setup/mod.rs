@@ -9,12 +9,13 @@
 
 use heapless::{String, Vec};
 
-use crate::controller::Controller;
+use crate::controller::{Controller, Prepared};
 use crate::program::{CAPACITY, EntrySettings, Program};
 use crate::settings::{
     AxisSettings, CorrectionSettings, DriftSettings, IndexSettings, LimitSettings, MAX_AXES,
     MachineSettings, Problem, PulseSettings, Settings, SettingsError, turns,
 };
+use crate::units::Turns;
 
 /// Longest name, bytes of UTF-8.
 pub const NAME_BYTES: usize = 32;
@@ -85,12 +86,22 @@ impl Setup {
     /// The loop at power-up: settings and program checked, trims set.
     ///
     /// # Errors
-    /// `N` is not [`Self::axes_count`], or the first setting, program entry or trim that is wrong.
+    /// As [`Self::ready`].
     pub fn controller<const N: usize>(&self) -> Result<Controller<N>, SettingsError> {
+        Ok(self.ready()?.controller())
+    }
+
+    /// All that a loop is made of, checked.
+    ///
+    /// # Errors
+    /// `N` is not [`Self::axes_count`], or the first setting, program entry or trim that is wrong.
+    pub fn ready<const N: usize>(&self) -> Result<Ready<N>, SettingsError> {
         let settings = self.settings::<N>()?;
         // Before the program: what a level needs is reckoned from settings.
         settings.check()?;
-        let mut controller = Controller::new(&settings, self.program(&settings)?)?;
+        let program = self.program(&settings)?;
+        let prepared = Prepared::new(&settings)?;
+        let mut trims = [Turns::ZERO; N];
         for (i, &trim_turns) in self.trims_turns.iter().enumerate() {
             let limit_turns = settings
                 .axes
@@ -104,10 +115,16 @@ impl Setup {
                 };
                 return Err(SettingsError::new("axes.trim_deg", problem).on_entry(i));
             }
-            // At the very limit, which is rounded down, the trim may lose the last of its 48 fraction bits.
-            let _whole = controller.set_trim(i, turns(trim_turns));
+            if let Some(trim) = trims.get_mut(i) {
+                *trim = turns(trim_turns);
+            }
         }
-        Ok(controller)
+        Ok(Ready {
+            settings,
+            program,
+            prepared,
+            trims,
+        })
     }
 
     fn program<const N: usize>(&self, settings: &Settings<N>) -> Result<Program, SettingsError> {
@@ -116,6 +133,39 @@ impl Setup {
             builder.entry(entry).map_err(|error| error.on_entry(i))?;
         }
         builder.build()
+    }
+}
+
+/// All that a loop is made of, with nothing wrong in it.
+#[derive(Clone, Debug)]
+pub struct Ready<const N: usize> {
+    settings: Settings<N>,
+    program: Program,
+    prepared: Prepared<N>,
+    trims: [Turns; N],
+}
+
+impl<const N: usize> Ready<N> {
+    /// The loop at power-up.
+    pub fn controller(&self) -> Controller<N> {
+        let program = self.program.clone();
+        let mut controller = Controller::assembled(&self.prepared, &self.settings, program);
+        for (axis, &trim) in self.trims.iter().enumerate() {
+            // At the very limit, which is rounded down, a trim may lose the last of its 48 fraction bits.
+            let _whole = controller.set_trim(axis, trim);
+        }
+        controller
+    }
+
+    /// Control ticks a second.
+    pub const fn tick_hz(&self) -> u32 {
+        self.settings.tick_hz
+    }
+
+    /// Whether an axis is mounted the other way round: its DIR is to be turned.
+    pub fn is_reversed(&self, axis: usize) -> bool {
+        let axis = self.settings.axes.get(axis);
+        axis.is_some_and(|axis| axis.reversed)
     }
 }
 
