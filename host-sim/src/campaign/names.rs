@@ -5,7 +5,7 @@
 
 use cophase_core::supervisor::FaultKind;
 
-use crate::scene::file::{FaultAt, FaultName};
+use crate::scene::file::{Drive, FaultAt, FaultName, Scene};
 
 /// What is known of the run that decides which names are right.
 #[derive(Clone, Copy, Debug)]
@@ -121,6 +121,33 @@ pub const fn has_axis(kind: FaultName) -> bool {
         kind,
         FaultName::Overrun | FaultName::EnableLoss | FaultName::StopInput | FaultName::LoadStep
     )
+}
+
+/// Whether the axis that a fault befalls is a stepper's.
+pub fn is_stepper(scene: &Scene, fault: &FaultAt) -> bool {
+    let apart = fault.axis.and_then(|axis| scene.apart(axis));
+    apart
+        .and_then(|apart| apart.drive)
+        .unwrap_or(scene.axes.drive)
+        == Drive::Stepper
+}
+
+/// How far from its flag a pulse of that axis may come and still be taken for the flag's, turns: four times what a reading is off
+/// by, a step either way with it; of a stepper no more than leaves the nearest lost cycle apart from it. This is the width of a
+/// place that the drift monitor is set up with (docs/faults.md), from the scene's numbers.
+pub fn gate_turns(scene: &Scene, fault: &FaultAt) -> f64 {
+    let reading = scene.drift.reading_deg / 360.0 + 2.0 / f64::from(scene.axes.steps_per_turn);
+    if !is_stepper(scene, fault) {
+        return 4.0 * reading;
+    }
+    let half_cycle = 2.0 / f64::from(scene.axes.full_steps_per_turn);
+    let sure = half_cycle - reading;
+    let most = if sure < 2.0 * reading {
+        half_cycle
+    } else {
+        sure
+    };
+    most.min(4.0 * reading)
 }
 
 /// Turns of the master, of a machine that moves, after which a kind must have been told: of index pulses, one until the next is

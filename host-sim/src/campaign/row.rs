@@ -46,11 +46,13 @@ pub struct Row {
     pub speed_hz: Option<f64>,
     /// When a crank was past its limit, s.
     pub past_s: Option<f64>,
-    /// When something was told, s: from then on what the loop made of it was played.
+    /// When anything was first told, s: from then on what the loop made of it was played.
     pub told_s: Option<f64>,
-    /// Turns of the master from the fault to two ticks before that.
+    /// When what counts was told: what stopped the machine for it, or had the crank trimmed back.
+    pub detected_s: Option<f64>,
+    /// Turns of the master from the fault to two ticks before anything was told.
     pub turns_from_fault: Option<f64>,
-    /// … and from the crank passing its limit; below 0, it was told before.
+    /// … and from the crank passing its limit to two ticks before that was detected; below 0, it was before.
     pub turns_from_limit: Option<f64>,
     /// The fault that latched.
     pub fault: String,
@@ -60,8 +62,10 @@ pub struct Row {
     pub incidents: String,
     /// How it is judged.
     pub verdict: Verdict,
-    /// Largest tilt, mrad.
+    /// Largest tilt while the drives were on, mrad.
     pub tilt_mrad: f64,
+    /// Largest tilt after they were off.
+    pub tilt_off_mrad: f64,
     /// Most that it may be, mrad.
     pub bound_mrad: f64,
     /// The limit that is watched, mrad.
@@ -88,7 +92,7 @@ impl Row {
         let scene: &Scene = &case.scene;
         let fault = (!clean).then(|| case.fault());
         let injected = seen.injected.as_ref();
-        let told = seen.told.as_ref();
+        let told = seen.first_told();
         Self {
             number: case.number,
             clean,
@@ -107,10 +111,11 @@ impl Row {
             state: injected.map_or("", |place| place.state.name()).to_owned(),
             speed_hz: injected.map(|place| place.speed_hz),
             past_s: seen.past.as_ref().map(|place| place.t_s),
-            told_s: told.map(|place| place.t_s),
+            told_s: told.map(|telling| telling.place.t_s),
+            detected_s: judgement.detected_s,
             turns_from_fault: told
                 .zip(injected)
-                .map(|(_, injected)| seen.told_turns - injected.turns),
+                .map(|(telling, injected)| telling.turns - injected.turns),
             turns_from_limit: judgement.turns,
             fault: seen.fault.map_or("", |told| told.kind.name()).to_owned(),
             fault_axis: seen.fault.and_then(|told| told.axis),
@@ -124,6 +129,7 @@ impl Row {
                 .join(" "),
             verdict: judgement.verdict,
             tilt_mrad: seen.tilt_mrad,
+            tilt_off_mrad: seen.tilt_off_mrad,
             bound_mrad: judgement.bound_mrad,
             limit_mrad: scene.drift.tilt_limit_mrad,
             left_running_turns: seen.left_running_turns,
@@ -138,9 +144,14 @@ impl Row {
         self.past_s.is_some()
     }
 
+    /// Largest tilt of all, mrad.
+    pub fn most_tilt_mrad(&self) -> f64 {
+        self.tilt_mrad.max(self.tilt_off_mrad)
+    }
+
     /// Tilt, as a part of what it may be.
     pub fn tilt_over_bound(&self) -> f64 {
-        self.tilt_mrad / self.bound_mrad
+        self.most_tilt_mrad() / self.bound_mrad
     }
 
     /// Whether what was to be told in time was: within one turn and two ticks of the crank passing its limit.

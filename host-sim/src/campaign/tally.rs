@@ -67,7 +67,9 @@ impl Group {
             _ => {}
         }
         self.turns.extend(row.turns_from_limit);
-        self.tilt_over_limit = self.tilt_over_limit.max(row.tilt_mrad / row.limit_mrad);
+        self.tilt_over_limit = self
+            .tilt_over_limit
+            .max(row.most_tilt_mrad() / row.limit_mrad);
         if row.bound_mrad > 0.0 {
             self.tilt_over_bound.push(row.tilt_over_bound());
             if row.tilt_over_bound() > 1.0 {

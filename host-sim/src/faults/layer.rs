@@ -7,22 +7,13 @@ use crate::machine::Extra;
 use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName, Lines};
 
-/// A fault that has begun.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Injected {
-    /// What was put in.
-    pub fault: FaultAt,
-    /// The control tick in which it began, by the clock: its time over a tick's length.
-    pub tick: u64,
-}
-
 /// All that goes wrong in a scene.
 #[derive(Clone, Debug)]
 pub struct Faults<const N: usize> {
     planned: Vec<Planned>,
     /// Which of them have begun, and in this order what has.
     begun: Vec<bool>,
-    news: Vec<Injected>,
+    news: Vec<FaultAt>,
     tick_us: u64,
     tick_s: f64,
     touches_drives: bool,
@@ -67,7 +58,7 @@ impl<const N: usize> Faults<N> {
     }
 
     /// What has begun since this was last asked.
-    pub fn news(&mut self) -> Vec<Injected> {
+    pub fn news(&mut self) -> Vec<FaultAt> {
         std::mem::take(&mut self.news)
     }
 
@@ -78,10 +69,7 @@ impl<const N: usize> Faults<N> {
             if !*begun && planned.from_us <= at_us && which(planned.fault.kind) {
                 *begun = true;
                 new.push(planned.fault);
-                self.news.push(Injected {
-                    fault: planned.fault,
-                    tick: at_us / self.tick_us,
-                });
+                self.news.push(planned.fault);
             }
         }
         new

@@ -38,7 +38,7 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
         ));
     }
     let swapped = |fault: &FaultAt| fault.kind == FaultName::SwappedWiring;
-    if scene.fault.iter().any(swapped) && outcome.fault.is_none() && outcome.watch.told.is_empty() {
+    if scene.fault.iter().any(swapped) && outcome.fault.is_none() && seen.told == 0 {
         warnings.push(
             "Lines of two axes were swapped, and the controller did not find out: correction.prove_wiring looks for that."
                 .to_owned(),

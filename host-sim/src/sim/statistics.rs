@@ -1,11 +1,13 @@
 //! What is worth knowing of a run, gathered tick by tick.
 
 use cophase_core::signals::Telemetry;
-use cophase_core::supervisor::{Command, Fault, State};
+use cophase_core::supervisor::{Command, State};
 use cophase_core::units::Amax;
 
 use super::Moment;
+use super::coast::Coast;
 use super::events::{Event, Happening, StoppedBy};
+use super::news::Tellings;
 use crate::machine::{Machine, Peaks, SimulatedAxis};
 use crate::mechanism::slider_crank::SliderCrank;
 use crate::scene::Checked;
@@ -43,7 +45,7 @@ pub struct Statistics {
     pub worst_spread_deg: f64,
     /// Its root mean square while running, degrees.
     pub rms_spread_deg: f64,
-    /// Largest tilt of the platform, mrad.
+    /// Largest tilt of the platform while the drives were on, mrad.
     pub worst_tilt_mrad: f64,
     /// Largest deviation of a crank from the plane of all, degrees.
     pub worst_warp_deg: f64,
@@ -76,6 +78,10 @@ pub struct Statistics {
     pub frame: Option<FrameSeen>,
     /// The greatest of what each follower did; empty where axes are no cam shafts.
     pub followers: Vec<Peaks>,
+    /// What cranks did that drives had let go.
+    pub coast: Coast,
+    /// How often the loop told something.
+    pub told: u32,
     /// What made the machine stop last.
     pub stopped_by: Option<StoppedBy>,
     /// Deadlines met late by over half a tick.
@@ -91,7 +97,7 @@ pub struct Statistics {
     spread_squares: f64,
     stop_asked: bool,
     state: Option<State>,
-    fault: Option<Fault>,
+    tellings: Tellings,
     band: Option<(f64, f64)>,
     held: Option<f64>,
     lag: Option<(f64, f64)>,
@@ -127,6 +133,8 @@ impl Statistics {
             worst_accel_mps2: 0.0,
             frame: None,
             followers: vec![Peaks::default(); if checked.cam.is_some() { axes } else { 0 }],
+            coast: Coast::new(checked),
+            told: 0,
             stopped_by: None,
             late_deadlines: 0,
             missed_deadlines: 0,
@@ -137,7 +145,7 @@ impl Statistics {
             spread_squares: 0.0,
             stop_asked: false,
             state: None,
-            fault: None,
+            tellings: Tellings::default(),
             band: None,
             held: None,
             lag: None,
@@ -155,15 +163,14 @@ impl Statistics {
         self.forces(moment.machine);
         self.limits(moment, t_s);
         self.level(moment);
-        if let Some(fault) = telemetry.incident {
+        let news = self.tellings.tick(telemetry);
+        if let Some(fault) = news.told {
+            self.told += 1;
             self.note(t_s, Happening::Told(fault));
         }
-        if telemetry.fault != self.fault {
-            self.fault = telemetry.fault;
-            if let Some(fault) = telemetry.fault {
-                let leading_deg = telemetry.modes.tilt_direction_deg().rem_euclid(360.0);
-                self.note(t_s, Happening::Fault { fault, leading_deg });
-            }
+        if let Some(fault) = news.latched {
+            let leading_deg = telemetry.modes.tilt_direction_deg().rem_euclid(360.0);
+            self.note(t_s, Happening::Fault { fault, leading_deg });
         }
         if self.state != Some(telemetry.state) {
             self.state = Some(telemetry.state);
@@ -211,8 +218,7 @@ impl Statistics {
     /// Where the cranks are.
     fn cranks<const N: usize>(&mut self, moment: &Moment<'_, N>, t_s: f64) {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for i in 0..N {
-            let error = moment.actual_turns[i] - moment.aim_turns[i];
+        for (i, error) in moment.errors().into_iter().enumerate() {
             low = low.min(error);
             high = high.max(error);
             let slipped = moment.machine.axes[i].slipped_cycles();
@@ -236,19 +242,15 @@ impl Statistics {
                 *worst = worst.or(*peaks);
             }
         }
+        self.coast.tick(moment);
         if !moment.drives_enabled {
             return;
         }
         let spread_deg = (high - low) * 360.0;
         self.worst_spread_deg = self.worst_spread_deg.max(spread_deg);
-        // Tilt is a difference of cranks: where they are all alike, there is none.
-        if moment
-            .actual_turns
-            .iter()
-            .any(|&turns| turns != moment.actual_turns[0])
-        {
-            let tilt_mrad = moment.machine.tilt_mrad(&moment.actual_turns);
-            self.worst_tilt_mrad = self.worst_tilt_mrad.max(tilt_mrad);
+        self.worst_tilt_mrad = self.worst_tilt_mrad.max(moment.tilt_mrad());
+        // Warp is a difference of errors: where they are all alike, there is none.
+        if high > low {
             let platform = &moment.machine.platform;
             let warp_deg = platform.warp_deg(&moment.actual_turns, &moment.aim_turns);
             self.worst_warp_deg = self.worst_warp_deg.max(warp_deg);
