@@ -176,3 +176,6 @@ pub fn cranks_that_count<const N: usize>(scene: &Scene) -> [bool; N] {
     };
     std::array::from_fn(|axis| !scene.fidelity.moves_by_torque() && !astray(axis))
 }
+
+#[cfg(test)]
+mod tests;

@@ -155,7 +155,9 @@ impl<'a, const N: usize> Watch<'a, N> {
 
     /// What is told in a moment that was not told before it.
     fn tellings(&mut self, telemetry: &Telemetry<N>, place: Place) {
-        let News { told, latched } = self.tellings.tick(telemetry);
+        let Some(News { told, latched }) = self.tellings.tick(telemetry) else {
+            return;
+        };
         let seen = &mut self.seen;
         let keep = |list: &mut Vec<Told>, told: Told| {
             if list.len() < MOST_INCIDENTS && !list.contains(&told) {

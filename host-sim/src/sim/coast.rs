@@ -6,9 +6,9 @@
 use super::Moment;
 use crate::scene::Checked;
 
-/// A crank stands that stays within this of one place, degrees, for [`STANDS_S`]: less than a sensor reads
-/// (`drift.reading_deg`), and slower than 2° a second, so that a rod that rings does not count, and a crank that swings does.
-const STANDS_DEG: f64 = 0.1;
+/// A crank stands that stays within this of one place, degrees, for [`STANDS_S`]: 7.2° a second, twice what friction in this
+/// model lets a crank creep at that it holds. So a rod that rings does not count, and a crank that swings does.
+const STANDS_DEG: f64 = 0.36;
 
 /// See [`STANDS_DEG`].
 pub const STANDS_S: f64 = 0.05;

@@ -19,8 +19,13 @@ pub struct Tellings {
 }
 
 impl Tellings {
-    /// What a tick brings.
-    pub fn tick<const N: usize>(&mut self, telemetry: &Telemetry<N>) -> News {
+    /// What a tick brings; most bring nothing, and are passed over quickly.
+    #[inline]
+    pub fn tick<const N: usize>(&mut self, telemetry: &Telemetry<N>) -> Option<News> {
+        let is_well = telemetry.fault.is_none() && self.latched.is_none();
+        if is_well && telemetry.incident.is_none() {
+            return None;
+        }
         let mut news = News {
             told: telemetry.incident,
             latched: None,
@@ -29,6 +34,6 @@ impl Tellings {
             self.latched = telemetry.fault;
             news.latched = telemetry.fault;
         }
-        news
+        (news != News::default()).then_some(news)
     }
 }

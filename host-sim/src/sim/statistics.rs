@@ -2,12 +2,12 @@
 
 use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::{Command, State};
-use cophase_core::units::Amax;
+use cophase_core::units::{Amax, Turns};
 
 use super::Moment;
 use super::coast::Coast;
 use super::events::{Event, Happening, StoppedBy};
-use super::news::Tellings;
+use super::news::{News, Tellings};
 use crate::machine::{Machine, Peaks, SimulatedAxis};
 use crate::mechanism::slider_crank::SliderCrank;
 use crate::scene::Checked;
@@ -89,6 +89,9 @@ pub struct Statistics {
     /// Deadlines missed altogether.
     pub missed_deadlines: u32,
 
+    /// What drifts and corrections were at last: made degrees of once, at the end.
+    peak: Vec<Turns>,
+    correction: Vec<Turns>,
     /// What makes an amplitude of a speed: of cams, the crank of equal κ.
     mechanism: SliderCrank,
     tick_hz: u32,
@@ -125,8 +128,8 @@ impl Statistics {
             time_in_state_s: [0.0; 6],
             steps: vec![0; axes],
             turns: vec![(0.0, 0.0); axes],
-            drift_peak_deg: vec![0.0; axes],
-            correction_deg: vec![0.0; axes],
+            drift_peak_deg: Vec::new(),
+            correction_deg: Vec::new(),
             slipped_cycles: vec![0; axes],
             torque_used: Vec::new(),
             worst_torque_nm: Vec::new(),
@@ -138,6 +141,8 @@ impl Statistics {
             stopped_by: None,
             late_deadlines: 0,
             missed_deadlines: 0,
+            peak: vec![Turns::ZERO; axes],
+            correction: vec![Turns::ZERO; axes],
             mechanism: *mechanism,
             tick_hz: checked.scene.control.tick_hz,
             tick_s: 1.0 / f64::from(checked.scene.control.tick_hz),
@@ -163,7 +168,17 @@ impl Statistics {
         self.forces(moment.machine);
         self.limits(moment, t_s);
         self.level(moment);
-        let news = self.tellings.tick(telemetry);
+        if let Some(news) = self.tellings.tick(telemetry) {
+            self.tell(news, telemetry, t_s);
+        }
+        if self.state != Some(telemetry.state) {
+            self.state = Some(telemetry.state);
+            self.enter(telemetry.state, telemetry, t_s);
+        }
+    }
+
+    #[cold]
+    fn tell<const N: usize>(&mut self, news: News, telemetry: &Telemetry<N>, t_s: f64) {
         if let Some(fault) = news.told {
             self.told += 1;
             self.note(t_s, Happening::Told(fault));
@@ -171,10 +186,6 @@ impl Statistics {
         if let Some(fault) = news.latched {
             let leading_deg = telemetry.modes.tilt_direction_deg().rem_euclid(360.0);
             self.note(t_s, Happening::Fault { fault, leading_deg });
-        }
-        if self.state != Some(telemetry.state) {
-            self.state = Some(telemetry.state);
-            self.enter(telemetry.state, telemetry, t_s);
         }
     }
 
@@ -232,11 +243,12 @@ impl Statistics {
                     },
                 );
             }
-            self.steps[i] = moment.telemetry.steps[i];
-            self.drift_peak_deg[i] = degrees(moment.telemetry.peak[i]);
-            self.correction_deg[i] = degrees(moment.telemetry.correction[i]);
             self.turns[i] = (moment.command_turns[i], moment.actual_turns[i]);
         }
+        let telemetry = moment.telemetry;
+        self.steps.copy_from_slice(&telemetry.steps);
+        self.peak.copy_from_slice(&telemetry.peak);
+        self.correction.copy_from_slice(&telemetry.correction);
         if let Some(followers) = moment.machine.followers() {
             for (worst, peaks) in self.followers.iter_mut().zip(followers.peaks()) {
                 *worst = worst.or(*peaks);
@@ -367,6 +379,8 @@ impl Statistics {
             .iter()
             .map(SimulatedAxis::torque_used)
             .collect();
+        self.drift_peak_deg = self.peak.iter().copied().map(degrees).collect();
+        self.correction_deg = self.correction.iter().copied().map(degrees).collect();
         if self.running_ticks > 0 {
             self.rms_spread_deg = (self.spread_squares / self.running_ticks as f64).sqrt();
         }

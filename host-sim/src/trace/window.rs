@@ -8,6 +8,8 @@ use std::io::Write;
 use cophase_core::pulse::Run;
 
 use super::{Levels, Signal, StepsVcd, VcdError};
+use crate::faults::Planned;
+use crate::scene::Scene;
 use crate::sim::Moment;
 
 /// Which part of the run `steps.vcd` shows.
@@ -21,8 +23,34 @@ pub enum Window {
     FirstMotion,
 }
 
-/// Without a window of its own, `steps.vcd` shows this much of the first motion.
-const FIRST_MOTION_NS: u64 = 200_000_000;
+/// Without a window of its own, `steps.vcd` shows this much.
+const SHOWN_NS: u64 = 200_000_000;
+
+/// So much of that is before a fault.
+const BEFORE_FAULT_NS: u64 = 50_000_000;
+
+impl Window {
+    /// Of a scene that says nothing of it: around the first fault that it puts in, else the first motion. Wires that are wrong
+    /// are so from power-up, and seen when the machine first moves.
+    pub fn of(scene: &Scene) -> Self {
+        if let Some(scope) = scene.scope {
+            return Self::seconds(scope.from_s, scope.to_s);
+        }
+        let begins = scene.fault.iter().map(|fault| Planned::new(fault).from_us);
+        match begins.filter(|&from_us| from_us > 0).min() {
+            Some(from_us) => {
+                let from_ns = (from_us * 1000).saturating_sub(BEFORE_FAULT_NS);
+                Self::Between(from_ns, from_ns + SHOWN_NS)
+            }
+            None => Self::FirstMotion,
+        }
+    }
+
+    /// Between two times, s.
+    pub fn seconds(from_s: f64, to_s: f64) -> Self {
+        Self::Between((from_s * 1e9).round() as u64, (to_s * 1e9).round() as u64)
+    }
+}
 
 /// No viewer likes a file of more edges than this; it has about a gigabyte.
 const MOST_EDGES: u64 = 60_000_000;
@@ -76,7 +104,7 @@ impl<V: Write> StepWindow<V> {
         }
         let moves = moment.telemetry.motion.speed != 0;
         if self.window == Window::FirstMotion && moves {
-            self.window = Window::Between(start_ns, start_ns + FIRST_MOTION_NS);
+            self.window = Window::Between(start_ns, start_ns + SHOWN_NS);
         }
         let (from_ns, to_ns) = match self.window {
             Window::All => (0, u64::MAX),
