@@ -45,6 +45,9 @@ pub enum Verdict {
 pub struct Judgement {
     /// Rightly told or not.
     pub verdict: Verdict,
+    /// Whether it was detected within one turn and two ticks of a crank passing its limit; none where no crank did, or where the
+    /// machine stood before the turn was over.
+    pub in_time: Option<bool>,
     /// Turns of the master from the crank passing its limit to two ticks before it was detected; below 0, it was before.
     pub turns: Option<f64>,
     /// When it was detected, s since power-up.
@@ -75,11 +78,11 @@ pub fn judge(
     };
     let fault = scene.fault.first();
     let detected = fault.and_then(|fault| detection(scene, fault, seen));
+    let turns = detected.zip(seen.past);
     Judgement {
         verdict,
-        turns: detected
-            .zip(seen.past)
-            .map(|(detected, past)| detected.turns - past.turns),
+        in_time: in_time(detected, seen),
+        turns: turns.map(|(detected, past)| detected.turns - past.turns),
         detected_s: detected.map(|detected| detected.place.t_s),
         bound_mrad,
         left_running: seen.left_running_turns * steps > ROUNDING_STEPS,
@@ -95,6 +98,15 @@ pub fn detection<'a>(scene: &Scene, fault: &FaultAt, seen: &'a Seen) -> Option<&
     let stop = tellings().find(|telling| telling.done >= Reaction::Stop);
     let mended = scene.correction.part > 0.0 && !seen.is_past;
     stop.or_else(|| tellings().find(|telling| mended && telling.done == Reaction::Correct))
+}
+
+/// See [`Judgement::in_time`].
+fn in_time(detected: Option<&Telling>, seen: &Seen) -> Option<bool> {
+    let past = seen.past?;
+    match detected {
+        Some(detected) => Some(detected.turns - past.turns <= 1.0),
+        None => (seen.end?.turns - past.turns > 1.0).then_some(false),
+    }
 }
 
 /// Whether what was told is of an axis that it may be of.
@@ -120,19 +132,19 @@ fn verdict(scene: &Scene, fault: &FaultAt, seen: &Seen) -> Verdict {
         let had_time = end.turns - injected.turns > names::turns_to_tell(fault);
         // An extra pulse before the first is the first, if nothing tells otherwise; what it would have moved is looked at again.
         let may_be_first = fault.kind == FaultName::IndexExtra && injected.state == State::Align;
-        // One that comes where the flag does is taken for it, and the flag for the same: nothing was wrong that matters.
-        let is_in_place = seen
-            .extra_off_turns
-            .is_some_and(|off_turns| off_turns <= names::gate_turns(scene, fault));
+        let in_place = |off_turns| names::is_in_place(scene, fault, off_turns);
+        let is_in_place = seen.extra_off_turns.is_some_and(in_place);
         let must = names::must_be_told(fault.kind) && !may_be_first && !is_in_place;
-        return match (seen.past, must) {
-            (Some(_), _) => Verdict::Missed,
+        return match (seen.past.map(|_| in_time(None, seen)), must) {
+            (Some(Some(_)), _) => Verdict::Missed,
+            (Some(None), _) => Verdict::Moot,
             (None, true) if had_time => Verdict::Missed,
             (None, true) => Verdict::Moot,
             (None, false) => Verdict::Within,
         };
     }
-    if seen.past.is_some() && seen.fault.is_none() && detection(scene, fault, seen).is_none() {
+    let too_late = in_time(detection(scene, fault, seen), seen) == Some(false);
+    if too_late && seen.fault.is_none() {
         return Verdict::Missed;
     }
     let accepted = names::accepted(

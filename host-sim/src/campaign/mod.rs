@@ -62,8 +62,7 @@ fn watched<const N: usize>(case: &Case, clean: bool, checked: &Checked) -> Resul
         .iter()
         .any(|&cycles| cycles != 0);
     let judgement = judge::judge(scene, geometry.as_ref(), &seen, (diverged, slipped));
-    let ended = (outcome.state, outcome.simulated_s());
-    Ok(Row::new(case, clean, &seen, &judgement, ended))
+    Ok(Row::new(case, clean, &seen, &judgement, &outcome))
 }
 
 /// Runs cases, both runs of each, on all threads that rayon has; rows in the order of their numbers. `done` is called after

@@ -132,10 +132,18 @@ pub fn is_stepper(scene: &Scene, fault: &FaultAt) -> bool {
         == Drive::Stepper
 }
 
-/// How far from its flag a pulse of that axis may come and still be taken for the flag's, turns: four times what a reading is off
-/// by, a step either way with it; of a stepper no more than leaves the nearest lost cycle apart from it. This is the width of a
-/// place that the drift monitor is set up with (docs/faults.md), from the scene's numbers.
-pub fn gate_turns(scene: &Scene, fault: &FaultAt) -> f64 {
+/// Whether an extra pulse that comes so far after the place where the axis meets its flag, turns of the crank, is nothing that
+/// anyone sees, or that matters: within a gate of that place it is taken for the flag's own, and the flag for the same passage,
+/// which has the crank be off by less than a gate for a turn; and while the flag is before the sensor its line is high already.
+pub fn is_in_place(scene: &Scene, fault: &FaultAt, off_turns: f64) -> bool {
+    let flag_turns = scene.axes.index_width_deg / 360.0;
+    let gate = gate_turns(scene, fault);
+    (-gate..=gate.max(flag_turns)).contains(&off_turns)
+}
+
+/// The width of a place that the drift monitor is set up with (docs/faults.md), from the scene's numbers: four times what a reading
+/// is off by, a step either way with it; of a stepper no more than leaves the nearest lost cycle apart from it.
+fn gate_turns(scene: &Scene, fault: &FaultAt) -> f64 {
     let reading = scene.drift.reading_deg / 360.0 + 2.0 / f64::from(scene.axes.steps_per_turn);
     if !is_stepper(scene, fault) {
         return 4.0 * reading;

@@ -1,12 +1,12 @@
 //! A run as a row of data.
 
-use cophase_core::supervisor::State;
 use serde::{Deserialize, Serialize};
 
 use super::judge::{Judgement, Verdict};
 use super::plan::Case;
 use super::watch::{Seen, Told};
 use crate::scene::file::{Drive, FaultAt, FaultName, Fidelity, Scene};
+use crate::sim::Outcome;
 
 /// One run. What does not apply is empty.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,6 +54,8 @@ pub struct Row {
     pub turns_from_fault: Option<f64>,
     /// … and from the crank passing its limit to two ticks before that was detected; below 0, it was before.
     pub turns_from_limit: Option<f64>,
+    /// Whether it was detected in time; empty where no crank passed its limit, or the machine stood before a turn was over.
+    pub in_time: Option<bool>,
     /// The fault that latched.
     pub fault: String,
     /// Of which axis.
@@ -64,8 +66,8 @@ pub struct Row {
     pub verdict: Verdict,
     /// Largest tilt while the drives were on, mrad.
     pub tilt_mrad: f64,
-    /// Largest tilt after they were off.
-    pub tilt_off_mrad: f64,
+    /// Largest tilt after they were off, if they were.
+    pub tilt_off_mrad: Option<f64>,
     /// Most that it may be, mrad.
     pub bound_mrad: f64,
     /// The limit that is watched, mrad.
@@ -87,7 +89,7 @@ impl Row {
         clean: bool,
         seen: &Seen,
         judgement: &Judgement,
-        ended: (State, f64),
+        outcome: &Outcome,
     ) -> Self {
         let scene: &Scene = &case.scene;
         let fault = (!clean).then(|| case.fault());
@@ -117,6 +119,7 @@ impl Row {
                 .zip(injected)
                 .map(|(telling, injected)| telling.turns - injected.turns),
             turns_from_limit: judgement.turns,
+            in_time: judgement.in_time,
             fault: seen.fault.map_or("", |told| told.kind.name()).to_owned(),
             fault_axis: seen.fault.and_then(|told| told.axis),
             incidents: seen
@@ -128,14 +131,14 @@ impl Row {
                 .collect::<Vec<_>>()
                 .join(" "),
             verdict: judgement.verdict,
-            tilt_mrad: seen.tilt_mrad,
-            tilt_off_mrad: seen.tilt_off_mrad,
+            tilt_mrad: outcome.statistics.worst_tilt_mrad,
+            tilt_off_mrad: outcome.statistics.coast.worst_tilt_mrad,
             bound_mrad: judgement.bound_mrad,
             limit_mrad: scene.drift.tilt_limit_mrad,
             left_running_turns: seen.left_running_turns,
             left_running: judgement.left_running,
-            ended: ended.0.name().to_owned(),
-            simulated_s: ended.1,
+            ended: outcome.state.name().to_owned(),
+            simulated_s: outcome.simulated_s(),
         }
     }
 
@@ -144,19 +147,16 @@ impl Row {
         self.past_s.is_some()
     }
 
-    /// Largest tilt of all, mrad.
-    pub fn most_tilt_mrad(&self) -> f64 {
-        self.tilt_mrad.max(self.tilt_off_mrad)
+    /// Largest tilt that the bound is on: while the drives were on, and on rungs where cranks without drives stand, after that. Where
+    /// torque moves the cranks, no loop decides where they go without.
+    pub fn bounded_tilt_mrad(&self) -> f64 {
+        let off_mrad = self.tilt_off_mrad.filter(|_| !self.rung.moves_by_torque());
+        self.tilt_mrad.max(off_mrad.unwrap_or(0.0))
     }
 
     /// Tilt, as a part of what it may be.
     pub fn tilt_over_bound(&self) -> f64 {
-        self.most_tilt_mrad() / self.bound_mrad
-    }
-
-    /// Whether what was to be told in time was: within one turn and two ticks of the crank passing its limit.
-    pub fn is_in_time(&self) -> bool {
-        !self.is_past() || self.turns_from_limit.is_some_and(|turns| turns <= 1.0)
+        self.bounded_tilt_mrad() / self.bound_mrad
     }
 }
 

@@ -4,7 +4,8 @@
 //! loop reads, and one until what it then writes is played. So a *telling* counts from the beginning of the moment in which it is
 //! played.
 //!
-//! All tellings are kept, each with what the loop does about it; which of them counts, [`super::judge`] says.
+//! All tellings are kept, each with what the loop does about it; which of them counts, [`super::judge`] says. What every run keeps,
+//! such as its largest tilt, is in [`crate::sim::Statistics`].
 
 use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::reaction::{Reaction, reaction};
@@ -67,9 +68,9 @@ pub struct Telling {
 pub struct Seen {
     /// When what goes wrong began.
     pub injected: Option<Place>,
-    /// The end of the first moment since then in which the true cranks were past a limit.
+    /// The end of the first moment since then in which the true cranks were past a limit, with the drives on.
     pub past: Option<Place>,
-    /// Whether they are at the end.
+    /// Whether they were in the last moment with the drives on.
     pub is_past: bool,
     /// What was told since the fault, each thing once for each that was done about it.
     pub tellings: Vec<Telling>,
@@ -79,14 +80,11 @@ pub struct Seen {
     pub early: Vec<Told>,
     /// Incidents, each once.
     pub incidents: Vec<Told>,
-    /// A pulse that no flag makes came so far from where the axis meets its flag, turns of the true crank, without sign.
+    /// A pulse that no flag makes came so far after the place at which the axis meets its flag going forward, turns of the true
+    /// crank; negative: before it.
     pub extra_off_turns: Option<f64>,
     /// The fault that latched, as it was called at last.
     pub fault: Option<Told>,
-    /// Largest true tilt while the drives were on, or had not been yet, mrad.
-    pub tilt_mrad: f64,
-    /// Largest true tilt after the drives were off, mrad.
-    pub tilt_off_mrad: f64,
     /// The most that an axis, or its crank, was moved by its drive while another had been stopped for over two ticks, turns.
     pub left_running_turns: f64,
     /// The end of the run.
@@ -112,7 +110,6 @@ pub struct Watch<'a, const N: usize> {
     seen: Seen,
     moments: u64,
     tellings: Tellings,
-    were_on: bool,
     /// Turns of the master at the end of the last three moments, latest first.
     turns: [f64; 3],
     before: Option<([f64; N], [f64; N])>,
@@ -140,7 +137,6 @@ impl<'a, const N: usize> Watch<'a, N> {
             seen: Seen::default(),
             moments: 0,
             tellings: Tellings::default(),
-            were_on: false,
             turns: [0.0; 3],
             before: None,
             apart: 0,
@@ -172,9 +168,10 @@ impl<'a, const N: usize> Watch<'a, N> {
         }
         // What latches is told as well: once is enough.
         let told = told.filter(|told| telemetry.fault != Some(*told));
-        for (news, in_safety) in [(latched, false), (told, true)] {
-            let Some(fault) = news else { continue };
-            let (told, done) = (Told::from(fault), reaction(fault.kind, in_safety));
+        let latched = latched.map(|fault| (fault, reaction(fault.kind, false).max(Reaction::Stop)));
+        let told = told.map(|fault| (fault, reaction(fault.kind, true).min(Reaction::Correct)));
+        for (fault, done) in latched.into_iter().chain(told) {
+            let told = Told::from(fault);
             if seen.injected.is_none() {
                 keep(&mut seen.early, told);
                 continue;
@@ -191,21 +188,15 @@ impl<'a, const N: usize> Watch<'a, N> {
         }
     }
 
+    /// Whether cranks are past a limit. What they do that the loop has let go is nothing that it could yet see, or stop for.
     fn cranks(&mut self, moment: &Moment<'_, N>, end: Place) {
-        self.were_on |= moment.drives_enabled;
-        let errors = moment.errors();
-        // Cranks that are all alike neither tilt nor bend the platform.
-        if errors.iter().all(|error| *error == errors[0]) {
-            self.seen.is_past = false;
+        if !moment.drives_enabled {
             return;
         }
-        let tilt_mrad = if self.were_on && !moment.drives_enabled {
-            &mut self.seen.tilt_off_mrad
-        } else {
-            &mut self.seen.tilt_mrad
-        };
-        *tilt_mrad = tilt_mrad.max(moment.tilt_mrad());
-        self.seen.is_past = self.geometry.is_some_and(|g| g.is_past(&errors));
+        let errors = moment.errors();
+        // Cranks that are all alike neither tilt nor bend the platform.
+        let differ = errors.iter().any(|error| *error != errors[0]);
+        self.seen.is_past = differ && self.geometry.is_some_and(|g| g.is_past(&errors));
         if self.seen.is_past && self.seen.injected.is_some() && self.seen.past.is_none() {
             self.seen.past = Some(end);
         }
@@ -222,7 +213,7 @@ impl<'a, const N: usize> Watch<'a, N> {
         let part = since_s / ((moment.end_ns - moment.start_ns) as f64 * 1e-9);
         let (from, to) = (cranks[axis], moment.actual_turns[axis]);
         let off = from + part.clamp(0.0, 1.0) * (to - from) - self.flag_turns?;
-        Some((off - off.round()).abs())
+        Some(off - off.round())
     }
 
     /// Who is moved by its drive while another stands.

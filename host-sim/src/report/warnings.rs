@@ -44,7 +44,7 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     {
         warnings.push(format!(
             "With the drives off the platform tilted by {tilt_mrad:.2} mrad, past its limit of {limit_mrad}: nothing holds the cranks \
-             together then but what they carry; a brake or a drive that holds does (docs/faults.md)."
+             together then but what they carry (docs/faults.md)."
         ));
     }
     if coast.is_on() {

@@ -124,11 +124,14 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
 
     /// How the run ended.
     pub fn finish(self) -> Outcome {
+        // What spins up cranks that nothing holds any more is no end of their equations: it ends the run.
+        let let_go = self.quiet > self.ticks_in(TAIL_S) && self.statistics.coast.is_on();
+        let broken = self.machine.broken().filter(|_| !let_go);
         let mut statistics = self.statistics;
         statistics.finish(&self.machine);
         Outcome {
             method: self.machine.method(),
-            diverged: self.machine.broken().map(|error| error.to_string()),
+            diverged: broken.map(|error| error.to_string()),
             state: self.state,
             fault: self.fault,
             ticks: self.played,
@@ -214,9 +217,12 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
 
     /// Whether nothing has happened for long enough, and nothing moves any more.
     fn is_at_rest(&self) -> bool {
-        let ticks = |seconds: f64| (seconds * f64::from(self.tick_hz)) as u64;
-        self.quiet > ticks(TAIL_S)
-            && (!self.statistics.coast.is_on() || self.quiet > ticks(MOST_TAIL_S))
+        self.quiet > self.ticks_in(TAIL_S)
+            && (!self.statistics.coast.is_on() || self.quiet > self.ticks_in(MOST_TAIL_S))
+    }
+
+    fn ticks_in(&self, seconds: f64) -> u64 {
+        (seconds * f64::from(self.tick_hz)) as u64
     }
 
     /// Tells of faults that have begun.

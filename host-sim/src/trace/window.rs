@@ -246,3 +246,45 @@ impl<V: Write> StepWindow<V> {
         Ok(self.ended.unwrap_or((last_ns, last_ns)))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::load;
+
+    /// Were it wrong, whoever looks at what a fault did to the edges would get the machine's first steps, or miss what came just
+    /// before it; or a window that was asked for would be moved.
+    #[test]
+    fn a_fault_is_what_is_shown() {
+        let of = |more: &str| {
+            let text = format!(
+                "name = \"window\"\n[machine]\ncrank_radius_mm = 10\nlambda = 0.25\nload_kg = 5\n\
+                 [limits]\nspeed_hz = 10\nacceleration_hz_per_s = 20\njerk_hz_per_s2 = 200\n\
+                 [axes]\ncount = 3\ndrive = \"servo\"\nsteps_per_turn = 4096\nencoder = true\n\
+                 [[program]]\namax_g = 1\nhold_s = 1\n{more}"
+            );
+            Window::of(&load::parse(&text).unwrap())
+        };
+        let fault =
+            |at_s: f64, what: &str| format!("[[fault]]\nat_s = {at_s}\nkind = \"{what}\"\n");
+        let (late, early) = (
+            fault(1.5, "stop-input"),
+            fault(0.9, "overrun\"\ncount = 3\n#\""),
+        );
+        let reversed = fault(0.0, "reversed\"\naxis = 0\n#\"");
+        assert_eq!(of(""), Window::FirstMotion);
+        assert_eq!(of(&reversed), Window::FirstMotion);
+        assert_eq!(of(&late), Window::Between(1_450_000_000, 1_650_000_000));
+        let first = Window::Between(850_000_000, 1_050_000_000);
+        assert_eq!(of(&(late + &early + &reversed)), first);
+        assert_eq!(
+            of(&fault(0.02, "stop-input")),
+            Window::Between(0, 200_000_000)
+        );
+        let scope = "[scope]\nfrom_s = 0.1\nto_s = 0.2\n";
+        assert_eq!(
+            of(&(early + scope)),
+            Window::Between(100_000_000, 200_000_000)
+        );
+    }
+}
