@@ -11,6 +11,8 @@ use crate::scene::file::{FaultAt, FaultName, Lines};
 #[derive(Clone, Debug)]
 pub struct Faults<const N: usize> {
     planned: Vec<Planned>,
+    /// Nothing is planned, and no reading has noise: ordinary runs, which are not to pay for this.
+    is_idle: bool,
     /// Which of them have begun, and in this order what has.
     begun: Vec<bool>,
     news: Vec<FaultAt>,
@@ -42,7 +44,9 @@ impl<const N: usize> Faults<N> {
         let streams = |sensor, deviation| {
             std::array::from_fn(|i| Stream::new(noise.seed, sensor, i, deviation))
         };
+        let encoder = streams(Sensor::Encoder, noise.encoder_counts);
         Self {
+            is_idle: planned.is_empty() && encoder.iter().all(Option::is_none),
             begun: vec![false; planned.len()],
             news: Vec::new(),
             swapped_sensors: scene.fault.iter().filter_map(of_sensors).collect(),
@@ -51,7 +55,7 @@ impl<const N: usize> Faults<N> {
             tick_s: tick_us as f64 * 1e-6,
             touches_drives: scene.touches_drives(),
             load: streams(Sensor::Load, noise.load_nm),
-            encoder: streams(Sensor::Encoder, noise.encoder_counts),
+            encoder,
             dry: None,
             missing: [None; N],
         }
@@ -77,6 +81,9 @@ impl<const N: usize> Faults<N> {
 
     /// What is wrong with each drive in the tick that begins at `start_us`; none in a scene where nothing ever is.
     pub fn amiss(&mut self, start_us: u64) -> Option<[Amiss; N]> {
+        if self.planned.is_empty() && !self.touches_drives {
+            return None;
+        }
         let new = self.begin(start_us, is_of_a_tick);
         if !self.touches_drives {
             return None;
@@ -171,6 +178,9 @@ impl<const N: usize> Faults<N> {
 
     /// Puts into what is read at `now_us` what is wrong with it. Safety inputs are as they were set before.
     pub fn read(&mut self, now_us: u64, feedback: &mut Feedback<N>) {
+        if self.is_idle {
+            return;
+        }
         if !self.planned.is_empty() {
             self.begin(now_us, |kind| !is_of_a_tick(kind) && !is_of_index(kind));
         }
