@@ -46,6 +46,8 @@ fn a_run_goes_on_until_cranks_that_are_let_go_stand() {
         "{turned}"
     );
     assert!(at_last.abs() * 360.0 < 0.36, "{at_last}");
+    // Nor does a motor that is off slip.
+    assert_eq!(looks.outcome.statistics.slipped_cycles, [0; 3]);
     let coast = &looks.outcome.statistics.coast;
     assert!(!coast.is_on() && coast.turned_s > 0.1, "{}", coast.turned_s);
 }

@@ -5,7 +5,8 @@
 //!    master and two ticks: the loop has found something of the axis that it befell (or something that is of no axis) and stops
 //!    or disables the machine for it, or has trimmed the crank back ([`judge::detection`]), and this is played by then;
 //! 2. what is told is the right name, by one table ([`names`]), and of the right axis: in 99 of 100 at least;
-//! 3. the platform never tilts further than the limit and what the kind can add until all cranks stand ([`bound`]);
+//! 3. the platform never tilts further than the limit and what the kind can add, until all cranks stand or the drives are off
+//!    ([`bound`]);
 //! 4. no axis is left running: once the controller has stopped one, no other is told to move, nor moved by its drive, for more
 //!    than two ticks;
 //! 5. with noise alone, nothing is told.

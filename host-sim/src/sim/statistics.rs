@@ -233,7 +233,8 @@ impl Statistics {
             low = low.min(error);
             high = high.max(error);
             let slipped = moment.machine.axes[i].slipped_cycles();
-            if slipped != self.slipped_cycles[i] {
+            // A motor that is off has no field to slip against.
+            if slipped != self.slipped_cycles[i] && moment.drives_enabled {
                 self.slipped_cycles[i] = slipped;
                 self.note(
                     t_s,
