@@ -57,6 +57,19 @@ fn a_limit_is_passed_when_the_cranks_pass_it() {
     assert!((AT_TICK + 79..=AT_TICK + 82).contains(&past), "{past}");
 }
 
+/// Were cranks that the loop has let go held against it, no stop would be soon enough: one is stuck as the drives are cut, and the
+/// others swing on, far past a limit of 3 mrad.
+#[test]
+fn what_cranks_do_without_drives_is_not_to_be_seen() {
+    let stuck = format!(
+        "kind = \"enable-loss\"\n[[fault]]\nat_s = {}\nkind = \"stuck\"\naxis = 1\n",
+        AT_S + 0.01
+    );
+    let text = limited(3.0).replace("kinematic", "phased");
+    let (_, seen) = watched(&text, &stuck);
+    assert_eq!(seen.past, None);
+}
+
 /// Were it wrong, an axis that is left running while another stands would go unseen, or one be seen where all stop.
 #[test]
 fn who_is_left_running_is_known() {

@@ -166,3 +166,46 @@ pub fn turns_to_tell(fault: &FaultAt) -> f64 {
         _ => 0.0,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::library;
+
+    /// Were the place too wide, pulses that the loop must tell of would be let pass; were it too narrow, it would be blamed for what no
+    /// line shows. Of 3200 steps and 0.25° a gate is 4 (0.25 + 0.225) = 1.9°, of 200 full steps no more than 3.6 - 0.475 = 3.125°.
+    #[test]
+    fn a_place_is_a_gate_wide_and_as_long_as_its_flag() {
+        let mut scene = library::find("default").unwrap().scene();
+        scene.axes.steps_per_turn = 3200;
+        scene.axes.full_steps_per_turn = 200;
+        scene.drift.reading_deg = 0.25;
+        let fault = FaultAt {
+            at_s: 1.0,
+            kind: FaultName::IndexExtra,
+            axis: Some(0),
+            with: None,
+            lines: None,
+            cycles: None,
+            rate_deg_per_s: None,
+            speed_hz: None,
+            count: Some(1),
+            counts: None,
+            torque_nm: None,
+            for_s: None,
+        };
+        let is_in = |scene: &Scene, deg: f64| is_in_place(scene, &fault, deg / 360.0);
+        scene.axes.index_width_deg = 0.0;
+        for (deg, expected) in [(-1.95, false), (-1.85, true), (1.85, true), (1.95, false)] {
+            assert_eq!(is_in(&scene, deg), expected, "{deg}");
+        }
+        scene.axes.index_width_deg = 6.0;
+        for (deg, expected) in [(-1.95, false), (5.9, true), (6.1, false)] {
+            assert_eq!(is_in(&scene, deg), expected, "{deg}");
+        }
+        scene.axes.full_steps_per_turn = 800;
+        scene.axes.index_width_deg = 0.0;
+        // Half a cycle is 0.9°, less a reading 0.425°: less than two readings differ by, so that half a cycle it is.
+        assert!(is_in(&scene, 0.89) && !is_in(&scene, 0.91));
+    }
+}

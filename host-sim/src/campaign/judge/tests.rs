@@ -114,3 +114,29 @@ fn a_correction_counts_where_it_was_enough() {
     seen.fault = Some(stopped.told);
     assert_eq!(judged(&(scene, seen)).1, Some(2.0));
 }
+
+/// Were it counted late, a loop would be asked to hear an index that does not come any more; were it in time, a crank that stays out
+/// for turns would pass for detected.
+#[test]
+fn a_turn_that_is_not_made_is_not_waited_for() {
+    let corrected = telling(FaultKind::Slip, Some(1), Reaction::Correct, 9.5);
+    let (scene, mut seen) = slipped(&[corrected]);
+    let in_time = |seen: &Seen| judge(&scene, None, seen, (false, false)).in_time;
+    assert_eq!(in_time(&seen), Some(false));
+    seen.end = Some(place(PAST_TURNS + 0.9));
+    assert_eq!(in_time(&seen), None);
+    assert_eq!(
+        judge(&scene, None, &seen, (false, false)).verdict,
+        Verdict::Right
+    );
+    seen.tellings.clear();
+    assert_eq!(
+        judge(&scene, None, &seen, (false, false)).verdict,
+        Verdict::Moot
+    );
+    seen.end = Some(place(PAST_TURNS + 1.1));
+    assert_eq!(
+        judge(&scene, None, &seen, (false, false)).verdict,
+        Verdict::Missed
+    );
+}
