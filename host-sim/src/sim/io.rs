@@ -309,30 +309,28 @@ impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'
     }
 }
 
-/// A wrapping phase, counted on.
+/// A wrapping phase, counted on: whole turns and the rest apart, so that no digit of the rest is lost after a month of turns.
 #[derive(Clone, Copy, Debug, Default)]
 struct Unwrapped {
     last: Phase,
-    /// Exact for 2^15 turns of 2^48: the sum is kept in whole units.
-    units: i128,
+    turns: i64,
+    rest: i64,
 }
 
 impl Unwrapped {
     /// Counting on from a phase: an axis at its offset.
     fn starting_at(phase: Phase) -> Self {
-        Self {
-            last: phase,
-            units: i128::from(phase.since(Phase::ZERO).to_bits()),
-        }
+        let mut unwrapped = Self::default();
+        unwrapped.follow(phase);
+        unwrapped
     }
 
     fn follow(&mut self, phase: Phase) -> f64 {
-        self.units += i128::from(phase.since(self.last).to_bits());
+        const ONE: i64 = Turns::ONE.to_bits();
+        let rest = self.rest + phase.since(self.last).to_bits();
         self.last = phase;
-        // Whole turns and the rest apart: no digit of the rest is lost after a month of turns.
-        let one = Turns::ONE.to_bits();
-        let whole = (self.units >> Turns::FRAC_NBITS) as i64;
-        let rest = self.units as i64 & (one - 1);
-        whole as f64 + rest as f64 / one as f64
+        self.turns += rest >> Turns::FRAC_NBITS;
+        self.rest = rest & (ONE - 1);
+        self.turns as f64 + self.rest as f64 / ONE as f64
     }
 }
