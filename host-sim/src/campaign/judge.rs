@@ -46,7 +46,7 @@ pub struct Judgement {
     /// Rightly told or not.
     pub verdict: Verdict,
     /// Whether it was detected within one turn and two ticks of a crank passing its limit; none where no crank did, or where the
-    /// machine stood before the turn was over.
+    /// machine stood before the turn was over, and not for another crank's sake.
     pub in_time: Option<bool>,
     /// Turns of the master from the crank passing its limit to two ticks before it was detected; below 0, it was before.
     pub turns: Option<f64>,
@@ -66,7 +66,7 @@ pub fn judge(
     (diverged, slipped): (bool, bool),
 ) -> Judgement {
     let bound_mrad = geometry.map_or(0.0, |geometry| {
-        bound::tilt_mrad(scene, geometry, seen.past.as_ref())
+        bound::tilt_mrad(scene, geometry, seen.out.as_ref())
     });
     let steps = f64::from(scene.axes.steps_per_turn);
     let verdict = match scene.fault.first() {
@@ -105,6 +105,7 @@ fn in_time(detected: Option<&Telling>, seen: &Seen) -> Option<bool> {
     let past = seen.past?;
     match detected {
         Some(detected) => Some(detected.turns - past.turns <= 1.0),
+        None if seen.fault.is_some() => Some(false),
         None => (seen.end?.turns - past.turns > 1.0).then_some(false),
     }
 }

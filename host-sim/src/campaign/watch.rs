@@ -70,6 +70,8 @@ pub struct Seen {
     pub injected: Option<Place>,
     /// The end of the first moment since then in which the true cranks were past a limit, with the drives on.
     pub past: Option<Place>,
+    /// The same, and on rungs where cranks without drives stand, with the drives off as well.
+    pub out: Option<Place>,
     /// Whether they were in the last moment with the drives on.
     pub is_past: bool,
     /// What was told since the fault, each thing once for each that was done about it.
@@ -190,15 +192,18 @@ impl<'a, const N: usize> Watch<'a, N> {
 
     /// Whether cranks are past a limit. What they do that the loop has let go is nothing that it could yet see, or stop for.
     fn cranks(&mut self, moment: &Moment<'_, N>, end: Place) {
-        if !moment.drives_enabled {
+        if !moment.drives_enabled && moment.machine.rotors().is_some() {
             return;
         }
         let errors = moment.errors();
         // Cranks that are all alike neither tilt nor bend the platform.
         let differ = errors.iter().any(|error| *error != errors[0]);
-        self.seen.is_past = differ && self.geometry.is_some_and(|g| g.is_past(&errors));
-        if self.seen.is_past && self.seen.injected.is_some() && self.seen.past.is_none() {
-            self.seen.past = Some(end);
+        let is_past = differ && self.geometry.is_some_and(|g| g.is_past(&errors));
+        let since = is_past && self.seen.injected.is_some();
+        self.seen.out = self.seen.out.or(since.then_some(end));
+        if moment.drives_enabled {
+            self.seen.is_past = is_past;
+            self.seen.past = self.seen.past.or(since.then_some(end));
         }
     }
 

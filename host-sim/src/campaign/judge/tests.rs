@@ -83,11 +83,12 @@ fn what_is_detected_is_stopped_for() {
     assert!(verdict == Verdict::Right && near(turns, 1.4), "{turns:?}");
     let (_, turns) = judged(&slipped(&[glitch, of_none, own]));
     assert!(near(turns, 0.6), "{turns:?}");
-    // Stopped, but for another crank's sake: wrongly named, and never detected.
-    assert_eq!(
-        judged(&slipped(&[glitch, other])),
-        (Verdict::Misnamed, None)
-    );
+    // Stopped, but for another crank's sake: wrongly named, and never detected, however soon it was.
+    let (scene, mut seen) = slipped(&[glitch, other]);
+    seen.end = Some(place(PAST_TURNS + 0.5));
+    let judgement = judge(&scene, None, &seen, (false, false));
+    assert_eq!(judgement.verdict, Verdict::Misnamed);
+    assert_eq!((judgement.turns, judgement.in_time), (None, Some(false)));
     // Told, and gone on from, with the crank still out.
     for told in [&[glitch][..], &[corrected], &[glitch, corrected]] {
         assert_eq!(judged(&slipped(told)), (Verdict::Missed, None));
