@@ -11,7 +11,7 @@ use crate::scene::Checked;
 const STANDS_DEG: f64 = 0.36;
 
 /// See [`STANDS_DEG`].
-pub const STANDS_S: f64 = 0.05;
+pub(super) const STANDS_S: f64 = 0.05;
 
 /// Cranks that are let go, watched.
 #[derive(Clone, Debug, Default)]
