@@ -4,6 +4,8 @@
 //! says another thing on a *phased* one too, whose cranks swing there. The loop is looked past: what it tells, and when it
 //! stops, are other tests' affair. So faults come early in a long turn at a low speed, and limits are wide.
 
+#[path = "faults/coasting.rs"]
+mod coasting;
 #[path = "faults/drives.rs"]
 mod drives;
 #[path = "faults/looks.rs"]
@@ -19,6 +21,7 @@ mod watched;
 
 use cophase_core::supervisor::FaultKind;
 use cophase_tests::scene;
+use host_sim::sim::events::Happening;
 use looks::{Looks, look};
 
 /// Three steppers, 50 electrical cycles to a turn. They align from 0.02 s on at 5 rev/s, and a turn is 400 ticks of 0.5 ms.
@@ -73,14 +76,31 @@ fn with(text: &str, fault: &str) -> Looks {
     look(&scene(&format!("{text}[[fault]]\nat_s = {AT_S}\n{fault}")))
 }
 
+/// The first event that `is` picks: the tick at the beginning of which it was seen.
+fn seen_in(looks: &Looks, is: fn(&Happening) -> bool) -> Option<u64> {
+    let mut events = looks.outcome.statistics.events.iter();
+    let event = events.find(|event| is(&event.what))?;
+    Some((event.t_s / TICK_S).round() as u64)
+}
+
 /// The first fault that was put in: its tick.
 #[track_caller]
 fn began(looks: &Looks) -> u64 {
-    looks.outcome.watch.injected[0].tick
+    seen_in(looks, |what| matches!(what, Happening::Injected(_))).expect("a fault was put in")
+}
+
+/// When the first fault latched: what plays in a tick was reckoned at the deadline before.
+fn latched_in(looks: &Looks) -> Option<u64> {
+    let played = seen_in(looks, |what| matches!(what, Happening::Fault { .. }))?;
+    Some(played - 1)
 }
 
 /// Whether the loop was told what it can be told at once.
 fn latched(looks: &Looks, kind: FaultKind) -> bool {
-    let told = looks.outcome.watch.latched.map(|(_, fault)| fault.kind);
-    told == Some(kind)
+    let mut events = looks.outcome.statistics.events.iter();
+    let first = events.find_map(|event| match event.what {
+        Happening::Fault { fault, .. } => Some(fault.kind),
+        _ => None,
+    });
+    first == Some(kind)
 }

@@ -178,7 +178,11 @@ fn a_case_run_alone_is_the_campaigns() {
         assert_eq!(row["tilt_mrad"].to_string(), cell("tilt_mrad"), "{number}");
         assert!(columns.any(|column| column == "bound_mrad"));
 
+        // What every run keeps, and what a campaign does, are one thing.
         let report = read(&alone, "report.json");
+        let tilts: serde_json::Value = serde_json::from_str(&report).unwrap();
+        assert_eq!(tilts["tilt_worst_mrad"], row["tilt_mrad"], "{number}");
+        assert_eq!(tilts["tilt_worst_off_mrad"], row["tilt_off_mrad"]);
         let again = folder();
         let scene = alone.path().join("scene.toml");
         let out = again.path().to_str().unwrap();
@@ -254,10 +258,17 @@ fn a_small_campaign_finds_what_a_large_one_claims() {
     let header = rows.headers().unwrap().clone();
     let column = |name: &str| header.iter().position(|column| column == name).unwrap();
     let [verdict, clean, running] = ["verdict", "clean", "left_running"].map(column);
+    let [past, detected, first] = ["past_s", "detected_s", "told_s"].map(column);
     let (mut told, mut wrong) = (0, 0);
     for row in rows.records() {
         let row = row.unwrap();
         assert_eq!(&row[running], "false", "{row:?}");
+        // What counts is never told before anything is, and there where a crank was past its limit.
+        let at_s = |column: usize| row[column].parse::<f64>().ok();
+        assert!(at_s(detected).is_none() || at_s(first) <= at_s(detected));
+        if &row[verdict] == "right" && at_s(past).is_some() {
+            assert!(at_s(detected).is_some(), "{row:?}");
+        }
         match (&row[clean], &row[verdict]) {
             ("true", verdict) => assert!(["clean", "moot"].contains(&verdict), "{row:?}"),
             (_, "right") => told += 1,

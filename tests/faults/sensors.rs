@@ -6,7 +6,7 @@ use host_sim::faults::Faults;
 use host_sim::trace::{Every, Window};
 
 use super::looks::readings;
-use super::{AT_S, AT_TICK, KINEMATIC, began, latched, look, phased, unread, with};
+use super::{AT_S, AT_TICK, KINEMATIC, began, latched, latched_in, look, phased, unread, with};
 
 fn at(fault: &str) -> host_sim::scene::Checked {
     scene(&format!("{KINEMATIC}[[fault]]\nat_s = {AT_S}\n{fault}"))
@@ -100,7 +100,7 @@ fn alarms_and_inputs_are_on_while_they_last() {
     on("drive-alarm\"\naxis = 2\n#\"", |feedback| feedback.alarm[2]);
     let looks = with(KINEMATIC, "kind = \"drive-alarm\"\naxis = 2\n");
     assert!(latched(&looks, FaultKind::DriveAlarm));
-    assert_eq!(looks.outcome.watch.latched.unwrap().0, AT_TICK);
+    assert_eq!(latched_in(&looks), Some(AT_TICK));
 }
 
 /// Were it wrong, an overrun would miss another number of deadlines, and be a fault or none by that.

@@ -1,4 +1,5 @@
-//! How far a platform may tilt after a fault, at most: the limit, and what the kind can add until all cranks stand.
+//! How far a platform may tilt after a fault, at most: the limit, and what the kind can add until all cranks stand, or the drives are
+//! off and torque moves the cranks: then nothing holds them together.
 //!
 //! Up to the limit L nothing need be told. A crank that has passed it is seen within a turn and two ticks, and the stop takes
 //! what the stop limits make of it; in that time the crank goes on as its kind has it. What it goes on by, e, tilts the platform

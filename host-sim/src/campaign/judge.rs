@@ -1,13 +1,18 @@
 //! Holds a run against what the campaign claims.
+//!
+//! A crank past a limit is *detected* when the machine is brought to where it does no harm, for a reason that has to do with that
+//! crank ([`detection`]). That something else was told before, which the loop goes on from, is no detection: nobody need be there
+//! to read it. Nor is a stop for another crank's sake, as the next machine would not stop for that.
 
+use cophase_core::supervisor::reaction::Reaction;
 use cophase_core::supervisor::{FaultKind, State};
 
-use crate::scene::file::{AxisApart, Drive, FaultAt, FaultName, Scene};
+use crate::scene::file::{AxisApart, FaultAt, FaultName, Scene};
 
 use super::bound;
 use super::geometry::Geometry;
 use super::names::{self, Circumstances};
-use super::watch::{Seen, Told};
+use super::watch::{Seen, Telling, Told};
 
 /// What a crank is from where it was told to be for rounding: a step either way. More than this, it was moved.
 const ROUNDING_STEPS: f64 = 2.0;
@@ -20,7 +25,7 @@ pub enum Verdict {
     Right,
     /// Told, and wrongly.
     Misnamed,
-    /// Not told, though a crank was past its limit, or the kind is one that must be told.
+    /// Not told, though the kind is one that must be; or neither stopped for nor mended, though a crank was past its limit.
     Missed,
     /// Nothing was told, and nothing had to be: no crank was past its limit.
     Within,
@@ -40,8 +45,13 @@ pub enum Verdict {
 pub struct Judgement {
     /// Rightly told or not.
     pub verdict: Verdict,
-    /// Turns of the master from the crank passing its limit to two ticks before it was told; below 0, it was told before.
+    /// Whether it was detected within one turn and two ticks of a crank passing its limit; none where no crank did, or where the
+    /// machine stood before the turn was over, and not for another crank's sake.
+    pub in_time: Option<bool>,
+    /// Turns of the master from the crank passing its limit to two ticks before it was detected; below 0, it was before.
     pub turns: Option<f64>,
+    /// When it was detected, s since power-up.
+    pub detected_s: Option<f64>,
     /// Most that the platform may tilt, mrad.
     pub bound_mrad: f64,
     /// An axis was left running.
@@ -56,7 +66,7 @@ pub fn judge(
     (diverged, slipped): (bool, bool),
 ) -> Judgement {
     let bound_mrad = geometry.map_or(0.0, |geometry| {
-        bound::tilt_mrad(scene, geometry, seen.past.as_ref())
+        bound::tilt_mrad(scene, geometry, seen.out.as_ref())
     });
     let steps = f64::from(scene.axes.steps_per_turn);
     let verdict = match scene.fault.first() {
@@ -66,16 +76,48 @@ pub fn judge(
         None => Verdict::Clean,
         Some(fault) => verdict(scene, fault, seen),
     };
-    let turns = match (&seen.past, &seen.told) {
-        (Some(past), Some(_)) => Some(seen.told_turns - past.turns),
-        _ => None,
-    };
+    let fault = scene.fault.first();
+    let detected = fault.and_then(|fault| detection(scene, fault, seen));
+    let turns = detected.zip(seen.past);
     Judgement {
         verdict,
-        turns,
+        in_time: in_time(detected, seen),
+        turns: turns.map(|(detected, past)| detected.turns - past.turns),
+        detected_s: detected.map(|detected| detected.place.t_s),
         bound_mrad,
         left_running: seen.left_running_turns * steps > ROUNDING_STEPS,
     }
+}
+
+/// What the loop told of a fault that counts as its detection: the first that made it stop, or disable the drives, on the axis that
+/// it befell or on none. Where nothing did, the first that had it trim that axis, if the cranks were within their limits again
+/// at the end: what is trimmed away in time need not stop a machine, and what goes on past its limit must.
+pub fn detection<'a>(scene: &Scene, fault: &FaultAt, seen: &'a Seen) -> Option<&'a Telling> {
+    let of_it = |told: &Told| told.axis.is_none() || is_of(scene, fault, told);
+    let tellings = || seen.tellings.iter().filter(|telling| of_it(&telling.told));
+    let stop = tellings().find(|telling| telling.done >= Reaction::Stop);
+    let mended = scene.correction.part > 0.0 && !seen.is_past;
+    stop.or_else(|| tellings().find(|telling| mended && telling.done == Reaction::Correct))
+}
+
+/// See [`Judgement::in_time`].
+fn in_time(detected: Option<&Telling>, seen: &Seen) -> Option<bool> {
+    let past = seen.past?;
+    match detected {
+        Some(detected) => Some(detected.turns - past.turns <= 1.0),
+        None if seen.fault.is_some() => Some(false),
+        None => (seen.end?.turns - past.turns > 1.0).then_some(false),
+    }
+}
+
+/// Whether what was told is of an axis that it may be of.
+fn is_of(scene: &Scene, fault: &FaultAt, told: &Told) -> bool {
+    let axes = [fault.axis, fault.with];
+    // Two cranks that seem far out, each its own way, make the third look so as well.
+    // And of two cranks nobody knows which is out.
+    let any = told.kind == FaultKind::TooFarOut
+        && (fault.kind == FaultName::SwappedWiring || scene.axes.count == 2);
+    any || !names::has_axis(fault.kind) || (told.axis.is_some() && axes.contains(&told.axis))
 }
 
 fn verdict(scene: &Scene, fault: &FaultAt, seen: &Seen) -> Verdict {
@@ -84,28 +126,33 @@ fn verdict(scene: &Scene, fault: &FaultAt, seen: &Seen) -> Verdict {
     };
     let stood = !matches!(injected.state, State::Align | State::Run | State::Stop);
     let from_power_up = matches!(fault.kind, FaultName::SwappedWiring | FaultName::Reversed);
-    if stood && !from_power_up && seen.told.is_none() && seen.past.is_none() {
+    if stood && !from_power_up && seen.tellings.is_empty() && seen.past.is_none() {
         return Verdict::Moot;
     }
-    if seen.told.is_none() {
+    if seen.tellings.is_empty() {
         let had_time = end.turns - injected.turns > names::turns_to_tell(fault);
         // An extra pulse before the first is the first, if nothing tells otherwise; what it would have moved is looked at again.
         let may_be_first = fault.kind == FaultName::IndexExtra && injected.state == State::Align;
-        let must = names::must_be_told(fault.kind) && !may_be_first;
-        return match (seen.past, must) {
-            (Some(_), _) => Verdict::Missed,
+        let in_place = |off_turns| names::is_in_place(scene, fault, off_turns);
+        let is_in_place = seen.extra_off_turns.is_some_and(in_place);
+        let must = names::must_be_told(fault.kind) && !may_be_first && !is_in_place;
+        return match (seen.past.map(|_| in_time(None, seen)), must) {
+            (Some(Some(_)), _) => Verdict::Missed,
+            (Some(None), _) => Verdict::Moot,
             (None, true) if had_time => Verdict::Missed,
             (None, true) => Verdict::Moot,
             (None, false) => Verdict::Within,
         };
     }
-    let axis = fault.axis.unwrap_or_default();
-    let drive = scene.apart(axis).and_then(|apart| apart.drive);
+    let too_late = in_time(detection(scene, fault, seen), seen) == Some(false);
+    if too_late && seen.fault.is_none() {
+        return Verdict::Missed;
+    }
     let accepted = names::accepted(
         fault,
         Circumstances {
             has_encoder: scene.axes.encoder,
-            is_stepper: drive.unwrap_or(scene.axes.drive) == Drive::Stepper,
+            is_stepper: names::is_stepper(scene, fault),
             in_align: injected.state == State::Align || stood,
             is_past: seen.past.is_some(),
             opposed: differs(scene, fault, |apart| f64::from(u8::from(apart.reversed))),
@@ -113,17 +160,7 @@ fn verdict(scene: &Scene, fault: &FaultAt, seen: &Seen) -> Verdict {
             flags_apart: differs(scene, fault, |apart| apart.index_deg.unwrap_or_default()),
         },
     );
-    let is_right = |told: &Told| {
-        let axes = [fault.axis, fault.with];
-        // Two cranks that seem far out, each its own way, make the third look so as well.
-        // And of two cranks nobody knows which is out.
-        let any = told.kind == FaultKind::TooFarOut
-            && (fault.kind == FaultName::SwappedWiring || scene.axes.count == 2);
-        accepted.contains(&told.kind)
-            && (any
-                || !names::has_axis(fault.kind)
-                || (told.axis.is_some() && axes.contains(&told.axis)))
-    };
+    let is_right = |told: &Told| accepted.contains(&told.kind) && is_of(scene, fault, told);
     // What latched is what counts, as it was called at last; where nothing did, all that was told.
     let right = match &seen.fault {
         Some(told) => is_right(told),
@@ -152,3 +189,6 @@ pub fn cranks_that_count<const N: usize>(scene: &Scene) -> [bool; N] {
     };
     std::array::from_fn(|axis| !scene.fidelity.moves_by_torque() && !astray(axis))
 }
+
+#[cfg(test)]
+mod tests;

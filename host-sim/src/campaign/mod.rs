@@ -1,10 +1,12 @@
 //! A campaign: thousands of machines that are drawn, each with one thing that goes wrong, and each once more with nothing wrong.
 //!
 //! The *claim* that it tests, run by run:
-//! 1. every fault that moves a crank past a limit (tilt or warp, as the true cranks have it) is told within one turn of the
-//!    master and two ticks: what the loop makes of it is played by then;
+//! 1. every fault that moves a crank past a limit (tilt or warp, as the true cranks have it) is detected within one turn of the
+//!    master and two ticks: the loop has found something of the axis that it befell (or something that is of no axis) and stops
+//!    or disables the machine for it, or has trimmed the crank back ([`judge::detection`]), and this is played by then;
 //! 2. what is told is the right name, by one table ([`names`]), and of the right axis: in 99 of 100 at least;
-//! 3. the platform never tilts further than the limit and what the kind can add until all cranks stand ([`bound`]);
+//! 3. the platform never tilts further than the limit and what the kind can add, until all cranks stand or the drives are off
+//!    ([`bound`]);
 //! 4. no axis is left running: once the controller has stopped one, no other is told to move, nor moved by its drive, for more
 //!    than two ticks;
 //! 5. with noise alone, nothing is told.
@@ -51,8 +53,7 @@ pub fn run(case: &Case, clean: bool) -> Result<Row, SceneError> {
 fn watched<const N: usize>(case: &Case, clean: bool, checked: &Checked) -> Result<Row, SceneError> {
     let scene = &checked.scene;
     let geometry = Geometry::new(scene);
-    let fault = scene.fault.first();
-    let mut watch = Watch::<N>::new(geometry.as_ref(), fault, judge::cranks_that_count(scene));
+    let mut watch = Watch::<N>::new(geometry.as_ref(), checked, judge::cranks_that_count(scene));
     let outcome = simulate::<N>(checked, &mut watch, |_, _| {})?;
     let seen = watch.seen();
     let diverged = outcome.diverged.is_some();
@@ -62,8 +63,7 @@ fn watched<const N: usize>(case: &Case, clean: bool, checked: &Checked) -> Resul
         .iter()
         .any(|&cycles| cycles != 0);
     let judgement = judge::judge(scene, geometry.as_ref(), &seen, (diverged, slipped));
-    let ended = (outcome.state, outcome.simulated_s());
-    Ok(Row::new(case, clean, &seen, &judgement, ended))
+    Ok(Row::new(case, clean, &seen, &judgement, &outcome))
 }
 
 /// Runs cases, both runs of each, on all threads that rayon has; rows in the order of their numbers. `done` is called after

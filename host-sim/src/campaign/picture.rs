@@ -1,4 +1,4 @@
-//! The picture of a campaign: how soon faults are told after a crank is past its limit, and how far platforms tilt, by kind.
+//! The picture of a campaign: how soon faults are detected after a crank is past its limit, and how far platforms tilt, by kind.
 
 use super::shards::Header;
 use super::tally::{Group, Tally};
@@ -17,7 +17,7 @@ pub fn svg(header: &Header, tally: &Tally) -> String {
     picture::render(Picture {
         title: format!("{cases} faults, and {cases} runs with noise alone"),
         says: format!(
-            "Of {} faults that moved a crank past its limit {} were told within one turn and two ticks. {} of {} were named \
+            "Of {} faults that moved a crank past its limit {} were detected within one turn and two ticks. {} of {} were named \
              rightly. The largest tilt was {:.2} of its bound. Noise alone tripped {} of {} runs.",
             all.in_time.of,
             all.in_time.hits,
@@ -51,9 +51,9 @@ const fn seen_by(encoder: bool) -> &'static str {
 
 fn delays(tally: &Tally, encoder: bool) -> Panel {
     Panel {
-        title: format!("Told after the limit: {}", seen_by(encoder)),
+        title: format!("Detected after the limit: {}", seen_by(encoder)),
         x: Axis::linear(
-            "turns from the limit to two ticks before it is told",
+            "turns from the limit to two ticks before it is detected",
             -0.2,
             1.2,
         ),

@@ -1,12 +1,12 @@
 //! A run as a row of data.
 
-use cophase_core::supervisor::State;
 use serde::{Deserialize, Serialize};
 
 use super::judge::{Judgement, Verdict};
 use super::plan::Case;
 use super::watch::{Seen, Told};
 use crate::scene::file::{Drive, FaultAt, FaultName, Fidelity, Scene};
+use crate::sim::Outcome;
 
 /// One run. What does not apply is empty.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,12 +46,16 @@ pub struct Row {
     pub speed_hz: Option<f64>,
     /// When a crank was past its limit, s.
     pub past_s: Option<f64>,
-    /// When something was told, s: from then on what the loop made of it was played.
+    /// When anything was first told, s: from then on what the loop made of it was played.
     pub told_s: Option<f64>,
-    /// Turns of the master from the fault to two ticks before that.
+    /// When what counts was told: what stopped the machine for it, or had the crank trimmed back.
+    pub detected_s: Option<f64>,
+    /// Turns of the master from the fault to two ticks before anything was told.
     pub turns_from_fault: Option<f64>,
-    /// … and from the crank passing its limit; below 0, it was told before.
+    /// … and from the crank passing its limit to two ticks before that was detected; below 0, it was before.
     pub turns_from_limit: Option<f64>,
+    /// Whether it was detected in time; empty where no crank passed its limit, or the machine stood before a turn was over.
+    pub in_time: Option<bool>,
     /// The fault that latched.
     pub fault: String,
     /// Of which axis.
@@ -60,8 +64,10 @@ pub struct Row {
     pub incidents: String,
     /// How it is judged.
     pub verdict: Verdict,
-    /// Largest tilt, mrad.
+    /// Largest tilt while the drives were on, mrad.
     pub tilt_mrad: f64,
+    /// Largest tilt after they were off, if they were.
+    pub tilt_off_mrad: Option<f64>,
     /// Most that it may be, mrad.
     pub bound_mrad: f64,
     /// The limit that is watched, mrad.
@@ -83,12 +89,12 @@ impl Row {
         clean: bool,
         seen: &Seen,
         judgement: &Judgement,
-        ended: (State, f64),
+        outcome: &Outcome,
     ) -> Self {
         let scene: &Scene = &case.scene;
         let fault = (!clean).then(|| case.fault());
         let injected = seen.injected.as_ref();
-        let told = seen.told.as_ref();
+        let told = seen.first_told();
         Self {
             number: case.number,
             clean,
@@ -107,11 +113,13 @@ impl Row {
             state: injected.map_or("", |place| place.state.name()).to_owned(),
             speed_hz: injected.map(|place| place.speed_hz),
             past_s: seen.past.as_ref().map(|place| place.t_s),
-            told_s: told.map(|place| place.t_s),
+            told_s: told.map(|telling| telling.place.t_s),
+            detected_s: judgement.detected_s,
             turns_from_fault: told
                 .zip(injected)
-                .map(|(_, injected)| seen.told_turns - injected.turns),
+                .map(|(telling, injected)| telling.turns - injected.turns),
             turns_from_limit: judgement.turns,
+            in_time: judgement.in_time,
             fault: seen.fault.map_or("", |told| told.kind.name()).to_owned(),
             fault_axis: seen.fault.and_then(|told| told.axis),
             incidents: seen
@@ -123,13 +131,14 @@ impl Row {
                 .collect::<Vec<_>>()
                 .join(" "),
             verdict: judgement.verdict,
-            tilt_mrad: seen.tilt_mrad,
+            tilt_mrad: outcome.statistics.worst_tilt_mrad,
+            tilt_off_mrad: outcome.statistics.coast.worst_tilt_mrad,
             bound_mrad: judgement.bound_mrad,
             limit_mrad: scene.drift.tilt_limit_mrad,
             left_running_turns: seen.left_running_turns,
             left_running: judgement.left_running,
-            ended: ended.0.name().to_owned(),
-            simulated_s: ended.1,
+            ended: outcome.state.name().to_owned(),
+            simulated_s: outcome.simulated_s(),
         }
     }
 
@@ -138,14 +147,16 @@ impl Row {
         self.past_s.is_some()
     }
 
-    /// Tilt, as a part of what it may be.
-    pub fn tilt_over_bound(&self) -> f64 {
-        self.tilt_mrad / self.bound_mrad
+    /// Largest tilt that the bound is on: while the drives were on, and on rungs where cranks without drives stand, after that. Where
+    /// torque moves the cranks, no loop decides where they go without.
+    pub fn bounded_tilt_mrad(&self) -> f64 {
+        let off_mrad = self.tilt_off_mrad.filter(|_| !self.rung.moves_by_torque());
+        self.tilt_mrad.max(off_mrad.unwrap_or(0.0))
     }
 
-    /// Whether what was to be told in time was: within one turn and two ticks of the crank passing its limit.
-    pub fn is_in_time(&self) -> bool {
-        !self.is_past() || self.turns_from_limit.is_some_and(|turns| turns <= 1.0)
+    /// Tilt, as a part of what it may be.
+    pub fn tilt_over_bound(&self) -> f64 {
+        self.bounded_tilt_mrad() / self.bound_mrad
     }
 }
 

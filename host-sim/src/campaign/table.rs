@@ -41,7 +41,7 @@ pub fn text(header: &Header, tally: &Tally) -> String {
     );
     let _ = writeln!(
         text,
-        "Told in time: {} of {} in which a crank passed its limit; {}.",
+        "Detected in time: {} of {} in which a crank passed its limit; {}.",
         tally.all.in_time.hits,
         tally.all.in_time.of,
         bounds(tally.all.in_time)
@@ -64,7 +64,7 @@ pub fn text(header: &Header, tally: &Tally) -> String {
     text
 }
 
-const HEADER: [&str; 13] = [
+const HEADER: [&str; 14] = [
     "fault",
     "seen by",
     "runs",
@@ -78,6 +78,7 @@ const HEADER: [&str; 13] = [
     "at least",
     "tilt/limit",
     "tilt/bound",
+    "off/limit",
 ];
 
 fn row(name: &str, with: &str, group: &Group) -> Vec<String> {
@@ -107,6 +108,7 @@ fn row(name: &str, with: &str, group: &Group) -> Vec<String> {
         at_least,
         format!("{:.2}", group.tilt_over_limit),
         format!("{over_bound:.2}"),
+        format!("{:.2}", group.off_over_limit),
     ]
 }
 

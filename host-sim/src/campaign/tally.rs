@@ -15,14 +15,16 @@ pub struct Group {
     pub runs: u64,
     /// In how many a crank was past its limit.
     pub past: u64,
-    /// Of these, told within one turn and two ticks.
+    /// Of these, detected within one turn and two ticks.
     pub in_time: Rate,
     /// Of what was told, or had to be, rightly named.
     pub named: Rate,
-    /// Turns from the limit to the telling, smallest first.
+    /// Turns from the limit to the detection, smallest first.
     pub turns: Vec<f64>,
-    /// Largest tilt over the limit.
+    /// Largest tilt over the limit, as the bound is on it.
     pub tilt_over_limit: f64,
+    /// The same after the drives were off.
+    pub off_over_limit: f64,
     /// Tilt over its bound, smallest first.
     pub tilt_over_bound: Vec<f64>,
     /// In how many an axis was left running.
@@ -46,10 +48,9 @@ impl Group {
     fn take(&mut self, row: &Row) {
         self.runs += 1;
         self.past += u64::from(row.is_past());
-        if row.is_past() {
-            let in_time = row.is_in_time();
+        if let Some(in_time) = row.in_time {
             self.in_time.count(in_time);
-            // What was not told at all is among the missed.
+            // What was not detected at all is among the missed.
             if !in_time && row.verdict != Verdict::Missed {
                 self.fail(failed::LATE, row);
             }
@@ -67,7 +68,11 @@ impl Group {
             _ => {}
         }
         self.turns.extend(row.turns_from_limit);
-        self.tilt_over_limit = self.tilt_over_limit.max(row.tilt_mrad / row.limit_mrad);
+        let over_limit = |mrad: f64| mrad / row.limit_mrad;
+        let tilt = over_limit(row.bounded_tilt_mrad());
+        self.tilt_over_limit = self.tilt_over_limit.max(tilt);
+        let off = row.tilt_off_mrad.map_or(0.0, over_limit);
+        self.off_over_limit = self.off_over_limit.max(off);
         if row.bound_mrad > 0.0 {
             self.tilt_over_bound.push(row.tilt_over_bound());
             if row.tilt_over_bound() > 1.0 {

@@ -3,14 +3,20 @@
 //! A *moment* is a tick that was played. What the loop made of a tick is played from the second moment after it on: one until the
 //! loop reads, and one until what it then writes is played. So a *telling* counts from the beginning of the moment in which it is
 //! played.
+//!
+//! All tellings are kept, each with what the loop does about it; which of them counts, [`super::judge`] says. What every run keeps,
+//! such as its largest tilt, is in [`crate::sim::Statistics`].
 
 use cophase_core::signals::Telemetry;
+use cophase_core::supervisor::reaction::{Reaction, reaction};
 use cophase_core::supervisor::{Fault, FaultKind, State};
 
 use super::geometry::Geometry;
-use crate::scene::file::FaultAt;
+use crate::scene::Checked;
+use crate::scene::file::{FaultAt, FaultName};
+use crate::sim::news::{News, Tellings};
 use crate::sim::{Moment, Observer};
-use crate::units::{speed_hz, turns};
+use crate::units::speed_hz;
 
 /// A place in a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,48 +50,68 @@ impl From<Fault> for Told {
     }
 }
 
+/// When something was told, and what the loop did about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Telling {
+    /// What.
+    pub told: Told,
+    /// What was done: of what did not latch, what the table has for it in safety.
+    pub done: Reaction,
+    /// The beginning of the moment in which it was played.
+    pub place: Place,
+    /// Turns of the master two ticks before that.
+    pub turns: f64,
+}
+
 /// What was seen.
 #[derive(Clone, Debug, Default)]
 pub struct Seen {
     /// When what goes wrong began.
     pub injected: Option<Place>,
-    /// The end of the first moment since then in which the true cranks were past a limit.
+    /// The end of the first moment since then in which the true cranks were past a limit, with the drives on.
     pub past: Option<Place>,
-    /// Whether they were before it.
-    pub past_before: bool,
-    /// The beginning of the first moment since the fault in which something was told.
-    pub told: Option<Place>,
-    /// Whether the axis it befell passed its index flag after that.
+    /// The same, and on rungs where cranks without drives stand, with the drives off as well.
+    pub out: Option<Place>,
+    /// Whether they were in the last moment with the drives on.
+    pub is_past: bool,
+    /// What was told since the fault, each thing once for each that was done about it.
+    pub tellings: Vec<Telling>,
+    /// Whether the axis it befell passed its index flag after the first of them.
     pub passed_after: bool,
-    /// Turns of the master two ticks before that.
-    pub told_turns: f64,
-    /// What was told before it.
+    /// What was told before the fault.
     pub early: Vec<Told>,
     /// Incidents, each once.
     pub incidents: Vec<Told>,
+    /// A pulse that no flag makes came so far after the place at which the axis meets its flag going forward, turns of the true
+    /// crank; negative: before it.
+    pub extra_off_turns: Option<f64>,
     /// The fault that latched, as it was called at last.
     pub fault: Option<Told>,
-    /// Largest true tilt, mrad.
-    pub tilt_mrad: f64,
     /// The most that an axis, or its crank, was moved by its drive while another had been stopped for over two ticks, turns.
     pub left_running_turns: f64,
     /// The end of the run.
     pub end: Option<Place>,
 }
 
+impl Seen {
+    /// The first thing that was told since the fault.
+    pub fn first_told(&self) -> Option<&Telling> {
+        self.tellings.first()
+    }
+}
+
 /// The observer.
 pub struct Watch<'a, const N: usize> {
     geometry: Option<&'a Geometry>,
-    /// When the fault comes, ns; never, in a clean run.
-    at_ns: Option<u64>,
-    /// Which axis it befalls.
-    axis: Option<usize>,
+    /// What goes wrong; nothing, in a clean run.
+    fault: Option<FaultAt>,
+    /// Where the axis that it befalls meets its index flag, turns.
+    flag_turns: Option<f64>,
     /// Of a crank that its drive does not move, or that torque moves, how far it goes says nothing.
     cranks_count: [bool; N],
     seen: Seen,
     moments: u64,
-    incidents: u32,
-    has_fault: bool,
+    tellings: Tellings,
     /// Turns of the master at the end of the last three moments, latest first.
     turns: [f64; 3],
     before: Option<([f64; N], [f64; N])>,
@@ -95,26 +121,24 @@ pub struct Watch<'a, const N: usize> {
     moved: [f64; N],
 }
 
-/// Most incidents that are kept.
+/// Most incidents that are kept, and most tellings.
 const MOST_INCIDENTS: usize = 16;
 
 impl<'a, const N: usize> Watch<'a, N> {
-    /// Of a run whose fault comes at a time, if it does; `cranks_count` says of which axes not only the commands, but the cranks
-    /// themselves, must stop with the others.
-    pub fn new(
-        geometry: Option<&'a Geometry>,
-        fault: Option<&FaultAt>,
-        cranks_count: [bool; N],
-    ) -> Self {
+    /// Of a scene's run, and of the first fault in it, if there is one; `cranks_count` says of which axes not only the commands,
+    /// but the cranks themselves, must stop with the others.
+    pub fn new(geometry: Option<&'a Geometry>, checked: &Checked, cranks_count: [bool; N]) -> Self {
+        let fault = checked.scene.fault.first();
+        let axis = fault.and_then(|fault| fault.axis);
+        let axis = axis.and_then(|axis| checked.setup.axes.get(axis));
         Self {
             geometry,
-            at_ns: fault.map(|fault| (fault.at_s * 1e9).round() as u64),
-            axis: fault.and_then(|fault| fault.axis),
+            fault: fault.copied(),
+            flag_turns: axis.and_then(|axis| axis.index_turns),
             cranks_count,
             seen: Seen::default(),
             moments: 0,
-            incidents: 0,
-            has_fault: false,
+            tellings: Tellings::default(),
             turns: [0.0; 3],
             before: None,
             apart: 0,
@@ -129,52 +153,72 @@ impl<'a, const N: usize> Watch<'a, N> {
 
     /// What is told in a moment that was not told before it.
     fn tellings(&mut self, telemetry: &Telemetry<N>, place: Place) {
-        let mut news = None;
-        if telemetry.incidents != self.incidents {
-            self.incidents = telemetry.incidents;
-            news = telemetry.incident.map(Told::from);
-        }
-        if let Some(told) = news
-            && self.seen.incidents.len() < MOST_INCIDENTS
-            && !self.seen.incidents.contains(&told)
-        {
-            self.seen.incidents.push(told);
-        }
-        if let Some(fault) = telemetry.fault {
-            let told = Told::from(fault);
-            self.seen.fault = Some(told);
-            if !self.has_fault {
-                self.has_fault = true;
-                news = news.or(Some(told));
-            }
-        }
-        let Some(told) = news else {
+        let Some(News { told, latched }) = self.tellings.tick(telemetry) else {
             return;
         };
-        if self.seen.injected.is_none() {
-            self.seen.early.push(told);
-        } else if self.seen.told.is_none() {
-            self.seen.told = Some(place);
-            self.seen.told_turns = self.turns[2];
+        let seen = &mut self.seen;
+        let keep = |list: &mut Vec<Told>, told: Told| {
+            if list.len() < MOST_INCIDENTS && !list.contains(&told) {
+                list.push(told);
+            }
+        };
+        if let Some(told) = told {
+            keep(&mut seen.incidents, told.into());
+        }
+        if let Some(fault) = latched {
+            seen.fault = Some(fault.into());
+        }
+        // What latches is told as well: once is enough.
+        let told = told.filter(|told| telemetry.fault != Some(*told));
+        let latched = latched.map(|fault| (fault, reaction(fault.kind, false).max(Reaction::Stop)));
+        let told = told.map(|fault| (fault, reaction(fault.kind, true).min(Reaction::Correct)));
+        for (fault, done) in latched.into_iter().chain(told) {
+            let told = Told::from(fault);
+            if seen.injected.is_none() {
+                keep(&mut seen.early, told);
+                continue;
+            }
+            let is_known = |known: &Telling| (known.told, known.done) == (told, done);
+            if seen.tellings.len() < MOST_INCIDENTS && !seen.tellings.iter().any(is_known) {
+                seen.tellings.push(Telling {
+                    told,
+                    done,
+                    place,
+                    turns: self.turns[2],
+                });
+            }
         }
     }
 
+    /// Whether cranks are past a limit. What they do that the loop has let go is nothing that it could yet see, or stop for.
     fn cranks(&mut self, moment: &Moment<'_, N>, end: Place) {
-        let actual = &moment.actual_turns;
-        // What corrects a crank is in its command, and not where it should be.
-        let corrected = moment.telemetry.correction.map(turns);
-        let errors: [f64; N] =
-            std::array::from_fn(|i| actual[i] - (moment.command_turns[i] - corrected[i]));
-        // Cranks that are all alike neither tilt nor bend the platform.
-        if errors.iter().any(|error| *error != errors[0]) {
-            self.seen.tilt_mrad = self.seen.tilt_mrad.max(moment.machine.tilt_mrad(actual));
-            let is_past = self.geometry.is_some_and(|g| g.is_past(&errors));
-            if is_past && self.seen.injected.is_none() {
-                self.seen.past_before = true;
-            } else if is_past && self.seen.past.is_none() {
-                self.seen.past = Some(end);
-            }
+        if !moment.drives_enabled && moment.machine.rotors().is_some() {
+            return;
         }
+        let errors = moment.errors();
+        // Cranks that are all alike neither tilt nor bend the platform.
+        let differ = errors.iter().any(|error| *error != errors[0]);
+        let is_past = differ && self.geometry.is_some_and(|g| g.is_past(&errors));
+        let since = is_past && self.seen.injected.is_some();
+        self.seen.out = self.seen.out.or(since.then_some(end));
+        if moment.drives_enabled {
+            self.seen.is_past = is_past;
+            self.seen.past = self.seen.past.or(since.then_some(end));
+        }
+    }
+
+    /// Where a pulse comes that no flag makes: each that follows comes a turn later, at the same place.
+    fn extra_pulse(&self, moment: &Moment<'_, N>) -> Option<f64> {
+        let fault = self
+            .fault
+            .filter(|fault| fault.kind == FaultName::IndexExtra)?;
+        let axis = fault.axis?;
+        let (_, cranks) = self.before.as_ref()?;
+        let since_s = fault.at_s - moment.start_ns as f64 * 1e-9;
+        let part = since_s / ((moment.end_ns - moment.start_ns) as f64 * 1e-9);
+        let (from, to) = (cranks[axis], moment.actual_turns[axis]);
+        let off = from + part.clamp(0.0, 1.0) * (to - from) - self.flag_turns?;
+        Some(off - off.round())
     }
 
     /// Who is moved by its drive while another stands.
@@ -190,7 +234,7 @@ impl<'a, const N: usize> Watch<'a, N> {
         });
         let someone_stands = told.contains(&0.0);
         let someone_moves = went.iter().any(|went| *went > 0.0);
-        if !moment.drives_enabled || self.seen.told.is_none() || !someone_stands {
+        if !moment.drives_enabled || self.seen.tellings.is_empty() || !someone_stands {
             self.apart = 0;
             self.moved = [0.0; N];
             return;
@@ -227,14 +271,17 @@ impl<const N: usize> Observer<N> for Watch<'_, N> {
             turns: moment.master_turns,
             ..start
         };
-        if self.seen.injected.is_none() && self.at_ns.is_some_and(|at| at < moment.end_ns) {
+        let at_ns = self.fault.map(|fault| (fault.at_s * 1e9).round() as u64);
+        if self.seen.injected.is_none() && at_ns.is_some_and(|at| at < moment.end_ns) {
             self.seen.injected = Some(start);
+            self.seen.extra_off_turns = self.extra_pulse(moment);
         }
         self.tellings(telemetry, start);
         self.cranks(moment, end);
         self.moves(moment);
-        let index = self.axis.and_then(|axis| moment.index.get(axis));
-        if self.seen.told.is_some() && index.is_some_and(Option::is_some) {
+        let axis = self.fault.and_then(|fault| fault.axis);
+        let index = axis.and_then(|axis| moment.index.get(axis));
+        if !self.seen.tellings.is_empty() && index.is_some_and(Option::is_some) {
             self.seen.passed_after = true;
         }
         self.turns = [moment.master_turns, self.turns[0], self.turns[1]];

@@ -27,7 +27,7 @@ pub(super) struct RunArgs {
     /// A row of trace.csv every N control ticks [default: so that there are at most 20,000]
     #[arg(long, value_name = "N", value_parser = ticks)]
     every: Option<u64>,
-    /// What steps.vcd shows, in seconds, or `all` [default: the scene's window, or the first 200 ms of motion]
+    /// What steps.vcd shows, in seconds, or `all` [default: the scene's window, 200 ms around the first fault that is put in, or the first 200 ms of motion]
     #[arg(long, value_name = "FROM..TO", value_parser = window)]
     window: Option<Window>,
     /// Print nothing but errors
@@ -73,11 +73,7 @@ fn window(text: &str) -> Result<Window, String> {
             "it ends at {to_s} s, not after its beginning at {from_s} s; swap the two"
         ));
     }
-    Ok(between(from_s, to_s))
-}
-
-fn between(from_s: f64, to_s: f64) -> Window {
-    Window::Between((from_s * 1e9).round() as u64, (to_s * 1e9).round() as u64)
+    Ok(Window::seconds(from_s, to_s))
 }
 
 pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, CommandError> {
@@ -141,11 +137,7 @@ fn record<const N: usize>(
     );
 
     let every = args.every.map_or(Every::Fitting, Every::Ticks);
-    let scope = checked
-        .scene
-        .scope
-        .map(|scope| between(scope.from_s, scope.to_s));
-    let window = args.window.or(scope).unwrap_or(Window::FirstMotion);
+    let window = args.window.unwrap_or_else(|| Window::of(&checked.scene));
     let mut recorder = Recorder::new(
         checked,
         csv,

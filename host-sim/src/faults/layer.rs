@@ -7,22 +7,15 @@ use crate::machine::Extra;
 use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName, Lines};
 
-/// A fault that has begun.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Injected {
-    /// What was put in.
-    pub fault: FaultAt,
-    /// The control tick in which it began, by the clock: its time over a tick's length.
-    pub tick: u64,
-}
-
 /// All that goes wrong in a scene.
 #[derive(Clone, Debug)]
 pub struct Faults<const N: usize> {
     planned: Vec<Planned>,
+    /// Nothing is planned, and no reading has noise: ordinary runs, which are not to pay for this.
+    is_idle: bool,
     /// Which of them have begun, and in this order what has.
     begun: Vec<bool>,
-    news: Vec<Injected>,
+    news: Vec<FaultAt>,
     tick_us: u64,
     tick_s: f64,
     touches_drives: bool,
@@ -51,7 +44,9 @@ impl<const N: usize> Faults<N> {
         let streams = |sensor, deviation| {
             std::array::from_fn(|i| Stream::new(noise.seed, sensor, i, deviation))
         };
+        let encoder = streams(Sensor::Encoder, noise.encoder_counts);
         Self {
+            is_idle: planned.is_empty() && encoder.iter().all(Option::is_none),
             begun: vec![false; planned.len()],
             news: Vec::new(),
             swapped_sensors: scene.fault.iter().filter_map(of_sensors).collect(),
@@ -60,14 +55,14 @@ impl<const N: usize> Faults<N> {
             tick_s: tick_us as f64 * 1e-6,
             touches_drives: scene.touches_drives(),
             load: streams(Sensor::Load, noise.load_nm),
-            encoder: streams(Sensor::Encoder, noise.encoder_counts),
+            encoder,
             dry: None,
             missing: [None; N],
         }
     }
 
     /// What has begun since this was last asked.
-    pub fn news(&mut self) -> Vec<Injected> {
+    pub fn news(&mut self) -> Vec<FaultAt> {
         std::mem::take(&mut self.news)
     }
 
@@ -78,10 +73,7 @@ impl<const N: usize> Faults<N> {
             if !*begun && planned.from_us <= at_us && which(planned.fault.kind) {
                 *begun = true;
                 new.push(planned.fault);
-                self.news.push(Injected {
-                    fault: planned.fault,
-                    tick: at_us / self.tick_us,
-                });
+                self.news.push(planned.fault);
             }
         }
         new
@@ -89,6 +81,9 @@ impl<const N: usize> Faults<N> {
 
     /// What is wrong with each drive in the tick that begins at `start_us`; none in a scene where nothing ever is.
     pub fn amiss(&mut self, start_us: u64) -> Option<[Amiss; N]> {
+        if self.planned.is_empty() && !self.touches_drives {
+            return None;
+        }
         let new = self.begin(start_us, is_of_a_tick);
         if !self.touches_drives {
             return None;
@@ -183,6 +178,9 @@ impl<const N: usize> Faults<N> {
 
     /// Puts into what is read at `now_us` what is wrong with it. Safety inputs are as they were set before.
     pub fn read(&mut self, now_us: u64, feedback: &mut Feedback<N>) {
+        if self.is_idle {
+            return;
+        }
         if !self.planned.is_empty() {
             self.begin(now_us, |kind| !is_of_a_tick(kind) && !is_of_index(kind));
         }

@@ -12,6 +12,6 @@ mod noise;
 mod plan;
 
 pub use amiss::Amiss;
-pub use layer::{Faults, Injected};
+pub use layer::Faults;
 pub use noise::{Sensor, Stream};
 pub use plan::Planned;

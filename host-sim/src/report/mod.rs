@@ -53,6 +53,12 @@ pub struct Report<'a> {
     /// Of a platform; pushers have none.
     #[serde(skip_serializing_if = "Option::is_none")]
     tilt_limit_mrad: Option<f64>,
+    /// After the drives went off, where they did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tilt_worst_off_mrad: Option<f64>,
+    /// For how long cranks turned on then, where torque moves them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    coasted_s: Option<f64>,
     warp_worst_deg: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     frame: Option<FrameReport>,
@@ -233,6 +239,8 @@ impl<'a> Report<'a> {
                 .cam
                 .is_none()
                 .then_some(checked.scene.drift.tilt_limit_mrad),
+            tilt_worst_off_mrad: seen.coast.worst_tilt_mrad,
+            coasted_s: (seen.coast.turned_s > 0.0).then(|| round(seen.coast.turned_s, 6)),
             warp_worst_deg: seen.worst_warp_deg,
             frame: seen.frame.map(|frame| FrameReport {
                 sag_um: frame.sag_um,

@@ -206,6 +206,7 @@ fn write_page(
             scene.drift.tilt_limit_mrad,
         )?;
     }
+    coasting(page, outcome)?;
     let trims = seen.correction_deg.iter().enumerate();
     if trims.clone().any(|(_, trim_deg)| *trim_deg != 0.0) {
         let trims: Vec<_> = trims
@@ -261,6 +262,24 @@ fn write_page(
         outcome.simulated_s(),
         wall_s,
         outcome.simulated_s() / wall_s.max(1e-9),
+    )
+}
+
+/// What cranks did that nothing drove any more.
+fn coasting(page: &mut String, outcome: &Outcome) -> std::fmt::Result {
+    let coast = &outcome.statistics.coast;
+    let Some(tilt_mrad) = coast.worst_tilt_mrad.filter(|_| coast.turned_s > 0.0) else {
+        return Ok(());
+    };
+    let until = if coast.is_on() {
+        ", when the run was ended"
+    } else {
+        ", until they stood"
+    };
+    writeln!(
+        page,
+        "After the drives were off the cranks turned on for {:.2} s{until}; the platform tilted by at most {tilt_mrad:.3} mrad then.",
+        coast.turned_s,
     )
 }
 

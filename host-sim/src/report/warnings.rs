@@ -37,8 +37,24 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
             seen.worst_tilt_mrad
         ));
     }
+    let coast = &seen.coast;
+    if let Some(tilt_mrad) = coast
+        .worst_tilt_mrad
+        .filter(|tilt_mrad| *tilt_mrad > limit_mrad && coast.turned_s > 0.0)
+    {
+        warnings.push(format!(
+            "With the drives off the platform tilted by {tilt_mrad:.2} mrad, past its limit of {limit_mrad}: nothing holds the cranks \
+             together then but what they carry (docs/faults.md)."
+        ));
+    }
+    if coast.is_on() {
+        warnings.push(format!(
+            "The cranks still turned {:.1} s after the drives were off; the run was ended there.",
+            coast.turned_s
+        ));
+    }
     let swapped = |fault: &FaultAt| fault.kind == FaultName::SwappedWiring;
-    if scene.fault.iter().any(swapped) && outcome.fault.is_none() && outcome.watch.told.is_empty() {
+    if scene.fault.iter().any(swapped) && outcome.fault.is_none() && seen.told == 0 {
         warnings.push(
             "Lines of two axes were swapped, and the controller did not find out: correction.prove_wiring looks for that."
                 .to_owned(),

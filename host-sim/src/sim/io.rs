@@ -3,6 +3,7 @@
 //! What the loop writes at one deadline is played from the next on, so that outputs wait here for
 //! their time. The machine is brought up to the present whenever the loop reads.
 
+use std::cell::OnceCell;
 use std::collections::VecDeque;
 
 use cophase_core::control_loop::{Io, Written};
@@ -13,69 +14,15 @@ use cophase_core::supervisor::{Command, Fault, State};
 use cophase_core::units::{Phase, Turns};
 use embassy_time::Instant;
 
+use super::Outcome;
+use super::coast::STANDS_S;
+use super::moment::{Moment, Observer};
 use super::schedule::Schedule;
 use super::statistics::Statistics;
-use super::{Outcome, Watch};
 use crate::faults::Faults;
-use crate::machine::{IndexSensor, Machine, Passed, Played, Pose};
+use crate::machine::{IndexSensor, Machine, Passed, Played};
 use crate::units::turns;
 use crate::virtual_time::TICKS_PER_S;
-
-/// Looks on while a scene runs.
-pub trait Observer<const N: usize> {
-    /// One tick was played.
-    fn tick(&mut self, moment: &Moment<'_, N>);
-}
-
-/// Nobody looks.
-impl<const N: usize> Observer<N> for () {
-    fn tick(&mut self, _: &Moment<'_, N>) {}
-}
-
-/// One tick that was just played: what was commanded, and what became of it.
-#[derive(Debug)]
-pub struct Moment<'a, const N: usize> {
-    /// When the tick began, ns since power-up.
-    pub start_ns: u64,
-    /// When it ended.
-    pub end_ns: u64,
-    /// What the loop knew when it planned this tick.
-    pub telemetry: &'a Telemetry<N>,
-    /// What was played.
-    pub played: &'a Played<N>,
-    /// Whether the drives were on.
-    pub drives_enabled: bool,
-    /// Level of the sync line.
-    pub sync: bool,
-    /// When index lines rose: cycles from this tick's beginning.
-    pub index: &'a [Option<u32>; N],
-    /// Commanded phase of the master at the tick's end, turns since power-up.
-    pub master_turns: f64,
-    /// Commanded phases, turns since power-up.
-    pub command_turns: [f64; N],
-    /// Phases at which cranks are to be: as commanded, but for what only corrects that they are elsewhere.
-    pub aim_turns: [f64; N],
-    /// True phases of the cranks, turns since power-up.
-    pub actual_turns: [f64; N],
-    /// The machine at the tick's end.
-    pub machine: &'a Machine<N>,
-}
-
-impl<const N: usize> Moment<'_, N> {
-    /// Where the platform is at the tick's end.
-    pub fn pose(&self) -> Pose {
-        let ticks_per_s = 1e9 / (self.end_ns - self.start_ns) as f64;
-        let motion = &self.telemetry.motion;
-        let omega_turns_s = turns(motion.speed) * ticks_per_s;
-        let acceleration_turns_s2 = turns(motion.acceleration) * ticks_per_s * ticks_per_s;
-        let commanded = (
-            omega_turns_s * std::f64::consts::TAU,
-            acceleration_turns_s2 * std::f64::consts::TAU,
-        );
-        self.machine
-            .pose(&self.actual_turns, &self.aim_turns, commanded)
-    }
-}
 
 /// An output that waits for its time, or plays.
 #[derive(Debug)]
@@ -99,15 +46,6 @@ pub struct World<const N: usize> {
     pub faults: Faults<N>,
 }
 
-/// What is gathered of a run.
-#[derive(Debug)]
-pub struct Seen {
-    /// In numbers and events.
-    pub statistics: Statistics,
-    /// What went wrong, and what came of it.
-    pub watch: Watch,
-}
-
 /// The loop's world, simulated.
 pub struct SimulatedIo<'a, const N: usize, O, P> {
     tick_us: u64,
@@ -118,7 +56,7 @@ pub struct SimulatedIo<'a, const N: usize, O, P> {
     sensed_us: u64,
     schedule: Schedule,
     faults: Faults<N>,
-    seen: Seen,
+    statistics: Statistics,
     observer: &'a mut O,
     progress: P,
     /// Boxed, as an output has kilobytes of room for runs, and is passed on every tick.
@@ -137,10 +75,10 @@ pub struct SimulatedIo<'a, const N: usize, O, P> {
     quiet: u64,
 }
 
-/// Ticks to go on for after the end, so that traces show the machine at rest: 50 ms.
-const fn tail_ticks(tick_hz: u32) -> u64 {
-    (tick_hz / 20) as u64
-}
+/// So long a run goes on for after the end, so that traces show the machine at rest, s; and so long at most, where cranks turn
+/// on that nothing drives any more.
+const TAIL_S: f64 = STANDS_S;
+const MOST_TAIL_S: f64 = 5.0;
 
 /// How many ticks go by between two reports of progress.
 const PROGRESS_TICKS: u64 = 8192;
@@ -150,7 +88,7 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
     pub fn new(
         tick_hz: u32,
         world: World<N>,
-        seen: Seen,
+        statistics: Statistics,
         observer: &'a mut O,
         progress: P,
     ) -> Self {
@@ -168,7 +106,7 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             sensed_us: 0,
             schedule,
             faults,
-            seen,
+            statistics,
             observer,
             progress,
             waiting: VecDeque::new(),
@@ -186,20 +124,19 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
 
     /// How the run ended.
     pub fn finish(self) -> Outcome {
-        let Seen {
-            mut statistics,
-            watch,
-        } = self.seen;
+        // What spins up cranks that nothing holds any more is no end of their equations: it ends the run.
+        let let_go = self.quiet > self.ticks_in(TAIL_S) && self.statistics.coast.is_on();
+        let broken = self.machine.broken().filter(|_| !let_go);
+        let mut statistics = self.statistics;
         statistics.finish(&self.machine);
         Outcome {
             method: self.machine.method(),
-            diverged: self.machine.broken().map(|error| error.to_string()),
+            diverged: broken.map(|error| error.to_string()),
             state: self.state,
             fault: self.fault,
             ticks: self.played,
             tick_hz: self.tick_hz,
             statistics,
-            watch,
         }
     }
 
@@ -271,18 +208,27 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             aim_turns: std::array::from_fn(|i| command_turns[i] - correction[i]),
             actual_turns: std::array::from_fn(|i| self.machine.axes[i].turns()),
             machine: &self.machine,
+            tilt_mrad: OnceCell::new(),
         };
         self.played += 1;
-        self.seen.statistics.tick(&moment);
-        self.seen.watch.tick(&moment);
+        self.statistics.tick(&moment);
         self.observer.tick(&moment);
+    }
+
+    /// Whether nothing has happened for long enough, and nothing moves any more.
+    fn is_at_rest(&self) -> bool {
+        self.quiet > self.ticks_in(TAIL_S)
+            && (!self.statistics.coast.is_on() || self.quiet > self.ticks_in(MOST_TAIL_S))
+    }
+
+    fn ticks_in(&self, seconds: f64) -> u64 {
+        (seconds * f64::from(self.tick_hz)) as u64
     }
 
     /// Tells of faults that have begun.
     fn take_note(&mut self, t_s: f64) {
-        for injected in self.faults.news() {
-            self.seen.statistics.injected(t_s, injected.fault);
-            self.seen.watch.injected(injected);
+        for fault in self.faults.news() {
+            self.statistics.injected(t_s, fault);
         }
     }
 }
@@ -306,12 +252,12 @@ impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'
         self.stand(now - now % self.tick_us, &mut heard);
         let now_s = now as f64 / TICKS_PER_S as f64;
         while let Some(input) = self.schedule.input(now) {
-            self.seen.statistics.input(now_s, input.line, input.active);
+            self.statistics.input(now_s, input.line, input.active);
         }
         let command = self.schedule.command(now);
         // That a scene begins with a start is not news.
         if let Some(command) = command.filter(|command| now > 0 || *command != Command::Start) {
-            self.seen.statistics.commanded(now_s, command);
+            self.statistics.commanded(now_s, command);
         }
         let mut feedback = Feedback {
             index: heard,
@@ -356,37 +302,35 @@ impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'
             0
         };
         let broken = self.machine.broken().is_some();
-        if broken || self.quiet > tail_ticks(self.tick_hz) || start_us > self.schedule.end_us() {
+        if broken || self.is_at_rest() || start_us > self.schedule.end_us() {
             return Written::Over;
         }
         Written::InTime
     }
 }
 
-/// A wrapping phase, counted on.
+/// A wrapping phase, counted on: whole turns and the rest apart, so that no digit of the rest is lost after a month of turns.
 #[derive(Clone, Copy, Debug, Default)]
 struct Unwrapped {
     last: Phase,
-    /// Exact for 2^15 turns of 2^48: the sum is kept in whole units.
-    units: i128,
+    turns: i64,
+    rest: i64,
 }
 
 impl Unwrapped {
     /// Counting on from a phase: an axis at its offset.
     fn starting_at(phase: Phase) -> Self {
-        Self {
-            last: phase,
-            units: i128::from(phase.since(Phase::ZERO).to_bits()),
-        }
+        let mut unwrapped = Self::default();
+        unwrapped.follow(phase);
+        unwrapped
     }
 
     fn follow(&mut self, phase: Phase) -> f64 {
-        self.units += i128::from(phase.since(self.last).to_bits());
+        const ONE: i64 = Turns::ONE.to_bits();
+        let rest = self.rest + phase.since(self.last).to_bits();
         self.last = phase;
-        // Whole turns and the rest apart: no digit of the rest is lost after a month of turns.
-        let one = Turns::ONE.to_bits();
-        let whole = (self.units >> Turns::FRAC_NBITS) as i64;
-        let rest = self.units as i64 & (one - 1);
-        whole as f64 + rest as f64 / one as f64
+        self.turns += rest >> Turns::FRAC_NBITS;
+        self.rest = rest & (ONE - 1);
+        self.turns as f64 + self.rest as f64 / ONE as f64
     }
 }

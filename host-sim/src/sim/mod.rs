@@ -3,15 +3,16 @@
 //! [`simulate`] sets up the two sides, a simulated `Io` stands between them, and an [`Observer`] looks on. What
 //! an observer does, or whether there is one, never changes what happens.
 
+pub mod coast;
 pub mod events;
 mod io;
+mod moment;
+pub mod news;
 mod schedule;
 pub mod statistics;
-pub mod watch;
 
-pub use io::{Moment, Observer};
+pub use moment::{Moment, Observer};
 pub use statistics::Statistics;
-pub use watch::Watch;
 
 use cophase_core::control_loop;
 use cophase_core::controller::Controller;
@@ -19,10 +20,10 @@ use cophase_core::supervisor::{Fault, State};
 use cophase_methods::Scheme;
 
 use crate::faults::Faults;
-use crate::machine::{Machine, SimulatedAxis};
+use crate::machine::Machine;
 use crate::scene::{Checked, SceneError};
 use crate::virtual_time;
-use io::{Seen, SimulatedIo, World};
+use io::{SimulatedIo, World};
 use schedule::Schedule;
 
 /// How a run ended.
@@ -38,8 +39,6 @@ pub struct Outcome {
     pub tick_hz: u32,
     /// What was seen on the way.
     pub statistics: Statistics,
-    /// What went wrong, what the loop told of it and when, and what the cranks truly did.
-    pub watch: Watch,
     /// How the machine was advanced, and in how many steps a tick; none if nothing was integrated.
     pub method: Option<(Scheme, u32)>,
     /// Why the simulated machine went no further, in a sentence: its equations, not the loop, came to an end.
@@ -50,7 +49,7 @@ impl Outcome {
     /// Whether a motor slipped and nothing was told of it: the controller believes the cranks in phase, and they are not.
     pub fn slipped_unseen(&self) -> bool {
         self.fault.is_none()
-            && self.watch.told.is_empty()
+            && self.statistics.told == 0
             && self
                 .statistics
                 .slipped_cycles
@@ -88,20 +87,13 @@ pub fn simulate<const N: usize>(
     let machine = Machine::new(checked)?;
     let sensors = machine.sensors(checked)?;
     let statistics = Statistics::new(checked, machine.platform.mechanism());
-    let watch = Watch::new(checked, machine.axes.each_ref().map(SimulatedAxis::turns));
     let world = World {
         machine,
         sensors,
         schedule,
         faults: Faults::new(checked),
     };
-    let mut io = SimulatedIo::new(
-        controller.tick_hz(),
-        world,
-        Seen { statistics, watch },
-        observer,
-        progress,
-    );
+    let mut io = SimulatedIo::new(controller.tick_hz(), world, statistics, observer, progress);
     virtual_time::run(control_loop::run(&mut controller, &mut io), |at| {
         lateness.overshoot(at)
     });

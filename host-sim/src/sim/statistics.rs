@@ -1,11 +1,13 @@
 //! What is worth knowing of a run, gathered tick by tick.
 
 use cophase_core::signals::Telemetry;
-use cophase_core::supervisor::{Command, Fault, State};
-use cophase_core::units::Amax;
+use cophase_core::supervisor::{Command, State};
+use cophase_core::units::{Amax, Turns};
 
 use super::Moment;
+use super::coast::Coast;
 use super::events::{Event, Happening, StoppedBy};
+use super::news::{News, Tellings};
 use crate::machine::{Machine, Peaks, SimulatedAxis};
 use crate::mechanism::slider_crank::SliderCrank;
 use crate::scene::Checked;
@@ -43,7 +45,7 @@ pub struct Statistics {
     pub worst_spread_deg: f64,
     /// Its root mean square while running, degrees.
     pub rms_spread_deg: f64,
-    /// Largest tilt of the platform, mrad.
+    /// Largest tilt of the platform while the drives were on, mrad.
     pub worst_tilt_mrad: f64,
     /// Largest deviation of a crank from the plane of all, degrees.
     pub worst_warp_deg: f64,
@@ -76,6 +78,10 @@ pub struct Statistics {
     pub frame: Option<FrameSeen>,
     /// The greatest of what each follower did; empty where axes are no cam shafts.
     pub followers: Vec<Peaks>,
+    /// What cranks did that drives had let go.
+    pub coast: Coast,
+    /// How often the loop told something.
+    pub told: u32,
     /// What made the machine stop last.
     pub stopped_by: Option<StoppedBy>,
     /// Deadlines met late by over half a tick.
@@ -83,6 +89,9 @@ pub struct Statistics {
     /// Deadlines missed altogether.
     pub missed_deadlines: u32,
 
+    /// What drifts and corrections were at last: made degrees of once, at the end.
+    peak: Vec<Turns>,
+    correction: Vec<Turns>,
     /// What makes an amplitude of a speed: of cams, the crank of equal κ.
     mechanism: SliderCrank,
     tick_hz: u32,
@@ -91,7 +100,7 @@ pub struct Statistics {
     spread_squares: f64,
     stop_asked: bool,
     state: Option<State>,
-    fault: Option<Fault>,
+    tellings: Tellings,
     band: Option<(f64, f64)>,
     held: Option<f64>,
     lag: Option<(f64, f64)>,
@@ -119,17 +128,21 @@ impl Statistics {
             time_in_state_s: [0.0; 6],
             steps: vec![0; axes],
             turns: vec![(0.0, 0.0); axes],
-            drift_peak_deg: vec![0.0; axes],
-            correction_deg: vec![0.0; axes],
+            drift_peak_deg: Vec::new(),
+            correction_deg: Vec::new(),
             slipped_cycles: vec![0; axes],
             torque_used: Vec::new(),
             worst_torque_nm: Vec::new(),
             worst_accel_mps2: 0.0,
             frame: None,
             followers: vec![Peaks::default(); if checked.cam.is_some() { axes } else { 0 }],
+            coast: Coast::new(checked),
+            told: 0,
             stopped_by: None,
             late_deadlines: 0,
             missed_deadlines: 0,
+            peak: vec![Turns::ZERO; axes],
+            correction: vec![Turns::ZERO; axes],
             mechanism: *mechanism,
             tick_hz: checked.scene.control.tick_hz,
             tick_s: 1.0 / f64::from(checked.scene.control.tick_hz),
@@ -137,7 +150,7 @@ impl Statistics {
             spread_squares: 0.0,
             stop_asked: false,
             state: None,
-            fault: None,
+            tellings: Tellings::default(),
             band: None,
             held: None,
             lag: None,
@@ -155,19 +168,24 @@ impl Statistics {
         self.forces(moment.machine);
         self.limits(moment, t_s);
         self.level(moment);
-        if let Some(fault) = telemetry.incident {
-            self.note(t_s, Happening::Told(fault));
-        }
-        if telemetry.fault != self.fault {
-            self.fault = telemetry.fault;
-            if let Some(fault) = telemetry.fault {
-                let leading_deg = telemetry.modes.tilt_direction_deg().rem_euclid(360.0);
-                self.note(t_s, Happening::Fault { fault, leading_deg });
-            }
+        if let Some(news) = self.tellings.tick(telemetry) {
+            self.tell(news, telemetry, t_s);
         }
         if self.state != Some(telemetry.state) {
             self.state = Some(telemetry.state);
             self.enter(telemetry.state, telemetry, t_s);
+        }
+    }
+
+    #[cold]
+    fn tell<const N: usize>(&mut self, news: News, telemetry: &Telemetry<N>, t_s: f64) {
+        if let Some(fault) = news.told {
+            self.told += 1;
+            self.note(t_s, Happening::Told(fault));
+        }
+        if let Some(fault) = news.latched {
+            let leading_deg = telemetry.modes.tilt_direction_deg().rem_euclid(360.0);
+            self.note(t_s, Happening::Fault { fault, leading_deg });
         }
     }
 
@@ -211,12 +229,12 @@ impl Statistics {
     /// Where the cranks are.
     fn cranks<const N: usize>(&mut self, moment: &Moment<'_, N>, t_s: f64) {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for i in 0..N {
-            let error = moment.actual_turns[i] - moment.aim_turns[i];
+        for (i, error) in moment.errors().into_iter().enumerate() {
             low = low.min(error);
             high = high.max(error);
             let slipped = moment.machine.axes[i].slipped_cycles();
-            if slipped != self.slipped_cycles[i] {
+            // A motor that is off has no field to slip against.
+            if slipped != self.slipped_cycles[i] && moment.drives_enabled {
                 self.slipped_cycles[i] = slipped;
                 self.note(
                     t_s,
@@ -226,29 +244,26 @@ impl Statistics {
                     },
                 );
             }
-            self.steps[i] = moment.telemetry.steps[i];
-            self.drift_peak_deg[i] = degrees(moment.telemetry.peak[i]);
-            self.correction_deg[i] = degrees(moment.telemetry.correction[i]);
             self.turns[i] = (moment.command_turns[i], moment.actual_turns[i]);
         }
+        let telemetry = moment.telemetry;
+        self.steps.copy_from_slice(&telemetry.steps);
+        self.peak.copy_from_slice(&telemetry.peak);
+        self.correction.copy_from_slice(&telemetry.correction);
         if let Some(followers) = moment.machine.followers() {
             for (worst, peaks) in self.followers.iter_mut().zip(followers.peaks()) {
                 *worst = worst.or(*peaks);
             }
         }
+        self.coast.tick(moment);
         if !moment.drives_enabled {
             return;
         }
         let spread_deg = (high - low) * 360.0;
         self.worst_spread_deg = self.worst_spread_deg.max(spread_deg);
-        // Tilt is a difference of cranks: where they are all alike, there is none.
-        if moment
-            .actual_turns
-            .iter()
-            .any(|&turns| turns != moment.actual_turns[0])
-        {
-            let tilt_mrad = moment.machine.tilt_mrad(&moment.actual_turns);
-            self.worst_tilt_mrad = self.worst_tilt_mrad.max(tilt_mrad);
+        self.worst_tilt_mrad = self.worst_tilt_mrad.max(moment.tilt_mrad());
+        // Warp is a difference of errors: where they are all alike, there is none.
+        if high > low {
             let platform = &moment.machine.platform;
             let warp_deg = platform.warp_deg(&moment.actual_turns, &moment.aim_turns);
             self.worst_warp_deg = self.worst_warp_deg.max(warp_deg);
@@ -365,6 +380,8 @@ impl Statistics {
             .iter()
             .map(SimulatedAxis::torque_used)
             .collect();
+        self.drift_peak_deg = self.peak.iter().copied().map(degrees).collect();
+        self.correction_deg = self.correction.iter().copied().map(degrees).collect();
         if self.running_ticks > 0 {
             self.rms_spread_deg = (self.spread_squares / self.running_ticks as f64).sqrt();
         }

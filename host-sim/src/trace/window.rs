@@ -8,6 +8,8 @@ use std::io::Write;
 use cophase_core::pulse::Run;
 
 use super::{Levels, Signal, StepsVcd, VcdError};
+use crate::faults::Planned;
+use crate::scene::Scene;
 use crate::sim::Moment;
 
 /// Which part of the run `steps.vcd` shows.
@@ -21,8 +23,34 @@ pub enum Window {
     FirstMotion,
 }
 
-/// Without a window of its own, `steps.vcd` shows this much of the first motion.
-const FIRST_MOTION_NS: u64 = 200_000_000;
+/// Without a window of its own, `steps.vcd` shows this much.
+const SHOWN_NS: u64 = 200_000_000;
+
+/// So much of that is before a fault.
+const BEFORE_FAULT_NS: u64 = 50_000_000;
+
+impl Window {
+    /// Of a scene that says nothing of it: around the first fault that it puts in, else the first motion. Wires that are wrong
+    /// are so from power-up, and seen when the machine first moves.
+    pub fn of(scene: &Scene) -> Self {
+        if let Some(scope) = scene.scope {
+            return Self::seconds(scope.from_s, scope.to_s);
+        }
+        let begins = scene.fault.iter().map(|fault| Planned::new(fault).from_us);
+        match begins.filter(|&from_us| from_us > 0).min() {
+            Some(from_us) => {
+                let from_ns = (from_us * 1000).saturating_sub(BEFORE_FAULT_NS);
+                Self::Between(from_ns, from_ns + SHOWN_NS)
+            }
+            None => Self::FirstMotion,
+        }
+    }
+
+    /// Between two times, s.
+    pub fn seconds(from_s: f64, to_s: f64) -> Self {
+        Self::Between((from_s * 1e9).round() as u64, (to_s * 1e9).round() as u64)
+    }
+}
 
 /// No viewer likes a file of more edges than this; it has about a gigabyte.
 const MOST_EDGES: u64 = 60_000_000;
@@ -76,7 +104,7 @@ impl<V: Write> StepWindow<V> {
         }
         let moves = moment.telemetry.motion.speed != 0;
         if self.window == Window::FirstMotion && moves {
-            self.window = Window::Between(start_ns, start_ns + FIRST_MOTION_NS);
+            self.window = Window::Between(start_ns, start_ns + SHOWN_NS);
         }
         let (from_ns, to_ns) = match self.window {
             Window::All => (0, u64::MAX),
@@ -216,5 +244,47 @@ impl<V: Write> StepWindow<V> {
         self.begin(last_ns, axes)?;
         self.close(last_ns)?;
         Ok(self.ended.unwrap_or((last_ns, last_ns)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::load;
+
+    /// Were it wrong, whoever looks at what a fault did to the edges would get the machine's first steps, or miss what came just
+    /// before it; or a window that was asked for would be moved.
+    #[test]
+    fn a_fault_is_what_is_shown() {
+        let of = |more: &str| {
+            let text = format!(
+                "name = \"window\"\n[machine]\ncrank_radius_mm = 10\nlambda = 0.25\nload_kg = 5\n\
+                 [limits]\nspeed_hz = 10\nacceleration_hz_per_s = 20\njerk_hz_per_s2 = 200\n\
+                 [axes]\ncount = 3\ndrive = \"servo\"\nsteps_per_turn = 4096\nencoder = true\n\
+                 [[program]]\namax_g = 1\nhold_s = 1\n{more}"
+            );
+            Window::of(&load::parse(&text).unwrap())
+        };
+        let fault =
+            |at_s: f64, what: &str| format!("[[fault]]\nat_s = {at_s}\nkind = \"{what}\"\n");
+        let (late, early) = (
+            fault(1.5, "stop-input"),
+            fault(0.9, "overrun\"\ncount = 3\n#\""),
+        );
+        let reversed = fault(0.0, "reversed\"\naxis = 0\n#\"");
+        assert_eq!(of(""), Window::FirstMotion);
+        assert_eq!(of(&reversed), Window::FirstMotion);
+        assert_eq!(of(&late), Window::Between(1_450_000_000, 1_650_000_000));
+        let first = Window::Between(850_000_000, 1_050_000_000);
+        assert_eq!(of(&(late + &early + &reversed)), first);
+        assert_eq!(
+            of(&fault(0.02, "stop-input")),
+            Window::Between(0, 200_000_000)
+        );
+        let scope = "[scope]\nfrom_s = 0.1\nto_s = 0.2\n";
+        assert_eq!(
+            of(&(early + scope)),
+            Window::Between(100_000_000, 200_000_000)
+        );
     }
 }

@@ -1,0 +1,79 @@
+//! What cranks do that no drive holds any more: how far they tilt the platform, and when they stand.
+//!
+//! Drives that are off hold nothing. Where torque moves the cranks, what they had of speed, and the weight of the platform, turn
+//! them on; on the other rungs a crank without its drive stands.
+
+use super::Moment;
+use crate::scene::Checked;
+
+/// A crank stands that stays within this of one place, degrees, for [`STANDS_S`]: 7.2° a second, twice what friction in this
+/// model lets a crank creep at that it holds. So a rod that rings does not count, and a crank that swings does.
+const STANDS_DEG: f64 = 0.36;
+
+/// See [`STANDS_DEG`].
+pub(super) const STANDS_S: f64 = 0.05;
+
+/// Cranks that are let go, watched.
+#[derive(Clone, Debug, Default)]
+pub struct Coast {
+    /// Largest tilt of the platform with the drives off, after they had been on, mrad; none where they stayed on.
+    pub worst_tilt_mrad: Option<f64>,
+    /// For how long cranks that were let go turned on, s: the longest time.
+    pub turned_s: f64,
+    tick_s: f64,
+    were_on: bool,
+    /// Where each crank was when it was last seen to move, turns: since the drives went off.
+    place: Vec<f64>,
+    off_ticks: u64,
+    /// The last of these in which a crank moved.
+    moved: Option<u64>,
+}
+
+impl Coast {
+    /// Of a machine at power-up.
+    pub fn new(checked: &Checked) -> Self {
+        Self {
+            tick_s: 1.0 / f64::from(checked.scene.control.tick_hz),
+            ..Self::default()
+        }
+    }
+
+    /// Looks at one tick.
+    pub fn tick<const N: usize>(&mut self, moment: &Moment<'_, N>) {
+        if moment.drives_enabled {
+            self.were_on = true;
+            self.off_ticks = 0;
+            return;
+        }
+        if self.were_on {
+            self.off(moment);
+        }
+    }
+
+    #[cold]
+    fn off<const N: usize>(&mut self, moment: &Moment<'_, N>) {
+        let worst_mrad = self.worst_tilt_mrad.unwrap_or(0.0);
+        self.worst_tilt_mrad = Some(worst_mrad.max(moment.tilt_mrad()));
+        if moment.machine.rotors().is_none() {
+            return;
+        }
+        if self.off_ticks == 0 {
+            self.place = moment.actual_turns.to_vec();
+            self.moved = None;
+        }
+        self.off_ticks += 1;
+        for (place, &turns) in self.place.iter_mut().zip(&moment.actual_turns) {
+            if (turns - *place).abs() * 360.0 > STANDS_DEG {
+                *place = turns;
+                self.moved = Some(self.off_ticks);
+                self.turned_s = self.turned_s.max(self.off_ticks as f64 * self.tick_s);
+            }
+        }
+    }
+
+    /// Whether cranks turn on that were let go.
+    pub fn is_on(&self) -> bool {
+        let since = self.moved.map(|moved| self.off_ticks - moved);
+        self.off_ticks > 0 && since.is_some_and(|ticks| ticks as f64 * self.tick_s < STANDS_S)
+    }
+}

@@ -1,0 +1,83 @@
+//! One tick of a run, as whoever looks on sees it.
+
+use std::cell::OnceCell;
+
+use cophase_core::signals::Telemetry;
+
+use crate::machine::{Machine, Played, Pose};
+use crate::units::turns;
+
+/// Looks on while a scene runs.
+pub trait Observer<const N: usize> {
+    /// One tick was played.
+    fn tick(&mut self, moment: &Moment<'_, N>);
+}
+
+/// Nobody looks.
+impl<const N: usize> Observer<N> for () {
+    fn tick(&mut self, _: &Moment<'_, N>) {}
+}
+
+/// One tick that was just played: what was commanded, and what became of it.
+#[derive(Debug)]
+pub struct Moment<'a, const N: usize> {
+    /// When the tick began, ns since power-up.
+    pub start_ns: u64,
+    /// When it ended.
+    pub end_ns: u64,
+    /// What the loop knew when it planned this tick.
+    pub telemetry: &'a Telemetry<N>,
+    /// What was played.
+    pub played: &'a Played<N>,
+    /// Whether the drives were on.
+    pub drives_enabled: bool,
+    /// Level of the sync line.
+    pub sync: bool,
+    /// When index lines rose: cycles from this tick's beginning.
+    pub index: &'a [Option<u32>; N],
+    /// Commanded phase of the master at the tick's end, turns since power-up.
+    pub master_turns: f64,
+    /// Commanded phases, turns since power-up.
+    pub command_turns: [f64; N],
+    /// Phases at which cranks are to be: as commanded, but for what only corrects that they are elsewhere.
+    pub aim_turns: [f64; N],
+    /// True phases of the cranks, turns since power-up.
+    pub actual_turns: [f64; N],
+    /// The machine at the tick's end.
+    pub machine: &'a Machine<N>,
+    /// Worked out where somebody asks, and once for all that do.
+    pub(super) tilt_mrad: OnceCell<f64>,
+}
+
+impl<const N: usize> Moment<'_, N> {
+    /// By how much each crank is ahead of where it is to be, turns: the truth, which no controller sees.
+    pub fn errors(&self) -> [f64; N] {
+        std::array::from_fn(|i| self.actual_turns[i] - self.aim_turns[i])
+    }
+
+    /// Tilt of the platform at the tick's end, mrad.
+    pub fn tilt_mrad(&self) -> f64 {
+        *self.tilt_mrad.get_or_init(|| {
+            // Tilt is a difference of cranks: where they are all alike, there is none.
+            let first = self.actual_turns[0];
+            if self.actual_turns.iter().all(|&turns| turns == first) {
+                return 0.0;
+            }
+            self.machine.tilt_mrad(&self.actual_turns)
+        })
+    }
+
+    /// Where the platform is at the tick's end.
+    pub fn pose(&self) -> Pose {
+        let ticks_per_s = 1e9 / (self.end_ns - self.start_ns) as f64;
+        let motion = &self.telemetry.motion;
+        let omega_turns_s = turns(motion.speed) * ticks_per_s;
+        let acceleration_turns_s2 = turns(motion.acceleration) * ticks_per_s * ticks_per_s;
+        let commanded = (
+            omega_turns_s * std::f64::consts::TAU,
+            acceleration_turns_s2 * std::f64::consts::TAU,
+        );
+        self.machine
+            .pose(&self.actual_turns, &self.aim_turns, commanded)
+    }
+}
