@@ -3,10 +3,9 @@
 use super::*;
 use crate::drift::IndexPulse;
 use crate::program::{SegmentSettings, Shape};
-use crate::settings::DriveKind;
 use crate::settings::{
-    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, IndexSettings, LimitSettings,
-    MachineSettings, Platform, PulseSettings,
+    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, IndexSettings,
+    LimitSettings, MachineSettings, Platform, PulseSettings,
 };
 use crate::supervisor::Command;
 

@@ -78,11 +78,8 @@ impl AxisWatch {
         };
         // One that is late by a gate has lost a cycle, or seems to. Where a cycle is too far, it may have been since a turn ago.
         let is_cycle_too_far = cycle > 0 && alone < cycle.saturating_sub(tolerance);
-        let overdue = if is_cycle_too_far {
-            gate
-        } else {
-            alone.max(gate)
-        };
+        let overdue = alone.max(gate);
+        let overdue_settled = if is_cycle_too_far { gate } else { overdue };
         let ticks = |time_s: f64| time_s * f64::from(tick_hz) * 65_536.0;
         // From a pulse's edge until the filter tells of it: what it bridges, and its width.
         let filter_s = filter_s * f64::from(BRIDGE_WIDTHS + 1);
@@ -96,6 +93,7 @@ impl AxisWatch {
             // Where the crank is taken from an encoder, that one's noise comes on top, then and now.
             sure: Turns::from_bits(tolerance.to_bits() << u32::from(axis.encoder)),
             overdue,
+            overdue_settled,
             calm: if axis.encoder { CALM } else { 0 },
         };
         let index = axis.index_turns.map(|index| IndexWatch::new(place(index)));
@@ -340,6 +338,9 @@ impl AxisWatch {
     }
 
     pub(super) fn settle(&mut self) {
+        if let Some(index) = &mut self.index {
+            index.settle();
+        }
         self.last = angle(self.offset());
         self.home = self.last;
         self.fresh = None;

@@ -33,8 +33,9 @@ pub(super) struct Place {
     pub tolerance: Turns,
     /// A pulse that is late by more does not come where it was.
     pub sure: Turns,
-    /// A pulse that is late by more stands for a crank past its limit.
+    /// A pulse that is late by more stands for a crank past its limit: while cranks are found out, and from then on.
     pub overdue: Turns,
+    pub overdue_settled: Turns,
     /// Of what a pulse in place shows anew, 1/2^`calm` is believed: where an encoder has the crank anyway, the index need not
     /// bring its own noise in.
     pub calm: u32,
@@ -79,6 +80,8 @@ struct Suspect {
 #[derive(Clone, Debug)]
 pub(super) struct IndexWatch {
     place: Place,
+    /// The cranks are where they should be.
+    is_settled: bool,
     /// What the last believed pulse showed.
     offset: Turns,
     known: bool,
@@ -89,6 +92,8 @@ pub(super) struct IndexWatch {
     suspect: Option<Suspect>,
     /// Nothing came where the next pulse was expected.
     unheard: bool,
+    /// Nor where the last was, which was done without.
+    missing: bool,
     /// Turns since then at which there is something to say.
     alert: Turns,
     /// Turns of the tick before the one that is over, which ended where the one that is over began.
@@ -99,12 +104,14 @@ impl IndexWatch {
     pub(super) fn new(place: Place) -> Self {
         Self {
             place,
+            is_settled: false,
             offset: Turns::ZERO,
             known: false,
             meant: 0,
             heard_at: Phase::ZERO,
             suspect: None,
             unheard: false,
+            missing: false,
             alert: Turns::ZERO,
             before: Turns::ZERO,
         }
@@ -112,12 +119,27 @@ impl IndexWatch {
 
     /// Forgets what was heard; the first pulse is expected within a turn and what may be overdue from `phase` on.
     pub(super) fn reset(&mut self, phase: Phase) {
+        self.is_settled = false;
         self.offset = Turns::ZERO;
         self.known = false;
         self.suspect = None;
         self.unheard = false;
+        self.missing = false;
         self.heard_at = phase;
         self.alert = ONE.wrapping_add(self.place.overdue);
+    }
+
+    /// The cranks are where they should be.
+    pub(super) const fn settle(&mut self) {
+        self.is_settled = true;
+    }
+
+    const fn overdue(&self) -> Turns {
+        if self.is_settled {
+            self.place.overdue_settled
+        } else {
+            self.place.overdue
+        }
     }
 
     pub(super) const fn offset(&self) -> Turns {
@@ -237,7 +259,8 @@ impl IndexWatch {
             let apart = nearest(offset.wrapping_sub(suspect.offset));
             apart.abs() <= self.place.gate && at.since(suspect.at) >= HALF
         });
-        if self.unheard || again {
+        // None where the flag was, and one elsewhere: it is there now.
+        if self.unheard || self.missing || again {
             self.suspect = None;
             self.meant = 1;
             self.believe(offset, at);
@@ -275,7 +298,7 @@ impl IndexWatch {
                 return Heard::Moved { by };
             }
             self.unheard = true;
-            self.alert = ONE.wrapping_add(self.place.overdue.max(self.place.gate));
+            self.alert = ONE.wrapping_add(self.overdue().max(self.place.gate));
             return Heard::Unheard;
         }
         self.unheard = true;
@@ -287,6 +310,7 @@ impl IndexWatch {
         self.offset = offset;
         self.heard_at = at;
         self.unheard = false;
+        self.missing = false;
         self.alert = ONE.wrapping_add(self.place.gate);
     }
 
@@ -323,6 +347,7 @@ impl IndexWatch {
     pub(super) fn pass_over(&mut self) {
         self.heard_at = self.heard_at.advanced(ONE);
         self.unheard = false;
+        self.missing = true;
         self.alert = ONE.wrapping_add(self.place.gate);
     }
 

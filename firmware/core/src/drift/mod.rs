@@ -83,6 +83,9 @@ pub struct DriftMonitor<const N: usize> {
     /// Axes whose index has been heard since [`Self::look_again`].
     seen: AxisSet,
     rounds: u32,
+    /// What all cranks were off by in common in the last round, and whether that was about the same in the one before.
+    round_common: Turns,
+    is_even: bool,
     modes: Modes,
     findings: Findings,
 }
@@ -124,6 +127,8 @@ impl<const N: usize> DriftMonitor<N> {
             known: 0,
             seen: 0,
             rounds: 0,
+            round_common: Turns::ZERO,
+            is_even: false,
             modes: Modes::default(),
             findings: Findings::new(),
         }
@@ -225,12 +230,18 @@ impl<const N: usize> DriftMonitor<N> {
             if !self.finding_out {
                 self.compare();
             }
-        } else if self.by_encoder != 0 {
+        } else if self.by_encoder != 0 || self.is_even && self.others_are_heard(news) {
+            // What all have in common is what it was in the round before, so that a crank may be held against others of a turn ago.
             self.update();
         } else {
             return;
         }
         self.check(sensed);
+        if round {
+            let step = self.modes.common.wrapping_sub(self.round_common);
+            self.is_even = step.wrapping_abs() <= self.limits.reading;
+            self.round_common = self.modes.common;
+        }
     }
 
     /// Whether none but the axes in `moved` is late.
@@ -366,6 +377,7 @@ impl<const N: usize> DriftMonitor<N> {
     pub fn reset(&mut self, phase: &[Phase; N]) {
         self.heard = 0;
         self.known = 0;
+        self.is_even = false;
         self.finding_out = true;
         self.moved = None;
         self.findings.clear();

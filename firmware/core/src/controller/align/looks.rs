@@ -51,16 +51,26 @@ impl Moves<'_> {
         Some(worst)
     }
 
-    /// Whether a crank is as far off as another was moved further.
+    /// Whether a crank is as far off as another was moved further; and that one the other way, if both have been heard since.
     fn follows(&self, stray: &Stray, other: usize) -> bool {
+        if other == stray.axis {
+            return false;
+        }
         let moved = |axis| difference(self.to, self.from, axis);
         let between = moved(other).wrapping_sub(moved(stray.axis));
         let allowed = self.allowed(stray.axis);
+        if between.abs() <= allowed {
+            return false;
+        }
         let rest = nearest(between.wrapping_sub(stray.off));
-        let same_sense = |turns: Turns| (turns < 0) == (between < 0);
-        let is_between = self.on_the_way && same_sense(stray.off) && same_sense(rest);
-        let is_there = is_between || rest.abs() <= allowed;
-        other != stray.axis && between.abs() > allowed && is_there
+        if self.on_the_way {
+            let same_sense = |turns: Turns| (turns < 0) == (between < 0);
+            return same_sense(stray.off) && same_sense(rest) || rest.abs() <= allowed;
+        }
+        // A crank that slips while it is corrected is alone in this.
+        let back = nearest(difference(self.drift, self.before, other));
+        let rest_of_other = nearest(between.wrapping_add(back));
+        rest.abs() <= allowed && back.abs() > allowed && rest_of_other.abs() <= allowed
     }
 
     fn allowed(&self, axis: usize) -> Turns {

@@ -171,6 +171,10 @@ impl AxisWatch {
         if self.encoder.is_some() && index.is_known() {
             index.pass_over();
             self.missed = self.missed.saturating_add(1);
+            if self.name == Some(FaultKind::Slip) {
+                // Nor does an encoder vouch for a crank that was seen to slip on its shaft.
+                return Some((FaultKind::Slip, self.alone.wrapping_neg(), false));
+            }
             let in_safety = self.missed <= MOST_MISSED;
             return Some((FaultKind::IndexMissing, Turns::ZERO, in_safety));
         }
