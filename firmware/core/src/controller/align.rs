@@ -56,8 +56,9 @@ pub(super) struct Align<const N: usize> {
     base: [Turns; N],
     /// Turns of the master since the last step.
     waited: Turns,
-    /// Drifts before the cranks were moved, and the trims then.
+    /// Drifts before the cranks were moved, as each had passed its flag and just then; and the trims.
     before: [Turns; N],
+    before_now: [Turns; N],
     from: [Turns; N],
     /// Looks in which some crank strayed, and by how much each was off in all of them.
     looks: u8,
@@ -93,6 +94,7 @@ impl<const N: usize> Align<N> {
             base: [Turns::ZERO; N],
             waited: Turns::ZERO,
             before: [Turns::ZERO; N],
+            before_now: [Turns::ZERO; N],
             from: [Turns::ZERO; N],
             looks: 0,
             off: [Turns::ZERO; N],
@@ -264,6 +266,7 @@ impl<const N: usize> Align<N> {
         // Both tilts are looked at against the cranks without any: from one to the other two may be moved alike.
         if self.proven <= 1 {
             self.before = monitor.drift_at_flags();
+            self.before_now = monitor.calm_drift();
             self.from = *correction.now();
         }
         self.looks = 0;
@@ -307,6 +310,7 @@ impl<const N: usize> Align<N> {
             tolerance: &self.tolerance,
             halves,
             on_the_way: false,
+            both: false,
         }
     }
 
@@ -374,7 +378,10 @@ impl<const N: usize> Align<N> {
     ) -> Option<Fault> {
         let drift = monitor.drift_at_flags();
         // Each such correction is half as large again as the one before: it must be seen before it looks like something else.
-        let moves = self.moves(&drift, correction.now(), 2);
+        let moves = Moves {
+            both: true,
+            ..self.moves(&drift, correction.now(), 2)
+        };
         let swapped = moves
             .stray(monitor.watched())
             .filter(|stray| stray.is_swapped);
@@ -389,6 +396,30 @@ impl<const N: usize> Align<N> {
         (self.looks >= TWICE).then_some(fault.with_size(swapped.off))
     }
 
+    /// Where cranks are now that were moved, next to [`Self::before`]. What loads do to a crank differs by its angle, which is the same at
+    /// its flag, and by how fast the machine goes, which it does not yet at the first: so the less of both counts.
+    fn drift_since(&self, monitor: &DriftMonitor<N>) -> [Turns; N] {
+        let mut drift = monitor.drift_at_flags();
+        let now = monitor.calm_drift();
+        for ((at_flag, &before), (&now, &before_now)) in drift
+            .iter_mut()
+            .zip(&self.before)
+            .zip(now.iter().zip(&self.before_now))
+        {
+            let by_flag = nearest(at_flag.wrapping_sub(before));
+            let by_now = nearest(now.wrapping_sub(before_now));
+            let less = if (by_flag < 0) != (by_now < 0) {
+                Turns::ZERO
+            } else if by_now.abs() < by_flag.abs() {
+                by_now
+            } else {
+                by_flag
+            };
+            *at_flag = before.wrapping_add(less);
+        }
+        drift
+    }
+
     /// The cranks have been moved, and each heard once more.
     #[cold]
     fn looked(
@@ -397,7 +428,7 @@ impl<const N: usize> Align<N> {
         correction: &mut Correction<N>,
     ) -> Option<Fault> {
         monitor.refresh();
-        let mut drift = monitor.drift_at_flags();
+        let mut drift = self.drift_since(monitor);
         self.looks += 1;
         for (sum, (now, &before)) in self.off.iter_mut().zip(drift.iter().zip(&self.before)) {
             *sum = sum.wrapping_add(nearest(now.wrapping_sub(before)));

@@ -134,6 +134,10 @@ impl IndexWatch {
         self.is_settled = true;
     }
 
+    pub(super) const fn is_settled(&self) -> bool {
+        self.is_settled
+    }
+
     const fn overdue(&self) -> Turns {
         if self.is_settled {
             self.place.overdue_settled

@@ -18,6 +18,8 @@ pub(super) struct Moves<'a> {
     pub halves: i64,
     /// On the way there a crank may be anywhere between.
     pub on_the_way: bool,
+    /// Two that are swapped must both show it.
+    pub both: bool,
 }
 
 /// A crank that did not do what it was told.
@@ -51,7 +53,7 @@ impl Moves<'_> {
         Some(worst)
     }
 
-    /// Whether a crank is as far off as another was moved further; and that one the other way, if both have been heard since.
+    /// Whether a crank is as far off as another was moved further; and perhaps that one the other way.
     fn follows(&self, stray: &Stray, other: usize) -> bool {
         if other == stray.axis {
             return false;
@@ -66,6 +68,9 @@ impl Moves<'_> {
         if self.on_the_way {
             let same_sense = |turns: Turns| (turns < 0) == (between < 0);
             return same_sense(stray.off) && same_sense(rest) || rest.abs() <= allowed;
+        }
+        if !self.both {
+            return rest.abs() <= allowed;
         }
         // A crank that slips while it is corrected is alone in this.
         let back = nearest(difference(self.drift, self.before, other));

@@ -171,7 +171,7 @@ impl AxisWatch {
         if self.encoder.is_some() && index.is_known() {
             index.pass_over();
             self.missed = self.missed.saturating_add(1);
-            if self.name == Some(FaultKind::Slip) {
+            if self.name == Some(FaultKind::Slip) && index.is_settled() {
                 // Nor does an encoder vouch for a crank that was seen to slip on its shaft.
                 return Some((FaultKind::Slip, self.alone.wrapping_neg(), false));
             }
