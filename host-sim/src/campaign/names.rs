@@ -63,8 +63,9 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
             if at.opposed && at.has_encoder {
                 names.push(Kind::Reversed);
             }
-            // Before anything is moved, each of the two is seen where the other's flag is.
-            if at.flags_apart {
+            // Before anything is moved, each of the two is seen where the other's flag is; or both turn back, as they are mounted
+            // the other way round from each other, and pass their flags elsewhere.
+            if at.flags_apart || at.opposed && !at.has_encoder {
                 names.push(Kind::TooFarOut);
             }
             names
