@@ -9,7 +9,7 @@ use cophase_core::controller::Controller;
 use cophase_core::drift::IndexFilter;
 use cophase_core::panel::Button;
 use cophase_core::settings::SettingsError;
-use cophase_core::setup::Setup;
+use cophase_core::setup::{Ready, Setup};
 use cophase_core::supervisor::{Fault, FaultKind, State};
 use embassy_rp::Peri;
 use embassy_rp::peripherals::WATCHDOG;
@@ -99,16 +99,30 @@ fn make<const N: usize>(
     reporter: Reporter,
     machine: impl FnOnce(Controller<N>, Board<N>) -> Machine,
 ) -> Result<&'static mut Machine, Refusal> {
+    // Looked at where it is: moved out of the result, it would be on the stack twice.
+    match &setup.ready::<N>() {
+        Ok(ready) => Ok(place(ready, watchdog, restarted, reporter, machine)),
+        Err(error) => Err(Refusal::Settings(error.clone())),
+    }
+}
+
+#[inline(never)] // what checks settings, and what makes a machine of them, are not on the stack together
+fn place<const N: usize>(
+    ready: &Ready<N>,
+    watchdog: Peri<'static, WATCHDOG>,
+    restarted: bool,
+    reporter: Reporter,
+    machine: impl FnOnce(Controller<N>, Board<N>) -> Machine,
+) -> &'static mut Machine {
     static MACHINE: StaticCell<Machine> = StaticCell::new();
     static BUFFERS: ConstStaticCell<Buffers> = ConstStaticCell::new(Buffers::new());
 
-    let ready = setup.ready::<N>().map_err(Refusal::Settings)?;
     let tick_hz = ready.tick_hz();
     let tick_us = 1_000_000 / tick_hz;
     let reversed: [bool; N] = core::array::from_fn(|axis| ready.is_reversed(axis));
     let tick = Duration::from_micros(tick_us.into());
     let levels = lines::read();
-    let width = setup.index.width_cycles();
+    let width = ready.index_width_cycles();
     let board = Board {
         steps: Steps::new(BUFFERS.take(), &reversed, tick),
         index: Index::new(tick_us * CYCLES_PER_US),
@@ -126,5 +140,5 @@ fn make<const N: usize>(
     if restarted {
         machine.begin_with(Fault::new(FaultKind::Restarted));
     }
-    Ok(machine)
+    machine
 }

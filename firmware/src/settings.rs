@@ -17,6 +17,7 @@ use crate::report;
 static BUILT_IN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/built-in.blob"));
 
 /// The settings to run on; none if those that should be run cannot be read, which is told.
+#[inline(never)] // what decodes them is off the stack when a machine is made of them
 pub fn load(flash: Peri<'static, FLASH>) -> Option<Setup> {
     match read(flash) {
         Ok(setup) => {

@@ -61,9 +61,11 @@ fn main() -> ! {
         None => defmt::info!("power-up"),
     }
     let (to_tell, told) = report::queue();
-    let machine = settings::load(p.FLASH).and_then(|setup| {
+    // Looked at where it is: kilobytes, which the stack need not hold twice.
+    let setup = settings::load(p.FLASH);
+    let machine = setup.as_ref().and_then(|setup| {
         let made = Machine::new(
-            &setup,
+            setup,
             p.WATCHDOG,
             last_seen.is_some(),
             Reporter::new(to_tell),

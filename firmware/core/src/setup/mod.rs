@@ -162,6 +162,11 @@ impl<const N: usize> Ready<N> {
         self.settings.tick_hz
     }
 
+    /// Cycles of the step clock that a level of an index line must last.
+    pub fn index_width_cycles(&self) -> u32 {
+        self.settings.index.width_cycles()
+    }
+
     /// Whether an axis is mounted the other way round: its DIR is to be turned.
     pub fn is_reversed(&self, axis: usize) -> bool {
         let axis = self.settings.axes.get(axis);
