@@ -122,9 +122,11 @@ fn shards_that_do_not_fit_are_refused_and_named() {
     let said = refused(&join(&[&first, &last]));
     assert!(said.contains("--from 2 --to 3"), "{said}");
 
+    let plan = format!("plan={}", host_sim::campaign::plan::VERSION);
+    let not_plan = format!("plan = 99, not {}", host_sim::campaign::plan::VERSION);
     for (what, other, told) in [
         ("seed=5", "seed=6", "seed = 6, not 5"),
-        ("plan=1", "plan=9", "plan = 9, not 1"),
+        (plan.as_str(), "plan=99", not_plan.as_str()),
         (
             "scene=machines",
             "scene=0badcafe",

@@ -196,7 +196,9 @@ impl<const N: usize> DriftMonitor<N> {
             } else {
                 watch.far()
             };
-            if heard.is_heard && off > most {
+            // One that was late, and comes while all are stopped for that, is told what it did before they stand.
+            let is_waited_for = has_moved.is_some() && self.findings.has_asked_for_a_stop();
+            if heard.is_heard && (off > most || is_waited_for) {
                 moved |= 1 << axis;
             }
             // While it was being found out a crank was lost sight of; where it shows again tells what it did.
