@@ -44,6 +44,8 @@ pub(super) struct AxisWatch {
     /// What it was called last, and for how many rounds more that counts.
     name: Option<FaultKind>,
     name_for: u8,
+    /// It slipped, as its last pulse had it.
+    is_slipping: bool,
     silent: bool,
     missed: u8,
     extra: u8,
@@ -118,6 +120,7 @@ impl AxisWatch {
             fresh: None,
             name: None,
             name_for: 0,
+            is_slipping: false,
             silent: false,
             missed: 0,
             extra: 0,
@@ -185,6 +188,7 @@ impl AxisWatch {
     fn named(&mut self, by: Turns, kind: Option<FaultKind>) {
         let kind = kind.unwrap_or_else(|| self.story.jumped(by));
         self.fresh = Some((kind, by));
+        self.is_slipping = kind == FaultKind::Slip;
         self.name = Some(kind);
         self.name_for = FORGOTTEN_AFTER;
     }
@@ -331,6 +335,7 @@ impl AxisWatch {
         self.story.rest();
         self.fresh = None;
         self.name = None;
+        self.is_slipping = false;
         self.silent = false;
         self.missed = 0;
         self.extra = 0;

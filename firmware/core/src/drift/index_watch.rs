@@ -15,6 +15,9 @@ use crate::units::{ONE_TURN, Phase, Turns, nearest};
 const ONE: Turns = Turns::from_bits(ONE_TURN);
 const HALF: Turns = Turns::from_bits(ONE_TURN / 2);
 
+/// A pulse that is missing in its place, and comes no later than this, is of a crank that fell back: noise comes anywhere.
+const LATE: Turns = Turns::from_bits(-ONE_TURN / 8);
+
 /// Where a sensor stands, and what it may be off by.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
@@ -263,8 +266,9 @@ impl IndexWatch {
             let apart = nearest(offset.wrapping_sub(suspect.offset));
             apart.abs() <= self.place.gate && at.since(suspect.at) >= HALF
         });
-        // None where the flag was, and one elsewhere: it is there now.
-        if self.unheard || self.missing || again {
+        // None where the flag was, and one behind that: the flag is there now.
+        let is_behind = self.missing && (LATE..Turns::ZERO).contains(&by);
+        if self.unheard || is_behind || again {
             self.suspect = None;
             self.meant = 1;
             self.believe(offset, at);

@@ -599,3 +599,4 @@ fn pulses_that_wait_to_be_confirmed_are_not_missed() {
 }
 
 mod silence;
+mod slips;

@@ -104,6 +104,7 @@ impl AxisWatch {
     fn in_place(&mut self, extra: Option<Turns>) -> Option<Tale> {
         self.missed = 0;
         self.crowd = 0;
+        self.is_slipping = false;
         self.extra = self.extra.saturating_sub(1);
         if core::mem::take(&mut self.silent) {
             return Some((FaultKind::IndexMissing, Turns::ZERO, false));
@@ -171,8 +172,8 @@ impl AxisWatch {
         if self.encoder.is_some() && index.is_known() {
             index.pass_over();
             self.missed = self.missed.saturating_add(1);
-            if self.name == Some(FaultKind::Slip) && index.is_settled() {
-                // Nor does an encoder vouch for a crank that was seen to slip on its shaft.
+            if self.is_slipping && index.is_settled() {
+                // Nor does an encoder vouch for a crank that slipped on its shaft in the turn before.
                 return Some((FaultKind::Slip, self.alone.wrapping_neg(), false));
             }
             let in_safety = self.missed <= MOST_MISSED;
