@@ -349,6 +349,7 @@ impl AxisWatch {
         self.last = angle(self.offset());
         self.home = self.last;
         self.fresh = None;
+        self.is_slipping = false;
         self.name = None;
     }
 
