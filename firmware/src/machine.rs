@@ -102,7 +102,7 @@ fn make<const N: usize>(
     // Looked at where it is: moved out of the result, it would be on the stack twice.
     match &setup.ready::<N>() {
         Ok(ready) => Ok(place(ready, watchdog, restarted, reporter, machine)),
-        Err(error) => Err(Refusal::Settings(error.clone())),
+        Err(error) => Err(Refusal::Settings(*error)),
     }
 }
 
