@@ -388,7 +388,7 @@ impl LimitSettings {
             self.jerk_hz_per_s2,
             speed_hz * tick_hz * tick_hz,
         )?;
-        // A stop's way is reckoned in the phase's own format, which holds 32,768 turns.
+        // A ramp's way is to fit into the phase's own format, which holds 32,768 turns.
         let acceleration = self.reachable_acceleration_hz_per_s();
         let ramp_s = speed_hz / acceleration + acceleration / self.jerk_hz_per_s2;
         if ramp_s > MOST_RAMP_S || ramp_s * speed_hz > MOST_RAMP_TURNS {
