@@ -14,12 +14,11 @@
 
 mod looks;
 
-use super::wiring_proof::APART;
 use crate::axes::Correction;
 use crate::drift::{AxisSet, DriftMonitor};
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{Turns, nearest};
-use looks::{Moves, Stray};
+use looks::{Moves, Stray, When};
 
 /// How far align has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -60,7 +59,7 @@ pub(super) struct Align<const N: usize> {
     before: [Turns; N],
     before_now: [Turns; N],
     from: [Turns; N],
-    /// Looks in which some crank strayed, and by how much each was off in all of them.
+    /// Looks in which some crank strayed, and by how much each was off in all of them; in run, corrections in a row that look like a swap.
     looks: u8,
     off: [Turns; N],
     datum: Turns,
@@ -295,22 +294,20 @@ impl<const N: usize> Align<N> {
         }
     }
 
-    /// What the cranks did since they were moved to trims, by their drifts now; it may be off by so many halves of a tolerance.
+    /// What the cranks did since they were moved to trims, by their drifts now.
     const fn moves<'a>(
         &'a self,
+        when: When,
         drift: &'a [Turns; N],
         to: &'a [Turns; N],
-        halves: i64,
     ) -> Moves<'a> {
         Moves {
+            when,
             before: &self.before,
             drift,
             from: &self.from,
             to,
             tolerance: &self.tolerance,
-            halves,
-            on_the_way: false,
-            both: false,
         }
     }
 
@@ -322,11 +319,8 @@ impl<const N: usize> Align<N> {
         correction: &Correction<N>,
     ) -> Option<Stray> {
         let drift = monitor.calm_drift();
-        let moves = Moves {
-            on_the_way: true,
-            ..self.moves(&drift, correction.target(), APART)
-        };
-        moves.stray(set)
+        self.moves(When::OnTheWay, &drift, correction.target())
+            .stray(set)
     }
 
     /// Why cranks that were moved seem too far out, if it is that two are swapped.
@@ -377,12 +371,8 @@ impl<const N: usize> Align<N> {
         correction: &Correction<N>,
     ) -> Option<Fault> {
         let drift = monitor.drift_at_flags();
-        // Each such correction is half as large again as the one before: it must be seen before it looks like something else.
-        let moves = Moves {
-            both: true,
-            ..self.moves(&drift, correction.now(), 2)
-        };
-        let swapped = moves
+        let swapped = self
+            .moves(When::Corrected, &drift, correction.now())
             .stray(monitor.watched())
             .filter(|stray| stray.is_swapped);
         self.before = drift;
@@ -433,7 +423,7 @@ impl<const N: usize> Align<N> {
         for (sum, (now, &before)) in self.off.iter_mut().zip(drift.iter().zip(&self.before)) {
             *sum = sum.wrapping_add(nearest(now.wrapping_sub(before)));
         }
-        let moves = self.moves(&drift, correction.now(), APART);
+        let moves = self.moves(When::Moved, &drift, correction.now());
         if moves.stray(monitor.watched()).is_none() {
             return self.go_on(monitor, correction);
         }
@@ -445,7 +435,7 @@ impl<const N: usize> Align<N> {
             let off = Turns::from_bits((off.to_bits() >> 16) * PART_OF_LOOKS);
             *mean = before.wrapping_add(off);
         }
-        let moves = self.moves(&drift, correction.now(), APART);
+        let moves = self.moves(When::Moved, &drift, correction.now());
         let Some(stray) = moves.stray(monitor.watched()) else {
             return self.go_on(monitor, correction);
         };

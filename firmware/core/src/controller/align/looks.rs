@@ -1,11 +1,25 @@
 //! What cranks did when they were moved, next to what they were told: which of them strays, and whether it does what another was told.
 
+use crate::controller::wiring_proof::APART;
 use crate::drift::AxisSet;
 use crate::units::{Turns, nearest};
+
+/// When cranks are looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum When {
+    /// While they move: one may be anywhere between.
+    OnTheWay,
+    /// In align, when all have been heard since.
+    Moved,
+    /// In run, before the next correction. A swap makes each half as large again as the one before: it must be seen before it looks like
+    /// something else, so that less is allowed; and it shows in both cranks, where one that slips is alone.
+    Corrected,
+}
 
 /// Cranks that were moved, or are on their way: a place for each in every slice.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moves<'a> {
+    pub when: When,
     /// Drifts before, and now.
     pub before: &'a [Turns],
     pub drift: &'a [Turns],
@@ -14,12 +28,6 @@ pub(super) struct Moves<'a> {
     pub to: &'a [Turns],
     /// What a reading may be off by.
     pub tolerance: &'a [Turns],
-    /// So many halves of that are allowed.
-    pub halves: i64,
-    /// On the way there a crank may be anywhere between.
-    pub on_the_way: bool,
-    /// Two that are swapped must both show it.
-    pub both: bool,
 }
 
 /// A crank that did not do what it was told.
@@ -53,34 +61,37 @@ impl Moves<'_> {
         Some(worst)
     }
 
-    /// Whether a crank is as far off as another was moved further; and perhaps that one the other way.
+    /// Whether a crank is as far off as another was moved further.
     fn follows(&self, stray: &Stray, other: usize) -> bool {
-        if other == stray.axis {
-            return false;
-        }
         let moved = |axis| difference(self.to, self.from, axis);
         let between = moved(other).wrapping_sub(moved(stray.axis));
         let allowed = self.allowed(stray.axis);
-        if between.abs() <= allowed {
+        if other == stray.axis || between.abs() <= allowed {
             return false;
         }
-        let rest = nearest(between.wrapping_sub(stray.off));
-        if self.on_the_way {
-            let same_sense = |turns: Turns| (turns < 0) == (between < 0);
-            return same_sense(stray.off) && same_sense(rest) || rest.abs() <= allowed;
+        let is_by = |off: Turns, by: Turns| nearest(by.wrapping_sub(off)).abs() <= allowed;
+        let is_there = is_by(stray.off, between);
+        match self.when {
+            When::OnTheWay => {
+                let rest = nearest(between.wrapping_sub(stray.off));
+                let same_sense = |turns: Turns| (turns < 0) == (between < 0);
+                is_there || same_sense(stray.off) && same_sense(rest)
+            }
+            When::Moved => is_there,
+            When::Corrected => {
+                let back = nearest(difference(self.drift, self.before, other));
+                is_there && back.abs() > allowed && is_by(back, between.wrapping_neg())
+            }
         }
-        if !self.both {
-            return rest.abs() <= allowed;
-        }
-        // A crank that slips while it is corrected is alone in this.
-        let back = nearest(difference(self.drift, self.before, other));
-        let rest_of_other = nearest(between.wrapping_add(back));
-        rest.abs() <= allowed && back.abs() > allowed && rest_of_other.abs() <= allowed
     }
 
     fn allowed(&self, axis: usize) -> Turns {
         let tolerance = self.tolerance.get(axis).copied().unwrap_or_default();
-        Turns::from_bits(tolerance.to_bits() * self.halves / 2)
+        match self.when {
+            When::Corrected => tolerance,
+            // Half way to what a swap would make of a tilt.
+            When::OnTheWay | When::Moved => Turns::from_bits(tolerance.to_bits() * APART / 2),
+        }
     }
 }
 
