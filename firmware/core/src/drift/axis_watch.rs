@@ -193,16 +193,21 @@ impl AxisWatch {
         self.name_for = FORGOTTEN_AFTER;
     }
 
+    /// A turn on, what happened to the axis is less likely why it is where it is.
+    fn forget(&mut self) {
+        self.name_for = self.name_for.saturating_sub(1);
+        if self.name_for == 0 {
+            self.name = None;
+        }
+    }
+
     /// At the end of a round in which all others jumped by `jump`, and have walked by `walk`, of an axis by index.
     pub(super) fn compare(&mut self, jump: i32, walk: i32) {
         let moved = self.moved();
         let own_jump = moved.0.wrapping_sub(jump);
         let own_walk = moved.1.wrapping_sub(walk);
         self.last = angle(self.offset());
-        self.name_for = self.name_for.saturating_sub(1);
-        if self.name_for == 0 {
-            self.name = None;
-        }
+        self.forget();
         if own_jump.unsigned_abs() > self.gate {
             self.home = self.home.wrapping_add(own_jump);
             self.named(of_angle(own_jump), None);

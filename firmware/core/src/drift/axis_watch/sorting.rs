@@ -106,6 +106,9 @@ impl AxisWatch {
         self.crowd = 0;
         self.is_slipping = false;
         self.extra = self.extra.saturating_sub(1);
+        if self.encoder.is_some() {
+            self.forget(); // the others do at the end of their round
+        }
         if core::mem::take(&mut self.silent) {
             return Some((FaultKind::IndexMissing, Turns::ZERO, false));
         }

@@ -54,7 +54,7 @@ fn a_fast_slip_stops_the_machine_as_its_flag_comes() {
 }
 
 /// Were it wrong, a crank that slipped once, by little, would never be vouched for by its encoder again: a pulse that is lost long after
-/// would stop a sound machine.
+/// would stop a sound machine; and whatever takes it past a limit years later would be called a slip.
 #[test]
 fn a_slip_of_long_ago_is_not_why_a_pulse_is_missing() {
     let mut cranks = encoders(30.0);
@@ -65,6 +65,7 @@ fn a_slip_of_long_ago_is_not_why_a_pulse_is_missing() {
     let ticks = (20.5 / cranks.speed) as u32;
     let found = play(&mut cranks, ticks, slip, |_, _, pulse| pulse);
     assert!(!found.is_empty());
+    assert_eq!(cranks.monitor.axes[0].name(), None);
     let once = |i: usize, t: f64, pulse: Option<IndexPulse>| {
         pulse.filter(|_| i != 0 || !(22.5..23.5).contains(&t))
     };
