@@ -105,7 +105,7 @@ fn a_pulse_is_extra_by_where_its_crank_truly_was() {
     // At 12 rev/s at most and 5 at least a millisecond is 1.8 to 4.3 degrees; the gate is 4 (0.25 + 2 steps) = 1.23.
     for (late_ms, verdict_is) in [(0.25, Verdict::Within), (5.0, Verdict::Right)] {
         let seen = after(late_ms);
-        let off_deg = seen.1.extra_off_turns.expect("a pulse was put in") * 360.0;
+        let off_deg = seen.1.extra.expect("a pulse was put in").off_turns * 360.0;
         let speed_hz = seen.1.injected.expect("it was").speed_hz;
         let expected = speed_hz * late_ms * 1e-3 * 360.0;
         assert!(

@@ -12,6 +12,8 @@ use crate::scene::file::{AxisApart, FaultAt, FaultName, Scene};
 use super::bound;
 use super::geometry::Geometry;
 use super::names::{self, Circumstances};
+use super::plan::faults::driven;
+use super::plan::machines::Driven;
 use super::watch::{Seen, Telling, Told};
 
 /// What a crank is from where it was told to be for rounding: a step either way. More than this, it was moved.
@@ -133,8 +135,7 @@ fn verdict(scene: &Scene, fault: &FaultAt, seen: &Seen) -> Verdict {
         let had_time = end.turns - injected.turns > names::turns_to_tell(fault);
         // An extra pulse before the first is the first, if nothing tells otherwise; what it would have moved is looked at again.
         let may_be_first = fault.kind == FaultName::IndexExtra && injected.state == State::Align;
-        let in_place = |off_turns| names::is_in_place(scene, fault, off_turns);
-        let is_in_place = seen.extra_off_turns.is_some_and(in_place);
+        let is_in_place = seen.extra.is_some_and(|extra| extra.is_in_place);
         let must = names::must_be_told(fault.kind) && !may_be_first && !is_in_place;
         return match (seen.past.map(|_| in_time(None, seen)), must) {
             (Some(Some(_)), _) => Verdict::Missed,
@@ -152,7 +153,7 @@ fn verdict(scene: &Scene, fault: &FaultAt, seen: &Seen) -> Verdict {
         fault,
         Circumstances {
             has_encoder: scene.axes.encoder,
-            is_stepper: names::is_stepper(scene, fault),
+            is_stepper: driven(scene, fault.axis.unwrap_or_default()) != Driven::Servo,
             in_align: injected.state == State::Align || stood,
             is_past: seen.past.is_some(),
             opposed: differs(scene, fault, |apart| f64::from(u8::from(apart.reversed))),

@@ -16,6 +16,7 @@
 //! is a table and a picture ([`tally`], [`picture`]).
 
 pub mod bound;
+pub mod flag;
 pub mod geometry;
 pub mod interval;
 pub mod judge;

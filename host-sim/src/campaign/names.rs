@@ -5,7 +5,7 @@
 
 use cophase_core::supervisor::FaultKind;
 
-use crate::scene::file::{Drive, FaultAt, FaultName, Scene};
+use crate::scene::file::{FaultAt, FaultName};
 
 /// What is known of the run that decides which names are right.
 #[derive(Clone, Copy, Debug)]
@@ -124,89 +124,11 @@ pub const fn has_axis(kind: FaultName) -> bool {
     )
 }
 
-/// Whether the axis that a fault befalls is a stepper's.
-pub fn is_stepper(scene: &Scene, fault: &FaultAt) -> bool {
-    let apart = fault.axis.and_then(|axis| scene.apart(axis));
-    apart
-        .and_then(|apart| apart.drive)
-        .unwrap_or(scene.axes.drive)
-        == Drive::Stepper
-}
-
-/// Whether an extra pulse that comes so far after the place where the axis meets its flag, turns of the crank, is nothing that
-/// anyone sees, or that matters: within a gate of that place it is taken for the flag's own, and the flag for the same passage,
-/// which has the crank be off by less than a gate for a turn; and while the flag is before the sensor its line is high already.
-pub fn is_in_place(scene: &Scene, fault: &FaultAt, off_turns: f64) -> bool {
-    let flag_turns = scene.axes.index_width_deg / 360.0;
-    let gate = gate_turns(scene, fault);
-    (-gate..=gate.max(flag_turns)).contains(&off_turns)
-}
-
-/// The width of a place that the drift monitor is set up with (docs/faults.md), from the scene's numbers: four times what a reading
-/// is off by, a step either way with it; of a stepper no more than leaves the nearest lost cycle apart from it.
-fn gate_turns(scene: &Scene, fault: &FaultAt) -> f64 {
-    let reading = scene.drift.reading_deg / 360.0 + 2.0 / f64::from(scene.axes.steps_per_turn);
-    if !is_stepper(scene, fault) {
-        return 4.0 * reading;
-    }
-    let half_cycle = 2.0 / f64::from(scene.axes.full_steps_per_turn);
-    let sure = half_cycle - reading;
-    let most = if sure < 2.0 * reading {
-        half_cycle
-    } else {
-        sure
-    };
-    most.min(4.0 * reading)
-}
-
 /// Turns of the master, of a machine that moves, after which a kind must have been told: of index pulses, one until the next is
 /// due, and one until that is overdue by a margin.
 pub fn turns_to_tell(fault: &FaultAt) -> f64 {
     match fault.kind {
         FaultName::IndexMissing | FaultName::IndexExtra | FaultName::EncoderGlitch => 2.2,
         _ => 0.0,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::library;
-
-    /// Were the place too wide, pulses that the loop must tell of would be let pass; were it too narrow, it would be blamed for what no
-    /// line shows. Of 3200 steps and 0.25° a gate is 4 (0.25 + 0.225) = 1.9°, of 200 full steps no more than 3.6 - 0.475 = 3.125°.
-    #[test]
-    fn a_place_is_a_gate_wide_and_as_long_as_its_flag() {
-        let mut scene = library::find("default").unwrap().scene();
-        scene.axes.steps_per_turn = 3200;
-        scene.axes.full_steps_per_turn = 200;
-        scene.drift.reading_deg = 0.25;
-        let fault = FaultAt {
-            at_s: 1.0,
-            kind: FaultName::IndexExtra,
-            axis: Some(0),
-            with: None,
-            lines: None,
-            cycles: None,
-            rate_deg_per_s: None,
-            speed_hz: None,
-            count: Some(1),
-            counts: None,
-            torque_nm: None,
-            for_s: None,
-        };
-        let is_in = |scene: &Scene, deg: f64| is_in_place(scene, &fault, deg / 360.0);
-        scene.axes.index_width_deg = 0.0;
-        for (deg, expected) in [(-1.95, false), (-1.85, true), (1.85, true), (1.95, false)] {
-            assert_eq!(is_in(&scene, deg), expected, "{deg}");
-        }
-        scene.axes.index_width_deg = 6.0;
-        for (deg, expected) in [(-1.95, false), (5.9, true), (6.1, false)] {
-            assert_eq!(is_in(&scene, deg), expected, "{deg}");
-        }
-        scene.axes.full_steps_per_turn = 800;
-        scene.axes.index_width_deg = 0.0;
-        // Half a cycle is 0.9°, less a reading 0.425°: less than two readings differ by, so that half a cycle it is.
-        assert!(is_in(&scene, 0.89) && !is_in(&scene, 0.91));
     }
 }

@@ -11,6 +11,7 @@ use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::reaction::{Reaction, reaction};
 use cophase_core::supervisor::{Fault, FaultKind, State};
 
+use super::flag::{Extra, Flag};
 use super::geometry::Geometry;
 use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName};
@@ -82,9 +83,8 @@ pub struct Seen {
     pub early: Vec<Told>,
     /// Incidents, each once.
     pub incidents: Vec<Told>,
-    /// A pulse that no flag makes came so far after the place at which the axis meets its flag going forward, turns of the true
-    /// crank; negative: before it.
-    pub extra_off_turns: Option<f64>,
+    /// The pulse that no flag makes, if that is what went wrong, by the true crank.
+    pub extra: Option<Extra>,
     /// The fault that latched, as it was called at last.
     pub fault: Option<Told>,
     /// The most that an axis, or its crank, was moved by its drive while another had been stopped for over two ticks, turns.
@@ -105,8 +105,8 @@ pub struct Watch<'a, const N: usize> {
     geometry: Option<&'a Geometry>,
     /// What goes wrong; nothing, in a clean run.
     fault: Option<FaultAt>,
-    /// Where the axis that it befalls meets its index flag, turns.
-    flag_turns: Option<f64>,
+    /// The flag of the axis that it befalls.
+    flag: Option<Flag>,
     /// Of a crank that its drive does not move, or that torque moves, how far it goes says nothing.
     cranks_count: [bool; N],
     seen: Seen,
@@ -130,11 +130,10 @@ impl<'a, const N: usize> Watch<'a, N> {
     pub fn new(geometry: Option<&'a Geometry>, checked: &Checked, cranks_count: [bool; N]) -> Self {
         let fault = checked.scene.fault.first();
         let axis = fault.and_then(|fault| fault.axis);
-        let axis = axis.and_then(|axis| checked.setup.axes.get(axis));
         Self {
             geometry,
             fault: fault.copied(),
-            flag_turns: axis.and_then(|axis| axis.index_turns),
+            flag: axis.and_then(|axis| Flag::new(checked, axis)),
             cranks_count,
             seen: Seen::default(),
             moments: 0,
@@ -208,17 +207,18 @@ impl<'a, const N: usize> Watch<'a, N> {
     }
 
     /// Where a pulse comes that no flag makes: each that follows comes a turn later, at the same place.
-    fn extra_pulse(&self, moment: &Moment<'_, N>) -> Option<f64> {
-        let fault = self
-            .fault
-            .filter(|fault| fault.kind == FaultName::IndexExtra)?;
+    fn extra(&self, moment: &Moment<'_, N>) -> Option<Extra> {
+        let is_extra = |fault: &FaultAt| fault.kind == FaultName::IndexExtra;
+        let fault = self.fault.filter(is_extra)?;
         let axis = fault.axis?;
         let (_, cranks) = self.before.as_ref()?;
         let since_s = fault.at_s - moment.start_ns as f64 * 1e-9;
         let part = since_s / ((moment.end_ns - moment.start_ns) as f64 * 1e-9);
         let (from, to) = (cranks[axis], moment.actual_turns[axis]);
-        let off = from + part.clamp(0.0, 1.0) * (to - from) - self.flag_turns?;
-        Some(off - off.round())
+        Some(
+            self.flag?
+                .extra_at(from + part.clamp(0.0, 1.0) * (to - from)),
+        )
     }
 
     /// Who is moved by its drive while another stands.
@@ -274,7 +274,7 @@ impl<const N: usize> Observer<N> for Watch<'_, N> {
         let at_ns = self.fault.map(|fault| (fault.at_s * 1e9).round() as u64);
         if self.seen.injected.is_none() && at_ns.is_some_and(|at| at < moment.end_ns) {
             self.seen.injected = Some(start);
-            self.seen.extra_off_turns = self.extra_pulse(moment);
+            self.seen.extra = self.extra(moment);
         }
         self.tellings(telemetry, start);
         self.cranks(moment, end);

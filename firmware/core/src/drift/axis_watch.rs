@@ -18,6 +18,36 @@ const CALM: u32 = 4;
 /// Turns after which what happened to an axis is no longer why it is where it is.
 const FORGOTTEN_AFTER: u8 = 8;
 
+/// What a reading of an axis may be off by: that, and two steps.
+fn tolerance(axis: &AxisSettings, reading: Turns) -> Turns {
+    let step = turns(1.0 / f64::from(axis.steps_per_turn));
+    reading.saturating_add(step).saturating_add(step)
+}
+
+/// An electrical cycle, turns; zero of an axis that has none.
+fn cycle(axis: &AxisSettings) -> Turns {
+    turns(f64::from(axis.cycle_steps) / f64::from(axis.steps_per_turn))
+}
+
+/// Half way to the first cycle that may be lost, less what a reading is off; and no less than two readings differ by.
+fn gate(tolerance: Turns, cycle: Turns) -> Turns {
+    let widest = Turns::from_bits(tolerance.to_bits() * 4);
+    if cycle <= 0 {
+        return widest;
+    }
+    let (half, tolerance) = (cycle.to_bits() / 2, tolerance.to_bits());
+    // Where steps are so coarse that this is less than what readings differ by, half a cycle is all that can be told.
+    let sure = half - tolerance;
+    let most = if sure < 2 * tolerance { half } else { sure };
+    widest.min(Turns::from_bits(most))
+}
+
+/// How far, turns, an axis's index pulse may be from where the one before has it, and still be in place; `reading_deg` is that of the
+/// settings.
+pub fn place_gate(axis: &AxisSettings, reading_deg: f64) -> Turns {
+    gate(tolerance(axis, turns(reading_deg / 360.0)), cycle(axis))
+}
+
 /// Watches one axis.
 #[derive(Clone, Debug)]
 pub(super) struct AxisWatch {
@@ -61,18 +91,9 @@ impl AxisWatch {
         reading: Turns,
         alone: Turns,
     ) -> Self {
-        let step = turns(1.0 / f64::from(axis.steps_per_turn));
-        let tolerance = reading.saturating_add(step).saturating_add(step);
-        let cycle = turns(f64::from(axis.cycle_steps) / f64::from(axis.steps_per_turn));
-        // Half way to the first cycle that may be lost, less what a reading is off; and no less than two readings differ by.
-        let mut gate = Turns::from_bits(tolerance.to_bits() * 4);
-        if cycle > 0 {
-            let (half, tolerance) = (cycle.to_bits() / 2, tolerance.to_bits());
-            // Where steps are so coarse that this is less than what readings differ by, half a cycle is all that can be told.
-            let sure = half - tolerance;
-            let most = if sure < 2 * tolerance { half } else { sure };
-            gate = gate.min(Turns::from_bits(most));
-        }
+        let tolerance = tolerance(axis, reading);
+        let cycle = cycle(axis);
+        let gate = gate(tolerance, cycle);
         let whole = if cycle > 0 {
             tolerance.min(Turns::from_bits(cycle.to_bits() / 4))
         } else {

@@ -27,6 +27,7 @@ mod modes;
 mod naming;
 mod tick_phase;
 
+pub use axis_watch::place_gate;
 pub use findings::Finding;
 pub use index_filter::IndexFilter;
 pub use limits::DriftLimits;
