@@ -210,7 +210,12 @@ impl<const N: usize> Align<N> {
         correction: &mut Correction<N>,
     ) -> Option<Fault> {
         if self.proven == 0 {
-            self.base = *correction.now();
+            // Where nothing is corrected, the little that an align that was cut short left goes with the tilts.
+            self.base = if correction.is_on() {
+                *correction.now()
+            } else {
+                [Turns::ZERO; N]
+            };
         }
         let pattern = self
             .patterns

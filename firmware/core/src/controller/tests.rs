@@ -170,6 +170,36 @@ fn every_start_from_idle_aligns_anew() {
     assert_eq!(controller.output.telemetry.state, State::Align);
 }
 
+/// An align that is cut short leaves trims where they were on their way; where nothing is to be corrected, the next takes back
+/// even what is less than a reading may be off by.
+#[test]
+fn what_a_proof_that_was_cut_short_left_is_taken_back() {
+    let mut settings = settings();
+    for axis in &mut settings.axes {
+        axis.index_turns = None;
+    }
+    settings.correction.prove_wiring = true;
+    let mut controller = controller(&settings, 100.0);
+    let tolerance = controller.drift.tolerance(0);
+    let trim = |controller: &Controller<2>| controller.correction.now()[0].abs();
+    play(&mut controller, Some(Command::Start), 1, false);
+    let mut was_tilted = false;
+    while trim(&controller) > tolerance / 2 || !was_tilted {
+        was_tilted |= trim(&controller) > tolerance;
+        play(&mut controller, None, 1, false);
+        assert_eq!(controller.output.telemetry.state, State::Align);
+    }
+    assert!(trim(&controller) > 0, "it is on its way");
+    let mut lost = Feedback::of(None);
+    lost.inputs.enable = false;
+    controller.tick(&lost);
+    assert_eq!(controller.output.telemetry.state, State::Fault);
+    play(&mut controller, Some(Command::Reset), 1, false);
+    play(&mut controller, Some(Command::Start), 4000, false);
+    assert_eq!(controller.output.telemetry.state, State::Run);
+    assert_eq!(trim(&controller), 0);
+}
+
 /// A geared, reversed servo: half the way, half the acceleration, and everything with the other sign.
 #[test]
 fn setpoints_are_in_the_motors_own_sense() {
