@@ -30,9 +30,17 @@ impl Angles {
         }
     }
 
+    /// What they have in common, or what the only one is.
+    fn middle(&mut self) -> i32 {
+        match self.angles {
+            [only, ..] if self.count == 1 => only,
+            _ => self.common(),
+        }
+    }
+
     /// What they have in common.
     pub(super) fn common(&mut self) -> i32 {
-        in_common(self.angles.get_mut(..self.count).unwrap_or_default())
+        middle(self.angles.get_mut(..self.count).unwrap_or_default())
     }
 }
 
@@ -53,10 +61,22 @@ pub(super) fn furthest(errors: &[Turns], set: AxisSet) -> usize {
         .map_or(0, |(axis, _)| axis)
 }
 
+/// What the axes of a set are off by in common, with their corrections. Of one alone, that.
+#[inline(never)] // one for every number of axes
+pub(super) fn in_common(drifts: &[Turns], corrections: &[Turns], set: AxisSet) -> Turns {
+    let mut angles = Angles::default();
+    for (axis, (drift, &correction)) in drifts.iter().zip(corrections).enumerate() {
+        if set & 1 << axis != 0 {
+            angles.push(angle(drift.wrapping_add(correction)));
+        }
+    }
+    of_angle(angles.middle())
+}
+
 /// What all of `values`, wrapping angles, have in common when few of them differ: the middle one; of two middle ones the smaller, so
 /// that of two axes the one counts as moved that moved more. Sorts them.
 #[inline(never)] // one for every number of axes
-fn in_common(values: &mut [i32]) -> i32 {
+fn middle(values: &mut [i32]) -> i32 {
     // As many as six: a sort of the library's has more to set up than to do, and lies in the flash.
     for placed in 1..values.len() {
         let Some((last, before)) = values.get_mut(..=placed).and_then(<[i32]>::split_last_mut)
@@ -90,11 +110,11 @@ mod tests {
 
     #[test]
     fn what_all_do_is_no_ones_own() {
-        assert_eq!(in_common(&mut [-30, -30, -100, -30]), -30);
-        assert_eq!(in_common(&mut [0, -72]), 0);
-        assert_eq!(in_common(&mut [72, 0]), 0);
-        assert_eq!(in_common(&mut [5]), 0);
-        assert_eq!(in_common(&mut []), 0);
-        assert_eq!(in_common(&mut [9, 1, 8, 2, 7, i32::MIN]), 2);
+        assert_eq!(middle(&mut [-30, -30, -100, -30]), -30);
+        assert_eq!(middle(&mut [0, -72]), 0);
+        assert_eq!(middle(&mut [72, 0]), 0);
+        assert_eq!(middle(&mut [5]), 0);
+        assert_eq!(middle(&mut []), 0);
+        assert_eq!(middle(&mut [9, 1, 8, 2, 7, i32::MIN]), 2);
     }
 }

@@ -29,14 +29,18 @@ impl DriftLimits {
         let mrad_per_turn =
             1e3 * core::f64::consts::TAU * machine.crank_radius_m * most_way(machine)
                 / machine.mount_radius_m;
-        let tilt = turns((settings.tilt_limit_mrad / mrad_per_turn).min(0.5));
+        let reading = turns(settings.reading_deg / 360.0);
+        let tilt = guarded(
+            turns((settings.tilt_limit_mrad / mrad_per_turn).min(0.5)),
+            reading,
+        );
         Self {
             tilt,
             tilt_squared: square(tilt),
-            warp: turns(settings.warp_limit_deg / 360.0),
+            warp: guarded(turns(settings.warp_limit_deg / 360.0), reading),
             common: turns(settings.common_limit_deg / 360.0),
             lag: libm::round(settings.lag_s * f64::from(tick_hz) * 65_536.0) as i64,
-            reading: turns(settings.reading_deg / 360.0),
+            reading,
         }
     }
 
@@ -77,6 +81,11 @@ impl DriftLimits {
         let common = self.common.to_num::<f64>() * N as f64;
         turns(least.min(common).min(0.25))
     }
+}
+
+/// Where cranks are stopped for that are to be noticed past a limit, whatever a reading is off by; no less than half of it.
+fn guarded(limit: Turns, reading: Turns) -> Turns {
+    limit.wrapping_sub(reading).max(limit / 2)
 }
 
 /// The square, in units of 2⁻³⁰ turn, of up to 2 turns: the sum of two fits.

@@ -38,7 +38,7 @@ pub use tick_phase::{IndexPulse, TickPhase};
 use crate::settings::Settings;
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{Phase, Turns, nearest};
-use angles::{Angles, furthest};
+use angles::{Angles, furthest, in_common, of_angle};
 use axis_watch::AxisWatch;
 use findings::Findings;
 use tick_phase::TickClock;
@@ -84,8 +84,7 @@ pub struct DriftMonitor<const N: usize> {
     /// Axes whose index has been heard since [`Self::look_again`].
     seen: AxisSet,
     rounds: u32,
-    /// What all cranks were off by in common in the last round, and whether that was about the same in the one before.
-    round_common: Turns,
+    /// In the last round, axes by index were off by about what they were in the one before: all but those that moved of themselves.
     is_even: bool,
     modes: Modes,
     findings: Findings,
@@ -128,7 +127,6 @@ impl<const N: usize> DriftMonitor<N> {
             known: 0,
             seen: 0,
             rounds: 0,
-            round_common: Turns::ZERO,
             is_even: false,
             modes: Modes::default(),
             findings: Findings::new(),
@@ -179,6 +177,7 @@ impl<const N: usize> DriftMonitor<N> {
                 continue;
             }
             let tolerance = self.limits.common;
+            let others = self.in_common_but(axis, sensed.correction);
             let Some(watch) = self.axes.get_mut(axis) else {
                 continue;
             };
@@ -190,7 +189,7 @@ impl<const N: usize> DriftMonitor<N> {
             }
             // A crank may pass a limit by its own pulse, long before the round is over.
             let own = watch.drift().wrapping_add(sensed.correction[axis]);
-            let off = nearest(own.wrapping_sub(self.modes.common)).abs();
+            let off = nearest(own.wrapping_sub(others)).abs();
             let has_moved = heard.has_moved.filter(|_| watch.is_by_index());
             let most = if has_moved.is_some() {
                 watch.alone()
@@ -231,7 +230,7 @@ impl<const N: usize> DriftMonitor<N> {
             self.rounds = self.rounds.wrapping_add(1);
             self.update();
             if !self.finding_out {
-                self.compare();
+                self.is_even = self.compare().abs() <= self.limits.reading;
             }
         } else if self.by_encoder != 0 || self.is_even && self.others_are_heard(news) {
             // What all have in common is what it was in the round before, so that a crank may be held against others of a turn ago.
@@ -240,11 +239,12 @@ impl<const N: usize> DriftMonitor<N> {
             return;
         }
         self.check(sensed);
-        if round {
-            let step = self.modes.common.wrapping_sub(self.round_common);
-            self.is_even = step.wrapping_abs() <= self.limits.reading;
-            self.round_common = self.modes.common;
-        }
+    }
+
+    /// What all axes but one are off by in common, with their corrections. Not the mean of all: that one would be held against
+    /// what it did itself.
+    fn in_common_but(&self, axis: usize, correction: &[Turns; N]) -> Turns {
+        in_common(&self.drift, correction, self.watched() & !(1 << axis))
     }
 
     /// Whether none but the axes in `moved` is late.
@@ -261,9 +261,9 @@ impl<const N: usize> DriftMonitor<N> {
         }
     }
 
-    /// Names the axes by index that moved otherwise than the others in this round.
-    fn compare(&mut self) {
-        compare(&mut self.axes, self.by_index);
+    /// Names the axes by index that moved otherwise than the others in this round; what these moved by.
+    fn compare(&mut self) -> Turns {
+        of_angle(compare(&mut self.axes, self.by_index))
     }
 
     /// Holds what is known against the limits, and tells what was named.
@@ -523,9 +523,9 @@ fn fill(drifts: &mut [Turns], axes: &[AxisWatch], of: impl Fn(&AxisWatch) -> Tur
     }
 }
 
-/// Compares what each axis of a set did in a round with what they did in common.
-#[inline(never)] // one for every number of axes, as the next
-fn compare(axes: &mut [AxisWatch], set: AxisSet) {
+/// Compares what each axis of a set did in a round with what they did in common, which it gives.
+#[inline(never)] // one for every number of axes
+fn compare(axes: &mut [AxisWatch], set: AxisSet) -> i32 {
     let (mut jumps, mut walks) = (Angles::default(), Angles::default());
     for (axis, watch) in axes.iter().enumerate() {
         if set & 1 << axis != 0 {
@@ -540,6 +540,7 @@ fn compare(axes: &mut [AxisWatch], set: AxisSet) {
             watch.compare(jump, walk);
         }
     }
+    jump
 }
 
 #[cfg(test)]

@@ -92,6 +92,7 @@ impl AxisWatch {
 
     /// The first pulse of all: whatever moved before, here the crank is. That the encoder jumped is told all the same.
     fn first(&mut self) -> Option<Tale> {
+        self.home = angle(self.offset());
         let by = self.take_doubt()?;
         let kind = match self.story.of_one(by) {
             FaultKind::LostSteps => FaultKind::LostSteps,
