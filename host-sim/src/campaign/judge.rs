@@ -2,7 +2,7 @@
 //!
 //! A crank past a limit is *detected* when the machine is brought to where it does no harm, for a reason that has to do with that
 //! crank ([`detection`]). That something else was told before, which the loop goes on from, is no detection: nobody need be there
-//! to read it. Nor is a stop for another crank's sake, as the next machine would not stop for that.
+//! to read it. Nor is a stop for another crank's sake, as the next machine would not stop for that; unless torque dragged that one along.
 
 use cophase_core::supervisor::reaction::Reaction;
 use cophase_core::supervisor::{FaultKind, State};
@@ -92,11 +92,13 @@ pub fn judge(
 }
 
 /// What the loop told of a fault that counts as its detection: the first that made it stop, or disable the drives, on the axis that
-/// it befell or on none. Where nothing did, the first that had it trim that axis, if the cranks were within their limits again
+/// it befell, on one whose crank it moved as well, or on none. Where nothing did, the first that had it trim that axis, if the cranks were within their limits again
 /// at the end: what is trimmed away in time need not stop a machine, and what goes on past its limit must.
 pub fn detection<'a>(scene: &Scene, fault: &FaultAt, seen: &'a Seen) -> Option<&'a Telling> {
-    let of_it = |told: &Told| told.axis.is_none() || is_of(scene, fault, told);
-    let tellings = || seen.tellings.iter().filter(|telling| of_it(&telling.told));
+    let of_it = |telling: &&Telling| {
+        telling.told.axis.is_none() || telling.is_moved || is_of(scene, fault, &telling.told)
+    };
+    let tellings = || seen.tellings.iter().filter(of_it);
     let stop = tellings().find(|telling| telling.done >= Reaction::Stop);
     let mended = scene.correction.part > 0.0 && !seen.is_past;
     stop.or_else(|| tellings().find(|telling| mended && telling.done == Reaction::Correct))

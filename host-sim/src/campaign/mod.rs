@@ -2,8 +2,9 @@
 //!
 //! The *claim* that it tests, run by run:
 //! 1. every fault that moves a crank past a limit (tilt or warp, as the true cranks have it) is detected within one turn of the
-//!    master and two ticks: the loop has found something of the axis that it befell (or something that is of no axis) and stops
-//!    or disables the machine for it, or has trimmed the crank back ([`judge::detection`]), and this is played by then;
+//!    master and two ticks: the loop has found something of the axis that it befell, or of one that it moved ([`moved`]), or
+//!    something that is of no axis, and stops or disables the machine for it, or has trimmed the crank back
+//!    ([`judge::detection`]), and this is played by then;
 //! 2. what is told is the right name, by one table ([`names`]), and of the right axis: in 99 of 100 at least;
 //! 3. the platform never tilts further than the limit and what the kind can add, until all cranks stand or the drives are off
 //!    ([`bound`]);
@@ -20,6 +21,7 @@ pub mod flag;
 pub mod geometry;
 pub mod interval;
 pub mod judge;
+pub mod moved;
 pub mod names;
 pub mod picture;
 pub mod plan;

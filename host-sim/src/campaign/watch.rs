@@ -13,6 +13,7 @@ use cophase_core::supervisor::{Fault, FaultKind, State};
 
 use super::flag::{Extra, Flag};
 use super::geometry::Geometry;
+use super::moved::Moved;
 use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName};
 use crate::sim::news::{News, Tellings};
@@ -62,6 +63,8 @@ pub struct Telling {
     pub place: Place,
     /// Turns of the master two ticks before that.
     pub turns: f64,
+    /// The true crank of its axis had been moved since the fault.
+    pub is_moved: bool,
 }
 
 /// What was seen.
@@ -110,6 +113,8 @@ pub struct Watch<'a, const N: usize> {
     /// Of a crank that its drive does not move, or that torque moves, how far it goes says nothing.
     cranks_count: [bool; N],
     seen: Seen,
+    /// The true cranks that have moved since the fault.
+    moved: Moved<N>,
     moments: u64,
     tellings: Tellings,
     /// Turns of the master at the end of the last three moments, latest first.
@@ -118,7 +123,7 @@ pub struct Watch<'a, const N: usize> {
     /// For how many moments an axis has stood while another was moved.
     apart: u32,
     /// How far each has been moved since that was over two.
-    moved: [f64; N],
+    run_on: [f64; N],
 }
 
 /// Most incidents that are kept, and most tellings.
@@ -136,12 +141,13 @@ impl<'a, const N: usize> Watch<'a, N> {
             flag: axis.and_then(|axis| Flag::new(checked, axis)),
             cranks_count,
             seen: Seen::default(),
+            moved: Moved::new(checked),
             moments: 0,
             tellings: Tellings::default(),
             turns: [0.0; 3],
             before: None,
             apart: 0,
-            moved: [0.0; N],
+            run_on: [0.0; N],
         }
     }
 
@@ -184,6 +190,7 @@ impl<'a, const N: usize> Watch<'a, N> {
                     done,
                     place,
                     turns: self.turns[2],
+                    is_moved: told.axis.is_some_and(|axis| self.moved.has(axis)),
                 });
             }
         }
@@ -203,6 +210,16 @@ impl<'a, const N: usize> Watch<'a, N> {
         if moment.drives_enabled {
             self.seen.is_past = is_past;
             self.seen.past = self.seen.past.or(since.then_some(end));
+        }
+    }
+
+    /// Which cranks have moved, as long as their drives hold them.
+    fn moved(&mut self, moment: &Moment<'_, N>) {
+        let off = std::array::from_fn(|i| moment.actual_turns[i] - moment.command_turns[i]);
+        match (self.seen.injected, moment.drives_enabled) {
+            (None, _) => self.moved.look_before(off),
+            (Some(_), true) => self.moved.look(off),
+            (Some(_), false) => {}
         }
     }
 
@@ -236,16 +253,16 @@ impl<'a, const N: usize> Watch<'a, N> {
         let someone_moves = went.iter().any(|went| *went > 0.0);
         if !moment.drives_enabled || self.seen.tellings.is_empty() || !someone_stands {
             self.apart = 0;
-            self.moved = [0.0; N];
+            self.run_on = [0.0; N];
             return;
         }
         if someone_moves {
             self.apart += 1;
         }
         if self.apart > 2 {
-            for (moved, went) in self.moved.iter_mut().zip(went) {
-                *moved += went;
-                self.seen.left_running_turns = self.seen.left_running_turns.max(*moved);
+            for (run_on, went) in self.run_on.iter_mut().zip(went) {
+                *run_on += went;
+                self.seen.left_running_turns = self.seen.left_running_turns.max(*run_on);
             }
         }
     }
@@ -278,6 +295,7 @@ impl<const N: usize> Observer<N> for Watch<'_, N> {
         }
         self.tellings(telemetry, start);
         self.cranks(moment, end);
+        self.moved(moment);
         self.moves(moment);
         let axis = self.fault.and_then(|fault| fault.axis);
         let index = axis.and_then(|axis| moment.index.get(axis));

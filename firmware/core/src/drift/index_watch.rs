@@ -18,6 +18,11 @@ const HALF: Turns = Turns::from_bits(ONE_TURN / 2);
 /// A pulse that is missing in its place, and comes no later than this, is of a crank that fell back: noise comes anywhere.
 const LATE: Turns = Turns::from_bits(-ONE_TURN / 8);
 
+/// A crank that runs over twice as fast as it is told may pass its flag between, and once more in its place. It is between so far from
+/// the pulse before, turns, at least; up to the other it is past a limit so early that what comes after that place tells too late.
+/// Exactly it were ½ and 0.618, p² + p = 1, with p the place between; a master that speeds up meanwhile has it a little wider.
+const TWICE: core::ops::Range<Turns> = Turns::lit("0.48")..Turns::lit("0.66");
+
 /// Where a sensor stands, and what it may be off by.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
@@ -55,6 +60,13 @@ pub(super) enum Heard {
     InPlace {
         /// By how much that was off.
         extra: Option<Turns>,
+        /// Unless the crank passed its flag in both places, being that fast.
+        may_be_fast: bool,
+    },
+    /// After a suspect and a pulse in its place, another as far from that as that was from the suspect: the crank runs.
+    Beat {
+        /// By how much it is off.
+        by: Turns,
     },
     /// A suspect was none, and here is another.
     Extra {
@@ -79,6 +91,13 @@ struct Suspect {
     at: Phase,
 }
 
+/// An extra pulse and one in its place: how far that came after it, and by how much the first was off.
+#[derive(Clone, Copy, Debug)]
+struct Beat {
+    turns: Turns,
+    by: Turns,
+}
+
 /// Watches one sensor.
 #[derive(Clone, Debug)]
 pub(super) struct IndexWatch {
@@ -93,6 +112,7 @@ pub(super) struct IndexWatch {
     /// Phase at that pulse; before the first, where the search began.
     heard_at: Phase,
     suspect: Option<Suspect>,
+    beat: Option<Beat>,
     /// Nothing came where the next pulse was expected.
     unheard: bool,
     /// Nor where the last was, which was done without.
@@ -113,6 +133,7 @@ impl IndexWatch {
             meant: 0,
             heard_at: Phase::ZERO,
             suspect: None,
+            beat: None,
             unheard: false,
             missing: false,
             alert: Turns::ZERO,
@@ -126,6 +147,7 @@ impl IndexWatch {
         self.offset = Turns::ZERO;
         self.known = false;
         self.suspect = None;
+        self.beat = None;
         self.unheard = false;
         self.missing = false;
         self.heard_at = phase;
@@ -256,11 +278,10 @@ impl IndexWatch {
             if at.since(self.heard_at) < HALF {
                 return Heard::Nothing; // the same passage
             }
+            let before = self.heard_at;
             let calm = self.calmed(by);
             self.believe(nearest(self.offset.wrapping_add(calm)), at);
-            let extra = self.suspect.take();
-            let extra = extra.map(|suspect| nearest(suspect.offset.wrapping_sub(offset)));
-            return Heard::InPlace { extra };
+            return self.in_place(offset, at, before);
         }
         let again = self.suspect.is_some_and(|suspect| {
             let apart = nearest(offset.wrapping_sub(suspect.offset));
@@ -275,11 +296,39 @@ impl IndexWatch {
             return Heard::Moved { by };
         }
         self.decide_soon();
+        let goes_on = self.beat.take().is_some_and(|beat| {
+            let late = at.since(self.heard_at).wrapping_sub(beat.turns).abs();
+            // Noise that comes once a turn does so at the same place.
+            let is_elsewhere = nearest(by.wrapping_sub(beat.by)).abs() > self.place.gate;
+            is_elsewhere && late <= beat.turns / 4
+        });
         match self.suspect.replace(Suspect { offset, at }) {
             Some(extra) => Heard::Extra {
                 by: nearest(extra.offset.wrapping_sub(self.offset)),
             },
+            None if goes_on => Heard::Beat { by },
             None => Heard::Nothing,
+        }
+    }
+
+    /// A pulse in its place, which showed `offset`; the one before came at `before`.
+    fn in_place(&mut self, offset: Turns, at: Phase, before: Phase) -> Heard {
+        let Some(suspect) = self.suspect.take() else {
+            self.beat = None;
+            return Heard::InPlace {
+                extra: None,
+                may_be_fast: false,
+            };
+        };
+        let by = nearest(suspect.offset.wrapping_sub(offset));
+        let after = suspect.at.since(before);
+        self.beat = (after >= TWICE.start).then_some(Beat {
+            turns: at.since(suspect.at),
+            by,
+        });
+        Heard::InPlace {
+            extra: Some(by),
+            may_be_fast: TWICE.contains(&after),
         }
     }
 

@@ -69,9 +69,25 @@ impl AxisWatch {
         let mut sorted = match core::mem::replace(&mut self.heard, Heard::Nothing) {
             Heard::Nothing => Sorted::default(),
             Heard::First => Sorted::heard(self.first()),
-            Heard::InPlace { extra } => Sorted::heard(self.in_place(extra)),
+            Heard::InPlace { extra, may_be_fast } => {
+                // Which of the two it is, an encoder knows.
+                let is_sure = !may_be_fast || self.encoder.is_some();
+                Sorted::heard(self.in_place(extra, is_sure))
+            }
+            Heard::Beat { by } if self.encoder.is_none() => {
+                Sorted::unheard(Some(self.runs_away(by)))
+            }
+            Heard::Beat { .. } => Sorted::default(),
             Heard::Extra { by } => Sorted::unheard(Some(self.out_of_place(by))),
-            Heard::Moved { by } => Sorted::moved(self.elsewhere(by)),
+            Heard::Moved { by } => {
+                // It came twice in a turn, and not where it was: that takes no noise to explain.
+                let runs = by > 0 && self.crowd > 0 && self.encoder.is_none();
+                let told = runs.then(|| self.runs_away(by));
+                Sorted {
+                    told,
+                    ..Sorted::moved(self.elsewhere(by))
+                }
+            }
             Heard::Unheard => self.nowhere(),
             Heard::Overdue => Sorted::unheard(self.overdue(patience)),
         };
@@ -101,8 +117,8 @@ impl AxisWatch {
         Some((kind, by, true))
     }
 
-    /// A pulse where it was due, and perhaps an extra one before it.
-    fn in_place(&mut self, extra: Option<Turns>) -> Option<Tale> {
+    /// A pulse where it was due, and perhaps an extra one before it; unless it is not sure that it was extra.
+    fn in_place(&mut self, extra: Option<Turns>, is_sure: bool) -> Option<Tale> {
         self.missed = 0;
         self.crowd = 0;
         self.is_slipping = false;
@@ -114,7 +130,8 @@ impl AxisWatch {
             return Some((FaultKind::IndexMissing, Turns::ZERO, false));
         }
         if let Some(by) = extra {
-            return Some(self.extra(by));
+            let (kind, by, in_safety) = self.extra(by);
+            return Some((kind, by, in_safety && is_sure));
         }
         if let Some(doubt) = self.take_doubt() {
             return Some((FaultKind::EncoderGlitch, doubt, true));
@@ -131,6 +148,10 @@ impl AxisWatch {
         if self.crowd < CROWD && !self.story.is_ahead() {
             return self.extra(by);
         }
+        self.runs_away(by)
+    }
+
+    fn runs_away(&mut self, by: Turns) -> Tale {
         self.name = Some(FaultKind::Runaway);
         self.name_for = FORGOTTEN_AFTER;
         (FaultKind::Runaway, by, false)
