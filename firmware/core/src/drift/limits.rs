@@ -6,16 +6,41 @@ use crate::settings::{DriftSettings, MachineSettings, turns};
 use crate::supervisor::FaultKind;
 use crate::units::Turns;
 
+/// Of the platform.
+#[derive(Clone, Copy, Debug)]
+struct Limits {
+    tilt: Turns,
+    tilt_squared: u64,
+    warp: Turns,
+}
+
+impl Limits {
+    /// Which of them the platform is past, if it is.
+    fn past(&self, modes: &Modes) -> Option<FaultKind> {
+        if square(modes.tilt_x) + square(modes.tilt_y) > self.tilt_squared {
+            Some(FaultKind::Tilt)
+        } else if modes.warp > self.warp {
+            Some(FaultKind::Warp)
+        } else {
+            None
+        }
+    }
+}
+
 /// Limits on the modes, in turns of crank angle.
 ///
 /// A limit on tilt is one on the platform: an error of mode 1 with amplitude e (radians of crank) at a
 /// mount radius ρ tilts it by s(α) R e/ρ. The limit is for the crank angle at which that is worst, so
 /// that one measurement a turn bounds the tilt over the whole turn.
+///
+/// A crank past a limit is to be noticed whatever a reading is off by: from when the cranks are where they should be, the
+/// machine is stopped as soon as it may be past one.
 #[derive(Clone, Copy, Debug)]
 pub struct DriftLimits {
-    tilt: Turns,
-    tilt_squared: u64,
-    warp: Turns,
+    /// Up to where cranks may be.
+    true_limits: Limits,
+    /// Up to where readings have them.
+    read: Limits,
     pub(super) common: Turns,
     /// Ticks by which all follow late by their nature, 16 fraction bits.
     lag: i64,
@@ -29,15 +54,21 @@ impl DriftLimits {
         let mrad_per_turn =
             1e3 * core::f64::consts::TAU * machine.crank_radius_m * most_way(machine)
                 / machine.mount_radius_m;
+        let tilt = turns((settings.tilt_limit_mrad / mrad_per_turn).min(0.5));
+        let warp = turns(settings.warp_limit_deg / 360.0);
         let reading = turns(settings.reading_deg / 360.0);
-        let tilt = guarded(
-            turns((settings.tilt_limit_mrad / mrad_per_turn).min(0.5)),
-            reading,
-        );
+        let limits = |guard: Turns| {
+            // Of limits no wider than what a reading may be off by, something is left.
+            let less = |limit: Turns| limit.wrapping_sub(guard).max(limit / 2);
+            Limits {
+                tilt: less(tilt),
+                tilt_squared: square(less(tilt)),
+                warp: less(warp),
+            }
+        };
         Self {
-            tilt,
-            tilt_squared: square(tilt),
-            warp: guarded(turns(settings.warp_limit_deg / 360.0), reading),
+            true_limits: limits(Turns::ZERO),
+            read: limits(reading),
             common: turns(settings.common_limit_deg / 360.0),
             lag: libm::round(settings.lag_s * f64::from(tick_hz) * 65_536.0) as i64,
             reading,
@@ -46,16 +77,15 @@ impl DriftLimits {
 
     /// Which limit the platform is past, if it is: of the modes that make it tilt and bend.
     pub(super) fn of_platform(&self, modes: &Modes) -> Option<FaultKind> {
-        if square(modes.tilt_x) + square(modes.tilt_y) > self.tilt_squared {
-            Some(FaultKind::Tilt)
-        } else if modes.warp > self.warp {
-            Some(FaultKind::Warp)
-        } else {
-            None
-        }
+        self.true_limits.past(modes)
     }
 
-    /// The same for what all cranks have in common, at a speed of the master (turns a tick).
+    /// Which it may be past, by what readings of the cranks have.
+    pub(super) fn of_readings(&self, modes: &Modes) -> Option<FaultKind> {
+        self.read.past(modes)
+    }
+
+    /// The limit on what all cranks have in common, if they are past it, at a speed of the master (turns a tick).
     pub(super) fn of_common(&self, modes: &Modes, speed: Turns) -> Option<FaultKind> {
         (self.beyond_natural(modes, speed).abs() > self.common).then_some(FaultKind::CommonLag)
     }
@@ -66,7 +96,7 @@ impl DriftLimits {
         modes.common.wrapping_add(Turns::from_bits(natural))
     }
 
-    /// By how much one axis alone must be off for some limit to be passed.
+    /// By how much one axis alone must seem off for some limit to be passed.
     pub(super) fn alone<const N: usize>(&self, mount: &Mount<N>, axis: usize) -> Turns {
         let (tilt, warp) = mount.alone(axis);
         let most = |limit: Turns, share: f64| {
@@ -76,16 +106,11 @@ impl DriftLimits {
                 f64::INFINITY
             }
         };
-        let least = most(self.tilt, tilt).min(most(self.warp, warp));
+        let least = most(self.read.tilt, tilt).min(most(self.read.warp, warp));
         // A platform of which nothing is known but how far all lag.
         let common = self.common.to_num::<f64>() * N as f64;
         turns(least.min(common).min(0.25))
     }
-}
-
-/// Where cranks are stopped for that are to be noticed past a limit, whatever a reading is off by; no less than half of it.
-fn guarded(limit: Turns, reading: Turns) -> Turns {
-    limit.wrapping_sub(reading).max(limit / 2)
 }
 
 /// The square, in units of 2⁻³⁰ turn, of up to 2 turns: the sum of two fits.
