@@ -302,10 +302,20 @@ fn one_pulse_that_stays_away_gets_its_name_when_the_next_comes() {
     );
 }
 
-/// A pulse where no flag is: told once the true one has come, and nothing is thought to have moved.
+/// A pulse where no flag is: told once the true one has come, and nothing is thought to have moved. Where a crank at twice its speed would
+/// have made both, nobody can be sure.
 #[test]
 fn an_extra_pulse_is_told_and_counts_for_nothing() {
-    for at in [0.1, 0.3, 0.5, 0.9, 0.97] {
+    for (at, is_sure) in [
+        (0.1, true),
+        (0.3, true),
+        (0.46, true),
+        (0.5, false),
+        (0.64, false),
+        (0.68, true),
+        (0.9, true),
+        (0.97, true),
+    ] {
         let mut cranks = Cranks::new(monitor::<4>(3.0, 5.0, 15.0), 0.01).aligned();
         let extra = move |i: usize, t: f64, pulse: Option<IndexPulse>| {
             let now = (t - 2.0 - at).abs() < 0.0051;
@@ -316,7 +326,7 @@ fn an_extra_pulse_is_told_and_counts_for_nothing() {
             .iter()
             .map(|(_, f)| (f.fault.kind, f.in_safety))
             .collect();
-        assert_eq!(kinds, [(FaultKind::IndexExtra, true)], "at {at}");
+        assert_eq!(kinds, [(FaultKind::IndexExtra, is_sure)], "at {at}");
         assert_eq!(found[0].1.fault.axis, Some(2));
     }
 }
@@ -384,13 +394,17 @@ fn encoders(tilt_mrad: f64) -> Cranks<3> {
 }
 
 fn encoders_at(speed: f64, tilt_mrad: f64) -> Cranks<3> {
+    Cranks::new(monitor_with_encoders(tilt_mrad), speed).aligned()
+}
+
+fn monitor_with_encoders(tilt_mrad: f64) -> DriftMonitor<3> {
     let mut settings = settings(tilt_mrad, 5.0, 15.0);
     for axis in &mut settings.axes {
         axis.encoder = true;
     }
     let mut monitor = DriftMonitor::new(&settings);
     monitor.reset(&[Phase::ZERO; 3]);
-    Cranks::new(monitor, speed).aligned()
+    monitor
 }
 
 /// With an encoder a crank that stands, turns back or runs away is known within some ticks, by its name.
@@ -598,5 +612,6 @@ fn pulses_that_wait_to_be_confirmed_are_not_missed() {
     assert!(monitor.is_aligned());
 }
 
+mod runaways;
 mod silence;
 mod slips;

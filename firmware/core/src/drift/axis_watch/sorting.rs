@@ -70,8 +70,8 @@ impl AxisWatch {
             Heard::Nothing => Sorted::default(),
             Heard::First => Sorted::heard(self.first()),
             Heard::InPlace { extra, may_be_fast } => {
-                // Which of the two it is, an encoder knows.
-                let is_sure = !may_be_fast || self.encoder.is_some();
+                // Which of the two it is, an encoder knows. (At three times its speed there are two between.)
+                let is_sure = !may_be_fast && self.crowd == 0 || self.encoder.is_some();
                 Sorted::heard(self.in_place(extra, is_sure))
             }
             Heard::Beat { by } if self.encoder.is_none() => {
@@ -81,7 +81,7 @@ impl AxisWatch {
             Heard::Extra { by } => Sorted::unheard(Some(self.out_of_place(by))),
             Heard::Moved { by } => {
                 // It came twice in a turn, and not where it was: that takes no noise to explain.
-                let runs = by > 0 && self.crowd > 0 && self.encoder.is_none();
+                let runs = self.crowd > 0 && self.encoder.is_none();
                 let told = runs.then(|| self.runs_away(by));
                 Sorted {
                     told,

@@ -1,4 +1,4 @@
-//! Cranks that slip on their shafts, which their encoders do not see, and sensors that only seem to say so.
+//! Cranks that slip: on their shafts, which their encoders do not see, or watched by an index alone; and sensors that only seem to say so.
 
 use super::*;
 
@@ -89,4 +89,73 @@ fn a_pulse_lost_and_noise_after_it_are_no_slip() {
     let found = play(&mut cranks, 700, |_, _| 0.0, sensor);
     assert!(!found.is_empty());
     assert!(found.iter().all(|told| told.2), "{found:?}");
+}
+
+/// Were it wrong, where a crank was left would be something that it did: of two that are apart, the sound one would be named.
+#[test]
+fn where_a_crank_is_first_heard_is_no_slip() {
+    let mut cranks = Cranks::new(monitor_with_encoders(30.0), 0.01);
+    let found = play(
+        &mut cranks,
+        350,
+        |i, _| [0.0, 0.008, -0.006][i],
+        |_, _, pulse| pulse,
+    );
+    assert_eq!(found, []);
+    for watch in &cranks.monitor.axes {
+        assert_eq!(watch.name(), None);
+    }
+}
+
+/// Cranks by index alone, the last of which slips `rate` turns a turn from `from` on, and nothing calls a walk by its name: from
+/// passing its limit, turns until it is stopped for.
+fn late_by_index<const N: usize>(rate: f64, from: f64) -> f64 {
+    let limits = (3.0, 5.0, 15.0);
+    let speed = 0.01;
+    let mut cranks = Cranks::new(monitor::<N>(limits.0, limits.1, limits.2), speed).aligned();
+    let slips = N - 1;
+    let found = cranks.turn(6000, |i, t| {
+        if i == slips {
+            rate * (t - from).max(0.0)
+        } else {
+            0.0
+        }
+    });
+    let stop = found.iter().find(|(_, finding)| !finding.in_safety);
+    let (tick, finding) = stop.expect("told");
+    assert_eq!(finding.fault.axis, Some(slips));
+    let mut settings = settings::<N>(limits.0, limits.1, limits.2);
+    settings.drift.reading_deg = 0.0;
+    let alone = DriftMonitor::new(&settings).axes[slips]
+        .alone()
+        .to_num::<f64>();
+    f64::from(tick + 1) * speed - (from + alone / rate.abs())
+}
+
+/// Were it wrong, a crank that slips slowly would be held against a mean that it moves itself, and be past its limit by half of what it
+/// gains in a turn, or by all of it, before it is stopped for; or one that is far from it would be.
+#[test]
+fn a_slow_slip_by_index_is_stopped_for_within_a_turn_of_its_limit() {
+    let mut worst = f64::MIN;
+    for rate in [-0.01, -0.006, -0.003, -0.001, 0.001, 0.0025, 0.005, 0.011] {
+        for from in [2.03, 2.41, 2.87] {
+            for late in [
+                late_by_index::<2>(rate, from),
+                late_by_index::<3>(rate, from),
+                late_by_index::<5>(rate, from),
+                late_by_index::<6>(rate, from),
+            ] {
+                worst = worst.max(late);
+                assert!(late < 1.02, "{late} turns at {rate}, from {from}");
+                // Sooner by what is taken off the limit for readings, of a crank up to three times as much. (What leaves its place in a turn
+                // may have lost a cycle, which is too far here.)
+                let early = 3.0 * 0.25 / 360.0 / rate.abs() + 0.02;
+                assert!(
+                    rate.abs() > 0.005 || late > -early,
+                    "{late} turns at {rate}, from {from}"
+                );
+            }
+        }
+    }
+    assert!(worst > 0.5, "{worst}: nothing was tried");
 }

@@ -1,0 +1,68 @@
+//! Cranks that run away, watched by an index alone, and noise that might be taken for them.
+
+use super::*;
+
+/// How far one crank of four may be off, turns, whatever readings are.
+fn alone() -> f64 {
+    let mut settings = settings::<4>(3.0, 5.0, 15.0);
+    settings.drift.reading_deg = 0.0;
+    let monitor = DriftMonitor::new(&settings);
+    monitor.axes[2].alone().to_num()
+}
+
+/// Were it wrong, a crank that runs at some ratio of its speed, from some place of its turn on, would pass for noise: one at twice its
+/// speed comes in its place, and once more between.
+#[test]
+fn an_index_tells_a_crank_that_runs_at_any_speed_within_a_turn() {
+    let speed = 0.01;
+    let mut worst = f64::MIN;
+    for hundredths in (110..=450).step_by(3) {
+        let ratio = f64::from(hundredths) / 100.0;
+        for place in [0.02, 0.1, 0.23, 0.37, 0.48, 0.55, 0.61, 0.7, 0.83, 0.97] {
+            let mut cranks = Cranks::new(monitor::<4>(3.0, 5.0, 15.0), speed).aligned();
+            let from = 2.0 + place;
+            let off = |i: usize, t: f64| {
+                if i == 2 {
+                    (ratio - 1.0) * (t - from).max(0.0)
+                } else {
+                    0.0
+                }
+            };
+            let found = cranks.turn(400, off);
+            let stop = found.iter().find(|(_, finding)| !finding.in_safety);
+            let (tick, finding) = stop.expect("told");
+            assert_eq!(finding.fault.axis, Some(2), "ratio {ratio}, from {place}");
+            let past = from + alone() / (ratio - 1.0);
+            let late = f64::from(*tick + 1) * speed - past;
+            worst = worst.max(late);
+            // A tick that is over, and one for the pulse at its end.
+            assert!(
+                late < 1.0 + 2.0 * speed,
+                "{late} turns: ratio {ratio}, from {place}, {found:?}"
+            );
+        }
+    }
+    assert!(
+        worst > 0.9,
+        "{worst}: some take a turn, or nothing was tried"
+    );
+}
+
+/// Were it wrong, a machine would be stopped for a crank that runs away where a line picks something up once a turn.
+#[test]
+fn noise_once_a_turn_is_no_crank_that_runs() {
+    for place in [0.1, 0.3, 0.45, 0.51, 0.55, 0.62, 0.7, 0.9] {
+        let mut cranks = Cranks::new(monitor::<4>(3.0, 5.0, 15.0), 0.01).aligned();
+        let noise = move |i: usize, t: f64, pulse: Option<IndexPulse>| {
+            let now = t > 2.0 && (t.fract() - place).abs() < 0.0051;
+            pulse.or((i == 2 && now).then_some(IndexPulse { cycle: 100 }))
+        };
+        let found = cranks.turn_with(250, |_, _| 0.0, noise);
+        assert!(!found.is_empty());
+        let kinds: Vec<_> = found.iter().map(|(_, found)| found.fault.kind).collect();
+        assert!(
+            kinds.iter().all(|&kind| kind == FaultKind::IndexExtra),
+            "at {place}: {kinds:?}"
+        );
+    }
+}
