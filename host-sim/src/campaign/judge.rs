@@ -92,16 +92,25 @@ pub fn judge(
 }
 
 /// What the loop told of a fault that counts as its detection: the first that made it stop, or disable the drives, on the axis that
-/// it befell, on one whose crank it moved as well, or on none. Where nothing did, the first that had it trim that axis, if the cranks were within their limits again
-/// at the end: what is trimmed away in time need not stop a machine, and what goes on past its limit must.
+/// it befell, on one whose crank it moved as well, or on none. If cranks that had been past their limits were within them again by then,
+/// or at the end where nothing did, the first that had it trim that axis: what is trimmed away in time need not stop a
+/// machine, and what goes on past its limit must.
 pub fn detection<'a>(scene: &Scene, fault: &FaultAt, seen: &'a Seen) -> Option<&'a Telling> {
     let of_it = |telling: &&Telling| {
         telling.told.axis.is_none() || telling.is_moved || is_of(scene, fault, &telling.told)
     };
     let tellings = || seen.tellings.iter().filter(of_it);
     let stop = tellings().find(|telling| telling.done >= Reaction::Stop);
-    let mended = scene.correction.part > 0.0 && !seen.is_past;
-    stop.or_else(|| tellings().find(|telling| mended && telling.done == Reaction::Correct))
+    let is_back = match (stop, seen.past) {
+        (Some(stop), Some(past)) => !stop.is_past && past.moment < stop.place.moment,
+        (Some(_), None) => false,
+        (None, _) => !seen.is_past,
+    };
+    let mended = scene.correction.part > 0.0 && is_back;
+    let counts = |telling: &&Telling| {
+        telling.done >= Reaction::Stop || mended && telling.done == Reaction::Correct
+    };
+    tellings().find(counts)
 }
 
 /// See [`Judgement::in_time`].

@@ -65,6 +65,8 @@ pub struct Telling {
     pub turns: f64,
     /// The true crank of its axis had been moved since the fault.
     pub is_moved: bool,
+    /// Cranks were past a limit then.
+    pub is_past: bool,
 }
 
 /// What was seen.
@@ -191,6 +193,7 @@ impl<'a, const N: usize> Watch<'a, N> {
                     place,
                     turns: self.turns[2],
                     is_moved: told.axis.is_some_and(|axis| self.moved.has(axis)),
+                    is_past: seen.is_past,
                 });
             }
         }

@@ -22,7 +22,7 @@ pub(super) fn wiring_patterns<const N: usize>(
     // With what readings may be off on top.
     let on_top = |level: Turns| level + if level < 0 { -tolerance } else { tolerance };
     for pattern in &patterns {
-        if correction.past_limit(pattern).is_some() || !drift.bears(&pattern.map(on_top)) {
+        if correction.past_limit(pattern).is_some() || !drift.allows(&pattern.map(on_top)) {
             let most = pattern.iter().map(|level| level.abs()).max();
             let problem = Problem::WiringPattern {
                 deg: most.unwrap_or_default().to_num::<f64>() * 360.0,

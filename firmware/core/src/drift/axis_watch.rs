@@ -285,6 +285,11 @@ impl AxisWatch {
         self.manner().or(self.name)
     }
 
+    /// Whether it moved in the last turns.
+    pub(super) const fn has_moved(&self) -> bool {
+        self.name.is_some()
+    }
+
     /// How its motor moves, if that is why it is off.
     fn manner(&self) -> Option<FaultKind> {
         let encoder = self.encoder.as_ref()?;

@@ -33,8 +33,8 @@ impl Limits {
 /// mount radius ρ tilts it by s(α) R e/ρ. The limit is for the crank angle at which that is worst, so
 /// that one measurement a turn bounds the tilt over the whole turn.
 ///
-/// A crank past a limit is to be noticed whatever a reading is off by: from when the cranks are where they should be, the
-/// machine is stopped as soon as it may be past one.
+/// A crank past a limit is to be noticed whatever a reading is off by: where one has moved, the machine is stopped as soon as it may
+/// be past one.
 #[derive(Clone, Copy, Debug)]
 pub struct DriftLimits {
     /// Up to where cranks may be.

@@ -73,8 +73,6 @@ pub struct DriftMonitor<const N: usize> {
     before_is_known: bool,
     /// Where the cranks stand is not known yet: what they are off by is nobody's fault.
     finding_out: bool,
-    /// They have been brought together, if they had to be.
-    are_together: bool,
     /// Meanwhile a crank was heard to be elsewhere than in the turn before, by so much.
     moved: Option<(usize, Turns)>,
     drift: [Turns; N],
@@ -122,7 +120,6 @@ impl<const N: usize> DriftMonitor<N> {
             clock: TickClock::new(settings.tick_cycles()),
             before_is_known: false,
             finding_out: true,
-            are_together: false,
             moved: None,
             drift: [Turns::ZERO; N],
             peak: [Turns::ZERO; N],
@@ -288,15 +285,7 @@ impl<const N: usize> DriftMonitor<N> {
             *error = nearest(error.wrapping_add(correction).wrapping_sub(base));
         }
         self.modes = self.mount.modes(&error);
-        // Where cranks were left is no more than a start: these will be brought together.
-        let mut past = if self.are_together {
-            self.limits.of_readings(&self.modes)
-        } else {
-            self.limits.of_platform(&self.modes)
-        };
-        if past.is_none() && !self.finding_out {
-            past = self.limits.of_common(&self.modes, sensed.speed);
-        }
+        let past = self.past(sensed.speed);
         for axis in 0..N {
             let fresh = self.axes.get_mut(axis).and_then(AxisWatch::take_fresh);
             // While cranks are found out, and brought together, what they do is looked at by whoever does that.
@@ -307,6 +296,18 @@ impl<const N: usize> DriftMonitor<N> {
         if let Some(kind) = past {
             self.blame(kind, &error, sensed.speed);
         }
+    }
+
+    /// Which limit the cranks are past, if they are: of the platform, or of what all may lag.
+    fn past(&self, speed: Turns) -> Option<FaultKind> {
+        // Where cranks were left, or tilted to prove their wiring, they stay; one that has moved goes on, and may be past already.
+        let goes_on = || !self.finding_out && self.axes.iter().any(AxisWatch::has_moved);
+        let past = self.limits.of_readings(&self.modes);
+        let past = past.filter(|_| goes_on() || self.limits.of_platform(&self.modes).is_some());
+        if past.is_some() || self.finding_out {
+            return past;
+        }
+        self.limits.of_common(&self.modes, speed)
     }
 
     /// The cranks are past a limit: which of them, and why, if that is known.
@@ -390,7 +391,6 @@ impl<const N: usize> DriftMonitor<N> {
         self.known = 0;
         self.is_even = false;
         self.finding_out = true;
-        self.are_together = false;
         self.moved = None;
         self.findings.clear();
         for (watch, &phase) in self.axes.iter_mut().zip(phase) {
@@ -424,9 +424,8 @@ impl<const N: usize> DriftMonitor<N> {
         self.update();
     }
 
-    /// The cranks have been moved: whatever was heard, every index is to be heard again.
+    /// Whatever was heard, every index is to be heard again.
     pub const fn look_again(&mut self) {
-        self.are_together = true;
         self.seen = 0;
     }
 
@@ -438,7 +437,6 @@ impl<const N: usize> DriftMonitor<N> {
     /// The cranks are where they are: from now on, what moves one of them is a fault.
     pub fn settle(&mut self) {
         self.finding_out = false;
-        self.are_together = true;
         for watch in &mut self.axes {
             watch.settle();
         }
@@ -472,14 +470,9 @@ impl<const N: usize> DriftMonitor<N> {
         self.worst(error)
     }
 
-    /// Whether the platform may tilt and bend so, if these are the cranks' true errors.
-    pub fn bears(&self, error: &[Turns; N]) -> bool {
-        self.limits.of_platform(&self.mount.modes(error)).is_none()
-    }
-
-    /// Whether it may, if these are readings.
+    /// Whether the platform may tilt and bend so.
     pub fn allows(&self, error: &[Turns; N]) -> bool {
-        self.limits.of_readings(&self.mount.modes(error)).is_none()
+        self.limits.of_platform(&self.mount.modes(error)).is_none()
     }
 
     /// Axes of which something is heard.

@@ -8,7 +8,7 @@ const PAST_TURNS: f64 = 10.0;
 
 fn place(turns: f64) -> Place {
     Place {
-        moment: 0,
+        moment: (turns * 100.0) as u64,
         t_s: turns / 10.0,
         turns,
         speed_hz: 10.0,
@@ -23,6 +23,8 @@ fn telling(kind: FaultKind, axis: Option<usize>, done: Reaction, turns: f64) -> 
         done,
         place: place(turns),
         turns,
+        is_moved: false,
+        is_past: true,
     }
 }
 
@@ -89,6 +91,16 @@ fn what_is_detected_is_stopped_for() {
     let judgement = judge(&scene, None, &seen, (false, false));
     assert_eq!(judgement.verdict, Verdict::Misnamed);
     assert_eq!((judgement.turns, judgement.in_time), (None, Some(false)));
+    // Unless that one had been dragged along; the name is as wrong.
+    let dragged = Telling {
+        is_moved: true,
+        ..other
+    };
+    let (verdict, turns) = judged(&slipped(&[glitch, dragged]));
+    assert!(
+        verdict == Verdict::Misnamed && near(turns, 0.3),
+        "{turns:?}"
+    );
     // Told, and gone on from, with the crank still out.
     for told in [&[glitch][..], &[corrected], &[glitch, corrected]] {
         assert_eq!(judged(&slipped(told)), (Verdict::Missed, None));
@@ -113,7 +125,10 @@ fn a_correction_counts_where_it_was_enough() {
     let stopped = telling(FaultKind::Slip, Some(1), Reaction::Stop, 12.0);
     seen.tellings.push(stopped);
     seen.fault = Some(stopped.told);
-    assert_eq!(judged(&(scene, seen)).1, Some(2.0));
+    assert_eq!(judged(&(scene.clone(), seen.clone())).1, Some(2.0));
+    // It is stopped for all the same, though it is within its limits again.
+    seen.tellings[1].is_past = false;
+    assert_eq!(judged(&(scene, seen)).1, Some(9.5 - PAST_TURNS));
 }
 
 /// Were it counted late, a loop would be asked to hear an index that does not come any more; were it in time, a crank that stays out
