@@ -31,7 +31,7 @@ impl Angles {
     }
 
     /// What they have in common, or what the only one is.
-    fn middle(&mut self) -> i32 {
+    fn common_or_only(&mut self) -> i32 {
         match self.angles {
             [only, ..] if self.count == 1 => only,
             _ => self.common(),
@@ -70,7 +70,7 @@ pub(super) fn in_common(drifts: &[Turns], corrections: &[Turns], set: AxisSet) -
             angles.push(angle(drift.wrapping_add(correction)));
         }
     }
-    of_angle(angles.middle())
+    of_angle(angles.common_or_only())
 }
 
 /// What all of `values`, wrapping angles, have in common when few of them differ: the middle one; of two middle ones the smaller, so

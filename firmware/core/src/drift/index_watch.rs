@@ -236,6 +236,10 @@ impl IndexWatch {
         before_is_known: bool,
         clock: TickClock,
     ) -> Heard {
+        if commanded == 0 && !self.known {
+            // A crank that swings where it was left may meet its flag at either end.
+            return Heard::Nothing;
+        }
         let back = pulse.cycle.min(0).unsigned_abs();
         let tick = if back == 0 {
             *phase

@@ -104,3 +104,20 @@ fn steps_lost_beside_an_index_are_known_within_a_turn() {
         }
     }
 }
+
+/// Were it wrong, a crank that was left at the end of its flag, and swings there before the machine turns, would be taken for one at its
+/// beginning, and a sound machine be refused.
+#[test]
+fn a_crank_that_swings_where_it_was_left_says_nothing() {
+    let mut monitor = monitor::<2>(3.0, 5.0, 15.0);
+    let pulses = [Some(IndexPulse { cycle: 7 }); 2];
+    let still = TickPhase::still(Phase::ZERO);
+    assert_eq!(hear(&mut monitor, &pulses, &[0; 2], &[still; 2]), None);
+    assert!(!monitor.is_aligned());
+    let turning = TickPhase {
+        start: Phase::ZERO,
+        turns: Turns::from_num(0.01),
+    };
+    assert_eq!(hear(&mut monitor, &pulses, &[0; 2], &[turning; 2]), None);
+    assert!(monitor.is_aligned());
+}
