@@ -558,19 +558,22 @@ fn a_pulse_of_the_tick_before_is_measured_as_well() {
 #[test]
 fn a_pulse_of_a_tick_that_is_not_known_is_not_measured() {
     let mut monitor = monitor::<2>(100.0, 90.0, 180.0);
-    let still = [TickPhase::default(); 2];
-    hear(&mut monitor, &[None; 2], &[0; 2], &still);
+    let phases = [TickPhase {
+        start: Phase::ZERO,
+        turns: Turns::from_num(0.001),
+    }; 2];
+    hear(&mut monitor, &[None; 2], &[0; 2], &phases);
     monitor.disregard(&Sensed {
         index: &[None; 2],
         encoder: &[0; 2],
-        commanded: still.each_ref(),
+        commanded: phases.each_ref(),
         correction: &[Turns::ZERO; 2],
         speed: Turns::ZERO,
     });
     let pulse = Some(IndexPulse { cycle: -1 });
-    hear(&mut monitor, &[pulse; 2], &[0; 2], &still);
+    hear(&mut monitor, &[pulse; 2], &[0; 2], &phases);
     assert!(!monitor.is_aligned());
-    hear(&mut monitor, &[pulse; 2], &[0; 2], &still);
+    hear(&mut monitor, &[pulse; 2], &[0; 2], &phases);
     assert!(monitor.is_aligned());
 }
 
