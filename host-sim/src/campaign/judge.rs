@@ -93,8 +93,8 @@ pub fn judge(
 
 /// What the loop told of a fault that counts as its detection: the first that made it stop, or disable the drives, on the axis that
 /// it befell, on one whose crank it moved as well, or on none. If cranks that had been past their limits were within them again by then,
-/// or at the end where nothing did, the first that had it trim that axis: what is trimmed away in time need not stop a
-/// machine, and what goes on past its limit must.
+/// or at the end where nothing did, and never past them for longer than a turn, the first that had it trim that axis: what is trimmed
+/// away in time need not stop a machine, and what goes on past its limit must.
 pub fn detection<'a>(scene: &Scene, fault: &FaultAt, seen: &'a Seen) -> Option<&'a Telling> {
     let of_it = |telling: &&Telling| {
         telling.told.axis.is_none() || telling.is_moved || is_of(scene, fault, &telling.told)
@@ -106,7 +106,8 @@ pub fn detection<'a>(scene: &Scene, fault: &FaultAt, seen: &'a Seen) -> Option<&
         (Some(_), None) => false,
         (None, _) => !seen.is_past,
     };
-    let mended = scene.correction.part > 0.0 && is_back;
+    // For longer than a turn nothing may be past its limit, corrected or not.
+    let mended = scene.correction.part > 0.0 && is_back && seen.stay_turns <= 1.0;
     let counts = |telling: &&Telling| {
         telling.done >= Reaction::Stop || mended && telling.done == Reaction::Correct
     };

@@ -80,6 +80,8 @@ pub struct Seen {
     pub out: Option<Place>,
     /// Whether they were in the last moment with the drives on.
     pub is_past: bool,
+    /// The longest that they stayed so, turns of the master.
+    pub stay_turns: f64,
     /// What was told since the fault, each thing once for each that was done about it.
     pub tellings: Vec<Telling>,
     /// Whether the axis it befell passed its index flag after the first of them.
@@ -117,6 +119,8 @@ pub struct Watch<'a, const N: usize> {
     seen: Seen,
     /// The true cranks that have moved since the fault.
     moved: Moved<N>,
+    /// Turns of the master at which cranks went past a limit that they have not come back from.
+    went_past: Option<f64>,
     moments: u64,
     tellings: Tellings,
     /// Turns of the master at the end of the last three moments, latest first.
@@ -144,6 +148,7 @@ impl<'a, const N: usize> Watch<'a, N> {
             cranks_count,
             seen: Seen::default(),
             moved: Moved::new(checked),
+            went_past: None,
             moments: 0,
             tellings: Tellings::default(),
             turns: [0.0; 3],
@@ -213,6 +218,12 @@ impl<'a, const N: usize> Watch<'a, N> {
         if moment.drives_enabled {
             self.seen.is_past = is_past;
             self.seen.past = self.seen.past.or(since.then_some(end));
+            if since {
+                let went_past = self.went_past.get_or_insert(end.turns);
+                self.seen.stay_turns = self.seen.stay_turns.max(end.turns - *went_past);
+            } else {
+                self.went_past = None;
+            }
         }
     }
 

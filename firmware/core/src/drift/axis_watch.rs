@@ -285,9 +285,9 @@ impl AxisWatch {
         self.manner().or(self.name)
     }
 
-    /// Whether it moved in the last turns.
-    pub(super) const fn has_moved(&self) -> bool {
-        self.name.is_some()
+    /// Whether it moved in the last turns, or does.
+    pub(super) fn has_moved(&self) -> bool {
+        self.name().is_some()
     }
 
     /// How its motor moves, if that is why it is off.

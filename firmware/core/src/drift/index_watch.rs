@@ -21,7 +21,7 @@ const LATE: Turns = Turns::from_bits(-ONE_TURN / 8);
 /// A crank that runs over twice as fast as it is told may pass its flag between, and once more in its place. It is between so far from
 /// the pulse before, turns, at least; up to the other it is past a limit so early that what comes after that place tells too late.
 /// Exactly it were ½ and 0.618, p² + p = 1, with p the place between; a master that speeds up meanwhile has it a little wider.
-const TWICE: core::ops::Range<Turns> = Turns::lit("0.48")..Turns::lit("0.66");
+const BETWEEN: core::ops::Range<Turns> = Turns::lit("0.48")..Turns::lit("0.66");
 
 /// Where a sensor stands, and what it may be off by.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +60,7 @@ pub(super) enum Heard {
     InPlace {
         /// By how much that was off.
         extra: Option<Turns>,
-        /// Unless the crank passed its flag in both places, being that fast.
+        /// But the crank may have passed its flag in both places, being that fast.
         may_be_fast: bool,
     },
     /// After a suspect and a pulse in its place, another as far from that as that was from the suspect: the crank runs.
@@ -295,6 +295,7 @@ impl IndexWatch {
         let is_behind = self.missing && (LATE..Turns::ZERO).contains(&by);
         if self.unheard || is_behind || again {
             self.suspect = None;
+            self.beat = None;
             self.meant = 1;
             self.believe(offset, at);
             return Heard::Moved { by };
@@ -326,13 +327,13 @@ impl IndexWatch {
         };
         let by = nearest(suspect.offset.wrapping_sub(offset));
         let after = suspect.at.since(before);
-        self.beat = (after >= TWICE.start).then_some(Beat {
+        self.beat = (after >= BETWEEN.start).then_some(Beat {
             turns: at.since(suspect.at),
             by,
         });
         Heard::InPlace {
             extra: Some(by),
-            may_be_fast: TWICE.contains(&after),
+            may_be_fast: BETWEEN.contains(&after),
         }
     }
 
@@ -354,6 +355,7 @@ impl IndexWatch {
         if self.known && !self.unheard {
             if let Some(suspect) = self.suspect.take() {
                 let by = nearest(suspect.offset.wrapping_sub(self.offset));
+                self.beat = None;
                 self.meant = 1;
                 self.believe(suspect.offset, suspect.at);
                 return Heard::Moved { by };

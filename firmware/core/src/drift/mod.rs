@@ -86,6 +86,8 @@ pub struct DriftMonitor<const N: usize> {
     rounds: u32,
     /// In the last round, axes by index were off by about what they were in the one before: all but those that moved of themselves.
     is_even: bool,
+    /// They have been compared since, so that at its end this round does not tell.
+    is_compared: bool,
     modes: Modes,
     findings: Findings,
 }
@@ -128,6 +130,7 @@ impl<const N: usize> DriftMonitor<N> {
             seen: 0,
             rounds: 0,
             is_even: false,
+            is_compared: false,
             modes: Modes::default(),
             findings: Findings::new(),
         }
@@ -225,12 +228,15 @@ impl<const N: usize> DriftMonitor<N> {
             // It is not waited for the others, of which none is late: they have not moved with it.
             self.update();
             self.compare();
+            self.is_compared = true;
         } else if round {
             self.heard = 0;
             self.rounds = self.rounds.wrapping_add(1);
             self.update();
             if !self.finding_out {
-                self.is_even = self.compare().abs() <= self.limits.reading;
+                let others_moved = self.compare().abs();
+                let is_whole = !core::mem::take(&mut self.is_compared);
+                self.is_even = is_whole && others_moved <= self.limits.reading;
             }
         } else if self.by_encoder != 0 || self.is_even && self.others_are_heard(news) {
             // What all have in common is what it was in the round before, so that a crank may be held against others of a turn ago.
@@ -302,8 +308,14 @@ impl<const N: usize> DriftMonitor<N> {
     fn past(&self, speed: Turns) -> Option<FaultKind> {
         // Where cranks were left, or tilted to prove their wiring, they stay; one that has moved goes on, and may be past already.
         let goes_on = || !self.finding_out && self.axes.iter().any(AxisWatch::has_moved);
-        let past = self.limits.of_readings(&self.modes);
-        let past = past.filter(|_| goes_on() || self.limits.of_platform(&self.modes).is_some());
+        let may_be = self.limits.of_readings(&self.modes);
+        let past = may_be.and_then(|kind| {
+            if goes_on() {
+                Some(kind)
+            } else {
+                self.limits.of_platform(&self.modes)
+            }
+        });
         if past.is_some() || self.finding_out {
             return past;
         }
@@ -390,6 +402,7 @@ impl<const N: usize> DriftMonitor<N> {
         self.heard = 0;
         self.known = 0;
         self.is_even = false;
+        self.is_compared = false;
         self.finding_out = true;
         self.moved = None;
         self.findings.clear();

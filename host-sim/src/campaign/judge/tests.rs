@@ -128,7 +128,11 @@ fn a_correction_counts_where_it_was_enough() {
     assert_eq!(judged(&(scene.clone(), seen.clone())).1, Some(2.0));
     // It is stopped for all the same, though it is within its limits again.
     seen.tellings[1].is_past = false;
-    assert_eq!(judged(&(scene, seen)).1, Some(9.5 - PAST_TURNS));
+    let (_, turns) = judged(&(scene.clone(), seen.clone()));
+    assert_eq!(turns, Some(9.5 - PAST_TURNS));
+    // It was for too long.
+    seen.stay_turns = 1.7;
+    assert_eq!(judged(&(scene, seen)).1, Some(2.0));
 }
 
 /// Were it counted late, a loop would be asked to hear an index that does not come any more; were it in time, a crank that stays out

@@ -80,9 +80,9 @@ impl AxisWatch {
             Heard::Beat { .. } => Sorted::default(),
             Heard::Extra { by } => Sorted::unheard(Some(self.out_of_place(by))),
             Heard::Moved { by } => {
-                // It came twice in a turn, and not where it was: that takes no noise to explain.
-                let runs = self.crowd > 0 && self.encoder.is_none();
-                let told = runs.then(|| self.runs_away(by));
+                // It came twice in a turn, and not where it was: a crank that runs, or that moved once, and a stray pulse before.
+                let may_run = core::mem::take(&mut self.crowd) > 0 && self.encoder.is_none();
+                let told = may_run.then_some((FaultKind::IndexExtra, by, false));
                 Sorted {
                     told,
                     ..Sorted::moved(self.elsewhere(by))
