@@ -12,9 +12,9 @@ pub const LEAST_LEAD_US: u32 = 20;
 /// Cycles that a tick takes at most, one in which a round of all index pulses ends, whatever the axes: found by
 /// `tests/emulator/run cost`, with all
 /// interrupts and something to spare.
-const TICK_CYCLES: u32 = 9900;
+const TICK_CYCLES: u32 = 9000;
 /// What each axis adds,
-const AXIS_CYCLES: u32 = 1350;
+const AXIS_CYCLES: u32 = 1800;
 /// and each piece of its step pulses that the planner takes at once.
 const CHUNK_CYCLES: u32 = 90;
 const CHUNK_EDGES: f64 = 64.0;
