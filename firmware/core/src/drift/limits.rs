@@ -33,13 +33,14 @@ impl Limits {
 /// mount radius ρ tilts it by s(α) R e/ρ. The limit is for the crank angle at which that is worst, so
 /// that one measurement a turn bounds the tilt over the whole turn.
 ///
-/// A crank past a limit is to be noticed whatever a reading is off by: where one has moved, the machine is stopped as soon as it may
-/// be past one.
+/// A crank past a limit is to be noticed whatever its reading is off by: where one has moved, the machine is stopped by a reading's
+/// error sooner. That is one crank's error, taken off each mode; with all readings off at once a tilt errs by up to √2 of it, and
+/// with sensors missing by more ([`Mount::with`]).
 #[derive(Clone, Copy, Debug)]
 pub struct DriftLimits {
-    /// Up to where cranks may be.
+    /// Up to where the cranks may be.
     true_limits: Limits,
-    /// Up to where readings have them.
+    /// Up to where readings may have them.
     read: Limits,
     pub(super) common: Turns,
     /// Ticks by which all follow late by their nature, 16 fraction bits.
