@@ -64,7 +64,7 @@ pub(super) enum Heard {
         may_be_fast: bool,
     },
     /// After a suspect and a pulse in its place, another as far from that as that was from the suspect: the crank runs.
-    Beat {
+    Running {
         /// By how much it is off.
         by: Turns,
     },
@@ -311,7 +311,7 @@ impl IndexWatch {
             Some(extra) => Heard::Extra {
                 by: nearest(extra.offset.wrapping_sub(self.offset)),
             },
-            None if goes_on => Heard::Beat { by },
+            None if goes_on => Heard::Running { by },
             None => Heard::Nothing,
         }
     }

@@ -70,6 +70,13 @@ fn monitor<const N: usize>(tilt_mrad: f64, warp_deg: f64, common_deg: f64) -> Dr
     monitor
 }
 
+/// How far one crank may truly be off, turns, under the limits of `monitor(3.0, 5.0, 15.0)`.
+fn true_alone<const N: usize>(axis: usize) -> f64 {
+    let mut settings = settings::<N>(3.0, 5.0, 15.0);
+    settings.drift.reading_deg = 0.0;
+    DriftMonitor::new(&settings).axes[axis].alone().to_num()
+}
+
 /// What one tick brought to a monitor.
 fn hear<const N: usize>(
     monitor: &mut DriftMonitor<N>,

@@ -74,10 +74,10 @@ impl AxisWatch {
                 let is_sure = !may_be_fast && self.crowd == 0 || self.encoder.is_some();
                 Sorted::heard(self.in_place(extra, is_sure))
             }
-            Heard::Beat { by } if self.encoder.is_none() => {
+            Heard::Running { by } if self.encoder.is_none() => {
                 Sorted::unheard(Some(self.runs_away(by)))
             }
-            Heard::Beat { .. } => Sorted::default(),
+            Heard::Running { .. } => Sorted::default(),
             Heard::Extra { by } => Sorted::unheard(Some(self.out_of_place(by))),
             Heard::Moved { by } => {
                 // It came twice in a turn, and not where it was: a crank that runs, or that moved once, and a stray pulse before.

@@ -2,14 +2,6 @@
 
 use super::*;
 
-/// How far one crank of four may be off, turns, whatever readings are.
-fn alone() -> f64 {
-    let mut settings = settings::<4>(3.0, 5.0, 15.0);
-    settings.drift.reading_deg = 0.0;
-    let monitor = DriftMonitor::new(&settings);
-    monitor.axes[2].alone().to_num()
-}
-
 /// Were it wrong, a crank that runs at some ratio of its speed, from some place of its turn on, would pass for noise: one at twice its
 /// speed comes in its place, and once more between.
 #[test]
@@ -32,7 +24,7 @@ fn an_index_tells_a_crank_that_runs_at_any_speed_within_a_turn() {
             let stop = found.iter().find(|(_, finding)| !finding.in_safety);
             let (tick, finding) = stop.expect("told");
             assert_eq!(finding.fault.axis, Some(2), "ratio {ratio}, from {place}");
-            let past = from + alone() / (ratio - 1.0);
+            let past = from + true_alone::<4>(2) / (ratio - 1.0);
             let late = f64::from(*tick + 1) * speed - past;
             worst = worst.max(late);
             // A tick that is over, and one for the pulse at its end.

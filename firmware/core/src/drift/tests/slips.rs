@@ -110,9 +110,8 @@ fn where_a_crank_is_first_heard_is_no_slip() {
 /// Cranks by index alone, the last of which slips `rate` turns a turn from `from` on, and nothing calls a walk by its name: from
 /// passing its limit, turns until it is stopped for.
 fn late_by_index<const N: usize>(rate: f64, from: f64) -> f64 {
-    let limits = (3.0, 5.0, 15.0);
     let speed = 0.01;
-    let mut cranks = Cranks::new(monitor::<N>(limits.0, limits.1, limits.2), speed).aligned();
+    let mut cranks = Cranks::new(monitor::<N>(3.0, 5.0, 15.0), speed).aligned();
     let slips = N - 1;
     let found = cranks.turn(6000, |i, t| {
         if i == slips {
@@ -124,12 +123,7 @@ fn late_by_index<const N: usize>(rate: f64, from: f64) -> f64 {
     let stop = found.iter().find(|(_, finding)| !finding.in_safety);
     let (tick, finding) = stop.expect("told");
     assert_eq!(finding.fault.axis, Some(slips));
-    let mut settings = settings::<N>(limits.0, limits.1, limits.2);
-    settings.drift.reading_deg = 0.0;
-    let alone = DriftMonitor::new(&settings).axes[slips]
-        .alone()
-        .to_num::<f64>();
-    f64::from(tick + 1) * speed - (from + alone / rate.abs())
+    f64::from(tick + 1) * speed - (from + true_alone::<N>(slips) / rate.abs())
 }
 
 /// Were it wrong, a crank that slips slowly would be held against a mean that it moves itself, and be past its limit by half of what it
