@@ -24,14 +24,12 @@ pub mod axes;
 pub mod control_loop;
 pub mod controller;
 pub mod drift;
-pub mod functions;
 pub mod panel;
 pub mod profile;
 pub mod program;
-pub mod pulse;
 pub mod servo;
 pub mod settings;
-pub mod shaft;
 pub mod signals;
 pub mod supervisor;
-pub mod units;
+
+pub use cophase_motion::{functions, pulse, shaft, units};

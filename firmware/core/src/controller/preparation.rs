@@ -57,9 +57,12 @@ impl Prepared {
                 return Err(place(SettingsError::new("axes.ratio", problem)));
             }
             match axis.drive {
-                DriveKind::Stepper => timing.check_rate(axis, speed_hz, tick_hz).map_err(place)?,
+                DriveKind::Stepper => timing
+                    .check_rate(axis.steps_per_turn, speed_hz, tick_hz)
+                    .map_err(|error| place(error.into()))?,
                 DriveKind::Servo => {
-                    PulseTiming::check_counts(axis, speed_hz, tick_hz).map_err(place)?;
+                    PulseTiming::check_counts(axis.steps_per_turn, speed_hz, tick_hz)
+                        .map_err(|error| place(error.into()))?;
                     let acceleration =
                         settings.limits.reachable_stop_acceleration_hz_per_s() * ratio;
                     *slot = Some(FeedForward::new(

@@ -2,7 +2,7 @@
 
 use super::planner::GUARD;
 use super::{MAX_EDGES, Run};
-use crate::settings::{AxisSettings, CLOCK_HZ, Problem, PulseSettings, SettingsError};
+use crate::settings::{CLOCK_HZ, Problem, PulseSettings, SettingsError};
 
 /// Most counts of a servo axis in a tick: half of what 64 bits hold, as half-steps of 2⁻⁴⁸.
 const MOST_COUNTS: f64 = 8192.0;
@@ -71,11 +71,11 @@ impl PulseTiming {
     /// More steps a second than the pulse width, or the edges of a tick, allow.
     pub fn check_rate(
         &self,
-        axis: &AxisSettings,
+        steps_per_turn: u32,
         axis_speed_hz: f64,
         tick_hz: u32,
     ) -> Result<(), SettingsError> {
-        let rate_hz = axis_speed_hz * f64::from(axis.steps_per_turn);
+        let rate_hz = axis_speed_hz * f64::from(steps_per_turn);
         let most_hz = self.most_step_hz(tick_hz);
         if rate_hz > most_hz {
             return Err(SettingsError::new(
@@ -96,11 +96,11 @@ impl PulseTiming {
     /// # Errors
     /// More than 8192 counts a tick.
     pub fn check_counts(
-        axis: &AxisSettings,
+        steps_per_turn: u32,
         axis_speed_hz: f64,
         tick_hz: u32,
     ) -> Result<(), SettingsError> {
-        let rate_hz = axis_speed_hz * f64::from(axis.steps_per_turn);
+        let rate_hz = axis_speed_hz * f64::from(steps_per_turn);
         let most_hz = MOST_COUNTS * f64::from(tick_hz);
         if rate_hz > most_hz {
             return Err(SettingsError::new(
