@@ -40,6 +40,7 @@ pub enum Refusal {
 
 impl Refusal {
     /// The kind of fault that it is: settings whose key is under `program` are the program's.
+    #[cold]
     pub fn kind(&self) -> FaultKind {
         match self {
             Self::Settings(error) if error.key.starts_with("program") => FaultKind::ProgramRejected,
@@ -53,6 +54,7 @@ impl Machine {
     ///
     /// # Errors
     /// The settings are for a machine that cannot be, or not with this board. Nothing was set up.
+    #[cold]
     #[inline(never)] // in a frame of its own
     pub fn new(
         settings: &Settings,
@@ -69,6 +71,7 @@ impl Machine {
     }
 }
 
+#[cold]
 #[inline(never)] // what checks settings, and what makes a machine of them, are not on the stack together
 fn place(
     settings: &Settings,

@@ -17,6 +17,7 @@ use crate::report;
 static BUILT_IN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/built-in.blob"));
 
 /// The settings to run on; none if those that should be run cannot be read, which is told.
+#[cold]
 #[inline(never)] // what decodes them is off the stack when a machine is made of them
 pub fn load(flash: Peri<'static, FLASH>) -> Option<Settings> {
     match read(flash) {
@@ -36,6 +37,7 @@ pub fn load(flash: Peri<'static, FLASH>) -> Option<Settings> {
     }
 }
 
+#[cold]
 fn read(flash: Peri<'static, FLASH>) -> Result<Settings, BlobError> {
     let built_in = verify(BUILT_IN)?;
     match choose(&built_in, &inspect(slot(Slot::A), slot(Slot::B))) {
@@ -56,6 +58,7 @@ fn read(flash: Peri<'static, FLASH>) -> Result<Settings, BlobError> {
 }
 
 /// Stores the built-in blob. That it could not be is told; it can be run all the same.
+#[cold]
 fn store(flash: Peri<'static, FLASH>, mark: u32) {
     let flash = Flash::<_, Blocking, { FLASH_BYTES as usize }>::new_blocking(flash);
     let stored = Store::new(flash, SLOT_A_OFFSET, SLOT_B_OFFSET, SLOT_BYTES)
@@ -67,6 +70,7 @@ fn store(flash: Peri<'static, FLASH>, mark: u32) {
 }
 
 /// A slot as the chip shows it, among its other memory.
+#[cold]
 fn slot(slot: Slot) -> &'static [u8] {
     let offset = match slot {
         Slot::A => SLOT_A_OFFSET,

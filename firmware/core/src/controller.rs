@@ -74,6 +74,7 @@ pub struct Controller {
 
 impl Settings {
     /// The profile that these settings' machine has.
+    #[cold]
     pub fn profile(&self) -> Profile {
         let machine = &self.machine;
         Profile::SliderCrank(SliderCrank::new(
@@ -84,6 +85,7 @@ impl Settings {
     }
 
     /// A builder of programs for these settings' machine.
+    #[cold]
     pub fn program_builder(&self) -> ProgramBuilder {
         ProgramBuilder::new(self.tick_hz, self.profile(), self.limits.speed_hz)
     }
@@ -97,6 +99,7 @@ impl Controller {
     ///
     /// # Errors
     /// The first setting that is wrong.
+    #[cold]
     pub fn new(settings: &Settings, program: Program) -> Result<Self, SettingsError> {
         Ok(Self::assembled(
             &Prepared::new(settings)?,
@@ -336,7 +339,6 @@ impl Controller {
     }
 
     /// Sets up for a state that was just entered.
-    #[cold]
     #[inline(never)]
     fn enter(&mut self, before: State, now: State) {
         match now {

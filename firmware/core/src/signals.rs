@@ -59,6 +59,7 @@ pub struct Output {
 
 impl Output {
     /// Of a loop that has not begun, its axes at these phases.
+    #[cold]
     #[inline(never)] // with all its room for runs it is large, and would be on the stack once more
     pub(crate) fn idle(axis_phase: PerAxis<Phase>) -> Self {
         Self {

@@ -27,6 +27,7 @@ pub struct Correction {
 
 impl Correction {
     /// Of settings that have been checked; nothing is trimmed yet.
+    #[cold]
     pub fn new(settings: &Settings) -> Self {
         let hz = f64::from(settings.tick_hz);
         let rates = settings

@@ -173,7 +173,7 @@ impl Align {
     }
 
     /// Every index has been heard.
-    #[cold]
+    #[inline(never)]
     fn found(&mut self, monitor: &mut DriftMonitor, correction: &mut Correction) -> Option<Fault> {
         self.find_datum(monitor, correction);
         let mut target = *correction.now();
@@ -321,7 +321,6 @@ impl Align {
     }
 
     /// Why cranks that were moved seem too far out, if it is that two are swapped.
-    #[cold]
     #[inline(never)]
     pub(super) fn explain(&self, monitor: &DriftMonitor, correction: &Correction) -> Option<Fault> {
         if !matches!(self.step, Step::Move | Step::Look) {
@@ -335,7 +334,6 @@ impl Align {
 
     /// A crank was heard elsewhere than in the turn before, by so much: that is told at once, unless it is no further than a rotor
     /// swings, or another was told to go there, so that the looks have to tell.
-    #[cold]
     #[inline(never)]
     fn moved(
         &self,
@@ -404,7 +402,7 @@ impl Align {
     }
 
     /// The cranks have been moved, and each heard once more.
-    #[cold]
+    #[inline(never)]
     fn looked(&mut self, monitor: &mut DriftMonitor, correction: &mut Correction) -> Option<Fault> {
         monitor.refresh();
         let mut drift = self.drift_since(monitor);

@@ -39,6 +39,7 @@ impl Prepared {
     ///
     /// # Errors
     /// The first that is wrong.
+    #[cold]
     pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
         settings.check()?;
         let tick_hz = settings.tick_hz;
@@ -102,6 +103,7 @@ impl Prepared {
 
 impl Controller {
     /// A controller at power-up, of settings that were prepared.
+    #[cold]
     #[inline(never)] // in a frame of its own
     pub fn assembled(prepared: &Prepared, settings: &Settings, program: Program) -> Self {
         let tick_hz = settings.tick_hz;

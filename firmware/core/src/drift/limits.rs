@@ -51,6 +51,7 @@ pub struct DriftLimits {
 
 impl DriftLimits {
     /// From checked settings.
+    #[cold]
     pub fn new(settings: &DriftSettings, machine: &MachineSettings, tick_hz: u32) -> Self {
         let mrad_per_turn =
             1e3 * core::f64::consts::TAU * machine.crank_radius_m * most_way(machine)
@@ -98,6 +99,7 @@ impl DriftLimits {
     }
 
     /// By how much one axis alone must seem off for some limit to be passed.
+    #[cold]
     pub(super) fn alone(&self, mount: &Mount, axis: usize) -> Turns {
         let (tilt, warp) = mount.alone(axis);
         let most = |limit: Turns, share: f64| {
@@ -121,6 +123,7 @@ const fn square(turns: Turns) -> u64 {
 }
 
 /// Greatest way of the platform per radian of crank and metre of radius, max s(α) = max (sin α + λ sin α cos α / cos β).
+#[cold]
 fn most_way(machine: &MachineSettings) -> f64 {
     let lambda = machine.lambda;
     // s is smooth, with one maximum in the first half turn; half a degree finds it to 4e-5.

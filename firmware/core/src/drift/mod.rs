@@ -94,6 +94,7 @@ pub struct DriftMonitor {
 
 impl DriftMonitor {
     /// Of settings that have been checked.
+    #[cold]
     pub fn new(settings: &Settings) -> Self {
         let limits = DriftLimits::new(&settings.drift, &settings.machine, settings.tick_hz);
         let set = |has: &dyn Fn(usize) -> bool| {
@@ -335,7 +336,7 @@ impl DriftMonitor {
     }
 
     /// The cranks are past a limit: which of them, and why, if that is known.
-    #[cold]
+    #[inline(never)]
     fn blame(&mut self, kind: FaultKind, error: &PerAxis<Turns>, speed: Turns) {
         if kind == FaultKind::CommonLag {
             let size = self.limits.beyond_natural(&self.modes, speed);
@@ -360,7 +361,6 @@ impl DriftMonitor {
         }
     }
 
-    #[cold]
     #[inline(never)]
     fn push_axis(&mut self, axis: usize, kind: FaultKind) {
         let size = self.drift.get(axis).copied().unwrap_or_default();
@@ -387,7 +387,6 @@ impl DriftMonitor {
         }
     }
 
-    #[cold]
     #[inline(never)]
     fn find(&mut self, axis: usize, kind: FaultKind, by: Turns, in_safety: bool) {
         let fault = Fault::new(kind).on_axis(axis).with_size(by);

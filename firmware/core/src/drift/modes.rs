@@ -86,6 +86,7 @@ impl Mount {
     }
 
     /// The same, of which only some are heard.
+    #[cold]
     pub fn with(count: usize, heard: AxisSet) -> Self {
         let theta = |i: usize| core::f64::consts::TAU * i as f64 / count as f64;
         let place = |i: usize| {
@@ -150,6 +151,7 @@ impl Mount {
     }
 
     /// The tilt, and the warp of its own, that an axis makes which is off by one, alone.
+    #[cold]
     pub(super) fn alone(&self, axis: usize) -> (f64, f64) {
         let float = |value: i32, bits: u32| f64::from(value) / f64::from(1_u32 << bits);
         let of = |weights: &PerAxis<i32>| weights.get(axis).map_or(0.0, |&w| float(w, WEIGHT_BITS));
@@ -210,6 +212,7 @@ impl Mount {
 }
 
 /// Inverse of a symmetric matrix that has one.
+#[cold]
 fn inverse(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let minor = |r: usize, c: usize| {
         let (r1, r2) = ((r + 1) % 3, (r + 2) % 3);

@@ -19,6 +19,7 @@ pub struct SliderCrank {
 impl SliderCrank {
     /// For crank radius R (metres, 0.1 mm to 0.5 m), ratio λ (0.1 to 0.6) and a tick rate of 500 to
     /// 10,000 Hz. [`crate::settings`] checks the ranges.
+    #[cold]
     pub fn new(crank_radius_m: f64, lambda: f64, tick_hz: u32) -> Self {
         let speed_at_one = 1.0
             / (core::f64::consts::TAU

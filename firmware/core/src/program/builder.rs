@@ -80,6 +80,7 @@ impl ProgramBuilder {
     ///
     /// # Errors
     /// Those of [`Self::segment`] and [`Self::repeat`].
+    #[cold]
     pub fn entry(&mut self, entry: &EntrySettings) -> Result<(), SettingsError> {
         match *entry {
             EntrySettings::Segment(settings) => self.segment(settings),
@@ -92,6 +93,7 @@ impl ProgramBuilder {
     /// # Errors
     /// A number out of range, a level that the greatest speed does not reach, no duration, or more
     /// than [`CAPACITY`] entries. The program is as before.
+    #[cold]
     pub fn segment(&mut self, settings: SegmentSettings) -> Result<(), SettingsError> {
         use crate::settings::inside;
         let amax_mps2 = inside("program.amax_mps2", settings.amax_mps2, 0.0, 10_000.0)?;
@@ -126,6 +128,7 @@ impl ProgramBuilder {
     /// # Errors
     /// An empty block, a count that is not 1 to 65,535, a program longer than ten years, or more than
     /// [`CAPACITY`] entries. The program is as before.
+    #[cold]
     pub fn repeat(&mut self, first: usize, times: u32) -> Result<(), SettingsError> {
         use crate::settings::inside;
         inside("program.repeat", f64::from(times), 1.0, 65_535.0)?;
@@ -143,6 +146,7 @@ impl ProgramBuilder {
         )
     }
 
+    #[cold]
     fn push(&mut self, entry: Entry, ticks: u64) -> Result<(), SettingsError> {
         let end = self.program.duration() + ticks;
         if end > MOST_TICKS {
@@ -163,6 +167,7 @@ impl ProgramBuilder {
     ///
     /// # Errors
     /// There is nothing in it.
+    #[cold]
     pub fn build(self) -> Result<Program, SettingsError> {
         if self.program.entries.is_empty() {
             return Err(SettingsError::new("program", Problem::ProgramEmpty));

@@ -45,6 +45,7 @@ impl FeedForward {
     ///
     /// # Errors
     /// A machine whose torques do not fit a setpoint.
+    #[cold]
     pub fn new(
         machine: &MachineSettings,
         motors: usize,

@@ -194,6 +194,7 @@ impl Settings {
     ///
     /// # Errors
     /// The first setting that is wrong, with its key, what it is and what it may be.
+    #[cold]
     pub fn check(&self) -> Result<(), SettingsError> {
         inside("axes.count", self.axes.len() as f64, 1.0, MAX_AXES as f64)?;
         inside("control.tick_hz", f64::from(self.tick_hz), 500.0, 10_000.0)?;
@@ -243,6 +244,7 @@ impl Settings {
 }
 
 impl CorrectionSettings {
+    #[cold]
     fn check(&self) -> Result<(), SettingsError> {
         inside("correction.part", self.part, 0.0, 1.0)?;
         inside("correction.coupling", self.coupling, 0.0, 20.0)?;
@@ -253,6 +255,7 @@ impl CorrectionSettings {
 }
 
 impl IndexSettings {
+    #[cold]
     fn check(&self, tick_hz: u32) -> Result<(), SettingsError> {
         let width_us = inside("index.width_us", self.width_us, 0.1, 100.0)?;
         let most_us = 1e6 / f64::from(tick_hz * MOST_OF_TICK);
@@ -270,6 +273,7 @@ impl IndexSettings {
 }
 
 impl MachineSettings {
+    #[cold]
     fn check(&self) -> Result<(), SettingsError> {
         inside(
             "machine.crank_radius_mm",
@@ -291,6 +295,7 @@ impl MachineSettings {
 }
 
 impl AxisSettings {
+    #[cold]
     fn check(&self) -> Result<(), SettingsError> {
         inside(
             "axes.steps_per_turn",
@@ -339,6 +344,7 @@ impl AxisSettings {
 }
 
 /// The longest beginning of a name that [`Settings`] hold, in whole characters.
+#[cold]
 pub fn short_name(name: &str) -> heapless::String<NAME_BYTES> {
     let mut short = heapless::String::new();
     for c in name.chars() {

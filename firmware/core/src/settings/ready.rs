@@ -10,6 +10,7 @@ impl Settings {
     ///
     /// # Errors
     /// As [`Self::ready`].
+    #[cold]
     pub fn controller(&self) -> Result<Controller, SettingsError> {
         Ok(self.ready()?.controller())
     }
@@ -18,6 +19,7 @@ impl Settings {
     ///
     /// # Errors
     /// The first setting, program entry or trim that is wrong.
+    #[cold]
     pub fn ready(&self) -> Result<Ready<'_>, SettingsError> {
         // Before the program: the speed of a level is computed from settings.
         self.check()?;
@@ -46,6 +48,7 @@ impl Settings {
         })
     }
 
+    #[cold]
     fn program(&self) -> Result<Program, SettingsError> {
         let mut builder = self.program_builder();
         for (i, entry) in self.program.iter().enumerate() {
@@ -66,6 +69,7 @@ pub struct Ready<'a> {
 
 impl Ready<'_> {
     /// The loop at power-up.
+    #[cold]
     pub fn controller(&self) -> Controller {
         let program = self.program.clone();
         let mut controller = Controller::assembled(&self.prepared, self.settings, program);

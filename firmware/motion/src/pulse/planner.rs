@@ -95,7 +95,6 @@ impl Planner {
     ///
     /// Where STEP's level is not what the phase and the way it moves would have it (at the very start, and after a change
     /// of direction), the first crossing must not, or must also, fall.
-    #[cold]
     #[inline(never)]
     fn plan_turning(
         &mut self,

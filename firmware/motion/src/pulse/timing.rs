@@ -23,6 +23,7 @@ impl PulseTiming {
     ///
     /// # Errors
     /// A direction change that needs more than a quarter of a tick.
+    #[cold]
     pub fn new(settings: &PulseSettings, tick_hz: u32) -> Result<Self, SettingsError> {
         let cycles = |ns: f64| libm::ceil(ns * f64::from(CLOCK_HZ) / 1e9) as u32;
         let width = cycles(settings.width_ns);
@@ -69,6 +70,7 @@ impl PulseTiming {
     ///
     /// # Errors
     /// More steps a second than the pulse width, or the edges of a tick, allow.
+    #[cold]
     pub fn check_rate(
         &self,
         steps_per_turn: u32,
@@ -95,6 +97,7 @@ impl PulseTiming {
     ///
     /// # Errors
     /// More than 8192 counts a tick.
+    #[cold]
     pub fn check_counts(
         steps_per_turn: u32,
         axis_speed_hz: f64,

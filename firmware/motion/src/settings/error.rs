@@ -136,6 +136,7 @@ struct Sentence {
 }
 
 impl fmt::Display for Sentence {
+    #[cold]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.problem {
             Problem::OutOfRange { value, low, high } => Range {
@@ -158,6 +159,7 @@ struct Range {
 }
 
 impl fmt::Display for Range {
+    #[cold]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (low, high, unit) = (Number(self.low), Number(self.high), self.unit);
         // Degrees alone stand close to their number.
@@ -187,6 +189,7 @@ impl fmt::Display for Range {
 pub struct Number(pub f64);
 
 impl fmt::Display for Number {
+    #[cold]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         use fmt::Write;
         let mut digits = heapless::String::<32>::new();
@@ -221,6 +224,7 @@ impl SettingsError {
 }
 
 impl fmt::Display for SettingsError {
+    #[cold]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.entry {
             Some(entry) => write!(

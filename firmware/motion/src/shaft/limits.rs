@@ -36,6 +36,7 @@ pub(crate) struct RampLimits {
 
 impl RampLimits {
     /// Up to `speed`, turns a tick.
+    #[cold]
     fn new(acceleration_hz_per_s: f64, jerk_hz_per_s2: f64, speed: i64, hz: f64) -> Self {
         let acceleration = turns_at_most(acceleration_hz_per_s / (hz * hz)).max(1);
         let jerk = turns_at_most(jerk_hz_per_s2 / (hz * hz * hz)).max(1);
@@ -59,6 +60,7 @@ impl RampLimits {
 
     /// Limits that a motion may keep whose phase is rounded afterwards, by less than a unit: that changes the
     /// acceleration by less than two and the jerk by less than four.
+    #[cold]
     fn before_rounding(&self, speed: i64) -> Self {
         let acceleration = (self.acceleration - 2).max(1);
         let jerk = (self.jerk - 4).max(1);
@@ -68,6 +70,7 @@ impl RampLimits {
 
 impl ShaftLimits {
     /// From settings that [`crate::settings::Settings::check`] has passed.
+    #[cold]
     pub fn new(settings: &LimitSettings, tick_hz: u32) -> Self {
         let hz = f64::from(tick_hz);
         let speed = turns_at_most(settings.speed_hz / hz);

@@ -103,6 +103,7 @@ pub struct Steps {
 
 impl Steps {
     /// Sets up pins, machines and channels of as many axes as there are in `reversed`. Nothing moves yet.
+    #[cold]
     pub fn new(buffers: &'static mut Buffers, reversed: &[bool], tick: Duration) -> Self {
         let axes = reversed.len().min(AXES);
         let program = program::step_program();
@@ -258,6 +259,7 @@ fn has_run_dry(axis: usize) -> bool {
 
 /// Sets up the state machine of an axis, and its two pins. It waits at the program's first instruction,
 /// which is at address 0.
+#[cold]
 fn set_up_machine(axis: usize, wrap: Wrap) {
     let (block, machine) = (block_of(axis), machine_of(axis));
     let (step, dir) = (pins::STEP[axis], pins::DIR[axis]);
