@@ -9,7 +9,7 @@ use crate::header::{HEADER_BYTES, Header};
 use crate::{BlobError, CRC};
 
 /// Format of the payload that is written and read here. Whatever changes the bytes of a [`Settings`] changes it.
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 
 /// Longest payload, bytes: the name as long, lists as full, and numbers of variable length as great as can be.
 pub const MAX_PAYLOAD_BYTES: usize = {
@@ -17,7 +17,7 @@ pub const MAX_PAYLOAD_BYTES: usize = {
     const U32: usize = 5; // seven bits a byte
     const SMALL: usize = 1; // a flag, a variant, a length below 128
     let name = SMALL + NAME_BYTES;
-    let machine = 5 * F64 + SMALL;
+    let machine = 5 * F64 + 2 * SMALL;
     let limits = 6 * F64 + SMALL + MAX_BANDS * 2 * F64;
     let pulse = 3 * F64;
     let index_width = F64;

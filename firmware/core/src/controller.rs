@@ -1,4 +1,4 @@
-//! One tick of the whole path: program, profile, master shaft, axes, pulses and setpoints; and back
+//! One tick of the whole path: program, mechanism, master shaft, axes, pulses and setpoints; and back
 //! from the index pulses through the drift monitor to the supervisor.
 //!
 //! **Times.** What [`Controller::tick`] returns at one deadline is played from the next deadline on,
@@ -14,7 +14,7 @@ mod wiring_proof;
 
 use crate::axes::Correction;
 use crate::drift::{DriftMonitor, Finding, Sensed, TickPhase};
-use crate::profile::Profile;
+use crate::mechanism::{AnyMechanism, Mechanism};
 use crate::program::{Cursor, Program};
 use crate::pulse::Paces;
 use crate::servo::Coupling;
@@ -31,7 +31,7 @@ use telling::weigh;
 #[derive(Clone, Debug)]
 pub struct Controller {
     tick_hz: u32,
-    profile: Profile,
+    mechanism: AnyMechanism,
     program: Program,
     cursor: Cursor,
     target: Target,
@@ -102,9 +102,9 @@ impl Controller {
         self.cursor.seek(&self.program, elapsed);
     }
 
-    /// The profile, for converting between speed and amax.
-    pub const fn profile(&self) -> &Profile {
-        &self.profile
+    /// The mechanism, for converting between speed and amax.
+    pub const fn mechanism(&self) -> &AnyMechanism {
+        &self.mechanism
     }
 
     /// Sets an axis's trim; says whether its limit allowed all of it. An axis that is not there has
@@ -346,14 +346,14 @@ impl Controller {
         let reading = self.cursor.next(&self.program);
         self.output.telemetry.amax_program = reading.level;
         if self.end.0 != reading.end_level {
-            self.end = (reading.end_level, self.profile.speed(reading.end_level));
+            self.end = (reading.end_level, self.mechanism.speed(reading.end_level));
         }
         self.target = Target {
             now: self.target.next,
             next: if reading.level == reading.end_level {
                 self.end.1
             } else {
-                self.profile.speed(reading.level)
+                self.mechanism.speed(reading.level)
             },
             end: self.end.1,
         };

@@ -10,7 +10,7 @@ use super::punctuality::Punctuality;
 use super::wiring_proof::wiring_patterns;
 use crate::axes::{Axis, Correction};
 use crate::drift::{DriftMonitor, TickPhase};
-use crate::profile::{Profile, SliderCrank};
+use crate::mechanism::AnyMechanism;
 use crate::program::{Cursor, Program};
 use crate::pulse::{Paces, Planner, PulseTiming};
 use crate::servo::{Coupling, FeedForward};
@@ -41,7 +41,7 @@ impl Controller {
         const STILL: TickPhase = TickPhase::still(Phase::ZERO);
         Self {
             tick_hz: 2000,
-            profile: Profile::SliderCrank(SliderCrank::STANDSTILL),
+            mechanism: AnyMechanism::STANDSTILL,
             program: Program::new(),
             cursor: Cursor::new(),
             target: Target::steady(Turns::ZERO),
@@ -99,7 +99,7 @@ impl Controller {
         self.fill_align(settings)?;
         self.coupling = coupling(settings)?;
         self.tick_hz = settings.tick_hz;
-        self.profile = settings.profile();
+        self.mechanism = settings.mechanism();
         self.shaft = Shaft::new(ShaftLimits::of(&settings.limits, settings.tick_hz));
         self.cursor = Cursor::new();
         self.target = Target::steady(Turns::ZERO);
@@ -217,6 +217,7 @@ fn feed_forward(
             let acceleration = settings.limits.reachable_stop_acceleration_hz_per_s() * ratio;
             FeedForward::new(
                 &settings.machine,
+                settings.mechanism(),
                 settings.axes.len(),
                 axis.rotor_inertia_kgm2,
                 tick_hz,

@@ -1,7 +1,7 @@
 //! From a list of segments and repeats in seconds to a checked [`Program`].
 
 use super::{CAPACITY, Entry, Program, Segment, Shape};
-use crate::profile::Profile;
+use crate::mechanism::{AnyMechanism, Mechanism};
 use crate::settings::{Problem, SettingsError, inside};
 use crate::units::{Amax, Turns};
 
@@ -37,12 +37,12 @@ pub enum EntrySettings {
 /// Puts a program together, in the order in which it is to be played.
 ///
 /// ```
-/// # use cophase_core::profile::{Profile, SliderCrank};
+/// # use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
 /// # use cophase_core::program::{Program, ProgramBuilder, SegmentSettings, Shape};
-/// let profile = Profile::SliderCrank(SliderCrank::new(0.025, 0.3, 2000));
+/// let mechanism = MechanismSettings::ScotchYoke(ScotchYokeSettings {}).mechanism(0.03, 2000);
 /// let level = |amax_mps2| SegmentSettings { amax_mps2, ramp_s: 1.0, hold_s: 2.0, shape: Shape::Smooth };
 /// let mut program = Program::new();
-/// let mut builder = ProgramBuilder::new(2000, profile, 60.0, &mut program);
+/// let mut builder = ProgramBuilder::new(2000, mechanism, 60.0, &mut program);
 /// builder.segment(level(100.0)).unwrap();
 /// let block = builder.here();
 /// builder.segment(level(200.0)).unwrap();
@@ -54,7 +54,7 @@ pub enum EntrySettings {
 #[derive(Debug)]
 pub struct ProgramBuilder<'a> {
     tick_hz: u32,
-    profile: Profile,
+    mechanism: AnyMechanism,
     speed_limit_hz: f64,
     program: &'a mut Program,
 }
@@ -63,17 +63,17 @@ pub struct ProgramBuilder<'a> {
 const MOST_TICKS: u64 = 10_000 * 86_400 * 3_653;
 
 impl<'a> ProgramBuilder<'a> {
-    /// Empties a program and builds it anew, for a machine with this tick, profile and greatest speed (rev/s).
+    /// Empties a program and builds it anew, for a machine with this tick, mechanism and greatest speed (rev/s).
     pub fn new(
         tick_hz: u32,
-        profile: Profile,
+        mechanism: AnyMechanism,
         speed_limit_hz: f64,
         program: &'a mut Program,
     ) -> Self {
         program.clear();
         Self {
             tick_hz,
-            profile,
+            mechanism,
             speed_limit_hz,
             program,
         }
@@ -107,7 +107,7 @@ impl<'a> ProgramBuilder<'a> {
         let ramp_s = inside("program.ramp_s", settings.ramp_s, 0.0, 100_000.0)?;
         let hold_s = inside("program.hold_s", settings.hold_s, 0.0, 1_000_000.0)?;
         let level = Amax::from_num(amax_mps2);
-        let needed = self.profile.speed(level);
+        let needed = self.mechanism.speed(level);
         let limit_hz = self.speed_limit_hz;
         let limit = Turns::saturating_from_num(limit_hz / f64::from(self.tick_hz));
         if needed > limit {
@@ -117,7 +117,7 @@ impl<'a> ProgramBuilder<'a> {
                     asked_mps2: amax_mps2,
                     needed_hz: needed.to_num::<f64>() * f64::from(self.tick_hz),
                     limit_hz,
-                    most_mps2: self.profile.amax(limit).to_num(),
+                    most_mps2: self.mechanism.amax(limit).to_num(),
                 },
             ));
         }

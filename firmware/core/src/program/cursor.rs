@@ -155,13 +155,13 @@ impl Default for Cursor {
 mod tests {
     use super::super::{ProgramBuilder, SegmentSettings, Shape};
     use super::*;
-    use crate::profile::{Profile, SliderCrank};
+    use crate::mechanism::{MechanismSettings, ScotchYokeSettings};
     use proptest::prelude::*;
     use std::vec::Vec;
 
     fn builder(program: &mut Program) -> ProgramBuilder<'_> {
-        let profile = Profile::SliderCrank(SliderCrank::new(0.025, 0.3, 1000));
-        ProgramBuilder::new(1000, profile, 100.0, program)
+        let yoke = MechanismSettings::ScotchYoke(ScotchYokeSettings {});
+        ProgramBuilder::new(1000, yoke.mechanism(0.03, 1000), 100.0, program)
     }
 
     fn segment(level: u32, ramp_ticks: u32, hold_ticks: u32) -> SegmentSettings {

@@ -15,7 +15,7 @@ pub use cophase_motion::settings::{
 pub use error::{Problem, SettingsError};
 
 use crate::drift::index_filter::MOST_OF_TICK;
-use crate::profile::{Profile, SliderCrank};
+use crate::mechanism::{AnyMechanism, MechanismSettings, ScotchYokeSettings};
 use crate::program::{CAPACITY, EntrySettings, Program, ProgramBuilder};
 use crate::units::MAX_AXES;
 
@@ -77,14 +77,14 @@ impl Platform {
     }
 }
 
-/// The slider-crank platform.
+/// The mechanism, and what it carries.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MachineSettings {
     /// Crank radius, metres, 0.1 mm to 0.5 m.
     pub crank_radius_m: f64,
-    /// Crank radius over rod length, 0.1 to 0.6.
-    pub lambda: f64,
+    /// What the crank moves the platform by.
+    pub mechanism: MechanismSettings,
     /// Mass on the platform, kg, above 0, up to 50.
     pub load_kg: f64,
     /// Which way up.
@@ -202,7 +202,7 @@ impl Settings {
             tick_hz: 0,
             machine: MachineSettings {
                 crank_radius_m: 0.0,
-                lambda: 0.0,
+                mechanism: MechanismSettings::ScotchYoke(ScotchYokeSettings {}),
                 load_kg: 0.0,
                 platform: Platform::Below,
                 gravity_mps2: 0.0,
@@ -288,19 +288,24 @@ impl Settings {
 
     /// The mechanism of these settings' machine, for this tick rate.
     #[cold]
-    pub fn profile(&self) -> Profile {
-        let machine = &self.machine;
-        Profile::SliderCrank(SliderCrank::new(
-            machine.crank_radius_m,
-            machine.lambda,
-            self.tick_hz,
-        ))
+    pub fn mechanism(&self) -> AnyMechanism {
+        let MachineSettings {
+            mechanism,
+            crank_radius_m,
+            ..
+        } = self.machine;
+        mechanism.mechanism(crank_radius_m, self.tick_hz)
     }
 
     /// A builder of programs for these settings' machine, which empties `program` first.
     #[cold]
     pub fn program_builder<'a>(&self, program: &'a mut Program) -> ProgramBuilder<'a> {
-        ProgramBuilder::new(self.tick_hz, self.profile(), self.limits.speed_hz, program)
+        ProgramBuilder::new(
+            self.tick_hz,
+            self.mechanism(),
+            self.limits.speed_hz,
+            program,
+        )
     }
 
     /// Replaces a program with that of these settings.
@@ -357,7 +362,7 @@ impl MachineSettings {
             0.1,
             500.0,
         )?;
-        inside("machine.lambda", self.lambda, 0.1, 0.6)?;
+        self.mechanism.check()?;
         inside("machine.load_kg", self.load_kg, 1e-3, 50.0)?;
         inside("machine.gravity_mps2", self.gravity_mps2, 0.0, 20.0)?;
         inside(

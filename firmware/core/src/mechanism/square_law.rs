@@ -1,36 +1,31 @@
-//! The in-line slider-crank: amax = R ω² (1 + λ), reached at crank phase 0.
+//! amax = L ω²: the amplitude of every mechanism whose platform follows the crank angle alone.
 //!
-//! R is the crank radius, λ crank radius over rod length. The formula is the patent's (two terms of
-//! the kinematics), and exact at phase 0, where the greatest acceleration is. Its inverse, ω =
-//! sqrt(amax / (R (1 + λ))), has an infinite slope at rest: the master shaft's limits, not this
-//! root, decide how a machine starts.
+//! L is a length, metres: the crank radius times the greatest curvature of the mechanism. The inverse, ω = sqrt(amax / L), has an
+//! infinite slope at rest: the master shaft's limits, not this root, decide how a machine starts.
 
 use crate::functions::{Root, multiply, root};
 use crate::units::{Amax, Turns};
 
-/// The coefficients of one slider-crank at one tick rate.
+/// The coefficients of one length at one tick rate.
 #[derive(Clone, Copy, Debug)]
-pub struct SliderCrank {
+pub struct SquareLaw {
     /// Turns a tick at 1 m/s² are `mantissa / 2^shift`; the mantissa has its top bit set.
     mantissa: u32,
     shift: u32,
 }
 
-impl SliderCrank {
+impl SquareLaw {
     /// Coefficients for where there is no machine yet.
     pub const STANDSTILL: Self = Self {
         mantissa: 1 << 31,
         shift: 48,
     };
 
-    /// For crank radius R (metres, 0.1 mm to 0.5 m), ratio λ (0.1 to 0.6) and a tick rate of 500 to
-    /// 10,000 Hz. [`crate::settings`] checks the ranges.
+    /// For a length of 0.1 mm to 1 m and a tick rate of 500 to 10,000 Hz.
     #[cold]
-    pub fn new(crank_radius_m: f64, lambda: f64, tick_hz: u32) -> Self {
-        let speed_at_one = 1.0
-            / (core::f64::consts::TAU
-                * f64::from(tick_hz)
-                * libm::sqrt(crank_radius_m * (1.0 + lambda)));
+    pub fn new(length_m: f64, tick_hz: u32) -> Self {
+        let speed_at_one =
+            1.0 / (core::f64::consts::TAU * f64::from(tick_hz) * libm::sqrt(length_m));
         // 0.5 ≤ fraction < 1, speed_at_one = fraction · 2^exponent
         let (fraction, exponent) = libm::frexp(speed_at_one);
         let mantissa = libm::round(fraction * 4294967296.0) as u64;
@@ -38,7 +33,7 @@ impl SliderCrank {
             Ok(mantissa) => (mantissa, exponent),
             Err(_) => (1 << 31, exponent + 1), // rounded up to a whole power of two
         };
-        // Over the ranges the speed is from 2e-5 to 0.04 turns a tick: the shift is 36 to 48.
+        // Over the ranges the speed is from 1e-5 to 0.04 turns a tick: the shift is 36 to 48.
         Self {
             mantissa,
             shift: (32 - exponent).unsigned_abs(),
@@ -47,12 +42,12 @@ impl SliderCrank {
 
     /// Turns a tick for an amplitude; relative error below 2⁻³⁰ and 2⁻⁴⁸ turns a tick.
     ///
-    /// Saturates beyond 2 turns a tick, four times what a shaft may do.
+    /// Saturates beyond 2 turns a tick, four times the greatest speed of a shaft.
     #[inline(never)]
     pub fn speed(&self, amax: Amax) -> Turns {
         let Root { mantissa, shift } = root(amax.to_bits());
         let product = multiply(mantissa, self.mantissa);
-        // root(bits) is sqrt(amax) · 2²⁴; 48 fraction bits are wanted.
+        // root(bits) is sqrt(amax) · 2²⁴; the result has 48 fraction bits.
         let down = (shift + self.shift + 24).saturating_sub(Turns::FRAC_NBITS);
         let bits = product.checked_shr(down).unwrap_or(0);
         Turns::from_bits(bits.min(2 << Turns::FRAC_NBITS) as i64)
@@ -89,30 +84,28 @@ impl SliderCrank {
 mod tests {
     use super::*;
 
-    /// Both directions against f64 over the documented ranges of R, λ and tick rate.
+    /// Both directions against f64, over the documented ranges of length and tick rate.
     #[test]
     fn errors_are_within_their_bounds() {
         let mut worst = (0.0_f64, 0.0_f64);
-        for radius_m in [1e-4, 0.0011514, 0.0046055, 0.025, 0.0779, 0.5] {
-            for lambda in [0.1, 0.25, 0.3, 0.6] {
-                for tick_hz in [500, 2000, 10_000] {
-                    let crank = SliderCrank::new(radius_m, lambda, tick_hz);
-                    let mut amax_mps2 = 0.01;
-                    while amax_mps2 < 2000.0 {
-                        let omega = (amax_mps2 / (radius_m * (1.0 + lambda))).sqrt();
-                        let want = omega / core::f64::consts::TAU / f64::from(tick_hz);
-                        if want < 0.5 {
-                            let speed = crank.speed(Amax::from_num(amax_mps2));
-                            let got: f64 = speed.to_num();
-                            let rounding = (-48.0_f64).exp2() / want;
-                            worst.0 = worst.0.max((got / want - 1.0).abs() - rounding);
-                            let back: f64 = crank.amax(speed).to_num();
-                            let fair = amax_mps2 * (got / want) * (got / want);
-                            let rounding = (-48.0_f64).exp2() / fair;
-                            worst.1 = worst.1.max((back / fair - 1.0).abs() - rounding);
-                        }
-                        amax_mps2 *= 1.0173;
+        for length_m in [1e-4, 0.0011514, 0.0059, 0.025, 0.0779, 0.5, 1.0] {
+            for tick_hz in [500, 2000, 10_000] {
+                let law = SquareLaw::new(length_m, tick_hz);
+                let mut amax_mps2 = 0.01;
+                while amax_mps2 < 2000.0 {
+                    let omega = (amax_mps2 / length_m).sqrt();
+                    let expected = omega / core::f64::consts::TAU / f64::from(tick_hz);
+                    if expected < 0.5 {
+                        let speed = law.speed(Amax::from_num(amax_mps2));
+                        let actual: f64 = speed.to_num();
+                        let rounding = (-48.0_f64).exp2() / expected;
+                        worst.0 = worst.0.max((actual / expected - 1.0).abs() - rounding);
+                        let back: f64 = law.amax(speed).to_num();
+                        let fair = amax_mps2 * (actual / expected) * (actual / expected);
+                        let rounding = (-48.0_f64).exp2() / fair;
+                        worst.1 = worst.1.max((back / fair - 1.0).abs() - rounding);
                     }
+                    amax_mps2 *= 1.0173;
                 }
             }
         }
@@ -122,12 +115,12 @@ mod tests {
 
     #[test]
     fn rest_is_rest() {
-        let crank = SliderCrank::new(0.025, 0.3, 2000);
-        assert_eq!(crank.speed(Amax::ZERO), Turns::ZERO);
-        assert_eq!(crank.amax(Turns::ZERO), Amax::ZERO);
+        let law = SquareLaw::new(0.0325, 2000);
+        assert_eq!(law.speed(Amax::ZERO), Turns::ZERO);
+        assert_eq!(law.amax(Turns::ZERO), Amax::ZERO);
         assert_eq!(
-            crank.amax(Turns::from_num(-0.01)),
-            crank.amax(Turns::from_num(0.01))
+            law.amax(Turns::from_num(-0.01)),
+            law.amax(Turns::from_num(0.01))
         );
     }
 }
