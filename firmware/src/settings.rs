@@ -5,7 +5,7 @@
 
 use cophase_blob::layout::{FLASH_ADDRESS, FLASH_BYTES, SLOT_A_OFFSET, SLOT_B_OFFSET, SLOT_BYTES};
 use cophase_blob::store::{Choice, Slot, Store, blob_in, choose, inspect};
-use cophase_blob::{BlobError, decode, verify};
+use cophase_blob::{BlobError, decode_into, verify};
 use cophase_core::settings::Settings;
 use cophase_core::supervisor::FaultKind;
 use embassy_rp::Peri;
@@ -16,29 +16,25 @@ use crate::report;
 
 static BUILT_IN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/built-in.blob"));
 
-/// The settings to run on; none if those that should be run cannot be read, which is told.
+/// Reads the settings to run on into `settings`; false if those that should be run cannot be read, which is logged.
 #[cold]
 #[inline(never)] // what decodes them is off the stack when a machine is made of them
-pub fn load(flash: Peri<'static, FLASH>) -> Option<Settings> {
-    match read(flash) {
-        Ok(settings) => {
-            defmt::info!(
-                "settings: {=str}, {=usize} axes, {=u32} ticks a second",
-                settings.name.as_str(),
-                settings.axes.len(),
-                settings.tick_hz
-            );
-            Some(settings)
-        }
-        Err(error) => {
-            report::refused(FaultKind::SettingsRejected, error);
-            None
-        }
+pub fn load(flash: Peri<'static, FLASH>, settings: &mut Settings) -> bool {
+    if let Err(error) = read(flash, settings) {
+        report::refused(FaultKind::SettingsRejected, error);
+        return false;
     }
+    defmt::info!(
+        "settings: {=str}, {=usize} axes, {=u32} ticks a second",
+        settings.name.as_str(),
+        settings.axes.len(),
+        settings.tick_hz
+    );
+    true
 }
 
 #[cold]
-fn read(flash: Peri<'static, FLASH>) -> Result<Settings, BlobError> {
+fn read(flash: Peri<'static, FLASH>, settings: &mut Settings) -> Result<(), BlobError> {
     let built_in = verify(BUILT_IN)?;
     match choose(&built_in, &inspect(slot(Slot::A), slot(Slot::B))) {
         Choice::Refuse(slot, error) => {
@@ -47,18 +43,19 @@ fn read(flash: Peri<'static, FLASH>) -> Result<Settings, BlobError> {
         }
         Choice::Stored(from) => {
             defmt::info!("settings from slot {}", from);
-            decode(blob_in(slot(from))?)
+            decode_into(blob_in(slot(from))?, settings)
         }
         Choice::BuiltIn => {
             defmt::info!("settings built in");
             store(flash, built_in.mark());
-            decode(BUILT_IN)
+            decode_into(BUILT_IN, settings)
         }
     }
 }
 
 /// Stores the built-in blob. That it could not be is told; it can be run all the same.
 #[cold]
+#[inline(never)]
 fn store(flash: Peri<'static, FLASH>, mark: u32) {
     let flash = Flash::<_, Blocking, { FLASH_BYTES as usize }>::new_blocking(flash);
     let stored = Store::new(flash, SLOT_A_OFFSET, SLOT_B_OFFSET, SLOT_BYTES)

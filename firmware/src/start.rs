@@ -4,18 +4,24 @@ use core::panic::PanicInfo;
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use cophase_core::control_loop;
+use cophase_core::controller::Controller;
+use cophase_core::settings::Settings;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use defmt_rtt as _;
+use embassy_rp::Peri;
 use embassy_rp::executor::{Executor, InterruptExecutor};
 use embassy_rp::interrupt;
 use embassy_rp::interrupt::{InterruptExt, Priority};
+use embassy_rp::peripherals::{FLASH, WATCHDOG};
 use embassy_time::{Duration, Timer};
+use heapless::spsc::Producer;
 use static_cell::StaticCell;
 
 use crate::board::{lines, watchdog};
+use crate::control::Board;
 use crate::from_ram;
-use crate::machine::Machine;
-use crate::report::{self, Reporter};
+use crate::machine;
+use crate::report::{self, Note, Reporter};
 use crate::settings;
 
 /// Runs the loop: above all that may wait.
@@ -60,31 +66,39 @@ fn main() -> ! {
         Some(seen) => defmt::error!("restarted by the watchdog: {}", seen),
         None => defmt::info!("power-up"),
     }
-    let (to_tell, told) = report::queue();
-    // Looked at where it is: kilobytes, which the stack need not hold twice.
-    let settings = settings::load(p.FLASH);
-    let machine = settings.as_ref().and_then(|settings| {
-        let made = Machine::new(
-            settings,
-            p.WATCHDOG,
-            last_seen.is_some(),
-            Reporter::new(to_tell, settings.axes.len()),
-        );
-        made.inspect_err(|refusal| report::refused(refusal.kind(), refusal))
-            .ok()
-    });
+    let (notes, noted) = report::queue();
+    let machine = machine(p.FLASH, p.WATCHDOG, last_seen.is_some(), notes);
 
     static EXECUTOR: StaticCell<Executor> = StaticCell::new();
     EXECUTOR.init(Executor::new()).run(|spawner| {
-        spawner.spawn(defmt::unwrap!(report::tell(told)));
-        let Some(machine) = machine else {
+        spawner.spawn(defmt::unwrap!(report::tell(noted)));
+        let Some((controller, board)) = machine else {
             spawner.spawn(defmt::unwrap!(refuse()));
             return;
         };
         interrupt::SWI_IRQ_0.set_priority(Priority::P2);
         let loops = LOOP.start(interrupt::SWI_IRQ_0);
-        loops.spawn(defmt::unwrap!(run_loop(machine)));
+        loops.spawn(defmt::unwrap!(run_loop(controller, board)));
     })
+}
+
+/// The machine of the settings that are to be run; none if there are no such settings, which is logged.
+#[cold]
+#[inline(never)] // settings have kilobytes, which the stack holds no longer than needed
+fn machine(
+    flash: Peri<'static, FLASH>,
+    watchdog: Peri<'static, WATCHDOG>,
+    restarted: bool,
+    notes: Producer<'static, Note>,
+) -> Option<(&'static mut Controller, &'static mut Board)> {
+    let mut settings = Settings::new();
+    if !settings::load(flash, &mut settings) {
+        return None;
+    }
+    let reporter = Reporter::new(notes, settings.axes.len());
+    let made = machine::make(&settings, watchdog, restarted, reporter);
+    made.inspect_err(|refusal| report::refused(refusal.kind(), refusal))
+        .ok()
 }
 
 /// Says with the lamp that there is nothing to run on: two short flashes a second. The drives are off.
@@ -101,6 +115,6 @@ async fn refuse() -> ! {
 }
 
 #[embassy_executor::task]
-async fn run_loop(machine: &'static mut Machine) {
-    control_loop::run(&mut machine.controller, &mut machine.board).await;
+async fn run_loop(controller: &'static mut Controller, board: &'static mut Board) {
+    control_loop::run(controller, board).await;
 }

@@ -29,7 +29,7 @@ pub mod header;
 pub mod layout;
 pub mod store;
 
-pub use codec::{MAX_BLOB_BYTES, decode, encode, verify};
+pub use codec::{MAX_BLOB_BYTES, decode, decode_into, encode, verify};
 pub use cophase_core::settings::Settings;
 pub use error::BlobError;
 pub use header::Header;

@@ -7,25 +7,23 @@
 
 mod align;
 mod channel;
-mod preparation;
+mod configure;
 mod punctuality;
 mod telling;
 mod wiring_proof;
 
 use crate::axes::Correction;
 use crate::drift::{DriftMonitor, Finding, Sensed, TickPhase};
-use crate::profile::{Profile, SliderCrank};
-use crate::program::{Cursor, Program, ProgramBuilder};
+use crate::profile::Profile;
+use crate::program::{Cursor, Program};
 use crate::pulse::Paces;
 use crate::servo::Coupling;
-use crate::settings::{Settings, SettingsError};
 use crate::shaft::{Demand, Motion, Shaft, Target};
 use crate::signals::{Feedback, Output};
 use crate::supervisor::{Action, Command, Fault, FaultKind, Seen, State, Supervisor};
 use crate::units::{Amax, MAX_AXES, ONE_TURN, PerAxis, Phase, Turns};
 use align::Align;
 use channel::Channel;
-pub use preparation::Prepared;
 use punctuality::Punctuality;
 use telling::weigh;
 
@@ -72,42 +70,10 @@ pub struct Controller {
     output: Output,
 }
 
-impl Settings {
-    /// The profile that these settings' machine has.
-    #[cold]
-    pub fn profile(&self) -> Profile {
-        let machine = &self.machine;
-        Profile::SliderCrank(SliderCrank::new(
-            machine.crank_radius_m,
-            machine.lambda,
-            self.tick_hz,
-        ))
-    }
-
-    /// A builder of programs for these settings' machine.
-    #[cold]
-    pub fn program_builder(&self) -> ProgramBuilder {
-        ProgramBuilder::new(self.tick_hz, self.profile(), self.limits.speed_hz)
-    }
-}
-
 /// Ticks after a stop in which what its last pulses show is still heard: a tick is read two ticks after it was reckoned.
 const LAST_PULSES: u64 = 4;
 
 impl Controller {
-    /// A controller at power-up: idle, every axis at its offset.
-    ///
-    /// # Errors
-    /// The first setting that is wrong.
-    #[cold]
-    pub fn new(settings: &Settings, program: Program) -> Result<Self, SettingsError> {
-        Ok(Self::assembled(
-            &Prepared::new(settings)?,
-            settings,
-            program,
-        ))
-    }
-
     /// How many axes there are.
     pub fn axis_count(&self) -> usize {
         self.channels.len()

@@ -30,7 +30,7 @@
 //! let lines = PulseSettings { width_ns: 400.0, dir_setup_ns: 500.0, dir_hold_ns: 500.0 };
 //! lines.check()?;
 //!
-//! let mut shaft = Shaft::new(ShaftLimits::new(&limits, TICK_HZ));
+//! let mut shaft = Shaft::new(ShaftLimits::of(&limits, TICK_HZ));
 //! let timing = PulseTiming::new(&lines, TICK_HZ)?;
 //! let mut planner = Planner::new(timing, 3200);
 //! let (mut rates, mut runs) = (Paces::new(timing.tick()), Runs::new());

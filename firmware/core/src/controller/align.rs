@@ -77,31 +77,44 @@ const TWICE: u8 = 2;
 const PART_OF_LOOKS: i64 = 65_536 / LOOKS as i64;
 
 impl Align {
-    /// With the tilts that prove the wiring, or none.
-    pub(super) const fn new(
+    /// For no axes.
+    pub(super) const fn new() -> Self {
+        const NONE: PerAxis<Turns> = [Turns::ZERO; MAX_AXES];
+        Self {
+            step: Step::Off,
+            patterns: [NONE; 2],
+            has_datum: false,
+            count: 0,
+            lag: Turns::ZERO,
+            tolerance: NONE,
+            proven: 0,
+            base: NONE,
+            waited: Turns::ZERO,
+            before: NONE,
+            before_now: NONE,
+            from: NONE,
+            looks: 0,
+            off: NONE,
+            datum: Turns::ZERO,
+        }
+    }
+
+    /// Begins anew, with the tilts that prove the wiring, or none.
+    #[cold]
+    pub(super) const fn configure(
+        &mut self,
         patterns: [PerAxis<Turns>; 2],
         has_datum: bool,
         count: usize,
         lag: Turns,
         tolerance: PerAxis<Turns>,
-    ) -> Self {
-        Self {
-            step: Step::Off,
-            patterns,
-            has_datum,
-            count,
-            lag,
-            tolerance,
-            proven: 0,
-            base: [Turns::ZERO; MAX_AXES],
-            waited: Turns::ZERO,
-            before: [Turns::ZERO; MAX_AXES],
-            before_now: [Turns::ZERO; MAX_AXES],
-            from: [Turns::ZERO; MAX_AXES],
-            looks: 0,
-            off: [Turns::ZERO; MAX_AXES],
-            datum: Turns::ZERO,
-        }
+    ) {
+        *self = Self::new();
+        self.patterns = patterns;
+        self.has_datum = has_datum;
+        self.count = count;
+        self.lag = lag;
+        self.tolerance = tolerance;
     }
 
     /// Begins.

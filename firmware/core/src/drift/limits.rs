@@ -50,6 +50,22 @@ pub struct DriftLimits {
 }
 
 impl DriftLimits {
+    /// Of no machine: nothing may be off.
+    pub(super) const NONE: Self = {
+        const NONE: Limits = Limits {
+            tilt: Turns::ZERO,
+            tilt_squared: 0,
+            warp: Turns::ZERO,
+        };
+        Self {
+            true_limits: NONE,
+            read: NONE,
+            common: Turns::ZERO,
+            lag: 0,
+            reading: Turns::ZERO,
+        }
+    };
+
     /// From checked settings.
     #[cold]
     pub fn new(settings: &DriftSettings, machine: &MachineSettings, tick_hz: u32) -> Self {

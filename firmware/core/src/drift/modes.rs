@@ -29,6 +29,15 @@ pub struct Modes {
 }
 
 impl Modes {
+    /// No error at all.
+    pub const ZERO: Self = Self {
+        common: Turns::ZERO,
+        tilt_x: Turns::ZERO,
+        tilt_y: Turns::ZERO,
+        warp: Turns::ZERO,
+        warp_axis: 0,
+    };
+
     /// Which side leads, degrees around the platform from axis 0 towards axis 1; for people to read.
     ///
     /// Positive errors lead there. Error below 0.2 degrees (micromath's arctangent).
@@ -80,6 +89,17 @@ pub enum Knowledge {
 }
 
 impl Mount {
+    /// Of no axes.
+    pub(super) const NONE: Self = Self {
+        common: [0; MAX_AXES],
+        tilt_x: [0; MAX_AXES],
+        tilt_y: [0; MAX_AXES],
+        cosine: [0; MAX_AXES],
+        sine: [0; MAX_AXES],
+        heard: 0,
+        count: 0,
+    };
+
     /// `count` axes evenly around the circle, axis 0 at θ = 0, all of them heard.
     pub fn new(count: usize) -> Self {
         Self::with(count, ((1_u32 << count) - 1) as AxisSet)

@@ -17,6 +17,12 @@ pub struct SliderCrank {
 }
 
 impl SliderCrank {
+    /// Coefficients for where there is no machine yet.
+    pub const STANDSTILL: Self = Self {
+        mantissa: 1 << 31,
+        shift: 48,
+    };
+
     /// For crank radius R (metres, 0.1 mm to 0.5 m), ratio λ (0.1 to 0.6) and a tick rate of 500 to
     /// 10,000 Hz. [`crate::settings`] checks the ranges.
     #[cold]

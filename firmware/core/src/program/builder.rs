@@ -2,7 +2,7 @@
 
 use super::{CAPACITY, Entry, Program, Segment, Shape};
 use crate::profile::Profile;
-use crate::settings::{Problem, SettingsError};
+use crate::settings::{Problem, SettingsError, inside};
 use crate::units::{Amax, Turns};
 
 /// A segment in the units of the outside world.
@@ -38,36 +38,44 @@ pub enum EntrySettings {
 ///
 /// ```
 /// # use cophase_core::profile::{Profile, SliderCrank};
-/// # use cophase_core::program::{ProgramBuilder, SegmentSettings, Shape};
+/// # use cophase_core::program::{Program, ProgramBuilder, SegmentSettings, Shape};
 /// let profile = Profile::SliderCrank(SliderCrank::new(0.025, 0.3, 2000));
 /// let level = |amax_mps2| SegmentSettings { amax_mps2, ramp_s: 1.0, hold_s: 2.0, shape: Shape::Smooth };
-/// let mut builder = ProgramBuilder::new(2000, profile, 60.0);
+/// let mut program = Program::new();
+/// let mut builder = ProgramBuilder::new(2000, profile, 60.0, &mut program);
 /// builder.segment(level(100.0)).unwrap();
 /// let block = builder.here();
 /// builder.segment(level(200.0)).unwrap();
 /// builder.segment(level(50.0)).unwrap();
 /// builder.repeat(block, 10).unwrap();
-/// assert_eq!(builder.build().unwrap().duration(), (3 + 10 * 6) * 2000);
+/// builder.finish().unwrap();
+/// assert_eq!(program.duration(), (3 + 10 * 6) * 2000);
 /// ```
-#[derive(Clone, Debug)]
-pub struct ProgramBuilder {
+#[derive(Debug)]
+pub struct ProgramBuilder<'a> {
     tick_hz: u32,
     profile: Profile,
     speed_limit_hz: f64,
-    program: Program,
+    program: &'a mut Program,
 }
 
 /// Longest program: 10 years at 10 kHz, far inside 64 bits of ticks.
 const MOST_TICKS: u64 = 10_000 * 86_400 * 3_653;
 
-impl ProgramBuilder {
-    /// An empty program for a machine with this tick, profile and greatest speed (rev/s).
-    pub fn new(tick_hz: u32, profile: Profile, speed_limit_hz: f64) -> Self {
+impl<'a> ProgramBuilder<'a> {
+    /// Empties a program and builds it anew, for a machine with this tick, profile and greatest speed (rev/s).
+    pub fn new(
+        tick_hz: u32,
+        profile: Profile,
+        speed_limit_hz: f64,
+        program: &'a mut Program,
+    ) -> Self {
+        program.clear();
         Self {
             tick_hz,
             profile,
             speed_limit_hz,
-            program: Program::default(),
+            program,
         }
     }
 
@@ -95,7 +103,6 @@ impl ProgramBuilder {
     /// than [`CAPACITY`] entries. The program is as before.
     #[cold]
     pub fn segment(&mut self, settings: SegmentSettings) -> Result<(), SettingsError> {
-        use crate::settings::inside;
         let amax_mps2 = inside("program.amax_mps2", settings.amax_mps2, 0.0, 10_000.0)?;
         let ramp_s = inside("program.ramp_s", settings.ramp_s, 0.0, 100_000.0)?;
         let hold_s = inside("program.hold_s", settings.hold_s, 0.0, 1_000_000.0)?;
@@ -130,7 +137,6 @@ impl ProgramBuilder {
     /// [`CAPACITY`] entries. The program is as before.
     #[cold]
     pub fn repeat(&mut self, first: usize, times: u32) -> Result<(), SettingsError> {
-        use crate::settings::inside;
         inside("program.repeat", f64::from(times), 1.0, 65_535.0)?;
         if first >= self.here() {
             return Err(SettingsError::new("program.segments", Problem::RepeatEmpty));
@@ -163,15 +169,14 @@ impl ProgramBuilder {
         self.program.ends.push(end).map_err(|_| full)
     }
 
-    /// The program.
+    /// Ends the program.
     ///
     /// # Errors
     /// There is nothing in it.
-    #[cold]
-    pub fn build(self) -> Result<Program, SettingsError> {
+    pub fn finish(self) -> Result<(), SettingsError> {
         if self.program.entries.is_empty() {
             return Err(SettingsError::new("program", Problem::ProgramEmpty));
         }
-        Ok(self.program)
+        Ok(())
     }
 }

@@ -4,7 +4,6 @@
 //! the modules' own builders make of them, and cannot meet a bad setting because none gets through.
 
 mod error;
-mod ready;
 #[cfg(test)]
 pub(crate) mod sample;
 #[cfg(test)]
@@ -14,10 +13,10 @@ pub use cophase_motion::settings::{
     BandSettings, CLOCK_HZ, LimitSettings, MAX_BANDS, PulseSettings, inside, turns, turns_at_most,
 };
 pub use error::{Problem, SettingsError};
-pub use ready::Ready;
 
 use crate::drift::index_filter::MOST_OF_TICK;
-use crate::program::{CAPACITY, EntrySettings};
+use crate::profile::{Profile, SliderCrank};
+use crate::program::{CAPACITY, EntrySettings, Program, ProgramBuilder};
 use crate::units::MAX_AXES;
 
 /// Longest name of a machine, bytes of UTF-8.
@@ -25,7 +24,7 @@ pub const NAME_BYTES: usize = 32;
 
 /// Everything that a user sets for one machine's control loop: limits, axes and program.
 ///
-/// Nothing in it has been checked: it may come from a memory chip. [`Settings::ready`] finds what is wrong with it.
+/// Nothing in it has been checked: it may come from a memory chip. [`crate::controller::Controller::configure`] finds what is wrong with it.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings {
@@ -179,6 +178,12 @@ pub struct CorrectionSettings {
     pub coupling_per_s: f64,
 }
 
+impl Default for Settings {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl CorrectionSettings {
     /// Drift is watched, and nothing done about it within the limits.
     pub const NONE: Self = Self {
@@ -190,6 +195,50 @@ impl CorrectionSettings {
 }
 
 impl Settings {
+    /// Settings without axes or program, to be filled in.
+    pub const fn new() -> Self {
+        Self {
+            name: heapless::String::new(),
+            tick_hz: 0,
+            machine: MachineSettings {
+                crank_radius_m: 0.0,
+                lambda: 0.0,
+                load_kg: 0.0,
+                platform: Platform::Below,
+                gravity_mps2: 0.0,
+                mount_radius_m: 0.0,
+            },
+            limits: LimitSettings {
+                speed_hz: 0.0,
+                acceleration_hz_per_s: 0.0,
+                jerk_hz_per_s2: 0.0,
+                stop_acceleration_hz_per_s: 0.0,
+                stop_jerk_hz_per_s2: 0.0,
+                creep_hz: 0.0,
+                bands: heapless::Vec::new(),
+            },
+            pulse: PulseSettings {
+                width_ns: 0.0,
+                dir_setup_ns: 0.0,
+                dir_hold_ns: 0.0,
+            },
+            index: IndexSettings { width_us: 0.0 },
+            axes: heapless::Vec::new(),
+            trims_turns: heapless::Vec::new(),
+            drift: DriftSettings {
+                tilt_limit_mrad: 0.0,
+                warp_limit_deg: 0.0,
+                common_limit_deg: 0.0,
+                reading_deg: 0.0,
+                lag_s: 0.0,
+            },
+            correction: CorrectionSettings::NONE,
+            park_turns: 0.0,
+            settle_s: 0.0,
+            program: heapless::Vec::new(),
+        }
+    }
+
     /// Checks every number by itself and against the others.
     ///
     /// # Errors
@@ -235,6 +284,33 @@ impl Settings {
         inside("control.park_deg", self.park_turns * 360.0, 0.0, 360.0)?;
         inside("control.settle_s", self.settle_s, 0.0, 10.0)?;
         Ok(())
+    }
+
+    /// The mechanism of these settings' machine, for this tick rate.
+    #[cold]
+    pub fn profile(&self) -> Profile {
+        let machine = &self.machine;
+        Profile::SliderCrank(SliderCrank::new(
+            machine.crank_radius_m,
+            machine.lambda,
+            self.tick_hz,
+        ))
+    }
+
+    /// A builder of programs for these settings' machine, which empties `program` first.
+    #[cold]
+    pub fn program_builder<'a>(&self, program: &'a mut Program) -> ProgramBuilder<'a> {
+        ProgramBuilder::new(self.tick_hz, self.profile(), self.limits.speed_hz, program)
+    }
+
+    /// Replaces a program with that of these settings.
+    #[cold]
+    pub(crate) fn fill_program(&self, program: &mut Program) -> Result<(), SettingsError> {
+        let mut builder = self.program_builder(program);
+        for (i, entry) in self.program.iter().enumerate() {
+            builder.entry(entry).map_err(|error| error.on_entry(i))?;
+        }
+        builder.finish()
     }
 
     /// Cycles of the step clock in one control tick.

@@ -69,9 +69,22 @@ impl RampLimits {
 }
 
 impl ShaftLimits {
+    /// Limits of a shaft that is not to move.
+    pub const STANDSTILL: Self = {
+        const RAMP: RampLimits = RampLimits::within(64, 64, 64, 1);
+        Self {
+            speed: 1,
+            creep: 1,
+            bands: heapless::Vec::new(),
+            usual: RAMP,
+            fault: RAMP,
+            parking: RAMP,
+        }
+    };
+
     /// From settings that [`crate::settings::Settings::check`] has passed.
     #[cold]
-    pub fn new(settings: &LimitSettings, tick_hz: u32) -> Self {
+    pub fn of(settings: &LimitSettings, tick_hz: u32) -> Self {
         let hz = f64::from(tick_hz);
         let speed = turns_at_most(settings.speed_hz / hz);
         let usual = RampLimits::new(

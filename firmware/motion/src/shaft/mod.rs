@@ -81,6 +81,18 @@ pub struct Motion {
     pub crossing_band: bool,
 }
 
+impl Motion {
+    /// The motion of a shaft that stands.
+    pub const AT_REST: Self = Self {
+        speed: Turns::ZERO,
+        acceleration: Turns::ZERO,
+        at_rest: true,
+        lagging: false,
+        held_at_band: false,
+        crossing_band: false,
+    };
+}
+
 /// The master shaft.
 #[derive(Clone, Debug)]
 pub struct Shaft {

@@ -128,7 +128,7 @@ fn limits(
             .map(|&(from_hz, to_hz)| BandSettings { from_hz, to_hz })
             .collect(),
     };
-    ShaftLimits::new(&settings, tick_hz)
+    ShaftLimits::of(&settings, tick_hz)
 }
 
 /// Limits over all of what settings accept, as long as a ramp is short enough to be played often.
@@ -155,7 +155,7 @@ fn any_limits() -> impl Strategy<Value = ShaftLimits> {
                 let bands = bands
                     .iter()
                     .map(|&(from_hz, to_hz)| BandSettings { from_hz, to_hz });
-                Some(ShaftLimits::new(
+                Some(ShaftLimits::of(
                     &LimitSettings {
                         bands: bands.collect(),
                         ..settings
@@ -275,7 +275,7 @@ proptest! {
     /// sums end where they should.
     #[test]
     fn the_longest_ramps_can_be_planned((tick_hz, settings) in any_limit_settings(), phase_bits in 0..ONE_TURN) {
-        let mut watch = Watch::new(ShaftLimits::new(&settings, tick_hz));
+        let mut watch = Watch::new(ShaftLimits::of(&settings, tick_hz));
         watch.start_at(watch.shaft.limits.speed);
         for _ in 0..200_000 {
             if watch.advance(Demand::Stop(Some(Turns::from_bits(phase_bits)))).at_rest {

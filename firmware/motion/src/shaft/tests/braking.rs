@@ -58,7 +58,7 @@ proptest! {
     /// The same for the longest ramps that settings accept, by a step of induction; nothing overflows.
     #[test]
     fn a_tick_of_braking_takes_its_speed_of_the_way(
-        (limits, state) in any_state(any_limit_settings().prop_map(|(hz, settings)| ShaftLimits::new(&settings, hz))),
+        (limits, state) in any_state(any_limit_settings().prop_map(|(hz, settings)| ShaftLimits::of(&settings, hz))),
         braking in 0_u32..50,
     ) {
         let way = |state: State| limits.parking.braking_way(state.speed, state.acceleration);

@@ -154,7 +154,7 @@ fn a_fault_during_align_stops_as_shortly() {
             creep_hz: speed_hz / 20.0,
             bands: heapless::Vec::new(),
         };
-        let limits = ShaftLimits::new(&settings, 2000);
+        let limits = ShaftLimits::of(&settings, 2000);
         let creep = Demand::Follow(Target::steady(limits.creep()));
         for ticks in 1..600 {
             let mut watch = Watch::new(limits.clone());
