@@ -1,7 +1,7 @@
 //! Which settings the image runs on, and where they are kept.
 //!
 //! A blob is built in, and two slots at the end of the flash keep what was stored or placed there: see
-//! `docs/blob.md` and the crate `cophase-blob`, where all of this is decided and tested. Here it meets the flash.
+//! `docs/settings-file.md` and the crate `cophase-blob`, where all of this is decided and tested. Here it meets the flash.
 
 use cophase_blob::layout::{FLASH_ADDRESS, FLASH_BYTES, SLOT_A_OFFSET, SLOT_B_OFFSET, SLOT_BYTES};
 use cophase_blob::store::{Choice, Slot, Store, blob_in, choose, inspect};

@@ -15,7 +15,7 @@
 //!
 //! What the board is able to run is in [`board`].
 //!
-//! `docs/blob.md` has the format as a table.
+//! `docs/settings-file.md` has the format as a table.
 #![no_std]
 #![forbid(unsafe_code)]
 

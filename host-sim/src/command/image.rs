@@ -76,7 +76,7 @@ fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, Co
     if let Err(unfit) = board::check(setup) {
         text += &format!("The RP2040 board will refuse this: {unfit}.\n");
     }
-    text += "How to get it onto a board: docs/image.md, docs/blob.md.\n";
+    text += "How to get it onto a board: docs/image.md, docs/settings-file.md.\n";
     Ok(text)
 }
 
