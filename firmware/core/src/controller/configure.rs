@@ -208,7 +208,7 @@ fn feed_forward(
         return Err(SettingsError::new("axes.ratio", problem));
     }
     match axis.drive {
-        DriveKind::Stepper => {
+        DriveKind::Stepper | DriveKind::PulseServo => {
             timing.check_rate(axis.steps_per_turn, speed_hz, tick_hz)?;
             Ok(None)
         }

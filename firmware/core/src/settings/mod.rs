@@ -112,6 +112,8 @@ pub enum DriveKind {
     Stepper,
     /// Position, velocity and torque setpoints each tick.
     Servo,
+    /// Step and direction pulses to a servo drive, which closes its position loop by itself: it loses no steps, and has an alarm.
+    PulseServo,
 }
 
 /// One motor and its crank.
