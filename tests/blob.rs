@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use clap::Parser;
+use cophase::{Command, Status};
 use cophase_blob::codec::VERSION;
 use cophase_blob::{Header, decode};
 use cophase_tests::built_in;
-use host_sim::command::{Command, Status};
 use host_sim::scene::library::SCENES;
 
 /// The default scene as a blob, as it was when its format got its version.

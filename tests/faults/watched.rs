@@ -1,9 +1,9 @@
 //! What a campaign judges a run by: when cranks truly passed a limit, what was told of it, and who was moved while another stood.
 
+use cophase_lab::campaign::geometry::Geometry;
+use cophase_lab::campaign::judge::{self, Verdict, judge};
+use cophase_lab::campaign::watch::{Seen, Watch};
 use cophase_tests::scene;
-use host_sim::campaign::geometry::Geometry;
-use host_sim::campaign::judge::{self, Verdict, judge};
-use host_sim::campaign::watch::{Seen, Watch};
 use host_sim::scene::Checked;
 use host_sim::sim::simulate;
 
