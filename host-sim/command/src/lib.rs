@@ -10,6 +10,9 @@ pub mod design;
 mod image;
 mod run;
 mod scenes;
+mod status;
+
+pub use status::{CommandError, Status};
 
 use std::io::{self, Write};
 
@@ -41,29 +44,6 @@ enum What {
     /// Draw a chart, and write its data: speed against accuracy, and where methods stop being stable
     Chart(chart::ChartArgs),
     Design(DesignArgs),
-}
-
-/// How a command ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Status {
-    /// Done.
-    Done = 0,
-    /// The run ended in a fault; everything was written.
-    Fault = 1,
-    /// Bad input; nothing was written.
-    BadInput = 2,
-}
-
-/// Why a command could not be carried out.
-#[derive(Debug, thiserror::Error)]
-pub enum CommandError {
-    /// What was given cannot be worked with.
-    #[error("{0}")]
-    Input(String),
-    /// What came out could not be written.
-    #[error("cannot write: {0}")]
-    Output(#[from] io::Error),
 }
 
 impl Command {

@@ -1,7 +1,8 @@
 //! Whether the rung that was chosen does, by running a sample of the scene on it and on others.
 
+use super::choice::{Choice, Judged};
 use super::choose::{available, judge, questions};
-use super::{Answers, Bounds, Choice, Judged, Output, sample};
+use super::{Answers, Bounds, Output, sample};
 use crate::scene::file::Fidelity;
 use crate::scene::{Checked, SceneError};
 use crate::sim::simulate;

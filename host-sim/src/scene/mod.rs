@@ -6,12 +6,14 @@
 //! would be right.
 
 pub mod check;
+mod checked;
 mod error;
 pub mod file;
 pub mod library;
 pub mod load;
 
-pub use check::{Checked, plant};
+pub use check::plant;
+pub use checked::Checked;
 pub use error::SceneError;
 pub use file::Scene;
 

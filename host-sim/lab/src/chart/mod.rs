@@ -11,6 +11,7 @@
 pub mod axis;
 pub mod breakdown;
 mod decisions;
+mod drawn;
 mod energy;
 mod fidelity;
 mod functions;
@@ -21,34 +22,7 @@ mod stability;
 mod tick_rate;
 pub mod yardstick;
 
-/// A chart that was made.
-#[derive(Clone, Debug)]
-pub struct Drawn {
-    /// Data, with a header.
-    pub csv: String,
-    /// The picture.
-    pub svg: String,
-    /// What it says, in a sentence or two; it stands under the picture too.
-    pub says: String,
-}
-
-/// How much is measured.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-pub enum Size {
-    /// Fewer points, shorter runs: seconds even where nothing is optimised.
-    Small,
-    /// What the docs show.
-    #[default]
-    Full,
-}
-
-/// Told how much is done, of how much.
-pub type Progress<'a> = &'a mut dyn FnMut(u64, u64);
-
-/// Why a chart could not be made.
-#[derive(Clone, Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct ChartError(pub String);
+pub use drawn::{ChartError, Drawn, Progress, Size};
 
 /// A chart that can be made.
 #[derive(Clone, Copy, Debug)]

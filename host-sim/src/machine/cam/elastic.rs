@@ -6,7 +6,7 @@ use cophase_core::settings::MAX_AXES;
 use cophase_methods::problems::Chain;
 use cophase_methods::{Equations, Method, Scheme, StepError};
 
-use super::{Peaks, Pusher, Turned};
+use super::pusher::{Peaks, Pusher, Turned};
 use crate::machine::Chosen;
 use crate::machine::MOST_STEPS;
 

@@ -3,8 +3,8 @@
 //! Failure: the slower the crossing, the more of the resonance builds up; who dwells there gets all of it. Guard: a
 //! forbidden band. A program that asks for a speed inside gets the nearer edge, and time inside is what the limits make it.
 
+use super::panel::{Curve, Shown, failing};
 use super::runs::run;
-use super::{Curve, Shown, failing};
 use crate::chart::axis::Axis;
 use crate::chart::picture::{At, Level};
 use crate::chart::{ChartError, Size};

@@ -6,7 +6,7 @@
 use cophase_methods::problems::{Cam, Chain, Law, Shaft};
 use cophase_methods::{Scheme, StepError};
 
-use super::{Curve, Shown};
+use super::panel::{Curve, Shown};
 use crate::chart::axis::Axis;
 use crate::chart::picture::{At, Level, Line};
 use crate::chart::{ChartError, Size};

@@ -3,7 +3,7 @@
 //! Failure: at λ = 0.6 its acceleration is off by 9.4 % of amax, at 90°. Guards: the simulator has the exact mechanism, and
 //! a λ outside 0.1 to 0.6 is refused and told the range.
 
-use super::{Curve, Shown, failing, guarded};
+use super::panel::{Curve, Shown, failing, guarded};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use crate::chart::ink::Stroke;

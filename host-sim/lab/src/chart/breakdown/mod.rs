@@ -17,6 +17,7 @@ pub mod chain;
 pub mod diverging;
 pub mod lambda;
 pub mod overload;
+mod panel;
 pub mod pull_out;
 pub mod rods;
 pub mod root;
@@ -26,72 +27,6 @@ use super::axis::Axis;
 use super::ink::{Ink, Stroke};
 use super::picture::{Level, Line, Panel, Picture, render};
 use super::{ChartError, Drawn, Progress, Size};
-
-/// A panel, with all that it is drawn from.
-struct Shown {
-    /// Its name in the data.
-    key: &'static str,
-    title: String,
-    x: Axis,
-    y: Axis,
-    curves: Vec<Curve>,
-    levels: Vec<Level>,
-    /// What it says, numbered as its title.
-    says: String,
-}
-
-/// A line with its own name, as one look means the same in all panels.
-struct Curve {
-    /// What it is, and its unit.
-    name: String,
-    line: Line,
-    /// Points, as they are written.
-    data: Vec<(f64, f64)>,
-}
-
-impl Curve {
-    fn new(name: impl Into<String>, line: Line) -> Self {
-        Self {
-            name: name.into(),
-            data: line.points.clone(),
-            line,
-        }
-    }
-
-    /// One value, which the panel marks by a [`Level`].
-    fn level(name: &str, value: f64) -> Self {
-        Self {
-            name: name.to_owned(),
-            line: failing(Vec::new()),
-            data: vec![(f64::NAN, value)],
-        }
-    }
-}
-
-/// What was asked for.
-fn asked(points: Vec<(f64, f64)>) -> Line {
-    Line {
-        stroke: Stroke::Dashed,
-        marked: false,
-        ..Line::new("asked for", Ink::Grey, points)
-    }
-}
-
-/// Where it goes wrong.
-fn failing(points: Vec<(f64, f64)>) -> Line {
-    Line {
-        marked: false,
-        ..Line::new("where it goes wrong", Ink::Vermilion, points)
-    }
-}
-
-/// As it should be, or is kept by a guard.
-fn guarded(points: Vec<(f64, f64)>) -> Line {
-    Line {
-        marked: false,
-        ..Line::new("as it should be", Ink::Blue, points)
-    }
-}
 
 /// Makes a panel.
 type Show = fn(Size) -> Result<Shown, ChartError>;

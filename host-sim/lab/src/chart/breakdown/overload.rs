@@ -4,8 +4,8 @@
 //! Guard: their common lag is watched too; it latches a fault, and all stop together. A loop whose ticks take five times
 //! as long as they may ends in a fault likewise: an overrun, with all cranks in phase.
 
+use super::panel::{Curve, Shown, failing, guarded};
 use super::runs::{fault_s, first_slip_s, run, three_steppers};
-use super::{Curve, Shown, failing, guarded};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use crate::chart::picture::{At, Level};

@@ -4,8 +4,8 @@
 //! Guards: the drift monitor hears it at the next index pulse, latches a fault and stops all; and the rung that compares torques
 //! says beforehand that more is asked than there is.
 
+use super::panel::{Curve, Shown, failing, guarded};
 use super::runs::{fault_s, first_slip_s, run, three_steppers};
-use super::{Curve, Shown, failing, guarded};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use crate::chart::picture::{At, Level};

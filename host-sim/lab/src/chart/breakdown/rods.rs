@@ -4,8 +4,8 @@
 //! step that did for soft rods is unstable. Guards: the step is chosen for the rods; one that the scene insists on is
 //! refused and told the limit; and `drift.warp_limit_deg` stops a machine that bends its rods.
 
+use super::panel::{Curve, Shown, failing, guarded};
 use super::runs::{refusal, run};
-use super::{Curve, Shown, failing, guarded};
 use crate::chart::axis::Axis;
 use crate::chart::ink::{Ink, Stroke};
 use crate::chart::picture::{At, Level, Line};

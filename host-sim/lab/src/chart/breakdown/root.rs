@@ -5,8 +5,8 @@
 
 use cophase_core::supervisor::State;
 
+use super::panel::{Curve, Shown, asked, guarded};
 use super::runs::{began_s, run, speed_for_hz};
-use super::{Curve, Shown, asked, guarded};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use crate::chart::picture::{At, Level};

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use cophase_core::settings::MAX_AXES;
 use cophase_core::supervisor::State;
 
-use super::ChartError;
+use crate::chart::ChartError;
 use host_sim::scene::{Checked, SceneError, load};
 use host_sim::sim::events::Happening;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};

@@ -10,7 +10,7 @@
 use cophase_methods::Scheme;
 use cophase_methods::problems::{Cam, Chain, Law, Shaft};
 
-use super::{Decision, NoOutcome};
+use super::decision::{Decision, NoOutcome};
 use crate::chart::methods::Counted;
 
 use std::f64::consts::TAU;

@@ -11,6 +11,7 @@
 //!
 //! Reference thresholds come from a library's solvers, see the tests, which compute them again.
 
+mod decision;
 mod lift_off;
 mod pull_out;
 #[cfg(test)]
@@ -24,42 +25,10 @@ use cophase_methods::{Scheme, StepError};
 use super::axis::Axis;
 use super::picture::{Line, Panel, Picture, render};
 use super::{ChartError, Drawn, Progress, Size};
+use decision::{Decision, NoOutcome};
 use lift_off::LiftOff;
 use pull_out::PullsOut;
 use resonance::Resonance;
-
-/// A machine at the edge of something.
-trait Decision {
-    /// Its name in the data.
-    fn name(&self) -> &'static str;
-    /// What the threshold is of, as a panel's title.
-    fn title(&self) -> &'static str;
-    /// The reference's threshold, in the drive's unit.
-    fn reference(&self) -> f64;
-    /// How far the reference may itself be off, relative.
-    fn doubt(&self) -> f64;
-    /// The frequency that steps are compared with, rad/s.
-    fn omega_rad_s(&self) -> f64;
-    /// Steps that are tried, s, at the reference's threshold.
-    fn steps_s(&self) -> Vec<f64>;
-    /// What becomes of it at a drive: whether it is beyond the threshold, and how often the machine was asked.
-    fn beyond(&self, scheme: Scheme, step_s: f64, drive: f64) -> Result<(bool, u64), NoOutcome>;
-}
-
-/// Why there is no outcome.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum NoOutcome {
-    /// The method is not for this machine.
-    Unsuited,
-    /// It diverged, or did not converge.
-    Broke,
-}
-
-impl From<StepError> for NoOutcome {
-    fn from(_: StepError) -> Self {
-        Self::Broke
-    }
-}
 
 /// What a method takes for the threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]

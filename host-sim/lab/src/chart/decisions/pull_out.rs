@@ -7,7 +7,7 @@
 
 use cophase_methods::{Equations, Scheme};
 
-use super::{Decision, NoOutcome};
+use super::decision::{Decision, NoOutcome};
 use crate::chart::methods::Counted;
 use host_sim::dynamics::{Body, Field, Motor, Rigid, Stepper};
 use host_sim::machine::PullOut;

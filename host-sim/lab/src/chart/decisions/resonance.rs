@@ -6,7 +6,7 @@
 use cophase_methods::Scheme;
 use cophase_methods::problems::Screen;
 
-use super::{Decision, NoOutcome};
+use super::decision::{Decision, NoOutcome};
 use crate::chart::methods::Counted;
 
 /// The screen with its motor; the drive is the motor's torque over its rated one.
