@@ -23,10 +23,9 @@ pub mod rods;
 pub mod root;
 pub mod runs;
 
-use super::axis::Axis;
-use super::ink::{Ink, Stroke};
-use super::picture::{Level, Line, Panel, Picture, render};
+use super::picture::{Panel, Picture, render};
 use super::{ChartError, Drawn, Progress, Size};
+use panel::Shown;
 
 /// Makes a panel.
 type Show = fn(Size) -> Result<Shown, ChartError>;

@@ -20,7 +20,7 @@ mod resonance;
 
 use std::fmt::Write;
 
-use cophase_methods::{Scheme, StepError};
+use cophase_methods::Scheme;
 
 use super::axis::Axis;
 use super::picture::{Line, Panel, Picture, render};
