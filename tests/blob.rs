@@ -45,6 +45,6 @@ const RENEW: &str = "renew it: cargo sim image default -o firmware/blob/golden/d
 fn a_board_is_told_what_the_simulation_is_told() {
     for scene in SCENES {
         let setup = decode(&image(scene.name)).expect("a blob of this version");
-        assert_eq!(setup, built_in(scene.name).setup, "{}", scene.name);
+        assert_eq!(setup, built_in(scene.name).settings, "{}", scene.name);
     }
 }

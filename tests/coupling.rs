@@ -52,11 +52,11 @@ fn spread(error: &[f64; 3]) -> f64 {
 /// The gains that the scene derives, and those that the core is told.
 fn derived() -> (Gains, CorrectionSettings) {
     let checked = scene(&text("couple = true", "torque_nm = 1"));
-    let gains = plant(&checked.scene, &checked.setup.machine)
+    let gains = plant(&checked.scene, &checked.settings.machine)
         .unwrap()
         .gains()
         .unwrap();
-    (gains, checked.setup.correction)
+    (gains, checked.settings.correction)
 }
 
 /// Were the derivation wrong, or the loop slower than it says, the coupling would swing at other gains than its margin tells.

@@ -6,6 +6,7 @@
 //! mathematics of the machines. Charts and campaigns are in `lab/`, the `cophase` command in `command/`.
 #![forbid(unsafe_code)]
 
+pub mod axes;
 pub mod design;
 pub mod dynamics;
 pub mod faults;

@@ -11,7 +11,6 @@ use super::{CommandError, Status, scenes};
 use host_sim::scene::file::{AxisApart, CamShaft, Fidelity, Rods};
 use host_sim::scene::{Checked, Scene};
 use host_sim::trace::RunFiles;
-use host_sim::with_axes;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ImageArgs {
@@ -32,7 +31,7 @@ pub(super) fn image(args: &ImageArgs, out: &mut impl Write) -> Result<Status, Co
     let checked = scenes::read(&args.scene).map_err(CommandError::Input)?;
     let refused = |error: &dyn std::fmt::Display| CommandError::Input(format!("-o: {error}"));
     let mut buffer = [0; MAX_BLOB_BYTES];
-    let blob = encode(&checked.setup, FIRST_SEQUENCE, OUTSIDE, &mut buffer)
+    let blob = encode(&checked.settings, FIRST_SEQUENCE, OUTSIDE, &mut buffer)
         .map_err(|error| refused(&error))?;
     let header = Header::read(blob).map_err(|error| refused(&error))?;
     let summary = summary(&checked, &header, &args.out)?;
@@ -43,28 +42,28 @@ pub(super) fn image(args: &ImageArgs, out: &mut impl Write) -> Result<Status, Co
 
 /// What was made, and what of the scene is not in it.
 fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, CommandError> {
-    let setup = &checked.setup;
-    let ticks = with_axes!(setup.axes_count(), N => {
-        checked.controller::<N>().map(|controller| controller.program().0.duration())
-    })
-    .map_err(|error| CommandError::Input(error.to_string()))?;
-    let seconds = ticks as f64 / f64::from(setup.tick_hz);
+    let settings = &checked.settings;
+    let controller = checked
+        .controller()
+        .map_err(|error| CommandError::Input(error.to_string()))?;
+    let ticks = controller.program().0.duration();
+    let seconds = ticks as f64 / f64::from(settings.tick_hz);
     let mut text = format!(
         "{}: {} axes, {} ticks a second, a program of {} entr{} that lasts {seconds:.1} s.\n\
          Written to {}: {} bytes (header {HEADER_BYTES}, payload {}), format {}, CRC-32 {:#010x}.\n",
         checked.scene.name,
-        setup.axes_count(),
-        setup.tick_hz,
-        setup.program.len(),
-        if setup.program.len() == 1 { "y" } else { "ies" },
+        settings.axes.len(),
+        settings.tick_hz,
+        settings.program.len(),
+        if settings.program.len() == 1 { "y" } else { "ies" },
         path.display(),
         header.blob_bytes(),
         header.length,
         header.version,
         header.payload_crc,
     );
-    if *setup.name != *checked.scene.name {
-        text += &format!("Its name is cut to `{}`.\n", setup.name);
+    if *settings.name != *checked.scene.name {
+        text += &format!("Its name is cut to `{}`.\n", settings.name);
     }
     let left_out = left_out(&checked.scene);
     if !left_out.is_empty() {
@@ -73,7 +72,7 @@ fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, Co
             left_out.join(", ")
         );
     }
-    if let Err(unfit) = board::check(setup) {
+    if let Err(unfit) = board::check(settings) {
         text += &format!("The RP2040 board will refuse this: {unfit}.\n");
     }
     text += "How to get it onto a board: docs/image.md, docs/blob.md.\n";

@@ -14,7 +14,6 @@ use host_sim::scene::library::SCENES;
 use host_sim::sim::events::Happening;
 use host_sim::sim::{Outcome, simulate};
 use host_sim::trace::{Every, Recorder, RunFiles, ScopeData, ScopeFrame, Window};
-use host_sim::with_axes;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct RunArgs {
@@ -82,8 +81,7 @@ pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, Comman
     let checked = fidelity::check(checked)
         .map_err(|error| CommandError::Input(error.in_file(&args.scene).to_string()))?;
     let (outcome, written) =
-        with_axes!(checked.scene.axes.count, N => record::<N>(args, &checked, began))
-            .map_err(CommandError::Input)?;
+        record(args, &checked, began).map_err(CommandError::Input)?;
     if !args.quiet {
         let wall_s = began.elapsed().as_secs_f64();
         out.write_all(report::summary(&checked, &outcome, Some(written), wall_s).as_bytes())?;
@@ -111,7 +109,7 @@ pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, Comman
 const FILES: [&str; 4] = ["report.json", "trace.csv", "steps.vcd", "scope.svg"];
 
 /// Runs a scene and writes its files: all of them, or none.
-fn record<const N: usize>(
+fn record(
     args: &RunArgs,
     checked: &Checked,
     began: Instant,
@@ -144,12 +142,12 @@ fn record<const N: usize>(
         vcd,
         every,
         window,
-        ScopeData::new(N, frame(checked)),
+        ScopeData::new(checked.scene.axes.count, frame(checked)),
     )
     .map_err(|e| place(&e))?;
 
     let bar = progress_bar(args.quiet);
-    let outcome = simulate::<N>(checked, &mut recorder, |done, about| {
+    let outcome = simulate(checked, &mut recorder, |done, about| {
         bar.set_length(about.max(done));
         bar.set_position(done);
     })

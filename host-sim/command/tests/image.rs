@@ -62,7 +62,7 @@ fn a_scene_becomes_a_blob_of_the_same_setup() {
     assert_eq!(names(dir.path()), ["my.blob", "scene.toml"]);
     let blob = fs::read(dir.path().join("my.blob")).unwrap();
     let checked = Checked::new(load::parse(BASE).unwrap()).unwrap();
-    assert_eq!(decode(&blob), Ok(checked.setup));
+    assert_eq!(decode(&blob), Ok(checked.settings));
     let header = Header::read(&blob).unwrap();
     assert_eq!((header.sequence, header.origin), (FIRST_SEQUENCE, OUTSIDE));
 

@@ -9,7 +9,7 @@ mod pusher;
 
 pub use pusher::{Peaks, Pusher, Turned};
 
-use cophase_core::settings::MAX_AXES;
+use cophase_core::units::MAX_AXES;
 use cophase_methods::problems::{Cam, Chain};
 use cophase_methods::{Scheme, StepError};
 

@@ -18,7 +18,6 @@ use super::file::{Fidelity, Scene};
 use super::{Checked, SceneError};
 use crate::fidelity;
 use crate::machine::{PullOut, RESOLUTION};
-use crate::with_axes;
 
 pub use cam::Follower;
 pub use correction::plant;
@@ -56,7 +55,7 @@ impl Checked {
         let program = program::flat(&scene.program)?;
         let mut checked = Self {
             lambda: machine.lambda,
-            setup: settings::setup(
+            settings: settings::settings(
                 &scene,
                 machine,
                 drift,
@@ -70,7 +69,7 @@ impl Checked {
             scene,
         };
         // Made once to be checked; it is cheap, and nothing else knows all that the core refuses.
-        with_axes!(checked.scene.axes.count, N => checked.controller::<N>().map(|_| ()))?;
+        checked.controller()?;
         numbers::check_pull_out(&checked.scene)?;
         if checked.scene.questions.ground_percent.is_some() && checked.scene.frame.is_none() {
             return Err(SceneError::at(

@@ -4,7 +4,6 @@ use cophase_core::controller::Controller;
 use cophase_core::profile::{Profile, SliderCrank};
 use cophase_core::program::EntrySettings;
 use cophase_core::settings::{AxisSettings, Settings, SettingsError};
-use cophase_core::setup::Setup;
 
 use super::SceneError;
 use super::check::{Follower, program};
@@ -18,7 +17,7 @@ pub struct Checked {
     /// The scene.
     pub scene: Scene,
     /// What the core is told of it: on a board, in a blob, the very same.
-    pub setup: Setup,
+    pub settings: Settings,
     /// Crank radius over rod length, however it was given; of a cam, that of the crank which the core is told.
     pub lambda: f64,
     /// The cam shafts with their followers, where there are no cranks.
@@ -40,8 +39,8 @@ impl Checked {
 
     /// The key, or the kind of fault, that has cranks stand, or turn, apart from each other, if one does.
     pub fn cranks_apart(&self) -> Option<&'static str> {
-        let axes = &self.setup.axes;
-        let trims = &self.setup.trims_turns;
+        let axes = &self.settings.axes;
+        let trims = &self.settings.trims_turns;
         let starts = |i: usize| self.apart(i).map_or(0.0, |apart| apart.start_deg);
         let differ = |one: fn(&AxisSettings) -> f64| {
             axes.windows(2).any(|pair| one(&pair[0]) != one(&pair[1]))
@@ -73,38 +72,32 @@ impl Checked {
 
     /// The speed that the program's highest level asks for, at most the limit, rev/s.
     pub fn top_speed_hz(&self) -> f64 {
-        let levels = self.setup.program.iter().map(|entry| match entry {
+        let levels = self.settings.program.iter().map(|entry| match entry {
             EntrySettings::Segment(segment) => segment.amax_mps2,
             EntrySettings::Repeat { .. } => 0.0,
         });
-        let machine = &self.setup.machine;
+        let machine = &self.settings.machine;
         let crank_m = machine.crank_radius_m * (1.0 + machine.lambda);
         let omega = (levels.fold(0.0, f64::max) / crank_m).sqrt();
         let limits = &self.scene.limits;
         (omega / std::f64::consts::TAU).clamp(limits.creep_hz.min(limits.speed_hz), limits.speed_hz)
     }
 
-    /// The loop that this scene asks for; `N` is the scene's number of axes.
+    /// The loop that this scene asks for.
     ///
     /// # Errors
     /// Settings or a program that the core refuses.
-    pub fn controller<const N: usize>(&self) -> Result<Controller<N>, SceneError> {
-        self.setup.controller().map_err(|error| self.placed(error))
-    }
-
-    /// The core's settings; `N` is the scene's number of axes.
-    ///
-    /// # Errors
-    /// `N` is another number.
-    pub fn settings<const N: usize>(&self) -> Result<Settings<N>, SceneError> {
-        self.setup.settings().map_err(|error| self.placed(error))
+    pub fn controller(&self) -> Result<Controller, SceneError> {
+        self.settings
+            .controller()
+            .map_err(|error| self.placed(error))
     }
 
     /// The profile of this scene's machine.
     pub fn profile(&self) -> Profile {
-        let Setup {
+        let Settings {
             machine, tick_hz, ..
-        } = &self.setup;
+        } = &self.settings;
         Profile::SliderCrank(SliderCrank::new(
             machine.crank_radius_m,
             machine.lambda,
@@ -132,7 +125,7 @@ impl Checked {
 
     /// Whether axis `number` has an index sensor.
     pub fn has_index(&self, number: usize) -> bool {
-        self.setup
+        self.settings
             .axes
             .get(number)
             .is_some_and(|axis| axis.index_turns.is_some())

@@ -17,7 +17,6 @@ pub use outcome::Outcome;
 pub use statistics::Statistics;
 
 use cophase_core::control_loop;
-use cophase_core::controller::Controller;
 
 use crate::faults::Faults;
 use crate::machine::Machine;
@@ -33,22 +32,24 @@ use schedule::Schedule;
 /// # Errors
 /// A scene whose machine cannot be made; [`Checked`] has refused those that the core refuses.
 ///
-/// # Panics
-/// If the scene has another number of axes than `N`.
-pub fn simulate<const N: usize>(
+/// ```
+/// use host_sim::scene::{Checked, library};
+/// use host_sim::sim::simulate;
+///
+/// let checked = Checked::new(library::find("patent-4").unwrap().scene()).unwrap();
+/// let outcome = simulate(&checked, &mut (), |_, _| {}).unwrap();
+/// assert!(outcome.fault.is_none());
+/// ```
+pub fn simulate(
     checked: &Checked,
-    observer: &mut impl Observer<N>,
+    observer: &mut impl Observer,
     progress: impl FnMut(u64, u64),
 ) -> Result<Outcome, SceneError> {
-    assert_eq!(
-        checked.scene.axes.count, N,
-        "a scene runs with as many axes as it has"
-    );
-    let mut controller: Controller<N> = checked.controller()?;
+    let mut controller = checked.controller()?;
     let schedule = Schedule::new(checked, controller.program().0.duration());
     let mut lateness = schedule.lateness();
     let machine = Machine::new(checked)?;
-    let sensors = machine.sensors(checked)?;
+    let sensors = machine.sensors(checked);
     let statistics = Statistics::new(checked, machine.platform.mechanism());
     let world = World {
         machine,

@@ -160,7 +160,7 @@ impl Statistics {
     }
 
     /// Takes in one tick.
-    pub fn tick<const N: usize>(&mut self, moment: &Moment<'_, N>) {
+    pub fn tick(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
         let t_s = moment.start_ns as f64 * 1e-9;
         self.time_in_state_s[telemetry.state as usize] += self.tick_s;
@@ -178,7 +178,7 @@ impl Statistics {
     }
 
     #[cold]
-    fn tell<const N: usize>(&mut self, news: News, telemetry: &Telemetry<N>, t_s: f64) {
+    fn tell(&mut self, news: News, telemetry: &Telemetry, t_s: f64) {
         if let Some(fault) = news.told {
             self.told += 1;
             self.note(t_s, Happening::Told(fault));
@@ -189,7 +189,7 @@ impl Statistics {
         }
     }
 
-    fn enter<const N: usize>(&mut self, state: State, telemetry: &Telemetry<N>, t_s: f64) {
+    fn enter(&mut self, state: State, telemetry: &Telemetry, t_s: f64) {
         if state == State::Stop {
             self.stopped_by = Some(match telemetry.fault {
                 Some(_) => StoppedBy::Fault,
@@ -227,9 +227,9 @@ impl Statistics {
     }
 
     /// Where the cranks are.
-    fn cranks<const N: usize>(&mut self, moment: &Moment<'_, N>, t_s: f64) {
+    fn cranks(&mut self, moment: &Moment<'_>, t_s: f64) {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (i, error) in moment.errors().into_iter().enumerate() {
+        for (i, error) in moment.errors().enumerate() {
             low = low.min(error);
             high = high.max(error);
             let slipped = moment.machine.axes[i].slipped_cycles();
@@ -247,9 +247,11 @@ impl Statistics {
             self.turns[i] = (moment.command_turns[i], moment.actual_turns[i]);
         }
         let telemetry = moment.telemetry;
-        self.steps.copy_from_slice(&telemetry.steps);
-        self.peak.copy_from_slice(&telemetry.peak);
-        self.correction.copy_from_slice(&telemetry.correction);
+        let count = moment.axis_count();
+        self.steps.copy_from_slice(&telemetry.steps[..count]);
+        self.peak.copy_from_slice(&telemetry.peak[..count]);
+        self.correction
+            .copy_from_slice(&telemetry.correction[..count]);
         if let Some(followers) = moment.machine.followers() {
             for (worst, peaks) in self.followers.iter_mut().zip(followers.peaks()) {
                 *worst = worst.or(*peaks);
@@ -265,7 +267,7 @@ impl Statistics {
         // Warp is a difference of errors: where they are all alike, there is none.
         if high > low {
             let platform = &moment.machine.platform;
-            let warp_deg = platform.warp_deg(&moment.actual_turns, &moment.aim_turns);
+            let warp_deg = platform.warp_deg(moment.actual_turns, moment.aim_turns);
             self.worst_warp_deg = self.worst_warp_deg.max(warp_deg);
         }
         if moment.telemetry.state == State::Run {
@@ -279,9 +281,9 @@ impl Statistics {
     }
 
     /// What motors gave, and what came of it at the ground.
-    fn forces<const N: usize>(&mut self, machine: &Machine<N>) {
+    fn forces(&mut self, machine: &Machine) {
         if let Some(torques) = machine.torques_nm() {
-            self.worst_torque_nm.resize(N, 0.0);
+            self.worst_torque_nm.resize(torques.len(), 0.0);
             for (worst, torque) in self.worst_torque_nm.iter_mut().zip(torques) {
                 *worst = worst.max(torque.abs());
             }
@@ -297,7 +299,7 @@ impl Statistics {
     }
 
     /// Limits that bit: when each began, and what it came to.
-    fn limits<const N: usize>(&mut self, moment: &Moment<'_, N>, t_s: f64) {
+    fn limits(&mut self, moment: &Moment<'_>, t_s: f64) {
         let (motion, limits) = (&moment.telemetry.motion, &moment.telemetry.limits);
         let hz = speed_hz(motion.speed, self.tick_hz);
         match (motion.crossing_band, self.band) {
@@ -349,7 +351,7 @@ impl Statistics {
     }
 
     /// How well the level is held.
-    fn level<const N: usize>(&mut self, moment: &Moment<'_, N>) {
+    fn level(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
         let hz = speed_hz(telemetry.motion.speed, self.tick_hz);
         let got = self.mechanism.amax_mps2(std::f64::consts::TAU * hz);
@@ -374,7 +376,7 @@ impl Statistics {
     }
 
     /// Closes what is still open at the end of a run.
-    pub fn finish<const N: usize>(&mut self, machine: &Machine<N>) {
+    pub fn finish(&mut self, machine: &Machine) {
         self.torque_used = machine
             .axes
             .iter()

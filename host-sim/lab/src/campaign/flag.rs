@@ -16,8 +16,8 @@ pub struct Flag {
 impl Flag {
     /// Of an axis; none if it has no sensor.
     pub fn new(checked: &Checked, axis: usize) -> Option<Self> {
-        let settings = checked.setup.axes.get(axis)?;
-        let gate = place_gate(settings, checked.setup.drift.reading_deg);
+        let settings = checked.settings.axes.get(axis)?;
+        let gate = place_gate(settings, checked.settings.drift.reading_deg);
         Some(Self {
             at_turns: settings.index_turns?,
             length_turns: settings.index_width_turns,

@@ -7,6 +7,7 @@
 use cophase_core::supervisor::reaction::Reaction;
 use cophase_core::supervisor::{FaultKind, State};
 
+use host_sim::axes::{Axes, per_axis};
 use host_sim::scene::file::{AxisApart, FaultAt, FaultName, Scene};
 
 use super::bound;
@@ -194,13 +195,15 @@ fn differs(scene: &Scene, fault: &FaultAt, what: fn(&AxisApart) -> f64) -> bool 
 
 /// Of which axes the cranks must stop, and not only the commands: those that their drives move as told. A crank that slips is not
 /// moved by its drive, one that stands for a while is not either, and one that torque moves swings on.
-pub fn cranks_that_count<const N: usize>(scene: &Scene) -> [bool; N] {
+pub fn cranks_that_count(scene: &Scene) -> Axes<bool> {
     let astray = |axis: usize| {
         scene.fault.first().is_some_and(|fault| {
             matches!(fault.kind, FaultName::Slip | FaultName::Stuck) && fault.axis == Some(axis)
         })
     };
-    std::array::from_fn(|axis| !scene.fidelity.moves_by_torque() && !astray(axis))
+    per_axis(scene.axes.count, |axis| {
+        !scene.fidelity.moves_by_torque() && !astray(axis)
+    })
 }
 
 #[cfg(test)]

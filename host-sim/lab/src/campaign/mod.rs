@@ -38,7 +38,6 @@ use rayon::prelude::*;
 use geometry::Geometry;
 use host_sim::scene::{Checked, SceneError};
 use host_sim::sim::simulate;
-use host_sim::with_axes;
 use plan::{Case, Plan};
 use row::Row;
 use watch::Watch;
@@ -50,14 +49,10 @@ use watch::Watch;
 pub fn run(case: &Case, clean: bool) -> Result<Row, SceneError> {
     let checked = Checked::new(case.scene_of(clean))
         .map_err(|error| error.in_file(&format!("case {}", case.number)))?;
-    with_axes!(checked.scene.axes.count, N => watched::<N>(case, clean, &checked))
-}
-
-fn watched<const N: usize>(case: &Case, clean: bool, checked: &Checked) -> Result<Row, SceneError> {
     let scene = &checked.scene;
     let geometry = Geometry::new(scene);
-    let mut watch = Watch::<N>::new(geometry.as_ref(), checked, judge::cranks_that_count(scene));
-    let outcome = simulate::<N>(checked, &mut watch, |_, _| {})?;
+    let mut watch = Watch::new(geometry.as_ref(), &checked, judge::cranks_that_count(scene));
+    let outcome = simulate(&checked, &mut watch, |_, _| {})?;
     let seen = watch.seen();
     let diverged = outcome.diverged.is_some();
     let slipped = outcome

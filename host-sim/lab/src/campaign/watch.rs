@@ -14,6 +14,7 @@ use cophase_core::supervisor::{Fault, FaultKind, State};
 use super::flag::{Extra, Flag};
 use super::geometry::Geometry;
 use super::moved::Moved;
+use host_sim::axes::{Axes, per_axis};
 use host_sim::scene::Checked;
 use host_sim::scene::file::{FaultAt, FaultName};
 use host_sim::sim::news::{News, Tellings};
@@ -108,37 +109,37 @@ impl Seen {
 }
 
 /// The observer.
-pub struct Watch<'a, const N: usize> {
+pub struct Watch<'a> {
     geometry: Option<&'a Geometry>,
     /// What goes wrong; nothing, in a clean run.
     fault: Option<FaultAt>,
     /// The flag of the axis that it befalls.
     flag: Option<Flag>,
     /// Of a crank that its drive does not move, or that torque moves, how far it goes says nothing.
-    cranks_count: [bool; N],
+    cranks_count: Axes<bool>,
     seen: Seen,
     /// The true cranks that have moved since the fault.
-    moved: Moved<N>,
+    moved: Moved,
     /// Turns of the master at which cranks went past a limit that they have not come back from.
     went_past: Option<f64>,
     moments: u64,
     tellings: Tellings,
     /// Turns of the master at the end of the last three moments, latest first.
     turns: [f64; 3],
-    before: Option<([f64; N], [f64; N])>,
+    before: Option<(Axes<f64>, Axes<f64>)>,
     /// For how many moments an axis has stood while another was moved.
     apart: u32,
     /// How far each has been moved since that was over two.
-    run_on: [f64; N],
+    run_on: Axes<f64>,
 }
 
 /// Most incidents that are kept, and most tellings.
 const MOST_INCIDENTS: usize = 16;
 
-impl<'a, const N: usize> Watch<'a, N> {
+impl<'a> Watch<'a> {
     /// Of a scene's run, and of the first fault in it, if there is one; `cranks_count` says of which axes not only the commands,
     /// but the cranks themselves, must stop with the others.
-    pub fn new(geometry: Option<&'a Geometry>, checked: &Checked, cranks_count: [bool; N]) -> Self {
+    pub fn new(geometry: Option<&'a Geometry>, checked: &Checked, cranks_count: Axes<bool>) -> Self {
         let fault = checked.scene.fault.first();
         let axis = fault.and_then(|fault| fault.axis);
         Self {
@@ -154,7 +155,7 @@ impl<'a, const N: usize> Watch<'a, N> {
             turns: [0.0; 3],
             before: None,
             apart: 0,
-            run_on: [0.0; N],
+            run_on: per_axis(checked.settings.axes.len(), |_| 0.0),
         }
     }
 
@@ -164,7 +165,7 @@ impl<'a, const N: usize> Watch<'a, N> {
     }
 
     /// What is told in a moment that was not told before it.
-    fn tellings(&mut self, telemetry: &Telemetry<N>, place: Place) {
+    fn tellings(&mut self, telemetry: &Telemetry, place: Place) {
         let Some(News { told, latched }) = self.tellings.tick(telemetry) else {
             return;
         };
@@ -205,11 +206,11 @@ impl<'a, const N: usize> Watch<'a, N> {
     }
 
     /// Whether cranks are past a limit. What they do that the loop has let go is nothing that it could yet see, or stop for.
-    fn cranks(&mut self, moment: &Moment<'_, N>, end: Place) {
+    fn cranks(&mut self, moment: &Moment<'_>, end: Place) {
         if !moment.drives_enabled && moment.machine.rotors().is_some() {
             return;
         }
-        let errors = moment.errors();
+        let errors: Axes<f64> = moment.errors().collect();
         // Cranks that are all alike neither tilt nor bend the platform.
         let differ = errors.iter().any(|error| *error != errors[0]);
         let is_past = differ && self.geometry.is_some_and(|g| g.is_past(&errors));
@@ -228,8 +229,9 @@ impl<'a, const N: usize> Watch<'a, N> {
     }
 
     /// Which cranks have moved, as long as their drives hold them.
-    fn moved(&mut self, moment: &Moment<'_, N>) {
-        let off = std::array::from_fn(|i| moment.actual_turns[i] - moment.command_turns[i]);
+    fn moved(&mut self, moment: &Moment<'_>) {
+        let cranks = moment.actual_turns.iter().zip(moment.command_turns);
+        let off = cranks.map(|(actual, command)| actual - command).collect();
         match (self.seen.injected, moment.drives_enabled) {
             (None, _) => self.moved.look_before(off),
             (Some(_), true) => self.moved.look(off),
@@ -238,7 +240,7 @@ impl<'a, const N: usize> Watch<'a, N> {
     }
 
     /// Where a pulse comes that no flag makes: each that follows comes a turn later, at the same place.
-    fn extra(&self, moment: &Moment<'_, N>) -> Option<Extra> {
+    fn extra(&self, moment: &Moment<'_>) -> Option<Extra> {
         let is_extra = |fault: &FaultAt| fault.kind == FaultName::IndexExtra;
         let fault = self.fault.filter(is_extra)?;
         let axis = fault.axis?;
@@ -253,13 +255,17 @@ impl<'a, const N: usize> Watch<'a, N> {
     }
 
     /// Who is moved by its drive while another stands.
-    fn moves(&mut self, moment: &Moment<'_, N>) {
+    fn moves(&mut self, moment: &Moment<'_>) {
         let now = (moment.command_turns, moment.actual_turns);
-        let Some((commands, cranks)) = self.before.replace(now) else {
+        let kept = (
+            now.0.iter().copied().collect(),
+            now.1.iter().copied().collect(),
+        );
+        let Some((commands, cranks)) = self.before.replace(kept) else {
             return;
         };
-        let told: [f64; N] = std::array::from_fn(|i| (now.0[i] - commands[i]).abs());
-        let went: [f64; N] = std::array::from_fn(|i| match self.cranks_count[i] {
+        let told = per_axis(now.0.len(), |i| (now.0[i] - commands[i]).abs());
+        let went = per_axis(now.0.len(), |i| match self.cranks_count[i] {
             true => told[i].max((now.1[i] - cranks[i]).abs()),
             false => told[i],
         });
@@ -267,7 +273,7 @@ impl<'a, const N: usize> Watch<'a, N> {
         let someone_moves = went.iter().any(|went| *went > 0.0);
         if !moment.drives_enabled || self.seen.tellings.is_empty() || !someone_stands {
             self.apart = 0;
-            self.run_on = [0.0; N];
+            self.run_on.fill(0.0);
             return;
         }
         if someone_moves {
@@ -282,8 +288,8 @@ impl<'a, const N: usize> Watch<'a, N> {
     }
 }
 
-impl<const N: usize> Observer<N> for Watch<'_, N> {
-    fn tick(&mut self, moment: &Moment<'_, N>) {
+impl Observer for Watch<'_> {
+    fn tick(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
         let tick_s = (moment.end_ns - moment.start_ns) as f64 * 1e-9;
         let tick_hz = (1.0 / tick_s).round();

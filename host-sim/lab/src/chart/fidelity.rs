@@ -15,7 +15,6 @@ use host_sim::machine::Machine;
 use host_sim::scene::file::Fidelity;
 use host_sim::scene::library::{BuiltIn, SCENES};
 use host_sim::scene::{Checked, SceneError};
-use host_sim::with_axes;
 
 /// What is shown of error over tolerance; less is drawn at the bottom.
 const SHOWN: (f64, f64) = (1e-4, 1e2);
@@ -100,7 +99,7 @@ fn climb(scene: &BuiltIn, yardstick: Yardstick) -> Result<Ladder, SceneError> {
 fn crank_evaluations(checked: &Checked, rung: Fidelity) -> Result<f64, SceneError> {
     let on = checked.on(rung)?;
     let axes = checked.scene.axes.count;
-    let method = with_axes!(axes, N => Machine::<N>::new(&on)?.method());
+    let method = Machine::new(&on)?.method();
     let asked = method.map_or(0, |(scheme, steps)| {
         let each = (steps * scheme.facts().evaluations) as usize;
         if rung == Fidelity::Rigid {

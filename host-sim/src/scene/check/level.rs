@@ -4,7 +4,6 @@ use super::{cam, faults};
 use crate::machine::Machine;
 use crate::scene::file::Fidelity;
 use crate::scene::{Checked, SceneError};
-use crate::with_axes;
 
 impl Checked {
     /// The same on a rung.
@@ -24,7 +23,7 @@ impl Checked {
             ));
         }
         faults::check_rung(&other, rung)?;
-        with_axes!(other.scene.axes.count, N => Machine::<N>::new(&other).map(|_| ()))?;
+        Machine::new(&other)?;
         Ok(other)
     }
 }

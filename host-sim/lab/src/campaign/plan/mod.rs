@@ -10,7 +10,6 @@ pub mod stream;
 use faults::Window;
 use host_sim::scene::file::{FaultAt, FaultName, Noise};
 use host_sim::scene::{Checked, Scene, SceneError};
-use host_sim::with_axes;
 use machines::Driven;
 use stream::Stream;
 
@@ -225,10 +224,8 @@ fn window(scene: &Scene, geometry: Option<&Geometry>) -> Window {
 /// Of the user's scene: over all of its program but the last twentieth.
 fn window_of_given(checked: &Checked) -> Window {
     let scene = &checked.scene;
-    let ticks = with_axes!(scene.axes.count, N => {
-        let controller = checked.controller::<N>();
-        controller.map_or(0, |controller| controller.program().0.duration())
-    });
+    let controller = checked.controller();
+    let ticks = controller.map_or(0, |controller| controller.program().0.duration());
     let program_s = ticks as f64 / f64::from(scene.control.tick_hz);
     let run_s = scene.control.settle_s + 1.5 / scene.limits.creep_hz;
     Window {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use cophase_core::settings::MAX_AXES;
+use cophase_core::units::MAX_AXES;
 use cophase_core::supervisor::State;
 
 use crate::chart::ChartError;
@@ -65,11 +65,11 @@ pub struct Now {
 /// One observer for all panels: the simulator is compiled anew for each.
 struct Eyes<'a>(&'a mut dyn FnMut(&Now));
 
-impl<const N: usize> Observer<N> for Eyes<'_> {
-    fn tick(&mut self, moment: &Moment<'_, N>) {
+impl Observer for Eyes<'_> {
+    fn tick(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
         let mut ahead_turns = [0.0; MAX_AXES];
-        let axes = moment.actual_turns.iter().zip(&moment.command_turns);
+        let axes = moment.actual_turns.iter().zip(moment.command_turns);
         for (ahead, (actual, command)) in ahead_turns.iter_mut().zip(axes) {
             *ahead = actual - command;
         }
@@ -97,19 +97,14 @@ pub fn refusal(text: &str) -> Option<String> {
     check(text).err().map(|error| error.to_string())
 }
 
-/// Runs a scene of three or four axes.
+/// Runs a scene.
 ///
 /// # Errors
-/// The scene is refused, or has another number of axes.
+/// The scene is refused.
 pub fn run(text: &str, see: &mut dyn FnMut(&Now)) -> Result<Outcome, ChartError> {
     let checked = check(text).map_err(|error| ChartError(error.to_string()))?;
     let mut eyes = Eyes(see);
-    let outcome = match checked.scene.axes.count {
-        3 => simulate::<3>(&checked, &mut eyes, |_, _| {}),
-        4 => simulate::<4>(&checked, &mut eyes, |_, _| {}),
-        other => return Err(ChartError(format!("{other} axes: no panel has so many"))),
-    };
-    outcome.map_err(|error| ChartError(error.to_string()))
+    simulate(&checked, &mut eyes, |_, _| {}).map_err(|error| ChartError(error.to_string()))
 }
 
 /// When a motor first lost a cycle, s.

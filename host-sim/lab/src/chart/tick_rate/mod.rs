@@ -102,8 +102,7 @@ fn play(name: &str, tick_hz: u32) -> Result<Run, ChartError> {
         ProgramLevels::of(&at_rate(ProgramLevels::TICK_HZ)?).map_err(|error| failed(&error))?;
     let checked = at_rate(tick_hz)?;
     let mut ramp = Ramp::new(&checked, levels).map_err(|error| failed(&error))?;
-    let outcome = host_sim::with_axes!(checked.scene.axes.count, N => simulate::<N>(&checked, &mut ramp, |_, _| {}))
-        .map_err(|error| failed(&error))?;
+    let outcome = simulate(&checked, &mut ramp, |_, _| {}).map_err(|error| failed(&error))?;
     if let Some(fault) = outcome.fault {
         return Err(failed(&format!("ended in a fault, {}", fault.kind)));
     }

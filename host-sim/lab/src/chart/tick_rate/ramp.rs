@@ -22,16 +22,14 @@ impl ProgramLevels {
     /// # Errors
     /// What the core says that refuses it.
     pub fn of(checked: &Checked) -> Result<Self, SceneError> {
-        host_sim::with_axes!(checked.scene.axes.count, N => {
-            let controller = checked.controller::<N>()?;
-            let (program, _) = controller.program();
-            let mut cursor = Cursor::new();
-            let mut levels = vec![0.0];
-            while !cursor.is_done(program) {
-                levels.push(cursor.next(program).level.to_num());
-            }
-            Ok(Self(levels))
-        })
+        let controller = checked.controller()?;
+        let (program, _) = controller.program();
+        let mut cursor = Cursor::new();
+        let mut levels = vec![0.0];
+        while !cursor.is_done(program) {
+            levels.push(cursor.next(program).level.to_num());
+        }
+        Ok(Self(levels))
     }
 
     /// The level at a time since the program's start; beyond its end, the last.
@@ -63,7 +61,7 @@ impl Ramp {
     /// # Errors
     /// A crank and rod that do not go together.
     pub fn new(checked: &Checked, levels: ProgramLevels) -> Result<Self, SceneError> {
-        let radius_m = checked.setup.machine.crank_radius_m;
+        let radius_m = checked.settings.machine.crank_radius_m;
         let mechanism = SliderCrank::new(radius_m, radius_m / checked.lambda)
             .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
         Ok(Self {
@@ -83,8 +81,8 @@ impl Ramp {
     }
 }
 
-impl<const N: usize> Observer<N> for Ramp {
-    fn tick(&mut self, moment: &Moment<'_, N>) {
+impl Observer for Ramp {
+    fn tick(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
         let changes =
             std::mem::replace(&mut self.before, telemetry.amax_program) != telemetry.amax_program;
