@@ -57,7 +57,7 @@ fn main() {
 /// A blob that the image will be able to read, and what is in it.
 fn check(path: &Path) -> Result<(Vec<u8>, String), String> {
     let bytes = fs::read(path).map_err(|error| error.to_string())?;
-    let setup = cophase_blob::decode(&bytes).map_err(|error| error.to_string())?;
-    let told = format!("{}, {} axes", setup.name, setup.axes_count());
+    let settings = cophase_blob::decode(&bytes).map_err(|error| error.to_string())?;
+    let told = format!("{}, {} axes", settings.name, settings.axes.len());
     Ok((bytes, told))
 }

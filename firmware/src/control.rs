@@ -8,6 +8,7 @@ use cophase_core::drift::{IndexFilter, IndexPulse};
 use cophase_core::panel::{self, Button};
 use cophase_core::signals::{Feedback, Output};
 use cophase_core::supervisor::State;
+use cophase_core::units::{MAX_AXES, PerAxis};
 use embassy_time::Instant;
 
 use crate::board::index::Index;
@@ -16,14 +17,14 @@ use crate::board::watchdog::Fed;
 use crate::board::{is_past, lines};
 use crate::report::Reporter;
 
-/// The world of a loop of `N` axes.
-pub struct Board<const N: usize> {
+/// The world of the loop.
+pub struct Board {
     /// Where step edges are made.
     pub steps: Steps,
     /// Where index pulses are timed.
     pub index: Index,
     /// What makes pulses of the index lines' changes.
-    pub filters: [IndexFilter; N],
+    pub filters: heapless::Vec<IndexFilter, MAX_AXES>,
     /// What restarts a loop that hangs.
     pub watchdog: Fed,
     /// Start and reset.
@@ -42,10 +43,10 @@ pub struct Board<const N: usize> {
     pub read_to: Option<Instant>,
 }
 
-impl<const N: usize> Board<N> {
+impl Board {
     /// The index pulses of the ticks that are over: of one, unless deadlines were missed.
-    fn read_index(&mut self) -> [Option<IndexPulse>; N] {
-        let mut pulses = [None; N];
+    fn read_index(&mut self) -> PerAxis<Option<IndexPulse>> {
+        let mut pulses = [None; MAX_AXES];
         let Some(mut deadline) = self.read_to else {
             return pulses;
         };
@@ -81,7 +82,7 @@ impl<const N: usize> Board<N> {
 
     /// Ends a tick for those filters that have something under way, and takes what pulses they confirmed.
     #[inline(never)]
-    fn end_index_tick(&mut self, mut stirred: u8, pulses: &mut [Option<IndexPulse>; N]) {
+    fn end_index_tick(&mut self, mut stirred: u8, pulses: &mut PerAxis<Option<IndexPulse>>) {
         let cycles = self.index.tick_cycles();
         for (axis, (filter, pulse)) in self.filters.iter_mut().zip(pulses).enumerate() {
             if stirred & 1 != 0 {
@@ -97,9 +98,9 @@ impl<const N: usize> Board<N> {
     }
 }
 
-impl<const N: usize> Io<N> for Board<N> {
+impl Io for Board {
     #[inline(never)] // as `Controller::tick`
-    fn read(&mut self) -> Feedback<N> {
+    fn read(&mut self) -> Feedback {
         // What was handed over last is played from now on.
         lines::sync(self.sync);
         let index = self.read_index();
@@ -108,11 +109,11 @@ impl<const N: usize> Io<N> for Board<N> {
         Feedback {
             index,
             // This board has no pins left to count with.
-            encoder: [0; N],
+            encoder: [0; MAX_AXES],
             alarm: if levels.any_alarm() {
                 core::array::from_fn(|axis| levels.alarm(axis))
             } else {
-                [false; N]
+                [false; MAX_AXES]
             },
             ran_dry: self.ran_dry.take(),
             inputs: lines::safety_inputs(levels),
@@ -121,7 +122,7 @@ impl<const N: usize> Io<N> for Board<N> {
     }
 
     #[inline(never)] // as `Controller::tick`
-    fn write(&mut self, output: &Output<N>, start: Instant) -> Written {
+    fn write(&mut self, output: &Output, start: Instant) -> Written {
         lines::drives(output.drives_enabled);
         match self.steps.offer(&output.runs, start) {
             Offer::TooLate => return Written::TooLate,

@@ -5,12 +5,10 @@
 
 use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::{Fault, FaultKind, State};
-use cophase_core::units::Turns;
+use cophase_core::units::{PerAxis, Turns};
 use embassy_time::{Duration, Timer};
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::ConstStaticCell;
-
-use crate::board::pins::AXES;
 
 /// Notes that wait to be told.
 const WAITING: usize = 32;
@@ -36,7 +34,7 @@ enum What {
     /// What the machine does from now on, and how far its cranks were off when that began.
     State {
         state: State,
-        drift: [Turns; AXES],
+        drift: PerAxis<Turns>,
         axes: usize,
     },
     /// What was seen: a fault that latched, or something that is told, whatever is done about it.
@@ -52,6 +50,7 @@ enum What {
 /// Compares each tick with the one before, and notes what changed.
 pub struct Reporter {
     notes: Producer<'static, Note>,
+    axes: usize,
     state: State,
     faulty: bool,
     missed: u32,
@@ -61,9 +60,10 @@ pub struct Reporter {
 
 impl Reporter {
     /// Of a loop that is idle and has missed nothing.
-    pub const fn new(notes: Producer<'static, Note>) -> Self {
+    pub const fn new(notes: Producer<'static, Note>, axes: usize) -> Self {
         Self {
             notes,
+            axes,
             state: State::Idle,
             faulty: false,
             missed: 0,
@@ -73,7 +73,7 @@ impl Reporter {
     }
 
     /// Takes in what a tick came to.
-    pub fn observe<const N: usize>(&mut self, tick: u32, telemetry: &Telemetry<N>) {
+    pub fn observe(&mut self, tick: u32, telemetry: &Telemetry) {
         // What latched before the first tick was no incident of any.
         let is_new = telemetry.fault.is_some() && !self.faulty;
         self.faulty = telemetry.fault.is_some();
@@ -82,19 +82,8 @@ impl Reporter {
         }
         if telemetry.state != self.state {
             self.state = telemetry.state;
-            let mut drift = [Turns::ZERO; AXES];
-            for (slot, &axis) in drift.iter_mut().zip(&telemetry.drift) {
-                *slot = axis;
-            }
-            let state = self.state;
-            self.note(
-                tick,
-                What::State {
-                    state,
-                    drift,
-                    axes: N,
-                },
-            );
+            let (state, drift, axes) = (self.state, telemetry.drift, self.axes);
+            self.note(tick, What::State { state, drift, axes });
         }
         let limits = &telemetry.limits;
         if limits.missed_deadlines != self.missed {

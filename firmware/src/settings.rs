@@ -6,7 +6,7 @@
 use cophase_blob::layout::{FLASH_ADDRESS, FLASH_BYTES, SLOT_A_OFFSET, SLOT_B_OFFSET, SLOT_BYTES};
 use cophase_blob::store::{Choice, Slot, Store, blob_in, choose, inspect};
 use cophase_blob::{BlobError, decode, verify};
-use cophase_core::setup::Setup;
+use cophase_core::settings::Settings;
 use cophase_core::supervisor::FaultKind;
 use embassy_rp::Peri;
 use embassy_rp::flash::{Blocking, Flash};
@@ -18,16 +18,16 @@ static BUILT_IN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/built-in.blob
 
 /// The settings to run on; none if those that should be run cannot be read, which is told.
 #[inline(never)] // what decodes them is off the stack when a machine is made of them
-pub fn load(flash: Peri<'static, FLASH>) -> Option<Setup> {
+pub fn load(flash: Peri<'static, FLASH>) -> Option<Settings> {
     match read(flash) {
-        Ok(setup) => {
+        Ok(settings) => {
             defmt::info!(
                 "settings: {=str}, {=usize} axes, {=u32} ticks a second",
-                setup.name.as_str(),
-                setup.axes_count(),
-                setup.tick_hz
+                settings.name.as_str(),
+                settings.axes.len(),
+                settings.tick_hz
             );
-            Some(setup)
+            Some(settings)
         }
         Err(error) => {
             report::refused(FaultKind::SettingsRejected, error);
@@ -36,7 +36,7 @@ pub fn load(flash: Peri<'static, FLASH>) -> Option<Setup> {
     }
 }
 
-fn read(flash: Peri<'static, FLASH>) -> Result<Setup, BlobError> {
+fn read(flash: Peri<'static, FLASH>) -> Result<Settings, BlobError> {
     let built_in = verify(BUILT_IN)?;
     match choose(&built_in, &inspect(slot(Slot::A), slot(Slot::B))) {
         Choice::Refuse(slot, error) => {

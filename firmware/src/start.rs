@@ -62,13 +62,13 @@ fn main() -> ! {
     }
     let (to_tell, told) = report::queue();
     // Looked at where it is: kilobytes, which the stack need not hold twice.
-    let setup = settings::load(p.FLASH);
-    let machine = setup.as_ref().and_then(|setup| {
+    let settings = settings::load(p.FLASH);
+    let machine = settings.as_ref().and_then(|settings| {
         let made = Machine::new(
-            setup,
+            settings,
             p.WATCHDOG,
             last_seen.is_some(),
-            Reporter::new(to_tell),
+            Reporter::new(to_tell, settings.axes.len()),
         );
         made.inspect_err(|refusal| report::refused(refusal.kind(), refusal))
             .ok()
@@ -102,11 +102,5 @@ async fn refuse() -> ! {
 
 #[embassy_executor::task]
 async fn run_loop(machine: &'static mut Machine) {
-    match machine {
-        Machine::Two(controller, board) => control_loop::run(controller, board).await,
-        Machine::Three(controller, board) => control_loop::run(controller, board).await,
-        Machine::Four(controller, board) => control_loop::run(controller, board).await,
-        Machine::Five(controller, board) => control_loop::run(controller, board).await,
-        Machine::Six(controller, board) => control_loop::run(controller, board).await,
-    }
+    control_loop::run(&mut machine.controller, &mut machine.board).await;
 }

@@ -3,8 +3,7 @@
 //! Settings that a simulated machine runs on may be too much for it. That is said when the blob is made, and
 //! refused by the image, before a deadline is missed.
 
-use cophase_core::settings::{AxisSettings, CLOCK_HZ, DriveKind};
-use cophase_core::setup::Setup;
+use cophase_core::settings::{AxisSettings, CLOCK_HZ, DriveKind, Settings};
 
 /// What the loop hands over must be there so long before it is due, µs.
 pub const LEAST_LEAD_US: u32 = 20;
@@ -19,7 +18,7 @@ const AXIS_CYCLES: u32 = 1800;
 const CHUNK_CYCLES: u32 = 90;
 const CHUNK_EDGES: f64 = 64.0;
 
-/// Why a board will not run a setup that is sound in itself.
+/// Why a board will not run settings that is sound in itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unfit {
@@ -46,42 +45,42 @@ pub enum Unfit {
     },
 }
 
-/// Whether the board can run a setup, whose numbers are taken to be sound otherwise.
+/// Whether the board can run settings, whose numbers are taken to be sound otherwise.
 ///
 /// # Errors
 /// What it lacks for that.
-pub fn check(setup: &Setup) -> Result<(), Unfit> {
+pub fn check(settings: &Settings) -> Result<(), Unfit> {
     let servo = |axis: &AxisSettings| axis.drive == DriveKind::Servo;
-    if let Some(axis) = setup.axes.iter().position(servo) {
+    if let Some(axis) = settings.axes.iter().position(servo) {
         return Err(Unfit::Servo(axis));
     }
-    if let Some(axis) = setup.axes.iter().position(|axis| axis.encoder) {
+    if let Some(axis) = settings.axes.iter().position(|axis| axis.encoder) {
         return Err(Unfit::Encoder(axis));
     }
-    if has_time(setup, setup.tick_hz) {
+    if has_time(settings, settings.tick_hz) {
         return Ok(());
     }
     // A tick is a whole number of microseconds (`control.tick_hz`).
-    let rates = (1..setup.tick_hz).rev();
+    let rates = (1..settings.tick_hz).rev();
     let most_hz = rates
         .filter(|hz| 1_000_000 % hz == 0)
-        .find(|&hz| has_time(setup, hz));
+        .find(|&hz| has_time(settings, hz));
     Err(Unfit::TickTooShort {
-        tick_hz: setup.tick_hz,
-        axes: setup.axes_count(),
+        tick_hz: settings.tick_hz,
+        axes: settings.axes.len(),
         most_hz: most_hz.unwrap_or(1),
     })
 }
 
-fn has_time(setup: &Setup, tick_hz: u32) -> bool {
+fn has_time(settings: &Settings, tick_hz: u32) -> bool {
     let axis_cycles = |axis: &AxisSettings| {
         let ratio = f64::from(axis.ratio.0) / f64::from(axis.ratio.1);
-        let steps_hz = setup.limits.speed_hz * ratio * f64::from(axis.steps_per_turn);
+        let steps_hz = settings.limits.speed_hz * ratio * f64::from(axis.steps_per_turn);
         // One piece more than fits: they do not begin with the tick.
         let chunks = 1.0 + 2.0 * steps_hz / f64::from(tick_hz) / CHUNK_EDGES;
         f64::from(AXIS_CYCLES) + f64::from(CHUNK_CYCLES) * chunks
     };
-    let cycles: f64 = setup.axes.iter().map(axis_cycles).sum();
+    let cycles: f64 = settings.axes.iter().map(axis_cycles).sum();
     let lead_cycles = LEAST_LEAD_US * (CLOCK_HZ / 1_000_000);
     f64::from(TICK_CYCLES + lead_cycles) + cycles <= f64::from(CLOCK_HZ / tick_hz)
 }

@@ -1,13 +1,13 @@
-//! From a setup to a blob and back.
+//! From settings to a blob and back.
 
 use cophase_core::program::CAPACITY;
-use cophase_core::settings::{MAX_AXES, MAX_BANDS};
-use cophase_core::setup::{NAME_BYTES, Setup};
+use cophase_core::settings::{MAX_BANDS, NAME_BYTES, Settings};
+use cophase_core::units::MAX_AXES;
 
 use crate::header::{HEADER_BYTES, Header};
 use crate::{BlobError, CRC};
 
-/// Format of the payload that is written and read here. Whatever changes the bytes of a [`Setup`] changes it.
+/// Format of the payload that is written and read here. Whatever changes the bytes of a [`Settings`] changes it.
 pub const VERSION: u16 = 2;
 
 /// Longest payload, bytes: the name as long, lists as full, and numbers of variable length as great as can be.
@@ -45,14 +45,14 @@ pub const MAX_PAYLOAD_BYTES: usize = {
 /// Longest blob, bytes.
 pub const MAX_BLOB_BYTES: usize = HEADER_BYTES + MAX_PAYLOAD_BYTES;
 
-/// Writes a setup as a blob into the beginning of `buffer`, and gives that part of it.
+/// Writes settings as a blob into the beginning of `buffer`, and gives that part of it.
 ///
 /// `origin` is [`OUTSIDE`](crate::header::OUTSIDE) or a [`Header::mark`].
 ///
 /// # Errors
 /// The buffer is too small; one of [`MAX_BLOB_BYTES`] never is.
 pub fn encode<'a>(
-    setup: &Setup,
+    settings: &Settings,
     sequence: u32,
     origin: u32,
     buffer: &'a mut [u8],
@@ -63,7 +63,7 @@ pub fn encode<'a>(
     let (page, rest) = buffer
         .split_first_chunk_mut::<HEADER_BYTES>()
         .ok_or(no_room)?;
-    let payload = postcard::to_slice(setup, rest).map_err(|_| no_room)?;
+    let payload = postcard::to_slice(settings, rest).map_err(|_| no_room)?;
     let header = Header {
         version: VERSION,
         length: count(payload.len()),
@@ -76,7 +76,7 @@ pub fn encode<'a>(
     Ok(&buffer[..bytes])
 }
 
-/// That `blob` is a whole blob of this version, and nothing else; its setup has not been looked at.
+/// That `blob` is a whole blob of this version, and nothing else; its settings has not been looked at.
 ///
 /// # Errors
 /// What is wrong with it.
@@ -118,19 +118,19 @@ pub(crate) fn verify_payload(header: &Header, blob: &[u8]) -> Result<(), BlobErr
     Ok(())
 }
 
-/// The setup in a blob.
+/// The settings in a blob.
 ///
-/// Its numbers are whatever was written; [`Setup::controller`] checks them. On a board this takes up to 36 KiB of
-/// stack: a setup has 5 KiB, and passes through several hands.
+/// Its numbers are whatever was written; [`Settings::controller`] checks them. On a board this takes up to 36 KiB of
+/// stack: settings has 5 KiB, and passes through several hands.
 ///
 /// # Errors
 /// Anything but exactly one whole blob of this version. Never panics, whatever the bytes.
-pub fn decode(blob: &[u8]) -> Result<Setup, BlobError> {
+pub fn decode(blob: &[u8]) -> Result<Settings, BlobError> {
     verify(blob)?;
-    let (setup, rest) =
+    let (settings, rest) =
         postcard::take_from_bytes(&blob[HEADER_BYTES..]).map_err(|_| BlobError::Unreadable)?;
     match count(rest.len()) {
-        0 => Ok(setup),
+        0 => Ok(settings),
         bytes => Err(BlobError::Trailing { bytes }),
     }
 }

@@ -41,11 +41,11 @@ pub enum BlobError {
     )]
     PayloadCrc { said: u32, found: u32 },
     #[error(
-        "the payload is whole, but not a setup of format version {}; make the blob again",
+        "the payload is whole, but not settings of format version {}; make the blob again",
         VERSION
     )]
     Unreadable,
-    #[error("{bytes} bytes too many follow the setup; give only what `cophase image` wrote")]
+    #[error("{bytes} bytes too many follow the settings; give only what `cophase image` wrote")]
     Trailing { bytes: u32 },
     #[error(
         "a buffer of {bytes} bytes is too small for this blob; {} bytes hold any",

@@ -2,19 +2,19 @@
 
 mod support;
 
-use cophase_blob::Setup;
+use cophase_blob::Settings;
 use cophase_blob::board::{Unfit, check};
 use cophase_core::settings::DriveKind;
-use support::setup;
+use support::settings;
 
-fn steppers(axes: usize, tick_hz: u32, steps_per_turn: u32) -> Setup {
-    let mut setup = setup(axes, 0, 1);
-    setup.tick_hz = tick_hz;
-    for axis in &mut setup.axes {
+fn steppers(axes: usize, tick_hz: u32, steps_per_turn: u32) -> Settings {
+    let mut settings = settings(axes, 0, 1);
+    settings.tick_hz = tick_hz;
+    for axis in &mut settings.axes {
         axis.drive = DriveKind::Stepper;
         axis.steps_per_turn = steps_per_turn;
     }
-    setup
+    settings
 }
 
 /// As many ticks a second as settings may have, and as the board takes.
@@ -60,18 +60,18 @@ fn more_axes_and_more_steps_leave_less_room() {
 
 #[test]
 fn the_first_servo_is_named() {
-    let mut setup = steppers(4, 2000, 3200);
-    setup.axes[2].drive = DriveKind::Servo;
-    setup.axes[3].drive = DriveKind::Servo;
-    assert_eq!(check(&setup), Err(Unfit::Servo(2)));
+    let mut settings = steppers(4, 2000, 3200);
+    settings.axes[2].drive = DriveKind::Servo;
+    settings.axes[3].drive = DriveKind::Servo;
+    assert_eq!(check(&settings), Err(Unfit::Servo(2)));
 }
 
 /// Were it accepted, the loop would take a motor for stuck whose encoder nobody reads.
 #[test]
 fn the_first_encoder_is_named() {
-    let mut setup = steppers(4, 2000, 3200);
-    setup.axes[1].encoder = true;
-    assert_eq!(check(&setup), Err(Unfit::Encoder(1)));
+    let mut settings = steppers(4, 2000, 3200);
+    settings.axes[1].encoder = true;
+    assert_eq!(check(&settings), Err(Unfit::Encoder(1)));
     let said = Unfit::Encoder(1).to_string();
     assert!(said.starts_with("axis 1 has an encoder"), "{said}");
 }

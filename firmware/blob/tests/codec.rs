@@ -5,13 +5,13 @@ mod support;
 use cophase_blob::codec::{MAX_PAYLOAD_BYTES, VERSION};
 use cophase_blob::header::{HEADER_BYTES, OUTSIDE};
 use cophase_blob::store::blob_in;
-use cophase_blob::{BlobError, Header, MAX_BLOB_BYTES, Setup, decode, encode};
+use cophase_blob::{BlobError, Header, MAX_BLOB_BYTES, Settings, decode, encode};
 use proptest::prelude::*;
-use support::{check, longest, setup};
+use support::{check, longest, settings};
 
-fn blob(setup: &Setup) -> Vec<u8> {
+fn blob(settings: &Settings) -> Vec<u8> {
     let mut buffer = [0; MAX_BLOB_BYTES];
-    encode(setup, 7, OUTSIDE, &mut buffer).unwrap().to_vec()
+    encode(settings, 7, OUTSIDE, &mut buffer).unwrap().to_vec()
 }
 
 /// A blob whose header is right for whatever payload it has.
@@ -30,7 +30,7 @@ fn blob_of(payload: &[u8], version: u16) -> Vec<u8> {
 #[test]
 fn what_goes_in_comes_out_to_the_bit() {
     for (axes, bands, entries) in [(0, 0, 0), (2, 1, 1), (4, 2, 9), (6, 4, 128)] {
-        let mut told = setup(axes, bands, entries);
+        let mut told = settings(axes, bands, entries);
         told.settle_s = 0.1 + 0.2;
         told.park_turns = f64::MIN_POSITIVE / 8.0;
         let blob = blob(&told);
@@ -62,7 +62,7 @@ fn the_longest_setup_is_as_long_as_said() {
 
 #[test]
 fn every_truncation_is_refused() {
-    let blob = blob(&setup(4, 2, 9));
+    let blob = blob(&settings(4, 2, 9));
     for bytes in 0..blob.len() {
         let error = decode(&blob[..bytes]).unwrap_err();
         let expected = if bytes < HEADER_BYTES {
@@ -81,7 +81,7 @@ fn every_truncation_is_refused() {
 
 #[test]
 fn every_flipped_bit_is_refused() {
-    let mut blob = blob(&setup(4, 2, 9));
+    let mut blob = blob(&settings(4, 2, 9));
     for bit in 0..8 * blob.len() {
         blob[bit / 8] ^= 1 << (bit % 8);
         let error = decode(&blob).unwrap_err();
@@ -98,7 +98,7 @@ fn every_flipped_bit_is_refused() {
 
 #[test]
 fn another_version_and_what_follows_are_told_from_damage() {
-    let whole = blob(&setup(2, 0, 1));
+    let whole = blob(&settings(2, 0, 1));
     let payload = &whole[HEADER_BYTES..];
     let refused = |blob: &[u8]| decode(blob).unwrap_err();
     assert_eq!(
@@ -152,7 +152,7 @@ fn messages() {
 /// In flash a blob is followed by whatever was there.
 #[test]
 fn a_blob_is_found_at_the_beginning_of_its_slot() {
-    let blob = blob(&setup(3, 1, 4));
+    let blob = blob(&settings(3, 1, 4));
     let slot = [&blob[..], &[0xA5; 5000]].concat();
     assert_eq!(blob_in(&slot), Ok(&blob[..]));
     assert!(blob_in(&slot[..blob.len() - 1]).is_err());
@@ -162,7 +162,7 @@ fn a_blob_is_found_at_the_beginning_of_its_slot() {
 /// Were it wrong, a blob from another hand could drive a machine past what any scene may ask.
 #[test]
 fn numbers_out_of_range_are_refused_when_the_controller_is_made() {
-    let mut told = setup(3, 1, 4);
+    let mut told = settings(3, 1, 4);
     assert_eq!(check(&decode(&blob(&told)).unwrap()), Ok(()));
     told.limits.speed_hz = 2000.0;
     let said = check(&decode(&blob(&told)).unwrap()).unwrap_err();
@@ -171,7 +171,7 @@ fn numbers_out_of_range_are_refused_when_the_controller_is_made() {
         "limits.speed_hz: 2000 rev/s is outside 0.1 to 200 rev/s"
     );
 
-    let mut told = setup(3, 1, 4);
+    let mut told = settings(3, 1, 4);
     told.trims_turns[2] = 0.5;
     let said = check(&decode(&blob(&told)).unwrap()).unwrap_err();
     assert!(
@@ -179,7 +179,7 @@ fn numbers_out_of_range_are_refused_when_the_controller_is_made() {
         "{said}"
     );
 
-    let none = decode(&blob(&setup(0, 0, 1))).unwrap();
+    let none = decode(&blob(&settings(0, 0, 1))).unwrap();
     assert_eq!(check(&none).unwrap_err(), "axes.count: 0 is outside 2 to 6");
 }
 
@@ -190,25 +190,25 @@ proptest! {
         prop_assert!(decode(&bytes).is_err());
         prop_assert!(blob_in(&bytes).is_err());
         // With a header that fits, all of it gets to the decoder behind.
-        if let Ok(setup) = decode(&blob_of(&bytes, VERSION)) {
-            let _ = check(&setup);
+        if let Ok(settings) = decode(&blob_of(&bytes, VERSION)) {
+            let _ = check(&settings);
         }
     }
 
-    /// The same of bytes that are nearly a setup: few are refused before a controller is made of them.
+    /// The same of bytes that are nearly settings: few are refused before a controller is made of them.
     #[test]
     fn no_nearly_right_payload_panics(
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
         axes in 2_usize..=6,
     ) {
-        let whole = blob(&setup(axes, 2, 9));
+        let whole = blob(&settings(axes, 2, 9));
         let mut payload = whole[HEADER_BYTES..].to_vec();
         for (at, byte) in changes {
             let at = at.index(payload.len());
             payload[at] = byte;
         }
-        if let Ok(setup) = decode(&blob_of(&payload, VERSION)) {
-            let _ = check(&setup);
+        if let Ok(settings) = decode(&blob_of(&payload, VERSION)) {
+            let _ = check(&settings);
         }
     }
 }

@@ -14,14 +14,14 @@ use crate::controller::Controller;
 use crate::signals::{Feedback, Output};
 
 /// The world outside the loop: sensors and safety lines in, pulses, setpoints and safety lines out.
-pub trait Io<const N: usize> {
+pub trait Io {
     /// What came in since the last call.
-    fn read(&mut self) -> Feedback<N>;
+    fn read(&mut self) -> Feedback;
 
     /// Hands over what is to be played from `start` on, for one tick.
     ///
     /// The safety lines are set at once.
-    fn write(&mut self, output: &Output<N>, start: Instant) -> Written;
+    fn write(&mut self, output: &Output, start: Instant) -> Written;
 }
 
 /// What became of an output.
@@ -37,7 +37,7 @@ pub enum Written {
 }
 
 /// Runs the loop from the present time on, until [`Io::write`] ends it.
-pub async fn run<const N: usize>(controller: &mut Controller<N>, io: &mut impl Io<N>) {
+pub async fn run(controller: &mut Controller, io: &mut impl Io) {
     let tick = Duration::from_micros(1_000_000 / u64::from(controller.tick_hz()));
     let mut deadline = Instant::now();
     loop {

@@ -22,7 +22,7 @@ use crate::settings::{Settings, SettingsError};
 use crate::shaft::{Demand, Motion, Shaft, Target};
 use crate::signals::{Feedback, Output};
 use crate::supervisor::{Action, Command, Fault, FaultKind, Seen, State, Supervisor};
-use crate::units::{Amax, ONE_TURN, Phase, Turns};
+use crate::units::{Amax, MAX_AXES, ONE_TURN, PerAxis, Phase, Turns};
 use align::Align;
 use channel::Channel;
 pub use preparation::Prepared;
@@ -31,7 +31,7 @@ use telling::weigh;
 
 /// The control loop's state, less its waiting.
 #[derive(Clone, Debug)]
-pub struct Controller<const N: usize> {
+pub struct Controller {
     tick_hz: u32,
     profile: Profile,
     program: Program,
@@ -43,16 +43,19 @@ pub struct Controller<const N: usize> {
     /// Phase at which the cranks park, as they stand, and as the master counts it.
     park_crank: Turns,
     park: Turns,
-    channels: [Channel; N],
+    channels: heapless::Vec<Channel, MAX_AXES>,
+    /// Phases of the last two outputs: the one being played, and the one before; `newest` is the one being played.
+    phases: [PerAxis<TickPhase>; 2],
+    newest: usize,
     has_servos: bool,
     pace: Paces,
-    drift: DriftMonitor<N>,
-    align: Align<N>,
-    correction: Correction<N>,
+    drift: DriftMonitor,
+    align: Align,
+    correction: Correction,
     /// Rounds of the monitor, and turns of the master, up to when the cranks were corrected last.
     corrected: u32,
     turned: Turns,
-    coupling: Option<Coupling<N>>,
+    coupling: Option<Coupling>,
     supervisor: Supervisor,
     /// What is told a tick later, as there was something else to tell.
     untold: Option<Fault>,
@@ -66,10 +69,10 @@ pub struct Controller<const N: usize> {
     overrun: Option<Fault>,
     /// Deadlines were missed: what the index sensors said since belongs to no known phase.
     was_late: bool,
-    output: Output<N>,
+    output: Output,
 }
 
-impl<const N: usize> Settings<N> {
+impl Settings {
     /// The profile that these settings' machine has.
     pub fn profile(&self) -> Profile {
         let machine = &self.machine;
@@ -89,17 +92,22 @@ impl<const N: usize> Settings<N> {
 /// Ticks after a stop in which what its last pulses show is still heard: a tick is read two ticks after it was reckoned.
 const LAST_PULSES: u64 = 4;
 
-impl<const N: usize> Controller<N> {
+impl Controller {
     /// A controller at power-up: idle, every axis at its offset.
     ///
     /// # Errors
     /// The first setting that is wrong.
-    pub fn new(settings: &Settings<N>, program: Program) -> Result<Self, SettingsError> {
+    pub fn new(settings: &Settings, program: Program) -> Result<Self, SettingsError> {
         Ok(Self::assembled(
             &Prepared::new(settings)?,
             settings,
             program,
         ))
+    }
+
+    /// How many axes there are.
+    pub fn axis_count(&self) -> usize {
+        self.channels.len()
     }
 
     /// Control ticks a second.
@@ -151,9 +159,10 @@ impl<const N: usize> Controller<N> {
             return;
         }
         limits.missed_deadlines = limits.missed_deadlines.saturating_add(missed);
-        for channel in &mut self.channels {
-            channel.playing = TickPhase::still(channel.axis.phase());
-            channel.played = channel.playing;
+        let [one, other] = &mut self.phases;
+        for ((channel, one), other) in self.channels.iter().zip(one).zip(other) {
+            *one = TickPhase::still(channel.axis.phase());
+            *other = *one;
         }
         self.stood(missed);
     }
@@ -180,10 +189,9 @@ impl<const N: usize> Controller<N> {
 
     /// Plays one tick.
     ///
-    /// Never inlined: as part of a task that holds a controller for each number of axes it would be made
-    /// for a frame of kilobytes, at twice the time; and this is the name by which the image's checks find it.
+    /// Never inlined: this is the name by which the image's checks find the tick.
     #[inline(never)]
-    pub fn tick(&mut self, feedback: &Feedback<N>) -> &Output<N> {
+    pub fn tick(&mut self, feedback: &Feedback) -> &Output {
         if feedback.command == Some(Command::ResetPeak) {
             self.drift.reset_peak();
         }
@@ -215,7 +223,7 @@ impl<const N: usize> Controller<N> {
 
     /// What has been seen since the last tick.
     #[inline(never)]
-    fn observe(&mut self, feedback: &Feedback<N>) -> (Seen, Option<Fault>) {
+    fn observe(&mut self, feedback: &Feedback) -> (Seen, Option<Fault>) {
         let mut found = self.measure(feedback);
         let drives_on = self.supervisor.drives_enabled();
         if drives_on {
@@ -257,11 +265,14 @@ impl<const N: usize> Controller<N> {
 
     /// Hears the sensors.
     #[inline(never)]
-    fn measure(&mut self, feedback: &Feedback<N>) -> Option<Finding> {
+    fn measure(&mut self, feedback: &Feedback) -> Option<Finding> {
         let sensed = Sensed {
             index: &feedback.index,
             encoder: &feedback.encoder,
-            commanded: core::array::from_fn(|axis| &self.channels[axis].played),
+            commanded: match &self.phases {
+                [_, played] if self.newest == 0 => played,
+                [played, _] => played,
+            },
             correction: self.correction.now(),
             speed: self.motion.speed,
         };
@@ -331,8 +342,7 @@ impl<const N: usize> Controller<N> {
         match now {
             // Whatever the cranks did while the drives were off, only their index pulses tell.
             State::Align if before == State::Idle => {
-                self.drift
-                    .reset(&core::array::from_fn(|i| self.channels[i].axis.phase()));
+                self.drift.reset(&self.output.telemetry.axis_phase);
                 self.align.begin();
                 self.correction.hold();
                 self.cursor = Cursor::new();
@@ -400,22 +410,30 @@ impl<const N: usize> Controller<N> {
         } else {
             None
         };
-        for (axis, (channel, runs)) in self.channels.iter_mut().zip(runs).enumerate() {
+        // The older of the two phases gives way to the one that is planned now.
+        self.newest ^= 1;
+        let [one, other] = &mut self.phases;
+        let phases = if self.newest == 0 { one } else { other };
+        let planned = phases.iter_mut().zip(runs);
+        for (axis, (channel, (phase, runs))) in self.channels.iter_mut().zip(planned).enumerate() {
             let trim = trims.and_then(|trims| trims.get(axis)).copied();
             channel.advance(
                 master.as_ref(),
                 trim.unwrap_or_default(),
                 &mut self.pace,
+                phase,
                 runs,
             );
         }
         if self.has_servos {
             let datum = self.align.datum();
-            for (axis, (channel, setpoint)) in self.channels.iter().zip(setpoints).enumerate() {
+            let channels = self.channels.iter().zip(phases.iter()).zip(setpoints);
+            for (axis, ((channel, phase), setpoint)) in channels.enumerate() {
                 if let Some(forward) = &channel.feed_forward {
                     let coupled = self.coupling.as_ref().map(|coupling| coupling.of(axis));
                     let (position, speed) = coupled.unwrap_or_default();
-                    *setpoint = channel.setpoint(forward, self.motion.acceleration, datum);
+                    *setpoint =
+                        channel.setpoint(forward, phase.turns, self.motion.acceleration, datum);
                     setpoint.position = setpoint.position.advanced(position);
                     setpoint.velocity = setpoint.velocity.wrapping_add(speed);
                     if channel.reversed {

@@ -31,7 +31,6 @@ pub mod program;
 pub mod pulse;
 pub mod servo;
 pub mod settings;
-pub mod setup;
 pub mod shaft;
 pub mod signals;
 pub mod supervisor;

@@ -5,18 +5,18 @@ use crate::pulse::Runs;
 use crate::servo::Setpoint;
 use crate::shaft::Motion;
 use crate::supervisor::{Command, Fault, SafetyInputs, State};
-use crate::units::{Amax, Phase, Turns};
+use crate::units::{Amax, MAX_AXES, PerAxis, Phase, Turns};
 
 /// What the loop reads from outside at a deadline.
 #[derive(Clone, Debug)]
-pub struct Feedback<const N: usize> {
+pub struct Feedback {
     /// Index pulses of the tick that is over.
-    pub index: [Option<IndexPulse>; N],
+    pub index: PerAxis<Option<IndexPulse>>,
     /// Counts of the motors' encoders at the deadline, in the motors' own sense, wrapping, from wherever they were at
     /// power-up. Of an axis without an encoder it is not looked at.
-    pub encoder: [i32; N],
+    pub encoder: PerAxis<i32>,
     /// Alarm outputs of the drives.
-    pub alarm: [bool; N],
+    pub alarm: PerAxis<bool>,
     /// An axis whose step hardware ran out of pulses within a tick that it had been given whole.
     pub ran_dry: Option<usize>,
     /// The enable and stop inputs.
@@ -25,13 +25,13 @@ pub struct Feedback<const N: usize> {
     pub command: Option<Command>,
 }
 
-impl<const N: usize> Feedback<N> {
+impl Feedback {
     /// Nothing but, perhaps, a command: no pulse, no alarm, and inputs that let the machine run.
     pub const fn of(command: Option<Command>) -> Self {
         Self {
-            index: [None; N],
-            encoder: [0; N],
-            alarm: [false; N],
+            index: [None; MAX_AXES],
+            encoder: [0; MAX_AXES],
+            alarm: [false; MAX_AXES],
             ran_dry: None,
             inputs: SafetyInputs {
                 enable: true,
@@ -44,26 +44,26 @@ impl<const N: usize> Feedback<N> {
 
 /// What the loop writes to the outside, to be played from the next deadline on.
 #[derive(Clone, Debug)]
-pub struct Output<const N: usize> {
+pub struct Output {
     /// Pulses of stepper axes; a servo axis has one pause.
-    pub runs: [Runs; N],
+    pub runs: PerAxis<Runs>,
     /// Setpoints of servo axes; those of stepper axes are zero.
-    pub setpoints: [Setpoint; N],
+    pub setpoints: PerAxis<Setpoint>,
     /// The drives are to be on.
     pub drives_enabled: bool,
     /// High in the first half of each turn of the master: an oscilloscope's trigger.
     pub sync: bool,
     /// What the loop knows, for traces and logs.
-    pub telemetry: Telemetry<N>,
+    pub telemetry: Telemetry,
 }
 
-impl<const N: usize> Output<N> {
+impl Output {
     /// Of a loop that has not begun, its axes at these phases.
     #[inline(never)] // with all its room for runs it is large, and would be on the stack once more
-    pub(crate) fn idle(axis_phase: [Phase; N]) -> Self {
+    pub(crate) fn idle(axis_phase: PerAxis<Phase>) -> Self {
         Self {
-            runs: [const { Runs::new() }; N],
-            setpoints: [Setpoint::default(); N],
+            runs: [const { Runs::new() }; MAX_AXES],
+            setpoints: [Setpoint::default(); MAX_AXES],
             drives_enabled: false,
             sync: true,
             telemetry: Telemetry {
@@ -74,11 +74,11 @@ impl<const N: usize> Output<N> {
                 motion: Motion::default(),
                 phase: Phase::ZERO,
                 axis_phase,
-                steps: [0; N],
-                drift: [Turns::ZERO; N],
-                peak: [Turns::ZERO; N],
+                steps: [0; MAX_AXES],
+                drift: [Turns::ZERO; MAX_AXES],
+                peak: [Turns::ZERO; MAX_AXES],
                 modes: Modes::default(),
-                correction: [Turns::ZERO; N],
+                correction: [Turns::ZERO; MAX_AXES],
                 datum: Turns::ZERO,
                 incident: None,
                 incidents: 0,
@@ -91,7 +91,7 @@ impl<const N: usize> Output<N> {
 
 /// What the loop knows at the end of a tick.
 #[derive(Clone, Debug)]
-pub struct Telemetry<const N: usize> {
+pub struct Telemetry {
     /// What the machine is doing.
     pub state: State,
     /// The fault that latched.
@@ -105,17 +105,17 @@ pub struct Telemetry<const N: usize> {
     /// The master's phase at the tick's end.
     pub phase: Phase,
     /// Commanded phases at the tick's end.
-    pub axis_phase: [Phase; N],
+    pub axis_phase: PerAxis<Phase>,
     /// Steps (or encoder counts) commanded since the start, in each axis's own sense.
-    pub steps: [i64; N],
+    pub steps: PerAxis<i64>,
     /// Drift as last measured.
-    pub drift: [Turns; N],
+    pub drift: PerAxis<Turns>,
     /// The largest of it, without sign, since power-up or [`Command::ResetPeak`].
-    pub peak: [Turns; N],
+    pub peak: PerAxis<Turns>,
     /// Its modes.
     pub modes: Modes,
     /// What corrects it: trims, the sum of which is zero.
-    pub correction: [Turns; N],
+    pub correction: PerAxis<Turns>,
     /// Where the master's phase is zero, seen from the cranks': align found them so far ahead of where they were believed.
     pub datum: Turns,
     /// What was seen in this tick and is told, whatever is done about it.

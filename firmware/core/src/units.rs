@@ -10,6 +10,12 @@
 
 use fixed::types::{I16F16, I16F48, U16F48};
 
+/// Most axes that a machine may have; the least is 1.
+pub const MAX_AXES: usize = 6;
+
+/// One entry for each axis that a machine may have; entries of axes that it does not have are zero or none.
+pub type PerAxis<T> = [T; MAX_AXES];
+
 /// A difference of phases, in turns; also turns a tick, a tick² and a tick³.
 ///
 /// Range ±32,768 turns, resolution 2⁻⁴⁸ turn (3.6e-15).

@@ -4,7 +4,7 @@
 //! the three that it does not; boards of the same class that bring out all 30 have them.
 
 /// Most axes.
-pub const AXES: usize = 6;
+pub const AXES: usize = cophase_core::units::MAX_AXES;
 
 /// STEP of each axis.
 pub const STEP: [u8; AXES] = [0, 2, 4, 6, 8, 23];

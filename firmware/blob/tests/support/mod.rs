@@ -1,20 +1,20 @@
-//! Setups to be encoded, and two slots in a flash whose power can be cut.
+//! Settings to be encoded, and two slots in a flash whose power can be cut.
 #![allow(dead_code, reason = "each test uses its part")]
 
 pub mod nor;
 pub mod slots;
 
-use cophase_blob::Setup;
 use cophase_core::program::{CAPACITY, EntrySettings, SegmentSettings, Shape};
+use cophase_core::settings::Settings;
 use cophase_core::settings::{
     AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, IndexSettings,
-    LimitSettings, MAX_AXES, MAX_BANDS, MachineSettings, Platform, PulseSettings,
+    LimitSettings, MAX_BANDS, MachineSettings, NAME_BYTES, Platform, PulseSettings, short_name,
 };
-use cophase_core::setup::{NAME_BYTES, short_name};
+use cophase_core::units::MAX_AXES;
 
-/// A setup that runs, with `entries` in its program.
-pub fn setup(axes: usize, bands: usize, entries: usize) -> Setup {
-    Setup {
+/// settings that runs, with `entries` in its program.
+pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
+    Settings {
         index: IndexSettings { width_us: 2.0 },
         name: short_name("bench"),
         tick_hz: 2000,
@@ -86,9 +86,9 @@ pub fn setup(axes: usize, bands: usize, entries: usize) -> Setup {
     }
 }
 
-/// The setup with the longest encoding: everything full, every number of variable length as great as can be.
-pub fn longest() -> Setup {
-    let mut longest = setup(MAX_AXES, MAX_BANDS, CAPACITY);
+/// The settings with the longest encoding: everything full, every number of variable length as great as can be.
+pub fn longest() -> Settings {
+    let mut longest = settings(MAX_AXES, MAX_BANDS, CAPACITY);
     longest.name = short_name(&"x".repeat(NAME_BYTES));
     longest.tick_hz = u32::MAX;
     for axis in &mut longest.axes {
@@ -99,14 +99,10 @@ pub fn longest() -> Setup {
     longest
 }
 
-/// Makes a controller of as many axes as the setup has, and says what is wrong with it.
-pub fn check(setup: &Setup) -> Result<(), String> {
-    match setup.axes_count() {
-        2 => setup.controller::<2>().map(drop),
-        3 => setup.controller::<3>().map(drop),
-        4 => setup.controller::<4>().map(drop),
-        5 => setup.controller::<5>().map(drop),
-        _ => setup.controller::<6>().map(drop),
-    }
-    .map_err(|error| error.to_string())
+/// Makes a controller of settings, and says what is wrong with them.
+pub fn check(settings: &Settings) -> Result<(), String> {
+    settings
+        .controller()
+        .map(drop)
+        .map_err(|error| error.to_string())
 }

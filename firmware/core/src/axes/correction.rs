@@ -5,40 +5,44 @@
 //! its rate, and no axis further than its limit.
 
 use crate::settings::{Settings, turns_at_most};
-use crate::units::Turns;
+use crate::units::{MAX_AXES, PerAxis, Turns};
 
-/// The trims of `N` axes.
+/// The trims of all axes.
 #[derive(Clone, Debug)]
-pub struct Correction<const N: usize> {
-    now: [Turns; N],
-    target: [Turns; N],
+pub struct Correction {
+    now: PerAxis<Turns>,
+    target: PerAxis<Turns>,
     /// What changes in a tick, and for how many more.
-    change: [Turns; N],
+    change: PerAxis<Turns>,
     left: u32,
-    limit: [Turns; N],
+    count: usize,
+    limit: PerAxis<Turns>,
     /// The slowest axis's rate, turns a tick.
     rate: u64,
     /// Part of a difference that is corrected at once, 16 fraction bits.
     part: i64,
-    /// 1, ½ … 1/N with as many: nothing is divided in a tick.
-    shares: [u32; N],
+    /// 1, ½, ⅓ …: nothing is divided in a tick.
+    shares: PerAxis<u32>,
 }
 
-impl<const N: usize> Correction<N> {
+impl Correction {
     /// Of settings that have been checked; nothing is trimmed yet.
-    pub fn new(settings: &Settings<N>) -> Self {
+    pub fn new(settings: &Settings) -> Self {
         let hz = f64::from(settings.tick_hz);
         let rates = settings
             .axes
             .iter()
             .map(|axis| turns_at_most(axis.trim_rate_hz / hz));
         Self {
-            now: [Turns::ZERO; N],
-            target: [Turns::ZERO; N],
-            change: [Turns::ZERO; N],
+            now: [Turns::ZERO; MAX_AXES],
+            target: [Turns::ZERO; MAX_AXES],
+            change: [Turns::ZERO; MAX_AXES],
             left: 0,
+            count: settings.axes.len(),
             limit: core::array::from_fn(|axis| {
-                Turns::from_bits(turns_at_most(settings.axes[axis].trim_limit_turns))
+                let axis = settings.axes.get(axis);
+                let limit = axis.map_or(0.0, |axis| axis.trim_limit_turns);
+                Turns::from_bits(turns_at_most(limit))
             }),
             rate: rates.min().unwrap_or(0).max(1).unsigned_abs(),
             part: libm::round(settings.correction.part * 65_536.0) as i64,
@@ -52,12 +56,12 @@ impl<const N: usize> Correction<N> {
     }
 
     /// The trims that are in force.
-    pub const fn now(&self) -> &[Turns; N] {
+    pub const fn now(&self) -> &PerAxis<Turns> {
         &self.now
     }
 
     /// Where the trims are going, or are.
-    pub const fn target(&self) -> &[Turns; N] {
+    pub const fn target(&self) -> &PerAxis<Turns> {
         if self.left > 0 {
             &self.target
         } else {
@@ -77,7 +81,7 @@ impl<const N: usize> Correction<N> {
 
     /// Trims that would take away all of the differences between `error`s, what cranks are off with the trims in force; or
     /// the part that is taken away at once. Axes that are not `watched` keep theirs.
-    pub fn against(&self, error: &[Turns; N], watched: u8, all: bool) -> [Turns; N] {
+    pub fn against(&self, error: &PerAxis<Turns>, watched: u8, all: bool) -> PerAxis<Turns> {
         let mut target = self.now;
         if watched.count_ones() > 1 {
             let mean = self.mean(error, watched);
@@ -93,14 +97,14 @@ impl<const N: usize> Correction<N> {
     }
 
     /// The mean of what some axes are off by, to a part in 10,000; zero of none.
-    pub fn mean(&self, error: &[Turns; N], watched: u8) -> Turns {
+    pub fn mean(&self, error: &PerAxis<Turns>, watched: u8) -> Turns {
         let axes = (watched.count_ones() as usize).wrapping_sub(1);
         let share = self.shares.get(axes).copied();
         Turns::from_bits(sum(error, watched) * i64::from(share.unwrap_or(0)))
     }
 
     /// The axis, if any, whose limit a target is past.
-    pub fn past_limit(&self, target: &[Turns; N]) -> Option<usize> {
+    pub fn past_limit(&self, target: &PerAxis<Turns>) -> Option<usize> {
         let axes = target.iter().zip(&self.limit);
         axes.enumerate()
             .find(|(_, (target, limit))| target.wrapping_abs() > **limit)
@@ -108,14 +112,14 @@ impl<const N: usize> Correction<N> {
     }
 
     /// Goes to `target`, whose sum is that of the trims in force, from where the trims are.
-    pub fn go_to(&mut self, target: [Turns; N]) {
-        let doublings = share_out(&mut self.change, &self.now, &target, self.rate);
+    pub fn go_to(&mut self, target: PerAxis<Turns>) {
+        let doublings = share_out(&mut self.change, &self.now, &target, self.count, self.rate);
         self.target = target;
         self.left = 1 << doublings;
     }
 
     /// Plays one tick; what changes in it.
-    pub fn advance(&mut self) -> Option<&[Turns; N]> {
+    pub fn advance(&mut self) -> Option<&PerAxis<Turns>> {
         match self.left {
             0 => return None,
             1 => {
@@ -135,7 +139,7 @@ impl<const N: usize> Correction<N> {
 }
 
 /// The sum of what some axes are off by, less 16 fraction bits.
-#[inline(never)] // one for every number of axes, as all of these
+#[inline(never)]
 fn sum(error: &[Turns], watched: u8) -> i64 {
     let axes = error.iter().enumerate();
     axes.filter(|(axis, _)| watched & 1 << axis != 0)
@@ -169,7 +173,13 @@ fn take_away(trims: &mut [Turns], error: &[Turns], watched: u8, mean: Turns, par
 /// What changes in a tick, of the way from trims to where they are to be: the way over a power of two of ticks, so that nothing has
 /// to be divided. Which power.
 #[inline(never)]
-fn share_out(change: &mut [Turns], now: &[Turns], target: &[Turns], rate: u64) -> u32 {
+fn share_out(
+    change: &mut PerAxis<Turns>,
+    now: &PerAxis<Turns>,
+    target: &PerAxis<Turns>,
+    count: usize,
+    rate: u64,
+) -> u32 {
     let mut most = 0;
     let way = target.iter().zip(now);
     for (change, (target, &now)) in change.iter_mut().zip(way) {
@@ -181,13 +191,15 @@ fn share_out(change: &mut [Turns], now: &[Turns], target: &[Turns], rate: u64) -
         most >>= 1;
         doublings += 1;
     }
-    let Some((last, others)) = change.split_last_mut() else {
-        return doublings;
-    };
-    *last = Turns::ZERO;
-    for change in others {
-        *change = Turns::from_bits(change.to_bits() >> doublings);
-        *last = last.wrapping_sub(*change);
+    // The last axis takes what rounding leaves over, so that the sum is zero.
+    let mut rest = Turns::ZERO;
+    for (axis, change) in change.iter_mut().enumerate().take(count) {
+        if axis + 1 == count {
+            *change = rest;
+        } else {
+            *change = Turns::from_bits(change.to_bits() >> doublings);
+            rest = rest.wrapping_sub(*change);
+        }
     }
     doublings
 }

@@ -17,7 +17,7 @@ mod looks;
 use crate::axes::Correction;
 use crate::drift::{AxisSet, DriftMonitor};
 use crate::supervisor::{Fault, FaultKind};
-use crate::units::{Turns, nearest};
+use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
 use looks::{Moves, Stray, When};
 
 /// How far align has come.
@@ -38,30 +38,31 @@ enum Step {
     Done,
 }
 
-/// Brings `N` cranks together.
+/// Brings the cranks together.
 #[derive(Clone, Debug)]
-pub(super) struct Align<const N: usize> {
+pub(super) struct Align {
     step: Step,
     /// The two tilts; zero if the wiring is not to be proved.
-    patterns: [[Turns; N]; 2],
+    patterns: [PerAxis<Turns>; 2],
     /// Whether there is a common zero: all cranks turn once with the master.
     has_datum: bool,
+    count: usize,
     /// A mean up to this is lag, and no other zero.
     lag: Turns,
     /// What readings may be off by.
-    tolerance: [Turns; N],
+    tolerance: PerAxis<Turns>,
     /// Tilts that have been looked at, and the trims without them.
     proven: usize,
-    base: [Turns; N],
+    base: PerAxis<Turns>,
     /// Turns of the master since the last step.
     waited: Turns,
     /// Drifts before the cranks were moved, as each had passed its flag and just then; and the trims.
-    before: [Turns; N],
-    before_now: [Turns; N],
-    from: [Turns; N],
+    before: PerAxis<Turns>,
+    before_now: PerAxis<Turns>,
+    from: PerAxis<Turns>,
     /// Looks in which some crank strayed, and by how much each was off in all of them; in run, corrections in a row that look like a swap.
     looks: u8,
-    off: [Turns; N],
+    off: PerAxis<Turns>,
     datum: Turns,
 }
 
@@ -75,28 +76,30 @@ const TWICE: u8 = 2;
 /// One of the looks, 16 fraction bits.
 const PART_OF_LOOKS: i64 = 65_536 / LOOKS as i64;
 
-impl<const N: usize> Align<N> {
+impl Align {
     /// With the tilts that prove the wiring, or none.
     pub(super) const fn new(
-        patterns: [[Turns; N]; 2],
+        patterns: [PerAxis<Turns>; 2],
         has_datum: bool,
+        count: usize,
         lag: Turns,
-        tolerance: [Turns; N],
+        tolerance: PerAxis<Turns>,
     ) -> Self {
         Self {
             step: Step::Off,
             patterns,
             has_datum,
+            count,
             lag,
             tolerance,
             proven: 0,
-            base: [Turns::ZERO; N],
+            base: [Turns::ZERO; MAX_AXES],
             waited: Turns::ZERO,
-            before: [Turns::ZERO; N],
-            before_now: [Turns::ZERO; N],
-            from: [Turns::ZERO; N],
+            before: [Turns::ZERO; MAX_AXES],
+            before_now: [Turns::ZERO; MAX_AXES],
+            from: [Turns::ZERO; MAX_AXES],
             looks: 0,
-            off: [Turns::ZERO; N],
+            off: [Turns::ZERO; MAX_AXES],
             datum: Turns::ZERO,
         }
     }
@@ -122,8 +125,8 @@ impl<const N: usize> Align<N> {
     #[inline]
     pub(super) fn advance(
         &mut self,
-        monitor: &mut DriftMonitor<N>,
-        correction: &mut Correction<N>,
+        monitor: &mut DriftMonitor,
+        correction: &mut Correction,
         speed: Turns,
     ) -> Option<Fault> {
         let step = self.step;
@@ -147,11 +150,7 @@ impl<const N: usize> Align<N> {
     }
 
     #[inline]
-    fn go(
-        &mut self,
-        monitor: &mut DriftMonitor<N>,
-        correction: &mut Correction<N>,
-    ) -> Option<Fault> {
+    fn go(&mut self, monitor: &mut DriftMonitor, correction: &mut Correction) -> Option<Fault> {
         match self.step {
             Step::Find if monitor.is_aligned() => return self.found(monitor, correction),
             Step::Move if !correction.is_moving() => {
@@ -165,7 +164,7 @@ impl<const N: usize> Align<N> {
         None
     }
 
-    fn finish(&mut self, monitor: &mut DriftMonitor<N>, correction: &Correction<N>) {
+    fn finish(&mut self, monitor: &mut DriftMonitor, correction: &Correction) {
         monitor.settle();
         self.step = Step::Done;
         self.looks = 0;
@@ -175,11 +174,7 @@ impl<const N: usize> Align<N> {
 
     /// Every index has been heard.
     #[cold]
-    fn found(
-        &mut self,
-        monitor: &mut DriftMonitor<N>,
-        correction: &mut Correction<N>,
-    ) -> Option<Fault> {
+    fn found(&mut self, monitor: &mut DriftMonitor, correction: &mut Correction) -> Option<Fault> {
         self.find_datum(monitor, correction);
         let mut target = *correction.now();
         if correction.is_on() {
@@ -187,9 +182,9 @@ impl<const N: usize> Align<N> {
             target = correction.against(&error, monitor.watched(), true);
         } else if self.proves() {
             // What an align that was cut short left of its pattern is taken back.
-            target = [Turns::ZERO; N];
+            target = [Turns::ZERO; MAX_AXES];
         }
-        let differs = (0..N).any(|axis| {
+        let differs = (0..MAX_AXES).any(|axis| {
             let by = target[axis].wrapping_sub(correction.now()[axis]);
             by.wrapping_abs() > monitor.tolerance(axis)
         });
@@ -204,17 +199,13 @@ impl<const N: usize> Align<N> {
     }
 
     /// The cranks are together: it is proved that each is its own, or all is done.
-    fn go_on(
-        &mut self,
-        monitor: &mut DriftMonitor<N>,
-        correction: &mut Correction<N>,
-    ) -> Option<Fault> {
+    fn go_on(&mut self, monitor: &mut DriftMonitor, correction: &mut Correction) -> Option<Fault> {
         if self.proven == 0 {
             // Where nothing is corrected, the little that an align that was cut short left goes with the tilts.
             self.base = if correction.is_on() {
                 *correction.now()
             } else {
-                [Turns::ZERO; N]
+                [Turns::ZERO; MAX_AXES]
             };
         }
         let pattern = self
@@ -245,7 +236,7 @@ impl<const N: usize> Align<N> {
 
     /// The trims without a tilt, and one on top, this way or the other.
     #[inline(never)]
-    fn tilted(&self, pattern: &[Turns; N], over: bool) -> [Turns; N] {
+    fn tilted(&self, pattern: &PerAxis<Turns>, over: bool) -> PerAxis<Turns> {
         let mut trims = self.base;
         for (trim, &level) in trims.iter_mut().zip(pattern) {
             let level = if over { level.wrapping_neg() } else { level };
@@ -258,9 +249,9 @@ impl<const N: usize> Align<N> {
     #[inline(never)]
     fn move_to(
         &mut self,
-        trims: [Turns; N],
-        monitor: &DriftMonitor<N>,
-        correction: &mut Correction<N>,
+        trims: PerAxis<Turns>,
+        monitor: &DriftMonitor,
+        correction: &mut Correction,
     ) -> Option<Fault> {
         if let Some(axis) = correction.past_limit(&trims) {
             let size = monitor.drift()[axis];
@@ -274,14 +265,14 @@ impl<const N: usize> Align<N> {
             self.from = *correction.now();
         }
         self.looks = 0;
-        self.off = [Turns::ZERO; N];
+        self.off = [Turns::ZERO; MAX_AXES];
         correction.go_to(trims);
         self.step = Step::Move;
         None
     }
 
     /// What all cranks are off by together is where the machine's zero is.
-    fn find_datum(&mut self, monitor: &mut DriftMonitor<N>, correction: &Correction<N>) {
+    fn find_datum(&mut self, monitor: &mut DriftMonitor, correction: &Correction) {
         if !self.has_datum {
             return;
         }
@@ -303,8 +294,8 @@ impl<const N: usize> Align<N> {
     const fn moves<'a>(
         &'a self,
         when: When,
-        drift: &'a [Turns; N],
-        to: &'a [Turns; N],
+        drift: &'a PerAxis<Turns>,
+        to: &'a PerAxis<Turns>,
     ) -> Moves<'a> {
         Moves {
             when,
@@ -313,6 +304,7 @@ impl<const N: usize> Align<N> {
             from: &self.from,
             to,
             tolerance: &self.tolerance,
+            count: self.count,
         }
     }
 
@@ -320,8 +312,8 @@ impl<const N: usize> Align<N> {
     fn on_the_way(
         &self,
         set: AxisSet,
-        monitor: &DriftMonitor<N>,
-        correction: &Correction<N>,
+        monitor: &DriftMonitor,
+        correction: &Correction,
     ) -> Option<Stray> {
         let drift = monitor.calm_drift();
         self.moves(When::OnTheWay, &drift, correction.target())
@@ -331,11 +323,7 @@ impl<const N: usize> Align<N> {
     /// Why cranks that were moved seem too far out, if it is that two are swapped.
     #[cold]
     #[inline(never)]
-    pub(super) fn explain(
-        &self,
-        monitor: &DriftMonitor<N>,
-        correction: &Correction<N>,
-    ) -> Option<Fault> {
+    pub(super) fn explain(&self, monitor: &DriftMonitor, correction: &Correction) -> Option<Fault> {
         if !matches!(self.step, Step::Move | Step::Look) {
             return None;
         }
@@ -353,8 +341,8 @@ impl<const N: usize> Align<N> {
         &self,
         axis: usize,
         by: Turns,
-        monitor: &DriftMonitor<N>,
-        correction: &Correction<N>,
+        monitor: &DriftMonitor,
+        correction: &Correction,
     ) -> Option<Fault> {
         if by.abs() <= monitor.swing(axis) {
             return None;
@@ -372,8 +360,8 @@ impl<const N: usize> Align<N> {
     #[inline(never)]
     pub(super) fn corrected(
         &mut self,
-        monitor: &DriftMonitor<N>,
-        correction: &Correction<N>,
+        monitor: &DriftMonitor,
+        correction: &Correction,
     ) -> Option<Fault> {
         let drift = monitor.drift_at_flags();
         let swapped = self
@@ -393,7 +381,7 @@ impl<const N: usize> Align<N> {
 
     /// Where cranks are now that were moved, next to [`Self::before`]. What loads do to a crank differs by its angle, which is the same at
     /// its flag, and by how fast the machine goes, which it does not yet at the first: so the less of both counts.
-    fn drift_since(&self, monitor: &DriftMonitor<N>) -> [Turns; N] {
+    fn drift_since(&self, monitor: &DriftMonitor) -> PerAxis<Turns> {
         let mut drift = monitor.drift_at_flags();
         let now = monitor.calm_drift();
         for ((at_flag, &before), (&now, &before_now)) in drift
@@ -417,11 +405,7 @@ impl<const N: usize> Align<N> {
 
     /// The cranks have been moved, and each heard once more.
     #[cold]
-    fn looked(
-        &mut self,
-        monitor: &mut DriftMonitor<N>,
-        correction: &mut Correction<N>,
-    ) -> Option<Fault> {
+    fn looked(&mut self, monitor: &mut DriftMonitor, correction: &mut Correction) -> Option<Fault> {
         monitor.refresh();
         let mut drift = self.drift_since(monitor);
         self.looks += 1;
@@ -454,11 +438,7 @@ impl<const N: usize> Align<N> {
 }
 
 /// Whether trims are within their limits, and would leave the platform within its own.
-fn has_room<const N: usize>(
-    trims: &[Turns; N],
-    monitor: &DriftMonitor<N>,
-    correction: &Correction<N>,
-) -> bool {
+fn has_room(trims: &PerAxis<Turns>, monitor: &DriftMonitor, correction: &Correction) -> bool {
     let mut after = errors(monitor, correction);
     let moves = trims.iter().zip(correction.now());
     for (after, (to, &from)) in after.iter_mut().zip(moves) {
@@ -468,10 +448,7 @@ fn has_room<const N: usize>(
 }
 
 /// What each crank is off from where the master has it.
-pub(super) fn errors<const N: usize>(
-    monitor: &DriftMonitor<N>,
-    correction: &Correction<N>,
-) -> [Turns; N] {
+pub(super) fn errors(monitor: &DriftMonitor, correction: &Correction) -> PerAxis<Turns> {
     core::array::from_fn(|axis| nearest(monitor.drift()[axis].wrapping_add(correction.now()[axis])))
 }
 

@@ -14,28 +14,25 @@ pub(super) struct Channel {
     pub(super) reversed: bool,
     /// Of a servo axis; one without is a stepper.
     pub(super) feed_forward: Option<FeedForward>,
-    /// Phases of the last two outputs: the one being played, and the one before.
-    pub(super) playing: TickPhase,
-    pub(super) played: TickPhase,
 }
 
 impl Channel {
-    /// Moves on with the master, if it is to move, and fills `runs`.
+    /// Moves on with the master, if it is to move, and fills `runs`; the phase over the tick.
     #[inline(never)]
     pub(super) fn advance(
         &mut self,
         master: Option<&Turns>,
         trim: Turns,
         pace: &mut Paces,
+        phase: &mut TickPhase,
         runs: &mut Runs,
     ) {
-        self.played = self.playing;
-        self.playing.start = self.axis.phase();
+        phase.start = self.axis.phase();
         let turns = match master {
             Some(&speed) => self.axis.advance(speed, trim),
             None => Turns::ZERO,
         };
-        self.playing.turns = turns;
+        phase.turns = turns;
         if self.feed_forward.is_none() {
             self.planner.plan(turns, pace, runs);
         } else {
@@ -49,10 +46,11 @@ impl Channel {
     pub(super) fn setpoint(
         &self,
         forward: &FeedForward,
+        velocity: Turns,
         acceleration: Turns,
         datum: Turns,
     ) -> Setpoint {
-        let (position, velocity) = (self.axis.phase(), self.playing.turns);
+        let position = self.axis.phase();
         let acceleration = self.axis.gear().share(acceleration);
         Setpoint {
             position,

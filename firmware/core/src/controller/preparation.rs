@@ -17,34 +17,34 @@ use crate::settings::{AxisSettings, DriveKind, Problem, Settings, SettingsError,
 use crate::shaft::{Motion, Shaft, ShaftLimits, Target};
 use crate::signals::Output;
 use crate::supervisor::Supervisor;
-use crate::units::{Amax, Phase, Turns};
+use crate::units::{Amax, MAX_AXES, PerAxis, Phase, Turns};
 
 /// A mean drift that is found in align counts as lag up to this part of the common limit: one in four.
 const LAG_PART: f64 = 4.0;
 
 /// What settings come to that may be refused.
 #[derive(Clone, Debug)]
-pub struct Prepared<const N: usize> {
+pub struct Prepared {
     timing: PulseTiming,
-    feed_forward: [Option<FeedForward>; N],
+    feed_forward: PerAxis<Option<FeedForward>>,
     /// The tilts that prove the wiring; none that is not to be proved.
-    patterns: [[Turns; N]; 2],
-    drift: DriftMonitor<N>,
-    correction: Correction<N>,
-    coupling: Option<Coupling<N>>,
+    patterns: [PerAxis<Turns>; 2],
+    drift: DriftMonitor,
+    correction: Correction,
+    coupling: Option<Coupling>,
 }
 
-impl<const N: usize> Prepared<N> {
+impl Prepared {
     /// Checks settings.
     ///
     /// # Errors
     /// The first that is wrong.
-    pub fn new(settings: &Settings<N>) -> Result<Self, SettingsError> {
+    pub fn new(settings: &Settings) -> Result<Self, SettingsError> {
         settings.check()?;
         let tick_hz = settings.tick_hz;
         let hz = f64::from(tick_hz);
         let timing = PulseTiming::new(&settings.pulse, tick_hz)?;
-        let mut feed_forward = [None; N];
+        let mut feed_forward = [None; MAX_AXES];
         for (i, (axis, slot)) in settings.axes.iter().zip(&mut feed_forward).enumerate() {
             let ratio = f64::from(axis.ratio.0) / f64::from(axis.ratio.1);
             // Trim comes on top of what the gear makes.
@@ -64,7 +64,7 @@ impl<const N: usize> Prepared<N> {
                         settings.limits.reachable_stop_acceleration_hz_per_s() * ratio;
                     *slot = Some(FeedForward::new(
                         &settings.machine,
-                        N,
+                        settings.axes.len(),
                         axis.rotor_inertia_kgm2,
                         tick_hz,
                         turns(speed_hz / hz),
@@ -76,9 +76,9 @@ impl<const N: usize> Prepared<N> {
         let drift = DriftMonitor::new(settings);
         let correction = Correction::new(settings);
         let patterns = if settings.correction.prove_wiring {
-            wiring_patterns(&drift, &correction)?
+            wiring_patterns(settings.axes.len(), &drift, &correction)?
         } else {
-            [[Turns::ZERO; N]; 2]
+            [[Turns::ZERO; MAX_AXES]; 2]
         };
         let measured = |axis: &AxisSettings| axis.drive == DriveKind::Servo && axis.encoder;
         let coupling = Coupling::new(settings);
@@ -97,23 +97,25 @@ impl<const N: usize> Prepared<N> {
     }
 }
 
-impl<const N: usize> Controller<N> {
+impl Controller {
     /// A controller at power-up, of settings that were prepared.
     #[inline(never)] // in a frame of its own
-    pub fn assembled(prepared: &Prepared<N>, settings: &Settings<N>, program: Program) -> Self {
+    pub fn assembled(prepared: &Prepared, settings: &Settings, program: Program) -> Self {
         let tick_hz = settings.tick_hz;
         let hz = f64::from(tick_hz);
-        let channels: [Channel; N] = core::array::from_fn(|i| {
-            let axis = Axis::new(&settings.axes[i], tick_hz);
-            let still = TickPhase::still(axis.phase());
-            Channel {
-                axis,
-                planner: Planner::new(prepared.timing, settings.axes[i].steps_per_turn),
-                reversed: settings.axes[i].reversed,
-                feed_forward: prepared.feed_forward[i],
-                playing: still,
-                played: still,
-            }
+        let axes = settings.axes.iter().zip(&prepared.feed_forward);
+        let channels: heapless::Vec<Channel, MAX_AXES> = axes
+            .map(|(settings, &feed_forward)| Channel {
+                axis: Axis::new(settings, tick_hz),
+                planner: Planner::new(prepared.timing, settings.steps_per_turn),
+                reversed: settings.reversed,
+                feed_forward,
+            })
+            .collect();
+        let phase = core::array::from_fn(|i| {
+            channels
+                .get(i)
+                .map_or(Phase::ZERO, |channel| channel.axis.phase())
         });
         let drift = prepared.drift.clone();
         let has_datum = settings
@@ -135,7 +137,7 @@ impl<const N: usize> Controller<N> {
             park,
             has_servos: prepared.feed_forward.iter().any(Option::is_some),
             pace: Paces::new(prepared.timing.tick()),
-            align: Align::new(prepared.patterns, has_datum, lag, tolerance),
+            align: Align::new(prepared.patterns, has_datum, channels.len(), lag, tolerance),
             drift,
             correction: prepared.correction.clone(),
             corrected: 0,
@@ -153,7 +155,9 @@ impl<const N: usize> Controller<N> {
             punctuality: Punctuality::default(),
             overrun: None,
             was_late: false,
-            output: Output::idle(core::array::from_fn(|i| channels[i].axis.phase())),
+            output: Output::idle(phase),
+            phases: [phase.map(TickPhase::still); 2],
+            newest: 0,
             channels,
         }
     }

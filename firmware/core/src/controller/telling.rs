@@ -5,7 +5,7 @@ use crate::drift::{Finding, is_better};
 use crate::signals::Feedback;
 use crate::supervisor::{Fault, FaultKind, Reaction, Seen, Supervisor, reaction};
 
-impl<const N: usize> Controller<N> {
+impl Controller {
     /// Tells what has happened, one thing a tick: a fault that latched or has a better name, what else was seen, the stop input.
     #[cold]
     #[inline(never)]
@@ -29,7 +29,7 @@ impl<const N: usize> Controller<N> {
     /// Which of all that is wrong comes first.
     #[cold]
     #[inline(never)] // a fault has 48 bytes, to be moved about only where there is one
-    pub(super) fn blame(&mut self, feedback: &Feedback<N>, seen: &mut Seen) {
+    pub(super) fn blame(&mut self, feedback: &Feedback, seen: &mut Seen) {
         let dry = feedback
             .ran_dry
             .map(|axis| Fault::new(FaultKind::RanDry).on_axis(axis));

@@ -3,83 +3,45 @@
 use super::*;
 use crate::drift::IndexPulse;
 use crate::program::{SegmentSettings, Shape};
-use crate::settings::{
-    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, IndexSettings,
-    LimitSettings, MachineSettings, Platform, PulseSettings,
-};
+use crate::settings::{BandSettings, DriveKind, LimitSettings, Platform, sample};
 use crate::supervisor::Command;
 
 const HZ: u32 = 2000;
 
-fn settings() -> Settings<2> {
-    let axis = AxisSettings {
-        drive: DriveKind::Servo,
-        steps_per_turn: 4096,
-        reversed: false,
-        ratio: (1, 1),
-        offset_turns: 0.0,
-        index_turns: Some(0.0),
-        index_width_turns: 0.0,
-        index_delay_s: 0.0,
-        encoder: false,
-        cycle_steps: 0,
-        trim_limit_turns: 0.01,
-        trim_rate_hz: 0.01,
-        rotor_inertia_kgm2: 1e-3,
-    };
-    Settings {
-        tick_hz: HZ,
-        machine: MachineSettings {
-            crank_radius_m: 0.02,
-            lambda: 0.3,
-            load_kg: 10.0,
-            platform: Platform::Below,
-            gravity_mps2: 9.80665,
-            mount_radius_m: 0.25,
-        },
-        limits: LimitSettings {
-            speed_hz: 20.0,
-            acceleration_hz_per_s: 40.0,
-            jerk_hz_per_s2: 1000.0,
-            stop_acceleration_hz_per_s: 40.0,
-            stop_jerk_hz_per_s2: 1000.0,
-            creep_hz: 5.0,
-            bands: [BandSettings {
-                from_hz: 8.0,
-                to_hz: 10.0,
-            }]
-            .into_iter()
-            .collect(),
-        },
-        pulse: PulseSettings {
-            width_ns: 200.0,
-            dir_setup_ns: 300.0,
-            dir_hold_ns: 300.0,
-        },
-        index: IndexSettings { width_us: 2.0 },
-        axes: [
-            axis,
-            AxisSettings {
-                reversed: true,
-                ratio: (1, 2),
-                ..axis
-            },
-        ],
-        drift: DriftSettings {
-            tilt_limit_mrad: 3.0,
-            warp_limit_deg: 3.0,
-            common_limit_deg: 15.0,
-            reading_deg: 0.25,
-            lag_s: 0.0,
-        },
-        correction: CorrectionSettings::NONE,
-        park_turns: 0.5,
-        settle_s: 0.0,
+/// A servo, and a servo that is reversed and geared down.
+fn settings() -> Settings {
+    let mut settings = sample::settings(2);
+    for axis in &mut settings.axes {
+        axis.drive = DriveKind::Servo;
+        axis.steps_per_turn = 4096;
+        axis.cycle_steps = 0;
+        axis.trim_limit_turns = 0.01;
+        axis.trim_rate_hz = 0.01;
+        axis.rotor_inertia_kgm2 = 1e-3;
     }
+    settings.axes[1].reversed = true;
+    settings.axes[1].ratio = (1, 2);
+    settings.machine.platform = Platform::Below;
+    settings.limits = LimitSettings {
+        speed_hz: 20.0,
+        acceleration_hz_per_s: 40.0,
+        jerk_hz_per_s2: 1000.0,
+        stop_acceleration_hz_per_s: 40.0,
+        stop_jerk_hz_per_s2: 1000.0,
+        creep_hz: 5.0,
+        bands: [BandSettings {
+            from_hz: 8.0,
+            to_hz: 10.0,
+        }]
+        .into_iter()
+        .collect(),
+    };
+    settings.settle_s = 0.0;
+    settings
 }
 
 /// A controller with a program of one ramp to `amax_mps2`.
-fn controller(settings: &Settings<2>, amax_mps2: f64) -> Controller<2> {
+fn controller(settings: &Settings, amax_mps2: f64) -> Controller {
     let mut builder = settings.program_builder();
     let segment = SegmentSettings {
         amax_mps2,
@@ -92,18 +54,18 @@ fn controller(settings: &Settings<2>, amax_mps2: f64) -> Controller<2> {
 }
 
 /// Ticks with nothing but an index pulse from both axes now and then.
-fn play(controller: &mut Controller<2>, command: Option<Command>, ticks: u32, heard: bool) {
+fn play(controller: &mut Controller, command: Option<Command>, ticks: u32, heard: bool) {
     for tick in 0..ticks {
         let mut feedback = Feedback::of(command.filter(|_| tick == 0));
         if heard && tick == 2 {
-            feedback.index = [Some(IndexPulse { cycle: 0 }); 2];
+            feedback.index = [Some(IndexPulse { cycle: 0 }); MAX_AXES];
         }
         controller.tick(&feedback);
     }
 }
 
 /// Running, without sensors, so that nobody need play them.
-fn running(amax_mps2: f64) -> Controller<2> {
+fn running(amax_mps2: f64) -> Controller {
     let mut settings = settings();
     for axis in &mut settings.axes {
         axis.index_turns = None;
@@ -181,7 +143,7 @@ fn what_a_proof_that_was_cut_short_left_is_taken_back() {
     settings.correction.prove_wiring = true;
     let mut controller = controller(&settings, 100.0);
     let tolerance = controller.drift.tolerance(0);
-    let trim = |controller: &Controller<2>| controller.correction.now()[0].abs();
+    let trim = |controller: &Controller| controller.correction.now()[0].abs();
     play(&mut controller, Some(Command::Start), 1, false);
     let mut was_tilted = false;
     while trim(&controller) > tolerance / 2 || !was_tilted {
@@ -204,7 +166,7 @@ fn what_a_proof_that_was_cut_short_left_is_taken_back() {
 #[test]
 fn setpoints_are_in_the_motors_own_sense() {
     let controller = running(200.0);
-    let [plain, turned] = controller.output.setpoints;
+    let [plain, turned, ..] = controller.output.setpoints;
     let motion = controller.output.telemetry.motion;
     assert!(motion.acceleration > 0);
     assert_eq!(plain.velocity, motion.speed);

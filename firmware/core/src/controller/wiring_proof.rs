@@ -3,7 +3,7 @@
 use crate::axes::Correction;
 use crate::drift::DriftMonitor;
 use crate::settings::{Problem, SettingsError};
-use crate::units::Turns;
+use crate::units::{PerAxis, Turns};
 
 /// How many tolerances any two cranks are moved apart, at least, in one of the tilts.
 pub(super) const APART: i64 = 3;
@@ -12,13 +12,14 @@ pub(super) const APART: i64 = 3;
 ///
 /// # Errors
 /// They do not.
-pub(super) fn wiring_patterns<const N: usize>(
-    drift: &DriftMonitor<N>,
-    correction: &Correction<N>,
-) -> Result<[[Turns; N]; 2], SettingsError> {
-    let tolerances = (0..N).map(|axis| drift.tolerance(axis));
+pub(super) fn wiring_patterns(
+    count: usize,
+    drift: &DriftMonitor,
+    correction: &Correction,
+) -> Result<[PerAxis<Turns>; 2], SettingsError> {
+    let tolerances = (0..count).map(|axis| drift.tolerance(axis));
     let tolerance = tolerances.max().unwrap_or_default();
-    let patterns = patterns::<N>(tolerance);
+    let patterns = patterns(count, tolerance);
     // With what readings may be off on top.
     let on_top = |level: Turns| level + if level < 0 { -tolerance } else { tolerance };
     for pattern in &patterns {
@@ -34,27 +35,30 @@ pub(super) fn wiring_patterns<const N: usize>(
 }
 
 /// The tilts that prove the wiring, each of sum zero.
-fn patterns<const N: usize>(tolerance: Turns) -> [[Turns; N]; 2] {
+fn patterns(count: usize, tolerance: Turns) -> [PerAxis<Turns>; 2] {
     let place = |i: usize| {
-        let theta = core::f64::consts::TAU * i as f64 / N as f64;
+        let theta = core::f64::consts::TAU * i as f64 / count as f64;
         // Two axes are on a line: there is one tilt.
-        let sine = if N == 2 { 0.0 } else { libm::sin(theta) };
+        let sine = if count == 2 { 0.0 } else { libm::sin(theta) };
         [libm::cos(theta), sine]
     };
     let apart = |i: usize, j: usize| {
         let ([a, b], [c, d]) = (place(i), place(j));
         libm::fabs(a - c).max(libm::fabs(b - d))
     };
-    let pairs = (0..N).flat_map(|i| (0..i).map(move |j| apart(i, j)));
+    let pairs = (0..count).flat_map(|i| (0..i).map(move |j| apart(i, j)));
     let least = pairs.fold(f64::INFINITY, f64::min);
     let amplitude = tolerance.to_num::<f64>() * APART as f64 / least;
     core::array::from_fn(|tilt| {
-        let mut levels: [Turns; N] =
-            core::array::from_fn(|i| Turns::from_num(amplitude * place(i)[tilt]));
-        // To the count.
-        let rest = levels.iter().fold(Turns::ZERO, |sum, &level| sum + level);
-        if let Some(last) = levels.last_mut() {
-            *last -= rest;
+        let mut levels = PerAxis::default();
+        let mut rest = Turns::ZERO;
+        for (i, level) in levels.iter_mut().enumerate().take(count) {
+            *level = Turns::from_num(amplitude * place(i)[tilt]);
+            // The last axis takes what rounding leaves over.
+            if i + 1 == count {
+                *level = -rest;
+            }
+            rest += *level;
         }
         levels
     })

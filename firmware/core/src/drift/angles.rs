@@ -1,8 +1,7 @@
 //! Angles of cranks as half a word, and what several of them have in common.
 
 use super::modes::AxisSet;
-use crate::settings::MAX_AXES;
-use crate::units::{FRACTION_BITS, Turns};
+use crate::units::{FRACTION_BITS, MAX_AXES, Turns};
 
 /// What cranks are off by as an angle of 2⁻³² turn, which wraps as they do: half a word, and nothing to bring back within the turn.
 pub(super) const fn angle(turns: Turns) -> i32 {
@@ -62,7 +61,7 @@ pub(super) fn furthest(errors: &[Turns], set: AxisSet) -> usize {
 }
 
 /// What the axes of a set are off by in common, with their corrections. Of one alone, that.
-#[inline(never)] // one for every number of axes
+#[inline(never)]
 pub(super) fn in_common(drifts: &[Turns], corrections: &[Turns], set: AxisSet) -> Turns {
     let mut angles = Angles::default();
     for (axis, (drift, &correction)) in drifts.iter().zip(corrections).enumerate() {
@@ -75,7 +74,7 @@ pub(super) fn in_common(drifts: &[Turns], corrections: &[Turns], set: AxisSet) -
 
 /// What all of `values`, wrapping angles, have in common when few of them differ: the middle one; of two middle ones the smaller, so
 /// that of two axes the one counts as moved that moved more. Sorts them.
-#[inline(never)] // one for every number of axes
+#[inline(never)]
 fn middle(values: &mut [i32]) -> i32 {
     // As many as six: a sort of the library's has more to set up than to do, and lies in the flash.
     for placed in 1..values.len() {

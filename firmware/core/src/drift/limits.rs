@@ -98,7 +98,7 @@ impl DriftLimits {
     }
 
     /// By how much one axis alone must seem off for some limit to be passed.
-    pub(super) fn alone<const N: usize>(&self, mount: &Mount<N>, axis: usize) -> Turns {
+    pub(super) fn alone(&self, mount: &Mount, axis: usize) -> Turns {
         let (tilt, warp) = mount.alone(axis);
         let most = |limit: Turns, share: f64| {
             if share > 1e-6 {
@@ -109,7 +109,7 @@ impl DriftLimits {
         };
         let least = most(self.read.tilt, tilt).min(most(self.read.warp, warp));
         // A platform of which nothing is known but how far all lag.
-        let common = self.common.to_num::<f64>() * N as f64;
+        let common = self.common.to_num::<f64>() * mount.count() as f64;
         turns(least.min(common).min(0.25))
     }
 }

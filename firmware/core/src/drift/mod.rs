@@ -37,7 +37,7 @@ pub use tick_phase::{IndexPulse, TickPhase};
 
 use crate::settings::Settings;
 use crate::supervisor::{Fault, FaultKind};
-use crate::units::{Phase, Turns, nearest};
+use crate::units::{MAX_AXES, PerAxis, Phase, Turns, nearest};
 use angles::{Angles, furthest, in_common, of_angle};
 use axis_watch::AxisWatch;
 use findings::Findings;
@@ -45,25 +45,25 @@ use tick_phase::TickClock;
 
 /// What came in during a tick.
 #[derive(Clone, Copy, Debug)]
-pub struct Sensed<'a, const N: usize> {
+pub struct Sensed<'a> {
     /// Index pulses.
-    pub index: &'a [Option<IndexPulse>; N],
+    pub index: &'a PerAxis<Option<IndexPulse>>,
     /// Encoder counts at its end, in the motors' own sense.
-    pub encoder: &'a [i32; N],
+    pub encoder: &'a PerAxis<i32>,
     /// Phases that were commanded in it.
-    pub commanded: [&'a TickPhase; N],
+    pub commanded: &'a PerAxis<TickPhase>,
     /// What of these was correction.
-    pub correction: &'a [Turns; N],
+    pub correction: &'a PerAxis<Turns>,
     /// Turns that the master made in it.
     pub speed: Turns,
 }
 
-/// Watches the drift of `N` axes.
+/// Watches the drift of all axes.
 #[derive(Clone, Debug)]
-pub struct DriftMonitor<const N: usize> {
+pub struct DriftMonitor {
     limits: DriftLimits,
-    mount: Mount<N>,
-    axes: [AxisWatch; N],
+    mount: Mount,
+    axes: heapless::Vec<AxisWatch, MAX_AXES>,
     /// Axes that have an index sensor; that have no encoder besides; that have an encoder.
     sensed: AxisSet,
     by_index: AxisSet,
@@ -75,8 +75,8 @@ pub struct DriftMonitor<const N: usize> {
     finding_out: bool,
     /// Meanwhile a crank was heard to be elsewhere than in the turn before, by so much.
     moved: Option<(usize, Turns)>,
-    drift: [Turns; N],
-    peak: [Turns; N],
+    drift: PerAxis<Turns>,
+    peak: PerAxis<Turns>,
     /// Axes by index heard in this round.
     heard: AxisSet,
     /// Axes whose index has been heard at all.
@@ -92,28 +92,35 @@ pub struct DriftMonitor<const N: usize> {
     findings: Findings,
 }
 
-impl<const N: usize> DriftMonitor<N> {
+impl DriftMonitor {
     /// Of settings that have been checked.
-    pub fn new(settings: &Settings<N>) -> Self {
+    pub fn new(settings: &Settings) -> Self {
         let limits = DriftLimits::new(&settings.drift, &settings.machine, settings.tick_hz);
         let set = |has: &dyn Fn(usize) -> bool| {
-            let axes = (0..N).filter(|&axis| has(axis));
+            let axes = (0..settings.axes.len()).filter(|&axis| has(axis));
             axes.fold(0, |set, axis| set | 1 << axis)
         };
         let has_index = |axis: usize| settings.axes[axis].index_turns.is_some();
         let has_encoder = |axis: usize| settings.axes[axis].encoder;
-        let mount = Mount::with(set(&|axis| has_index(axis) || has_encoder(axis)));
+        let mount = Mount::with(
+            settings.axes.len(),
+            set(&|axis| has_index(axis) || has_encoder(axis)),
+        );
         Self {
-            axes: core::array::from_fn(|axis| {
-                let alone = limits.alone(&mount, axis);
-                AxisWatch::new(
-                    &settings.axes[axis],
-                    settings.index.width_us * 1e-6,
-                    settings.tick_hz,
-                    limits.reading,
-                    alone,
-                )
-            }),
+            axes: settings
+                .axes
+                .iter()
+                .enumerate()
+                .map(|(axis, settings_of_axis)| {
+                    AxisWatch::new(
+                        settings_of_axis,
+                        settings.index.width_us * 1e-6,
+                        settings.tick_hz,
+                        limits.reading,
+                        limits.alone(&mount, axis),
+                    )
+                })
+                .collect(),
             limits,
             mount,
             sensed: set(&has_index),
@@ -123,8 +130,8 @@ impl<const N: usize> DriftMonitor<N> {
             before_is_known: false,
             finding_out: true,
             moved: None,
-            drift: [Turns::ZERO; N],
-            peak: [Turns::ZERO; N],
+            drift: [Turns::ZERO; MAX_AXES],
+            peak: [Turns::ZERO; MAX_AXES],
             heard: 0,
             known: 0,
             seen: 0,
@@ -138,10 +145,10 @@ impl<const N: usize> DriftMonitor<N> {
 
     /// Takes in what came during a tick that is over; the next thing to tell, if there is one.
     #[inline(never)]
-    pub fn observe(&mut self, sensed: &Sensed<'_, N>) -> Option<Finding> {
+    pub fn observe(&mut self, sensed: &Sensed<'_>) -> Option<Finding> {
         let before_is_known = core::mem::replace(&mut self.before_is_known, true);
         let mut news = 0;
-        let stirred = stirred(&mut self.axes, sensed.index, &sensed.commanded);
+        let stirred = stirred(&mut self.axes, sensed.index, sensed.commanded);
         if stirred != 0 {
             let heard = sensed.index.iter().zip(sensed.encoder);
             let all = self.axes.iter_mut().zip(heard.zip(sensed.commanded));
@@ -162,20 +169,25 @@ impl<const N: usize> DriftMonitor<N> {
     }
 
     /// Takes note of a tick to which no phase belongs: sensors that were heard in it are alive.
-    pub fn disregard(&mut self, sensed: &Sensed<'_, N>) {
+    pub fn disregard(&mut self, sensed: &Sensed<'_>) {
         self.before_is_known = false;
         for (axis, watch) in self.axes.iter_mut().enumerate() {
-            let start = sensed.commanded[axis].start;
-            watch.disregard(sensed.index[axis].is_some(), sensed.encoder[axis], start);
+            if let (Some(pulse), Some(&count), Some(commanded)) = (
+                sensed.index.get(axis),
+                sensed.encoder.get(axis),
+                sensed.commanded.get(axis),
+            ) {
+                watch.disregard(pulse.is_some(), count, commanded.start);
+            }
         }
     }
 
     /// Sorts what was heard, and looks at what has come of it.
     #[inline(never)]
-    fn consider(&mut self, news: AxisSet, sensed: &Sensed<'_, N>) {
+    fn consider(&mut self, news: AxisSet, sensed: &Sensed<'_>) {
         let all_late = self.axes.iter().all(AxisWatch::is_late);
         let mut moved = 0;
-        for axis in 0..N {
+        for axis in 0..self.axes.len().min(MAX_AXES) {
             if news & 1 << axis == 0 {
                 continue;
             }
@@ -249,7 +261,7 @@ impl<const N: usize> DriftMonitor<N> {
 
     /// What all axes but one are off by in common, with their corrections. Not the mean of all: that one would be held against
     /// what it did itself.
-    fn in_common_but(&self, axis: usize, correction: &[Turns; N]) -> Turns {
+    fn in_common_but(&self, axis: usize, correction: &PerAxis<Turns>) -> Turns {
         in_common(&self.drift, correction, self.watched() & !(1 << axis))
     }
 
@@ -273,7 +285,7 @@ impl<const N: usize> DriftMonitor<N> {
     }
 
     /// Holds what is known against the limits, and tells what was named.
-    fn check(&mut self, sensed: &Sensed<'_, N>) {
+    fn check(&mut self, sensed: &Sensed<'_>) {
         if self.finding_out {
             self.check_encoders();
         }
@@ -292,7 +304,7 @@ impl<const N: usize> DriftMonitor<N> {
         }
         self.modes = self.mount.modes(&error);
         let past = self.past(sensed.speed);
-        for axis in 0..N {
+        for axis in 0..self.axes.len().min(MAX_AXES) {
             let fresh = self.axes.get_mut(axis).and_then(AxisWatch::take_fresh);
             // While cranks are found out, and brought together, what they do is looked at by whoever does that.
             if let Some((kind, by)) = fresh.filter(|_| !self.finding_out) {
@@ -324,7 +336,7 @@ impl<const N: usize> DriftMonitor<N> {
 
     /// The cranks are past a limit: which of them, and why, if that is known.
     #[cold]
-    fn blame(&mut self, kind: FaultKind, error: &[Turns; N], speed: Turns) {
+    fn blame(&mut self, kind: FaultKind, error: &PerAxis<Turns>, speed: Turns) {
         if kind == FaultKind::CommonLag {
             let size = self.limits.beyond_natural(&self.modes, speed);
             return self.findings.push(Fault::new(kind).with_size(size), false);
@@ -337,9 +349,10 @@ impl<const N: usize> DriftMonitor<N> {
         // Of two cranks that are apart, the one of which something is known is the one that moved.
         let worst = self.worst(error);
         let named = |axis: usize| self.axes.get(axis).and_then(AxisWatch::name);
-        let known = (worst..N)
+        let count = self.axes.len();
+        let known = (worst..count)
             .chain(0..worst)
-            .take(if N == 2 { 2 } else { 1 })
+            .take(if count == 2 { 2 } else { 1 })
             .find(|&axis| named(axis).is_some());
         match known {
             Some(axis) => self.push_axis(axis, named(axis).unwrap_or(kind)),
@@ -356,14 +369,14 @@ impl<const N: usize> DriftMonitor<N> {
     }
 
     /// The axis that is furthest from what all have in common.
-    fn worst(&self, error: &[Turns; N]) -> usize {
+    fn worst(&self, error: &PerAxis<Turns>) -> usize {
         furthest(error, self.watched())
     }
 
     /// While nobody knows where the cranks should be, encoders still tell of an axis that does not turn as it is told; of all that do not,
     /// too, whose drifts are alike.
     fn check_encoders(&mut self) {
-        for axis in 0..N {
+        for axis in 0..self.axes.len().min(MAX_AXES) {
             let Some(watch) = self.axes.get(axis) else {
                 continue;
             };
@@ -398,7 +411,7 @@ impl<const N: usize> DriftMonitor<N> {
     }
 
     /// Forgets what was measured: the cranks may have been turned while the drives were off. From now on they are found out.
-    pub fn reset(&mut self, phase: &[Phase; N]) {
+    pub fn reset(&mut self, phase: &PerAxis<Phase>) {
         self.heard = 0;
         self.known = 0;
         self.is_even = false;
@@ -409,7 +422,7 @@ impl<const N: usize> DriftMonitor<N> {
         for (watch, &phase) in self.axes.iter_mut().zip(phase) {
             watch.reset(phase);
         }
-        self.drift = [Turns::ZERO; N];
+        self.drift = [Turns::ZERO; MAX_AXES];
         self.modes = Modes::default();
     }
 
@@ -419,14 +432,14 @@ impl<const N: usize> DriftMonitor<N> {
     }
 
     /// The drift of each axis as it is known now, round or not, with little of the readings' noise and some ticks late.
-    pub fn calm_drift(&self) -> [Turns; N] {
+    pub fn calm_drift(&self) -> PerAxis<Turns> {
         let mut drifts = self.drift;
         fill(&mut drifts, &self.axes, AxisWatch::calm_drift);
         drifts
     }
 
     /// The same as each crank passed its flag last: to be compared with what it was a turn ago.
-    pub fn drift_at_flags(&self) -> [Turns; N] {
+    pub fn drift_at_flags(&self) -> PerAxis<Turns> {
         let mut drifts = self.drift;
         fill(&mut drifts, &self.axes, AxisWatch::drift_at_flag);
         drifts
@@ -479,12 +492,12 @@ impl<const N: usize> DriftMonitor<N> {
     }
 
     /// The watched axis that is furthest from what all have in common.
-    pub fn furthest(&self, error: &[Turns; N]) -> usize {
+    pub fn furthest(&self, error: &PerAxis<Turns>) -> usize {
         self.worst(error)
     }
 
     /// Whether the platform may tilt and bend so.
-    pub fn allows(&self, error: &[Turns; N]) -> bool {
+    pub fn allows(&self, error: &PerAxis<Turns>) -> bool {
         self.limits.of_platform(&self.mount.modes(error)).is_none()
     }
 
@@ -499,18 +512,18 @@ impl<const N: usize> DriftMonitor<N> {
     }
 
     /// The drift of each axis, as last measured: turns, −½ to ½.
-    pub const fn drift(&self) -> &[Turns; N] {
+    pub const fn drift(&self) -> &PerAxis<Turns> {
         &self.drift
     }
 
     /// The largest of it so far, without sign.
-    pub const fn peak(&self) -> &[Turns; N] {
+    pub const fn peak(&self) -> &PerAxis<Turns> {
         &self.peak
     }
 
     /// Forgets the largest drifts.
     pub fn reset_peak(&mut self) {
-        self.peak = [Turns::ZERO; N];
+        self.peak = [Turns::ZERO; MAX_AXES];
     }
 
     /// The modes of the drifts and their correction, as last taken.
@@ -520,11 +533,11 @@ impl<const N: usize> DriftMonitor<N> {
 }
 
 /// Axes of which there may be news. All others are done with: in nearly all ticks, all.
-#[inline(never)] // one for every number of axes, and in a loop of its own: unrolled, it lacks registers
+#[inline(never)] // in a loop of its own: unrolled, it lacks registers
 fn stirred(
     axes: &mut [AxisWatch],
     index: &[Option<IndexPulse>],
-    commanded: &[&TickPhase],
+    commanded: &[TickPhase],
 ) -> AxisSet {
     let mut set = 0;
     let mut own = 1;
@@ -538,7 +551,7 @@ fn stirred(
 }
 
 /// A drift of each axis.
-#[inline(never)] // one for every number of axes
+#[inline(never)]
 fn fill(drifts: &mut [Turns], axes: &[AxisWatch], of: impl Fn(&AxisWatch) -> Turns) {
     for (drift, watch) in drifts.iter_mut().zip(axes) {
         *drift = of(watch);
@@ -546,7 +559,7 @@ fn fill(drifts: &mut [Turns], axes: &[AxisWatch], of: impl Fn(&AxisWatch) -> Tur
 }
 
 /// Compares what each axis of a set did in a round with what they did in common, which it gives.
-#[inline(never)] // one for every number of axes
+#[inline(never)]
 fn compare(axes: &mut [AxisWatch], set: AxisSet) -> i32 {
     let (mut jumps, mut walks) = (Angles::default(), Angles::default());
     for (axis, watch) in axes.iter().enumerate() {

@@ -11,7 +11,7 @@
 //! three neighbours of six is known six times worse than these.
 
 use crate::functions::multiply_q30;
-use crate::units::Turns;
+use crate::units::{MAX_AXES, PerAxis, Turns};
 
 /// The modes of one set of drifts, turns of crank angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,17 +41,18 @@ impl Modes {
 /// A set of axes: a bit for each.
 pub type AxisSet = u8;
 
-/// What `N` axes tell of a platform on which they stand evenly, when some or all of them are heard.
+/// What axes tell of a platform on which they stand evenly, when some or all of them are heard.
 #[derive(Clone, Debug)]
-pub struct Mount<const N: usize> {
+pub struct Mount {
     /// Weights of the drifts, 28 fraction bits; zero for those that are not heard.
-    common: [i32; N],
-    tilt_x: [i32; N],
-    tilt_y: [i32; N],
+    common: PerAxis<i32>,
+    tilt_x: PerAxis<i32>,
+    tilt_y: PerAxis<i32>,
     /// Where they stand, 30 fraction bits.
-    cosine: [i32; N],
-    sine: [i32; N],
+    cosine: PerAxis<i32>,
+    sine: PerAxis<i32>,
     heard: AxisSet,
+    count: usize,
 }
 
 /// Fraction bits that are dropped of a drift: ±½ turn then has 30 bits, and so has a sum of six, each below its drift.
@@ -78,24 +79,23 @@ pub enum Knowledge {
     All,
 }
 
-impl<const N: usize> Mount<N> {
-    /// Evenly around the circle, axis 0 at θ = 0, all of them heard.
-    pub fn new() -> Self {
-        Self::with(((1_u32 << N) - 1) as AxisSet)
+impl Mount {
+    /// `count` axes evenly around the circle, axis 0 at θ = 0, all of them heard.
+    pub fn new(count: usize) -> Self {
+        Self::with(count, ((1_u32 << count) - 1) as AxisSet)
     }
 
     /// The same, of which only some are heard.
-    pub fn with(heard: AxisSet) -> Self {
-        let theta = |i: usize| core::f64::consts::TAU * i as f64 / N as f64;
+    pub fn with(count: usize, heard: AxisSet) -> Self {
+        let theta = |i: usize| core::f64::consts::TAU * i as f64 / count as f64;
         let place = |i: usize| {
             // With two axes there is no second direction to tilt in.
-            let sine = if N == 2 { 0.0 } else { libm::sin(theta(i)) };
+            let sine = if count == 2 { 0.0 } else { libm::sin(theta(i)) };
             (libm::cos(theta(i)), sine)
         };
-        let axes = || (0..N).filter(|&axis| heard & 1 << axis != 0);
-        let count = axes().count();
-        let mut weights = [[0.0; 3]; N];
-        if count >= 3 {
+        let axes = || (0..count).filter(|&axis| heard & 1 << axis != 0);
+        let mut weights = [[0.0; 3]; MAX_AXES];
+        if axes().count() >= 3 {
             // The normal equations of the best plane: M c = Σ e (1, cos θ, sin θ).
             let mut normal = [[0.0; 3]; 3];
             for (x, y) in axes().map(place) {
@@ -129,7 +129,13 @@ impl<const N: usize> Mount<N> {
             cosine: core::array::from_fn(|i| fixed(place(i).0, 30)),
             sine: core::array::from_fn(|i| fixed(place(i).1, 30)),
             heard,
+            count,
         }
+    }
+
+    /// How many axes there are.
+    pub(super) const fn count(&self) -> usize {
+        self.count
     }
 
     /// What these axes tell.
@@ -146,9 +152,9 @@ impl<const N: usize> Mount<N> {
     /// The tilt, and the warp of its own, that an axis makes which is off by one, alone.
     pub(super) fn alone(&self, axis: usize) -> (f64, f64) {
         let float = |value: i32, bits: u32| f64::from(value) / f64::from(1_u32 << bits);
-        let of = |weights: &[i32; N]| weights.get(axis).map_or(0.0, |&w| float(w, WEIGHT_BITS));
+        let of = |weights: &PerAxis<i32>| weights.get(axis).map_or(0.0, |&w| float(w, WEIGHT_BITS));
         let (common, x, y) = (of(&self.common), of(&self.tilt_x), of(&self.tilt_y));
-        let at = |places: &[i32; N]| places.get(axis).map_or(0.0, |&p| float(p, 30));
+        let at = |places: &PerAxis<i32>| places.get(axis).map_or(0.0, |&p| float(p, 30));
         let warp = if self.knowledge() == Knowledge::All {
             1.0 - common - x * at(&self.cosine) - y * at(&self.sine)
         } else {
@@ -162,10 +168,10 @@ impl<const N: usize> Mount<N> {
     /// Error below 1e-6 of the largest, and 2⁻²⁵ turn: drifts are taken with 29 fraction bits, and up to twelve
     /// products are rounded down.
     #[inline(never)]
-    pub fn modes(&self, drift: &[Turns; N]) -> Modes {
+    pub fn modes(&self, drift: &PerAxis<Turns>) -> Modes {
         let drift = drift.map(|e| (e.to_bits() >> DROPPED_BITS) as i32);
-        let project = |weights: &[i32; N]| {
-            let products = drift.iter().zip(weights);
+        let project = |weights: &PerAxis<i32>| {
+            let products = drift.iter().zip(weights).take(self.count);
             let sum: i32 = products.map(|(&e, &weight)| multiply_q30(e, weight)).sum();
             // Three neighbours of six that are all far off would be extrapolated to several turns.
             sum.clamp(-ONE_TURN_OF_SUM, ONE_TURN_OF_SUM) << (30 - WEIGHT_BITS)
@@ -175,8 +181,12 @@ impl<const N: usize> Mount<N> {
         let tilt_y = project(&self.tilt_y);
         let (mut warp, mut warp_axis) = (0, 0);
         if self.knowledge() == Knowledge::All {
-            for (axis, ((e, &cosine), &sine)) in
-                drift.iter().zip(&self.cosine).zip(&self.sine).enumerate()
+            for (axis, ((e, &cosine), &sine)) in drift
+                .iter()
+                .zip(&self.cosine)
+                .zip(&self.sine)
+                .enumerate()
+                .take(self.count)
             {
                 if self.heard & 1 << axis == 0 {
                     continue;
@@ -210,27 +220,21 @@ fn inverse(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     core::array::from_fn(|r| core::array::from_fn(|c| minor(c, r) / determinant))
 }
 
-impl<const N: usize> Default for Mount<N> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
 
     /// A plane plus, from four axes on, a warp of alternating sign that no plane contains.
-    fn check<const N: usize>(common: f64, tilt: (f64, f64), warp: f64) {
-        let tilt = if N == 2 { (tilt.0, 0.0) } else { tilt };
-        let warp = if N == 4 || N == 6 { warp } else { 0.0 };
-        let drift: [Turns; N] = core::array::from_fn(|i| {
-            let theta = core::f64::consts::TAU * i as f64 / N as f64;
+    fn check(count: usize, common: f64, tilt: (f64, f64), warp: f64) {
+        let tilt = if count == 2 { (tilt.0, 0.0) } else { tilt };
+        let warp = if count == 4 || count == 6 { warp } else { 0.0 };
+        let drift: PerAxis<Turns> = core::array::from_fn(|i| {
+            let theta = core::f64::consts::TAU * i as f64 / count as f64;
             let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
             Turns::from_num(common + tilt.0 * theta.cos() + tilt.1 * theta.sin() + sign * warp)
         });
-        let modes = Mount::<N>::new().modes(&drift);
+        let modes = Mount::new(count).modes(&drift);
         for (name, got, want) in [
             ("common", modes.common, common),
             ("tilt_x", modes.tilt_x, tilt.0),
@@ -238,7 +242,7 @@ mod tests {
             ("warp", modes.warp, warp.abs()),
         ] {
             let error = got.to_num::<f64>() - want;
-            assert!(error.abs() < 1e-6, "N = {N}, {name}: off by {error:e}");
+            assert!(error.abs() < 1e-6, "N = {count}, {name}: off by {error:e}");
         }
     }
 
@@ -264,23 +268,21 @@ mod tests {
             y in -0.1..0.1_f64,
             warp in -0.1..0.1_f64,
         ) {
-            check::<2>(common, (x, y), warp);
-            check::<3>(common, (x, y), warp);
-            check::<4>(common, (x, y), warp);
-            check::<5>(common, (x, y), warp);
-            check::<6>(common, (x, y), warp);
+            for count in 2..=MAX_AXES {
+                check(count, common, (x, y), warp);
+            }
         }
     }
 
     /// Every subset of sensors gives back what it can tell: a plane from three, a tilt and the mean from two, the mean from one.
     #[test]
     fn missing_sensors_leave_fewer_equations() {
-        fn check<const N: usize>() {
-            let (c, x, y) = (0.01, 0.02, if N == 2 { 0.0 } else { -0.015 });
-            let theta = |i: usize| core::f64::consts::TAU * i as f64 / N as f64;
+        for count in 2..=MAX_AXES {
+            let (c, x, y) = (0.01, 0.02, if count == 2 { 0.0 } else { -0.015 });
+            let theta = |i: usize| core::f64::consts::TAU * i as f64 / count as f64;
             let plane = |i: usize| c + x * theta(i).cos() + y * theta(i).sin();
-            for heard in 0..1_u32 << N {
-                let mount = Mount::<N>::with(heard as AxisSet);
+            for heard in 0..1_u32 << count {
+                let mount = Mount::with(count, heard as AxisSet);
                 // What is not heard is rubbish, and must not count.
                 let drift = core::array::from_fn(|i| {
                     let e = if heard & 1 << i == 0 { 0.3 } else { plane(i) };
@@ -289,7 +291,7 @@ mod tests {
                 let modes = mount.modes(&drift);
                 let got = [modes.common, modes.tilt_x, modes.tilt_y].map(Turns::to_num::<f64>);
                 assert!(modes.warp.to_num::<f64>() < 1e-6, "a plane has no warp");
-                let heard: std::vec::Vec<_> = (0..N).filter(|i| heard & 1 << i != 0).collect();
+                let heard: std::vec::Vec<_> = (0..count).filter(|i| heard & 1 << i != 0).collect();
                 let near = |a: f64, b: f64| (a - b).abs() < 1e-6;
                 match (mount.knowledge(), heard.as_slice()) {
                     (Knowledge::Nothing, []) => assert_eq!(got, [0.0; 3]),
@@ -311,20 +313,15 @@ mod tests {
                 }
             }
         }
-        check::<2>();
-        check::<3>();
-        check::<4>();
-        check::<5>();
-        check::<6>();
     }
 
     /// One crank out of five or six off by an electrical cycle: the plane takes 3/N of it, the rest
     /// is warp.
     #[test]
     fn a_single_axis_shows_as_tilt_and_warp() {
-        let mut drift = [Turns::ZERO; 6];
+        let mut drift = PerAxis::default();
         drift[2] = Turns::from_num(0.02);
-        let modes = Mount::<6>::new().modes(&drift);
+        let modes = Mount::new(6).modes(&drift);
         assert!((modes.warp.to_num::<f64>() - 0.01).abs() < 1e-6);
         assert_eq!(modes.warp_axis, 2);
     }

@@ -1,113 +1,63 @@
 //! The monitor against cranks whose errors are known.
 
 use super::*;
-use crate::settings::{
-    AxisSettings, CorrectionSettings, DriftSettings, DriveKind, IndexSettings, LimitSettings,
-    MachineSettings, Platform, PulseSettings,
-};
+use crate::settings::sample;
 use std::vec::Vec;
 
 const TICK_CYCLES: u32 = 62_500;
 
-fn settings<const N: usize>(tilt_mrad: f64, warp_deg: f64, common_deg: f64) -> Settings<N> {
-    let axis = AxisSettings {
-        drive: DriveKind::Stepper,
-        steps_per_turn: 3200,
-        reversed: false,
-        ratio: (1, 1),
-        offset_turns: 0.0,
-        index_turns: Some(0.0),
-        index_width_turns: 0.0,
-        index_delay_s: 0.0,
-        encoder: false,
-        cycle_steps: 64,
-        trim_limit_turns: 0.1,
-        trim_rate_hz: 0.1,
-        rotor_inertia_kgm2: 0.0,
-    };
-    Settings {
-        tick_hz: 2000,
-        machine: MachineSettings {
-            crank_radius_m: 0.02,
-            lambda: 0.3,
-            load_kg: 10.0,
-            platform: Platform::Above,
-            gravity_mps2: 9.80665,
-            mount_radius_m: 0.25,
-        },
-        limits: LimitSettings {
-            speed_hz: 20.0,
-            acceleration_hz_per_s: 20.0,
-            jerk_hz_per_s2: 200.0,
-            stop_acceleration_hz_per_s: 20.0,
-            stop_jerk_hz_per_s2: 200.0,
-            creep_hz: 1.0,
-            bands: heapless::Vec::new(),
-        },
-        pulse: PulseSettings {
-            width_ns: 400.0,
-            dir_setup_ns: 500.0,
-            dir_hold_ns: 500.0,
-        },
-        index: IndexSettings { width_us: 2.0 },
-        axes: [axis; N],
-        drift: DriftSettings {
-            tilt_limit_mrad: tilt_mrad,
-            warp_limit_deg: warp_deg,
-            common_limit_deg: common_deg,
-            reading_deg: 0.25,
-            lag_s: 0.0,
-        },
-        correction: CorrectionSettings::NONE,
-        park_turns: 0.5,
-        settle_s: 0.0,
-    }
+fn settings(count: usize, tilt_mrad: f64, warp_deg: f64, common_deg: f64) -> Settings {
+    let mut settings = sample::settings(count);
+    settings.drift.tilt_limit_mrad = tilt_mrad;
+    settings.drift.warp_limit_deg = warp_deg;
+    settings.drift.common_limit_deg = common_deg;
+    settings
 }
 
-fn monitor<const N: usize>(tilt_mrad: f64, warp_deg: f64, common_deg: f64) -> DriftMonitor<N> {
-    let mut monitor = DriftMonitor::new(&settings(tilt_mrad, warp_deg, common_deg));
-    monitor.reset(&[Phase::ZERO; N]);
+fn monitor(count: usize, tilt_mrad: f64, warp_deg: f64, common_deg: f64) -> DriftMonitor {
+    let mut monitor = DriftMonitor::new(&settings(count, tilt_mrad, warp_deg, common_deg));
+    monitor.reset(&[Phase::ZERO; MAX_AXES]);
     monitor
 }
 
 /// How far one crank may truly be off, turns, under the limits of `monitor(3.0, 5.0, 15.0)`.
-fn true_alone<const N: usize>(axis: usize) -> f64 {
-    let mut settings = settings::<N>(3.0, 5.0, 15.0);
+fn true_alone(count: usize, axis: usize) -> f64 {
+    let mut settings = settings(count, 3.0, 5.0, 15.0);
     settings.drift.reading_deg = 0.0;
     DriftMonitor::new(&settings).axes[axis].alone().to_num()
 }
 
 /// What one tick brought to a monitor.
-fn hear<const N: usize>(
-    monitor: &mut DriftMonitor<N>,
-    index: &[Option<IndexPulse>; N],
-    encoder: &[i32; N],
-    commanded: &[TickPhase; N],
+fn hear(
+    monitor: &mut DriftMonitor,
+    index: &PerAxis<Option<IndexPulse>>,
+    encoder: &PerAxis<i32>,
+    commanded: &PerAxis<TickPhase>,
 ) -> Option<Finding> {
     monitor.observe(&Sensed {
         index,
         encoder,
-        commanded: commanded.each_ref(),
-        correction: &[Turns::ZERO; N],
+        commanded,
+        correction: &PerAxis::default(),
         speed: commanded[0].turns,
     })
 }
 
 /// Cranks that turn with the master at an even speed, but for what each is off; a clock goes with them.
-struct Cranks<const N: usize> {
-    monitor: DriftMonitor<N>,
+struct Cranks {
+    monitor: DriftMonitor,
     tick: u32,
     speed: f64,
-    before: [f64; N],
+    before: PerAxis<f64>,
 }
 
-impl<const N: usize> Cranks<N> {
-    fn new(monitor: DriftMonitor<N>, speed: f64) -> Self {
+impl Cranks {
+    fn new(monitor: DriftMonitor, speed: f64) -> Self {
         Self {
             monitor,
             tick: 0,
             speed,
-            before: [0.0; N],
+            before: PerAxis::default(),
         }
     }
 
@@ -134,18 +84,29 @@ impl<const N: usize> Cranks<N> {
                 start: Phase::from_turns(Turns::wrapping_from_num(start)),
                 turns: Turns::from_num(self.speed),
             };
-            let now: [f64; N] = core::array::from_fn(|i| end + off(i, end));
+            let now: PerAxis<f64> = core::array::from_fn(|i| {
+                end + if i < self.monitor.axes.len() {
+                    off(i, end)
+                } else {
+                    0.0
+                }
+            });
             let pulses = core::array::from_fn(|i| {
                 let (from, to) = (self.before[i], now[i]);
                 let passes = to.floor() > from.floor();
                 let pulse = passes.then(|| IndexPulse {
                     cycle: ((to.floor() - from) / (to - from) * f64::from(TICK_CYCLES)) as i32,
                 });
-                sensor(i, end, pulse)
+                if i < self.monitor.axes.len() {
+                    sensor(i, end, pulse)
+                } else {
+                    None
+                }
             });
             let counts = now.map(|turns| (turns * 3200.0).floor() as i32);
             self.before = now;
-            if let Some(finding) = hear(&mut self.monitor, &pulses, &counts, &[commanded; N]) {
+            if let Some(finding) = hear(&mut self.monitor, &pulses, &counts, &[commanded; MAX_AXES])
+            {
                 found.push((self.tick, finding));
             }
             self.tick += 1;
@@ -164,9 +125,9 @@ impl<const N: usize> Cranks<N> {
 }
 
 /// The first thing found, where cranks that are off by `errors` from the start are found out.
-fn found_out<const N: usize>(
-    monitor: DriftMonitor<N>,
-    errors: [f64; N],
+fn found_out(
+    monitor: DriftMonitor,
+    errors: PerAxis<f64>,
     ticks: u32,
 ) -> Option<(u32, FaultKind, Option<usize>)> {
     let mut cranks = Cranks::new(monitor, 0.01);
@@ -180,8 +141,8 @@ fn found_out<const N: usize>(
 #[test]
 fn drift_is_measured_to_a_cycle_at_any_speed() {
     for speed in [0.0005, 0.013, 0.1, 0.4] {
-        let mut cranks = Cranks::new(monitor::<4>(100.0, 90.0, 180.0), speed);
-        let errors = [0.01, -0.02, 0.003, 0.0];
+        let mut cranks = Cranks::new(monitor(4, 100.0, 90.0, 180.0), speed);
+        let errors = [0.01, -0.02, 0.003, 0.0, 0.0, 0.0];
         cranks.before = errors;
         assert_eq!(cranks.turn((3.0 / speed) as u32, |i, _| errors[i]), []);
         assert!(cranks.monitor.is_aligned());
@@ -210,8 +171,8 @@ fn tilt_trips_at_its_limit() {
     for (part, trips) in [(0.99, false), (1.01, true)] {
         let error = -1.5 * amplitude * part;
         let fault = found_out(
-            monitor::<3>(limit_mrad, 90.0, 180.0),
-            [0.0, 0.0, error],
+            monitor(3, limit_mrad, 90.0, 180.0),
+            [0.0, 0.0, error, 0.0, 0.0, 0.0],
             300,
         );
         assert_eq!(fault.is_some(), trips, "at {part} of the limit");
@@ -226,7 +187,7 @@ fn tilt_trips_at_its_limit() {
 #[test]
 fn warp_tilt_and_common_lag_have_limits_of_their_own() {
     let trips = |limits: [f64; 3], off: fn(usize) -> f64| {
-        let mut monitor = monitor::<4>(limits[0], limits[1], limits[2]);
+        let mut monitor = monitor(4, limits[0], limits[1], limits[2]);
         for watch in &mut monitor.axes {
             watch.never_walks(); // what has a name is not left to the limits
         }
@@ -263,7 +224,7 @@ fn warp_tilt_and_common_lag_have_limits_of_their_own() {
 /// that never was, and a crank that jumps with all others is not the one that moved.
 #[test]
 fn a_lag_in_common_is_no_ones_own() {
-    let mut cranks = Cranks::new(monitor::<4>(0.05, 0.05, 180.0), 0.01).aligned();
+    let mut cranks = Cranks::new(monitor(4, 0.05, 0.05, 180.0), 0.01).aligned();
     let from = f64::from(cranks.tick) * 0.01;
     let small = |i: usize| [0.0, -1e-6, 1e-6, 0.0][i];
     let found = cranks.turn(10_000, move |i, t| -0.0037 * (t - from) + small(i));
@@ -276,7 +237,7 @@ fn a_lag_in_common_is_no_ones_own() {
 
 #[test]
 fn a_sensor_that_stays_silent_is_missed_within_its_turn() {
-    let mut cranks = Cranks::new(monitor::<4>(3.0, 5.0, 15.0), 0.01).aligned();
+    let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), 0.01).aligned();
     let began = cranks.tick;
     let found = cranks.turn_with(300, |_, _| 0.0, |i, _, pulse| pulse.filter(|_| i != 3));
     let (tick, finding) = found[0];
@@ -296,7 +257,7 @@ fn a_sensor_that_stays_silent_is_missed_within_its_turn() {
 /// What was silent and comes back in its place was the sensor, not the crank.
 #[test]
 fn one_pulse_that_stays_away_gets_its_name_when_the_next_comes() {
-    let mut cranks = Cranks::new(monitor::<4>(3.0, 5.0, 15.0), 0.01).aligned();
+    let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), 0.01).aligned();
     let once = |i: usize, t: f64, pulse: Option<IndexPulse>| pulse.filter(|_| i != 1 || t > 2.5);
     let found = cranks.turn_with(300, |_, _| 0.0, once);
     let kinds: Vec<_> = found
@@ -323,7 +284,7 @@ fn an_extra_pulse_is_told_and_counts_for_nothing() {
         (0.9, true),
         (0.97, true),
     ] {
-        let mut cranks = Cranks::new(monitor::<4>(3.0, 5.0, 15.0), 0.01).aligned();
+        let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), 0.01).aligned();
         let extra = move |i: usize, t: f64, pulse: Option<IndexPulse>| {
             let now = (t - 2.0 - at).abs() < 0.0051;
             pulse.or((i == 2 && now).then_some(IndexPulse { cycle: 100 }))
@@ -343,7 +304,7 @@ fn an_extra_pulse_is_told_and_counts_for_nothing() {
 fn lost_steps_are_seen_within_a_turn_and_counted() {
     for cycles in [-4.0, -2.0, -1.0, 1.0, 2.0, 3.0] {
         for place in [0.05, 0.3, 0.6, 0.95] {
-            let mut cranks = Cranks::new(monitor::<5>(3.0, 5.0, 15.0), 0.01).aligned();
+            let mut cranks = Cranks::new(monitor(5, 3.0, 5.0, 15.0), 0.01).aligned();
             let lost = move |i: usize, t: f64| {
                 let gone = i == 1 && t > 2.0 + place;
                 if gone { cycles * 0.02 } else { 0.0 }
@@ -371,7 +332,7 @@ fn lost_steps_are_seen_within_a_turn_and_counted() {
 #[test]
 fn a_walk_is_slip() {
     for a_turn in [-0.03, -0.013, -0.002, -0.0005, 0.0005, 0.002] {
-        let mut cranks = Cranks::new(monitor::<3>(5.0, 5.0, 15.0), 0.01).aligned();
+        let mut cranks = Cranks::new(monitor(3, 5.0, 5.0, 15.0), 0.01).aligned();
         let found = cranks.turn(4000, move |i, t| {
             if i == 0 {
                 a_turn * (t - 2.0).max(0.0)
@@ -396,21 +357,21 @@ fn a_walk_is_slip() {
     }
 }
 
-fn encoders(tilt_mrad: f64) -> Cranks<3> {
+fn encoders(tilt_mrad: f64) -> Cranks {
     encoders_at(0.01, tilt_mrad)
 }
 
-fn encoders_at(speed: f64, tilt_mrad: f64) -> Cranks<3> {
+fn encoders_at(speed: f64, tilt_mrad: f64) -> Cranks {
     Cranks::new(monitor_with_encoders(tilt_mrad), speed).aligned()
 }
 
-fn monitor_with_encoders(tilt_mrad: f64) -> DriftMonitor<3> {
-    let mut settings = settings(tilt_mrad, 5.0, 15.0);
+fn monitor_with_encoders(tilt_mrad: f64) -> DriftMonitor {
+    let mut settings = settings(3, tilt_mrad, 5.0, 15.0);
     for axis in &mut settings.axes {
         axis.encoder = true;
     }
     let mut monitor = DriftMonitor::new(&settings);
-    monitor.reset(&[Phase::ZERO; 3]);
+    monitor.reset(&[Phase::ZERO; MAX_AXES]);
     monitor
 }
 
@@ -461,8 +422,13 @@ fn encoder_and_index_check_each_other() {
             });
             let count = (end * 3200.0).floor() as i32;
             let off = if (from..to).contains(&t) { 500 } else { 0 };
-            let counts = [count, count + off, count];
-            let sensed = hear(&mut cranks.monitor, &[pulse; 3], &counts, &[phase; 3]);
+            let counts = [count, count + off, count, 0, 0, 0];
+            let sensed = hear(
+                &mut cranks.monitor,
+                &[pulse; MAX_AXES],
+                &counts,
+                &[phase; MAX_AXES],
+            );
             found.extend(sensed.map(|finding| (finding.fault.kind, finding.fault.axis)));
             cranks.tick += 1;
         }
@@ -495,8 +461,8 @@ fn encoder_and_index_check_each_other() {
                 cycle: ((to.floor() - from) / (to - from) * f64::from(TICK_CYCLES)) as i32,
             })
         });
-        let counts = [(end * 3200.0).floor() as i32; 3];
-        let sensed = hear(&mut cranks.monitor, &pulses, &counts, &[phase; 3]);
+        let counts = [(end * 3200.0).floor() as i32; MAX_AXES];
+        let sensed = hear(&mut cranks.monitor, &pulses, &counts, &[phase; MAX_AXES]);
         settings.extend(sensed.map(|finding| (finding.fault.kind, finding.fault.axis)));
         cranks.tick += 1;
     }
@@ -529,7 +495,7 @@ fn a_pulse_of_the_tick_before_is_measured_as_well() {
     let tick_s = f64::from(TICK_CYCLES) / f64::from(crate::settings::CLOCK_HZ);
     let error = [0.01, -0.02, 0.003, 0.0];
     for (hz_per_s, back_s) in [(2000.0, 50e-6), (-2000.0, 50e-6), (2000.0, 2e-6)] {
-        let mut monitor = monitor::<4>(100.0, 90.0, 180.0);
+        let mut monitor = monitor(4, 100.0, 90.0, 180.0);
         let back = (back_s * f64::from(crate::settings::CLOCK_HZ)) as u32;
         // Speed is constant within a tick, by definition; the phase at the border is near the index.
         let before = (200.0 - hz_per_s * tick_s) * tick_s;
@@ -547,11 +513,16 @@ fn a_pulse_of_the_tick_before_is_measured_as_well() {
         });
         hear(
             &mut monitor,
-            &[None; 4],
-            &[0; 4],
-            &[tick(1.0 - before, before); 4],
+            &[None; MAX_AXES],
+            &[0; MAX_AXES],
+            &[tick(1.0 - before, before); MAX_AXES],
         );
-        let found = hear(&mut monitor, &[pulse; 4], &[0; 4], &[tick(1.0, now); 4]);
+        let found = hear(
+            &mut monitor,
+            &[pulse; MAX_AXES],
+            &[0; MAX_AXES],
+            &[tick(1.0, now); MAX_AXES],
+        );
         assert_eq!(found, None);
         for (got, want) in monitor.drift().iter().zip(error) {
             let off_deg = (got.to_num::<f64>() - want) * 360.0;
@@ -564,23 +535,23 @@ fn a_pulse_of_the_tick_before_is_measured_as_well() {
 /// no more.
 #[test]
 fn a_pulse_of_a_tick_that_is_not_known_is_not_measured() {
-    let mut monitor = monitor::<2>(100.0, 90.0, 180.0);
+    let mut monitor = monitor(2, 100.0, 90.0, 180.0);
     let phases = [TickPhase {
         start: Phase::ZERO,
         turns: Turns::from_num(0.001),
-    }; 2];
-    hear(&mut monitor, &[None; 2], &[0; 2], &phases);
+    }; MAX_AXES];
+    hear(&mut monitor, &[None; MAX_AXES], &[0; MAX_AXES], &phases);
     monitor.disregard(&Sensed {
-        index: &[None; 2],
-        encoder: &[0; 2],
-        commanded: phases.each_ref(),
-        correction: &[Turns::ZERO; 2],
+        index: &[None; MAX_AXES],
+        encoder: &[0; MAX_AXES],
+        commanded: &phases,
+        correction: &[Turns::ZERO; MAX_AXES],
         speed: Turns::ZERO,
     });
     let pulse = Some(IndexPulse { cycle: -1 });
-    hear(&mut monitor, &[pulse; 2], &[0; 2], &phases);
+    hear(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &phases);
     assert!(!monitor.is_aligned());
-    hear(&mut monitor, &[pulse; 2], &[0; 2], &phases);
+    hear(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &phases);
     assert!(monitor.is_aligned());
 }
 
@@ -588,10 +559,10 @@ fn a_pulse_of_a_tick_that_is_not_known_is_not_measured() {
 /// confirmed, the width a quarter of a tick. A pulse that waits is not a missing one.
 #[test]
 fn pulses_that_wait_to_be_confirmed_are_not_missed() {
-    let mut settings = settings::<2>(100.0, 90.0, 1.0);
+    let mut settings = settings(2, 100.0, 90.0, 1.0);
     settings.index.width_us = 0.25e6 / f64::from(settings.tick_hz);
     let mut monitor = DriftMonitor::new(&settings);
-    monitor.reset(&[Phase::ZERO; 2]);
+    monitor.reset(&[Phase::ZERO; MAX_AXES]);
     let tick_cycles = f64::from(TICK_CYCLES);
     let turns = 0.3987; // so that passages fall anywhere in a tick
     let mut waiting = None;
@@ -616,7 +587,12 @@ fn pulses_that_wait_to_be_confirmed_are_not_missed() {
             start: Phase::from_turns(Turns::wrapping_from_num(start)),
             turns: Turns::from_num(turns),
         };
-        let found = hear(&mut monitor, &[pulse; 2], &[0; 2], &[phase; 2]);
+        let found = hear(
+            &mut monitor,
+            &[pulse; MAX_AXES],
+            &[0; MAX_AXES],
+            &[phase; MAX_AXES],
+        );
         assert_eq!(found, None, "tick {tick}");
     }
     assert!(monitor.is_aligned());

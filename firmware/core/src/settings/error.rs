@@ -98,10 +98,6 @@ pub enum Problem {
     )]
     TorqueTooLarge,
     #[error(
-        "these are settings of {0} axes, given to a loop of {1}; run them in a loop of as many axes"
-    )]
-    OtherAxisCount(usize, usize),
-    #[error(
         "{}° is outside -{} to {}°; trim less, or raise axes.trim_limit_deg", Number(*trim_deg), Number(*limit_deg), Number(*limit_deg)
     )]
     TrimPastLimit { trim_deg: f64, limit_deg: f64 },

@@ -4,26 +4,38 @@
 //! the modules' own builders make of them, and cannot meet a bad setting because none gets through.
 
 mod error;
+mod ready;
+#[cfg(test)]
+pub(crate) mod sample;
+#[cfg(test)]
+mod tests;
 
 use error::finite;
 pub(crate) use error::inside;
 pub use error::{Problem, SettingsError};
+pub use ready::Ready;
 
 use crate::drift::index_filter::MOST_OF_TICK;
-use crate::units::{FRACTION_BITS, Turns};
+use crate::program::{CAPACITY, EntrySettings};
+use crate::units::{FRACTION_BITS, MAX_AXES, Turns};
 
 /// Clock of the step hardware: one cycle is 8 ns.
 pub const CLOCK_HZ: u32 = 125_000_000;
 
-/// Most axes that a machine may have; the least are 2.
-pub const MAX_AXES: usize = 6;
+/// Longest name of a machine, bytes of UTF-8.
+pub const NAME_BYTES: usize = 32;
 
 /// How many forbidden bands a shaft may have.
 pub const MAX_BANDS: usize = 4;
 
-/// Everything that the loop of an `N`-axis machine is told, its program aside.
-#[derive(Clone, Debug)]
-pub struct Settings<const N: usize> {
+/// Everything that a user sets for one machine's control loop: limits, axes and program.
+///
+/// Nothing in it has been checked: it may come from a memory chip. [`Settings::ready`] finds what is wrong with it.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Settings {
+    /// Name of the machine, for logs; see [`short_name`].
+    pub name: heapless::String<NAME_BYTES>,
     /// Control ticks a second, 500 to 10,000; a whole number of microseconds each.
     pub tick_hz: u32,
     /// The mechanism and what it carries.
@@ -34,8 +46,10 @@ pub struct Settings<const N: usize> {
     pub pulse: PulseSettings,
     /// What counts as a pulse of an index line.
     pub index: IndexSettings,
-    /// One entry an axis.
-    pub axes: [AxisSettings; N],
+    /// One entry an axis, 1 to [`MAX_AXES`] of them.
+    pub axes: heapless::Vec<AxisSettings, MAX_AXES>,
+    /// Trims that are set at start, turns, axis by axis; an axis without an entry has none.
+    pub trims_turns: heapless::Vec<f64, MAX_AXES>,
     /// How far the cranks may be apart.
     pub drift: DriftSettings,
     /// What is done against what drives them apart.
@@ -44,6 +58,8 @@ pub struct Settings<const N: usize> {
     pub park_turns: f64,
     /// Time that energised drives get to settle before anything moves, seconds, 0 to 10.
     pub settle_s: f64,
+    /// amax(t): segments, and repeats of what stands before them.
+    pub program: heapless::Vec<EntrySettings, CAPACITY>,
 }
 
 /// Which way up the platform is.
@@ -221,13 +237,13 @@ impl CorrectionSettings {
     };
 }
 
-impl<const N: usize> Settings<N> {
+impl Settings {
     /// Checks every number by itself and against the others.
     ///
     /// # Errors
     /// The first setting that is wrong, with its key, what it is and what it may be.
     pub fn check(&self) -> Result<(), SettingsError> {
-        const { assert!(2 <= N && N <= MAX_AXES, "a machine has 2 to 6 axes") };
+        inside("axes.count", self.axes.len() as f64, 1.0, MAX_AXES as f64)?;
         inside("control.tick_hz", f64::from(self.tick_hz), 500.0, 10_000.0)?;
         if 1_000_000 % self.tick_hz != 0 {
             return Err(SettingsError::new(
@@ -479,6 +495,17 @@ impl AxisSettings {
         )?;
         Ok(())
     }
+}
+
+/// The longest beginning of a name that [`Settings`] hold, in whole characters.
+pub fn short_name(name: &str) -> heapless::String<NAME_BYTES> {
+    let mut short = heapless::String::new();
+    for c in name.chars() {
+        if short.push(c).is_err() {
+            break;
+        }
+    }
+    short
 }
 
 /// A checked number of turns, to the nearest unit of the last place.

@@ -24,6 +24,7 @@ use core::arch::asm;
 
 use cophase_blob::board::LEAST_LEAD_US;
 use cophase_core::pulse::{BLOCK, MAX_RUNS, Run, Runs};
+use cophase_core::units::PerAxis;
 use critical_section::CriticalSection;
 use embassy_rp::pac;
 use embassy_rp::pac::pio::Pio;
@@ -86,7 +87,7 @@ pub enum Offer {
     RanDry(usize),
 }
 
-/// The step output of a machine of 2 to 6 axes.
+/// The step output of all axes.
 pub struct Steps {
     /// Where the next tick's words go.
     free: &'static mut [Words; AXES],
@@ -139,9 +140,9 @@ impl Steps {
     }
 
     /// Hands over a tick's runs, to be played from `start` on: those of all axes, or of none.
-    pub fn offer<const N: usize>(&mut self, runs: &[Runs; N], start: Instant) -> Offer {
+    pub fn offer(&mut self, runs: &PerAxis<Runs>, start: Instant) -> Offer {
         let axes = self.free.iter_mut().zip(runs).zip(&self.reversed);
-        for ((words, runs), &reversed) in axes {
+        for ((words, runs), &reversed) in axes.take(self.axes) {
             words.copy(runs, reversed);
         }
         let offer = critical_section::with(|cs| self.hand_over(cs, start));

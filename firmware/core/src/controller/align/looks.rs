@@ -28,6 +28,8 @@ pub(super) struct Moves<'a> {
     pub to: &'a [Turns],
     /// What a reading may be off by.
     pub tolerance: &'a [Turns],
+    /// How many axes there are.
+    pub count: usize,
 }
 
 /// A crank that did not do what it was told.
@@ -42,10 +44,10 @@ pub(super) struct Stray {
 
 impl Moves<'_> {
     /// Of a set of axes, the one that strays most.
-    #[inline(never)] // one for every number of axes
+    #[inline(never)]
     pub(super) fn stray(&self, set: AxisSet) -> Option<Stray> {
         let mut worst: Option<Stray> = None;
-        for axis in 0..self.drift.len() {
+        for axis in 0..self.count {
             let off = nearest(difference(self.drift, self.before, axis));
             let most = worst.map_or(self.allowed(axis), |worst| worst.off.abs());
             if set & 1 << axis != 0 && off.abs() > most {
@@ -57,7 +59,7 @@ impl Moves<'_> {
             }
         }
         let mut worst = worst?;
-        worst.is_swapped = (0..self.drift.len()).any(|other| self.follows(&worst, other));
+        worst.is_swapped = (0..self.count).any(|other| self.follows(&worst, other));
         Some(worst)
     }
 

@@ -11,7 +11,7 @@ fn an_index_tells_a_crank_that_runs_at_any_speed_within_a_turn() {
     for hundredths in (110..=450).step_by(3) {
         let ratio = f64::from(hundredths) / 100.0;
         for place in [0.02, 0.1, 0.23, 0.37, 0.48, 0.55, 0.61, 0.7, 0.83, 0.97] {
-            let mut cranks = Cranks::new(monitor::<4>(3.0, 5.0, 15.0), speed).aligned();
+            let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), speed).aligned();
             let from = 2.0 + place;
             let off = |i: usize, t: f64| {
                 if i == 2 {
@@ -24,7 +24,7 @@ fn an_index_tells_a_crank_that_runs_at_any_speed_within_a_turn() {
             let stop = found.iter().find(|(_, finding)| !finding.in_safety);
             let (tick, finding) = stop.expect("told");
             assert_eq!(finding.fault.axis, Some(2), "ratio {ratio}, from {place}");
-            let past = from + true_alone::<4>(2) / (ratio - 1.0);
+            let past = from + true_alone(4, 2) / (ratio - 1.0);
             let late = f64::from(*tick + 1) * speed - past;
             worst = worst.max(late);
             // A tick that is over, and one for the pulse at its end.
@@ -44,7 +44,7 @@ fn an_index_tells_a_crank_that_runs_at_any_speed_within_a_turn() {
 #[test]
 fn noise_once_a_turn_is_no_crank_that_runs() {
     for place in [0.1, 0.3, 0.45, 0.51, 0.55, 0.62, 0.7, 0.9] {
-        let mut cranks = Cranks::new(monitor::<4>(3.0, 5.0, 15.0), 0.01).aligned();
+        let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), 0.01).aligned();
         let noise = move |i: usize, t: f64, pulse: Option<IndexPulse>| {
             let now = t > 2.0 && (t.fract() - place).abs() < 0.0051;
             pulse.or((i == 2 && now).then_some(IndexPulse { cycle: 100 }))

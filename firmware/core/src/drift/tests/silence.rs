@@ -16,10 +16,10 @@ fn an_overdue_pulse_is_told_in_the_tick_in_which_it_is_overdue() {
     let filter_cycles = 3.0 * 2e-6 * f64::from(crate::settings::CLOCK_HZ);
     for speed in [0.0013, 0.01, 0.031, 0.0997] {
         for cycle_steps in [0, 64] {
-            let mut settings = settings::<4>(3.0, 5.0, 15.0);
+            let mut settings = settings(4, 3.0, 5.0, 15.0);
             settings.axes[3].cycle_steps = cycle_steps;
             let mut monitor = DriftMonitor::new(&settings);
-            monitor.reset(&[Phase::ZERO; 4]);
+            monitor.reset(&[Phase::ZERO; MAX_AXES]);
             let alone = monitor.axes[3].alone().to_num::<f64>();
             assert!((0.006..0.018).contains(&alone), "{alone}");
             let gate = 4.0 * monitor.tolerance(3).to_num::<f64>();
@@ -43,12 +43,12 @@ fn an_overdue_pulse_is_told_in_the_tick_in_which_it_is_overdue() {
 #[test]
 fn a_line_that_is_late_is_waited_for() {
     let (speed, late_ticks) = (0.02, 2.5);
-    let mut settings = settings::<3>(3.0, 5.0, 15.0);
+    let mut settings = settings(3, 3.0, 5.0, 15.0);
     for axis in &mut settings.axes {
         axis.index_delay_s = late_ticks / f64::from(settings.tick_hz);
     }
     let mut monitor = DriftMonitor::new(&settings);
-    monitor.reset(&[Phase::ZERO; 3]);
+    monitor.reset(&[Phase::ZERO; MAX_AXES]);
     let overdue = 4.0 * monitor.tolerance(1).to_num::<f64>();
     let silent_after = 5.5;
     let mut told = None;
@@ -65,8 +65,9 @@ fn a_line_that_is_late_is_waited_for() {
         let pulse = passes.then(|| IndexPulse {
             cycle: ((edge - start) / speed * f64::from(TICK_CYCLES)) as i32,
         });
-        let heard = [pulse, pulse.filter(|_| start < silent_after), pulse];
-        if let Some(finding) = hear(&mut monitor, &heard, &[0; 3], &[phase; 3]) {
+        let of_the_second = pulse.filter(|_| start < silent_after);
+        let heard = [pulse, of_the_second, pulse, None, None, None];
+        if let Some(finding) = hear(&mut monitor, &heard, &[0; MAX_AXES], &[phase; MAX_AXES]) {
             told = Some((tick, finding.fault.kind, finding.fault.axis));
             break;
         }
@@ -109,15 +110,21 @@ fn steps_lost_beside_an_index_are_known_within_a_turn() {
 /// beginning, and a sound machine be refused.
 #[test]
 fn a_crank_that_swings_where_it_was_left_says_nothing() {
-    let mut monitor = monitor::<2>(3.0, 5.0, 15.0);
-    let pulses = [Some(IndexPulse { cycle: 7 }); 2];
+    let mut monitor = monitor(2, 3.0, 5.0, 15.0);
+    let pulses = [Some(IndexPulse { cycle: 7 }); MAX_AXES];
     let still = TickPhase::still(Phase::ZERO);
-    assert_eq!(hear(&mut monitor, &pulses, &[0; 2], &[still; 2]), None);
+    assert_eq!(
+        hear(&mut monitor, &pulses, &[0; MAX_AXES], &[still; MAX_AXES]),
+        None
+    );
     assert!(!monitor.is_aligned());
     let turning = TickPhase {
         start: Phase::ZERO,
         turns: Turns::from_num(0.01),
     };
-    assert_eq!(hear(&mut monitor, &pulses, &[0; 2], &[turning; 2]), None);
+    assert_eq!(
+        hear(&mut monitor, &pulses, &[0; MAX_AXES], &[turning; MAX_AXES]),
+        None
+    );
     assert!(monitor.is_aligned());
 }

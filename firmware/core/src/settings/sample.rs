@@ -1,0 +1,75 @@
+//! Settings of an ordinary machine, for tests to change.
+
+use super::*;
+use crate::program::{SegmentSettings, Shape};
+
+/// A level that lasts 3 s in all.
+pub(crate) const LEVEL: SegmentSettings = SegmentSettings {
+    amax_mps2: 100.0,
+    ramp_s: 1.0,
+    hold_s: 2.0,
+    shape: Shape::Smooth,
+};
+
+const AXIS: AxisSettings = AxisSettings {
+    drive: DriveKind::Stepper,
+    steps_per_turn: 3200,
+    reversed: false,
+    ratio: (1, 1),
+    offset_turns: 0.0,
+    index_turns: Some(0.0),
+    index_width_turns: 0.0,
+    index_delay_s: 0.0,
+    encoder: false,
+    cycle_steps: 64,
+    trim_limit_turns: 5.0 / 360.0,
+    trim_rate_hz: 1.0 / 360.0,
+    rotor_inertia_kgm2: 0.0,
+};
+
+/// A machine of `axes` steppers with index sensors, 2 kHz, whose program plays [`LEVEL`] three times.
+pub(crate) fn settings(axes: usize) -> Settings {
+    Settings {
+        name: short_name("bench"),
+        tick_hz: 2000,
+        machine: MachineSettings {
+            crank_radius_m: 0.02,
+            lambda: 0.3,
+            load_kg: 10.0,
+            platform: Platform::Above,
+            gravity_mps2: 9.80665,
+            mount_radius_m: 0.25,
+        },
+        limits: LimitSettings {
+            speed_hz: 20.0,
+            acceleration_hz_per_s: 20.0,
+            jerk_hz_per_s2: 200.0,
+            stop_acceleration_hz_per_s: 20.0,
+            stop_jerk_hz_per_s2: 200.0,
+            creep_hz: 1.0,
+            bands: heapless::Vec::new(),
+        },
+        pulse: PulseSettings {
+            width_ns: 400.0,
+            dir_setup_ns: 500.0,
+            dir_hold_ns: 500.0,
+        },
+        index: IndexSettings { width_us: 2.0 },
+        axes: core::iter::repeat_n(AXIS, axes).collect(),
+        trims_turns: heapless::Vec::new(),
+        drift: DriftSettings {
+            tilt_limit_mrad: 3.0,
+            warp_limit_deg: 3.0,
+            common_limit_deg: 15.0,
+            reading_deg: 0.25,
+            lag_s: 0.0,
+        },
+        correction: CorrectionSettings::NONE,
+        park_turns: 0.5,
+        settle_s: 0.1,
+        program: heapless::Vec::from_array([
+            EntrySettings::Segment(LEVEL),
+            EntrySettings::Repeat { first: 0, times: 3 },
+        ]),
+    }
+}
