@@ -28,8 +28,8 @@ fn text(correction: &str, load: &str) -> String {
 /// Errors of the cranks, degrees, tick by tick from when the load came.
 struct Errors(Vec<[f64; 3]>);
 
-impl Observer<3> for Errors {
-    fn tick(&mut self, moment: &Moment<'_, 3>) {
+impl Observer for Errors {
+    fn tick(&mut self, moment: &Moment<'_>) {
         if moment.start_ns >= 2_200_000_000 && self.0.len() < 2000 {
             let error = |i: usize| (moment.actual_turns[i] - moment.command_turns[i]) * 360.0;
             self.0.push(std::array::from_fn(error));
@@ -39,7 +39,7 @@ impl Observer<3> for Errors {
 
 fn errors(checked: &Checked) -> Vec<[f64; 3]> {
     let mut errors = Errors(Vec::new());
-    let outcome = simulate::<3>(checked, &mut errors, |_, _| {}).unwrap();
+    let outcome = simulate(checked, &mut errors, |_, _| {}).unwrap();
     assert_eq!(outcome.diverged, None);
     errors.0
 }

@@ -24,9 +24,9 @@ fn watched(text: &str, fault: &str) -> (Checked, Seen) {
 fn watched_at(at_s: f64, text: &str, fault: &str) -> (Checked, Seen) {
     let checked = scene(&format!("{text}[[fault]]\nat_s = {at_s}\n{fault}"));
     let geometry = Geometry::new(&checked.scene);
-    let count = judge::cranks_that_count::<3>(&checked.scene);
-    let mut watch = Watch::<3>::new(geometry.as_ref(), &checked, count);
-    simulate::<3>(&checked, &mut watch, |_, _| {}).expect("a checked scene runs");
+    let count = judge::cranks_that_count(&checked.scene);
+    let mut watch = Watch::new(geometry.as_ref(), &checked, count);
+    simulate(&checked, &mut watch, |_, _| {}).expect("a checked scene runs");
     let seen = watch.seen();
     (checked, seen)
 }

@@ -55,7 +55,11 @@ fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, Co
         settings.axes.len(),
         settings.tick_hz,
         settings.program.len(),
-        if settings.program.len() == 1 { "y" } else { "ies" },
+        if settings.program.len() == 1 {
+            "y"
+        } else {
+            "ies"
+        },
         path.display(),
         header.blob_bytes(),
         header.length,

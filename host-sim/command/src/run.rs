@@ -80,8 +80,7 @@ pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, Comman
     let checked = scenes::read(&args.scene).map_err(CommandError::Input)?;
     let checked = fidelity::check(checked)
         .map_err(|error| CommandError::Input(error.in_file(&args.scene).to_string()))?;
-    let (outcome, written) =
-        record(args, &checked, began).map_err(CommandError::Input)?;
+    let (outcome, written) = record(args, &checked, began).map_err(CommandError::Input)?;
     if !args.quiet {
         let wall_s = began.elapsed().as_secs_f64();
         out.write_all(report::summary(&checked, &outcome, Some(written), wall_s).as_bytes())?;
@@ -109,11 +108,7 @@ pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, Comman
 const FILES: [&str; 4] = ["report.json", "trace.csv", "steps.vcd", "scope.svg"];
 
 /// Runs a scene and writes its files: all of them, or none.
-fn record(
-    args: &RunArgs,
-    checked: &Checked,
-    began: Instant,
-) -> Result<(Outcome, Written), String> {
+fn record(args: &RunArgs, checked: &Checked, began: Instant) -> Result<(Outcome, Written), String> {
     let place = |error: &dyn std::fmt::Display| error.to_string();
     // Found before the run, not after it, when the files before it would be in place already.
     for path in FILES.map(|name| args.out.join(name)) {

@@ -43,9 +43,8 @@ impl Faults {
             fault.axis.zip(fault.with)
         };
         let count = checked.settings.axes.len();
-        let streams = |sensor, deviation| {
-            per_axis(count, |i| Stream::new(noise.seed, sensor, i, deviation))
-        };
+        let streams =
+            |sensor, deviation| per_axis(count, |i| Stream::new(noise.seed, sensor, i, deviation));
         let encoder = streams(Sensor::Encoder, noise.encoder_counts);
         Self {
             is_idle: planned.is_empty() && encoder.iter().all(Option::is_none),

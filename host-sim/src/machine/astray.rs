@@ -80,8 +80,7 @@ impl Astray {
         rotors.play(&lead, energised);
         for (i, axis) in axes.iter_mut().enumerate() {
             let origin = axis.turns() - axis.travelled_turns();
-            let passed =
-                axis.moved_under(rotors.turns(i), lead[i].turns - origin, self.cycles);
+            let passed = axis.moved_under(rotors.turns(i), lead[i].turns - origin, self.cycles);
             passages.put(i, passed);
         }
     }

@@ -146,7 +146,11 @@ impl Edge {
 
     /// Where it is in a whole turn.
     fn place(&self, turn: f64) -> f64 {
-        turn + self.nominal + self.noise.as_ref().map_or(0.0, |noise| noise.draw(turn as i64))
+        turn + self.nominal
+            + self
+                .noise
+                .as_ref()
+                .map_or(0.0, |noise| noise.draw(turn as i64))
     }
 
     /// Whether it surely does not lie between two places of a crank: most ticks are so, and need no rounding to whole turns,

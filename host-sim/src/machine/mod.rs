@@ -32,7 +32,6 @@ use cophase_core::pulse::Runs;
 use cophase_core::servo::Setpoint;
 use cophase_core::settings::CLOCK_HZ;
 use cophase_core::signals::Output;
-use cophase_core::units::PerAxis;
 use cophase_methods::Scheme;
 
 use crate::axes::{Axes, per_axis};
@@ -52,9 +51,9 @@ pub struct Played {
     /// Pulses, for stepper axes.
     pub runs: Axes<Runs>,
     /// Setpoints, for servo axes.
-    pub setpoints: PerAxis<Setpoint>,
+    pub setpoints: Axes<Setpoint>,
     /// Steps that the loop will have commanded at the tick's end.
-    pub steps: PerAxis<i64>,
+    pub steps: Axes<i64>,
 }
 
 impl Played {
@@ -62,8 +61,8 @@ impl Played {
     pub fn nothing(count: usize) -> Self {
         Self {
             runs: per_axis(count, |_| Runs::new()),
-            setpoints: PerAxis::default(),
-            steps: PerAxis::default(),
+            setpoints: per_axis(count, |_| Setpoint::default()),
+            steps: per_axis(count, |_| 0),
         }
     }
 
@@ -73,8 +72,9 @@ impl Played {
             mine.clear();
             mine.extend(theirs.iter().copied());
         }
-        self.setpoints = output.setpoints;
-        self.steps = output.telemetry.steps;
+        let count = self.runs.len();
+        self.setpoints.copy_from_slice(&output.setpoints[..count]);
+        self.steps.copy_from_slice(&output.telemetry.steps[..count]);
     }
 }
 
@@ -115,7 +115,10 @@ impl Machine {
             let apart = checked.apart(i);
             let own = &settings.axes[i];
             let scale = apart.map_or(1.0, |apart| apart.pull_out_scale);
-            let drive = match apart.and_then(|apart| apart.drive).unwrap_or(in_common.drive) {
+            let drive = match apart
+                .and_then(|apart| apart.drive)
+                .unwrap_or(in_common.drive)
+            {
                 Drive::Stepper => AxisDrive::Stepper {
                     pull_out: pull_out.scaled(scale),
                     cycle_steps: (4 * i64::from(own.steps_per_turn)
@@ -264,7 +267,14 @@ impl Machine {
         if let Some(rotors) = &mut self.rotors {
             let told = tell(&mut self.axes, played, command_turns);
             if let (Some(astray), Some(amiss)) = (&mut self.astray, amiss) {
-                astray.turn(&mut self.axes, rotors, &told, amiss, drives_enabled, passages);
+                astray.turn(
+                    &mut self.axes,
+                    rotors,
+                    &told,
+                    amiss,
+                    drives_enabled,
+                    passages,
+                );
                 return;
             }
             rotors.play(&told, drives_enabled);

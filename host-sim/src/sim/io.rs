@@ -14,9 +14,9 @@ use cophase_core::supervisor::{Command, Fault, State};
 use cophase_core::units::{PerAxis, Phase, Turns};
 use embassy_time::Instant;
 
-use super::outcome::Outcome;
 use super::coast::STANDS_S;
 use super::moment::{Moment, Observer};
+use super::outcome::Outcome;
 use super::schedule::Schedule;
 use super::statistics::Statistics;
 use crate::axes::{Axes, per_axis};
@@ -75,8 +75,9 @@ pub struct SimulatedIo<'a, O, P> {
     played: u64,
     state: State,
     fault: Option<Fault>,
-    /// Ticks since nothing has happened any more.
+    /// Ticks since nothing has happened any more, and after how many of them a run ends.
     quiet: u64,
+    tail_ticks: u64,
 }
 
 /// So long a run goes on for after the end, so that traces show the machine at rest, s; and so long at most, where cranks turn
@@ -125,13 +126,14 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
             state: State::Idle,
             fault: None,
             quiet: 0,
+            tail_ticks: ticks_in(TAIL_S, tick_hz),
         }
     }
 
     /// How the run ended.
     pub fn finish(self) -> Outcome {
         // What spins up cranks that nothing holds any more is no end of their equations: it ends the run.
-        let let_go = self.quiet > self.ticks_in(TAIL_S) && self.statistics.coast.is_on();
+        let let_go = self.quiet > self.tail_ticks && self.statistics.coast.is_on();
         let broken = self.machine.broken().filter(|_| !let_go);
         let mut statistics = self.statistics;
         statistics.finish(&self.machine);
@@ -184,7 +186,11 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
             let phase = &telemetry.axis_phase;
             self.axes = per_axis(self.sensors.len(), |i| Unwrapped::starting_at(phase[i]));
         }
-        let commands = self.now.command_turns.iter_mut().zip(&mut self.now.aim_turns);
+        let commands = self
+            .now
+            .command_turns
+            .iter_mut()
+            .zip(&mut self.now.aim_turns);
         for (i, (axis, (command, aim))) in self.axes.iter_mut().zip(commands).enumerate() {
             *command = axis.follow(telemetry.axis_phase[i]);
             *aim = *command - turns(telemetry.correction[i]);
@@ -203,7 +209,7 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
         );
         self.hear(heard);
         self.faults.swap(&mut self.now.index);
-        self.take_note(*start_us as f64 / TICKS_PER_S as f64);
+        self.take_note(*start_us);
         for (actual, axis) in self.now.actual_turns.iter_mut().zip(&self.machine.axes) {
             *actual = axis.turns();
         }
@@ -229,17 +235,14 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
 
     /// Whether nothing has happened for long enough, and nothing moves any more.
     fn is_at_rest(&self) -> bool {
-        self.quiet > self.ticks_in(TAIL_S)
-            && (!self.statistics.coast.is_on() || self.quiet > self.ticks_in(MOST_TAIL_S))
+        self.quiet > self.tail_ticks
+            && (!self.statistics.coast.is_on() || self.quiet > ticks_in(MOST_TAIL_S, self.tick_hz))
     }
 
-    fn ticks_in(&self, seconds: f64) -> u64 {
-        (seconds * f64::from(self.tick_hz)) as u64
-    }
-
-    /// Tells of faults that have begun.
-    fn take_note(&mut self, t_s: f64) {
+    /// Tells of faults that have begun up to a time.
+    fn take_note(&mut self, at_us: u64) {
         for fault in self.faults.news() {
+            let t_s = at_us as f64 / TICKS_PER_S as f64;
             self.statistics.injected(t_s, fault);
         }
     }
@@ -261,7 +264,9 @@ impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
             self.play(&waiting, &mut feedback.index);
             self.spare.push(waiting);
         }
-        self.stand(now - now % self.tick_us, &mut feedback.index);
+        if self.sensed_us + self.tick_us <= now {
+            self.stand(now - now % self.tick_us, &mut feedback.index);
+        }
         let now_s = now as f64 / TICKS_PER_S as f64;
         while let Some(input) = self.schedule.input(now) {
             self.statistics.input(now_s, input.line, input.active);
@@ -275,7 +280,7 @@ impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
         feedback.inputs = self.schedule.lines();
         feedback.command = command;
         self.faults.read(now, &mut feedback);
-        self.take_note(now_s);
+        self.take_note(now);
         feedback
     }
 
@@ -314,6 +319,10 @@ impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
         }
         Written::InTime
     }
+}
+
+fn ticks_in(seconds: f64, tick_hz: u32) -> u64 {
+    (seconds * f64::from(tick_hz)) as u64
 }
 
 /// What is so in the tick that is played: see [`Moment`].

@@ -90,11 +90,7 @@ impl<V: Write> StepWindow<V> {
         }
     }
 
-    pub fn tick(
-        &mut self,
-        moment: &Moment<'_>,
-        reversed: &[bool],
-    ) -> Result<(), VcdError> {
+    pub fn tick(&mut self, moment: &Moment<'_>, reversed: &[bool]) -> Result<(), VcdError> {
         let (start_ns, end_ns) = (moment.start_ns, moment.end_ns);
         let axes = moment.axis_count();
         self.last_ns = end_ns;

@@ -139,7 +139,11 @@ const MOST_INCIDENTS: usize = 16;
 impl<'a> Watch<'a> {
     /// Of a scene's run, and of the first fault in it, if there is one; `cranks_count` says of which axes not only the commands,
     /// but the cranks themselves, must stop with the others.
-    pub fn new(geometry: Option<&'a Geometry>, checked: &Checked, cranks_count: Axes<bool>) -> Self {
+    pub fn new(
+        geometry: Option<&'a Geometry>,
+        checked: &Checked,
+        cranks_count: Axes<bool>,
+    ) -> Self {
         let fault = checked.scene.fault.first();
         let axis = fault.and_then(|fault| fault.axis);
         Self {

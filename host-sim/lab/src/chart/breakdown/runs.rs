@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use cophase_core::units::MAX_AXES;
 use cophase_core::supervisor::State;
+use cophase_core::units::MAX_AXES;
 
 use crate::chart::ChartError;
 use host_sim::scene::{Checked, SceneError, load};
