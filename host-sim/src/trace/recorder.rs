@@ -85,7 +85,7 @@ impl<C: Write, V: Write> Recorder<C, V> {
         Ok((written, self.scope))
     }
 
-    fn fill<const N: usize>(&mut self, moment: &Moment<'_, N>) {
+    fn fill(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
         let hz = speed_hz(telemetry.motion.speed, self.tick_hz);
         let omega = hz * std::f64::consts::TAU;
@@ -111,8 +111,8 @@ impl<C: Write, V: Write> Recorder<C, V> {
     }
 }
 
-impl<const N: usize, C: Write, V: Write> Observer<N> for Recorder<C, V> {
-    fn tick(&mut self, moment: &Moment<'_, N>) {
+impl<C: Write, V: Write> Observer for Recorder<C, V> {
+    fn tick(&mut self, moment: &Moment<'_>) {
         if self.failed.is_some() {
             return;
         }

@@ -10,7 +10,7 @@ use cophase_core::settings::{
 use crate::Script;
 
 /// Settings; a few of them are refused, which is for the caller to see.
-pub fn settings<const N: usize>(script: &mut Script<'_>) -> Settings<N> {
+pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
     let tick_hz = [2000, 1000, 500, 2000, 5000, 10_000, 2000, 1000][script.below(8)];
     let speed_hz = script.between(4.0, 60.0);
     let acceleration_hz_per_s = script.between(20.0, 4000.0);
@@ -31,6 +31,7 @@ pub fn settings<const N: usize>(script: &mut Script<'_>) -> Settings<N> {
     let sensors = script.byte();
     let trim_limit_turns = script.between(1e-3, 0.1);
     Settings {
+        name: heapless::String::new(),
         tick_hz,
         machine: MachineSettings {
             crank_radius_m: 0.01,
@@ -59,47 +60,51 @@ pub fn settings<const N: usize>(script: &mut Script<'_>) -> Settings<N> {
             dir_hold_ns: 200.0,
         },
         index: IndexSettings { width_us: 2.0 },
-        axes: std::array::from_fn(|i| {
-            let bit = |bits: u8| bits >> i & 1 == 1;
-            let servo = match kind % 3 {
-                0 => false,
-                1 => true,
-                _ => bit(servos),
-            };
-            let steps_per_turn = if servo {
-                4096
-            } else {
-                [800, 1600, 3200][script.below(3)]
-            };
-            AxisSettings {
-                drive: if servo {
-                    DriveKind::Servo
+        axes: (0..count)
+            .map(|i| {
+                let bit = |bits: u8| bits >> i & 1 == 1;
+                let servo = match kind % 3 {
+                    0 => false,
+                    1 => true,
+                    _ => bit(servos),
+                };
+                let steps_per_turn = if servo {
+                    4096
                 } else {
-                    DriveKind::Stepper
-                },
-                steps_per_turn,
-                reversed: script.one_in(3),
-                ratio: if script.one_in(16) {
-                    (1 + u32::from(script.byte() % 3), 2)
-                } else {
-                    (1, 1)
-                },
-                offset_turns: if script.one_in(4) {
-                    script.between(0.01, 0.5)
-                } else {
-                    0.0
-                },
-                // Every fourth machine lacks some.
-                index_turns: (!sensors.is_multiple_of(4) || bit(sensors >> 2)).then_some(0.125),
-                index_width_turns: 0.02,
-                index_delay_s: if script.one_in(4) { 1e-4 } else { 0.0 },
-                encoder: servo || script.one_in(3),
-                cycle_steps: if servo { 0 } else { steps_per_turn / 50 },
-                trim_limit_turns,
-                trim_rate_hz: script.between(0.01, 1.0),
-                rotor_inertia_kgm2: 1e-4,
-            }
-        }),
+                    [800, 1600, 3200][script.below(3)]
+                };
+                AxisSettings {
+                    drive: if servo {
+                        DriveKind::Servo
+                    } else {
+                        DriveKind::Stepper
+                    },
+                    steps_per_turn,
+                    reversed: script.one_in(3),
+                    ratio: if script.one_in(16) {
+                        (1 + u32::from(script.byte() % 3), 2)
+                    } else {
+                        (1, 1)
+                    },
+                    offset_turns: if script.one_in(4) {
+                        script.between(0.01, 0.5)
+                    } else {
+                        0.0
+                    },
+                    // Every fourth machine lacks some.
+                    index_turns: (!sensors.is_multiple_of(4) || bit(sensors >> 2)).then_some(0.125),
+                    index_width_turns: 0.02,
+                    index_delay_s: if script.one_in(4) { 1e-4 } else { 0.0 },
+                    encoder: servo || script.one_in(3),
+                    cycle_steps: if servo { 0 } else { steps_per_turn / 50 },
+                    trim_limit_turns,
+                    trim_rate_hz: script.between(0.01, 1.0),
+                    rotor_inertia_kgm2: 1e-4,
+                }
+            })
+            .collect(),
+        trims_turns: heapless::Vec::new(),
+        program: heapless::Vec::new(),
         drift: DriftSettings {
             tilt_limit_mrad: script.between(0.1, 20.0),
             warp_limit_deg: script.between(1.0, 30.0),
@@ -135,10 +140,7 @@ pub fn settings<const N: usize>(script: &mut Script<'_>) -> Settings<N> {
 }
 
 /// The loop with a program of one to three levels.
-pub fn controller<const N: usize>(
-    settings: &Settings<N>,
-    script: &mut Script<'_>,
-) -> Option<Controller<N>> {
+pub fn controller(settings: &Settings, script: &mut Script<'_>) -> Option<Controller> {
     settings.check().ok()?;
     let mut builder = settings.program_builder();
     for _ in 0..=script.below(3) {

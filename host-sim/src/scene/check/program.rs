@@ -67,7 +67,7 @@ fn append(
 const _: () = assert!(CAPACITY <= 255, "an entry's number fits a byte");
 
 /// The core's error about one entry, at the key that stands in the file; `None` if it is about something else.
-pub(super) fn placed(entries: &[Segment], error: &SettingsError) -> Option<SceneError> {
+pub(in crate::scene) fn placed(entries: &[Segment], error: &SettingsError) -> Option<SceneError> {
     let name = error.key.strip_prefix("program")?;
     let all = flat(entries).ok()?;
     let (_, path) = all.get(error.entry?)?;
