@@ -41,8 +41,7 @@ impl Platform {
     /// A crank and rod that do not go together.
     pub fn new(checked: &Checked) -> Result<Self, SceneError> {
         let machine = &checked.settings.machine;
-        let radius_m = machine.crank_radius_m;
-        let mechanism = SliderCrank::new(radius_m, radius_m / machine.lambda)
+        let mechanism = SliderCrank::of(machine)
             .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
         Ok(Self {
             mechanism,

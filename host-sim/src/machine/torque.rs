@@ -146,9 +146,8 @@ fn even_disc_kgm2(mass_kg: f64, radius_m: f64) -> f64 {
 
 fn body(checked: &Checked, machine: &file::Machine) -> Result<Body, SceneError> {
     let settings = &checked.settings;
-    let radius_m = machine.crank_radius_mm / 1e3;
     let mount_m = machine.mount_radius_mm / 1e3;
-    let mechanism = SliderCrank::new(radius_m, radius_m / checked.lambda)
+    let mechanism = SliderCrank::of(&settings.machine)
         .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
     let disc_kgm2 = even_disc_kgm2(machine.load_kg, mount_m);
     let rotors_kgm2: Vec<f64> = settings

@@ -54,7 +54,6 @@ impl Checked {
         numbers::check_questions(&scene.questions)?;
         let program = program::flat(&scene.program)?;
         let mut checked = Self {
-            lambda: machine.lambda,
             settings: settings::settings(
                 &scene,
                 machine,

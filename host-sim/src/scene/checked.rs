@@ -1,7 +1,7 @@
 //! A scene whose numbers have been checked, and what it asks of the core.
 
 use cophase_core::controller::Controller;
-use cophase_core::profile::{Profile, SliderCrank};
+use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
 use cophase_core::program::EntrySettings;
 use cophase_core::settings::{AxisSettings, Settings, SettingsError};
 
@@ -18,8 +18,6 @@ pub struct Checked {
     pub scene: Scene,
     /// What the core is told of it: on a board, in a blob, the very same.
     pub settings: Settings,
-    /// Crank radius over rod length, however it was given; of a cam, that of the crank which the core is told.
-    pub lambda: f64,
     /// The cam shafts with their followers, where there are no cranks.
     pub cam: Option<Follower>,
     /// The rung of the ladder, `auto` resolved.
@@ -70,14 +68,21 @@ impl Checked {
         }
     }
 
+    /// Crank radius over rod length, however it was given; of a cam, that of the crank that stands for it in the settings.
+    pub fn lambda(&self) -> f64 {
+        match self.settings.machine.mechanism {
+            MechanismSettings::SliderCrank(SliderCrankSettings { lambda }) => lambda,
+            MechanismSettings::ScotchYoke(_) => 0.0,
+        }
+    }
+
     /// The speed that the program's highest level asks for, at most the limit, rev/s.
     pub fn top_speed_hz(&self) -> f64 {
         let levels = self.settings.program.iter().map(|entry| match entry {
             EntrySettings::Segment(segment) => segment.amax_mps2,
             EntrySettings::Repeat { .. } => 0.0,
         });
-        let machine = &self.settings.machine;
-        let crank_m = machine.crank_radius_m * (1.0 + machine.lambda);
+        let crank_m = self.settings.machine.crank_radius_m * (1.0 + self.lambda());
         let omega = (levels.fold(0.0, f64::max) / crank_m).sqrt();
         let limits = &self.scene.limits;
         (omega / std::f64::consts::TAU).clamp(limits.creep_hz.min(limits.speed_hz), limits.speed_hz)
@@ -91,18 +96,6 @@ impl Checked {
         self.settings
             .controller()
             .map_err(|error| self.placed(error))
-    }
-
-    /// The profile of this scene's machine.
-    pub fn profile(&self) -> Profile {
-        let Settings {
-            machine, tick_hz, ..
-        } = &self.settings;
-        Profile::SliderCrank(SliderCrank::new(
-            machine.crank_radius_m,
-            machine.lambda,
-            *tick_hz,
-        ))
     }
 
     /// The core's error at the key that stands in the file: an axis may have apart what most have in common.

@@ -1,11 +1,16 @@
 //! Machines and programs: any that settings accept, as fast as cases are short.
 
 use cophase_core::controller::Controller;
-use cophase_core::program::{SegmentSettings, Shape};
+use cophase_core::mechanism::{
+    Mechanism, MechanismSettings, ScotchYokeSettings, SliderCrankSettings,
+};
+use cophase_core::program::{EntrySettings, SegmentSettings, Shape};
 use cophase_core::settings::{
     AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, IndexSettings,
     LimitSettings, MachineSettings, Platform, PulseSettings, Settings,
 };
+
+use cophase_core::units::Turns;
 
 use crate::Script;
 
@@ -35,7 +40,13 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
         tick_hz,
         machine: MachineSettings {
             crank_radius_m: 0.01,
-            lambda: script.between(0.1, 0.6),
+            mechanism: if script.one_in(4) {
+                MechanismSettings::ScotchYoke(ScotchYokeSettings {})
+            } else {
+                MechanismSettings::SliderCrank(SliderCrankSettings {
+                    lambda: script.between(0.1, 0.6),
+                })
+            },
             load_kg: script.between(0.1, 20.0),
             platform: if script.one_in(2) {
                 Platform::Above
@@ -142,11 +153,10 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
 /// The loop with a program of one to three levels.
 pub fn controller(settings: &Settings, script: &mut Script<'_>) -> Option<Controller> {
     settings.check().ok()?;
-    let mut builder = settings.program_builder();
+    let mut settings = settings.clone();
+    let top = Turns::from_num(settings.limits.speed_hz / f64::from(settings.tick_hz));
+    let most = settings.mechanism().amax(top).to_num::<f64>();
     for _ in 0..=script.below(3) {
-        let top = std::f64::consts::TAU * settings.limits.speed_hz;
-        let machine = &settings.machine;
-        let most = machine.crank_radius_m * (1.0 + machine.lambda) * top * top;
         let segment = SegmentSettings {
             amax_mps2: most * 0.98 * f64::from(script.byte()) / 255.0,
             ramp_s: f64::from(script.byte()) / 256.0,
@@ -157,7 +167,10 @@ pub fn controller(settings: &Settings, script: &mut Script<'_>) -> Option<Contro
                 Shape::Linear
             },
         };
-        builder.segment(segment).ok()?;
+        settings
+            .program
+            .push(EntrySettings::Segment(segment))
+            .ok()?;
     }
-    Controller::new(settings, builder.build().ok()?).ok()
+    settings.controller().ok()
 }

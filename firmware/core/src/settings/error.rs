@@ -81,6 +81,26 @@ pub enum Problem {
 }
 
 impl Problem {
+    /// A value outside its range, ends included.
+    pub const fn out_of_range(value: f64, low: f64, high: f64) -> Self {
+        Self::Motion(motion::Problem::OutOfRange { value, low, high })
+    }
+
+    /// Value and range, if the problem is that the value lies outside.
+    pub const fn range(self) -> Option<(f64, f64, f64)> {
+        match self {
+            Self::Motion(motion::Problem::OutOfRange { value, low, high }) => {
+                Some((value, low, high))
+            }
+            _ => None,
+        }
+    }
+
+    /// The unit that a key carries in its suffix; empty if it has none.
+    pub fn unit(key: &str) -> &'static str {
+        motion::Problem::unit(key)
+    }
+
     /// The message for a setting: as [`Problem`] alone has it, but numbers carry the unit of `key`.
     pub fn of(self, key: &str) -> impl fmt::Display + use<> {
         Sentence {

@@ -80,11 +80,11 @@ pub(in crate::scene) fn placed(entries: &[Segment], error: &SettingsError) -> Op
 /// A problem with a level: the core reckons in m/s², the file in g.
 fn in_g(key: String, problem: Problem) -> SceneError {
     let g = |mps2: f64| mps2 / STANDARD_GRAVITY_MPS2;
+    if let Some((value, low, high)) = problem.range() {
+        let high = (g(high) * 10.0).floor() / 10.0;
+        return SceneError::of(key, Problem::out_of_range(g(value), g(low), high));
+    }
     match problem {
-        Problem::OutOfRange { value, low, high } => {
-            let (value, low, high) = (g(value), g(low), (g(high) * 10.0).floor() / 10.0);
-            SceneError::of(key, Problem::OutOfRange { value, low, high })
-        }
         Problem::LevelOutOfReach {
             asked_mps2,
             needed_hz,

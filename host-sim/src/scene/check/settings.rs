@@ -90,7 +90,7 @@ fn axis(scene: &Scene, number: usize) -> AxisSettings {
         encoder: axes.encoder,
         cycle_steps: match drive {
             DriveKind::Stepper => cycle_steps(steps_per_turn, axes.full_steps_per_turn),
-            DriveKind::Servo => 0,
+            DriveKind::Servo | DriveKind::PulseServo => 0,
         },
         trim_limit_turns: axes.trim_limit_deg / 360.0,
         trim_rate_hz: axes.trim_rate_deg_per_s / 360.0,

@@ -61,8 +61,7 @@ impl Ramp {
     /// # Errors
     /// A crank and rod that do not go together.
     pub fn new(checked: &Checked, levels: ProgramLevels) -> Result<Self, SceneError> {
-        let radius_m = checked.settings.machine.crank_radius_m;
-        let mechanism = SliderCrank::new(radius_m, radius_m / checked.lambda)
+        let mechanism = SliderCrank::of(&checked.settings.machine)
             .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
         Ok(Self {
             top: levels.0.iter().copied().fold(0.0, f64::max),
