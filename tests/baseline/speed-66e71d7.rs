@@ -1,13 +1,10 @@
-//! Speed of the core alone and of whole runs, in control ticks per second and per calibration load (see `measure`).
+//! The figures of `host-sim/benches/speed.rs`, through the interfaces of commit 66e71d7. `bench` beside this file puts it there.
 //!
-//!     cargo bench -p host-sim --bench speed                 # all figures
-//!     cargo bench -p host-sim --bench speed -- core-4 rigid # those with these words in their names
+//! Work and names are the same as there: what is changed in one is changed in both.
 //!
 //! - `core-N`: [`Controller::tick`] on `N` stepper axes in the middle of a program, all index sensors at one crank angle. The
 //!   index pulses were recorded before, by playing the commanded phases to ideal sensors.
 //! - `run-LEVEL`: a scene at a model level, with nothing written and nobody looking on.
-//!
-//! `tests/baseline/bench` puts these figures beside those of commit 66e71d7.
 
 mod measure;
 
@@ -23,7 +20,7 @@ use host_sim::scene::{Checked, library, load};
 use host_sim::sim::simulate;
 use measure::{Figure, Work};
 
-/// Least units per load: a third of what was measured at 66e71d7.
+/// Nothing is asserted here.
 const FIGURES: [Figure; 6] = [
     figure("core-2", 0.0, core::<2>),
     figure("core-4", 0.0, core::<4>),

@@ -170,9 +170,9 @@ fn load() -> u64 {
         sum = sum * 0.99 + (random >> 11) as f64 * 1.0e-16;
         root = (root + sum * sum).sqrt() + 1.0 / (1.0 + sum);
     }
-    let result = table
-        .iter()
-        .fold(random ^ root.to_bits(), |all, &entry| all.rotate_left(1) ^ entry);
+    let result = table.iter().fold(random ^ root.to_bits(), |all, &entry| {
+        all.rotate_left(1) ^ entry
+    });
     assert_eq!(result, LOAD_RESULT, "the calibration load is another one");
     1
 }
