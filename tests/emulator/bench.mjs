@@ -8,6 +8,7 @@ import { worse, write } from './bench/figures.mjs';
 const SCENARIOS = ['image', 'parity', 'rate', 'cost', 'index', 'faults', 'safety', 'sweeps', 'store'];
 
 const HELP = `usage: tests/emulator/run [--write] [--no-figures] [SCENARIO ... | SCENE.toml ...]
+       tests/emulator/run --profile SCENE [OPTION ...]
 
 Builds the image, runs it in the emulator, and compares what it does with what it should.
 Scenarios: ${SCENARIOS.join(', ')}; all of them if none is named.
@@ -15,6 +16,7 @@ A scene of your own is run as it is, and every edge compared with what \`cophase
 takes about five.
 
   --write       keep the figures: docs/emulated.csv, the table in docs/image.md, and tests/emulator/image-size.toml
+  --profile     where the cycles of a tick go, by function; \`--profile --help\` has its options
   --no-figures  do not compare figures, and the image's size, with those that are kept: for another compiler than theirs
 
 In the environment, for \`sweeps\`:

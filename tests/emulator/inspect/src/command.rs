@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Parser;
 
 use crate::error::Error;
-use crate::{log, panics, places, size};
+use crate::{frames, log, panics, places, size};
 
 /// Looks into the Cophase image.
 #[derive(Debug, Parser)]
@@ -43,6 +43,13 @@ pub enum Command {
         #[arg(long = "root", value_name = "NAME")]
         roots: Vec<String>,
     },
+    /// Name the functions at code addresses, inlined ones too
+    Frames {
+        /// The image
+        elf: PathBuf,
+        /// Hexadecimal addresses, one a line; `-` reads standard input
+        addresses: PathBuf,
+    },
     /// Tell what the image takes of flash and RAM, and compare it with what it took
     Size {
         /// The image
@@ -74,6 +81,7 @@ impl Command {
             } => log::print(&elf, &bytes, cycles.as_deref(), json),
             Self::Panics { elf, roots, allow } => panics::check(&elf, &roots, allow.as_deref()),
             Self::Places { elf, roots } => places::check(&elf, &roots),
+            Self::Frames { elf, addresses } => frames::print(&elf, &addresses),
             Self::Size {
                 elf,
                 golden,
