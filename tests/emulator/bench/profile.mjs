@@ -58,14 +58,15 @@ export class Named {
       if (!rows.has(name)) rows.set(name, { name, self: 0, inclusive: 0, calls: 0 });
       return rows.get(name);
     };
-    for (const call of calls) {
-      for (const [key, cycles] of call.cycles) {
-        const stack = this.stacks[key][how];
-        row(stack[stack.length - 1]).self += cycles / calls.length;
-        for (const name of new Set(stack)) row(name).inclusive += cycles / calls.length;
-      }
-      if (how !== 'linked') continue;
-      for (const [node, times] of call.calls) row(this.nameOf(node)).calls += times / calls.length;
+    sums(calls.map(({ cycles }) => cycles)).forEach((cycles, key) => {
+      const stack = this.stacks[key][how];
+      row(stack[stack.length - 1]).self += cycles / calls.length;
+      for (const name of new Set(stack)) row(name).inclusive += cycles / calls.length;
+    });
+    if (how === 'linked') {
+      sums(calls.map(({ calls: times }) => times)).forEach((times, node) => {
+        row(this.nameOf(node)).calls += times / calls.length;
+      });
     }
     return [...rows.values()].sort((a, b) => b.self - a.self);
   }
@@ -75,6 +76,15 @@ export class Named {
     const [key] = nodes[node].keys.keys();
     return this.names.get(key)[0];
   }
+}
+
+/** Sums by their first numbers, of arrays of pairs. */
+function sums(arrays) {
+  const all = new Map();
+  for (const pairs of arrays) {
+    for (let i = 0; i < pairs.length; i += 2) all.set(pairs[i], (all.get(pairs[i]) ?? 0) + pairs[i + 1]);
+  }
+  return all;
 }
 
 /** Both tables side by side, as Markdown: `mean` over many ticks, `worst` of one. Rows below `least` cycles are left out. */

@@ -17,10 +17,10 @@ export function run(played, predicted, blob, { profile = false } = {}) {
   const machine = new Machine({ ...played, blob });
   const { board } = machine;
   machine.boot();
+  if (profile) board.profile = new CallProfile(board.elf.functions);
   const began = machine.start();
   const before = board.usage.sums();
   const waited = board.core.waitedInHandlers;
-  if (profile) board.profile = new CallProfile(board.elf.functions);
   act(machine, played, predicted, began);
   board.profile?.finish();
   const after = board.usage.sums();
@@ -29,14 +29,10 @@ export function run(played, predicted, blob, { profile = false } = {}) {
   const stateAt = (number) => states.findLast(({ tick }) => tick <= number)?.state ?? 'idle';
   const confirmed = confirmations(played, predicted, machine.tick);
   const calls = new Map((board.profile?.calls ?? []).map((call) => [call.entry, call]));
-  const ticks = machine
-    .ticks(began)
-    .map(({ entry, own }) => {
-      const number = Math.floor((entry - began) / machine.tick);
-      return { number, own, state: stateAt(number), pulses: confirmed.get(number) ?? 0, call: calls.get(entry) };
-    })
-    // The first began before the profile did.
-    .filter(({ call }) => !profile || call !== undefined);
+  const ticks = machine.ticks(began).map(({ entry, own }) => {
+    const number = Math.floor((entry - began) / machine.tick);
+    return { number, own, state: stateAt(number), pulses: confirmed.get(number) ?? 0, call: calls.get(entry) };
+  });
   return {
     machine,
     lines,

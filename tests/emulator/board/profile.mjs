@@ -27,8 +27,11 @@ export class CallProfile {
     this.nodes = [{ parent: -1, site: ENTRY, fn: -1, children: new Map(), keys: new Map() }];
     /** Where cycles are counted: [{ node, pc }]. */
     this.keys = [];
-    /** Complete calls of the exception: [{ entry, own, cycles: Map of key to cycles, calls: Map of node to times }]. */
+    /** Complete calls of the exception: [{ entry, own, cycles, calls }], as pairs: a key and its cycles, a node and its times. */
     this.calls = [];
+    /** Cycles of the call that is under way, by key, and which keys have any. */
+    this.spent = new Uint32Array(1 << 16);
+    this.touched = [];
     this.current = null;
     this.lastFn = -1;
   }
@@ -38,7 +41,7 @@ export class CallProfile {
     if (call.number !== this.number) return;
     if (call !== this.current?.call) {
       this.finish();
-      this.current = { call, entry: call.entry, own: 0, cycles: new Map(), calls: new Map() };
+      this.current = { call, own: 0, calls: new Map() };
       this.frames = [{ node: 0, returnTo: -1, stack: -1 }];
       this.lastPc = ENTRY;
       this.count(0, ENTRY, spent);
@@ -52,8 +55,15 @@ export class CallProfile {
   /** Ends the call that is under way: it is complete once the next begins, or the run is over. */
   finish() {
     if (this.current === null) return;
-    const { entry, own, cycles, calls } = this.current;
-    this.calls.push({ entry, own, cycles, calls });
+    const { call, own, calls } = this.current;
+    const cycles = new Uint32Array(2 * this.touched.length);
+    this.touched.forEach((key, i) => {
+      cycles[2 * i] = key;
+      cycles[2 * i + 1] = this.spent[key];
+      this.spent[key] = 0;
+    });
+    this.calls.push({ entry: call.entry, own, cycles, calls: Uint32Array.from([...calls].flat()) });
+    this.touched = [];
     this.current = null;
   }
 
@@ -64,8 +74,13 @@ export class CallProfile {
       key = this.keys.push({ node, pc }) - 1;
       keys.set(pc, key);
     }
-    const { cycles } = this.current;
-    cycles.set(key, (cycles.get(key) ?? 0) + spent);
+    if (key >= this.spent.length) {
+      const larger = new Uint32Array(2 * this.spent.length);
+      larger.set(this.spent);
+      this.spent = larger;
+    }
+    if (this.spent[key] === 0) this.touched.push(key);
+    this.spent[key] += spent;
     this.current.own += spent;
   }
 
