@@ -11,7 +11,8 @@ const WIDTH_US = 2;
 
 /**
  * Runs the scene to its end. Gives { machine, lines: the log, period: cycles of a tick, ticks, profile: null unless it is asked
- * for }; ticks: [{ number, own, state, pulses, call: of the profile }], numbered from the deadline at which the start was read.
+ * for, awake: cycles in which the processor did not sleep, waited: cycles that interrupts waited for the flash }; ticks:
+ * [{ number, own, state, pulses, call: of the profile }], numbered from the deadline at which the start was read.
  */
 export function run(played, predicted, blob, { profile = false } = {}) {
   const machine = new Machine({ ...played, blob });
@@ -42,6 +43,13 @@ export function run(played, predicted, blob, { profile = false } = {}) {
     awake: after.awake - before.awake,
     waited: board.core.waitedInHandlers - waited,
   };
+}
+
+/** Of ticks: { worst, mean, pulses: index pulses that were confirmed in the worst }, in cycles. */
+export function summary(ticks) {
+  const worst = ticks.reduce((most, tick) => (tick.own > most.own ? tick : most));
+  const mean = ticks.reduce((sum, { own }) => sum + own, 0) / ticks.length;
+  return { worst: worst.own, mean, pulses: worst.pulses };
 }
 
 /** How many index pulses are confirmed in the tick of each number: pulses whose level has lasted at that deadline. */

@@ -63,6 +63,9 @@ pub enum Command {
         /// The deepest stack that was measured, kept with the rest
         #[arg(long, value_name = "N")]
         stack_bytes: Option<u64>,
+        /// The number of axes with which that was, kept with the rest
+        #[arg(long, value_name = "N", requires = "stack_bytes")]
+        stack_axes: Option<u64>,
     },
 }
 
@@ -87,7 +90,14 @@ impl Command {
                 golden,
                 bless,
                 stack_bytes,
-            } => size::check(&elf, golden.as_deref(), bless, stack_bytes),
+                stack_axes,
+            } => {
+                let stack = stack_bytes.map(|bytes| size::Stack {
+                    bytes,
+                    axes: stack_axes,
+                });
+                size::check(&elf, golden.as_deref(), bless, stack)
+            }
         }
     }
 }

@@ -55,10 +55,7 @@ fn inlined(
     let mut names = Vec::new();
     while let Some(frame) = frames.next()? {
         names.push(match frame.function {
-            Some(function) => format!(
-                "{:#}",
-                rustc_demangle::demangle(&function.raw_name()?)
-            ),
+            Some(function) => format!("{:#}", rustc_demangle::demangle(&function.raw_name()?)),
             None => "?".to_owned(),
         });
     }
