@@ -1,4 +1,4 @@
-// What the host has to say of a scene: its blob, and the edges that `cophase run` predicts.
+// The host's part of a scene: its settings file, and the edges that `cophase run` predicts.
 
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -31,7 +31,16 @@ export function withAxes(count) {
   return (toml) => {
     toml.axes.count = count;
     toml.axis = (toml.axis ?? []).filter(({ number }) => number < count);
+    if (toml.fault) toml.fault = toml.fault.filter(({ axis = 0 }) => axis < count);
   };
+}
+
+/** The same scene with all index sensors at one crank angle, and without user trims: all pulses come in one tick. */
+export function sensorsAlike(toml) {
+  toml.axis = Array.from({ length: toml.axes.count }, (_, number) => {
+    const { trim_deg: _trim, ...own } = toml.axis?.find((axis) => axis.number === number) ?? {};
+    return { ...own, number, index_deg: 15 };
+  });
 }
 
 function cophase(args, statuses) {
@@ -54,12 +63,12 @@ function withScene({ text }, use) {
   }
 }
 
-/** The scene's settings as the image takes them. */
-export function blobOf(played) {
+/** The scene's settings as the firmware takes them. */
+export function settingsOf(played) {
   return withScene(played, (file, folder) => {
-    const blob = path.join(folder, 'scene.blob');
-    cophase(['image', file, '-o', blob], [0]);
-    return fs.readFileSync(blob);
+    const settings = path.join(folder, 'scene.blob');
+    cophase(['image', file, '-o', settings], [0]);
+    return fs.readFileSync(settings);
   });
 }
 

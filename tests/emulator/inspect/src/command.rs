@@ -5,19 +5,19 @@ use std::path::PathBuf;
 use clap::Parser;
 
 use crate::error::Error;
-use crate::{log, panics, places, size};
+use crate::{frames, log, panics, places, size};
 
-/// Looks into the Cophase image.
+/// Looks into the Cophase firmware.
 #[derive(Debug, Parser)]
 #[command(version, about)]
 pub enum Command {
     /// Decode the log: bytes of the RTT channel to lines
     Log {
-        /// The image
+        /// The firmware's ELF file
         elf: PathBuf,
         /// The bytes that it logged; `-` reads standard input
         bytes: PathBuf,
-        /// When the bytes were written: a line `CYCLE LENGTH` for each piece of them, in order
+        /// Times of the bytes: a line `CYCLE LENGTH` for each piece of them, in order
         #[arg(long, value_name = "STAMPS")]
         cycles: Option<PathBuf>,
         /// One JSON object a line: timestamp, level, message, location
@@ -26,7 +26,7 @@ pub enum Command {
     },
     /// Prove that no panic can be reached from functions, and bound their stack
     Panics {
-        /// The image
+        /// The firmware's ELF file
         elf: PathBuf,
         /// A function to begin at, or several: a path or a part of it; generic arguments do not matter
         #[arg(long = "root", value_name = "NAME")]
@@ -37,25 +37,35 @@ pub enum Command {
     },
     /// Check that functions, and all that they may call, lie in RAM
     Places {
-        /// The image
+        /// The firmware's ELF file
         elf: PathBuf,
         /// A function to begin at, or several, as of `panics`
         #[arg(long = "root", value_name = "NAME")]
         roots: Vec<String>,
     },
-    /// Tell what the image takes of flash and RAM, and compare it with what it took
-    Size {
-        /// The image
+    /// Name the functions at code addresses, inlined ones too
+    Frames {
+        /// The firmware's ELF file
         elf: PathBuf,
-        /// What it took: a file of `key = value`
+        /// Hexadecimal addresses, one a line; `-` reads standard input
+        addresses: PathBuf,
+    },
+    /// Print the firmware's size in flash and RAM, and compare it with what was kept
+    Size {
+        /// The firmware's ELF file
+        elf: PathBuf,
+        /// Figures to compare with: a file of `key = value`
         #[arg(long, value_name = "FILE")]
         golden: Option<PathBuf>,
-        /// Write the golden file anew
+        /// Rewrite the golden file
         #[arg(long, requires = "golden")]
         bless: bool,
         /// The deepest stack that was measured, kept with the rest
         #[arg(long, value_name = "N")]
         stack_bytes: Option<u64>,
+        /// The number of axes with which that was, kept with the rest
+        #[arg(long, value_name = "N", requires = "stack_bytes")]
+        stack_axes: Option<u64>,
     },
 }
 
@@ -74,12 +84,20 @@ impl Command {
             } => log::print(&elf, &bytes, cycles.as_deref(), json),
             Self::Panics { elf, roots, allow } => panics::check(&elf, &roots, allow.as_deref()),
             Self::Places { elf, roots } => places::check(&elf, &roots),
+            Self::Frames { elf, addresses } => frames::print(&elf, &addresses),
             Self::Size {
                 elf,
                 golden,
                 bless,
                 stack_bytes,
-            } => size::check(&elf, golden.as_deref(), bless, stack_bytes),
+                stack_axes,
+            } => {
+                let stack = stack_bytes.map(|bytes| size::Stack {
+                    bytes,
+                    axes: stack_axes,
+                });
+                size::check(&elf, golden.as_deref(), bless, stack)
+            }
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What the image takes of the chip, and whether that is still what it was.
+//! Size of the firmware in flash and RAM, and its comparison with figures that are kept.
 //!
 //! Words: *text* is code in flash, *rodata* what is constant there, *data* what is copied from flash to RAM at
 //! the start (code that runs from RAM too), *bss* the rest of RAM that is given away. *Golden* figures are
@@ -13,25 +13,34 @@ use crate::error::Error;
 use crate::image::{Image, Kind};
 use golden::Golden;
 
-/// How many functions and variables are named.
+/// Number of functions and variables that are named.
 const NAMED: usize = 10;
 
 /// Smaller variables are no buffers.
 const LEAST_BUFFER: u32 = 64;
 
-/// What the image takes, bytes.
+/// Size of the firmware, bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Size {
     text: u64,
     rodata: u64,
     data: u64,
     bss: u64,
-    /// As measured elsewhere; none if it was not.
-    stack: Option<u64>,
+    /// None if it was not measured.
+    stack: Option<Stack>,
+}
+
+/// The deepest stack, as measured elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stack {
+    /// Its depth, bytes.
+    pub bytes: u64,
+    /// With how many axes that was.
+    pub axes: Option<u64>,
 }
 
 impl Size {
-    fn new(image: &Image, stack: Option<u64>) -> Self {
+    fn new(image: &Image, stack: Option<Stack>) -> Self {
         let sum = |kind| {
             let sections = image.sections.iter().filter(|section| section.kind == kind);
             sections.map(|section| u64::from(section.size)).sum()
@@ -63,12 +72,14 @@ impl Size {
             ("data_bytes", self.data),
             ("bss_bytes", self.bss),
         ];
-        figures.extend(self.stack.map(|stack| ("stack_bytes", stack)));
+        figures.extend(self.stack.map(|stack| ("stack_bytes", stack.bytes)));
+        let axes = self.stack.and_then(|stack| stack.axes);
+        figures.extend(axes.map(|axes| ("stack_axes", axes)));
         figures
     }
 }
 
-/// The command: prints what the image takes and compares it with the golden figures, or rewrites them.
+/// The command: prints the size of the firmware and compares it with the golden figures, or rewrites them.
 ///
 /// `stack`: the deepest stack that was measured. False if a figure is not what it was.
 ///
@@ -78,7 +89,7 @@ pub fn check(
     elf: &Path,
     golden: Option<&Path>,
     bless: bool,
-    stack: Option<u64>,
+    stack: Option<Stack>,
 ) -> Result<bool, Error> {
     let image = Image::read(elf)?;
     let size = Size::new(&image, stack);
@@ -122,7 +133,14 @@ fn print(out: &mut impl Write, image: &Image, size: &Size) -> Result<(), Error> 
     )?;
     writeln!(out, "RAM   {:>7} bytes: data {data}, bss {bss}", size.ram())?;
     if let Some(stack) = size.stack {
-        writeln!(out, "stack {stack:>7} bytes at most, measured")?;
+        let with = stack
+            .axes
+            .map_or(String::new(), |axes| format!(", with {axes} axes"));
+        writeln!(
+            out,
+            "stack {:>7} bytes at most, measured{with}",
+            stack.bytes
+        )?;
     }
     let functions = image
         .functions
@@ -138,7 +156,7 @@ fn print(out: &mut impl Write, image: &Image, size: &Size) -> Result<(), Error> 
 }
 
 fn list(out: &mut impl Write, title: &str, mut entries: Vec<(u32, String)>) -> Result<(), Error> {
-    // By name where sizes are equal, so that the same image gives the same list.
+    // By name where sizes are equal, so that the same firmware gives the same list.
     entries.sort_by(|a, b| b.0.cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
     writeln!(out, "{title}:")?;
     for (size, name) in entries.iter().take(NAMED) {
