@@ -8,9 +8,12 @@ use super::{MAX_EDGES, Run};
 
 /// Greatest number of runs in a tick.
 ///
-/// Every [`super::planner::CHUNK`] edges take one run. Nine more are needed by a change of direction (3), the first
-/// edge, the two chunks after it and the last one, and the pause at the end. The guards make those chunks differ from
-/// the others, which takes one run more each, and the last chunk one more as it is short.
+/// Every [`super::planner::CHUNK`] edges take one run, and nine more are needed:
+///
+/// - three for a change of direction, one for the first edge and one for the pause at the end;
+/// - one more each for the two chunks after the first edge and for the last one, which the guards make differ from the
+///   others;
+/// - one for the last chunk, as it is short.
 pub const MAX_RUNS: usize = (MAX_EDGES / CHUNK) as usize + 9;
 
 /// Number of runs that are copied at a time.
