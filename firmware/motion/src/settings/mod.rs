@@ -15,15 +15,15 @@ pub const CLOCK_HZ: u32 = 125_000_000;
 /// Greatest number of forbidden bands of a shaft.
 pub const MAX_BANDS: usize = 4;
 
-/// Limits of the master shaft. [`LimitSettings::check`] states their ranges.
+/// Limits of the master shaft. [`LimitSettings::check`] checks their ranges.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LimitSettings {
     /// Greatest speed, rev/s, from 0.1 to 200.
     pub speed_hz: f64,
-    /// Greatest acceleration, rev/s².
+    /// Greatest acceleration, rev/s²: at least 0.01 and 64 · 2⁻⁴⁸ turns a tick², at most `speed_hz` within a tick.
     pub acceleration_hz_per_s: f64,
-    /// Greatest jerk, rev/s³.
+    /// Greatest jerk, rev/s³: at least 0.01 and 64 · 2⁻⁴⁸ turns a tick³, at most `speed_hz` a tick within a tick.
     pub jerk_hz_per_s2: f64,
     /// Greatest acceleration of a fault stop (stop category 1), rev/s², not below the usual one: as much as the motors'
     /// torque allows.
