@@ -1,4 +1,4 @@
-//! Motion in whole numbers: a jerk-limited master shaft, and a planner that turns its phase into step pulses.
+//! Motion in integer arithmetic: a jerk-limited master shaft, and a planner that turns its phase into step pulses.
 //!
 //! The crate is useful alone, on any `no_std` target. It needs no divider, no floating-point unit and no allocator, and
 //! the same input gives the same bits everywhere.
@@ -6,7 +6,7 @@
 //! - [`units`]: phase, speed, acceleration and jerk as fixed-point turns and ticks.
 //! - [`functions`]: products, quotients, roots, sine and cosine, with their error bounds.
 //! - [`shaft`]: the master shaft. It follows a speed within limits on speed, acceleration and jerk, crosses forbidden
-//!   bands, and stops as fast as it can or at a chosen phase.
+//!   bands, and stops as fast as possible or at a chosen phase.
 //! - [`pulse`]: the step planner. It turns the phase covered in a tick into runs of (edges, period) that hardware plays.
 //! - [`settings`]: limits and timing in Hz and nanoseconds, checked once.
 //!
@@ -38,7 +38,7 @@
 //! for _ in 0..TICK_HZ {
 //!     let motion = shaft.advance(Demand::Follow(five_turns_a_second));
 //!     planner.plan(motion.speed, &mut rates, &mut runs);
-//!     // `runs` fill exactly one tick: hand them to the hardware.
+//!     // `runs` fill exactly one tick: pass them to the hardware.
 //! }
 //! assert!(planner.steps() > 3200 * 4);
 //! # Ok::<(), cophase_motion::settings::SettingsError>(())

@@ -1,14 +1,19 @@
-//! Exact division of 64 by 32 bits, without dividing.
+//! Exact division of 64 by 32 bits, without a division instruction.
 //!
-//! A divisor is shifted up until its top bit is set, and its reciprocal taken once, exactly; then each half of a
-//! quotient costs one product and two corrections. The method is the 2-by-1 division of Möller and Granlund,
+//! A divisor is shifted up until its top bit is set, and its exact reciprocal is computed once. Each half of a quotient
+//! then costs one product and two corrections. The method is the 2-by-1 division of Möller and Granlund,
 //! "Improved division by invariant integers", IEEE Transactions on Computers 60 (2011), algorithm 4.
 
 use super::multiply::{multiply, multiply_high};
 use super::normalise::normalised;
 use super::reciprocal;
 
-/// A number to divide by.
+/// A divisor from 1 to 2³² − 1 with its precomputed reciprocal.
+///
+/// ```
+/// use cophase_motion::functions::Divisor;
+/// assert_eq!(Divisor::new(10).divide(1_000_000_000_007), (100_000_000_000, 7));
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Divisor {
     /// The divisor, shifted up by `shift`.
@@ -19,12 +24,12 @@ pub struct Divisor {
 }
 
 impl Divisor {
-    /// For `divisor`, from 1 up; 0 is taken for 1.
+    /// Precomputes the reciprocal of `divisor`, from 1 to 2³² − 1. A divisor of 0 is taken as 1.
     #[inline]
     pub const fn new(divisor: u32) -> Self {
         let divisor = if divisor == 0 { 1 } else { divisor };
         let (normalised, shift) = normalised((divisor as u64) << 32);
-        // From below: the reciprocal may be two units too high, of the 2^33 that are wanted.
+        // Approach from below: the reciprocal may be two units too high, and the goal has 33 bits.
         let near = reciprocal(normalised);
         let mut quotient = ((near as u64) << 1) - 4;
         let product = multiply(near - 2, normalised) << 1;
@@ -43,12 +48,12 @@ impl Divisor {
         }
     }
 
-    /// Quotient, rounded down, and rest of `number / divisor`.
+    /// Quotient (rounded down) and remainder of `number / divisor`. Both are exact for every `number`.
     #[inline]
     pub const fn divide(&self, number: u64) -> (u64, u32) {
         let shift = self.shift;
         let (high, low) = ((number >> 32) as u32, number as u32);
-        // The number shifted up likewise, in three words, of which the first is below the divisor.
+        // The number is shifted up by as much, into three words. The first is below the divisor.
         let first = high >> 1 >> (31 - shift);
         let second = high << shift | low >> 1 >> (31 - shift);
         let (upper, rest) = self.step(first, second);
@@ -56,7 +61,7 @@ impl Divisor {
         ((upper as u64) << 32 | lower as u64, rest >> shift)
     }
 
-    /// Divides the two words; `high` is below the normalised divisor.
+    /// Divides two words, for `high` below the normalised divisor: quotient and remainder.
     #[inline(always)]
     const fn step(&self, high: u32, low: u32) -> (u32, u32) {
         let guess = multiply(self.inverse, high).wrapping_add((high as u64) << 32 | low as u64);
@@ -79,7 +84,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Numbers of all lengths, and those next to powers of two.
+    /// Numbers of all lengths, and the neighbours of powers of two.
     fn any_length() -> impl Strategy<Value = u64> {
         let near =
             (0_u32..64, -2_i64..=2).prop_map(|(bit, off)| (1_u64 << bit).wrapping_add_signed(off));
@@ -98,7 +103,7 @@ mod tests {
             prop_assert_eq!(u64::from(rest), number % u64::from(divisor));
         }
 
-        /// A multiple and its neighbour, where a quotient is most easily off by one.
+        /// A multiple and its lower neighbour, where a quotient is most easily off by one.
         #[test]
         fn multiples_are_met(quotient in any_length(), divisor in any_length()) {
             let divisor = (divisor as u32).max(1);
@@ -111,7 +116,7 @@ mod tests {
         }
     }
 
-    /// The reciprocal itself, for every divisor of up to 16 bits and the ends of the others.
+    /// The reciprocal itself, for every divisor of up to 16 bits and for both ends of the 32-bit range.
     #[test]
     fn the_inverse_is_exact() {
         for divisor in (1..1 << 16)

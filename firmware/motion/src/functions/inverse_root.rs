@@ -1,28 +1,30 @@
-//! 1 / sqrt(1 − x) for the rod's obliquity, x = λ² sin²α: no division, no root.
+//! 1 / sqrt(1 − x) for the rod's obliquity, x = λ² sin²α, without division or root.
 //!
-//! A straight line between two of 65 entries is within 4e-5; one Newton step squares the relative error
-//! (times 3/2), and costs two full products. The table is 130 bytes of flash.
+//! Linear interpolation between 65 table entries is within 4e-5. One Newton step squares the relative error
+//! (times 3/2) and costs two full products. The table takes 130 bytes of flash.
 
 use super::{ONE_Q30, multiply_q30};
 
 const STEPS: usize = 64; // to x = 1/2
 const STEP_BITS: u32 = 29 - STEPS.trailing_zeros();
 
-/// 1 / sqrt(1 − x), with 30 fraction bits, for `x` from 0 to 0.5 (exclusive) with 30 fraction bits.
+/// Inverse root 1 / sqrt(1 − x) with 30 fraction bits, for `x` from 0 to 0.5 (exclusive) with 30 fraction bits.
 ///
-/// Error at most 4e-9, and 2.6e-9 up to 0.36, the square of the greatest λ (tested: mean, rms and
-/// maximum). Beyond 0.5 the result has no meaning.
+/// The absolute error is at most 4e-9, and at most 2.6e-9 for x up to 0.36, the square of the greatest λ (tested: mean,
+/// rms and maximum). Outside the range the result has no meaning.
+///
+/// Formula: y ← y (3 − (1 − x) y²) / 2, Newton's iteration for the inverse root.
 pub fn inverse_root_of_one_minus(x: i32) -> i32 {
     let index = (x >> STEP_BITS) as usize % STEPS;
     let (from, to) = (i32::from(FRACTION[index]), i32::from(FRACTION[index + 1]));
     let within = (x >> (STEP_BITS - 16)) & 0xffff;
     let y = ONE_Q30 + (((from << 16) + (to - from) * within) >> 2);
-    // y (3 − (1 − x) y²) / 2 = y + y · half, and |half| < 4e-5: 15 bits
+    // y (3 − (1 − x) y²) / 2 = y + y · half, and |half| < 4e-5 fits in 15 bits.
     let half = (ONE_Q30 - multiply_q30(multiply_q30(ONE_Q30 - x, y), y)) >> 1;
     y + (((y >> 15) * half) >> 15)
 }
 
-/// 2¹⁶ (1 / sqrt(1 − x) − 1), rounded, at x = i/128.
+/// Table of 2¹⁶ (1 / sqrt(1 − x) − 1), rounded, at x = i/128.
 static FRACTION: [u16; STEPS + 1] = fractions();
 
 const fn fractions() -> [u16; STEPS + 1] {
@@ -40,12 +42,12 @@ const fn fractions() -> [u16; STEPS + 1] {
 mod tests {
     use super::*;
 
-    /// What errs, at one x, with y the result, u = 2⁻³⁰, h = 1/128 and t the place between two entries:
+    /// Sources of error at one x, with y the result, u = 2⁻³⁰, h = 1/128 and t the place between two entries:
     ///
-    /// - the line, before the step, by e = ½ h² · ¾ y⁵ · t (1 − t), and by its two entries' rounding;
-    ///   the step leaves −3/2 · e²/y of it;
-    /// - five cuts, each even from 0 to its unit: the two products' u, which the step turns round and
-    ///   halves (+½ y² and +½ y), the halving's (−y, of ½ u at most), the last shift's (−1), and of y
+    /// - The interpolation, before the step, is off by e = ½ h² · ¾ y⁵ · t (1 − t) and by the rounding of its two
+    ///   entries. The step leaves −3/2 · e²/y of it.
+    /// - Five truncations are each uniform from 0 to their unit. The two products' u are negated and halved by the
+    ///   step (+½ y² and +½ y). The halving adds −y (of ½ u at most) and the last shift −1. The truncation of y is
     ///   2⁻¹⁵, times `half` = −e/y.
     ///
     /// Over t, t(1 − t) has the mean 1/6, its square 1/30, its fourth power 1/630.
@@ -55,7 +57,7 @@ mod tests {
         let entries = (-32.0_f64).exp2() / 12.0 * 2.0 / 3.0;
         let (mut sum, mut squares, mut worst) = (0.0, 0.0_f64, 0.0_f64);
         let (mut sum_derived, mut squares_derived) = (0.0, 0.0_f64);
-        let samples = 1_000_003; // prime: falls everywhere between the entries
+        let samples = 1_000_003; // prime, so samples fall everywhere between the entries
         for i in 0..samples {
             let x = (0.36 * f64::from(ONE_Q30) * f64::from(i) / f64::from(samples)) as i32;
             let y = (1.0 - f64::from(x) * unit).sqrt().recip();
@@ -90,7 +92,7 @@ mod tests {
         assert!(worst < 2.6e-9, "max {worst:e}");
     }
 
-    /// The same in sum, with all parts at their worst: nothing jumps at an entry or at the range's ends.
+    /// The sum of all parts at their worst, over the whole range: nothing jumps at an entry or at the range's ends.
     #[test]
     fn error_is_bounded_over_the_whole_range() {
         for x in (0..ONE_Q30 / 2).step_by(997).chain([1, ONE_Q30 / 2 - 1]) {

@@ -1,9 +1,9 @@
-//! The elementary functions that the tick needs, one a file.
+//! Elementary functions of the tick, one a file.
 //!
-//! Each states its range and its error against f64, and its test measures that error. Everything
-//! here is integer arithmetic: the same bits on every machine. The board multiplies 32 by 32 bits to
-//! 32 in a cycle; wider products and all divisions are calls, which these functions do without. What
-//! each costs there, beside others' ways, is measured in `docs/functions.md`.
+//! Each states its range and its error against f64, and its test measures that error. Everything here is integer
+//! arithmetic, with the same bits on every machine. A Cortex-M0+ multiplies 32 by 32 bits into 32 in one cycle. Wider
+//! products and all divisions are library calls there, which these functions avoid. `docs/functions.md` compares
+//! their cost with that of other implementations.
 
 mod divide;
 mod inverse_root;
@@ -21,5 +21,5 @@ pub use reciprocal::reciprocal;
 pub use root::{Root, isqrt, root};
 pub use sine::{SineCosine, sine_cosine};
 
-/// 1.0 in the format of sines, cosines and inverse roots: signed, 30 fraction bits.
+/// The number 1.0 in the format of sines, cosines and inverse roots: signed, 30 fraction bits.
 pub const ONE_Q30: i32 = 1 << 30;

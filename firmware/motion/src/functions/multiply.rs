@@ -1,16 +1,16 @@
-//! Products wider than the processor's: a Cortex-M0+ multiplies 32 by 32 bits into 32, in one cycle.
+//! Products wider than those of a Cortex-M0+, which multiplies 32 by 32 bits into 32 in one cycle.
 //!
-//! Through `u64` every product costs a call of some 50 cycles, whatever is known of its factors. These are made of
-//! 16-bit parts in place, 20 to 30 cycles, and give the very same bits.
+//! Through `u64` every product costs a call of some 50 cycles, whatever is known about its factors. These functions
+//! build the product from 16-bit parts inline, in 20 to 30 cycles, and give the same bits.
 
-/// The whole product.
+/// Full 64-bit product a b. Exact.
 #[inline(always)]
 pub const fn multiply(a: u32, b: u32) -> u64 {
     let (high, low) = parts(a, b);
     (high as u64) << 32 | low as u64
 }
 
-/// The product's upper half, a b / 2³² rounded down.
+/// Upper half of the product: a b / 2³², rounded down. Exact.
 #[inline(always)]
 pub const fn multiply_high(a: u32, b: u32) -> u32 {
     parts(a, b).0
@@ -18,8 +18,8 @@ pub const fn multiply_high(a: u32, b: u32) -> u32 {
 
 /// Upper and lower half of a product.
 ///
-/// The carry is made with `overflowing_add`, not by adding up 16 bits at a time: the latter compilers know, and turn
-/// back into the call.
+/// The carry comes from `overflowing_add`. Compilers recognise additions of 16 bits at a time and turn them back into
+/// the library call.
 #[inline(always)]
 const fn parts(a: u32, b: u32) -> (u32, u32) {
     let (a_low, a_high) = (a & 0xFFFF, a >> 16);
@@ -31,7 +31,10 @@ const fn parts(a: u32, b: u32) -> (u32, u32) {
     (high, middle << 16 | low & 0xFFFF)
 }
 
-/// The lower 64 bits of `a b`: all of it, below 2⁶⁴. Of a negative number's bits it gives the product's.
+/// Lower 64 bits of the product a b, that is a b modulo 2⁶⁴.
+///
+/// The result is the whole product where that is below 2⁶⁴. Two's complement holds: the bits of a negative `a` give the
+/// bits of the negative product.
 #[inline(always)]
 pub const fn multiply_long(a: u64, b: u32) -> u64 {
     let upper = ((a >> 32) as u32).wrapping_mul(b);
@@ -40,18 +43,18 @@ pub const fn multiply_long(a: u64, b: u32) -> u64 {
 
 /// Product of two numbers with 30 fraction bits, rounded down.
 ///
-/// The result must lie within ±2: the callers' operands are sines, cosines, and factors from 0.8
-/// to 1.25.
+/// The result must lie within ±2; beyond that it wraps. Callers multiply sines, cosines and factors from 0.8 to 1.25.
+/// The error lies between −2⁻³⁰ and 0.
 #[inline(always)]
 pub const fn multiply_q30(a: i32, b: i32) -> i32 {
     let (a_low, a_high) = (a & 0xFFFF, a >> 16);
     let (b_low, b_high) = (b & 0xFFFF, b >> 16);
-    // A signed 16 bits times an unsigned, plus 16 bits, is still within 32 bits signed.
+    // A signed 16-bit number times an unsigned one, plus 16 bits, still fits in 32 bits signed.
     let lowest = (a_low as u32 * b_low as u32) >> 16;
     let middle = a_high * b_low + lowest as i32;
     let other = a_low * b_high + (middle & 0xFFFF);
     let top = a_high * b_high + (middle >> 16); // 28 fraction bits; `other` has 44
-    // The first alone may pass ±2 by a little; the sum is right modulo 2³².
+    // The first term alone may exceed ±2 slightly; the sum is right modulo 2³².
     (top << 2).wrapping_add(other >> 14)
 }
 
@@ -60,7 +63,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Factors whose halves are at their ends, where carries are.
+    /// Factors whose halves lie at their extremes, where carries occur.
     fn factor() -> impl Strategy<Value = u32> {
         let half = || {
             prop_oneof![

@@ -1,8 +1,9 @@
-//! Shifts of 64 bits of which one word is wanted.
+//! Shifts of 64-bit numbers that need only one word of the result.
 //!
-//! The board shifts words only, and does not count leading zeros: through `u64` both are calls, of 30 and of 40 cycles.
+//! A Cortex-M0+ shifts words only and cannot count leading zeros. Through `u64` both are library calls, of 30 and of
+//! 40 cycles.
 
-/// A number shifted up until its top bit is set: the upper word of that, and by how much. Zero gives (0, 64).
+/// Upper word of a number that is shifted up until its top bit is set, and the shift in bits. Zero gives (0, 64).
 #[inline(always)]
 pub const fn normalised(x: u64) -> (u32, u32) {
     let (mut high, mut low, mut up) = ((x >> 32) as u32, x as u32, 0);
@@ -30,14 +31,14 @@ pub const fn normalised(x: u64) -> (u32, u32) {
     (high, up)
 }
 
-/// The upper word of `x` shifted up by `up`, which must be below 64.
+/// Upper word of `x` shifted up by `up` bits, from 0 to 63.
 #[inline(always)]
 pub const fn upper_word(x: u64, up: u32) -> u32 {
     let (high, low) = ((x >> 32) as u32, x as u32);
     if up >= 32 {
         return low << (up - 32);
     }
-    // In two steps: a word cannot be shifted by 32.
+    // Two steps, as a word cannot be shifted by 32.
     high << up | low >> 1 >> (31 - up)
 }
 

@@ -1,15 +1,19 @@
-//! 1/d by Newton's iteration: a processor without a divider takes hundreds of cycles for a division, and some 50 for
-//! this.
+//! Reciprocal 1/d by Newton's iteration.
+//!
+//! A processor without a divider takes hundreds of cycles for a division, and some 50 for this.
 //!
 //! With d from ½ to 1, 48/17 − 32/17 d is within 1/17 of 1/d, and x (2 − d x) squares the relative error of x. Two such
-//! steps with 16 bits of d bring it below 2⁻¹⁴, which is what 15 fraction bits hold, and a third with all of d to what
-//! its rounding leaves: 2⁻²⁷.
+//! steps with 16 bits of d bring the error below 2⁻¹⁴, which 15 fraction bits can hold. A third step with all bits of
+//! d leaves only its rounding, 2⁻²⁷.
 
-/// 2⁶³ / `d`, for `d` with its top bit set; relative error from −2⁻²⁶ to 2⁻³¹ (tested).
+/// Reciprocal 2⁶³ / `d`, for `d` from 2³¹ to 2³² − 1 (top bit set).
+///
+/// The relative error lies between −2⁻²⁶ and 2⁻³¹ (tested). A `d` without its top bit gives no meaningful result.
 #[inline(always)]
 pub const fn reciprocal(d: u32) -> u32 {
     let (high, low) = (d >> 16, d & 0xFFFF);
-    // x is 1/d with 15 fraction bits, below 2^16. With 31 fraction bits d x is near 2^31, and 2 − d x is its negative.
+    // x is 1/d with 15 fraction bits, below 2^16. With 31 fraction bits d x is near 2^31, and 2 − d x is its two's
+    // complement negation.
     let mut x = 92_521 - ((61_681 * high) >> 16);
     x = (x * ((high * x).wrapping_neg() >> 16)) >> 15;
     x = (x * ((high * x).wrapping_neg() >> 16)) >> 15;
@@ -23,7 +27,7 @@ pub const fn reciprocal(d: u32) -> u32 {
 mod tests {
     use super::*;
 
-    /// The bounds in the documentation, over both ends of the range, every power of two's neighbours, and a sweep.
+    /// The documented bounds, over both ends of the range, both ends of every upper half, and a sweep.
     #[test]
     fn error_is_within_its_bounds() {
         const LEAST: u32 = 1 << 31;

@@ -1,26 +1,25 @@
-//! Square root, normalised: 32 significant bits whatever the size of the argument.
+//! Normalised square root: 32 significant bits whatever the size of the argument.
 //!
-//! The profile's ω = sqrt(amax / …) is followed down to a thousandth of its greatest value, so it is
-//! the relative error that counts. The argument is shifted up until its top bits are used, an exact
-//! integer root is taken, and the shift is handed on for the caller to fold into its own.
+//! The profile's ω = sqrt(amax / …) is followed down to a thousandth of its greatest value, so the relative error
+//! counts. The argument is shifted up until its top bits are used, and an exact integer root is taken. The caller
+//! combines the returned shift with its own.
 //!
-//! The board has no 64-bit division, and none is used. The reciprocal root y ≈ 1/√high of the upper
-//! word comes from a table; it never exceeds the truth. It then serves twice as a multiplication in
-//! place of a division: √high ≈ high · y gives the upper half of the root, and what that leaves over,
-//! times y, the lower half (one step of Newton's method). Each half falls short by a few units at
-//! most, and is raised to where its remainder says that it is the floor.
+//! No 64-bit division is used, as a Cortex-M0+ has none. The reciprocal root y ≈ 1/√high of the upper word comes from
+//! a table and never exceeds the exact value. It replaces a division twice. √high ≈ high · y gives the upper half of
+//! the root. The remainder of that, times y, gives the lower half (one step of Newton's method). Each half falls short
+//! by a few units at most. It is raised until its remainder shows that it is the floor.
 
 /// A root as `mantissa / 2^shift`; the mantissa has its top bit set, except for the root of zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Root {
-    /// From 2³¹ up, or 0.
+    /// Mantissa, from 2³¹ to 2³² − 1, or 0.
     pub mantissa: u32,
-    /// 0 to 31.
+    /// Binary exponent, from 0 to 31: the root is the mantissa shifted down by this.
     pub shift: u32,
 }
 
-/// The root of `x`, rounded down; relative error below 2⁻³¹.
-#[inline(always)] // it has few callers, and a call would cost an eighth more
+/// Square root of `x`, rounded down; the relative error is below 2⁻³¹ (tested). Defined for every `x`.
+#[inline(always)] // It has few callers, and a call would cost an eighth more.
 pub const fn root(x: u64) -> Root {
     let (mut high, mut low, mut shift) = ((x >> 32) as u32, x as u32, 0);
     if high == 0 {
@@ -50,13 +49,13 @@ pub const fn root(x: u64) -> Root {
     }
 }
 
-/// The integer root of `x`, rounded down: exact, as `u64::isqrt` is, in a tenth of the board's time.
+/// Integer square root of `x`, rounded down. Exact, as `u64::isqrt` is, in a tenth of its time on a Cortex-M0+.
 pub const fn isqrt(x: u64) -> u32 {
     let Root { mantissa, shift } = root(x);
     mantissa >> shift
 }
 
-/// The floor of √(high · 2³² + low), for `high` from 2³⁰ up.
+/// Floor of √(high · 2³² + low), for `high` from 2³⁰ up.
 const fn normalised_root(high: u32, low: u32) -> u32 {
     let y = reciprocal_root(high);
     // y ≤ 2³¹/√high, so the product is at most √high · 2¹⁶.
@@ -68,12 +67,12 @@ const fn normalised_root(high: u32, low: u32) -> u32 {
         twice += 2;
     }
     upper = twice / 2;
-    // The lower half is (rest · 2³² + low) / (2¹⁷ · upper), or one less: its square is still to be
-    // taken off. rest ≤ 2 · upper, so no product exceeds 32 bits.
+    // The lower half is (rest · 2³² + low) / (2¹⁷ · upper), or one less, as its square is not subtracted yet.
+    // rest ≤ 2 · upper, so no product exceeds 32 bits.
     let mut lower = (rest * y) >> 16;
     let mut left = (rest << 15 | low >> 17) - lower * upper;
-    // Short by less than 10: 6 by y's own shortness, 2 by upper being a floor, 1 by `low`, 1 by being
-    // a floor itself. The same quotient of what is left says by how many, or by one less.
+    // It is short by less than 10: 6 from y, 2 as `upper` is a floor, 1 from `low`, and 1 as it is a floor itself.
+    // The same quotient of the remainder gives this shortfall, or one less.
     let short = ((left >> 2) * (y >> 2)) >> 27;
     lower += short;
     left -= short * upper;
@@ -82,7 +81,7 @@ const fn normalised_root(high: u32, low: u32) -> u32 {
         lower += 1;
     }
     let root = (upper << 16).wrapping_add(lower);
-    // What is left over all, in units of 2¹⁶; its lowest 16 bits are those of `low`.
+    // The total remainder in units of 2¹⁶; its lowest 16 bits are those of `low`.
     if left >> 15 != 0 {
         return root;
     }
@@ -93,7 +92,7 @@ const fn normalised_root(high: u32, low: u32) -> u32 {
     root.wrapping_sub(1)
 }
 
-/// 2³¹/√high for `high` from 2³⁰ up: never above it, and less than 3 below (tested).
+/// Lower bound of 2³¹/√high for `high` from 2³⁰ up: never above it, and less than 3 below (tested).
 const fn reciprocal_root(high: u32) -> u32 {
     let index = (high >> 24) as usize;
     let (from, to) = (RECIPROCAL[index], RECIPROCAL[index + 1]);
@@ -101,7 +100,7 @@ const fn reciprocal_root(high: u32) -> u32 {
     (from - (((from - to) * within) >> 16)) >> 5
 }
 
-/// 2²⁴/√i, rounded down, less what a straight line to the next entry is too high by.
+/// Table of 2²⁴/√i, rounded down, minus the greatest excess of linear interpolation to the next entry.
 ///
 /// Entries below 64 are never read; leaving them out would cost a subtraction.
 static RECIPROCAL: [u32; 257] = reciprocals();
@@ -111,8 +110,8 @@ const fn reciprocals() -> [u32; 257] {
     let mut i = 64;
     while i <= 256 {
         let exact = ((1_u128 << 48) / i).isqrt();
-        // The curve's sag below its chord is at most f''/8 = 3/32 · i^(-5/2); and as the product in the
-        // line is rounded down, the line is raised by less than 1.
+        // The curve lies below its chord by at most f''/8 = 3/32 · i^(-5/2). As the product in the interpolation is
+        // rounded down, the line is raised by less than 1.
         let sag = exact * 3 / (32 * i * i) + 1;
         table[i as usize] = (exact - sag - 1) as u32;
         i += 1;
@@ -133,8 +132,8 @@ mod tests {
         assert!(x == 0 || mantissa >> 31 == 1, "of {x}: {mantissa}");
     }
 
-    /// Every upper half, with what it can leave over at its ends and in between, and the lower words at
-    /// which a bit passes from one part of the reckoning to another.
+    /// Every upper half, with its extreme and middle remainders, and the lower words at which a bit moves from one part
+    /// of the computation to another.
     #[test]
     fn floor_for_every_upper_half() {
         for upper in 1_u64 << 15..1 << 16 {
@@ -172,7 +171,7 @@ mod tests {
         }
     }
 
-    /// Every upper word at a stride that is prime to all powers of two, with the extremes of the lower.
+    /// Upper words at a stride that is coprime to all powers of two, with the extremes of the lower word.
     #[test]
     fn floor_over_upper_words() {
         for high in (0..u32::MAX).step_by(4_099) {
@@ -205,8 +204,8 @@ mod tests {
         }
     }
 
-    /// A reciprocal above the truth would overflow the products and overshoot the floors; one far
-    /// below would cost time.
+    /// A reciprocal above the exact value would overflow the products and overshoot the floors. One far below would
+    /// cost time.
     #[test]
     fn reciprocal_root_is_a_close_lower_bound() {
         let mut most_short = 0.0_f64;
@@ -218,7 +217,7 @@ mod tests {
         assert!(most_short < 3.0, "{most_short}");
     }
 
-    /// The bound in the documentation, over all sizes of argument.
+    /// The documented bound, over all sizes of argument.
     #[test]
     fn relative_error_is_below_two_to_the_minus_31() {
         let mut worst = 0.0_f64;

@@ -1,15 +1,14 @@
 //! Sine and cosine together, from a quarter-wave table of 1,025 entries and two terms of Taylor's
 //! series, with products of 32 bits only.
 //!
-//! The nearest entry of the table is at most δ = π/4096 away, and gives sine and cosine there, s and c:
+//! The nearest entry of the table is at most δ = π/4096 away. It gives sine and cosine at that place, s and c:
 //!
 //! ```text
 //! sin(a + δ) = s + cδ − sδ²/2        cos(a + δ) = c − sδ − cδ²/2
 //! ```
 //!
-//! What is left out, δ³/6, is 7.5e-11. What products of 32 bits cost: δ is rounded to 25 fraction bits
-//! (at most 1.5e-8), its factor is cut to 16 (2⁻¹⁶ δ = 1.2e-8), and 2π to 12 bits (2.3e-9). The table is
-//! 4 KiB of flash.
+//! The omitted term, δ³/6, is 7.5e-11. Products of 32 bits add three errors: δ is rounded to 25 fraction bits (at most
+//! 1.5e-8), its factor is truncated to 16 (2⁻¹⁶ δ = 1.2e-8), and 2π to 12 bits (2.3e-9). The table takes 4 KiB of flash.
 
 use super::ONE_Q30;
 
@@ -23,7 +22,7 @@ pub struct SineCosine {
 }
 
 const STEPS: usize = 1024;
-const QUADRANT: u32 = 1 << 30; // of an angle
+const QUADRANT: u32 = 1 << 30; // as an angle, with 2³² to the turn
 const STEP: u32 = QUADRANT / STEPS as u32;
 const TWO_PI_Q9: i32 = 3217; // 2π · 2⁹, to 3e-6
 
@@ -31,7 +30,7 @@ static QUARTER_WAVE: [i32; STEPS + 1] = quarter_wave();
 
 /// Sine and cosine of an angle given as a fraction of a turn, 2³² to the turn.
 ///
-/// Error at most 3.2e-8 (tested: mean, rms and maximum); exact at whole quarters.
+/// The absolute error is at most 3.2e-8 (tested: mean, rms and maximum); whole quarters are exact.
 pub fn sine_cosine(angle: u32) -> SineCosine {
     let rounded = angle.wrapping_add(STEP / 2);
     let index = (rounded % QUADRANT / STEP) as usize;
@@ -70,7 +69,7 @@ const fn quarter_wave() -> [i32; STEPS + 1] {
     table
 }
 
-/// Taylor's series, for compile time only: below 1e-17 over the first quarter.
+/// Taylor's series, for compile time only; its error is below 1e-17 over the first quarter.
 const fn sine_series(angle: f64) -> f64 {
     let mut term = angle;
     let mut sum = angle;
@@ -87,16 +86,20 @@ const fn sine_series(angle: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Independent errors add in squares. Over whole turns, with δ even between ±π/4096: δ's rounding
-    /// is even within 2⁻²⁶ and meets a cosine (1/√2); the factor's cut is even from 0 to 2⁻¹⁶ and meets
-    /// δ; 2π's error meets both, and as it always raises what the cut always lowers, twice their mean
-    /// product comes off. Roundings to 30 bits are 2⁻³⁰/√12 each for the table and two products; where
-    /// both products are subtracted, as in one of the two results, their cuts add up to 2⁻³⁰.
-    /// The sum's distribution lies between even (mean/rms = √3/2) and normal (√(2/π)).
+    /// Independent errors add in squares. The average is over whole turns, with δ uniform between ±π/4096.
+    ///
+    /// - The rounding of δ is uniform within 2⁻²⁶ and multiplied by a cosine (1/√2).
+    /// - The truncation of the factor is uniform from 0 to 2⁻¹⁶ and multiplied by δ.
+    /// - The error of 2π is multiplied by both. It always raises what the truncation always lowers, so twice their mean
+    ///   product is subtracted.
+    /// - Roundings to 30 bits are 2⁻³⁰/√12 each for the table and two products. In one of the two results both products
+    ///   are subtracted, and their truncations add up to 2⁻³⁰.
+    ///
+    /// The sum's distribution lies between uniform (mean/rms = √3/2) and normal (√(2/π)).
     #[test]
     fn error_is_as_derived() {
         let (mut sum, mut squares, mut worst) = (0.0, 0.0_f64, 0.0_f64);
-        let samples = 1_000_003_u32; // prime: falls everywhere between the entries
+        let samples = 1_000_003_u32; // prime, so samples fall everywhere between the entries
         for i in 0..samples {
             let angle = ((u64::from(i) << 32) / u64::from(samples)) as u32;
             let got = sine_cosine(angle);

@@ -1,7 +1,7 @@
-//! How fast an axis steps in a tick: what the times of its edges are reckoned from.
+//! Step rate of an axis in a tick, from which the times of its edges are computed.
 //!
-//! Axes that make the same way in as many steps have the same pace, as the cranks of a machine mostly do: it is
-//! reckoned once for all of them.
+//! Axes with the same travel and the same steps per turn share one step rate, as the cranks of a machine mostly do. It
+//! is computed once for all of them.
 
 use crate::functions::{multiply_high, multiply_long, normalised, reciprocal, upper_word};
 use crate::units::FRACTION_BITS;
@@ -9,21 +9,22 @@ use crate::units::FRACTION_BITS;
 /// One half-step, in the planner's units of 2⁻⁴⁸.
 pub(super) const HALF_STEP: u64 = 1 << FRACTION_BITS;
 
-/// Fraction bits of times within a tick: the longest tick, 250,000 cycles, then has 32 bits.
+/// Fraction bits of times within a tick; with these the longest tick, 250,000 cycles, has 32 bits.
 pub(super) const TIME_BITS: u32 = 14;
 
-/// The last two paces that were reckoned, for the axes to come: cranks of a machine mostly have one, or, while trims go
-/// either way, two.
+/// Cache of the last two computed step rates, for the next axes.
+///
+/// The cranks of a machine mostly have one step rate, or two while their phase offsets change in both directions.
 #[derive(Clone, Debug)]
 pub struct Paces {
     tick_cycles: u32,
     kept: [Pace; 2],
-    /// The one that was reckoned last.
+    /// Index of the one that was computed last.
     newer: usize,
 }
 
 impl Paces {
-    /// Of axes that stand, in ticks of so many cycles.
+    /// Step rates of axes at rest, in ticks of `tick_cycles` cycles.
     pub const fn new(tick_cycles: u32) -> Self {
         Self {
             tick_cycles,
@@ -32,7 +33,7 @@ impl Paces {
         }
     }
 
-    /// The pace of an axis that makes `turns`, in 2⁻⁴⁸.
+    /// Step rate of an axis that covers `turns`, in 2⁻⁴⁸, in a tick.
     #[inline(always)]
     pub(super) fn take(&mut self, turns: i64, half_steps_per_turn: u32) -> &Pace {
         let is_it =
@@ -51,17 +52,17 @@ impl Paces {
     }
 }
 
-/// The pace of one axis in one tick.
+/// Step rate of one axis in one tick.
 #[derive(Clone, Debug)]
 pub(super) struct Pace {
-    /// What it was reckoned from: turns in 2⁻⁴⁸, and half-steps per turn.
+    /// Inputs of the computation: turns in 2⁻⁴⁸, and half-steps per turn.
     turns: i64,
     half_steps_per_turn: u32,
-    /// Half-steps made, without their sign, in 2⁻⁴⁸.
+    /// Half-steps covered, without their sign, in 2⁻⁴⁸.
     pub(super) length: u64,
-    /// The length has its top bit set, and 32 bits, when it is shifted up by `up` and then down by 32.
+    /// Shift that normalises the length: shifted up by `up` and then down by 32, it has its top bit set, and 32 bits.
     up: u32,
-    /// 2⁶³ over that.
+    /// 2⁶³ divided by the normalised length.
     inverse: u32,
     /// [`Self::within`] a whole tick, and the spacing that it gives.
     whole: u32,
@@ -69,7 +70,7 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// Of an axis that stands.
+    /// Step rate of an axis at rest.
     const fn new() -> Self {
         Self {
             turns: 0,
@@ -89,7 +90,7 @@ impl Pace {
         self.length = multiply_long(turns.unsigned_abs(), half_steps_per_turn);
         let (scaled, up) = normalised(self.length);
         self.up = up;
-        // If it stands nothing will be asked.
+        // At rest the inverse is never used.
         self.inverse = if scaled == 0 { 0 } else { reciprocal(scaled) };
         self.whole = self.within(tick_cycles);
         self.spacing = self.spacing_of(self.whole);
@@ -98,7 +99,7 @@ impl Pace {
     // With d the scaled length, r = 2^63/d and T a window, m is T r / 2^32. A crossing at f, scaled likewise, comes at
     // T f/d = 2 f m / 2^32, and a half-step, 2^48 of length d 2^(32 − up), takes m 2^(up − 15).
 
-    /// m of a window of so many cycles.
+    /// m for a window in cycles.
     #[inline(always)]
     const fn within(&self, window: u32) -> u32 {
         multiply_high(window << TIME_BITS, self.inverse)
@@ -113,18 +114,18 @@ impl Pace {
     fn spacing_of(&self, m: u32) -> u32 {
         match 15_u32.checked_sub(self.up) {
             Some(down) => m >> down,
-            None => 0, // below one half-step there are no two crossings
+            None => 0, // Below one half-step there are no two crossings.
         }
     }
 
-    /// The time, with [`TIME_BITS`], of the first crossing of a whole tick, `to_first` half-steps of 2⁻⁴⁸ away (at most
-    /// the length). Those after it are [`Self::spacing`] apart.
+    /// Time, with [`TIME_BITS`], of the first crossing of a whole tick, `to_first` half-steps of 2⁻⁴⁸ away (at most
+    /// the length). Later crossings are [`Self::spacing`] apart.
     #[inline(always)]
     pub(super) const fn first(&self, to_first: u64) -> u32 {
         self.first_of(self.whole, to_first)
     }
 
-    /// The same, and the spacing, where all is pressed into a `window` of so many cycles.
+    /// Time of the first crossing and the spacing, where all crossings are compressed into a `window` in cycles.
     pub(super) fn times(&self, to_first: u64, window: u32) -> (u32, u32) {
         let m = self.within(window);
         (self.first_of(m, to_first), self.spacing_of(m))

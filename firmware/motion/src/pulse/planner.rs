@@ -1,26 +1,23 @@
-//! From turns in a tick to runs of edges.
+//! Planner: converts the turns of a tick into runs of edges.
 //!
-//! Within a tick the commanded phase moves at constant speed. With T the tick's cycles, the edge
-//! that lies d half-steps ahead, of the h half-steps that the tick makes, is due at T d / h. These
-//! times are equally spaced, but seldom by whole cycles. So the edges are taken in chunks of at
-//! most [`CHUNK`]: a chunk ends on the whole cycle next to which its last edge is due, and is made of
-//! two runs whose periods differ by one cycle. It begins with the one that goes on with the run before, if either
-//! does, so that most chunks take one run.
+//! Within a tick the commanded phase moves at constant speed. With T the tick's cycles, the edge that lies d half-steps
+//! ahead, of the h half-steps of the tick, is due at T d / h. These times are equally spaced, but seldom by whole
+//! cycles. So the edges are planned in chunks of at most [`CHUNK`]. A chunk ends on the whole cycle nearest to the time
+//! at which its last edge is due. It consists of two runs whose periods differ by one cycle. It begins with the run that
+//! continues the run before, if either does, so that most chunks take one run.
 //!
-//! **Bound.** An edge of a chunk of m is off its straight line by at most m/4 = 16 cycles (the
-//! chunk's edges are late, or early, by up to r (m − r)/m with r of them in the longer run). Rounding a chunk's end
-//! takes at most ½ cycle, and the limited precision of the spacing less than ⅓ (14 fraction
-//! bits, at most 4,800 edges). The first and the last edge of a tick keep [`GUARD`] = 8 cycles from
-//! its ends, which the hardware needs to take up a run; that moves edges by at most 8 cycles. In all
-//! 24.83 cycles: **0.199 µs at 125 MHz**. Nothing is carried from one tick to the next.
+//! **Bound.** An edge of a chunk of m deviates from its straight line by at most m/4 = 16 cycles. (The chunk's edges are
+//! late, or early, by up to r (m − r)/m with r of them in the longer run.) Rounding a chunk's end adds at most ½ cycle,
+//! and the limited precision of the spacing less than ⅓ (14 fraction bits, at most 4,800 edges). The first and the last
+//! edge of a tick keep [`GUARD`] = 8 cycles from its ends, as the hardware needs them to read a run. That moves edges by
+//! at most 8 cycles. The sum is 24.83 cycles: **0.199 µs at 125 MHz**. No error carries over from one tick to the next.
 //!
 //! **Cost.** One reciprocal and four products a tick; then additions, and for each chunk a shift.
 //!
-//! **Changes of direction.** DIR is changed only for an edge that needs it. The tick then begins
-//! with what STEP and DIR need (end of the pulse, hold, set-up), and its edges share what is left:
-//! they are late by at most that time, which is at most a quarter of a tick. The change is carried by
-//! a pause, and the line follows [`Run::DIR_DELAY`] cycles after that begins; hold and set-up are
-//! reckoned from there.
+//! **Changes of direction.** DIR changes only for an edge that needs it. The tick then begins with the times that STEP
+//! and DIR need (end of the pulse, hold, set-up), and its edges share the rest. They are late by at most that time,
+//! which is at most a quarter of a tick. A pause carries the change, and the line follows [`Run::DIR_DELAY`] cycles
+//! after the pause begins. Hold and set-up are counted from there.
 
 use super::pace::{HALF_STEP, Pace, Paces, TIME_BITS};
 use super::run::RunsOf;
@@ -28,21 +25,24 @@ use super::runs::Appending;
 use super::{PulseTiming, Run, Runs};
 use crate::units::{FRACTION_BITS, Turns};
 
-/// Most edges that share a chunk.
+/// Greatest number of edges in a chunk.
 pub const CHUNK: u32 = 1 << CHUNK_BITS;
 const CHUNK_BITS: u32 = 6;
 
 /// Least distance of an edge from either end of its tick, cycles.
 pub const GUARD: u32 = Run::LEAST_CYCLES;
 
-/// Plans the pulses of one axis.
+/// Step planner of one axis. Its state is the position within a step and the levels of STEP and DIR.
+///
+/// An edge is at most 0.199 µs from the time at which the commanded phase crosses it (see the [module](self)). A tick
+/// that changes the direction delays its edges further, by at most a quarter of a tick.
 #[derive(Clone, Debug)]
 pub struct Planner {
     timing: PulseTiming,
     half_steps_per_turn: u32,
-    /// Half-steps past the last whole step, 0 ≤ within < 2 half-steps.
+    /// Half-steps beyond the last whole step, 0 ≤ within < 2 half-steps.
     within: u64,
-    /// Whole steps made.
+    /// Whole steps commanded.
     steps: i64,
     /// Level of STEP.
     high: bool,
@@ -51,7 +51,7 @@ pub struct Planner {
 }
 
 impl Planner {
-    /// At step 0, STEP low, DIR forward.
+    /// Planner at step 0, with STEP low and DIR forward.
     pub const fn new(timing: PulseTiming, steps_per_turn: u32) -> Self {
         Self {
             timing,
@@ -63,15 +63,15 @@ impl Planner {
         }
     }
 
-    /// Steps commanded since the start: the whole steps in the phase travelled, rounded down.
+    /// Steps commanded since the start: the phase covered, in whole steps, rounded down.
     pub const fn steps(&self) -> i64 {
         self.steps
     }
 
-    /// Replaces `runs` with those of a tick in which the axis makes `turns`.
+    /// Replaces `runs` with those of a tick in which the axis covers `turns`.
     ///
-    /// `turns` must not ask for more edges than [`PulseTiming::check_rate`] allowed. `pace` is what the axes before left
-    /// there, or any other that is for the same tick.
+    /// `turns` must not need more edges than [`PulseTiming::check_rate`] allowed. The cache of step rates may be shared
+    /// by axes with the same tick length.
     #[inline]
     pub fn plan(&mut self, turns: Turns, pace: &mut Paces, runs: &mut Runs) {
         runs.clear();
@@ -91,10 +91,10 @@ impl Planner {
         }
     }
 
-    /// The runs of a tick that does not go on as the one before ended.
+    /// Plans a tick that does not continue as the one before ended.
     ///
-    /// Where STEP's level is not what the phase and the way it moves would have it (at the very start, and after a change
-    /// of direction), the first crossing must not, or must also, fall.
+    /// At the very start and after a change of direction, the level of STEP may differ from the one that phase and
+    /// direction imply. Then the first crossing must not, or must also, fall.
     #[inline(never)]
     fn plan_turning(
         &mut self,
@@ -123,7 +123,7 @@ impl Planner {
         spread(edges, start, times, tick_cycles, self.forward, runs);
     }
 
-    /// Counts on without pulses, for a servo axis: `runs` is one pause of a tick.
+    /// Counts the steps of a tick without pulses, for a servo axis: `runs` becomes one pause of a tick.
     pub fn count(&mut self, turns: Turns, pace: &mut Paces, runs: &mut Runs) {
         let pace = pace.take(turns.to_bits(), self.half_steps_per_turn);
         self.travel(turns, pace);
@@ -131,7 +131,7 @@ impl Planner {
         append(Run::pause(self.timing.tick, self.forward), runs);
     }
 
-    /// Moves on, and says over which steps.
+    /// Advances by a tick and returns the half-steps that it crosses.
     #[inline(always)]
     fn travel(&mut self, turns: Turns, pace: &Pace) -> Way {
         let begin = self.within;
@@ -141,7 +141,8 @@ impl Planner {
         } else {
             (begin.wrapping_sub(pace.length), past)
         };
-        // Half-steps by number: even in the first half of a step. Below 2^15 of them, so the upper word has room.
+        // Half-steps by number, even in the first half of a step. There are below 2^15 of them, which fit in the upper
+        // word.
         let number = |place: u64| (place >> 32) as i32 >> (FRACTION_BITS - 32);
         let (first, last) = (number(begin), number(end));
         self.steps += i64::from(last >> 1);
@@ -153,7 +154,7 @@ impl Planner {
         }
     }
 
-    /// Ends a pulse that is still high, and changes direction if that is needed; says how many cycles that takes.
+    /// Ends a pulse that is still high, and changes the direction if needed; returns the cycles that this takes.
     fn turn_round(&mut self, forward: bool, runs: &mut Runs) -> u32 {
         let mut end = 0;
         if self.high {
@@ -171,20 +172,20 @@ impl Planner {
     }
 }
 
-/// The half-steps of one tick.
+/// Half-steps of one tick.
 struct Way {
     /// Half-steps to the first crossing, in 2⁻⁴⁸; at most the tick's, if there is a crossing.
     to_first: u64,
     /// Crossings of whole or half steps.
     crossings: u32,
-    /// Whether the tick begins in the first half of a step.
+    /// True if the tick begins in the first half of a step.
     begins_low: bool,
 }
 
-/// Spreads `edges` (at least 1) over what is left of the tick from `start` on, and appends them and the pause after them.
+/// Distributes `edges` (at least 1) over the tick from `start` on, and appends them and the pause after them.
 ///
 /// The first is due after `first`, the others `spacing` apart, both with [`TIME_BITS`].
-#[inline(always)] // into the usual way of a tick; a call with seven arguments costs 40 cycles
+#[inline(always)] // A call with seven arguments costs 40 cycles.
 fn spread(
     edges: u32,
     start: u32,
@@ -198,7 +199,7 @@ fn spread(
     let latest = tick - GUARD;
     let way = RunsOf::new(forward);
     let mut runs = runs.append();
-    // Only the first edge may come too soon, and only the last too late: half a step is longer than the guard.
+    // Only the first edge may come too early, and only the last too late, as half a step is longer than the guard.
     let mut end = (time >> TIME_BITS).min(latest).max(start + GUARD);
     let mut last = way.run(1, end - start);
     let mut left = edges - 1;
@@ -229,8 +230,9 @@ fn spread(
     runs.finish();
 }
 
-/// The least of two periods that `edges` edges in `cycles` have, and how many are a cycle longer. It is `near` but for
-/// what rounding and the guards have moved, so that a few corrections do instead of a division.
+/// Shorter period of `edges` edges in `cycles`, and the number of edges whose period is a cycle longer.
+///
+/// The period is close to `near`; rounding and the guards move it slightly. A few corrections replace a division.
 #[inline(always)]
 fn shares(cycles: u32, edges: u32, near: u32) -> (u32, u32) {
     let (mut period, edges) = (near, edges as i32);
@@ -246,8 +248,9 @@ fn shares(cycles: u32, edges: u32, near: u32) -> (u32, u32) {
     (period, slower as u32)
 }
 
-/// Appends `edges` edges of a `period`, `slower` of them a cycle longer, after the run `last`, which may still grow;
-/// first those that `last` goes on with. Returns the run that may grow now.
+/// Appends `edges` edges of a `period`, `slower` of them a cycle longer, after the run `last`, which may still grow.
+///
+/// Edges that continue `last` come first. Returns the run that may grow now.
 #[inline(always)]
 fn chunk(
     way: RunsOf,
@@ -275,7 +278,7 @@ fn chunk(
 }
 
 fn append(run: Run, runs: &mut Runs) {
-    // MAX_EDGES, which the settings keep, is what MAX_RUNS hold.
+    // Checked settings keep to MAX_EDGES, for which MAX_RUNS are enough.
     let pushed = runs.push(run);
     debug_assert!(pushed, "more runs than a tick holds");
 }

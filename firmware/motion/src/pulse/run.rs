@@ -1,19 +1,26 @@
-//! A run: what the step hardware plays by itself, as the one word that it is told.
+//! A run: one 32-bit word that the step hardware plays by itself.
 
 use core::fmt;
 
-/// Equally spaced edges of STEP, or a pause without any: one word of the step hardware.
+/// Equally spaced edges of STEP, or a pause without edges: one word of the step hardware.
 ///
-/// The word is a contract with that hardware:
+/// The layout of the word is a contract with that hardware:
 ///
 /// | bits | field | |
 /// | --- | --- | --- |
 /// | 0 to 12 | edges | 0 to 8191; 0 is a pause |
-/// | 13 to 30 | cycles − 8 | between a run's edges, or of the whole pause: 8 to 262,151 cycles of 8 ns |
+/// | 13 to 30 | cycles − 8 | period of a run's edges, or length of the pause: 8 to 262,151 cycles of 8 ns |
 /// | 31 | DIR | 1 counts up in the axis's own sense |
 ///
-/// In a run STEP changes its level at the end of each period. DIR is taken up only in a pause, [`Run::DIR_DELAY`]
-/// cycles after the pause begins; in a run bit 31 is not looked at, and repeats the level that the line has.
+/// In a run STEP changes its level at the end of each period. DIR changes only in a pause, [`Run::DIR_DELAY`] cycles
+/// after the pause begins. In a run bit 31 is ignored and repeats the level of the line.
+///
+/// ```
+/// use cophase_motion::pulse::Run;
+/// let run = Run::new(4, 125, true);
+/// assert_eq!((run.edges(), run.period(), run.cycles()), (4, 125, 500));
+/// assert!(Run::pause(500, true).is_pause());
+/// ```
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(transparent)]
 pub struct Run(u32);
@@ -23,27 +30,27 @@ const CYCLE_BITS: u32 = 18;
 const DIR_BIT: u32 = EDGE_BITS + CYCLE_BITS;
 
 impl Run {
-    /// Least period, and least pause, in cycles: what the hardware takes to read a word.
+    /// Least period, and least pause, in cycles: the time that the hardware needs to read a word.
     pub const LEAST_CYCLES: u32 = 8;
 
     /// Greatest period, and greatest pause, in cycles.
     pub const MOST_CYCLES: u32 = Self::LEAST_CYCLES + (1 << CYCLE_BITS) - 1;
 
-    /// Most edges of one run.
+    /// Greatest number of edges of one run.
     pub const MOST_EDGES: u32 = (1 << EDGE_BITS) - 1;
 
-    /// Cycles from a pause's beginning to where DIR takes up the level that the pause carries.
+    /// Cycles from the start of a pause until DIR has the level that the pause carries.
     pub const DIR_DELAY: u32 = 8;
 
-    /// `edges` (1 to [`Self::MOST_EDGES`]) edges, each at the end of a `period` of [`Self::LEAST_CYCLES`] to
-    /// [`Self::MOST_CYCLES`]; `forward` must be the level that DIR has.
+    /// Run of `edges` (1 to [`Self::MOST_EDGES`]) edges, each at the end of a `period` of [`Self::LEAST_CYCLES`] to
+    /// [`Self::MOST_CYCLES`] cycles. `forward` must be the present level of DIR.
     pub const fn new(edges: u32, period: u32, forward: bool) -> Self {
         debug_assert!(edges > 0 && edges <= Self::MOST_EDGES);
         Self::word(edges, period, forward)
     }
 
-    /// No edges for `cycles` ([`Self::LEAST_CYCLES`] to [`Self::MOST_CYCLES`]); DIR has the level `forward` from
-    /// [`Self::DIR_DELAY`] on.
+    /// Pause of `cycles` ([`Self::LEAST_CYCLES`] to [`Self::MOST_CYCLES`]) without edges; DIR has the level `forward`
+    /// from [`Self::DIR_DELAY`] on.
     pub const fn pause(cycles: u32, forward: bool) -> Self {
         Self::word(0, cycles, forward)
     }
@@ -54,45 +61,45 @@ impl Run {
         Self(edges | cycles | (forward as u32) << DIR_BIT)
     }
 
-    /// Whether another's edges come as if they were this one's: at the same period, in the same direction.
+    /// Checks that the edges of another run continue this one: with the same period, in the same direction.
     #[inline(always)]
     pub(super) const fn goes_on_with(self, other: Self) -> bool {
         (self.0 ^ other.0) >> EDGE_BITS == 0
     }
 
-    /// This run with `edges` more.
+    /// Extends this run by `edges`.
     #[inline(always)]
     pub(super) const fn lengthened(self, edges: u32) -> Self {
         debug_assert!(!self.is_pause() && self.edges() + edges <= Self::MOST_EDGES);
         Self(self.0 + edges)
     }
 
-    /// The word, as the hardware is told it.
+    /// Word for the hardware.
     pub const fn bits(self) -> u32 {
         self.0
     }
 
-    /// How many edges; 0 is a pause.
+    /// Number of edges; 0 is a pause.
     pub const fn edges(self) -> u32 {
         self.0 & Self::MOST_EDGES
     }
 
-    /// Cycles before each edge, or of the pause.
+    /// Cycles before each edge, or length of the pause in cycles.
     pub const fn period(self) -> u32 {
         ((self.0 >> EDGE_BITS) & ((1 << CYCLE_BITS) - 1)) + Self::LEAST_CYCLES
     }
 
-    /// Level of DIR: of a run, what the line has; of a pause, what it gets.
+    /// Level of DIR: for a run the present level of the line, for a pause the new one.
     pub const fn forward(self) -> bool {
         self.0 >> DIR_BIT == 1
     }
 
-    /// Whether this is a pause.
+    /// True for a pause.
     pub const fn is_pause(self) -> bool {
         self.edges() == 0
     }
 
-    /// How long it lasts in all, in cycles.
+    /// Total duration in cycles.
     pub const fn cycles(self) -> u32 {
         match self.edges() {
             0 => self.period(),
@@ -101,7 +108,7 @@ impl Run {
     }
 }
 
-/// What all runs of one direction have in common, so that making one takes a shift and two additions.
+/// Bits common to all runs of one direction; with them, making a run takes a shift and two additions.
 #[derive(Clone, Copy)]
 pub(super) struct RunsOf(u32);
 
@@ -111,7 +118,7 @@ impl RunsOf {
         Self(((forward as u32) << DIR_BIT).wrapping_sub(Run::LEAST_CYCLES << EDGE_BITS))
     }
 
-    /// As [`Run::new`]; without edges [`Run::pause`].
+    /// Makes a run as [`Run::new`] does, or without edges a pause as [`Run::pause`] does.
     #[inline(always)]
     pub(super) const fn run(self, edges: u32, period: u32) -> Run {
         Run(self.0.wrapping_add(period << EDGE_BITS).wrapping_add(edges))
@@ -133,7 +140,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The layout, bit for bit: the hardware's program is written against it.
+    /// The layout, bit for bit; the program of the hardware relies on it.
     #[test]
     fn the_word_is_as_the_hardware_reads_it() {
         assert_eq!(Run::new(1, 8, false).bits(), 1);
@@ -143,7 +150,7 @@ mod tests {
     }
 
     proptest! {
-        /// Were two fields to overlap, or one too narrow, what is put in would not come out.
+        /// Fields that overlap, or are too narrow, would not return the values that were put in.
         #[test]
         fn what_is_put_in_comes_out(
             edges in 1..=Run::MOST_EDGES,

@@ -1,4 +1,4 @@
-//! Room for the runs of a tick.
+//! Buffer for the runs of a tick.
 
 use core::fmt;
 use core::ops::Deref;
@@ -6,28 +6,33 @@ use core::ops::Deref;
 use super::planner::CHUNK;
 use super::{MAX_EDGES, Run};
 
-/// Most runs in a tick: one for every [`super::planner::CHUNK`] edges, and what a change of direction (3), the first edge,
-/// the two chunks after it and the last one (which the guards make differ from the others: 1 more each, and the last for
-/// being short), and the pause at the end take.
+/// Greatest number of runs in a tick.
+///
+/// Every [`super::planner::CHUNK`] edges take one run, and nine more are needed:
+///
+/// - three for a change of direction, one for the first edge and one for the pause at the end;
+/// - one more each for the two chunks after the first edge and for the last one, which the guards make differ from the
+///   others;
+/// - one for the last chunk, as it is short.
 pub const MAX_RUNS: usize = (MAX_EDGES / CHUNK) as usize + 9;
 
-/// Runs are copied by so many at a time.
+/// Number of runs that are copied at a time.
 pub const BLOCK: usize = 4;
 
 const _: () = assert!(MAX_RUNS.is_multiple_of(BLOCK));
 
 /// The runs of one axis over one tick, in order.
 ///
-/// All of the room is always initialised, so that what copies runs to the hardware can do so in whole [`Self::blocks`]:
-/// a third less time than run by run.
+/// The whole buffer is always initialised. Runs can therefore be copied to the hardware in whole [`Self::blocks`], which
+/// takes a third less time than run by run.
 #[derive(Clone)]
-#[repr(C)] // behind the room its length would be out of a load's reach
+#[repr(C)] // Behind the buffer its length would be out of reach of a load instruction.
 pub struct Runs {
     used: usize,
     room: [Run; MAX_RUNS],
 }
 
-/// Runs that are being appended to: how many there are is in a register meanwhile.
+/// Runs that are being appended to; their number stays in a register meanwhile.
 pub(super) struct Appending<'a> {
     room: &'a mut [Run; MAX_RUNS],
     used: usize,
@@ -37,7 +42,7 @@ pub(super) struct Appending<'a> {
 impl Appending<'_> {
     #[inline(always)]
     pub(super) fn push(&mut self, run: Run) {
-        // MAX_EDGES, which the settings keep, is what MAX_RUNS hold.
+        // Checked settings keep to MAX_EDGES, for which MAX_RUNS are enough.
         debug_assert!(self.used < MAX_RUNS, "more runs than a tick holds");
         if let Some(place) = self.room.get_mut(self.used) {
             *place = run;
@@ -52,7 +57,7 @@ impl Appending<'_> {
 }
 
 impl Runs {
-    /// None.
+    /// Creates an empty buffer.
     pub const fn new() -> Self {
         Self {
             used: 0,
@@ -60,12 +65,12 @@ impl Runs {
         }
     }
 
-    /// Removes all.
+    /// Removes all runs.
     pub const fn clear(&mut self) {
         self.used = 0;
     }
 
-    /// Appends a run; says whether there was room.
+    /// Appends a run; returns false if there was no room.
     #[inline(always)]
     pub fn push(&mut self, run: Run) -> bool {
         let Some(place) = self.room.get_mut(self.used) else {
@@ -85,7 +90,7 @@ impl Runs {
         }
     }
 
-    /// All runs, by blocks; behind the last run the last block holds any others.
+    /// All runs, in blocks; behind the last run the last block holds arbitrary ones.
     pub fn blocks(&self) -> &[[Run; BLOCK]] {
         let (blocks, _) = self.room.as_chunks();
         blocks.get(..self.used.div_ceil(BLOCK)).unwrap_or_default()
@@ -107,7 +112,7 @@ impl Deref for Runs {
 }
 
 impl Extend<Run> for Runs {
-    /// Appends runs; those that there is no room for are left out.
+    /// Appends runs; those without room are left out.
     fn extend<T: IntoIterator<Item = Run>>(&mut self, runs: T) {
         for run in runs {
             let pushed = self.push(run);
@@ -135,7 +140,7 @@ impl fmt::Debug for Runs {
 mod tests {
     use super::*;
 
-    /// Were a block left out, the hardware would lack its runs.
+    /// If a block were left out, the hardware would miss its runs.
     #[test]
     fn blocks_hold_all_runs_and_no_more_blocks_than_that() {
         let mut runs = Runs::new();

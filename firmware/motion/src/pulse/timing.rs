@@ -1,38 +1,38 @@
-//! What the step and direction lines of a drive need, in cycles, and which rates that allows.
+//! Timing of a drive's STEP and DIR lines in cycles of 8 ns, and the step rates that it allows.
 
 use super::planner::GUARD;
 use super::{MAX_EDGES, Run};
 use crate::settings::{CLOCK_HZ, Problem, PulseSettings, SettingsError};
 
-/// Most counts of a servo axis in a tick: half of what 64 bits hold, as half-steps of 2⁻⁴⁸.
+/// Greatest number of counts of a servo axis in a tick: half of what 64 bits hold, as half-steps of 2⁻⁴⁸.
 const MOST_COUNTS: f64 = 8192.0;
 
-/// Timing of the step and direction lines, in cycles.
+/// Timing of the STEP and DIR lines for one tick rate, in cycles of 8 ns.
 #[derive(Clone, Copy, Debug)]
 pub struct PulseTiming {
     pub(super) tick: u32,
     pub(super) width: u32,
-    /// The pause before the one that carries a change of direction.
+    /// Length of the pause before the one that changes the direction.
     pub(super) before_turn: u32,
-    /// The pause that carries it.
+    /// Length of the pause that changes the direction.
     pub(super) turn: u32,
 }
 
 impl PulseTiming {
-    /// Timing for a tick rate.
+    /// Converts checked settings for a tick rate in Hz. Times in nanoseconds are rounded up to whole cycles.
     ///
     /// # Errors
-    /// A direction change that needs more than a quarter of a tick.
+    /// A direction change needs more than a quarter of a tick.
     #[cold]
     pub fn new(settings: &PulseSettings, tick_hz: u32) -> Result<Self, SettingsError> {
         let cycles = |ns: f64| libm::ceil(ns * f64::from(CLOCK_HZ) / 1e9) as u32;
         let width = cycles(settings.width_ns);
-        // The line is held for this pause, and turns DIR_DELAY after it.
+        // DIR holds its level for this pause and changes DIR_DELAY after it.
         let before_turn = cycles(settings.dir_hold_ns)
             .saturating_sub(Run::DIR_DELAY)
             .max(Run::LEAST_CYCLES);
-        // The next edge comes at least GUARD after the pause, which makes up for DIR_DELAY. A change of
-        // direction follows a falling edge, and STEP must stay low for its width, too.
+        // The next edge comes at least GUARD after the pause, which compensates DIR_DELAY. A change of direction follows
+        // a falling edge, and STEP must also stay low for its width.
         const { assert!(GUARD >= Run::DIR_DELAY) };
         let turn = cycles(settings.dir_setup_ns)
             .max(width.saturating_sub(before_turn + GUARD))
@@ -57,8 +57,10 @@ impl PulseTiming {
         Ok(timing)
     }
 
-    /// Most steps a second: the pulse's width must be left when an edge has moved by the guard, also
-    /// in the three quarters of a tick that a change of direction leaves.
+    /// Greatest step rate, steps/s.
+    ///
+    /// The pulse width must remain when an edge has moved by the guard, also in the three quarters of a tick that a
+    /// change of direction leaves.
     pub(super) fn most_step_hz(&self, tick_hz: u32) -> f64 {
         let half_step = f64::from((self.width + GUARD + 2).max(2 * GUARD)) * 4.0 / 3.0;
         let by_width = f64::from(CLOCK_HZ) / (2.0 * half_step);
@@ -66,10 +68,10 @@ impl PulseTiming {
         by_width.min(by_edges)
     }
 
-    /// Checks that an axis can make its steps at its greatest speed.
+    /// Checks that a stepper axis can make its steps at its greatest speed, `axis_speed_hz` in rev/s.
     ///
     /// # Errors
-    /// More steps a second than the pulse width, or the edges of a tick, allow.
+    /// The step rate exceeds the limit set by the pulse width or by the [`MAX_EDGES`] of a tick.
     #[cold]
     pub fn check_rate(
         &self,
@@ -93,10 +95,10 @@ impl PulseTiming {
         Ok(())
     }
 
-    /// Checks that an axis that is only counted, a servo's, can be: 64 bits hold a tick's counts.
+    /// Checks that 64 bits hold the counts of a tick, for a servo axis: it is counted and makes no pulses.
     ///
     /// # Errors
-    /// More than 8192 counts a tick.
+    /// `axis_speed_hz`, in rev/s, would give more than 8192 counts a tick.
     #[cold]
     pub fn check_counts(
         steps_per_turn: u32,

@@ -1,22 +1,22 @@
-//! What can be wrong with a setting.
+//! Errors in settings, and their messages.
 
 use core::fmt;
 
-/// A setting that cannot be used: its key, and why.
+/// A setting that cannot be used: its key, and the reason.
 ///
-/// Keys are spelled as scene files spell them, in the same units.
+/// Keys are spelled as in scene files, and numbers have the same units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SettingsError {
-    /// The setting, as a scene names it.
+    /// Key of the setting, as in a scene.
     pub key: &'static str,
-    /// Which entry of the list of axes, bands or program entries, counted from 0.
+    /// Index of the entry in a list of axes, bands or program entries, counted from 0.
     pub entry: Option<usize>,
-    /// What is wrong, and what would be right.
+    /// Problem, and how to solve it.
     pub problem: Problem,
 }
 
-/// What is wrong with a setting.
+/// Problem with a setting.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[allow(
@@ -52,7 +52,7 @@ pub enum Problem {
     )]
     BandsOverlap(f64, f64),
     #[error(
-        "the band begins at {} rev/s and so covers the creep speed, limits.creep_hz = {}, at which the machine aligns and parks; let it begin above that", Number(*.0), Number(*.1)
+        "the band begins at {} rev/s and so covers the homing speed, limits.creep_hz = {}, at which the machine homes and parks; let it begin above that", Number(*.0), Number(*.1)
     )]
     BandCoversCreep(f64, f64),
     #[error(
@@ -75,7 +75,7 @@ pub enum Problem {
 }
 
 impl Problem {
-    /// The message for a setting: as [`Problem`] alone has it, but numbers carry the unit of `key`.
+    /// Message for a setting: the text of the [`Problem`], with the unit of `key` behind its numbers.
     ///
     /// ```
     /// use cophase_motion::settings::Problem;
@@ -86,7 +86,7 @@ impl Problem {
         self.with_unit(Self::unit(key))
     }
 
-    /// The message, with a unit behind its numbers.
+    /// Message with a given unit behind its numbers.
     pub const fn with_unit(self, unit: &'static str) -> impl fmt::Display + use<> {
         Sentence {
             problem: self,
@@ -94,9 +94,9 @@ impl Problem {
         }
     }
 
-    /// The unit that a key carries in its suffix, as it is written behind a number; empty if it has none.
+    /// Unit in the suffix of a key, as it is written behind a number; empty if the key has none.
     ///
-    /// Speeds of a shaft are in turns: `_hz` is rev/s, but for `tick_hz`.
+    /// Speeds of a shaft are in turns: `_hz` means rev/s, except in `tick_hz`.
     pub fn unit(key: &str) -> &'static str {
         UNITS
             .iter()
@@ -105,7 +105,7 @@ impl Problem {
     }
 }
 
-/// Suffix of a key, and its unit; the first that fits counts.
+/// Suffixes of keys and their units; the first match counts.
 const UNITS: [(&str, &str); 21] = [
     ("_hz_per_s2", "rev/s³"),
     ("_hz_per_s", "rev/s²"),
@@ -162,7 +162,7 @@ impl fmt::Display for Range {
     #[cold]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (low, high, unit) = (Number(self.low), Number(self.high), self.unit);
-        // Degrees alone stand close to their number.
+        // Only degrees follow their number without a space.
         let gap = if unit.is_empty() || unit.starts_with('°') {
             ""
         } else {
@@ -184,8 +184,10 @@ impl fmt::Display for Range {
     }
 }
 
-/// A number as a person would write it: to 12 digits, so that 500 that went through turns and back is
-/// still 500, and with an exponent where it would be a row of zeros.
+/// Displays a number as a person would write it.
+///
+/// It has 12 digits, so that 500 is still 500 after conversion to turns and back. Below 1e-4 and from 1e9 up it has an
+/// exponent.
 pub struct Number(pub f64);
 
 impl fmt::Display for Number {
@@ -215,7 +217,7 @@ impl SettingsError {
         }
     }
 
-    /// The same, said of one entry of a list.
+    /// Names the entry of a list to which this error belongs.
     #[must_use]
     pub const fn on_entry(mut self, entry: usize) -> Self {
         self.entry = Some(entry);
@@ -240,7 +242,7 @@ impl fmt::Display for SettingsError {
 
 impl core::error::Error for SettingsError {}
 
-/// Passes a finite number on.
+/// Returns a finite number, and refuses others.
 pub(super) fn finite(key: &'static str, value: f64) -> Result<f64, SettingsError> {
     if value.is_finite() {
         Ok(value)
@@ -249,12 +251,12 @@ pub(super) fn finite(key: &'static str, value: f64) -> Result<f64, SettingsError
     }
 }
 
-/// Passes a number on that lies within its range, ends included.
+/// Returns a number that lies within its range, ends included.
 ///
 /// # Errors
-/// It lies outside, or is not a number.
+/// The number lies outside, or is not a number.
 pub fn inside(key: &'static str, value: f64, low: f64, high: f64) -> Result<f64, SettingsError> {
-    // Also refuses what is not finite.
+    // This also refuses numbers that are not finite.
     if (low..=high).contains(&value) {
         Ok(value)
     } else {

@@ -1,13 +1,12 @@
-//! Forbidden bands: speeds that the shaft crosses and never dwells at.
+//! Forbidden bands: speeds that the shaft crosses without dwelling.
 //!
-//! Where the speed asked for lies inside a band, the nearer edge is kept instead. As long as that is
-//! the edge on this side, it bounds the speed like a limit. Once it is the edge on the far side (or
-//! the speed asked for lies beyond it), the shaft crosses; and once inside, it goes through to the
-//! side to which it set out, whatever is asked meanwhile. Only a stop turns it round.
+//! Where the requested speed lies inside a band, the nearer edge replaces it. As long as that is the near edge, it
+//! bounds the speed like a limit. Once it is the far edge (or the requested speed lies beyond it), the shaft crosses.
+//! Once inside, the shaft continues to the far side, whatever speed is requested meanwhile. Only a stop turns it back.
 
 use super::ShaftLimits;
 
-/// Speeds strictly between the two edges are forbidden; turns a tick in 2⁻⁴⁸ turn.
+/// Forbidden band: speeds strictly between its two edges, in units of 2⁻⁴⁸ turn a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Band {
     pub(crate) from: i64,
@@ -15,13 +14,13 @@ pub struct Band {
 }
 
 impl Band {
-    /// Whether the far (upper) edge is the nearer one to `speed`, or `speed` is above the band.
+    /// True if the upper edge is the nearer one to `speed`, or if `speed` is above the band.
     const fn sends_up(self, speed: i64) -> bool {
         speed - self.from >= self.to - speed
     }
 }
 
-/// The band that a speed lies in, and its number. Bands are in order and apart from each other.
+/// Finds the band that contains a speed, and its number. Bands are sorted and do not touch.
 #[inline(always)]
 fn find(bands: &[Band], speed: i64) -> Option<(usize, &Band)> {
     for (number, band) in bands.iter().enumerate() {
@@ -32,8 +31,8 @@ fn find(bands: &[Band], speed: i64) -> Option<(usize, &Band)> {
     None
 }
 
-/// `speed`, or the nearer edge of the band that it lies in, which is another speed.
-#[inline(never)] // three times a tick, with all that it needs in registers
+/// Returns `speed` outside all bands, and otherwise the nearer edge of its band.
+#[inline(never)] // It runs three times a tick, with all its inputs in registers.
 pub(super) fn outside(bands: &[Band], speed: i64) -> i64 {
     match find(bands, speed) {
         Some((_, band)) if band.sends_up(speed) => band.to,
@@ -42,7 +41,7 @@ pub(super) fn outside(bands: &[Band], speed: i64) -> i64 {
     }
 }
 
-/// `speed`, or the lower edge of the band that it lies in.
+/// Returns `speed` outside all bands, and otherwise the lower edge of its band.
 pub(super) fn below_band(bands: &[Band], speed: i64) -> i64 {
     match find(bands, speed) {
         Some((_, band)) => band.from,
@@ -50,10 +49,10 @@ pub(super) fn below_band(bands: &[Band], speed: i64) -> i64 {
     }
 }
 
-/// Which band the shaft is passing through, and which way.
+/// Band that the shaft is crossing, and the direction of the crossing.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Passage {
-    /// The band, by its number.
+    /// Number of the band, and the direction.
     inside: Option<(usize, Way)>,
     last_speed: i64,
 }
@@ -72,7 +71,7 @@ impl Passage {
         }
     }
 
-    /// Takes note of the shaft's speed in the tick that was just played.
+    /// Updates from the shaft's speed in the last tick.
     pub fn observe(&mut self, bands: &[Band], speed: i64) {
         self.inside = match (find(bands, speed), self.inside) {
             (Some((number, _)), Some((before, way))) if before == number => Some((number, way)),
@@ -94,7 +93,7 @@ impl Passage {
     }
 }
 
-/// The speeds between which the shaft may move now.
+/// Lowest and highest speed that the shaft may have now.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corridor {
     pub floor: i64,
@@ -102,7 +101,7 @@ pub(super) struct Corridor {
 }
 
 impl Corridor {
-    /// Around the shaft's `speed`, when `asked` is asked of it.
+    /// Corridor around the shaft's `speed`, for a requested speed.
     pub fn new(limits: &ShaftLimits, speed: i64, passage: Passage, asked: i64) -> Self {
         let mut corridor = Self {
             floor: 0,
@@ -114,7 +113,7 @@ impl Corridor {
                 Some((_, way)) => way == Way::Up,
                 None => band.sends_up(asked),
             };
-            // A band is a floor to be kept, or come to, from above; else a ceiling.
+            // For a shaft above it, or on its way up through it, a band is a floor; otherwise it is a ceiling.
             if up {
                 if speed >= band.to || through.is_some() {
                     corridor.floor = corridor.floor.max(band.to);
@@ -126,7 +125,7 @@ impl Corridor {
         corridor
     }
 
-    /// The speed to aim at for a speed, which must lie outside the bands.
+    /// Limits a speed to the corridor; it must lie outside the bands.
     #[inline(always)]
     pub fn clamp(&self, speed: i64) -> i64 {
         speed.min(self.ceiling).max(self.floor)

@@ -1,19 +1,19 @@
-//! Two brakes in one: all of one and a part λ of what the other goes further.
+//! Blend of two brakes: the earlier one, plus a share λ of the extra distance of the later one.
 //!
-//! Both keep limits of speed, acceleration and jerk, so λ of one and 1 − λ of the other do. With λ = rest/D, where the
-//! later brake goes D further than the earlier, the shaft goes `rest` further, to the count.
+//! Both keep the limits of speed, acceleration and jerk, so the weighted mean with λ and 1 − λ keeps them too. The later
+//! brake goes D further than the earlier. With λ = rest/D the shaft goes exactly `rest` further.
 //!
-//! The share is λ rounded up at 2⁻⁶³; that makes the way greater by less than a unit as long as D is below 2⁶³, and
-//! what is below a unit is dropped. So the phase is rounded by less than a unit, hence the speed by less than one,
-//! the acceleration by less than two and the jerk by less than four. It never turns the shaft back: phases rounded
-//! down are in the order of those that are not.
+//! The share is λ rounded up at 2⁻⁶³. That lengthens the distance by less than a unit as long as D is below 2⁶³, and
+//! fractions of a unit are dropped. So the phase is rounded by less than a unit, hence the speed by less than one,
+//! the acceleration by less than two and the jerk by less than four. The shaft never turns back, as rounding down keeps
+//! the order of phases.
 
 use super::brake::{about, times};
 use super::limits::RampLimits;
 use super::regulator;
 use crate::functions::multiply;
 
-/// How a shaft moves: turns a tick, and a tick².
+/// Speed and acceleration of a shaft, in units of 2⁻⁴⁸ turn a tick and a tick².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct State {
     pub speed: i64,
@@ -21,7 +21,7 @@ pub(super) struct State {
 }
 
 impl State {
-    /// A tick on, with this acceleration.
+    /// State after a tick with this acceleration.
     pub const fn after(self, acceleration: i64) -> Self {
         Self {
             speed: self.speed + acceleration,
@@ -29,12 +29,12 @@ impl State {
         }
     }
 
-    /// A tick on, braking.
+    /// State after a tick of braking.
     pub fn braked(self, limits: &RampLimits) -> Self {
         self.after(regulator::brake(limits, self.speed, self.acceleration))
     }
 
-    /// How far the fastest brake goes: units, modulo 2⁶⁴.
+    /// Distance of the fastest brake, in units modulo 2⁶⁴.
     pub fn braking_way(self, limits: &RampLimits) -> i64 {
         limits.braking_way(self.speed, self.acceleration)
     }
@@ -44,22 +44,24 @@ impl State {
     }
 }
 
-/// Two brakes that are under way, and what is taken of either.
+/// Two brakes in progress, and their blend.
 #[derive(Clone, Debug)]
 pub(super) struct Blend {
     earlier: State,
     later: State,
     /// λ, in 2⁻⁶⁴.
     share: u64,
-    /// How much further the later has come.
+    /// Lead of the later brake over the earlier one.
     apart: i64,
-    /// How much of that was taken.
+    /// Part of the lead that the shaft has covered.
     taken: i64,
 }
 
 impl Blend {
-    /// From two states that are reached in the coming tick, of which the later brakes over a way `further` by D; the
-    /// shaft is to go `rest` further than the earlier, 0 ≤ rest < D < 2⁶⁰.
+    /// Blend of two brakes that start from the given states, reached in the coming tick.
+    ///
+    /// The later brake goes D = `further` units further than the earlier. The shaft is to go `rest` further than the
+    /// earlier, 0 ≤ rest < D < 2⁶⁰.
     pub fn new(earlier: State, later: State, rest: i64, further: i64) -> Self {
         Self {
             earlier,
@@ -70,7 +72,7 @@ impl Blend {
         }
     }
 
-    /// The speed of the coming tick; readies those of the next.
+    /// Speed of the coming tick; advances both brakes to the next.
     pub fn advance(&mut self, limits: &RampLimits) -> i64 {
         let speed = self.earlier.speed;
         self.apart += self.later.speed - speed;
@@ -82,17 +84,17 @@ impl Blend {
         speed
     }
 
-    /// Whether both stand from now on.
+    /// True when both are at rest.
     pub const fn is_done(&self) -> bool {
         self.earlier.stands() && self.later.stands()
     }
 }
 
-/// `rest / whole` in 2⁻⁶⁴, rounded up to an even number; 0 ≤ rest < whole < 2⁶⁰.
+/// Quotient `rest / whole` in 2⁻⁶⁴, rounded up to an even number; 0 ≤ rest < whole < 2⁶⁰.
 fn share(rest: i64, whole: i64) -> u64 {
     const DIGIT: u32 = 21;
     let (mut share, mut rest) = (0, rest);
-    // By long division in three digits, each of which is known but for one.
+    // Long division in three digits; the estimate of each is off by at most one.
     for _ in 0..63 / DIGIT {
         let mut digit = about(rest, whole, DIGIT);
         rest = (rest << DIGIT).wrapping_sub(times(digit, whole));
@@ -106,7 +108,7 @@ fn share(rest: i64, whole: i64) -> u64 {
     (share + u64::from(rest > 0)) << 1
 }
 
-/// `way · share / 2⁶⁴`, rounded down.
+/// Product `way · share / 2⁶⁴`, rounded down.
 const fn part(way: i64, share: u64) -> i64 {
     let (high, low) = (
         ((way.unsigned_abs() >> 32) as u32),

@@ -1,20 +1,20 @@
-//! The way of the fastest brake, without braking: how far a shaft still turns if it brakes from now on.
+//! Braking distance in closed form: how far a shaft still turns if it brakes as fast as possible from now on.
 //!
-//! The brake is the regulator's way to speed 0 ([`super::regulator::brake`]): in each tick the greatest deceleration b
-//! that can still be let go in time, g(b) ≤ v (see [`super::gain`]). From b₀ = q J + f, 0 ≤ f < J, it has three parts,
-//! each a sum of known terms.
+//! The brake is that of the regulator towards speed 0 ([`super::regulator::brake`]). In each tick it takes the greatest
+//! deceleration b that can still be released in time, g(b) ≤ v (see [`super::gain`]). From b₀ = q J + f, 0 ≤ f < J, it
+//! has three parts, each a sum of known terms.
 //!
-//! *Rising*, by J a tick. In the i-th tick b = n J + f with n = q + i. That g(b) is no more than the speed then left
-//! means J n² + 2 f n ≤ v₀ + J q (q + 1)/2 + f q: a root gives the last. Of a shaft that still accelerates b₀ is
-//! negative, and the same holds.
+//! *Rising*, by J a tick. In the i-th tick b = n J + f with n = q + i. The condition that g(b) does not exceed the
+//! remaining speed is J n² + 2 f n ≤ v₀ + J q (q + 1)/2 + f q. A root gives the last such n. For a shaft that still
+//! accelerates b₀ is negative, and the same holds.
 //!
 //! *Holding*, at the limit A, as long as g(A) ≤ v.
 //!
-//! *Letting go*, from the greatest b with g(b) ≤ v. What the speed has above g(b), s ≤ ⌊b/J⌋ units, is made up by the
-//! last s ticks, a unit each. With b⁽ʲ⁾ taken in the j-th of these ticks, from 0, the way is Σ j b⁽ʲ⁾.
+//! *Release*, from the greatest b with g(b) ≤ v. The speed exceeds g(b) by s ≤ ⌊b/J⌋ units, which the last s ticks take
+//! up, a unit each. With b⁽ʲ⁾ in the j-th of these ticks, from 0, the distance is Σ j b⁽ʲ⁾.
 //!
-//! All is exact modulo 2⁶⁴: 3, by which a sum of squares is divided, has an inverse there. So the difference of two
-//! ways is exact, and so is what a way leaves over of whole turns. Speeds and what is compared stay below 2⁵⁰.
+//! Everything is exact modulo 2⁶⁴, as 3, by which a sum of squares is divided, has an inverse there. So the difference of
+//! two distances is exact, and so is a distance modulo a turn. Speeds and all compared values stay below 2⁵⁰.
 
 use super::limits::RampLimits;
 use crate::functions::{isqrt, multiply, multiply_long, normalised, reciprocal};
@@ -22,17 +22,19 @@ use crate::functions::{isqrt, multiply, multiply_long, normalised, reciprocal};
 /// The inverse of 3 modulo 2⁶⁴.
 const THIRD: i64 = 0xAAAA_AAAA_AAAA_AAAB_u64 as i64;
 
-/// 1 + 2 + … + n, for `n` below 2³¹.
+/// Sum 1 + 2 + … + n, for `n` below 2³¹.
 const fn triangle(n: u32) -> i64 {
     (multiply(n, n + 1) / 2) as i64
 }
 
-/// n `x`, modulo 2⁶⁴.
+/// Product n `x`, modulo 2⁶⁴.
 pub(super) const fn times(n: u32, x: i64) -> i64 {
     multiply_long(x as u64, n) as i64
 }
 
-/// `x · 2^up / d`, within 2⁻²⁵ of it and a unit, of what is below 2³²; 0 ≤ x < 2⁶⁰, 0 < d, `up` at most 21.
+/// Approximate quotient `x · 2^up / d`, for quotients below 2³²; 0 ≤ x < 2⁶⁰, 0 < d, `up` at most 21.
+///
+/// It is within a relative error of 2⁻²⁵ plus one unit.
 pub(super) fn about(x: i64, d: i64, up: u32) -> u32 {
     about_long(x, d, up) as u32
 }
@@ -44,7 +46,7 @@ fn about_long(x: i64, d: i64, up: u32) -> u64 {
     quotient.checked_shr(63 + x_up - d_up - up).unwrap_or(0)
 }
 
-/// `x / d`, rounded down, of what goes less than 2²⁴ times.
+/// Quotient `x / d`, rounded down, for quotients below 2²⁴.
 pub(super) fn quotient(x: i64, d: i64) -> u32 {
     let about = about(x, d, 0);
     let rest = x - times(about, d);
@@ -55,7 +57,7 @@ pub(super) fn quotient(x: i64, d: i64) -> u32 {
     }
 }
 
-/// On the way of a brake: how fast the shaft is, its deceleration, and how far it came.
+/// State of a brake: speed, deceleration, and the distance covered.
 #[derive(Clone, Copy)]
 struct Braking {
     speed: i64,
@@ -64,7 +66,7 @@ struct Braking {
 }
 
 impl Braking {
-    /// After `ticks` of raising b by `jerk`: i ticks leave v − i b − J i (i + 1)/2 of the speed.
+    /// State after `ticks` of raising b by `jerk`: after i ticks the speed is v − i b − J i (i + 1)/2.
     fn raised(self, ticks: u32, jerk: i64) -> Self {
         let Self { speed, b, way } = self;
         let sum = triangle(ticks);
@@ -83,17 +85,17 @@ impl Braking {
 }
 
 impl RampLimits {
-    /// What the speed gains while `acceleration`, not negative, is let go: D(a).
+    /// Speed gained while `acceleration`, not negative, is released: D(a).
     pub(super) const fn let_go(&self, acceleration: i64) -> i64 {
         self.gain.of(acceleration.unsigned_abs()) as i64 - acceleration
     }
 
-    /// Whether the speed is enough for letting an acceleration go that is negative.
+    /// True if the speed is high enough to release a negative acceleration before standstill.
     pub(super) const fn can_brake(&self, speed: i64, acceleration: i64) -> bool {
         acceleration >= 0 || self.let_go(-acceleration) <= speed
     }
 
-    /// How far the fastest brake from a state that [can brake](Self::can_brake) goes: units, modulo 2⁶⁴.
+    /// Distance of the fastest brake from a state that [can brake](Self::can_brake), in units modulo 2⁶⁴.
     #[inline(never)]
     pub(super) fn braking_way(&self, speed: i64, acceleration: i64) -> i64 {
         let b = -acceleration;
@@ -104,7 +106,7 @@ impl RampLimits {
         held.way.wrapping_add(self.letting_go(held.speed, held.b))
     }
 
-    /// For how many ticks the deceleration rises by the whole jerk from `b`.
+    /// Number of ticks for which the deceleration rises by the whole jerk from `b`.
     fn rising_ticks(&self, speed: i64, b: i64) -> u32 {
         let jerk = self.jerk;
         let step = self.gain.step(b.unsigned_abs());
@@ -114,24 +116,24 @@ impl RampLimits {
             let most = speed + jerk * triangle(q) + times(q, f);
             return self.last_rising(most, f).map_or(0, |n| n.saturating_sub(q));
         }
-        // −q: of −q J + f.
+        // This q is −q in −q J + f.
         let (q, f) = match over {
             0 => (step.number, 0),
             _ => (step.number + 1, jerk - over),
         };
         let most = speed + jerk * triangle(q - 1) - times(q, f);
-        // The one before n = 0 is within the limits of all.
+        // The tick before n = 0 is always within the limits.
         self.last_rising(most, f).map_or(q - 1, |n| n + q)
     }
 
-    /// The greatest n with n J + f within the limit and J n² + 2 f n ≤ `most`.
+    /// Greatest n with n J + f within the limit and J n² + 2 f n ≤ `most`.
     fn last_rising(&self, most: i64, f: i64) -> Option<u32> {
         let jerk = self.jerk;
         let room = self.acceleration - f;
         if most < 0 || room < 0 {
             return None;
         }
-        // J n² alone gives at most one too many, and the approximation is off by less than one.
+        // J n² alone gives an n that is at most one too high, and the approximation is off by less than one.
         let mut n = isqrt(about_long(most, jerk, 0)) + 1;
         n = n.min(self.gain.step(room.unsigned_abs()).number);
         while times(n, times(n, jerk) + 2 * f) > most {
@@ -140,7 +142,7 @@ impl RampLimits {
         Some(n)
     }
 
-    /// After holding the deceleration at the limit, if it has come there.
+    /// State after holding the deceleration at the limit, if it reaches the limit.
     fn held(&self, from: Braking) -> Braking {
         let Braking { speed, b, way } = from;
         let over = speed - self.gain_from_limit as i64;
@@ -157,7 +159,7 @@ impl RampLimits {
         }
     }
 
-    /// The way of letting go, from a deceleration that is a jerk from `b` at most.
+    /// Distance of the release, from a deceleration that is within a jerk of `b`.
     fn letting_go(&self, speed: i64, b: i64) -> i64 {
         let least = (b - self.jerk).max(0);
         let most = (b + self.jerk).min(self.acceleration);

@@ -1,7 +1,7 @@
-//! Until a stop at a phase brakes: the shaft lets its acceleration go, then coasts.
+//! Easing: the part of a stop at a phase before the brake. The shaft releases its acceleration, then coasts.
 //!
-//! It coasts at what is left of the speed then; but not inside a forbidden band, below which it goes instead, and not
-//! below creeping, or the passage might never come.
+//! It coasts at the speed that remains then. Inside a forbidden band it goes to the lower edge instead. It never coasts
+//! below the homing speed, as it might then never reach the phase.
 
 use super::bands;
 use super::blend::State;
@@ -16,7 +16,7 @@ pub(super) struct Easing {
 }
 
 impl Easing {
-    /// From how the shaft moves.
+    /// Easing from a state of the shaft.
     pub fn new(state: State, limits: &ShaftLimits) -> Self {
         let State {
             speed,
@@ -33,12 +33,12 @@ impl Easing {
         }
     }
 
-    /// A tick on.
+    /// State after a tick, within the limits for parking.
     pub fn step(self, state: State, limits: &ShaftLimits) -> State {
         self.step_within(&limits.parking, state, limits)
     }
 
-    /// A tick on from where the shaft must not brake yet.
+    /// State after a tick, within the usual limits, where the shaft must not brake yet.
     pub fn step_unready(self, state: State, limits: &ShaftLimits) -> State {
         self.step_within(&limits.usual, state, limits)
     }
@@ -54,10 +54,10 @@ impl Easing {
         ))
     }
 
-    /// Whether the shaft may brake, or ease, within the limits for parking.
+    /// True if the shaft may brake, or ease, within the limits for parking.
     ///
-    /// A little gentler than the usual ones, they may want more speed for letting a deceleration go than there is.
-    /// And they would let an acceleration go more slowly: the speed would rise higher than it must.
+    /// These are slightly gentler than the usual ones. To release a deceleration they may need more speed than the shaft
+    /// has. They would also release an acceleration more slowly, so that the speed would rise higher than necessary.
     pub fn is_ready(self, state: State, limits: &ShaftLimits) -> bool {
         let State {
             speed,
@@ -71,12 +71,13 @@ impl Easing {
         }
     }
 
-    /// The most by which a tick of this makes the way of a brake that follows it longer, now and later.
+    /// Greatest distance by which a tick of easing, now or later, lengthens the brake that follows it.
     ///
-    /// Coasting, it is the speed. While a deceleration is let go, the stand comes two ticks later at most: a brake
-    /// from v at a < 0 takes (a + 2p)/J, p² = J v + a²/2, and coming from there no tick is faster than v. While the
-    /// shaft speeds up, to c, the way grows most at a stand with all the acceleration that is to be let go then, a² =
-    /// 2 J c: by 8.3 c.
+    /// - While coasting it is the speed.
+    /// - While a deceleration is released, standstill comes at most two ticks later. A brake from v at a < 0 takes
+    ///   (a + 2p)/J with p² = J v + a²/2, and from there on no tick is faster than v.
+    /// - While the shaft speeds up to c, the distance grows most at standstill with the greatest acceleration that is
+    ///   still to be released, a² = 2 J c: by 8.3 c.
     pub const fn most_way(self, state: State) -> i64 {
         if self.speeds_up(state) {
             9 * self.coasting
@@ -87,7 +88,7 @@ impl Easing {
         }
     }
 
-    /// Whether the shaft is below the speed to coast at.
+    /// True if the shaft is below the speed to coast at.
     pub const fn speeds_up(self, state: State) -> bool {
         state.speed < self.coasting
     }

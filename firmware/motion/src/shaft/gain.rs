@@ -1,22 +1,21 @@
-//! What the speed gains while an acceleration is let go, and which acceleration gains a given speed.
+//! Speed gained while an acceleration is released, and the acceleration that gains a given speed.
 //!
-//! Let the acceleration be a now, and let it go towards zero by the jerk J a tick. While it goes,
-//! the speed still gains
+//! An acceleration a is *released* when it goes to zero by the jerk J a tick. Meanwhile the speed still gains
 //!
 //! D(a) = (a − J) + (a − 2J) + …  (as long as the terms are positive).
 //!
-//! Taking acceleration a for one tick and then letting it go gains g(a) = a + D(a) in all. With
-//! n = ⌊a/J⌋ and b = n J that is b (n + 1)/2 + (n + 1) (a − b): straight between multiples of J, and growing. The
-//! inverse needs a root, to find n. But what is wanted in a tick is at most a jerk away from what was, so that n is
-//! known but for one or two, and is tried from above.
+//! Taking acceleration a for one tick and then releasing it gains g(a) = a + D(a) in total. With n = ⌊a/J⌋ and b = n J
+//! that is b (n + 1)/2 + (n + 1) (a − b), which is linear between multiples of J and increases. The inverse needs a root
+//! to find n. But the acceleration of a tick differs by at most a jerk from the one before. So n is known within one or
+//! two and is searched from above.
 
 use crate::functions::{Divisor, multiply_high, multiply_long, reciprocal};
 
-/// g and its inverse, for one limit of jerk.
+/// The function g and its inverse, for one jerk limit.
 #[derive(Clone, Debug)]
 pub(super) struct Gain {
     jerk: u64,
-    /// Accelerations up to here are asked about.
+    /// Greatest acceleration that the gain and its inverse take.
     most: u64,
     /// ⌊a/J⌋ is about `(a >> scale) · inverse / 2^(32 + down)`.
     scale: u32,
@@ -24,7 +23,7 @@ pub(super) struct Gain {
     down: u32,
 }
 
-/// The multiple of the jerk below an acceleration.
+/// Multiple of the jerk at or below an acceleration.
 pub(super) struct Step {
     /// n, below 2²³: settings bound the length of a ramp.
     pub number: u32,
@@ -35,8 +34,10 @@ pub(super) struct Step {
 }
 
 impl Gain {
-    /// For `jerk` (59 or more: 64 less what planning leaves, and a rounding), accelerations up to `most` and gains up
-    /// to `speed`, none of which must take over 2²³ ticks to let go.
+    /// Gain for `jerk`, for accelerations up to `most` and gains up to `speed`.
+    ///
+    /// The jerk must be at least 59: 64 minus the units that planning subtracts, and a rounding. The release must take
+    /// at most 2²³ ticks for each of them.
     pub const fn new(jerk: u64, most: u64, speed: u64) -> Self {
         let fastest = settling(speed, jerk);
         let most = if most > fastest { most } else { fastest };
@@ -51,19 +52,19 @@ impl Gain {
         }
     }
 
-    /// g(`acceleration`).
+    /// Gain g(`acceleration`).
     pub const fn of(&self, acceleration: u64) -> u64 {
         self.above(&self.step(acceleration), acceleration)
     }
 
-    /// g(a) of an acceleration from a step up to, and including, the next.
+    /// Gain g(a) of an acceleration from a step up to, and including, the next.
     pub const fn above(&self, step: &Step, acceleration: u64) -> u64 {
         step.gain + multiply_long(acceleration - step.base, step.number + 1)
     }
 
-    /// The multiple below `acceleration`.
+    /// Multiple of the jerk at or below `acceleration`.
     pub const fn step(&self, acceleration: u64) -> Step {
-        // The scaled acceleration and the inverse are right to 2^-26, so that the quotient is at most one too small.
+        // The scaled acceleration and the inverse are exact to 2^-26, so that the quotient is at most one too small.
         let scaled = (acceleration >> self.scale) as u32;
         let mut number = multiply_high(scaled, self.inverse) >> self.down;
         let mut base = multiply_long(self.jerk, number);
@@ -81,9 +82,9 @@ impl Gain {
         }
     }
 
-    /// The largest acceleration a from `least` to `most` with g(a) ≤ `gain`; `least`, if there is none.
+    /// Largest acceleration a from `least` to `most` with g(a) ≤ `gain`, or `least` if there is none.
     ///
-    /// Costs a step for each jerk that `most` is above the result.
+    /// The search costs a step for each jerk by which `most` exceeds the result.
     pub fn inverse(&self, gain: u64, least: u64, most: u64) -> u64 {
         let most = most.min(self.most);
         if most <= least {
@@ -108,9 +109,9 @@ impl Gain {
     }
 }
 
-/// The largest a with g(a) ≤ `gain`, whatever it is: by a root.
+/// Largest a with g(a) ≤ `gain`, without bounds, by a root.
 const fn settling(gain: u64, jerk: u64) -> u64 {
-    // J n (n + 1)/2 ≤ gain  ⇔  n (n + 1)/2 ≤ ⌊gain / J⌋, all being whole numbers.
+    // J n (n + 1)/2 ≤ gain  ⇔  n (n + 1)/2 ≤ ⌊gain / J⌋, as all are integers.
     let n = ((8 * (gain / jerk) + 1).isqrt() - 1) / 2;
     (gain + jerk * (n * (n + 1) / 2)) / (n + 1)
 }
@@ -120,12 +121,12 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Limits as settings may have them: letting go takes up to 2²² ticks.
+    /// Limits within the range of settings: the release takes up to 2²² ticks.
     fn any_gain() -> impl Strategy<Value = (Gain, u64)> {
         let limits = (5_u32..40, 0_u32..22, any::<(u64, u64)>());
         limits.prop_map(|(jerk_bits, ticks_bits, (a, b))| {
             let jerk = (1 << jerk_bits) + a % (1 << jerk_bits);
-            // Of the speed, 2^47 at most, 8 V/J < ticks².
+            // The speed V is at most 2^47, with 8 V/J < ticks².
             let speed = u128::from(jerk) << (2 * ticks_bits) >> 4;
             let speed = u64::try_from(speed).unwrap_or(u64::MAX).clamp(2, 1 << 47);
             let reached = (8.0 * jerk as f64 * speed as f64).sqrt() as u64;
@@ -144,7 +145,7 @@ mod tests {
             prop_assert!(a == gain.most || gain.of(a + 1) > wanted);
         }
 
-        /// Without a root it is the same, wherever one may look for it.
+        /// The inverse without a root gives the same for all bounds of the search.
         #[test]
         fn the_inverse_is_the_root(
             (gain, speed) in any_gain(),
@@ -161,7 +162,7 @@ mod tests {
             prop_assert_eq!(gain.inverse(wanted, least, most), least, "all is above");
         }
 
-        /// The closed form of g against its sum.
+        /// The closed form of g equals its sum.
         #[test]
         fn letting_go_gains_the_sum(acceleration in 0_u64..100_000, jerk in 64_u64..5_000) {
             let mut sum = 0;

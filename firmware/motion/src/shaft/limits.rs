@@ -1,41 +1,44 @@
-//! The master shaft's limits, as the tick uses them.
+//! Limits of the master shaft as coefficients of the tick.
 
 use super::Band;
 use super::gain::Gain;
 use crate::settings::{LimitSettings, MAX_BANDS, turns_at_most};
 
-/// Limits in units of 2⁻⁴⁸ turn and one tick, rounded so that keeping to them keeps to the settings.
+/// Limits of the shaft in units of 2⁻⁴⁸ turn and one tick, rounded so that they stay within the settings.
+///
+/// Speed, acceleration and jerk are rounded down by less than one unit. Bands are widened by at most one unit on either
+/// side.
 #[derive(Clone, Debug)]
 pub struct ShaftLimits {
-    /// Turns a tick.
+    /// Greatest speed, turns a tick.
     pub(crate) speed: i64,
-    /// The slow speed, turns a tick.
+    /// Homing speed, turns a tick.
     pub(crate) creep: i64,
-    /// Forbidden bands, lowest first, apart from each other, between creep and greatest speed.
+    /// Forbidden bands, lowest first and not touching, between homing speed and greatest speed.
     pub(crate) bands: heapless::Vec<Band, MAX_BANDS>,
-    /// How fast the speed may change.
+    /// Ramp limits of all motion but the stops below.
     pub(crate) usual: RampLimits,
-    /// … in a stop that a fault asks for; not slower.
+    /// Ramp limits of a fault stop; not slower than `usual`.
     pub(crate) fault: RampLimits,
-    /// … in a stop at a phase: gentler than `usual` by what rounding its phase may add.
+    /// Ramp limits of a stop at a phase: gentler than `usual` by as much as rounding its phase may add.
     pub(super) parking: RampLimits,
 }
 
-/// How fast the speed may change.
+/// Limits on the change of speed.
 #[derive(Clone, Debug)]
 pub(crate) struct RampLimits {
-    /// Turns a tick².
+    /// Greatest acceleration, turns a tick².
     pub acceleration: i64,
-    /// Turns a tick³.
+    /// Greatest jerk, turns a tick³.
     pub jerk: i64,
-    /// What the speed gains while an acceleration is let go.
+    /// Speed gained while an acceleration is released.
     pub(super) gain: Gain,
-    /// What it still gains from the limit.
+    /// Speed gained by one tick of the greatest acceleration and its release.
     pub(super) gain_from_limit: u64,
 }
 
 impl RampLimits {
-    /// Up to `speed`, turns a tick.
+    /// Ramp limits for speeds up to `speed`, turns a tick.
     #[cold]
     fn new(acceleration_hz_per_s: f64, jerk_hz_per_s2: f64, speed: i64, hz: f64) -> Self {
         let acceleration = turns_at_most(acceleration_hz_per_s / (hz * hz)).max(1);
@@ -43,7 +46,7 @@ impl RampLimits {
         Self::within(acceleration, jerk, acceleration, speed)
     }
 
-    /// For limits of which accelerations up to `asked` are asked about.
+    /// Ramp limits in units. The gain covers accelerations up to `asked`.
     const fn within(acceleration: i64, jerk: i64, asked: i64, speed: i64) -> Self {
         let gain = Gain::new(
             jerk.unsigned_abs(),
@@ -58,8 +61,8 @@ impl RampLimits {
         }
     }
 
-    /// Limits that a motion may keep whose phase is rounded afterwards, by less than a unit: that changes the
-    /// acceleration by less than two and the jerk by less than four.
+    /// Limits for a motion whose phase is rounded afterwards, by less than a unit. The rounding changes the acceleration
+    /// by less than two units and the jerk by less than four.
     #[cold]
     fn before_rounding(&self, speed: i64) -> Self {
         let acceleration = (self.acceleration - 2).max(1);
@@ -69,7 +72,7 @@ impl RampLimits {
 }
 
 impl ShaftLimits {
-    /// Limits of a shaft that is not to move.
+    /// Limits of a shaft that does not move.
     pub const STANDSTILL: Self = {
         const RAMP: RampLimits = RampLimits::within(64, 64, 64, 1);
         Self {
@@ -82,7 +85,7 @@ impl ShaftLimits {
         }
     };
 
-    /// From settings that [`crate::settings::Settings::check`] has passed.
+    /// Converts settings that [`LimitSettings::check`] has accepted, for a tick rate in Hz.
     #[cold]
     pub fn of(settings: &LimitSettings, tick_hz: u32) -> Self {
         let hz = f64::from(tick_hz);
@@ -115,7 +118,7 @@ impl ShaftLimits {
         }
     }
 
-    /// The slow speed, turns a tick.
+    /// Homing speed, turns a tick.
     pub const fn creep(&self) -> crate::units::Turns {
         crate::units::Turns::from_bits(self.creep)
     }

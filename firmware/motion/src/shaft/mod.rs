@@ -1,15 +1,14 @@
-//! The master shaft: the only thing in the machine that is planned in time.
+//! Master shaft: the only part of the machine that is planned in time.
 //!
-//! Its phase is an integer, and every axis is derived from it. It follows the speed that the
-//! program asks for as closely as its limits on speed, acceleration and jerk allow; crosses
-//! forbidden bands without dwelling in them; and stops as fast as it can, or at a chosen phase. For a
-//! stop as fast as it can, which a fault asks for, acceleration and jerk have limits of their own.
+//! Its phase is an integer, and every axis derives from it. The shaft follows the requested speed as closely as its
+//! limits on speed, acceleration and jerk allow, and crosses forbidden bands without dwelling in them. It stops at a
+//! chosen phase, or as fast as possible after a fault. A fault stop has its own limits of acceleration and jerk.
 //!
-//! Words: the *speed* is turns a tick and holds over a whole tick; the *acceleration* is the
-//! difference of two speeds, the *jerk* of two accelerations. These are differences of integers, so
-//! that "within the limits" is exact and can be checked on the phases alone.
+//! Terms: the *speed* is in turns a tick and is constant over a tick. The *acceleration* is the difference of two
+//! speeds, the *jerk* the difference of two accelerations. These are differences of integers, so "within the limits" is
+//! exact and can be checked on the phases alone.
 //!
-//! What it does not do: know why it should turn (the supervisor does), or what an axis makes of it.
+//! The supervisor decides why the shaft turns, and each axis decides how it follows; both are outside this module.
 
 mod bands;
 mod blend;
@@ -30,31 +29,33 @@ use blend::State;
 use regulator::Aim;
 use stop::StopPlan;
 
-/// What the shaft is to do in the coming tick.
+/// Demand on the shaft for the coming tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Demand {
-    /// Turn at a speed.
+    /// Follow a speed.
     Follow(Target),
-    /// Come to rest: at the next possible passage through a phase (a fraction of a turn); or, with none, as fast as
-    /// the limits of a fault's stop allow. That one, once asked for, goes on until the shaft stands.
+    /// Stop, at the next passage through a phase (a fraction of a turn) that can be reached.
+    ///
+    /// `None` is a fault stop, as fast as its own limits allow. Once demanded, a fault stop continues until the shaft is
+    /// at rest.
     Stop(Option<Turns>),
-    /// Be at rest this very tick. For when the drives have been cut off: nothing moves any more.
+    /// Set the shaft to rest in this tick. For drives that have been switched off (stop category 0).
     Halt,
 }
 
-/// A speed to follow, turns a tick, none negative.
+/// Speed to follow, in turns a tick; no value may be negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
-    /// The speed asked for at the end of the tick before.
+    /// Speed requested for the end of the tick before.
     pub now: Turns,
-    /// The speed asked for at the end of the coming tick.
+    /// Speed requested for the end of the coming tick.
     pub next: Turns,
-    /// The speed towards which the program is going; it is not overshot.
+    /// Final speed of the program's present ramp; the shaft does not overshoot it.
     pub end: Turns,
 }
 
 impl Target {
-    /// One speed, for as long as it is asked for.
+    /// Target of constant speed, in turns a tick.
     pub const fn steady(speed: Turns) -> Self {
         Self {
             now: speed,
@@ -64,25 +65,25 @@ impl Target {
     }
 }
 
-/// What the shaft did in one tick.
+/// Motion of the shaft in one tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// Turns in this tick: the speed, too.
+    /// Turns in this tick, which is also the speed in turns a tick.
     pub speed: Turns,
-    /// Change of speed against the tick before.
+    /// Change of speed since the tick before, in turns a tick².
     pub acceleration: Turns,
-    /// The shaft stands, and has come to where it was to stop.
+    /// The shaft is at rest, and has reached the end of its stop.
     pub at_rest: bool,
-    /// The speed differs from what was asked by over 1/256 of it, for want of acceleration.
+    /// The speed differs from the requested one by over 1/256 of it, as the acceleration is limited.
     pub lagging: bool,
-    /// The speed asked for lies in a forbidden band: the nearer edge is kept instead.
+    /// The requested speed lies in a forbidden band, and the nearer edge replaces it.
     pub held_at_band: bool,
-    /// The shaft is inside a forbidden band, on its way through.
+    /// The shaft is crossing a forbidden band.
     pub crossing_band: bool,
 }
 
 impl Motion {
-    /// The motion of a shaft that stands.
+    /// Motion of a shaft at rest.
     pub const AT_REST: Self = Self {
         speed: Turns::ZERO,
         acceleration: Turns::ZERO,
@@ -93,7 +94,7 @@ impl Motion {
     };
 }
 
-/// The master shaft.
+/// The master shaft: phase, speed and acceleration, and what it is doing.
 #[derive(Clone, Debug)]
 pub struct Shaft {
     limits: ShaftLimits,
@@ -108,14 +109,14 @@ pub struct Shaft {
 enum Mode {
     Rest,
     Follow,
-    /// Stopping by the shortest way, wherever that ends, within the limits for a fault's stop.
+    /// Stopping as fast as the limits of a fault stop allow, at any phase.
     StopFast,
-    /// Stopping at a phase.
+    /// Stopping at a chosen phase.
     StopAt(StopPlan),
 }
 
 impl Shaft {
-    /// A shaft at rest at phase 0.
+    /// Shaft at rest at phase 0.
     pub const fn new(limits: ShaftLimits) -> Self {
         Self {
             limits,
@@ -127,17 +128,20 @@ impl Shaft {
         }
     }
 
-    /// Where the shaft is.
+    /// Phase of the shaft.
     pub const fn phase(&self) -> Phase {
         self.phase
     }
 
-    /// What it keeps within.
+    /// Limits of the shaft.
     pub const fn limits(&self) -> &ShaftLimits {
         &self.limits
     }
 
-    /// Plays one tick.
+    /// Advances by one tick and returns the motion.
+    ///
+    /// For every sequence of demands speed, acceleration and jerk stay within the limits, exactly, and the shaft never
+    /// turns back. [`Demand::Halt`] is the exception. A stop at a phase ends exactly at that phase.
     #[inline(never)]
     pub fn advance(&mut self, demand: Demand) -> Motion {
         self.heed(demand);
@@ -169,14 +173,14 @@ impl Shaft {
             Mode::Follow => false,
         };
         if arrived {
-            // The acceleration of this last tick stays: it counts for the jerk of the next.
+            // The acceleration of this last tick is kept, as it counts for the jerk of the next.
             self.mode = Mode::Rest;
         }
         motion.at_rest = arrived;
         motion
     }
 
-    /// Changes what the shaft is doing, where the demand has changed.
+    /// Changes the mode when the demand has changed.
     fn heed(&mut self, demand: Demand) {
         match (demand, &self.mode) {
             (Demand::Halt, _) => {
@@ -184,7 +188,8 @@ impl Shaft {
                 self.acceleration = 0;
                 self.mode = Mode::Rest;
             }
-            // A fault's stop may brake harder than the usual limits could let go before standstill: it goes on to its end.
+            // A fault stop may brake harder than the usual limits could release before standstill, so it continues to
+            // its end.
             (Demand::Follow(_), Mode::Follow | Mode::StopFast) => {}
             (Demand::Follow(_), _) => self.mode = Mode::Follow,
             (Demand::Stop(_), Mode::Rest | Mode::StopFast) => {}
@@ -214,7 +219,7 @@ impl Shaft {
             now: corridor.clamp(bands::outside(bands, asked.0)),
             next: corridor.clamp(next),
         };
-        // Where the two differ by what the corridor cut off, the rest is a jump, not a rate.
+        // Where the corridor has changed the aim, the difference is a jump and not a rate.
         let aim = if (aim.now, aim.next) == asked {
             aim
         } else {
@@ -231,7 +236,7 @@ impl Shaft {
         speed
     }
 
-    /// The next speed on the way to `aim`, between `floor` and `ceiling` where that can still be.
+    /// Next speed on the way to `aim`, between `floor` and `ceiling` where that is still possible.
     fn regulate(&self, limits: &RampLimits, aim: Aim, floor: i64, ceiling: i64) -> i64 {
         let acceleration =
             regulator::acceleration(limits, self.speed, self.acceleration, aim, floor, ceiling);

@@ -1,20 +1,20 @@
-//! The time-optimal way to a speed, in whole ticks: which acceleration to take next.
+//! Time-optimal speed regulator in whole ticks: it chooses the next acceleration.
 //!
-//! Taking acceleration a for one tick and then letting it go gains the speed g(a) (see [`super::gain`]). The fastest
-//! way to a speed that is e away, arriving without acceleration, is therefore to
-//! take, in each tick, the largest a with g(a) ≤ e that the limits allow. Near the end a is less than a jerk, g(a) is
-//! a itself, and the speed is met exactly: nothing is rounded, and nothing hunts.
+//! Taking acceleration a for one tick and then releasing it gains the speed g(a) (see [`super::gain`]). To reach a speed
+//! at the difference e as fast as possible, and without acceleration, the shaft takes the largest a with g(a) ≤ e that
+//! the limits allow in each tick. Near the end a is less than a jerk, g(a) is a itself, and the speed is met exactly.
+//! Nothing is rounded, and the speed does not hunt.
 //!
-//! A speed that moves at a constant rate is a speed at rest in a frame that moves along: the same
-//! law for the acceleration relative to that rate. A floor and a ceiling are kept by the same law,
-//! too: as g(a) ≤ ceiling − speed held a tick ago, letting go now still meets it.
+//! A speed that moves at a constant rate is at rest in a frame that moves along. There the same law holds for the
+//! acceleration relative to that rate. The same law keeps a floor and a ceiling: g(a) ≤ ceiling − speed held a tick
+//! ago, so a release that starts now still meets the ceiling.
 //!
-//! Whatever is wanted, the jerk leaves a range for the next acceleration. All is looked for within that range only,
-//! and most often its end is the answer.
+//! The jerk leaves a range for the next acceleration. The search is limited to that range, and most often the result is
+//! one of its ends.
 
 use super::limits::RampLimits;
 
-/// A speed to reach; where it moves, the step that it makes over the coming tick is its rate.
+/// Speed to reach. If it moves, its rate is the change over the coming tick.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Aim {
     pub now: i64,
@@ -30,7 +30,7 @@ impl Aim {
     }
 }
 
-/// The accelerations that the jerk allows.
+/// Range of accelerations that the jerk allows.
 #[derive(Clone, Copy)]
 struct Range {
     least: i64,
@@ -42,7 +42,7 @@ impl Range {
         acceleration.max(self.least).min(self.most)
     }
 
-    /// The same, as seen from a frame that accelerates by `rate`.
+    /// Range relative to a frame that accelerates by `rate`.
     const fn relative_to(self, rate: i64) -> Self {
         Self {
             least: self.least - rate,
@@ -50,7 +50,7 @@ impl Range {
         }
     }
 
-    /// The same for the other sense.
+    /// Range for the opposite direction.
     const fn mirrored(self) -> Self {
         Self {
             least: -self.most,
@@ -59,13 +59,13 @@ impl Range {
     }
 }
 
-/// What gains `way` (not negative) and no more, up to `limit`; clamped to the range.
+/// Greatest acceleration, up to `limit`, that gains at most `way` (not negative); clamped to the range.
 fn settling(way: i64, limit: i64, range: Range, limits: &RampLimits) -> i64 {
     let most = range.most.min(limit);
     if most <= 0 || most <= range.least {
         return range.clamp(most);
     }
-    // No more than the limit of acceleration is ever wanted of a way that is enough for that.
+    // With this much left to gain, the acceleration limit itself is the result.
     if limit == limits.acceleration && way.unsigned_abs() >= limits.gain_from_limit {
         return most;
     }
@@ -78,7 +78,7 @@ fn settling(way: i64, limit: i64, range: Range, limits: &RampLimits) -> i64 {
     ) as i64
 }
 
-/// The same for a way of either sign.
+/// Acceleration that gains at most `way`, of either sign.
 fn towards(way: i64, limit: i64, range: Range, limits: &RampLimits) -> i64 {
     if way < 0 {
         -settling(-way, limit, range.mirrored(), limits)
@@ -87,13 +87,13 @@ fn towards(way: i64, limit: i64, range: Range, limits: &RampLimits) -> i64 {
     }
 }
 
-/// What to take, within the range, to meet an aim that moves at `rate` and is `way` ahead.
+/// Acceleration, within the range, that meets an aim which moves at `rate` and is `way` ahead.
 fn pursuing(way: i64, rate: i64, range: Range, limits: &RampLimits) -> i64 {
     if way == 0 {
         return range.clamp(rate);
     }
-    // Where the aim runs away, the limit is soon reached. Where it comes to meet the shaft, the two
-    // close in on each other faster than the shaft alone could, and have that much more to let go.
+    // If the aim moves away, the limit is soon reached. If it approaches, the two close in faster than the shaft alone
+    // could, and the relative acceleration to release is greater by that.
     let coming = (rate < 0) != (way < 0) && rate != 0;
     let limit = if coming {
         i64::MAX
@@ -103,7 +103,7 @@ fn pursuing(way: i64, rate: i64, range: Range, limits: &RampLimits) -> i64 {
     rate + towards(way, limit, range.relative_to(rate), limits)
 }
 
-/// `wanted`, or what of it still meets a ceiling that is `way` above; below the ceiling's, the fastest way back to it.
+/// Limits `wanted` so that it still meets a ceiling that is `way` above. Beyond the ceiling it is the fastest return.
 fn bounded(wanted: i64, way: i64, range: Range, limits: &RampLimits) -> i64 {
     if way >= 0 && wanted <= 0 {
         return wanted;
@@ -113,10 +113,10 @@ fn bounded(wanted: i64, way: i64, range: Range, limits: &RampLimits) -> i64 {
     towards(way, limits.acceleration, range, limits).min(wanted)
 }
 
-/// The acceleration of the coming tick.
+/// Acceleration of the coming tick.
 ///
-/// Within the limits of acceleration and jerk always; between `floor` and `ceiling` for as long as
-/// they do not move towards the speed faster than the limits allow.
+/// It is always within the limits of acceleration and jerk. The speed stays between `floor` and `ceiling` as long as
+/// these do not move towards it faster than the limits allow.
 pub(super) fn acceleration(
     limits: &RampLimits,
     speed: i64,
@@ -130,12 +130,12 @@ pub(super) fn acceleration(
         most: acceleration + limits.jerk,
     };
     let wanted = pursuing(aim.now - speed, aim.next - aim.now, range, limits);
-    // Outside the two, these are the fastest way back between them.
+    // Outside floor and ceiling these are the fastest return.
     let below = bounded(wanted, ceiling - speed, range, limits);
     -bounded(-below, speed - floor, range.mirrored(), limits)
 }
 
-/// The acceleration of the coming tick on the fastest way to a stand, whatever else there is to keep to.
+/// Acceleration of the coming tick in the fastest stop, regardless of other bounds.
 pub(super) fn brake(limits: &RampLimits, speed: i64, acceleration: i64) -> i64 {
     let range = Range {
         least: acceleration - limits.jerk,
@@ -148,7 +148,7 @@ pub(super) fn brake(limits: &RampLimits, speed: i64, acceleration: i64) -> i64 {
 mod tests {
     use super::*;
 
-    /// An aim that falls at 0.3 A a tick comes to meet a shaft at rest: relative to it the shaft may go up
+    /// An aim that falls at 0.3 A a tick approaches a shaft at rest. Relative to the aim the shaft may accelerate at up
     /// to 1.3 A. Ramps from 0.3 A to 1.3 A and from there to 0, with h ticks between, close a gap of
     /// (0.3 + 1.3)/2 · A²/J + 1.3 A h + 1.3²/2 · A²/J.
     #[test]

@@ -1,13 +1,13 @@
-//! A stop at a chosen phase, hit to the count, and no later than there is need.
+//! Stop exactly at a chosen phase, at the first passage that the limits allow.
 //!
-//! The shaft eases ([`super::easing`]) until it must brake. What the phase is beyond the way of the fastest brake
-//! that begins now is the *slack*; braking a tick later goes further by some D. As long as the slack is at least D,
-//! the shaft eases for another tick. Then the two brakes, the one that begins now and the one that begins a tick
-//! later, are blended so that the slack is made up exactly ([`super::blend`]).
+//! The shaft eases ([`super::easing`]) until it must brake. The *slack* is the distance from the end of the fastest
+//! brake that begins now to the phase. A brake that begins a tick later goes further by some D. As long as the slack is
+//! at least D, the shaft eases for another tick. Then the two brakes, the one that begins now and the one that begins a
+//! tick later, are blended so that they cover the slack exactly ([`super::blend`]).
 //!
-//! The way of a brake is not summed up ahead: [`super::brake`] has it in closed form, modulo a turn, so that the
-//! slack is that to the first passage that can be reached. It is not even asked in every tick: slack lasts for as
-//! many ticks as it has of the most that a tick may take of it.
+//! The braking distance is not summed tick by tick: [`super::brake`] has it in closed form, modulo a turn. So the slack
+//! is the one to the first passage that can be reached. It is not computed in every tick either. Slack divided by the
+//! most that a tick may use of it gives the number of ticks for which it lasts.
 
 use super::blend::{Blend, State};
 use super::brake::quotient;
@@ -15,21 +15,21 @@ use super::easing::Easing;
 use super::limits::{RampLimits, ShaftLimits};
 use crate::units::{ONE_TURN, Phase, Turns};
 
-/// A stop that is under way.
+/// A stop in progress.
 #[derive(Clone, Debug)]
 pub(super) struct StopPlan {
-    /// The phase to stop at, a fraction of a turn.
+    /// Phase to stop at, a fraction of a turn.
     at: Turns,
     easing: Easing,
-    /// Ticks for which the slack lasts for certain.
+    /// Ticks for which the slack is guaranteed to last.
     lasts: u32,
-    /// The way of a brake from here, if it was found a tick ago.
+    /// Braking distance from here, if the last tick computed it.
     way: Option<i64>,
     brake: Option<Blend>,
 }
 
 impl StopPlan {
-    /// From how the shaft moves, a stop at the first possible passage through `at`.
+    /// Stop from a state of the shaft, at the first possible passage through `at`.
     pub fn new(state: State, at: Turns, limits: &ShaftLimits) -> Self {
         Self {
             at,
@@ -40,7 +40,7 @@ impl StopPlan {
         }
     }
 
-    /// The speed of the coming tick, from where the shaft is and how it moves.
+    /// Speed of the coming tick, from the phase and state of the shaft.
     pub fn advance(&mut self, phase: Phase, state: State, limits: &ShaftLimits) -> i64 {
         if let Some(brake) = &mut self.brake {
             return brake.advance(&limits.parking);
@@ -61,7 +61,7 @@ impl StopPlan {
         later.speed
     }
 
-    /// How to brake, if the slack does not last for a tick after which the shaft moves as in `later`.
+    /// Brake to start now, if the slack does not last for a tick that leads to the state `later`.
     fn look(
         &mut self,
         way: Option<i64>,
@@ -75,7 +75,7 @@ impl StopPlan {
         let slack = ahead.wrapping_sub(way) & (ONE_TURN - 1);
         let lasts = quotient(slack, self.easing.most_way(state));
         if lasts > 1 {
-            // Less this one.
+            // This tick is one of them.
             self.lasts = lasts - 1;
             return None;
         }
@@ -88,11 +88,11 @@ impl StopPlan {
             return None;
         }
         let earlier = state.braked(limits);
-        // A tick of speeding up makes the stand later by up to five, any other by up to two.
+        // A tick that speeds up delays standstill by up to five ticks, any other tick by up to two.
         if !self.easing.speeds_up(state) {
             return Some(Blend::new(earlier, later, slack, most));
         }
-        // Rounded up, so that there is speed enough for letting it go.
+        // Rounded up, so that the speed suffices for the release.
         let half = (later.acceleration - earlier.acceleration + 1) / 2;
         let between = state.after(earlier.acceleration + half);
         let least = further(between, between.braking_way(limits));
@@ -103,7 +103,7 @@ impl StopPlan {
         })
     }
 
-    /// Whether the shaft stands.
+    /// True when the shaft is at rest.
     pub const fn is_done(&self) -> bool {
         match &self.brake {
             Some(brake) => brake.is_done(),

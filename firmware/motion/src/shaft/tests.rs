@@ -1,4 +1,4 @@
-//! Properties of the shaft, checked on nothing but the phases that it leaves behind.
+//! Properties of the shaft, checked only on the phases of its ticks.
 
 mod at_phase;
 mod braking;
@@ -12,14 +12,14 @@ use crate::units::ONE_TURN;
 use proptest::prelude::*;
 use std::vec::Vec;
 
-/// Keeps the last phases, and checks each tick's differences against the limits.
+/// A shaft whose differences of phases are checked against the limits in each tick.
 #[derive(Clone)]
 struct Watch {
     shaft: Shaft,
     speed: i64,
     acceleration: i64,
     ticks: u64,
-    /// A fault's stop has been asked for, and is not over.
+    /// A fault stop has been demanded and is not over.
     fault_stop: bool,
 }
 
@@ -34,7 +34,7 @@ impl Watch {
         }
     }
 
-    /// At a speed from the first tick: how it got there is of no matter.
+    /// Starts at a speed, without a ramp.
     fn start_at(&mut self, speed: i64) {
         self.shaft.speed = speed;
         self.shaft.mode = Mode::Follow;
@@ -91,7 +91,7 @@ impl Watch {
     }
 }
 
-/// Ticks from rest at one speed to rest at another, by the law itself.
+/// Ticks from one constant speed to another, by the regulator itself.
 fn ticks_between(limits: &ShaftLimits, from: i64, to: i64) -> u64 {
     let (mut speed, mut acceleration, mut ticks) = (from, 0, 0);
     while speed != to || acceleration != 0 {
@@ -131,7 +131,7 @@ fn limits(
     ShaftLimits::of(&settings, tick_hz)
 }
 
-/// Limits over all of what settings accept, as long as a ramp is short enough to be played often.
+/// Limits over the whole range of settings, with ramps short enough to be run often.
 fn any_limits() -> impl Strategy<Value = ShaftLimits> {
     (
         any_limit_settings(),
@@ -166,13 +166,13 @@ fn any_limits() -> impl Strategy<Value = ShaftLimits> {
         )
 }
 
-/// Whatever passes the settings' own check, up to its bounds.
+/// Settings over all that their own check accepts, up to its bounds.
 fn any_limit_settings() -> impl Strategy<Value = (u32, LimitSettings)> {
     (
         prop::sample::select(std::vec![500_u32, 1000, 2000, 5000, 10_000]),
         1.0..200.0_f64,
         (0.0..1.0_f64, 0.0..1.0_f64),
-        // How much harder a fault's stop may be; not at all in every third case.
+        // How much harder a fault stop may be; in every third case it is as the usual one.
         prop_oneof![1 => Just((0.0, 0.0)), 2 => (0.0..1.0_f64, 0.0..1.0_f64)],
     )
         .prop_filter_map(
@@ -200,7 +200,7 @@ fn any_limit_settings() -> impl Strategy<Value = (u32, LimitSettings)> {
         )
 }
 
-/// A program of speeds as a fraction of the greatest: ramps and holds, as `(to, ramp, hold)`.
+/// Programs of speeds as fractions of the greatest: ramps and holds, as `(to, ramp, hold)`.
 fn any_speeds() -> impl Strategy<Value = Vec<(f64, u32, u32)>> {
     prop::collection::vec((0.0..1.0_f64, 0_u32..4000, 0_u32..4000), 1..6)
 }
@@ -228,7 +228,7 @@ fn targets(limits: &ShaftLimits, speeds: &[(f64, u32, u32)]) -> Vec<Target> {
 }
 
 proptest! {
-    /// Limits, whatever is asked, and however often the shaft is stopped and started in between.
+    /// Limits hold for every request, and however often the shaft is stopped and started in between.
     #[test]
     fn limits_hold_for_any_program_and_any_stop(
         limits in any_limits(),
@@ -247,10 +247,10 @@ proptest! {
         watch.advance_to_rest(Demand::Stop(None), 1_000_000);
     }
 
-    /// A stop from wherever the program has got to: on the phase to the count, and no later than a
-    /// turn (at the settled speed) and the ramps take.
+    /// A stop from any point of a program ends exactly at its phase. It takes no longer than a turn (at the coasting
+    /// speed) and the ramps.
     #[test]
-    fn stops_hit_their_phase_to_the_count(
+    fn stops_hit_their_phase_exactly(
         limits in any_limits(),
         speeds in any_speeds(),
         cut in any::<prop::sample::Index>(),
@@ -271,8 +271,8 @@ proptest! {
         prop_assert_eq!(watch.shaft.phase().within_turn(), phase);
     }
 
-    /// The longest ramps that settings accept: planning a stop from full speed overflows nowhere, and its
-    /// sums end where they should.
+    /// With the longest ramps that settings accept, planning a stop from full speed never overflows, and its sums end
+    /// at the phase.
     #[test]
     fn the_longest_ramps_can_be_planned((tick_hz, settings) in any_limit_settings(), phase_bits in 0..ONE_TURN) {
         let mut watch = Watch::new(ShaftLimits::of(&settings, tick_hz));
@@ -285,8 +285,8 @@ proptest! {
         }
     }
 
-    /// No dwell: each visit of a band is over in the time that the limits need from rest at one edge
-    /// to rest at the other, and a tick at either edge for not starting on it.
+    /// Each visit of a band ends within the time that the limits need from constant speed at one edge to constant speed
+    /// at the other. A tick at either edge is added, as a visit need not start on the edge.
     #[test]
     fn bands_are_crossed_as_fast_as_limits_allow(limits in any_limits(), speeds in any_speeds()) {
         let targets = targets(&limits, &speeds);
@@ -308,7 +308,7 @@ proptest! {
         }
     }
 
-    /// Asked for one speed, the shaft comes to exactly that speed (or the nearer edge of its band).
+    /// The shaft reaches a constant requested speed exactly (or the nearer edge of its band).
     #[test]
     fn steady_speeds_are_met_exactly(limits in any_limits(), part in 0.0..1.0_f64) {
         let asked = (part * limits.speed as f64) as i64;
@@ -326,7 +326,7 @@ proptest! {
     }
 }
 
-/// A program within the limits is followed without any lag at all once its rate has been met.
+/// A program within the limits is followed without any lag once its rate has been met.
 #[test]
 fn a_ramp_is_followed_exactly_and_not_overshot() {
     let limits = limits(2000, 60.0, 50.0, 500.0, &[]);
@@ -342,7 +342,7 @@ fn a_ramp_is_followed_exactly_and_not_overshot() {
     }
 }
 
-/// A stop while stopping, and a stop at rest, change nothing; following again goes on from there.
+/// A stop while stopping, and a stop at rest, change nothing; the shaft can follow again from there.
 #[test]
 fn stops_within_stops() {
     let limits = limits(2000, 60.0, 100.0, 2000.0, &[(20.0, 25.0)]);

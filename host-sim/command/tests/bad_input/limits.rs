@@ -26,7 +26,7 @@ fn forbidden_bands() {
             "over creep",
             "{ from_hz = 0.5, to_hz = 3 }",
             "limits.band[0].from_hz",
-            "covers the creep speed, limits.creep_hz = 1",
+            "covers the homing speed, limits.creep_hz = 1",
             "begin above that",
         ),
         band(

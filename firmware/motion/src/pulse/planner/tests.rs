@@ -1,4 +1,4 @@
-//! The runs, integrated again edge by edge, against the phase that they were made from.
+//! Integrates the runs edge by edge and compares them with the phase from which they were planned.
 
 use super::*;
 use crate::settings::{CLOCK_HZ, PulseSettings};
@@ -23,14 +23,14 @@ fn timing_of(tick_hz: u32, width_ns: f64, dir_setup_ns: f64, dir_hold_ns: f64) -
     }
 }
 
-/// What the lines are asked to keep, and what the planner makes of it.
+/// Timing required of the lines, and the planner's timing in cycles.
 #[derive(Clone, Copy)]
 struct Lines {
     timing: PulseTiming,
     settings: PulseSettings,
 }
 
-/// What a drive sees on its STEP and DIR inputs.
+/// A drive, as its STEP and DIR inputs drive it.
 struct Drive {
     lines: Lines,
     cycle: u64,
@@ -41,7 +41,7 @@ struct Drive {
     last_turn: Option<u64>,
     position: i64,
     shortest: u64,
-    /// (cycle of a rising edge, position it led to)
+    /// Cycle of each rising edge, and the position after it.
     rises: Vec<(u64, i64)>,
 }
 
@@ -61,7 +61,7 @@ impl Drive {
         }
     }
 
-    /// Plays a tick's runs as the hardware does, and checks what must hold of any.
+    /// Plays the runs of a tick as the hardware does, and checks the rules that hold for all runs.
     fn play(&mut self, runs: &Runs) {
         let total: u64 = runs.iter().map(|run| u64::from(run.cycles())).sum();
         let tick = self.lines.timing.tick;
@@ -86,7 +86,7 @@ impl Drive {
         assert_eq!(self.cycle, start + total);
     }
 
-    /// A pause begins.
+    /// Starts a pause.
     fn turn(&mut self, forward: bool) {
         if forward == self.forward {
             return;
@@ -157,7 +157,7 @@ fn crossing(ticks: &[i64], steps_per_turn: u32, tick: u32, position: i64) -> f64
     panic!("step {position} is never crossed");
 }
 
-/// Turns a tick for a number of steps a second.
+/// Converts steps/s to turns a tick.
 fn turns_per_tick(step_hz: f64, steps_per_turn: u32, tick_hz: u32) -> i64 {
     (step_hz / f64::from(steps_per_turn) / f64::from(tick_hz) * HALF_STEP as f64) as i64
 }
@@ -167,8 +167,8 @@ fn any_tick_hz() -> impl Strategy<Value = u32> {
 }
 
 proptest! {
-    /// Every rising edge of an axis that goes forward, up to 1 M steps/s, is within 0.25 µs of where
-    /// the phase crosses its step; none is missing; pulses keep their width.
+    /// Every rising edge of an axis that moves forward, up to 1 M steps/s, is within 0.25 µs of the time at which the
+    /// phase crosses its step. No edge is missing, and pulses keep their width.
     #[test]
     fn edges_are_where_the_phase_crosses(
         tick_hz in any_tick_hz(),
@@ -192,8 +192,8 @@ proptest! {
         prop_assert!(drive.shortest >= u64::from(timing(tick_hz).timing.width));
     }
 
-    /// Whatever way the axis goes and whatever its drive asks for, ticks are filled, all times are kept,
-    /// and no step is lost or made up. Speeds dwell around zero, where an axis really turns round.
+    /// For every motion of the axis and all timing of its drive, ticks are filled, all times are kept, and no step is
+    /// lost or added. Speeds stay around zero, where an axis reverses in practice.
     #[test]
     fn changes_of_direction_lose_nothing(
         tick_hz in any_tick_hz(),
@@ -217,7 +217,7 @@ proptest! {
         prop_assert!(drive.shortest >= width, "{} cycles, of {width}", drive.shortest);
     }
 
-    /// The most edges that settings allow, at any spacing, fit the runs of a tick.
+    /// The greatest number of edges that settings allow fits the runs of a tick at any spacing.
     #[test]
     fn the_fastest_axis_fits(tick_hz in any_tick_hz(), part in 0.9..1.0_f64, phase in 0..1_i64 << 40) {
         let steps_per_turn = 10_000;
@@ -228,8 +228,8 @@ proptest! {
     }
 }
 
-/// At a steady rate that divides the clock a tick takes few runs: the last edge, due at the tick's
-/// very end, keeps the guard, and the last chunk makes room for it.
+/// At a steady rate that divides the clock a tick takes few runs. The last edge, due at the very end of the tick, keeps
+/// the guard, and the last chunk gives way for it.
 #[test]
 fn a_whole_period_needs_few_runs() {
     let mut planner = Planner::new(timing(2000).timing, 2000);
@@ -247,7 +247,7 @@ fn a_whole_period_needs_few_runs() {
     assert!(exact >= 500 - CHUNK, "{runs:?}");
 }
 
-/// STEP is low for its width before it rises again, also where set-up and hold are shorter than that.
+/// STEP stays low for its width before it rises again, also where set-up and hold are shorter than that.
 #[test]
 fn a_change_of_direction_keeps_the_pulse_width_low() {
     let lines = timing_of(2000, 2500.0, 500.0, 500.0);

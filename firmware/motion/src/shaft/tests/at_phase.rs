@@ -1,26 +1,26 @@
-//! The shaft's stop at a phase, next to the earliest there is.
+//! The shaft's stop at a phase, compared with the earliest possible one.
 
 use super::earliest::{Coasting, Earliest};
 use super::*;
 
-/// How a stop went.
+/// Result of a stop.
 #[derive(Debug)]
 pub(super) struct Found {
     /// Ticks over the earliest stop at the same passage.
     pub over: f64,
-    /// Ticks that planning within whole units and whole jerks may cost.
+    /// Ticks that planning in whole units and whole jerks may cost.
     pub margin: f64,
-    /// Ticks for which the earliest, too, may be reckoned late.
+    /// Ticks by which the reference itself may be computed late.
     pub either: f64,
-    /// Turns later than the first passage that a shaft of whole ticks could stand at.
+    /// Turns later than the first passage at which a shaft of whole ticks could stop.
     pub turns_later: i64,
-    /// By how much that passage is beyond the fastest brake in whole ticks.
+    /// Distance from the end of the fastest brake in whole ticks to that passage.
     spare: f64,
-    /// By how much planning within whole units may lengthen a brake.
+    /// Distance by which planning in whole units may lengthen a brake.
     longer: f64,
 }
 
-/// The way of the fastest brake in whole ticks: the regulator's own, to speed 0.
+/// Distance of the fastest brake in whole ticks, that of the regulator to speed 0.
 fn least_way(watch: &Watch) -> i64 {
     let ramp = &watch.shaft.limits().usual;
     let (mut state, mut way) = (watch.shaft.state(), 0);
@@ -31,13 +31,13 @@ fn least_way(watch: &Watch) -> i64 {
     way
 }
 
-/// The greatest speed of a brake: what letting the acceleration go makes of it.
+/// Greatest speed during a brake: the speed after releasing the acceleration.
 fn greatest_speed(watch: &Watch) -> i64 {
     let risen = watch.shaft.limits().usual.let_go(watch.acceleration.max(0));
     watch.speed + risen
 }
 
-/// Stops: the way until the shaft stands, and the ticks for which it moves.
+/// Stops; returns the distance until standstill, and the ticks for which the shaft moves.
 fn stop(watch: &mut Watch, phase: Turns) -> (i64, u64) {
     let top = greatest_speed(watch).max(watch.shaft.limits().creep);
     let (mut moved, mut ticks, mut way) = (0, 0, 0);
@@ -58,7 +58,7 @@ fn stop(watch: &mut Watch, phase: Turns) -> (i64, u64) {
     (way, moved)
 }
 
-/// Stops, and says how late that was.
+/// Stops, and compares the result with the earliest stop.
 pub(super) fn stop_at(watch: &mut Watch, phase: Turns, earliest: &Earliest) -> Found {
     let (least, top) = (least_way(watch), greatest_speed(watch));
     let passage = phase.wrapping_sub(watch.shaft.phase().within_turn());
@@ -69,7 +69,7 @@ pub(super) fn stop_at(watch: &mut Watch, phase: Turns, earliest: &Earliest) -> F
     let turns_later = (way - least - spare) >> crate::units::FRACTION_BITS;
     let limits = &watch.shaft.limits().usual;
     let (jerk, most) = (limits.jerk as f64, limits.acceleration as f64);
-    // Limits that are less by a part make letting go and braking longer by no more than that.
+    // Limits that are gentler by a share lengthen release and brake by no more than that share.
     let gentler = 4.0 / jerk + 2.0 / most;
     let stretched = gentler * (earliest.easing_ticks() + earliest.least_ticks());
     let Some(stand) = earliest.stand(way as f64) else {
@@ -82,15 +82,15 @@ pub(super) fn stop_at(watch: &mut Watch, phase: Turns, earliest: &Earliest) -> F
     let rounding = 1e-9 * moved as f64 + 1e-6;
     let spare = spare as f64;
     let (either, less) = match earliest.kind {
-        // In whole ticks, from f above a multiple of the jerk, letting go gains f (1 − f/J)/2 more or less than in
-        // continuous time: J/8 at most. Within gentler limits it loses a part more.
+        // In whole ticks, from f above a multiple of the jerk, a release gains f (1 − f/J)/2 more or less than in
+        // continuous time: J/8 at most. Gentler limits lose a share more.
         Coasting::LetGo => {
             let coasted = stand.coasted / earliest.coasting;
             let less = gentler * acceleration.powi(2) / (2.0 * jerk);
             (coasted * jerk / 8.0, coasted * (jerk / 8.0 + less))
         }
-        // By what a gentler brake goes further there is less left to creep: that may well be the beginning, which is
-        // slow.
+        // A gentler brake goes further, so that less distance is left at homing speed. That may well be the beginning,
+        // which is slow.
         Coasting::Slow => {
             let creeping = |way: f64| {
                 let jerked = 4.0 * (way / (2.0 * jerk)).cbrt();
@@ -98,7 +98,7 @@ pub(super) fn stop_at(watch: &mut Watch, phase: Turns, earliest: &Earliest) -> F
             };
             (0.0, creeping(spare + longer) - creeping(spare))
         }
-        // The edge is met. To come to it a little later, in whole ticks and by gentler limits, is even a gain.
+        // The edge is met. To reach it a little later, in whole ticks and by gentler limits, is even a gain.
         Coasting::BelowBand => (f64::INFINITY, 0.0),
     };
     Found {
@@ -111,14 +111,14 @@ pub(super) fn stop_at(watch: &mut Watch, phase: Turns, earliest: &Earliest) -> F
     }
 }
 
-/// Two ticks over the earliest at most, and not below it but for the two in which the shaft stands already; a turn
-/// later only where planning within whole units makes the fastest brake too long.
+/// Accepts at most two ticks over the earliest. The lower bound allows the two ticks in which the shaft is already at
+/// rest. A turn later is accepted only where planning in whole units makes the fastest brake too long.
 pub(super) fn is_the_earliest(found: &Found) -> bool {
     let in_time = (-2.0 - found.either..=2.0 + found.margin).contains(&found.over);
     in_time && (found.turns_later == 0 || found.turns_later == 1 && found.spare <= found.longer)
 }
 
-/// A program's speeds until somewhere, where the shaft turns.
+/// Runs a program up to a random tick; returns nothing if the shaft is at rest there.
 fn run(
     limits: &ShaftLimits,
     speeds: &[(f64, u32, u32)],
@@ -138,8 +138,8 @@ fn run(
 proptest! {
     #![proptest_config(ProptestConfig { max_global_rejects: 1_000_000, ..ProptestConfig::default() })]
 
-    /// Were it wrong, a machine that is told to park would turn on past the phase at which it could already stand.
-    /// From a constant speed, whatever it is.
+    /// From any constant speed. If this were wrong, a machine that is to park would turn beyond the phase at which it
+    /// could already stop.
     #[test]
     fn a_stop_from_a_constant_speed_is_the_earliest(
         limits in any_limits(),
@@ -154,7 +154,7 @@ proptest! {
         prop_assert!(is_the_earliest(&found), "{found:?}");
     }
 
-    /// The same from wherever a program has got to: a speed that rises, falls or is steady, in a band or out of it.
+    /// The same from any point of a program: a speed that rises, falls or is constant, inside or outside a band.
     #[test]
     fn a_stop_from_anywhere_is_the_earliest(
         limits in any_limits(),
@@ -168,7 +168,7 @@ proptest! {
         prop_assert!(is_the_earliest(&found), "{found:?}");
     }
 
-    /// The same soon after another stop was called off: states that no program makes.
+    /// The same soon after another stop was cancelled, from states that no program reaches.
     #[test]
     fn a_stop_after_another_is_the_earliest(
         limits in any_limits(),

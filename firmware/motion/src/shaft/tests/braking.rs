@@ -1,10 +1,10 @@
-//! The closed form of a brake's way, against the brake.
+//! The closed form of the braking distance, compared with the brake.
 
 use super::*;
 use crate::shaft::blend::State;
 use crate::shaft::easing::Easing;
 
-/// Any state from which there is a brake: accelerations up to the usual limit, which is above that of the brake.
+/// Any state from which the shaft can brake: accelerations up to the usual limit, which is above that of the brake.
 fn any_state(
     limits: impl Strategy<Value = ShaftLimits>,
 ) -> impl Strategy<Value = (ShaftLimits, State)> {
@@ -19,7 +19,7 @@ fn any_state(
             };
             let acceleration = (acceleration * most as f64) as i64;
             let speed = match kind {
-                // Letting go is all there is to do.
+                // The speed is just enough for the release.
                 1 => ramp.let_go(acceleration.abs()),
                 _ => (part * part * limits.speed as f64) as i64,
             };
@@ -36,7 +36,7 @@ fn any_state(
 proptest! {
     #![proptest_config(ProptestConfig { max_global_rejects: 1_000_000, ..ProptestConfig::default() })]
 
-    /// Were it wrong by a unit, a stop would miss its phase by as much.
+    /// An error of a unit would make a stop miss its phase by as much.
     #[test]
     fn the_way_of_a_brake_is_its_sum((limits, from) in any_state(any_limits())) {
         let ramp = &limits.parking;
@@ -55,7 +55,7 @@ proptest! {
         prop_assert_eq!(way, want, "from {:?} over {} ticks", from, ticks);
     }
 
-    /// The same for the longest ramps that settings accept, by a step of induction; nothing overflows.
+    /// The longest ramps that settings accept, by a step of induction; nothing overflows.
     #[test]
     fn a_tick_of_braking_takes_its_speed_of_the_way(
         (limits, state) in any_state(any_limit_settings().prop_map(|(hz, settings)| ShaftLimits::of(&settings, hz))),
@@ -71,7 +71,7 @@ proptest! {
         }
     }
 
-    /// Were it wrong, a stop would let ticks pass in which it should have begun to brake, and come a turn later.
+    /// If this were wrong, a stop would begin to brake too late and come a turn later.
     #[test]
     fn easing_takes_no_more_of_the_slack_than_is_reckoned_with((limits, state) in any_state(any_limits())) {
         let easing = Easing::new(state, &limits);

@@ -1,19 +1,20 @@
-//! The earliest stop at a phase there is, in closed form, for the shaft's to be held against.
+//! The earliest possible stop at a phase, in closed form, as a reference for the shaft's.
 //!
-//! In continuous time (see [`super::shortest`]) go for a time k towards the speed to coast at, and coast once it is
-//! met; then brake in the least time. Most often the speed to coast at is what letting the acceleration go makes of
-//! it. The way of that stop grows with k, so that one k belongs to each passage through the phase, from the first
-//! that the fastest brake, k = 0, does not reach past. No stop that does not speed up is earlier there: until it
-//! brakes its speed is the greatest there may be, and then it falls as fast as can be. Two speeds to coast at are
-//! others: the slow speed, if what is left would be below it; and the lower edge of a band in which the shaft would
-//! coast, to which it goes as fast as can be.
+//! The reference moves in continuous time (see [`super::shortest`]). For a time k it goes towards the coasting speed, and
+//! coasts once it is met; then it brakes in the least time. Most often the coasting speed is the one after releasing the
+//! acceleration. The distance of that stop grows with k. So one k belongs to each passage through the phase, from the
+//! first that the fastest brake, k = 0, does not exceed.
 //!
-//! The way that whole ticks cover is v − a/6 less than that of as many units of continuous time, and in the last two of
-//! them the shaft stands already: it moves for two ticks less than the reference at the least.
+//! No stop that does not speed up is earlier there: until it brakes its speed is the greatest possible, and then it falls
+//! as fast as possible. There are two other coasting speeds. One is the homing speed, if the remaining speed would be
+//! below it. The other is the lower edge of a band in which the shaft would coast, to which it goes as fast as possible.
+//!
+//! The distance that whole ticks cover is v − a/6 less than that of as many units of continuous time. In the last two of
+//! them the shaft is already at rest, so it moves for at least two ticks less than the reference.
 
 use super::*;
 
-/// Speed and acceleration, where a shaft is then, and when.
+/// Speed, acceleration, distance and time at one point of a motion.
 #[derive(Clone, Copy)]
 struct Point {
     speed: f64,
@@ -38,21 +39,21 @@ impl Point {
     }
 }
 
-/// When a shaft may stand.
+/// Earliest standstill.
 pub(super) struct Stand {
     pub ticks: f64,
-    /// Ticks of it without acceleration.
+    /// Ticks without acceleration.
     pub coasted: f64,
 }
 
-/// What a stop coasts at.
+/// Speed at which a stop coasts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Coasting {
-    /// What is left when the acceleration is let go.
+    /// The speed after releasing the acceleration.
     LetGo,
-    /// The slow speed, as less is left.
+    /// The homing speed, as the remaining speed is below it.
     Slow,
-    /// The lower edge of a band, as what is left lies inside.
+    /// The lower edge of a band, as the remaining speed lies inside.
     BelowBand,
 }
 
@@ -60,16 +61,16 @@ pub(super) struct Earliest {
     from: Point,
     jerk: f64,
     most: f64,
-    /// The speed to coast at.
+    /// The coasting speed.
     pub coasting: f64,
     pub kind: Coasting,
-    /// How long to go to it at which jerk.
+    /// Times and jerks of the ramp to the coasting speed.
     easing: [(f64, f64); 3],
 }
 
 impl Earliest {
-    /// The earliest stop of a shaft; none where a jerk decides what it coasts at, as whole ticks may come out on the
-    /// other side of that.
+    /// Earliest stop of a shaft. There is none where a jerk decides the coasting speed, as whole ticks may end on the
+    /// other side of that decision.
     pub fn of(watch: &Watch) -> Option<Self> {
         let limits = watch.shaft.limits();
         let free = Self::letting_go(watch);
@@ -93,7 +94,7 @@ impl Earliest {
         })
     }
 
-    /// Of a shaft that coasts where letting its acceleration go brings it.
+    /// Earliest stop of a shaft that coasts at the speed after releasing its acceleration.
     pub fn letting_go(watch: &Watch) -> Self {
         let ramp = &watch.shaft.limits().usual;
         let (v, a) = (watch.speed as f64, watch.acceleration as f64);
@@ -132,7 +133,7 @@ impl Earliest {
         }
     }
 
-    /// The fastest way to gain `speed` from an acceleration, and be without it: how long at which jerk.
+    /// Fastest ramp that gains `speed` from an acceleration and ends without it, as times and jerks.
     fn ramp(&self, speed: f64, a: f64, jerk: f64) -> [(f64, f64); 3] {
         // From a up to a peak and down to zero gains (2 peak² − a²)/2J.
         let peak = (self.jerk * speed + a * a / 2.0).max(0.0).sqrt();
@@ -161,7 +162,7 @@ impl Earliest {
             .fold(from, |point, &(ticks, jerk)| point.after(ticks, jerk))
     }
 
-    /// Ticks until it coasts.
+    /// Ticks until the stop coasts.
     pub fn easing_ticks(&self) -> f64 {
         self.easing.iter().map(|&(ticks, _)| ticks).sum()
     }
@@ -171,7 +172,7 @@ impl Earliest {
         self.braked(self.from).ticks
     }
 
-    /// The earliest stand `way` further on; none where nothing gets there, or stands there.
+    /// Earliest standstill at the distance `way`; none where no stop reaches it or ends there.
     pub fn stand(&self, way: f64) -> Option<Stand> {
         let stop = |ticks: f64| self.braked(self.eased(ticks));
         if way < stop(0.0).way {

@@ -1,5 +1,4 @@
-//! How late stops at a phase are in machines as they are built, printed: what the bounds in [`super::at_phase`] are
-//! bounds of.
+//! Delay of stops at a phase in realistic machines, printed: the quantity that [`super::at_phase`] bounds.
 
 use super::at_phase::{Found, is_the_earliest, stop_at};
 use super::earliest::{Coasting, Earliest};
@@ -7,8 +6,8 @@ use super::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
 
-/// 20 to 100 rev/s, 20 to 200 rev/s², 10 to 100 times that in rev/s³, at 2 kHz; a band that is up to a seventh of all
-/// speeds wide.
+/// Machines with 20 to 100 rev/s, 20 to 200 rev/s², 10 to 100 times that in rev/s³, at 2 kHz. A band is up to a seventh
+/// of all speeds wide.
 fn any_machine() -> impl Strategy<Value = ShaftLimits> {
     let band = (0.1..0.8_f64, 0.02..0.15_f64);
     (20.0..100.0_f64, 20.0..200.0_f64, 10.0..100.0_f64, band).prop_map(
@@ -35,8 +34,8 @@ fn print(name: &str, late: impl Iterator<Item = f64>, turns_later: usize) {
 
 const CLASSES: [&str; 5] = ["falling", "steady", "rising", "below a band", "slow"];
 
-/// Stops of shafts, by how they moved when they were asked to; and how late those that leave a band are against the
-/// earliest that pays no heed to it.
+/// Stops of shafts, classed by their motion at the demand, and the delay of those that leave a band against the earliest
+/// stop that ignores the band.
 fn stops(of: impl Strategy<Value = ShaftLimits>, each: usize) -> ([Vec<Found>; 5], Vec<f64>) {
     let cuts = prop::collection::vec((any::<prop::sample::Index>(), 0..ONE_TURN), 10);
     let cases = (of, any_speeds(), cuts);
@@ -84,9 +83,9 @@ fn turns_later(found: &[Found]) -> usize {
     found.iter().filter(|found| found.turns_later > 0).count()
 }
 
-/// Were it wrong, machines would stop later than they are said to. Their jerk is of so many units that planning in
-/// whole ones costs nothing to speak of. What leaves a band cannot coast there for up to a turn, as what pays no heed
-/// to bands may, but at the lower edge.
+/// If this were wrong, machines would stop later than documented. Their jerk has so many units that planning in whole
+/// ones costs almost nothing. A shaft that leaves a band cannot coast inside it for up to a turn, as a stop without
+/// bands may; it coasts at the lower edge.
 #[test]
 fn stops_of_machines_are_no_later_than_two_ticks() {
     let (all, heedless) = stops(any_machine(), 2000);
@@ -102,7 +101,8 @@ fn stops_of_machines_are_no_later_than_two_ticks() {
     print("below a band, over heedless ones", heedless.into_iter(), 0);
 }
 
-/// The same over all that settings accept, down to jerks of 64 units, of which planning leaves four: there it costs.
+/// The same over all that settings accept, down to jerks of 64 units, of which planning subtracts four: there it costs
+/// time.
 #[test]
 fn what_planning_in_whole_units_costs() {
     let (all, _) = stops(any_limits(), 500);

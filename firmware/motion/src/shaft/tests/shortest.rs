@@ -1,16 +1,16 @@
-//! The shortest stop there is, solved in closed form, and the shaft's next to it.
+//! The shortest possible stop, solved in closed form, compared with the shaft's.
 //!
-//! *Reference.* Let the acceleration go in a straight line from each tick's to the next: the shaft's motion is then one
-//! of continuous time, within the same limits, whose speed at the end of a tick is v − a/2, the sum of the trapezia
-//! being that of the steps less half of the last. So the least time T in continuous time from (v − a/2, a) to (0, 0)
-//! is a lower bound of the ticks that any shaft needs: nothing here is the regulator's own reckoning.
+//! *Reference.* Interpolate the acceleration linearly from each tick to the next. The shaft's motion is then one of
+//! continuous time, within the same limits. Its speed at the end of a tick is v − a/2, as the sum of the trapezia is
+//! that of the steps minus half of the last. So the least time T in continuous time from (v − a/2, a) to (0, 0) is a
+//! lower bound of the ticks that any shaft needs. Nothing here uses the regulator's own computation.
 
 use super::*;
 
-/// The least time to stand without acceleration, ticks.
+/// Least time to standstill without acceleration, in ticks.
 pub(super) fn least_ticks(ramp: &RampLimits, speed: f64, acceleration: f64) -> f64 {
     let (most, jerk) = (ramp.acceleration as f64, ramp.jerk as f64);
-    // Letting go now ends at this speed; below zero only by what the two roundings to whole units make.
+    // A release now ends at this speed; it is below zero only by the two roundings to whole units.
     let let_go = acceleration * acceleration / (2.0 * jerk);
     // From a down to −p at the jerk, and up to zero again, takes away p²/J − a²/2J.
     let peak = (jerk * (speed + let_go)).max(0.0).sqrt();
@@ -22,15 +22,15 @@ pub(super) fn least_ticks(ramp: &RampLimits, speed: f64, acceleration: f64) -> f
     (acceleration + 2.0 * most) / jerk + held / most
 }
 
-/// The least time from where a shaft is.
+/// Least time from the present state of a shaft.
 fn least_ticks_from(watch: &Watch) -> f64 {
     let (speed, acceleration) = (watch.speed as f64, watch.acceleration as f64);
     let fault = &watch.shaft.limits().fault;
     least_ticks(fault, speed - acceleration / 2.0, acceleration)
 }
 
-/// Stops for a fault and says by how many ticks of moving that was over the least. A stop at a phase is asked for as well
-/// in ticks where `also` says so: it must not matter.
+/// Stops for a fault and returns the ticks of motion minus the least. In ticks where `also` is true, a stop at a phase is
+/// demanded as well; it must not matter.
 fn over_the_least(watch: &mut Watch, also: impl Fn(u64) -> bool) -> f64 {
     let least = least_ticks_from(watch);
     let from = watch.ticks;
@@ -53,19 +53,21 @@ fn over_the_least(watch: &mut Watch, also: impl Fn(u64) -> bool) -> f64 {
     moved as f64 - least
 }
 
-/// At most a tick over the least, where two are allowed. Never below it, less the two in which the shaft stands already: one in which the
-/// speed is zero, one in which the acceleration is. A part in 10⁹ is left to the f64s.
+/// Accepts at most a tick over the least, where two are allowed.
+///
+/// The lower bound allows two ticks less, in which the shaft is already at rest: one in which the speed is zero, and one
+/// in which the acceleration is. A part in 10⁹ allows for the rounding of f64.
 fn is_the_shortest(over: f64, ticks: u64) -> bool {
     let rounding = 1e-9 * ticks as f64 + 1e-6;
     (-2.0 - rounding..=1.0 + rounding).contains(&over)
 }
 
 proptest! {
-    // Every fourth case or so has no band, or ended at a stand.
+    // About every fourth case has no band, or ends at standstill.
     #![proptest_config(ProptestConfig { max_global_rejects: 100_000, ..ProptestConfig::default() })]
 
-    /// Were it wrong, cranks that drift apart would turn longer than the motors' torque asks for: from any speed and
-    /// acceleration, in a band or out of it, the stop is the shortest plus two ticks.
+    /// From any speed and acceleration, inside or outside a band, the stop takes at most the shortest time plus two
+    /// ticks. Otherwise cranks that drift apart would turn longer than the motors' torque requires.
     #[test]
     fn a_faults_stop_is_the_shortest(
         limits in any_limits(),
@@ -83,8 +85,8 @@ proptest! {
         prop_assert!(is_the_shortest(over, watch.ticks), "{over} ticks over the least");
     }
 
-    /// Were it wrong, a fault during a stop at a phase would wait for that stop, or start from a wrong acceleration; and
-    /// who asks for both at once would get neither.
+    /// If this were wrong, a fault during a stop at a phase would wait for that stop, or start from a wrong acceleration.
+    /// A caller that demands both at once would get neither.
     #[test]
     fn a_fault_during_another_stop_is_not_kept_waiting(
         limits in any_limits(),
@@ -113,7 +115,7 @@ proptest! {
         prop_assert!(is_the_shortest(over, watch.ticks), "{over} ticks over the least");
     }
 
-    /// Were it wrong, a fault in a band, on the way up or down, would be brought through it first.
+    /// If this were wrong, a fault stop inside a band, on the way up or down, would cross the band first.
     #[test]
     fn a_fault_while_crossing_a_band_stops_as_shortly(
         limits in any_limits(),
@@ -141,7 +143,7 @@ proptest! {
     }
 }
 
-/// From the slow turn of align, starting as well as steady: speeds of 0.1 to 10 rev/s, at each tick.
+/// Fault stops during homing, while starting and at constant speed: speeds of 0.1 to 10 rev/s, at each tick.
 #[test]
 fn a_fault_during_align_stops_as_shortly() {
     for (speed_hz, stop) in [(60.0, 1.0), (60.0, 8.0), (2.0, 3.0)] {
@@ -170,7 +172,7 @@ fn a_fault_during_align_stops_as_shortly() {
     }
 }
 
-/// A fault's stop goes on to its end, whatever is asked then; with equal limits it is the stop that any other is.
+/// A fault stop continues to its end, whatever is demanded then. With equal limits it is the same as any other stop.
 #[test]
 fn a_faults_stop_is_not_followed_out_of() {
     let mut limits = limits(2000, 60.0, 50.0, 500.0, &[]);
