@@ -1,16 +1,16 @@
-//! Hands the linker its map, and the image the settings that are built into it.
+//! Hands the linker its map, and the firmware the settings that are built into it.
 //!
 //! A build for a host needs neither.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-/// Names a blob, as `cophase image` writes it, to be built in instead of the default scene's.
-const BLOB: &str = "COPHASE_BLOB";
+/// Names a settings file, as `cophase settings` writes it, to be built in instead of the default scene's.
+const SETTINGS: &str = "COPHASE_SETTINGS";
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
-    println!("cargo:rerun-if-env-changed={BLOB}");
+    println!("cargo:rerun-if-env-changed={SETTINGS}");
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;
     }
@@ -31,33 +31,34 @@ fn main() {
         println!("cargo:rustc-link-arg-bins=-T{script}");
     }
 
-    let blob = match env::var_os(BLOB) {
+    let settings_file = match env::var_os(SETTINGS) {
         // Cargo runs this in the package's folder; whoever gave the path was most often at the top.
         Some(path) if !path.is_empty() => here.join("..").join(path),
-        _ => here.join("blob/golden/default.blob"),
+        _ => here.join("link/golden/default.settings"),
     };
-    println!("cargo:rerun-if-changed={}", blob.display());
-    match check(&blob) {
-        Ok((bytes, told)) => {
-            if env::var_os(BLOB).is_some_and(|path| !path.is_empty()) {
-                println!("cargo::warning=settings built in: {told}");
+    println!("cargo:rerun-if-changed={}", settings_file.display());
+    match check(&settings_file) {
+        Ok((bytes, summary)) => {
+            if env::var_os(SETTINGS).is_some_and(|path| !path.is_empty()) {
+                println!("cargo::warning=settings built in: {summary}");
             }
-            fs::write(out.join("built-in.blob"), bytes).expect("cargo's own folder can be written");
+            fs::write(out.join("built-in.settings"), bytes)
+                .expect("cargo's own folder can be written");
         }
         Err(problem) => {
             println!(
-                "cargo::error={}: {problem}; {BLOB} names a file that `cophase image SCENE -o FILE` wrote, \
+                "cargo::error={}: {problem}; {SETTINGS} names a file that `cophase settings SCENE -o FILE` wrote, \
                  counted from the top of the workspace",
-                blob.display()
+                settings_file.display()
             );
         }
     }
 }
 
-/// A blob that the image will be able to read, and what is in it.
+/// A settings file that the firmware will be able to read, and what is in it.
 fn check(path: &Path) -> Result<(Vec<u8>, String), String> {
     let bytes = fs::read(path).map_err(|error| error.to_string())?;
-    let settings = cophase_blob::decode(&bytes).map_err(|error| error.to_string())?;
-    let told = format!("{}, {} axes", settings.name, settings.axes.len());
-    Ok((bytes, told))
+    let settings = cophase_link::decode(&bytes).map_err(|error| error.to_string())?;
+    let summary = format!("{}, {} axes", settings.name, settings.axes.len());
+    Ok((bytes, summary))
 }

@@ -63,18 +63,18 @@ hold_s = 1
 "#;
 
 fn reversed(checked: &Checked, axis: usize) -> bool {
-    checked.apart(axis).is_some_and(|apart| apart.reversed)
+    checked.overrides(axis).is_some_and(|own| own.reversed)
 }
 
 /// An axis with pulses: a servo's counts make no edges.
 fn has_pulses(checked: &Checked, axis: usize) -> bool {
     use host_sim::scene::file::Drive;
-    let own = checked.apart(axis).and_then(|apart| apart.drive);
+    let own = checked.overrides(axis).and_then(|own| own.drive);
     own.unwrap_or(checked.scene.axes.drive) == Drive::Stepper
 }
 
 fn steps_per_turn(checked: &Checked, axis: usize) -> f64 {
-    let own = checked.apart(axis).and_then(|apart| apart.steps_per_turn);
+    let own = checked.overrides(axis).and_then(|own| own.steps_per_turn);
     f64::from(own.unwrap_or(checked.scene.axes.steps_per_turn))
 }
 
@@ -105,7 +105,7 @@ fn totals_agree(checked: &Checked, run: &Run) {
     }
 }
 
-/// Were it wrong, at least one of the three files would be telling a tale: each gets its steps another
+/// Were it wrong, at least one of the three files would be fault event a report: each gets its steps another
 /// way (the planner's counter, the edges as played, the statistics).
 #[test]
 fn trace_edges_and_report_count_the_same_steps() {
@@ -151,8 +151,8 @@ fn sums_agree(checked: &Checked, trace: &Trace) {
     let tick_s = 1.0 / f64::from(checked.scene.control.tick_hz);
     let turns: f64 = trace.column("omega_rad_s").iter().sum::<f64>() * tick_s / TAU;
     for axis in 0..trace.axes {
-        let way = turns * steps_per_turn(checked, axis);
-        let ahead = way - last_steps(trace, axis) as f64;
+        let distance = turns * steps_per_turn(checked, axis);
+        let ahead = distance - last_steps(trace, axis) as f64;
         assert!(
             (-0.05..1.05).contains(&ahead),
             "axis {axis}: {ahead} steps between speed and steps"
@@ -210,7 +210,7 @@ fn steps_are_the_integral_of_the_program() {
     );
 
     let machine = &checked.settings.machine;
-    let stiffness = machine.crank_radius_m * (1.0 + machine.lambda);
+    let stiffness = machine.crank_radius_m * (1.0 + checked.lambda());
     let omega = |t_s: f64| (program.amax_mps2(t_s) / stiffness).sqrt();
     let (a, b) = (time(from), time(to));
     let integral = program.integral(a, b, omega);
@@ -228,8 +228,8 @@ fn steps_are_the_integral_of_the_program() {
     // What the trace says of the program is what the program says, at every tick, to the last digit
     // (5e-5) and the ramp's 2⁻²⁶ of at most 70 m/s².
     for row in running {
-        let told = trace.column("amax_program_mps2")[row];
-        let off = told - program.amax_mps2(time(row));
+        let reported = trace.column("amax_requested_mps2")[row];
+        let off = reported - program.amax_mps2(time(row));
         assert!(
             off.abs() < 5.2e-5,
             "{} s: the program is off by {off} m/s²",

@@ -1,6 +1,6 @@
 //! Cross-coupled servos: what is promised of the gains that are derived from a scene, held against the machine itself.
 //!
-//! Three servos on the phased rung, each crank its own rotor; the loop, its encoders and delays are the real ones.
+//! Three servos on the phased model level, each crank its own rotor; the loop, its encoders and delays are the real ones.
 
 use cophase_core::settings::CorrectionSettings;
 use cophase_tests::scene;
@@ -49,7 +49,7 @@ fn spread(error: &[f64; 3]) -> f64 {
     most - error.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-/// The gains that the scene derives, and those that the core is told.
+/// The gains that the scene derives, and those that the core is given.
 fn derived() -> (Gains, CorrectionSettings) {
     let checked = scene(&text("couple = true", "torque_nm = 1"));
     let gains = plant(&checked.scene, &checked.settings.machine)
@@ -59,12 +59,12 @@ fn derived() -> (Gains, CorrectionSettings) {
     (gains, checked.settings.correction)
 }
 
-/// Were the derivation wrong, or the loop slower than it says, the coupling would swing at other gains than its margin tells.
+/// Were the derivation wrong, or the loop slower than it says, the coupling would swing at other gains than its margin shows.
 #[test]
 fn the_coupling_swings_where_its_margin_ends() {
-    let (gains, told) = derived();
+    let (gains, reported) = derived();
     assert_eq!(
-        (told.coupling, told.coupling_per_s),
+        (reported.coupling, reported.coupling_per_s),
         (gains.proportional, gains.per_s)
     );
     assert!(gains.gain_margin >= 1.0 / (1.0 - APART), "{gains:?}");

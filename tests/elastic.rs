@@ -1,4 +1,4 @@
-//! The loop on a machine whose frame moves: against the rung below, and against what vibration theory says of two masses.
+//! The loop on a machine whose frame moves: against the model level below, and against what vibration theory says of two masses.
 
 use std::f64::consts::TAU;
 
@@ -31,7 +31,7 @@ ground_zeta = 0.1
 speed_hz = 40
 acceleration_hz_per_s = 60
 jerk_hz_per_s2 = 600
-creep_hz = 5
+homing_speed_hz = 5
 [axes]
 count = 3
 drive = "servo"
@@ -51,9 +51,9 @@ fn amax_g(speed_hz: f64) -> f64 {
 
 /// What the frame does while the shaft turns evenly: turns of crank 0, heave in m, force on the ground in N.
 #[derive(Default)]
-struct Seen(Vec<(f64, f64, f64)>);
+struct Recorded(Vec<(f64, f64, f64)>);
 
-impl Observer for Seen {
+impl Observer for Recorded {
     fn tick(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
         if telemetry.state == State::Run && telemetry.motion.acceleration == 0 {
@@ -66,10 +66,10 @@ impl Observer for Seen {
 
 /// First harmonic, over the crank's turn, of what `pick` sees in the last 40 turns: under a Hann window, in which means and
 /// other harmonics come to 1e-5 of themselves at most (its spectrum falls as the cube of 40).
-fn first_harmonic(seen: &Seen, pick: impl Fn(&(f64, f64, f64)) -> f64) -> f64 {
-    let end = seen.0.last().expect("it has turned evenly").0;
+fn first_harmonic(recorded: &Recorded, pick: impl Fn(&(f64, f64, f64)) -> f64) -> f64 {
+    let end = recorded.0.last().expect("it has turned evenly").0;
     let (mut sum, mut weights) = (Complex::new(0.0, 0.0), 0.0);
-    for moment in seen.0.iter().filter(|moment| moment.0 > end - 40.0) {
+    for moment in recorded.0.iter().filter(|moment| moment.0 > end - 40.0) {
         let weight = 1.0 - (TAU * (end - moment.0) / 40.0).cos();
         sum += Complex::from_polar(weight * pick(moment), -TAU * moment.0);
         weights += weight;
@@ -92,8 +92,8 @@ fn a_frame_answers_as_two_masses_do() {
     // √(k₁ / (m + frame)) is 12.0 Hz.
     for speed_hz in [8.0, 12.0, 20.0] {
         let checked = scene(&SCENE.replace("AMAX", &amax_g(speed_hz).to_string()));
-        let mut seen = Seen::default();
-        let outcome = simulate(&checked, &mut seen, |_, _| {}).expect("it runs");
+        let mut recorded = Recorded::default();
+        let outcome = simulate(&checked, &mut recorded, |_, _| {}).expect("it runs");
         let said = summary(&checked, &outcome, None, 1.0);
         assert!(
             said.contains("The frame went at most") && said.contains("Greatest motor torque"),
@@ -110,12 +110,12 @@ fn a_frame_answers_as_two_masses_do() {
         for (what, found, right) in [
             (
                 "heave",
-                first_harmonic(&seen, |moment| moment.1),
+                first_harmonic(&recorded, |moment| moment.1),
                 heave.norm(),
             ),
             (
                 "ground",
-                first_harmonic(&seen, |moment| moment.2),
+                first_harmonic(&recorded, |moment| moment.2),
                 ground.norm(),
             ),
         ] {
@@ -129,7 +129,7 @@ fn a_frame_answers_as_two_masses_do() {
     }
 }
 
-/// Were it wrong, the rung above would say another thing than the one below where their assumptions meet. A frame of 1000 t on
+/// Were it wrong, the model level above would say another thing than the one below where their assumptions meet. A frame of 1000 t on
 /// 1e12 N/m goes 1e-9 m under a kilonewton; what cranks and platform make of that is below a trace's last digits, 1e-9 turns and
 /// 1 nm.
 #[test]
@@ -169,8 +169,8 @@ fn a_frame_that_stands_fast_is_phased() {
 /// Short by F / N k: at rest the weight's, in motion up to m (g + amax) with what 30 rev/s, at 0.14 of the rods' mode, adds
 /// to that: 2 %, and as much again for harmonics.
 #[test]
-fn sprung_rods_give_by_what_statics_say() {
-    let settled = SCENE
+fn elastic_rods_give_by_what_statics_say() {
+    let quasi_static = SCENE
         .replace("\"elastic\"", "\"phased\"")
         .replace("AMAX", &amax_g(30.0).to_string())
         .replace("hold_s = 5", "hold_s = 0.2")
@@ -178,14 +178,14 @@ fn sprung_rods_give_by_what_statics_say() {
             "load_kg = 1\n",
             "load_kg = 8\nrod_n_per_um = 5\nrod_zeta = 0.1\n",
         );
-    let sprung = settled.replace("[frame]", "rods = \"sprung\"\n[frame]");
-    let [settled, sprung] = [settled, sprung]
+    let elastic = quasi_static.replace("[frame]", "rods = \"elastic\"\n[frame]");
+    let [quasi_static, elastic] = [quasi_static, elastic]
         .map(|text| record(&scene(&text), Every::Ticks(1), Window::FirstMotion).trace());
-    let short: Vec<f64> = settled
+    let short: Vec<f64> = quasi_static
         .column("z_m")
         .iter()
-        .zip(sprung.column("z_m"))
-        .map(|(settled, sprung)| settled - sprung)
+        .zip(elastic.column("z_m"))
+        .map(|(quasi_static, elastic)| quasi_static - elastic)
         .collect();
     let at_rest = 8.0 * 9.80665 / (3.0 * 5e6);
     let last = short.last().expect("a run has rows");
@@ -208,7 +208,7 @@ fn refused(text: &str) -> String {
 /// Were it wrong, a machine would stand on a frame that nobody described, or be advanced by a method that takes an integral for
 /// a speed.
 #[test]
-fn what_a_frame_and_an_integral_ask_for_is_said() {
+fn what_a_frame_and_an_integral_need_is_said() {
     let text = SCENE.replace("AMAX", "5");
     let (before, rest) = text.split_once("[frame]").unwrap();
     let (_, after) = rest.split_once("[limits]").unwrap();
@@ -239,7 +239,7 @@ fn what_a_frame_and_an_integral_ask_for_is_said() {
 /// Were it wrong, a method that only damping keeps stable would be believed for a frame that has none: the rotors' drives damp
 /// their own mode well, and the frame would swing up by metres.
 #[test]
-fn a_frame_without_damping_is_asked_about_by_itself() {
+fn a_frame_without_damping_is_its_own_question() {
     let undamped = SCENE
         .replace("AMAX", "3.6")
         .replace("suspension_zeta = 0.05", "suspension_zeta = 0");

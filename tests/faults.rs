@@ -1,17 +1,17 @@
 //! What a scene's `[[fault]]` and `[noise]` do to drives, cranks and sensors, whatever the controller makes of it.
 //!
 //! Each is looked at on a *kinematic* machine, whose cranks are where their fields are to the last digit, and where that
-//! says another thing on a *phased* one too, whose cranks swing there. The loop is looked past: what it tells, and when it
+//! says another thing on a *phased* one too, whose cranks swing there. The loop is looked past: what it shows, and when it
 //! stops, are other tests' affair. So faults come early in a long turn at a low speed, and limits are wide.
 
 #[path = "faults/coasting.rs"]
 mod coasting;
 #[path = "faults/drives.rs"]
 mod drives;
-#[path = "faults/looks.rs"]
-mod looks;
 #[path = "faults/noise.rs"]
 mod noise;
+#[path = "faults/samples.rs"]
+mod samples;
 #[path = "faults/sensors.rs"]
 mod sensors;
 #[path = "faults/servos.rs"]
@@ -21,8 +21,8 @@ mod watched;
 
 use cophase_core::supervisor::FaultKind;
 use cophase_tests::scene;
-use host_sim::sim::events::Happening;
-use looks::{Looks, look};
+use host_sim::sim::events::EventKind;
+use samples::{Samples, observe};
 
 /// Three steppers, 50 electrical cycles to a turn. They align from 0.02 s on at 5 rev/s, and a turn is 400 ticks of 0.5 ms.
 const KINEMATIC: &str = r#"
@@ -38,7 +38,7 @@ settle_s = 0.02
 speed_hz = 12
 acceleration_hz_per_s = 200
 jerk_hz_per_s2 = 20000
-creep_hz = 5
+homing_speed_hz = 5
 [axes]
 count = 3
 drive = "stepper"
@@ -57,7 +57,7 @@ ramp_s = 0.1
 hold_s = 1
 "#;
 
-/// When faults come: in the first turn, before any index is heard and anything is judged by it.
+/// When faults come: in the first turn, before any index is detected and anything is judged by it.
 const AT_S: f64 = 0.12;
 /// The same as a tick.
 const AT_TICK: u64 = 240;
@@ -67,39 +67,39 @@ fn phased() -> String {
     KINEMATIC.replace("kinematic", "phased")
 }
 
-/// The same with nobody reading the encoders: the loop does not see at once that a motor turns as it is not told, and goes on.
+/// The same with nobody reading the encoders: the loop does not see at once that a motor turns as it is not reported, and goes on.
 fn unread(text: &str) -> String {
     text.replace("encoder = true", "encoder = false")
 }
 
-fn with(text: &str, fault: &str) -> Looks {
-    look(&scene(&format!("{text}[[fault]]\nat_s = {AT_S}\n{fault}")))
+fn with(text: &str, fault: &str) -> Samples {
+    observe(&scene(&format!("{text}[[fault]]\nat_s = {AT_S}\n{fault}")))
 }
 
-/// The first event that `is` picks: the tick at the beginning of which it was seen.
-fn seen_in(looks: &Looks, is: fn(&Happening) -> bool) -> Option<u64> {
-    let mut events = looks.outcome.statistics.events.iter();
+/// The first event that `is` picks: the tick at the beginning of which it was detected.
+fn event_tick(samples: &Samples, is: fn(&EventKind) -> bool) -> Option<u64> {
+    let mut events = samples.outcome.statistics.events.iter();
     let event = events.find(|event| is(&event.what))?;
     Some((event.t_s / TICK_S).round() as u64)
 }
 
 /// The first fault that was put in: its tick.
 #[track_caller]
-fn began(looks: &Looks) -> u64 {
-    seen_in(looks, |what| matches!(what, Happening::Injected(_))).expect("a fault was put in")
+fn began(samples: &Samples) -> u64 {
+    event_tick(samples, |what| matches!(what, EventKind::Injected(_))).expect("a fault was put in")
 }
 
-/// When the first fault latched: what plays in a tick was reckoned at the deadline before.
-fn latched_in(looks: &Looks) -> Option<u64> {
-    let played = seen_in(looks, |what| matches!(what, Happening::Fault { .. }))?;
+/// When the first fault latched: what plays in a tick was computed at the deadline before.
+fn latched_in(samples: &Samples) -> Option<u64> {
+    let played = event_tick(samples, |what| matches!(what, EventKind::Fault { .. }))?;
     Some(played - 1)
 }
 
 /// Whether the loop was told what it can be told at once.
-fn latched(looks: &Looks, kind: FaultKind) -> bool {
-    let mut events = looks.outcome.statistics.events.iter();
+fn latched(samples: &Samples, kind: FaultKind) -> bool {
+    let mut events = samples.outcome.statistics.events.iter();
     let first = events.find_map(|event| match event.what {
-        Happening::Fault { fault, .. } => Some(fault.kind),
+        EventKind::Fault { fault, .. } => Some(fault.kind),
         _ => None,
     });
     first == Some(kind)

@@ -27,7 +27,7 @@ damper = "DAMPER"
 speed_hz = 8
 acceleration_hz_per_s = 20
 jerk_hz_per_s2 = 400
-creep_hz = 5
+homing_speed_hz = 5
 [axes]
 count = 2
 drive = "servo"
@@ -78,7 +78,7 @@ impl Observer for Steady {
         }
         self.turns = moment.master_turns - since - 3.0;
         self.speed_hz = motion.speed.to_num::<f64>() * 2000.0;
-        let followers = moment.machine.followers().expect("a scene of cams");
+        let followers = moment.machine.followers().expect("a scene for cams");
         for (worst, peaks) in self.peaks.iter_mut().zip(followers.peaks()) {
             *worst = worst.or(*peaks);
         }
@@ -143,7 +143,7 @@ fn with_the_damper_at_the_cam() {
         assert_within("pusher, m/s²", peaks.pusher_mps2, 340.58, 1e-3);
         assert_within("off, mm", peaks.off_m * 1e3, 0.125, 5e-3);
     }
-    // The whole run, which the report tells of, has no greater ones than its greatest speed.
+    // The whole run, which the report reports, has no greater ones than its greatest speed.
     for (whole, steady) in outcome.statistics.followers.iter().zip(&steady.peaks) {
         assert_within(
             "whole run, m/s²",
@@ -154,9 +154,9 @@ fn with_the_damper_at_the_cam() {
     }
 }
 
-/// Were it wrong, the rung below would not be the law itself: 307.04 m/s² at the return, 84 mm from bottom to top, nothing off.
+/// Were it wrong, the model level below would not be the law itself: 307.04 m/s² at the return, 84 mm from bottom to top, nothing off.
 #[test]
-fn on_the_kinematic_rung_the_law_itself() {
+fn on_the_kinematic_level_the_law_itself() {
     let text = format!("fidelity = \"kinematic\"\n{}", text("modified-sine", "cam"));
     let (steady, outcome) = steady(&text);
     assert!(outcome.method.is_none());
@@ -190,7 +190,7 @@ fn methods_agree() {
 }
 
 /// Were it wrong, a pusher that goes with its neighbours, but behind them, would not be stopped, or one that lawfully lags by less
-/// would be: the limit is `drift.warp_limit_deg`, in degrees, though the core reckons it as a tilt.
+/// would be: the limit is `drift.warp_limit_deg`, in degrees, though the core computes it as a tilt.
 #[test]
 fn cams_too_far_apart_are_stopped() {
     let with = |start_deg: f64| {
@@ -208,7 +208,7 @@ fn cams_too_far_apart_are_stopped() {
     assert_eq!(lawful.statistics.worst_tilt_mrad, 0.0);
     let stopped = with(-4.2);
     let kind = stopped.fault.map(|fault| fault.kind);
-    assert_eq!(kind, Some(FaultKind::TooFarOut));
+    assert_eq!(kind, Some(FaultKind::HomingRangeExceeded));
 }
 
 /// Were it wrong, a cam on steps would not be where its steps put it. At 7.5 rev/s and 2 kHz there are 12 steps of 3200 a tick, so

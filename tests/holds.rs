@@ -5,7 +5,7 @@
 //! many digits is where the platform is (`z_m`) and where the cranks are (`actual_turns_i`). So it is
 //! shown first that every row's height is the mechanism's at that crank angle; then the mean speed over
 //! the turns of a hold gives the acceleration amplitude by the mechanism's geometry, differentiated
-//! numerically here. Nothing of `amax_command_mps2` or of the law ω = sqrt(amax / (R (1 + λ))) enters.
+//! numerically here. Nothing of `amax_commanded_mps2` or of the law ω = sqrt(amax / (R (1 + λ))) enters.
 //!
 //! And they get there from rest, where that law's slope has no end.
 
@@ -24,7 +24,7 @@ struct Mechanism {
 
 impl Mechanism {
     /// R cos α + sqrt(L² − R² sin² α), from its value at a quarter turn, less the rod.
-    fn way_m(self, alpha: f64) -> f64 {
+    fn travel_m(self, alpha: f64) -> f64 {
         let (sin, cos) = alpha.sin_cos();
         let rod = (self.rod_m.powi(2) - (self.radius_m * sin).powi(2)).sqrt();
         self.radius_m * cos + rod
@@ -35,7 +35,7 @@ impl Mechanism {
     fn greatest_second_derivative_m(self) -> f64 {
         const H: f64 = 0.02;
         let second = |alpha: f64| {
-            let x = |steps: f64| self.way_m(alpha + steps * H);
+            let x = |steps: f64| self.travel_m(alpha + steps * H);
             (16.0 * (x(1.0) + x(-1.0)) - x(2.0) - x(-2.0) - 30.0 * x(0.0)) / (12.0 * H * H)
         };
         (0..3600)
@@ -46,7 +46,7 @@ impl Mechanism {
 
 /// Stretches of rows in which the program asks for one and the same level.
 fn holds(trace: &Trace) -> Vec<std::ops::Range<usize>> {
-    let (program, running) = (trace.column("amax_program_mps2"), trace.first("run"));
+    let (program, running) = (trace.column("amax_requested_mps2"), trace.first("run"));
     let mut holds = Vec::new();
     let mut from = running.start;
     for row in running.start + 1..=running.end {
@@ -75,9 +75,9 @@ fn the_patent_machines_hold_their_amax() {
         let (turns, z_m) = (trace.axis("actual_turns", 0), trace.column("z_m"));
         // The platforms are below the cranks, so heights are negative. The trace's heights and turns end
         // at 1e-9: an error of 0.5e-9 turns is 2π R · 0.5e-9 of height, below 0.3e-9 m.
-        let offset_m = -z_m[0] - mechanism.way_m(0.0);
+        let offset_m = -z_m[0] - mechanism.travel_m(0.0);
         for row in 0..trace.rows() {
-            let off = -z_m[row] - mechanism.way_m(turns[row] * TAU) - offset_m;
+            let off = -z_m[row] - mechanism.travel_m(turns[row] * TAU) - offset_m;
             assert!(
                 off.abs() < 2e-9,
                 "{name}: row {row} is {off} m from the mechanism's place"
@@ -97,11 +97,11 @@ fn the_patent_machines_hold_their_amax() {
             let ticks = (to - 1 - from) as f64 + part;
             let omega = TAU * whole / (ticks / f64::from(checked.scene.control.tick_hz));
             let amax = mechanism.greatest_second_derivative_m() * omega * omega;
-            let asked = trace.column("amax_program_mps2")[from];
-            let relative = amax / asked - 1.0;
+            let requested = trace.column("amax_requested_mps2")[from];
+            let relative = amax / requested - 1.0;
             assert!(
                 relative.abs() < 1e-4,
-                "{name}: {amax} m/s² where {asked} was asked"
+                "{name}: {amax} m/s² where {requested} was asked"
             );
         }
     }
@@ -127,8 +127,8 @@ fn a_ramp_of_one_second_starts_within_limits() {
         let tick_s = 1.0 / f64::from(checked.scene.control.tick_hz);
 
         // At the time of the balance the root is w sqrt(t), and its slope w / (2 sqrt(t)).
-        let asked = |t: f64| TAU * full_hz * t.sqrt();
-        let slope_hz_per_s = asked(balance_s) / (2.0 * balance_s) / TAU;
+        let requested = |t: f64| TAU * full_hz * t.sqrt();
+        let slope_hz_per_s = requested(balance_s) / (2.0 * balance_s) / TAU;
         assert!(
             slope_hz_per_s > 2.0 * limits.acceleration_hz_per_s,
             "{name}"
@@ -136,7 +136,10 @@ fn a_ramp_of_one_second_starts_within_limits() {
         let at = running.start + (balance_s / tick_s).ceil() as usize;
         // It comes from the slow turn that found the index pulses.
         let gained = omega[at] - omega[running.start];
-        assert!(gained < 0.1 * asked(balance_s), "{name}: {gained} rad/s");
+        assert!(
+            gained < 0.1 * requested(balance_s),
+            "{name}: {gained} rad/s"
+        );
 
         // The trace's speeds end at 1e-6 rad/s; a difference of three of them is off by up to four halves of that.
         let rounding = |order: i32| 2.0 * 1e-6 / tick_s.powi(order);

@@ -22,7 +22,7 @@ settle_s = 0.02
 speed_hz = 12
 acceleration_hz_per_s = 40
 jerk_hz_per_s2 = 1000
-creep_hz = 5
+homing_speed_hz = 5
 [axes]
 count = 3
 drive = "stepper"
@@ -105,7 +105,7 @@ fn a_missed_deadline_makes_all_stand_and_loses_nothing() {
             punctual.last().start_ns + u64::from(missed) * TICK_NS
         );
 
-        // Nothing moves meanwhile, on any wire; and the report tells of it.
+        // Nothing moves meanwhile, on any wire; and the report reports it.
         let run = record(&checked, Every::Ticks(1), Window::All);
         let until_ns = stand_ns + u64::from(missed) * TICK_NS;
         for axis in [0, 1] {
@@ -150,7 +150,7 @@ fn three_missed_in_a_row_stop_the_machine_in_phase() {
         assert_eq!(late.last().missed, missed, "{by_us} µs");
         assert_eq!(
             late.states(),
-            [State::Align, State::Run, State::Stop, State::Fault]
+            [State::Homing, State::Run, State::Stop, State::Fault]
         );
         assert_eq!(gaps(&late).len(), 1);
         // The stop keeps the acceleration that the scene allows: 40 rev/s² at 2 kHz, in 2⁻⁴⁸ turn.

@@ -141,7 +141,7 @@ fn built_in_machines_are_in_phase_to_the_count() {
                 ratio: (1, 1),
                 offset_eighths: 0,
                 steps_per_turn: common.steps_per_turn,
-                reversed: checked.apart(i).is_some_and(|apart| apart.reversed),
+                reversed: checked.overrides(i).is_some_and(|own| own.reversed),
                 servo: common.drive == Drive::Servo,
             })
             .collect();

@@ -17,7 +17,8 @@ const fn word(reaction: Reaction) -> &'static str {
 /// Were it another, who reads it would wire, and trust, a machine that reacts otherwise.
 #[test]
 fn the_table_that_is_read_is_the_one_that_is_run() {
-    let mut table = "| kind | number | in safety | else |\n| --- | --- | --- | --- |\n".to_owned();
+    let mut table =
+        "| kind | number | within limits | else |\n| --- | --- | --- | --- |\n".to_owned();
     for row in REACTIONS {
         let (name, number) = (row.kind.name(), row.kind as u8);
         let (safe, else_) = (word(row.safe), word(row.unsafe_));

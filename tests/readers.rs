@@ -24,7 +24,7 @@ settle_s = 0.05
 speed_hz = 8
 acceleration_hz_per_s = 60
 jerk_hz_per_s2 = 2000
-creep_hz = 5
+homing_speed_hz = 5
 [axes]
 count = 3
 drive = "stepper"
@@ -94,12 +94,12 @@ fn decoded(line: &str) -> (u64, u64, i64) {
     (ns(from), ns(to), position.parse().expect("whole steps"))
 }
 
-/// Were it wrong, someone with a logic analyser's software would see another motion than the trace tells.
+/// Were it wrong, someone with a logic analyser's software would see another motion than the trace shows.
 ///
 /// The decoder starts from 0 and counts each rising edge by DIR's level at it; it prints the position
 /// after a step, from that step to the next, when it sees the next.
 #[test]
-fn sigrok_decodes_the_positions_that_the_trace_tells() {
+fn sigrok_decodes_the_positions_of_the_trace() {
     if !is_installed("sigrok-cli") {
         return;
     }
@@ -204,12 +204,12 @@ fn python_reads_the_numbers_that_rust_reads() {
     let trace = run.trace();
     for row in 0..trace.rows() {
         for name in &names {
-            let got = lines.next().expect("a field");
+            let actual = lines.next().expect("a field");
             if *name == "state" {
-                assert_eq!(got, trace.states[row]);
+                assert_eq!(actual, trace.states[row]);
             } else {
                 let bits = trace.column(name)[row].to_bits();
-                assert_eq!(got, format!("{bits:016x}"), "{name} in row {row}");
+                assert_eq!(actual, format!("{bits:016x}"), "{name} in row {row}");
             }
         }
     }

@@ -1,20 +1,20 @@
 //! Every way on from a standstill, through scenes: resume, start again, reset.
 //!
 //! That all axes are in phase, to the bit, at every tick of every one of these runs is asserted by
-//! [`cophase_tests::watch`]; that the shaft keeps its limits, by [`story`].
+//! [`cophase_tests::watch`]; that the shaft keeps its limits, by [`scripted`].
 
 use cophase_core::supervisor::FaultKind;
-use cophase_core::supervisor::State::{Align, Fault, Idle, Parked, Run, Stop};
+use cophase_core::supervisor::State::{Fault, Homing, Idle, Parked, Run, Stop};
 use cophase_tests::Tick;
-use cophase_tests::story::{command, program, stands_at_park_phase, story};
+use cophase_tests::scripted::{command, program, scripted, stands_at_park_phase};
 
 /// Were it wrong, a hold would lose a piece of the program, or not hold.
 #[test]
 fn a_hold_keeps_the_speed_and_the_place_in_the_program() {
-    let plain = story("");
+    let plain = scripted("");
     // Amid the way up, below the band; and in a steady hold.
     for (at_s, amid_ramp) in [(0.75, true), (2.1, false)] {
-        let held = story(&(command(at_s, "hold") + &command(at_s + 0.7, "resume")));
+        let held = scripted(&(command(at_s, "hold") + &command(at_s + 0.7, "resume")));
         assert_eq!(program(&held), program(&plain), "{at_s} s");
         let holding: Vec<&Tick> = held.ticks.iter().filter(|tick| tick.holding).collect();
         assert_eq!(holding.len(), 1400, "{at_s} s");
@@ -31,19 +31,20 @@ fn a_hold_keeps_the_speed_and_the_place_in_the_program() {
         stands_at_park_phase(held.last());
     }
     // A stop ends a hold.
-    let stopped = story(&(command(2.1, "hold") + &command(2.5, "stop")));
-    assert_eq!(stopped.states(), [Align, Run, Stop, Parked]);
+    let stopped = scripted(&(command(2.1, "hold") + &command(2.5, "stop")));
+    assert_eq!(stopped.states(), [Homing, Run, Stop, Parked]);
     stands_at_park_phase(stopped.last());
 }
 
 /// Were it wrong, a program would have to be played from its start after each stop, or skip a piece.
 #[test]
 fn a_start_after_a_stop_goes_on_and_after_the_end_begins_again() {
-    let plain = story("");
-    let stopped = story(&(command(0.0, "start") + &command(1.3, "stop") + &command(3.0, "start")));
+    let plain = scripted("");
+    let stopped =
+        scripted(&(command(0.0, "start") + &command(1.3, "stop") + &command(3.0, "start")));
     assert_eq!(
         stopped.states(),
-        [Align, Run, Stop, Parked, Run, Stop, Parked]
+        [Homing, Run, Stop, Parked, Run, Stop, Parked]
     );
     assert_eq!(
         program(&stopped),
@@ -53,10 +54,10 @@ fn a_start_after_a_stop_goes_on_and_after_the_end_begins_again() {
     stands_at_park_phase(stopped.last());
 
     let end_s = plain.last().start_ns as f64 * 1e-9;
-    let again = story(&(command(0.0, "start") + &command(end_s + 0.5, "start")));
+    let again = scripted(&(command(0.0, "start") + &command(end_s + 0.5, "start")));
     assert_eq!(
         again.states(),
-        [Align, Run, Stop, Parked, Run, Stop, Parked]
+        [Homing, Run, Stop, Parked, Run, Stop, Parked]
     );
     let twice = [program(&plain), program(&plain)].concat();
     assert_eq!(program(&again), twice, "it begins again");
@@ -75,21 +76,21 @@ fn a_start_after_a_stop_goes_on_and_after_the_end_begins_again() {
 fn a_reset_after_a_fault_lets_the_machine_start_again() {
     let late = "[[late]]\nat_s = 1.1\nby_us = 5000\n";
     let starts = command(0.0, "start") + &command(3.0, "start");
-    let unreset = story(&(starts.clone() + late));
-    assert_eq!(unreset.states(), [Align, Run, Stop, Fault]);
+    let unreset = scripted(&(starts.clone() + late));
+    assert_eq!(unreset.states(), [Homing, Run, Stop, Fault]);
     assert_eq!(
         unreset.last().fault.map(|fault| fault.kind),
         Some(FaultKind::Overrun)
     );
 
     // A reset while it still stops is too early, and does nothing.
-    let early = story(&(starts.clone() + late + &command(1.2, "reset")));
+    let early = scripted(&(starts.clone() + late + &command(1.2, "reset")));
     assert_eq!(early.states(), unreset.states());
 
-    let reset = story(&(starts + late + &command(2.5, "reset")));
+    let reset = scripted(&(starts + late + &command(2.5, "reset")));
     assert_eq!(
         reset.states(),
-        [Align, Run, Stop, Fault, Idle, Align, Run, Stop, Parked]
+        [Homing, Run, Stop, Fault, Idle, Homing, Run, Stop, Parked]
     );
     stands_at_park_phase(reset.last());
     assert_eq!(reset.last().fault, None);

@@ -18,7 +18,7 @@ settle_s = 0.02
 speed_hz = 12
 acceleration_hz_per_s = 60
 jerk_hz_per_s2 = 2000
-creep_hz = 5
+homing_speed_hz = 5
 band = [{ from_hz = 6, to_hz = 7 }]
 [axes]
 count = 3
@@ -62,7 +62,7 @@ fn assert_same(one: &Run, other: &Run) {
     );
 }
 
-/// Were it wrong, a golden file would be worth nothing, and a fault seen once might never be seen again.
+/// Were it wrong, a golden file would be worth nothing, and a fault seen once might never be detected again.
 #[test]
 fn twice_the_same() {
     for checked in [scene(SHORT), built_in("lost-steps")] {
@@ -96,7 +96,7 @@ fn side_by_side_the_same() {
 /// Were it wrong, thinning a trace or moving the window would change what happens in it: the observer
 /// would be part of the experiment.
 #[test]
-fn looking_closer_shows_more_of_the_same() {
+fn a_closer_view_shows_more_of_the_same() {
     let checked = scene(SHORT);
     let all = record(&checked, Every::Ticks(1), Window::All);
     let lines = |run: &Run| -> Vec<String> {
@@ -153,7 +153,7 @@ fn looking_closer_shows_more_of_the_same() {
 
 /// Were it wrong, watching the loop instead of recording it would change it.
 #[test]
-fn who_looks_on_changes_nothing() {
+fn an_observer_changes_nothing() {
     let checked = built_in("patent-4");
     let recorded = record(&checked, Every::Fitting, Window::FirstMotion);
     let watched = watch(&checked);

@@ -31,7 +31,7 @@ impl Observer for Compare {
             .platform
             .torque_nm(alpha, omega, acceleration)
             / AXES as f64;
-        let want_nm = share_nm + self.rotor_inertia_kgm2 * acceleration;
+        let expected_nm = share_nm + self.rotor_inertia_kgm2 * acceleration;
         for (axis, setpoint) in moment.played.setpoints.iter().enumerate() {
             let sign = if axis == self.reversed { -1 } else { 1 };
             let position = setpoint.position.since(Phase::ZERO) * Turns::from_num(sign);
@@ -45,9 +45,9 @@ impl Observer for Compare {
                 telemetry.motion.speed,
                 "axis {axis}"
             );
-            let got_nm = setpoint.torque.to_num::<f64>() * f64::from(sign);
-            self.worst_nm = self.worst_nm.max((got_nm - want_nm).abs());
-            self.peak_nm = self.peak_nm.max(want_nm.abs());
+            let actual_nm = setpoint.torque.to_num::<f64>() * f64::from(sign);
+            self.worst_nm = self.worst_nm.max((actual_nm - expected_nm).abs());
+            self.peak_nm = self.peak_nm.max(expected_nm.abs());
         }
         self.ticks += 1;
     }

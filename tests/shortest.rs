@@ -1,12 +1,12 @@
 //! The shortest stop, on whole machines: two to six axes, steppers, servos and both.
 //!
-//! That all axes are in phase, to the count, at every tick of these runs, is asserted by [`cophase_tests::watch`]. How
-//! long a stop may take is reckoned here, from the speed and acceleration before it: see `shaft/tests/shortest.rs` in
+//! That all axes are in phase, exactly, at every tick of these runs, is asserted by [`cophase_tests::watch`]. How
+//! long a stop may take is computed here, from the speed and acceleration before it: see `shaft/tests/shortest.rs` in
 //! the core for why that is the least.
 
 use cophase_core::supervisor::FaultKind;
-use cophase_core::supervisor::State::{Align, Fault, Parked, Run, Stop};
-use cophase_tests::story::{HZ, ONE_TURN, command};
+use cophase_core::supervisor::State::{Fault, Homing, Parked, Run, Stop};
+use cophase_tests::scripted::{HZ, ONE_TURN, command};
 use cophase_tests::{Tick, Watched, scene, watch};
 
 /// Limits of a fault's stop, rev/s² and rev/s³: harder than the usual 40 and 800.
@@ -37,7 +37,7 @@ acceleration_hz_per_s = {}
 jerk_hz_per_s2 = {}
 stop_acceleration_hz_per_s = {}
 stop_jerk_hz_per_s2 = {}
-creep_hz = 4
+homing_speed_hz = 4
 band = [{{ from_hz = 9, to_hz = 11 }}]
 [axes]
 count = {axes}
@@ -146,14 +146,14 @@ fn a_fault_while_crossing_a_band_stops_in_the_least_time() {
     });
 }
 
-/// Were it wrong, a fault before the cranks are aligned would go unheeded, or be met by a stop at a phase that nobody knows.
+/// Were it wrong, a fault before the cranks are homed would go ignored, or be met by a stop at a phase that nobody knows.
 #[test]
-fn a_fault_during_align_stops_in_the_least_time() {
+fn a_fault_during_homing_stops_in_the_least_time() {
     each_machine(|axes, drive| {
         for at_s in [0.04, 0.08, 0.2] {
             let watched = machine(axes, drive, &alarm(at_s, 0));
             let last = assert_shortest(&watched, &format!("{axes} {drive}s aligning"));
-            assert_eq!(last.state, Align, "{axes} {drive}s");
+            assert_eq!(last.state, Homing, "{axes} {drive}s");
         }
     });
 }
@@ -173,8 +173,8 @@ fn a_fault_during_another_stop_and_two_at_once_stop_in_the_least_time() {
         let twice = alarm(1.8, 0) + &alarm(1.8, 1) + &alarm(1.82, 1) + &parking;
         let two = machine(axes, drive, &twice);
         assert_shortest(&two, &format!("{axes} {drive}s twice"));
-        let told = |watched: &Watched| watched.outcome.fault.expect("a fault");
-        assert_eq!(told(&one), told(&two), "the first is told");
+        let reported = |watched: &Watched| watched.outcome.fault.expect("a fault");
+        assert_eq!(reported(&one), reported(&two), "the first is told");
         let speeds = |watched: &Watched| -> Vec<i64> {
             let stopping = watched.ticks.iter().filter(|tick| tick.state == Stop);
             stopping.map(|tick| tick.speed).collect()
@@ -203,12 +203,12 @@ fn a_stop_at_a_phase_is_at_the_first_passage() {
             let moved = ticks[at..].iter().take_while(|tick| tick.speed > 0).count();
             let ramp = least_ticks(USUAL, speed, 0.0);
             // The nearest place that can be reached, and the first passage after that.
-            let way = speed * (ramp / 2.0 - 1.0);
+            let distance = speed * (ramp / 2.0 - 1.0);
             let ahead = (park - last.phase.within_turn().to_bits() as f64).rem_euclid(ONE_TURN);
-            let first = ahead + ((way - ahead) / ONE_TURN).ceil() * ONE_TURN;
+            let first = ahead + ((distance - ahead) / ONE_TURN).ceil() * ONE_TURN;
             let (over, spare) = (
-                moved as f64 - ramp - (first - way) / speed,
-                (first - way) / speed,
+                moved as f64 - ramp - (first - distance) / speed,
+                (first - distance) / speed,
             );
             let end = watched.last();
             assert_eq!(

@@ -25,13 +25,13 @@ fn text(hold_s: f64, motors: &str, more: &str) -> String {
          [[axis]]\nnumber = 3\nreversed = true\nfriction_nm = 0.1\nstart_deg = -1\n\
          [[program]]\namax_g = 90.6\nramp_s = 3\nhold_s = {hold_s}\n\
          [noise]\nseed = 7\nindex_deg = 0.05\nindex_us = 1\nload_nm = 0.1\n{counts}\n\
-         [correction]\npart = 0.25\n{more}\n"
+         [correction]\ngain =  0.25\n{more}\n"
     )
 }
 
 fn steady_s() -> f64 {
-    let asked = std::env::var("COPHASE_STEADY_S").ok();
-    asked.map_or(10.0, |asked| asked.parse().expect("seconds"))
+    let requested = std::env::var("COPHASE_STEADY_S").ok();
+    requested.map_or(10.0, |requested| requested.parse().expect("seconds"))
 }
 
 /// What cranks are apart while they run steadily, degrees.
@@ -97,7 +97,7 @@ fn servos_stay_together_within_a_twentieth_of_a_degree() {
     assert!(steady.worst_deg < 0.5 * alone.worst_deg);
 }
 
-/// Were the correction unsteady, or align left what it had to correct, steppers would be further apart than a microstep.
+/// Were the correction unsteady, or homing left what it had to correct, steppers would be further apart than a microstep.
 #[test]
 fn steppers_stay_together_within_a_microstep() {
     let motors = "drive = \"stepper\"\nsteps_per_turn = 3200\ndamping_nms = 0.3\n\

@@ -1,12 +1,14 @@
 //! Every way to stop, through scenes.
 //!
 //! That all axes are in phase, to the bit, at every tick of every one of these runs is asserted by
-//! [`cophase_tests::watch`]; that the shaft keeps its limits, by [`story`].
+//! [`cophase_tests::watch`]; that the shaft keeps its limits, by [`scripted`].
 
 use cophase_core::supervisor::FaultKind;
-use cophase_core::supervisor::State::{Align, Fault, Parked, Run, Stop};
+use cophase_core::supervisor::State::{Fault, Homing, Parked, Run, Stop};
 use cophase_core::units::Phase;
-use cophase_tests::story::{HZ, ONE_TURN, command, input, program, stands_at_park_phase, story};
+use cophase_tests::scripted::{
+    HZ, ONE_TURN, command, input, program, scripted, stands_at_park_phase,
+};
 use cophase_tests::{Tick, Watched};
 
 /// When the shaft was in the middle of its first passage through the band, s.
@@ -26,11 +28,11 @@ fn amid_band(watched: &Watched) -> f64 {
     first.start_ns as f64 * 1e-9 + ticks as f64 / 2.0 / HZ
 }
 
-/// Were it wrong, a machine would not come to rest by itself, or would do so elsewhere than it was told.
+/// Were it wrong, a machine would not come to rest by itself, or would do so elsewhere than commanded.
 #[test]
 fn a_program_ends_parked_at_the_phase_to_park_at() {
-    let watched = story("");
-    assert_eq!(watched.states(), [Align, Run, Stop, Parked]);
+    let watched = scripted("");
+    assert_eq!(watched.states(), [Homing, Run, Stop, Parked]);
     stands_at_park_phase(watched.last());
     assert_eq!(watched.outcome.fault, None);
     assert_eq!(program(&watched).len(), 3300 * 2);
@@ -40,7 +42,7 @@ fn a_program_ends_parked_at_the_phase_to_park_at() {
 #[test]
 fn a_stop_amid_a_ramp_parks() {
     for at_s in [0.7, 0.9, 1.1, 2.6, 3.0] {
-        let watched = story(&command(at_s, "stop"));
+        let watched = scripted(&command(at_s, "stop"));
         let before = watched.at(at_s);
         assert_eq!(before.state, Run, "{at_s} s");
         assert_ne!(
@@ -48,7 +50,7 @@ fn a_stop_amid_a_ramp_parks() {
             before.speed,
             "{at_s} s is amid a ramp"
         );
-        assert_eq!(watched.states(), [Align, Run, Stop, Parked]);
+        assert_eq!(watched.states(), [Homing, Run, Stop, Parked]);
         stands_at_park_phase(watched.last());
     }
 }
@@ -56,9 +58,9 @@ fn a_stop_amid_a_ramp_parks() {
 /// Were it wrong, a stop would leave the shaft dwelling at a resonance, or take it up through it first.
 #[test]
 fn a_stop_amid_a_band_leaves_it_downwards_at_once() {
-    let plain = story("");
+    let plain = scripted("");
     let at_s = amid_band(&plain);
-    let watched = story(&command(at_s, "stop"));
+    let watched = scripted(&command(at_s, "stop"));
     stands_at_park_phase(watched.last());
     let stopping = || watched.ticks.iter().filter(|tick| tick.state == Stop);
     let crossing = stopping().take_while(|tick| tick.crossing).count();
@@ -81,10 +83,10 @@ fn a_stop_amid_a_band_leaves_it_downwards_at_once() {
 /// Were it wrong, a stop that comes anywhere about a band could wait there for the phase to park at.
 #[test]
 fn no_stop_dwells_in_a_band() {
-    let amid_s = amid_band(&story(""));
+    let amid_s = amid_band(&scripted(""));
     for offset in -12..=12 {
         let at_s = amid_s + f64::from(offset) * 0.005;
-        let watched = story(&command(at_s, "stop"));
+        let watched = scripted(&command(at_s, "stop"));
         stands_at_park_phase(watched.last());
         let even = |pair: &&[Tick]| {
             pair[1].state == Stop && pair[1].crossing && pair[0].speed == pair[1].speed
@@ -100,10 +102,10 @@ fn no_stop_dwells_in_a_band() {
 
 /// Were it wrong, a stop that comes before the first index would be lost.
 #[test]
-fn a_stop_while_aligning_parks() {
+fn a_stop_while_homing_parks() {
     for at_s in [0.01, 0.1, 0.2] {
-        let watched = story(&command(at_s, "stop"));
-        assert_eq!(watched.states()[..2], [Align, Stop], "{at_s} s");
+        let watched = scripted(&command(at_s, "stop"));
+        assert_eq!(watched.states()[..2], [Homing, Stop], "{at_s} s");
         assert!(!watched.states().contains(&Run), "{at_s} s");
         assert_eq!(watched.last().state, Parked);
         if at_s > 0.02 {
@@ -121,10 +123,10 @@ fn a_stop_while_aligning_parks() {
 /// Were it wrong, the stop button would do something else than the command, or let a start through.
 #[test]
 fn the_stop_input_stops_like_the_command_and_keeps_the_machine_stopped() {
-    let commanded = story(&command(1.0, "stop"));
+    let commanded = scripted(&command(1.0, "stop"));
     let pressed = input(1.0, "stop", true);
-    let held = story(&(pressed.clone() + &command(0.0, "start") + &command(3.0, "start")));
-    assert_eq!(held.states(), [Align, Run, Stop, Parked]);
+    let held = scripted(&(pressed.clone() + &command(0.0, "start") + &command(3.0, "start")));
+    assert_eq!(held.states(), [Homing, Run, Stop, Parked]);
     let moving = |watched: &Watched| -> Vec<Tick> {
         watched
             .ticks
@@ -136,15 +138,15 @@ fn the_stop_input_stops_like_the_command_and_keeps_the_machine_stopped() {
     assert_eq!(moving(&held), moving(&commanded));
     assert!(
         held.last().start_ns > 3_000_000_000,
-        "the start was heard, and not obeyed"
+        "the start was detected, and not obeyed"
     );
     stands_at_park_phase(held.last());
 
     let freed = pressed + &input(2.5, "stop", false);
-    let freed = story(&(freed + &command(0.0, "start") + &command(3.0, "start")));
+    let freed = scripted(&(freed + &command(0.0, "start") + &command(3.0, "start")));
     assert_eq!(
         freed.states(),
-        [Align, Run, Stop, Parked, Run, Stop, Parked]
+        [Homing, Run, Stop, Parked, Run, Stop, Parked]
     );
     stands_at_park_phase(freed.last());
 }
@@ -157,12 +159,12 @@ fn enable_lost_at_speed_cuts_the_drives_the_same_tick() {
         + &input(lost_s, "enable", false)
         + &input(2.2, "enable", true)
         + &command(2.4, "start");
-    let watched = story(&happens);
+    let watched = scripted(&happens);
     assert!(
         watched.at(lost_s - 0.01).speed as f64 / ONE_TURN * HZ > 15.0,
         "at speed"
     );
-    assert_eq!(watched.states(), [Align, Run, Fault]);
+    assert_eq!(watched.states(), [Homing, Run, Fault]);
     for tick in &watched.ticks {
         assert_eq!(
             tick.drives_enabled,
@@ -187,7 +189,7 @@ fn enable_lost_at_speed_cuts_the_drives_the_same_tick() {
 fn drives_that_are_off_get_no_pulses() {
     let trimmed = "[[axis]]\nnumber = 0\ntrim_deg = 2\n";
     let scene = cophase_tests::scene(
-        &(cophase_tests::story::SCENE.to_owned() + trimmed + &command(4.0, "start")),
+        &(cophase_tests::scripted::SCENE.to_owned() + trimmed + &command(4.0, "start")),
     );
     let run = cophase_tests::record(
         &scene,

@@ -15,7 +15,7 @@ load_kg = 5
 speed_hz = 8
 acceleration_hz_per_s = 60
 jerk_hz_per_s2 = 2000
-creep_hz = 5
+homing_speed_hz = 5
 [pulse]
 width_ns = 4000
 dir_setup_ns = 9000

@@ -1,4 +1,4 @@
-//! The wiring diagram is of the pins that the image uses.
+//! The wiring diagram is of the pins that the firmware uses.
 //!
 //! Whoever solders goes by `docs/wiring.md`; were it out of step with the table in the code, they would find
 //! out with a drive.
@@ -23,7 +23,7 @@ fn in_code() -> BTreeMap<u8, String> {
     }
     name(pins::DRIVE_ENABLE, "DRIVE ENABLE".to_owned());
     name(pins::SYNC, "SYNC".to_owned());
-    name(pins::LAMP, "LAMP".to_owned());
+    name(pins::LED, "LED".to_owned());
     name(pins::ENABLE, "ENABLE".to_owned());
     name(pins::STOP, "STOP".to_owned());
     name(pins::START, "START".to_owned());

@@ -3,7 +3,7 @@
 //! The loop is `cophase_core::control_loop::run`, the very function that the host runs. Nothing but short
 //! interrupts comes between a deadline and what it leads to.
 
-use cophase_core::control_loop::{Io, Written};
+use cophase_core::control_loop::{Io, SubmissionResult};
 use cophase_core::drift::{IndexFilter, IndexPulse};
 use cophase_core::panel::{self, Button};
 use cophase_core::signals::{Feedback, Output};
@@ -12,9 +12,9 @@ use cophase_core::units::{MAX_AXES, PerAxis};
 use embassy_time::Instant;
 
 use crate::board::index::Index;
-use crate::board::steps::{Offer, Steps};
+use crate::board::steps::{Steps, Submission};
 use crate::board::watchdog::Fed;
-use crate::board::{is_past, lines};
+use crate::board::{has_passed, lines};
 use crate::report::Reporter;
 
 /// The world of the loop.
@@ -33,12 +33,12 @@ pub struct Board {
     pub ticks: u32,
     /// What the machine was last said to be doing.
     pub state: State,
-    /// What is told.
+    /// What is reported.
     pub reporter: Reporter,
     /// The trigger's level while the output that was handed over last is played.
     pub sync: bool,
-    /// An axis that ran dry, until the loop has been told.
-    pub ran_dry: Option<usize>,
+    /// An axis that underran, until the loop has been told.
+    pub fifo_underrun: Option<usize>,
     /// The deadline that ends the tick whose index pulses are read next; none before the machines were let go.
     pub read_to: Option<Instant>,
 }
@@ -50,7 +50,7 @@ impl Board {
         let Some(mut deadline) = self.read_to else {
             return pulses;
         };
-        while is_past(deadline) {
+        while has_passed(deadline) {
             let filters = &mut self.filters;
             self.index.read(|change| {
                 let (mut changed, mut levels) = (change.changed, change.levels);
@@ -66,9 +66,9 @@ impl Board {
                 }
             });
             // In most ticks no line did anything, and all filters can be passed over: half of what reading costs.
-            let stirred = self.index.stirred();
-            if stirred != 0 {
-                self.end_index_tick(stirred, &mut pulses);
+            let pending = self.index.pending();
+            if pending != 0 {
+                self.end_index_tick(pending, &mut pulses);
             }
             self.index.end_tick();
             let next = deadline
@@ -82,18 +82,18 @@ impl Board {
 
     /// Ends a tick for those filters that have something under way, and takes what pulses they confirmed.
     #[inline(never)]
-    fn end_index_tick(&mut self, mut stirred: u8, pulses: &mut PerAxis<Option<IndexPulse>>) {
+    fn end_index_tick(&mut self, mut pending: u8, pulses: &mut PerAxis<Option<IndexPulse>>) {
         let cycles = self.index.tick_cycles();
         for (axis, (filter, pulse)) in self.filters.iter_mut().zip(pulses).enumerate() {
-            if stirred & 1 != 0 {
+            if pending & 1 != 0 {
                 if let Some(confirmed) = filter.end_tick(cycles) {
                     *pulse = Some(confirmed);
                 }
                 if filter.is_quiet(cycles) {
-                    self.index.calmed(axis);
+                    self.index.clear_pending(axis);
                 }
             }
-            stirred >>= 1;
+            pending >>= 1;
         }
     }
 }
@@ -115,33 +115,33 @@ impl Io for Board {
             } else {
                 [false; MAX_AXES]
             },
-            ran_dry: self.ran_dry.take(),
+            fifo_underrun: self.fifo_underrun.take(),
             inputs: lines::safety_inputs(levels),
             command: pressed.then(|| panel::command(self.state)),
         }
     }
 
     #[inline(never)] // as `Controller::tick`
-    fn write(&mut self, output: &Output, start: Instant) -> Written {
+    fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult {
         lines::drives(output.drives_enabled);
-        match self.steps.offer(&output.runs, start) {
-            Offer::TooLate => return Written::TooLate,
-            Offer::RanDry(axis) => {
-                self.ran_dry = Some(axis);
-                return Written::TooLate;
+        match self.steps.submit(&output.runs, start) {
+            Submission::TooLate => return SubmissionResult::TooLate,
+            Submission::Underrun(axis) => {
+                self.fifo_underrun = Some(axis);
+                return SubmissionResult::TooLate;
             }
-            Offer::Begun(cycles) if self.read_to.is_none() => {
+            Submission::Begun(cycles) if self.read_to.is_none() => {
                 self.index.begin(cycles);
                 self.read_to = Some(start);
             }
-            Offer::Begun(_) | Offer::Taken => {}
+            Submission::Begun(_) | Submission::Taken => {}
         }
         self.sync = output.sync;
         self.state = output.telemetry.state;
         self.watchdog.feed(self.state, self.ticks);
-        lines::lamp(self.state);
+        lines::led(self.state);
         self.reporter.observe(self.ticks, &output.telemetry);
         self.ticks = self.ticks.wrapping_add(1);
-        Written::InTime
+        SubmissionResult::InTime
     }
 }

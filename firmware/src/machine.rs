@@ -1,12 +1,12 @@
 //! Sets the machine up: the loop's state and its world, each in a place of its own.
 
-use cophase_blob::board::{self, Unfit};
 use cophase_core::controller::Controller;
 use cophase_core::drift::IndexFilter;
 use cophase_core::panel::Button;
 use cophase_core::settings::{Settings, SettingsError};
 use cophase_core::supervisor::{Fault, FaultKind, State};
 use cophase_core::units::MAX_AXES;
+use cophase_link::board::{self, Unfit};
 use embassy_rp::Peri;
 use embassy_rp::peripherals::WATCHDOG;
 use embassy_time::Duration;
@@ -48,7 +48,7 @@ impl Refusal {
 pub fn make(
     settings: &Settings,
     watchdog: Peri<'static, WATCHDOG>,
-    restarted: bool,
+    after_watchdog_reset: bool,
     reporter: Reporter,
 ) -> Result<(&'static mut Controller, &'static mut Board), Refusal> {
     static CONTROLLER: ConstStaticCell<Controller> = ConstStaticCell::new(Controller::new());
@@ -58,8 +58,8 @@ pub fn make(
     board::check(settings).map_err(Refusal::Unfit)?;
     let controller = CONTROLLER.take();
     controller.configure(settings).map_err(Refusal::Settings)?;
-    if restarted {
-        controller.begin_with(Fault::new(FaultKind::Restarted));
+    if after_watchdog_reset {
+        controller.begin_with(Fault::new(FaultKind::WatchdogReset));
     }
 
     let tick_us = 1_000_000 / settings.tick_hz;
@@ -83,7 +83,7 @@ pub fn make(
         state: State::Idle,
         reporter,
         sync: true,
-        ran_dry: None,
+        fifo_underrun: None,
         read_to: None,
     });
     Ok((controller, board))

@@ -1,4 +1,4 @@
-//! The Cophase image: `cophase_core`'s control loop on an RP2040.
+//! The Cophase firmware: `cophase_core`'s control loop on an RP2040.
 //!
 //! Two things run on the one core: the *control loop*, and in what time it leaves, the log. Step edges are made by
 //! neither of them (`board::steps`), and neither cuts the drives when the enable input goes (`board::guard`).
@@ -7,7 +7,7 @@
 //! | --- | --- |
 //! | `board` | pins, step output, index capture, guard, safety lines, watchdog: what is soldered |
 //! | `start` | from power-up to a running loop, and the tasks |
-//! | `settings` | which settings the image runs on, and where they are kept |
+//! | `settings` | which settings the firmware runs on, and where they are kept |
 //! | `machine` | loop and world, set up for as many axes as the settings have |
 //! | `from_ram` | code that is copied to RAM before all else |
 //! | `control` | the loop's world, as this board has it |
@@ -36,7 +36,7 @@ mod start;
 fn main() {
     eprintln!(
         "cophase-firmware drives motors from a microcontroller; this build is for a host and has none.\n\
-         To build the image: cargo image. To run the control loop here, against a simulated machine: cargo sim run"
+         To build the firmware: cargo firmware. To run the control loop here, against a simulated machine: cargo sim run"
     );
     std::process::exit(2);
 }

@@ -14,7 +14,7 @@ use static_cell::ConstStaticCell;
 const WAITING: usize = 32;
 
 /// From one look at the queue to the next.
-const LOOK: Duration = Duration::from_millis(5);
+const POLL: Duration = Duration::from_millis(5);
 
 /// The two ends of the queue: the loop's, and the log's. To be called once.
 pub fn queue() -> (Producer<'static, Note>, Consumer<'static, Note>) {
@@ -22,7 +22,7 @@ pub fn queue() -> (Producer<'static, Note>, Consumer<'static, Note>) {
     NOTES.take().split()
 }
 
-/// Something worth telling, and when.
+/// Something worth fault event, and when.
 pub struct Note {
     /// Control ticks since power-up.
     tick: u32,
@@ -34,11 +34,11 @@ enum What {
     /// What the machine does from now on, and how far its cranks were off when that began.
     State {
         state: State,
-        drift: PerAxis<Turns>,
+        phase_error: PerAxis<Turns>,
         axes: usize,
     },
-    /// What was seen: a fault that latched, or something that is told, whatever is done about it.
-    Incident {
+    /// What was detected: a fault that latched, or something that is told, whatever is done about it.
+    Event {
         fault: Fault,
         latched: bool,
     },
@@ -74,16 +74,23 @@ impl Reporter {
 
     /// Takes in what a tick came to.
     pub fn observe(&mut self, tick: u32, telemetry: &Telemetry) {
-        // What latched before the first tick was no incident of any.
+        // What latched before the first tick was no event of any.
         let is_new = telemetry.fault.is_some() && !self.faulty;
         self.faulty = telemetry.fault.is_some();
-        if telemetry.incident.is_some() || is_new {
-            self.tell_of(tick, telemetry.incident, telemetry.fault);
+        if telemetry.event.is_some() || is_new {
+            self.note_event(tick, telemetry.event, telemetry.fault);
         }
         if telemetry.state != self.state {
             self.state = telemetry.state;
-            let (state, drift, axes) = (self.state, telemetry.drift, self.axes);
-            self.note(tick, What::State { state, drift, axes });
+            let (state, phase_error, axes) = (self.state, telemetry.phase_error, self.axes);
+            self.note(
+                tick,
+                What::State {
+                    state,
+                    phase_error,
+                    axes,
+                },
+            );
         }
         let limits = &telemetry.limits;
         if limits.missed_deadlines != self.missed {
@@ -96,16 +103,16 @@ impl Reporter {
         }
     }
 
-    /// An incident, or what latched without being one.
+    /// An event, or what latched without being one.
     #[inline(never)]
-    fn tell_of(&mut self, tick: u32, incident: Option<Fault>, latched: Option<Fault>) {
-        if let Some(fault) = incident.or(latched) {
+    fn note_event(&mut self, tick: u32, event: Option<Fault>, latched: Option<Fault>) {
+        if let Some(fault) = event.or(latched) {
             let latched = latched == Some(fault);
-            self.note(tick, What::Incident { fault, latched });
+            self.note(tick, What::Event { fault, latched });
         }
     }
 
-    #[inline(never)] // the image's check for panics knows it by name
+    #[inline(never)] // the firmware's check for panics knows it by name
     fn note(&mut self, tick: u32, what: What) {
         if self.lost > 0 {
             let what = What::Lost(self.lost);
@@ -119,21 +126,30 @@ impl Reporter {
     }
 }
 
-/// Tells what is noted, for ever.
+/// Shows what is noted, for ever.
 #[embassy_executor::task]
-pub async fn tell(mut notes: Consumer<'static, Note>) -> ! {
+pub async fn publish(mut notes: Consumer<'static, Note>) -> ! {
     loop {
         let Some(Note { tick, what }) = notes.dequeue() else {
-            Timer::after(LOOK).await;
+            Timer::after(POLL).await;
             continue;
         };
         match what {
-            What::State { state, drift, axes } => {
-                let drift_deg = drift.map(degrees);
-                let drift_deg = drift_deg.get(..axes).unwrap_or_default();
-                defmt::info!("tick {=u32}: {}, drift {} deg", tick, state, drift_deg);
+            What::State {
+                state,
+                phase_error,
+                axes,
+            } => {
+                let phase_error_deg = phase_error.map(degrees);
+                let phase_error_deg = phase_error_deg.get(..axes).unwrap_or_default();
+                defmt::info!(
+                    "tick {=u32}: {}, phase error {} deg",
+                    tick,
+                    state,
+                    phase_error_deg
+                );
             }
-            What::Incident { fault, latched } => tell_fault(tick, &fault, latched),
+            What::Event { fault, latched } => log_fault(tick, &fault, latched),
             What::Missed(all) => {
                 defmt::warn!("tick {=u32}: {=u32} deadlines missed in all", tick, all);
             }
@@ -147,7 +163,7 @@ pub async fn tell(mut notes: Consumer<'static, Note>) -> ! {
 
 /// A line of words, and the same as the bytes that go over a wire.
 #[cold]
-fn tell_fault(tick: u32, fault: &Fault, latched: bool) {
+fn log_fault(tick: u32, fault: &Fault, latched: bool) {
     let name = fault.kind.name();
     let (size_deg, phase_deg) = (degrees(fault.size), degrees(fault.phase.within_turn()));
     let bytes = &fault.to_bytes()[..];
@@ -164,7 +180,7 @@ fn tell_fault(tick: u32, fault: &Fault, latched: bool) {
         );
     } else {
         defmt::warn!(
-            "tick {=u32}: told: {=str}{}, {=f32} deg, at crank phase {=f32} deg {=[u8]:02x}",
+            "tick {=u32}: reported: {=str}{}, {=f32} deg, at crank phase {=f32} deg {=[u8]:02x}",
             tick,
             name,
             axis,
@@ -192,7 +208,7 @@ pub fn refused(kind: FaultKind, why: impl defmt::Format) {
     defmt::error!("{=str}: {}", kind.name(), why);
 }
 
-/// For the eye: floats are for what is told, and never for what is done.
+/// For the eye: floats are for what is reported, and never for what is done.
 fn degrees(turns: Turns) -> f32 {
     turns.to_num::<f32>() * 360.0
 }

@@ -1,20 +1,20 @@
-//! Which settings the image runs on, and where they are kept.
+//! Which settings the firmware runs on, and where they are kept.
 //!
-//! A blob is built in, and two slots at the end of the flash keep what was stored or placed there: see
-//! `docs/settings-file.md` and the crate `cophase-blob`, where all of this is decided and tested. Here it meets the flash.
+//! A settings file is built in, and two slots at the end of the flash keep what was stored or placed there: see
+//! `docs/settings-file.md` and the crate `cophase-link`, where all of this is decided and tested. Here it meets the flash.
 
-use cophase_blob::layout::{FLASH_ADDRESS, FLASH_BYTES, SLOT_A_OFFSET, SLOT_B_OFFSET, SLOT_BYTES};
-use cophase_blob::store::{Choice, Slot, Store, blob_in, choose, inspect};
-use cophase_blob::{BlobError, decode_into, verify};
 use cophase_core::settings::Settings;
 use cophase_core::supervisor::FaultKind;
+use cophase_link::layout::{FLASH_ADDRESS, FLASH_BYTES, SLOT_A_OFFSET, SLOT_B_OFFSET, SLOT_BYTES};
+use cophase_link::store::{Choice, Slot, Store, choose, inspect, settings_file_in};
+use cophase_link::{SettingsFileError, decode_into, verify};
 use embassy_rp::Peri;
 use embassy_rp::flash::{Blocking, Flash};
 use embassy_rp::peripherals::FLASH;
 
 use crate::report;
 
-static BUILT_IN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/built-in.blob"));
+static BUILT_IN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/built-in.settings"));
 
 /// Reads the settings to run on into `settings`; false if those that should be run cannot be read, which is logged.
 #[cold]
@@ -34,7 +34,7 @@ pub fn load(flash: Peri<'static, FLASH>, settings: &mut Settings) -> bool {
 }
 
 #[cold]
-fn read(flash: Peri<'static, FLASH>, settings: &mut Settings) -> Result<(), BlobError> {
+fn read(flash: Peri<'static, FLASH>, settings: &mut Settings) -> Result<(), SettingsFileError> {
     let built_in = verify(BUILT_IN)?;
     match choose(&built_in, &inspect(slot(Slot::A), slot(Slot::B))) {
         Choice::Refuse(slot, error) => {
@@ -43,7 +43,7 @@ fn read(flash: Peri<'static, FLASH>, settings: &mut Settings) -> Result<(), Blob
         }
         Choice::Stored(from) => {
             defmt::info!("settings from slot {}", from);
-            decode_into(blob_in(slot(from))?, settings)
+            decode_into(settings_file_in(slot(from))?, settings)
         }
         Choice::BuiltIn => {
             defmt::info!("settings built in");
@@ -53,7 +53,7 @@ fn read(flash: Peri<'static, FLASH>, settings: &mut Settings) -> Result<(), Blob
     }
 }
 
-/// Stores the built-in blob. That it could not be is told; it can be run all the same.
+/// Stores the built-in settings file. That it could not be is told; it can be run all the same.
 #[cold]
 #[inline(never)]
 fn store(flash: Peri<'static, FLASH>, mark: u32) {

@@ -1,4 +1,4 @@
-//! Power-up: from the reset vector to a running loop, or to a lamp that says why there is none.
+//! Power-up: from the reset vector to a running loop, or to a LED that says why there is none.
 
 use core::panic::PanicInfo;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -61,17 +61,17 @@ fn main() -> ! {
     from_ram::place();
     let p = embassy_rp::init(embassy_rp::config::Config::default());
     lines::set_up();
-    let last_seen = watchdog::last_seen();
-    match last_seen {
-        Some(seen) => defmt::error!("restarted by the watchdog: {}", seen),
+    let last_state = watchdog::last_state();
+    match last_state {
+        Some(state) => defmt::error!("reset by the watchdog: {}", state),
         None => defmt::info!("power-up"),
     }
     let (notes, noted) = report::queue();
-    let machine = machine(p.FLASH, p.WATCHDOG, last_seen.is_some(), notes);
+    let machine = machine(p.FLASH, p.WATCHDOG, last_state.is_some(), notes);
 
     static EXECUTOR: StaticCell<Executor> = StaticCell::new();
     EXECUTOR.init(Executor::new()).run(|spawner| {
-        spawner.spawn(defmt::unwrap!(report::tell(noted)));
+        spawner.spawn(defmt::unwrap!(report::publish(noted)));
         let Some((controller, board)) = machine else {
             spawner.spawn(defmt::unwrap!(refuse()));
             return;
@@ -88,7 +88,7 @@ fn main() -> ! {
 fn machine(
     flash: Peri<'static, FLASH>,
     watchdog: Peri<'static, WATCHDOG>,
-    restarted: bool,
+    after_watchdog_reset: bool,
     notes: Producer<'static, Note>,
 ) -> Option<(&'static mut Controller, &'static mut Board)> {
     let mut settings = Settings::new();
@@ -96,12 +96,12 @@ fn machine(
         return None;
     }
     let reporter = Reporter::new(notes, settings.axes.len());
-    let made = machine::make(&settings, watchdog, restarted, reporter);
+    let made = machine::make(&settings, watchdog, after_watchdog_reset, reporter);
     made.inspect_err(|refusal| report::refused(refusal.kind(), refusal))
         .ok()
 }
 
-/// Says with the lamp that there is nothing to run on: two short flashes a second. The drives are off.
+/// Says with the LED that there is nothing to run on: two short flashes a second. The drives are off.
 #[embassy_executor::task]
 async fn refuse() -> ! {
     loop {

@@ -1,4 +1,4 @@
-//! A month at work: after any number of ticks, commanded phases are equal to the count and step totals
+//! A month at work: after any number of ticks, commanded phases are equal exactly and step totals
 //! are exact.
 //!
 //! `cargo bench -p host-sim --bench soak -- --days 30` plays 30 days of 2 kHz ticks through the whole core
@@ -61,7 +61,7 @@ fn main() {
     }
     bar.finish_and_clear();
     println!(
-        "{days} days, {ticks} ticks, {:.0} turns, {} wraps of the phase: {} checks of {AXES} axes, all exact to the count ({:.0} s)",
+        "{days} days, {ticks} ticks, {:.0} turns, {} wraps of the phase: {} checks of {AXES} axes, all exact exactly ({:.0} s)",
         truth.turned as f64 / f64::exp2(f64::from(FRACTION_BITS)),
         truth.turned >> 64,
         truth.checks,

@@ -1,4 +1,4 @@
-//! The phased rung at the manoeuvre of `tests/peers`, for `compare.py` there to judge and to time.
+//! The phased model level at the manoeuvre of `tests/peers`, for `compare.py` there to judge and to time.
 //!
 //! `peer MACHINE.json AXES METHOD STEPS_PER_TICK REPEATS` plays it so many times, for whoever measures the process, and
 //! prints one JSON object: the crank angles in rad at every sample, or why it stopped. Methods are named as the library

@@ -1,7 +1,7 @@
 //! The Cophase control loop in virtual time against simulated machines.
 //!
 //! The loop itself is [`cophase_core`]'s: the same function, tick for tick and bit for bit, that runs on
-//! the controller. Here are its clock ([`virtual_time`]), its world ([`machine`], [`sim`]), what is asked
+//! the controller. Here are its clock ([`virtual_time`]), its world ([`machine`], [`sim`]), what is required
 //! of it ([`scene`]), and what it leaves behind ([`trace`], [`report`]). [`design`] and [`mechanism`] are the
 //! mathematics of the machines. Charts and campaigns are in `lab/`, the `cophase` command in `command/`.
 #![forbid(unsafe_code)]

@@ -92,7 +92,7 @@ impl Wake for Ready {
 
 /// Runs a future from time 0 until it is done, on this thread's clock.
 ///
-/// `lateness` is asked for each time that the clock is about to jump to an alarm, and says by how
+/// `lateness` is requested each time that the clock is about to jump to an alarm, and says by how
 /// many clock ticks (µs) it is to overshoot: that is how a busy processor looks from inside.
 ///
 /// # Panics
@@ -155,24 +155,24 @@ mod tests {
 
     #[test]
     fn jumps_to_alarms_in_order_without_waiting() {
-        let seen = run(
+        let times = run(
             async {
-                let mut seen = Vec::new();
+                let mut times = Vec::new();
                 for millis in [5, 1, 3_600_000] {
                     Timer::after(Duration::from_millis(millis)).await;
-                    seen.push(Instant::now().as_micros());
+                    times.push(Instant::now().as_micros());
                 }
-                seen
+                times
             },
             |_| 0,
         );
-        assert_eq!(seen, [5_000, 6_000, 3_600_006_000]);
+        assert_eq!(times, [5_000, 6_000, 3_600_006_000]);
     }
 
     #[test]
-    fn lateness_is_what_was_asked_for() {
+    fn lateness_is_as_requested() {
         let late = |at| if at == 2_000 { 150 } else { 0 };
-        let seen = run(
+        let times = run(
             async {
                 Timer::at(Instant::from_micros(2_000)).await;
                 let first = Instant::now().as_micros();
@@ -181,7 +181,7 @@ mod tests {
             },
             late,
         );
-        assert_eq!(seen, (2_150, 3_000));
+        assert_eq!(times, (2_150, 3_000));
     }
 
     /// Two threads, two clocks.
@@ -203,7 +203,7 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "no alarm is armed")]
-    fn a_deadlock_is_told() {
+    fn a_deadlock_is_reported() {
         run(std::future::pending::<()>(), |_| 0);
     }
 }

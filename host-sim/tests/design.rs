@@ -181,14 +181,14 @@ fn printed_torques_come_from_rounded_inputs() {
 /// If this fails, docs/design-command.md claims inputs for the source's figure 2 that do not give it.
 #[test]
 fn one_set_of_round_inputs_gives_figure_2() {
-    let asked = Requirement {
+    let requested = Requirement {
         load_kg: 25.0,
         amax_g: 80.0,
         freq_hz: 25.0,
         motors: 4,
         ..example(3, 10.0)
     };
-    let found = design(&asked).expect("in range");
+    let found = design(&requested).expect("in range");
     assert_near("prints 258.1", found.torque_two_term.value, 258.09, 5e-3);
     assert_near("prints 64.5 a motor", found.motor_torque_nm(), 64.5, 0.05);
 }
@@ -310,12 +310,12 @@ fn no_design_in_range_has_a_higher_torque_than_found() {
     for amax_g in [10.0, 11.0, 13.0, 20.0, 200.0] {
         for step in 0..=50 {
             let lambda = (0.1 + 0.01 * f64::from(step)).min(0.6);
-            let asked = Requirement {
+            let requested = Requirement {
                 amax_g,
                 lambda,
                 ..example(3, 10.0)
             };
-            let found = design(&asked).expect("in range");
+            let found = design(&requested).expect("in range");
             let omega = found.speed_rad_s();
             for (platform, top) in [
                 (Platform::Below, found.torque_exact_below.value),
@@ -325,8 +325,8 @@ fn no_design_in_range_has_a_higher_torque_than_found() {
                 let torque = |alpha: f64| found.mechanism.torque_nm(&load, alpha, omega, 0.0);
                 let samples = (0..7200).map(|k| torque(f64::from(k) * TAU / 7200.0));
                 let sampled = samples.fold(f64::NEG_INFINITY, f64::max);
-                assert!(sampled <= top * (1.0 + 1e-13), "{asked:?} {platform:?}");
-                assert!(top <= sampled * (1.0 + 1e-5), "{asked:?} {platform:?}");
+                assert!(sampled <= top * (1.0 + 1e-13), "{requested:?} {platform:?}");
+                assert!(top <= sampled * (1.0 + 1e-5), "{requested:?} {platform:?}");
             }
         }
     }
@@ -378,9 +378,9 @@ fn ranges_end_where_they_say() {
     ];
     for (k, (change, low, high, below)) in cases.into_iter().enumerate() {
         let accepts = |value: f64| {
-            let mut asked = good;
-            change(&mut asked, value);
-            design(&asked).is_ok()
+            let mut requested = good;
+            change(&mut requested, value);
+            design(&requested).is_ok()
         };
         assert!(accepts(low) && accepts(high), "case {k}");
         for bad in [

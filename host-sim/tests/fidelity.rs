@@ -4,33 +4,36 @@ use host_sim::fidelity::{Answers, Bounds, Output, answers, available, check, que
 use host_sim::scene::file::Fidelity;
 use host_sim::scene::{Checked, library, load};
 
-/// A scene on all its rungs: what each comes to in the sample.
+/// A scene on all its model levels: what each comes to in the sample.
 struct Climbed {
     name: &'static str,
     checked: Checked,
-    rungs: Vec<(Fidelity, Answers)>,
+    model_levels: Vec<(Fidelity, Answers)>,
 }
 
 fn climb(name: &'static str, checked: Checked) -> Climbed {
-    let rungs = available(&checked)
+    let model_levels = available(&checked)
         .into_iter()
-        .map(|rung| (rung, answers(&checked, rung).unwrap()))
+        .map(|model_level| (model_level, answers(&checked, model_level).unwrap()))
         .collect();
     Climbed {
         name,
         checked,
-        rungs,
+        model_levels,
     }
 }
 
 impl Climbed {
     fn off_top(&self, of: &Answers, output: Output) -> Option<f64> {
-        let (_, top) = self.rungs.last().expect("there is a lowest rung");
+        let (_, top) = self
+            .model_levels
+            .last()
+            .expect("there is a lowest model level");
         let both = of.of(output).zip(top.of(output));
         both.map(|(found, right)| output.difference(found, right))
     }
 
-    /// Whether a rung's answers are within what is asked.
+    /// Whether a model level's answers are within what is required.
     fn is_within(&self, of: &Answers) -> bool {
         let questions = questions(&self.checked);
         Output::ALL.into_iter().all(|output| {
@@ -41,10 +44,10 @@ impl Climbed {
     }
 }
 
-/// Were it wrong, a report would promise what the machine does not keep: every rung of every built-in scene is off the top
+/// Were it wrong, a report would promise what the machine does not keep: every model level of every built-in scene is off the top
 /// by no more than its bound, in each output that there is, asked for or not.
 ///
-/// And were `auto` careless, or wasteful: what it takes is within each tolerance, and at most one rung above the lowest that is.
+/// And were `auto` careless, or wasteful: what it takes is within each tolerance, and at most one model level above the lowest that is.
 fn judge(name: &'static str) {
     let scene = library::find(name).expect("a built-in scene").scene();
     judge_scene(name, Checked::new(scene).unwrap());
@@ -53,14 +56,14 @@ fn judge(name: &'static str) {
 fn judge_scene(name: &'static str, checked: Checked) {
     let climbed = climb(name, checked);
     let bounds = Bounds::new(&climbed.checked).expect("built-in scenes say enough");
-    for (rung, found) in &climbed.rungs {
+    for (model_level, found) in &climbed.model_levels {
         for output in Output::ALL {
-            let bound = bounds.with_steps(*rung, output, climbed.checked.resolution);
+            let bound = bounds.with_steps(*model_level, output, climbed.checked.resolution);
             let off = climbed.off_top(found, output);
             println!(
                 "{:12} {:12} {:15} {:10.3?} off {:10.4?}, at most {bound:.4}",
                 climbed.name,
-                rung.name(),
+                model_level.name(),
                 output.key(),
                 found.of(output).unwrap_or(f64::NAN),
                 off.unwrap_or(f64::NAN),
@@ -69,7 +72,7 @@ fn judge_scene(name: &'static str, checked: Checked) {
                 assert!(
                     off <= bound,
                     "{name}, {}, {}: {off} > {bound}",
-                    rung.name(),
+                    model_level.name(),
                     output.key()
                 );
             }
@@ -77,17 +80,22 @@ fn judge_scene(name: &'static str, checked: Checked) {
     }
     let taken = check(climbed.checked.clone()).unwrap();
     println!("{name}: {}, {}", taken.fidelity.name(), taken.why());
-    let place = |rung| climbed.rungs.iter().position(|(other, _)| *other == rung);
-    let taken = place(taken.fidelity).expect("a rung that it has");
+    let place = |model_level| {
+        climbed
+            .model_levels
+            .iter()
+            .position(|(other, _)| *other == model_level)
+    };
+    let taken = place(taken.fidelity).expect("a model level that it has");
     let lowest = climbed
-        .rungs
+        .model_levels
         .iter()
         .position(|(_, found)| climbed.is_within(found));
     let lowest = lowest.expect("the top is within");
-    assert!(climbed.is_within(&climbed.rungs[taken].1), "{name}");
+    assert!(climbed.is_within(&climbed.model_levels[taken].1), "{name}");
     assert!(
         taken <= lowest + 1,
-        "{name}: rung {taken}, and {lowest} would do"
+        "{name}: model level {taken}, and {lowest} would do"
     );
 }
 
@@ -162,8 +170,8 @@ fn less_even_machines() {
     let standing = four.replacen("[[axis]]\n", "[[axis]]\nstart_deg = 1\n", 1);
     judge_scene("standing", checked(&standing));
 
-    let sprung = four.replace("load_kg = 8\n", "load_kg = 8\nrods = \"sprung\"\n");
-    judge_scene("sprung", checked(&sprung));
+    let elastic = four.replace("load_kg = 8\n", "load_kg = 8\nrods = \"elastic\"\n");
+    judge_scene("elastic", checked(&elastic));
 
     let suspended = library::find("suspended").unwrap().text;
     let apart = suspended.replace("lag_deg = 0.5", "lag_deg = 0.5\ntilt_mrad = 0.5")
@@ -199,10 +207,10 @@ fn motors_that_may_slip_are_not_bounded_on_one_shaft() {
 
 /// Were it wrong, what the ground feels could be asked of a machine that stands on nothing, or be answered without its frame.
 #[test]
-fn the_ground_is_asked_of_a_frame() {
+fn the_ground_question_needs_a_frame() {
     let suspended = library::find("suspended").unwrap().text;
-    let asked = suspended.replace("amax_percent = 2", "ground_percent = 5");
-    let taken = check(checked(&asked)).unwrap();
+    let requested = suspended.replace("amax_percent = 2", "ground_percent = 5");
+    let taken = check(checked(&requested)).unwrap();
     assert_eq!(taken.fidelity, Fidelity::Elastic, "{}", taken.why());
     let none = SOFT.replace("lag_deg = 0.05", "ground_percent = 5");
     let said = Checked::new(load::parse(&none).unwrap()).unwrap_err();
@@ -212,11 +220,11 @@ fn the_ground_is_asked_of_a_frame() {
 
 /// Were it wrong, a bound that is too small would be believed: one is forged here, and the sample finds it out.
 #[test]
-fn a_rung_that_is_off_in_the_sample_is_left() {
+fn a_level_that_is_off_in_the_sample_is_rejected() {
     let mut forged = checked(SOFT);
     assert!(forged.fidelity > Fidelity::QuasiStatic, "{}", forged.why());
     let choice = forged.choice.as_mut().unwrap();
-    choice.rung = Fidelity::Kinematic;
+    choice.model_level = Fidelity::Kinematic;
     let taken = check(forged).unwrap();
     assert!(taken.fidelity > Fidelity::QuasiStatic, "{}", taken.why());
     assert!(
@@ -228,7 +236,7 @@ fn a_rung_that_is_off_in_the_sample_is_left() {
 
 /// Were it wrong, a wide bound would buy more model than anyone needs.
 #[test]
-fn a_rung_below_is_taken_where_the_sample_bears_it_out() {
+fn a_lower_level_is_taken_where_the_sample_confirms_it() {
     let exact = checked(SOFT);
     let kinematic = answers(&exact, Fidelity::Kinematic).unwrap();
     let top = answers(&exact, Fidelity::Phased).unwrap();
@@ -241,8 +249,8 @@ fn a_rung_below_is_taken_where_the_sample_bears_it_out() {
         .of(Fidelity::Kinematic, Output::Lag);
     assert!(off < 0.4 * bound, "{off} of {bound}: no room between them");
     // Between what it is and what it may be: the bound says no, the sample says yes.
-    let asked = 2.2 * off;
-    let scene = checked(&SOFT.replace("lag_deg = 0.05", &format!("lag_deg = {asked}")));
+    let requested = 2.2 * off;
+    let scene = checked(&SOFT.replace("lag_deg = 0.05", &format!("lag_deg = {requested}")));
     assert!(scene.fidelity > Fidelity::Kinematic);
     let taken = check(scene).unwrap();
     assert_eq!(taken.fidelity, Fidelity::Kinematic);
@@ -275,9 +283,9 @@ fn a_question_that_cannot_be_answered_is_refused() {
     assert!(said.contains("questions.lag_deg"), "{said}");
 }
 
-/// Were it wrong, a rung that has all cranks on one shaft would confirm that none of them slips: here one does, by itself.
+/// Were it wrong, a model level that has all cranks on one shaft would confirm that none of them slips: here one does, by itself.
 #[test]
-fn who_slips_is_confirmed_by_a_rung_that_can_tell() {
+fn a_slip_is_confirmed_by_a_level_that_can_show_it() {
     let weak = SOFT
         .replace("lag_deg = 0.05", "slips = true")
         .replace("lambda = 0.25", "lambda = 0.25\nmount_radius_mm = 200")
@@ -290,7 +298,12 @@ fn who_slips_is_confirmed_by_a_rung_that_can_tell() {
         + "[[axis]]\nnumber = 2\nfriction_nm = 3\npull_out_scale = 0.2\n";
     let taken = check(checked(&weak)).unwrap();
     assert_eq!(taken.fidelity, Fidelity::Phased, "{}", taken.why());
-    let slips = |rung| answers(&taken, rung).unwrap().of(Output::Slips).unwrap();
+    let slips = |model_level| {
+        answers(&taken, model_level)
+            .unwrap()
+            .of(Output::Slips)
+            .unwrap()
+    };
     assert_eq!(slips(Fidelity::Rigid), 0.0);
     assert!(slips(Fidelity::Phased) > 0.0);
 }

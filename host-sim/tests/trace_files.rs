@@ -37,19 +37,19 @@ fn program_g(t_s: f64) -> f64 {
 /// times, and the machine stops after the third.
 fn mixing(slips: &[f64], mut each: impl FnMut(&Row)) {
     let mut phase_turns = 0.0;
-    let mut amax_command_mps2 = 0.0_f64;
+    let mut amax_commanded_mps2 = 0.0_f64;
     let fault_s = slips.get(2).map_or(f64::INFINITY, |t| t + 0.05);
     for tick in 0..120_000_u32 {
         let t_s = f64::from(tick) * TICK_S;
-        let asked = program_g(t_s) * GRAVITY_MPS2;
-        let wanted = if t_s > fault_s { 0.0 } else { asked };
+        let requested = program_g(t_s) * GRAVITY_MPS2;
+        let target = if t_s > fault_s { 0.0 } else { requested };
         // The command follows with a limit on its rate.
-        amax_command_mps2 += (wanted - amax_command_mps2).clamp(-0.22, 0.22);
-        let omega_rad_s = (amax_command_mps2 / RADIUS_M).sqrt();
+        amax_commanded_mps2 += (target - amax_commanded_mps2).clamp(-0.22, 0.22);
+        let omega_rad_s = (amax_commanded_mps2 / RADIUS_M).sqrt();
         phase_turns += omega_rad_s / TAU * TICK_S;
         let state = match t_s {
             t if t < 1.0 => "idle",
-            t if t < 2.0 => "align",
+            t if t < 2.0 => "homing",
             t if t > fault_s && omega_rad_s > 1.0 => "stop",
             t if t > fault_s => "fault",
             t if t < 52.0 => "run",
@@ -62,29 +62,29 @@ fn mixing(slips: &[f64], mut each: impl FnMut(&Row)) {
                 let slipped = slips.iter().filter(|&&at| i == 2 && t_s > at).count();
                 // Lag that grows with speed, corrected by trim every so often: a sawtooth.
                 let saw = (t_s / (1.3 + 0.4 * f64::from(i))).fract() * 0.12 * speed;
-                let drift_deg = saw + f64::from(i) * 0.02 * speed - 7.2 * slipped as f64;
+                let phase_error_deg = saw + f64::from(i) * 0.02 * speed - 7.2 * slipped as f64;
                 AxisRow {
                     steps: (phase_turns * 1600.0) as i64,
                     command_turns: phase_turns,
-                    actual_turns: phase_turns + drift_deg / 360.0,
-                    drift_deg,
+                    actual_turns: phase_turns + phase_error_deg / 360.0,
+                    phase_error_deg,
                 }
             })
             .collect();
         let (sin, cos) = (phase_turns * TAU).sin_cos();
-        let spread = (axes[2].drift_deg - axes[0].drift_deg) / 360.0 * TAU;
+        let spread = (axes[2].phase_error_deg - axes[0].phase_error_deg) / 360.0 * TAU;
         each(&Row {
             t_s,
             state,
-            amax_program_mps2: asked,
-            amax_command_mps2,
+            amax_requested_mps2: requested,
+            amax_commanded_mps2,
             omega_rad_s,
             phase_turns,
             tilt_x_mrad: 8.0 * spread * sin,
             tilt_y_mrad: 5.0 * spread * cos + 0.01 * sin,
             warp_deg: 0.0,
             z_m: RADIUS_M * cos,
-            accel_mps2: -amax_command_mps2 * cos,
+            accel_mps2: -amax_commanded_mps2 * cos,
             axes,
         });
     }
@@ -97,7 +97,7 @@ fn frame(title: &str, subtitle: &str) -> ScopeFrame {
         bands_hz: vec![(24.0, 28.0)],
         gravity_mps2: GRAVITY_MPS2,
         tilt_limit_mrad: Some(2.0),
-        drift_limit_deg: Some(5.4),
+        phase_error_limit_deg: Some(5.4),
         has_pushers: false,
     }
 }
@@ -131,7 +131,7 @@ fn a_mixing_run_gives_a_page() {
         subtitle,
         "amax, g",
         "speed, Hz",
-        "drift, deg",
+        "phase error, deg",
         "tilt, mrad",
         "time since power-up, s",
         "band crossed",
@@ -144,7 +144,7 @@ fn a_mixing_run_gives_a_page() {
 }
 
 #[test]
-fn a_fault_is_seen_on_the_page() {
+fn a_fault_is_shown_on_the_page() {
     let subtitle = "axis 2 loses 7.2° three times; fault at 41.65 s";
     let mut scope = ScopeData::new(3, frame("Lost steps", subtitle));
     let slips = [38.0, 40.2, 41.6];
@@ -201,7 +201,7 @@ fn poor_runs_give_pages_too() {
             bands_hz: vec![(f64::NAN, 3.0), (5.0, 4.0), (0.1, 1e9)],
             gravity_mps2: f64::NAN,
             tilt_limit_mrad: Some(f64::NAN),
-            drift_limit_deg: Some(f64::INFINITY),
+            phase_error_limit_deg: Some(f64::INFINITY),
             ..ScopeFrame::default()
         },
     );
@@ -209,8 +209,8 @@ fn poor_runs_give_pages_too() {
         wild.push(&Row {
             t_s,
             state: "run",
-            amax_program_mps2: f64::NAN,
-            amax_command_mps2: f64::INFINITY,
+            amax_requested_mps2: f64::NAN,
+            amax_commanded_mps2: f64::INFINITY,
             omega_rad_s: if t_s == 0.1 { f64::NAN } else { 1.0 },
             ..Row::default()
         });
@@ -225,9 +225,9 @@ fn the_header_is_as_the_contract_names_it() {
     let text = TraceCsv::new(Vec::new(), 2).unwrap().finish().unwrap();
     assert_eq!(
         String::from_utf8(text).unwrap(),
-        "t_s,state,amax_program_mps2,amax_command_mps2,omega_rad_s,phase_turns,\
-         steps_0,command_turns_0,actual_turns_0,drift_deg_0,\
-         steps_1,command_turns_1,actual_turns_1,drift_deg_1,\
+        "t_s,state,amax_requested_mps2,amax_commanded_mps2,omega_rad_s,phase_turns,\
+         steps_0,command_turns_0,actual_turns_0,phase_error_deg_0,\
+         steps_1,command_turns_1,actual_turns_1,phase_error_deg_1,\
          tilt_x_mrad,tilt_y_mrad,warp_deg,z_m,accel_mps2\n"
     );
 }
@@ -261,8 +261,8 @@ fn a_trace_reads_back_to_the_stated_resolution() {
         };
         assert_eq!(field("state"), row.state);
         near("t_s", row.t_s, 1e-9);
-        near("amax_program_mps2", row.amax_program_mps2, 1e-4);
-        near("amax_command_mps2", row.amax_command_mps2, 1e-4);
+        near("amax_requested_mps2", row.amax_requested_mps2, 1e-4);
+        near("amax_commanded_mps2", row.amax_commanded_mps2, 1e-4);
         near("omega_rad_s", row.omega_rad_s, 1e-6);
         near("phase_turns", row.phase_turns, 1e-9);
         for (i, axis) in row.axes.iter().enumerate() {
@@ -270,7 +270,7 @@ fn a_trace_reads_back_to_the_stated_resolution() {
             assert_eq!(steps, axis.steps);
             near(&format!("command_turns_{i}"), axis.command_turns, 1e-9);
             near(&format!("actual_turns_{i}"), axis.actual_turns, 1e-9);
-            near(&format!("drift_deg_{i}"), axis.drift_deg, 1e-5);
+            near(&format!("phase_error_deg_{i}"), axis.phase_error_deg, 1e-5);
         }
         near("tilt_x_mrad", row.tilt_x_mrad, 1e-5);
         near("tilt_y_mrad", row.tilt_y_mrad, 1e-5);
@@ -295,7 +295,7 @@ fn a_row_with_other_axes_than_the_header_is_refused_whole() {
         trace.write(&row),
         Err(TraceError::Axes {
             expected: 2,
-            got: 3
+            actual: 3
         })
     ));
     let text = trace.finish().unwrap();
@@ -374,7 +374,7 @@ fn edges_read_back_as_they_were_written() {
 }
 
 #[test]
-fn a_run_that_fails_part_way_leaves_nothing() {
+fn a_run_that_fails_midway_leaves_nothing() {
     let scratch = tempfile::tempdir().unwrap();
     let dir = scratch.path().join("results/first");
     let run = || -> Result<(), Box<dyn std::error::Error>> {

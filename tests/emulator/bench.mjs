@@ -6,7 +6,7 @@ import { Outcome } from './bench/outcome.mjs';
 import { ENFORCED } from './bench/goals.mjs';
 import { worse, write } from './bench/figures.mjs';
 
-const SCENARIOS = ['image', 'parity', 'rate', 'cost', 'deadlines', 'index', 'faults', 'safety', 'sweeps', 'store'];
+const SCENARIOS = ['firmware', 'parity', 'rate', 'cost', 'deadlines', 'index', 'faults', 'safety', 'sweeps', 'store'];
 
 const HELP = `usage: tests/emulator/run [--write] [--no-figures] [SCENARIO ... | SCENE.toml ...]
        tests/emulator/run --profile SCENE [OPTION ...]
@@ -16,7 +16,7 @@ Scenarios: ${SCENARIOS.join(', ')}; all of them if none is named.
 A scene of your own is run as it is, and every edge compared with what \`cophase run\` predicts: a minute of three axes
 takes about five.
 
-  --write       keep the figures: docs/emulated.csv, the table in docs/image.md, and tests/emulator/image-size.toml
+  --write       keep the figures: docs/emulated.csv, the table in docs/firmware.md, and tests/emulator/image-size.toml
   --profile     where the cycles of a tick go, by function; \`--profile --help\` has its options
   --no-figures  do not compare figures, and the firmware's size, with those that are kept: for another compiler than theirs
 
@@ -24,7 +24,7 @@ In the environment, for \`sweeps\`:
   COPHASE_SWEEP=20            twenty times as many cases, the usual ones among them: half an hour
   COPHASE_CASE='freezes 17'   this case alone, with its log
 
-The firmware is built with the default settings, whatever COPHASE_BLOB says; scenes are placed in its flash.
+The firmware is built with the default settings, whatever COPHASE_SETTINGS says; scenes are placed in its flash.
 
 Exit status: 0 all holds; 1 something does not, or a figure is worse by over 5 %; 2 a question that makes no sense.`;
 
@@ -36,14 +36,14 @@ if (args.includes('--help') || args.includes('-h')) {
 const OPTIONS = ['--write', '--no-figures', '--only-arguments'];
 const scenes = args.filter((arg) => arg.endsWith('.toml')).map((file) => path.resolve(file));
 const missing = scenes.filter((file) => !fs.existsSync(file));
-const asked = args.filter((arg) => !arg.startsWith('--') && !arg.endsWith('.toml'));
+const requested = args.filter((arg) => !arg.startsWith('--') && !arg.endsWith('.toml'));
 const unknown = [...args.filter((arg) => ![...OPTIONS, ...SCENARIOS].includes(arg) && !arg.endsWith('.toml')), ...missing];
 if (unknown.length > 0) {
   console.error(`bench: nothing is called ${unknown.join(', ')}\n\n${HELP}`);
   process.exit(2);
 }
 const writing = args.includes('--write');
-if (writing && asked.length + scenes.length > 0) {
+if (writing && requested.length + scenes.length > 0) {
   console.error('bench: --write keeps the figures of all scenarios, so name none');
   process.exit(2);
 }
@@ -60,7 +60,7 @@ if (scenes.length > 0) {
   parity.own(outcome, scenes);
   failures += outcome.failures.length;
 }
-for (const name of asked.length + scenes.length > 0 ? asked : SCENARIOS) {
+for (const name of requested.length + scenes.length > 0 ? requested : SCENARIOS) {
   const scenario = await import(`./scenarios/${name}.mjs`);
   console.log(scenario.title);
   const outcome = new Outcome(name);
@@ -71,7 +71,7 @@ for (const name of asked.length + scenes.length > 0 ? asked : SCENARIOS) {
 }
 if (writing) {
   write(figures);
-  console.log('Figures written to docs/emulated.csv and docs/image.md.');
+  console.log('Figures written to docs/emulated.csv and docs/firmware.md.');
 } else if (compare) {
   for (const sentence of worse(figures)) {
     console.log(`FAILED: ${sentence}`);

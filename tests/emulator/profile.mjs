@@ -13,10 +13,10 @@ separate. Each has self and inclusive cycles: the mean over all ticks, and in th
   --axes N          only the first N axes of the scene
   --sensors-alike   all index sensors at one crank angle, and no user trims
   --tick-hz N       another tick rate
-  --state STATE     only ticks in this state: align, run, stop, ...
+  --state STATE     only ticks in this state: homing, run, stop, ...
   --tick N          this tick in place of the worst; ticks count from the start
   --least N         leave out functions below N cycles (default 20)
-  --elf FILE        another ELF than target/thumbv6m-none-eabi/image/cophase-firmware`;
+  --elf FILE        another ELF than target/thumbv6m-none-eabi/firmware/cophase-firmware`;
 
 const OPTIONS = {
   profile: { type: 'boolean' },

@@ -1,13 +1,13 @@
-//! Cranks that nothing drives any more: a run is not over before they stand, and what they do then is told apart.
+//! Cranks that nothing drives any more: a run is not over before they stand, and what they do then is distinguished.
 
 use std::f64::consts::TAU;
 
 use host_sim::report::{summary, warnings};
 use host_sim::trace::{Every, Window};
 
-use super::{AT_S, KINEMATIC, Looks, TICK_S, look, phased, scene};
+use super::{AT_S, KINEMATIC, Samples, TICK_S, observe, phased, scene};
 
-/// Drives that are cut while cranks creep at 5 rev/s, with so much friction on each.
+/// Drives that are cut while cranks turn at homing speed at 5 rev/s, with so much friction on each.
 fn cut(text: &str, friction_nm: f64) -> host_sim::scene::Checked {
     let text = text.replace(
         "[axes]\n",
@@ -19,10 +19,14 @@ fn cut(text: &str, friction_nm: f64) -> host_sim::scene::Checked {
 }
 
 /// Turns that crank 0 made after the drives were off, and in the last 50 ms of the run.
-fn coasted(looks: &Looks) -> (f64, f64) {
-    let off = looks.ticks.iter().rposition(|look| look.enabled).unwrap();
-    let place = |i: usize| looks.ticks[i].actual[0];
-    let last = looks.ticks.len() - 1;
+fn coasted(samples: &Samples) -> (f64, f64) {
+    let off = samples
+        .ticks
+        .iter()
+        .rposition(|sample| sample.enabled)
+        .unwrap();
+    let place = |i: usize| samples.ticks[i].actual[0];
+    let last = samples.ticks.len() - 1;
     (place(last) - place(off), place(last) - place(last - 100))
 }
 
@@ -33,13 +37,13 @@ fn coasted(looks: &Looks) -> (f64, f64) {
 #[test]
 fn a_run_goes_on_until_cranks_that_are_let_go_stand() {
     let friction_nm = 0.05;
-    let looks = look(&cut(&phased(), friction_nm));
+    let samples = observe(&cut(&phased(), friction_nm));
     let omega = 5.0 * TAU;
     let rotors_j = 3.0 * 1e-3 * omega * omega / 2.0;
     let platform_j = 5.0 * (0.01 * 1.031 * omega).powi(2) / 2.0;
     let weight_j = 5.0 * 9.81 * 0.02;
     let radians = |energy_j: f64| energy_j / (3.0 * friction_nm) / TAU;
-    let (turned, at_last) = coasted(&looks);
+    let (turned, at_last) = coasted(&samples);
     assert!(turned > radians(rotors_j - weight_j), "{turned}");
     assert!(
         turned < radians(rotors_j + platform_j + weight_j),
@@ -47,8 +51,8 @@ fn a_run_goes_on_until_cranks_that_are_let_go_stand() {
     );
     assert!(at_last.abs() * 360.0 < 0.36, "{at_last}");
     // Nor does a motor that is off slip.
-    assert_eq!(looks.outcome.statistics.slipped_cycles, [0; 3]);
-    let coast = &looks.outcome.statistics.coast;
+    assert_eq!(samples.outcome.statistics.slipped_cycles, [0; 3]);
+    let coast = &samples.outcome.statistics.coast;
     assert!(!coast.is_on() && coast.turned_s > 0.1, "{}", coast.turned_s);
 }
 
@@ -57,16 +61,21 @@ fn a_run_goes_on_until_cranks_that_are_let_go_stand() {
 #[test]
 fn what_turns_on_for_ever_is_ended_and_said() {
     let checked = cut(&phased(), 0.0);
-    let looks = look(&checked);
-    let off = looks.ticks.iter().filter(|look| !look.enabled).count() as f64 * TICK_S;
+    let samples = observe(&checked);
+    let off = samples
+        .ticks
+        .iter()
+        .filter(|sample| !sample.enabled)
+        .count() as f64
+        * TICK_S;
     assert!((5.0..5.2).contains(&off), "{off}");
-    let said = warnings(&checked, &looks.outcome);
+    let said = warnings(&checked, &samples.outcome);
     let said: Vec<_> = said
         .iter()
         .filter(|said| said.contains("still turned 5.0 s"))
         .collect();
     assert_eq!(said.len(), 1);
-    assert!(summary(&checked, &looks.outcome, None, 1.0).contains("turned on for 5.0"));
+    assert!(summary(&checked, &samples.outcome, None, 1.0).contains("turned on for 5.0"));
 }
 
 /// Were what happens with the drives off mixed into what happens with them on, nobody could tell what the loop let happen. One
@@ -94,8 +103,8 @@ fn tilts_with_drives_on_and_off_are_apart() {
         assert!(run.report.get("tilt_worst_off_mrad").is_none());
         assert!(run.report.get("coasted_s").is_none());
     }
-    let stands = look(&cut(KINEMATIC, 0.05));
+    let stands = observe(&cut(KINEMATIC, 0.05));
     assert_eq!(stands.outcome.statistics.coast.turned_s, 0.0);
-    let off = stands.ticks.iter().filter(|look| !look.enabled).count() as f64 * TICK_S;
+    let off = stands.ticks.iter().filter(|sample| !sample.enabled).count() as f64 * TICK_S;
     assert!(off < 0.1, "{off}");
 }

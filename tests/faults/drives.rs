@@ -4,12 +4,12 @@ use cophase_core::supervisor::FaultKind;
 use cophase_tests::scene;
 use host_sim::scene::{Checked, load};
 
-use super::{AT_TICK, KINEMATIC, TICK_S, began, latched, look, phased, unread, with};
+use super::{AT_TICK, KINEMATIC, TICK_S, began, latched, observe, phased, unread, with};
 
 /// A cycle of 256 of 12800 steps, turns.
 const CYCLE: f64 = 0.02;
 
-/// What a crank on the phased rung may be off its field while it creeps and swings: a quarter of a cycle is where it would
+/// What a crank on the phased model level may be off its field while it turns at homing speed and swings: a quarter of a cycle is where it would
 /// slip.
 const SWING: f64 = CYCLE / 4.0;
 
@@ -30,38 +30,38 @@ fn lost_steps_are_whole_cycles_at_once_and_for_good() {
         ),
     ] {
         let fault = format!("kind = \"lost-steps\"\naxis = 2\ncycles = {cycles}\n");
-        let looks = with(&text, &fault);
-        assert_eq!(began(&looks), AT_TICK);
+        let samples = with(&text, &fault);
+        assert_eq!(began(&samples), AT_TICK);
         let lost = f64::from(cycles) * CYCLE;
-        assert!(looks.ahead(2, AT_TICK - 1).abs() < off);
+        assert!(samples.ahead(2, AT_TICK - 1).abs() < off);
         for tick in [AT_TICK, AT_TICK + 1, AT_TICK + 50] {
-            let ahead = looks.ahead(2, tick);
+            let ahead = samples.ahead(2, tick);
             assert!((ahead + lost).abs() < off, "{cycles}: {ahead} at {tick}");
-            assert!(looks.ahead(0, tick).abs() < off);
+            assert!(samples.ahead(0, tick).abs() < off);
         }
         // A motor's encoder sees it.
-        let counts = looks.at(AT_TICK + 50).encoder[2];
+        let counts = samples.at(AT_TICK + 50).encoder[2];
         let turns = f64::from(counts) / 12800.0;
-        assert!((turns - looks.at(AT_TICK + 50).actual[2]).abs() <= STEP);
+        assert!((turns - samples.at(AT_TICK + 50).actual[2]).abs() <= STEP);
     }
 }
 
-/// Were it wrong, a slip would be another rate, or be seen by an encoder on the motor, which it is not.
+/// Were it wrong, a slip would be another rate, or be detected by an encoder on the motor, which it is not.
 #[test]
 fn a_slip_walks_and_the_motor_does_not_see_it() {
     for (text, off) in [(KINEMATIC.to_owned(), STEP), (phased(), SWING)] {
-        let looks = with(
+        let samples = with(
             &text,
             "kind = \"slip\"\naxis = 1\nrate_deg_per_s = 360\nfor_s = 0.02\n",
         );
         for (after, slipped) in [(10, 10.0), (39, 39.0), (80, 40.0)] {
             // A turn a second, from the tick in which it begins.
             let expected = -slipped * TICK_S;
-            let found = looks.ahead(1, AT_TICK + after - 1);
+            let found = samples.ahead(1, AT_TICK + after - 1);
             assert!((found - expected).abs() < off, "{found}, not {expected}");
-            let look = looks.at(AT_TICK + after - 1);
-            let motor = f64::from(look.encoder[1]) / 12800.0;
-            assert!((motor - look.command[1]).abs() < off, "{motor}");
+            let sample = samples.at(AT_TICK + after - 1);
+            let motor = f64::from(sample.encoder[1]) / 12800.0;
+            assert!((motor - sample.command[1]).abs() < off, "{motor}");
         }
     }
 }
@@ -70,15 +70,15 @@ fn a_slip_walks_and_the_motor_does_not_see_it() {
 #[test]
 fn a_stuck_crank_stands_and_a_stepper_is_caught_again_cycles_off() {
     for (text, off) in [(KINEMATIC.to_owned(), STEP), (phased(), SWING)] {
-        let looks = with(&text, "kind = \"stuck\"\naxis = 0\nfor_s = 0.03\n");
-        let before = looks.at(AT_TICK - 1).actual[0];
+        let samples = with(&text, "kind = \"stuck\"\naxis = 0\nfor_s = 0.03\n");
+        let before = samples.at(AT_TICK - 1).actual[0];
         for tick in AT_TICK..AT_TICK + 60 {
-            let moved = looks.at(tick).actual[0] - before;
+            let moved = samples.at(tick).actual[0] - before;
             assert!(moved.abs() < 1e-12, "{moved} at {tick}");
-            assert!(looks.way(1, tick) > 0.0);
+            assert!(samples.distance(1, tick) > 0.0);
         }
         // It was told 0.15 turns meanwhile: seven and a half cycles.
-        let cycles = looks.ahead(0, AT_TICK + 100) / CYCLE;
+        let cycles = samples.ahead(0, AT_TICK + 100) / CYCLE;
         assert!((cycles - cycles.round()).abs() * CYCLE < off, "{cycles}");
         assert!((-8.6..=-6.4).contains(&cycles), "{cycles}");
     }
@@ -87,87 +87,87 @@ fn a_stuck_crank_stands_and_a_stepper_is_caught_again_cycles_off() {
     assert_eq!(last.actual[0], for_good.at(AT_TICK).actual[0]);
 }
 
-/// Were it wrong, a drive that runs away would still hear the loop, or run on when it is switched off.
+/// Were it wrong, a drive that runs away would still detect the loop, or run on when it is switched off.
 #[test]
 fn a_runaway_turns_at_its_own_speed() {
     for speed_hz in [9.0, -4.0] {
         let fault = format!("kind = \"runaway\"\naxis = 2\nspeed_hz = {speed_hz}\n");
-        let looks = with(KINEMATIC, &fault);
+        let samples = with(KINEMATIC, &fault);
         for tick in [AT_TICK, AT_TICK + 20] {
-            let way = looks.way(2, tick);
-            assert!((way - speed_hz * TICK_S).abs() < 1e-9, "{way}");
+            let distance = samples.distance(2, tick);
+            assert!((distance - speed_hz * TICK_S).abs() < 1e-9, "{distance}");
         }
-        let off = looks.ticks.iter().rev().find(|look| !look.enabled);
-        if let Some(look) = off {
-            assert!(looks.way(2, look.tick).abs() < 1e-12);
+        let off = samples.ticks.iter().rev().find(|sample| !sample.enabled);
+        if let Some(sample) = off {
+            assert!(samples.distance(2, sample.tick).abs() < 1e-12);
         }
         let phased = with(&phased(), &fault);
-        let way = phased.at(AT_TICK + 60).actual[2] - phased.at(AT_TICK + 20).actual[2];
+        let distance = phased.at(AT_TICK + 60).actual[2] - phased.at(AT_TICK + 20).actual[2];
         // Its rotor is brought to that speed within twenty ticks, or has swung by a quarter of a cycle at either end.
         assert!(
-            (way - speed_hz * 40.0 * TICK_S).abs() < 2.0 * SWING,
-            "{way}"
+            (distance - speed_hz * 40.0 * TICK_S).abs() < 2.0 * SWING,
+            "{distance}"
         );
     }
 }
 
-/// Were it wrong, a motor that is wired the other way round would turn as it is told.
+/// Were it wrong, a motor that is wired the other way round would turn as commanded.
 #[test]
 fn a_reversed_motor_turns_backward_from_the_start() {
     for (text, off) in [(KINEMATIC.to_owned(), STEP), (phased(), SWING)] {
-        let looks = with(&unread(&text), "kind = \"reversed\"\naxis = 1\n");
-        assert_eq!(began(&looks), looks.ticks[0].tick);
-        let look = looks.at(AT_TICK);
-        assert!((look.actual[1] + look.command[1]).abs() < off);
-        assert!(look.command[1] > 0.2);
-        assert!((f64::from(look.encoder[1]) / 12800.0 + look.command[1]).abs() < off);
+        let samples = with(&unread(&text), "kind = \"reversed\"\naxis = 1\n");
+        assert_eq!(began(&samples), samples.ticks[0].tick);
+        let sample = samples.at(AT_TICK);
+        assert!((sample.actual[1] + sample.command[1]).abs() < off);
+        assert!(sample.command[1] > 0.2);
+        assert!((f64::from(sample.encoder[1]) / 12800.0 + sample.command[1]).abs() < off);
     }
 }
 
-/// Were it wrong, drives would hear their own lines still. Two axes that are told other ways show it: one turns half as fast.
+/// Were it wrong, drives would detect their own lines still. Two axes that are told other ways show it: one turns half as fast.
 #[test]
 fn swapped_drive_lines_move_the_other_crank() {
     let apart = "[[axis]]\nnumber = 1\nratio = [1, 2]\n[[axis]]\nnumber = 2\nreversed = true\n";
     for (text, off) in [(unread(KINEMATIC), STEP), (unread(&phased()), SWING)] {
-        let looks = with(
+        let samples = with(
             &format!("{text}{apart}"),
             "kind = \"swapped-wiring\"\naxis = 0\nwith = 1\nlines = \"drive\"\n",
         );
-        let look = looks.at(AT_TICK);
-        assert!((look.actual[0] - look.command[1]).abs() < off);
-        assert!((look.actual[1] - look.command[0]).abs() < off);
-        // One of a pair that is mounted the other way round hears a direction that is turned for it.
+        let sample = samples.at(AT_TICK);
+        assert!((sample.actual[0] - sample.command[1]).abs() < off);
+        assert!((sample.actual[1] - sample.command[0]).abs() < off);
+        // One of a pair that is mounted the other way round detects a direction that is turned for it.
         let turned = with(
             &format!("{text}{apart}"),
             "kind = \"swapped-wiring\"\naxis = 0\nwith = 2\nlines = \"drive\"\n",
         );
-        let look = turned.at(AT_TICK);
-        assert!((look.actual[0] + look.command[2]).abs() < off);
-        assert!((look.actual[2] + look.command[0]).abs() < off);
+        let sample = turned.at(AT_TICK);
+        assert!((sample.actual[0] + sample.command[2]).abs() < off);
+        assert!((sample.actual[2] + sample.command[0]).abs() < off);
     }
 }
 
-/// Were it wrong, step hardware that runs dry would cost nothing, or not be told.
+/// Were it wrong, step hardware that underruns would cost nothing, or not be told.
 #[test]
-fn running_dry_costs_half_a_tick_of_steps() {
-    let looks = with(KINEMATIC, "kind = \"run-dry\"\naxis = 1\n");
-    let tick = looks.at(AT_TICK).command[1] - looks.at(AT_TICK - 1).command[1];
+fn a_fifo_underrun_costs_half_a_tick_of_steps() {
+    let samples = with(KINEMATIC, "kind = \"step-fifo-underrun\"\naxis = 1\n");
+    let tick = samples.at(AT_TICK).command[1] - samples.at(AT_TICK - 1).command[1];
     for after in [0, 5] {
-        let ahead = looks.ahead(1, AT_TICK + after);
+        let ahead = samples.ahead(1, AT_TICK + after);
         assert!((ahead + tick / 2.0).abs() < 1e-9, "{ahead}");
     }
-    assert!(latched(&looks, FaultKind::RanDry));
+    assert!(latched(&samples, FaultKind::StepFifoUnderrun));
 }
 
 /// Were it wrong, a load would not hold its crank back by what its motor's spring gives: T sin(p δ).
 #[test]
 fn a_load_step_holds_its_crank_back() {
-    let looks = with(&phased(), "kind = \"load-step\"\naxis = 0\ntorque_nm = 8\n");
-    let without = look(&scene(&phased()));
+    let samples = with(&phased(), "kind = \"load-step\"\naxis = 0\ntorque_nm = 8\n");
+    let without = observe(&scene(&phased()));
     let mean = |axis| {
         // Over a whole turn the machine's own load comes to the same on all axes.
         let ticks = AT_TICK + 200..AT_TICK + 600;
-        let off = ticks.map(|tick| looks.ahead(axis, tick) - without.ahead(axis, tick));
+        let off = ticks.map(|tick| samples.ahead(axis, tick) - without.ahead(axis, tick));
         off.sum::<f64>() / 400.0
     };
     let spring = -(8.0_f64 / 20.0).asin() / 50.0 / std::f64::consts::TAU;
@@ -184,11 +184,11 @@ fn a_load_step_holds_its_crank_back() {
 #[test]
 fn before_a_fault_begins_cranks_are_where_they_would_be() {
     for text in [KINEMATIC.to_owned(), phased()] {
-        let plain = look(&scene(&text));
-        let looks = with(&text, "kind = \"lost-steps\"\naxis = 2\n");
+        let plain = observe(&scene(&text));
+        let samples = with(&text, "kind = \"lost-steps\"\naxis = 2\n");
         for tick in 2..AT_TICK {
             for axis in 0..3 {
-                let off = looks.at(tick).actual[axis] - plain.at(tick).actual[axis];
+                let off = samples.at(tick).actual[axis] - plain.at(tick).actual[axis];
                 // Steps have their own times in the one, and are read at ticks in the other.
                 assert!(off.abs() <= STEP, "{off} at {tick}");
             }
@@ -198,7 +198,7 @@ fn before_a_fault_begins_cranks_are_where_they_would_be() {
 
 /// Were it wrong, one shaft would be asked to have a crank of its own, or a torque be given where none moves anything.
 #[test]
-fn rungs_that_cannot_show_a_fault_are_not_run() {
+fn levels_that_cannot_show_a_fault_are_not_run() {
     let refused = |text: String| {
         let scene = load::parse(&text).expect("its form is right");
         Checked::new(scene)
@@ -218,7 +218,7 @@ fn rungs_that_cannot_show_a_fault_are_not_run() {
         said.contains("noise.load_nm") && said.contains("\"phased\""),
         "{said}"
     );
-    // What chooses a rung by itself does not choose that one.
+    // What chooses a model level by itself does not choose that one.
     let auto = KINEMATIC
         .replace("\"kinematic\"", "\"auto\"")
         .replace("[control]", "[questions]\ntorque_percent = 1\n[control]");

@@ -3,8 +3,8 @@
 use cophase_tests::{record, scene};
 use host_sim::trace::{Every, Window};
 
-use super::looks::readings;
-use super::{KINEMATIC, look, phased};
+use super::samples::readings;
+use super::{KINEMATIC, observe, phased};
 
 /// A hold of 40 turns, at which no noise of these sizes trips anything.
 fn long(noise: &str) -> String {
@@ -48,14 +48,14 @@ fn one_seed_is_one_noise() {
 
 /// Were it wrong, edges would be off by more, or less, than a scene says; by their place, or by their time.
 #[test]
-fn index_edges_are_off_by_what_was_asked_for() {
-    let plain = look(&scene(&long("")));
+fn index_edges_are_off_by_the_requested_noise() {
+    let plain = observe(&scene(&long("")));
     for (seed, noise, sigma_us) in [
         // At 7 rev/s, whatever it truly is in the hold, an edge off by a place is off by a time.
         (1, "index_deg = 0.3", None),
         (2, "index_us = 20", Some(20.0)),
     ] {
-        let noisy = look(&scene(&long(&format!("seed = {seed}\n{noise}"))));
+        let noisy = observe(&scene(&long(&format!("seed = {seed}\n{noise}"))));
         let mut off = Vec::new();
         for axis in 0..3 {
             let (plain, noisy) = (plain.rises_us(axis), noisy.rises_us(axis));
@@ -75,7 +75,7 @@ fn index_edges_are_off_by_what_was_asked_for() {
 
 /// Were it wrong, encoders would all be off alike, or one sensor's noise change with another's.
 #[test]
-fn encoders_are_off_by_what_was_asked_for() {
+fn encoders_are_off_by_the_requested_noise() {
     let checked = scene(&long("seed = 3\nencoder_counts = 30"));
     let said = readings(&checked, 0..4000);
     let of = |axis: usize| -> Vec<f64> {
@@ -98,8 +98,8 @@ fn encoders_are_off_by_what_was_asked_for() {
 /// Were it wrong, a load that changes every tick would shake no crank, or all alike.
 #[test]
 fn load_noise_shakes_each_crank_by_itself() {
-    let plain = look(&scene(&phased()));
-    let noisy = look(&scene(&format!("{}[noise]\nload_nm = 2\n", phased())));
+    let plain = observe(&scene(&phased()));
+    let noisy = observe(&scene(&format!("{}[noise]\nload_nm = 2\n", phased())));
     let off = |axis: usize| -> Vec<f64> {
         let ticks = 400..1200;
         let off = |tick| noisy.ahead(axis, tick) - plain.ahead(axis, tick);

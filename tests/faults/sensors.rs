@@ -5,8 +5,8 @@ use cophase_tests::{record, scene};
 use host_sim::faults::Faults;
 use host_sim::trace::{Every, Window};
 
-use super::looks::readings;
-use super::{AT_S, AT_TICK, KINEMATIC, began, latched, latched_in, look, phased, unread, with};
+use super::samples::readings;
+use super::{AT_S, AT_TICK, KINEMATIC, began, latched, latched_in, observe, phased, unread, with};
 
 fn at(fault: &str) -> host_sim::scene::Checked {
     scene(&format!("{KINEMATIC}[[fault]]\nat_s = {AT_S}\n{fault}"))
@@ -14,9 +14,9 @@ fn at(fault: &str) -> host_sim::scene::Checked {
 
 /// Were it wrong, pulses would stay away from another axis, or come back too early or never.
 #[test]
-fn missing_pulses_are_as_many_as_were_asked_for() {
+fn missing_pulses_are_as_many_as_requested() {
     for text in [KINEMATIC.to_owned(), phased()] {
-        let all = look(&scene(&text));
+        let all = observe(&scene(&text));
         let first = with(&text, "kind = \"index-missing\"\naxis = 1\ncount = 1\n");
         let never = with(&text, "kind = \"index-missing\"\naxis = 1\n");
         // Up to where the loop makes anything of it both run alike: a turn and a half.
@@ -41,13 +41,13 @@ fn missing_pulses_are_as_many_as_were_asked_for() {
 #[test]
 fn extra_pulses_come_at_their_time_and_a_turn_after() {
     for text in [KINEMATIC.to_owned(), phased()] {
-        let looks = with(&text, "kind = \"index-extra\"\naxis = 0\ncount = 2\n");
-        let rises = looks.rises_us(0);
+        let samples = with(&text, "kind = \"index-extra\"\naxis = 0\ncount = 2\n");
+        let rises = samples.rises_us(0);
         assert!((rises[0] - AT_S * 1e6).abs() < 0.1, "{rises:?}");
-        assert_eq!(began(&looks), AT_TICK);
+        assert_eq!(began(&samples), AT_TICK);
         let place = |us: f64| {
             let (tick, part) = ((us / 500.0) as u64, us / 500.0 % 1.0);
-            let (from, to) = (looks.at(tick - 1).actual[0], looks.at(tick).actual[0]);
+            let (from, to) = (samples.at(tick - 1).actual[0], samples.at(tick).actual[0]);
             from + part * (to - from)
         };
         let again = rises
@@ -62,7 +62,7 @@ fn extra_pulses_come_at_their_time_and_a_turn_after() {
 fn swapped_sensors_speak_of_the_other_axis() {
     let own = "[[axis]]\nnumber = 0\nindex_deg = 90\n";
     let fault = "kind = \"swapped-wiring\"\naxis = 0\nwith = 2\nlines = \"sensors\"\n";
-    let plain = look(&scene(&format!("{KINEMATIC}{own}")));
+    let plain = observe(&scene(&format!("{KINEMATIC}{own}")));
     let swapped = with(&format!("{KINEMATIC}{own}"), fault);
     // The first pulse of each, before anything is made of it.
     assert_eq!(swapped.rises_us(0)[0], plain.rises_us(2)[0]);
@@ -98,18 +98,18 @@ fn alarms_and_inputs_are_on_while_they_last() {
     on("enable-loss", |feedback| !feedback.inputs.enable);
     on("stop-input", |feedback| feedback.inputs.stop);
     on("drive-alarm\"\naxis = 2\n#\"", |feedback| feedback.alarm[2]);
-    let looks = with(KINEMATIC, "kind = \"drive-alarm\"\naxis = 2\n");
-    assert!(latched(&looks, FaultKind::DriveAlarm));
-    assert_eq!(latched_in(&looks), Some(AT_TICK));
+    let samples = with(KINEMATIC, "kind = \"drive-alarm\"\naxis = 2\n");
+    assert!(latched(&samples, FaultKind::DriveAlarm));
+    assert_eq!(latched_in(&samples), Some(AT_TICK));
 }
 
 /// Were it wrong, an overrun would miss another number of deadlines, and be a fault or none by that.
 #[test]
 fn an_overrun_misses_its_deadlines() {
     for count in [1, 3] {
-        let looks = with(KINEMATIC, &format!("kind = \"overrun\"\ncount = {count}\n"));
-        assert_eq!(looks.outcome.statistics.missed_deadlines, count);
-        assert_eq!(latched(&looks, FaultKind::Overrun), count == 3);
+        let samples = with(KINEMATIC, &format!("kind = \"overrun\"\ncount = {count}\n"));
+        assert_eq!(samples.outcome.statistics.missed_deadlines, count);
+        assert_eq!(latched(&samples, FaultKind::Overrun), count == 3);
     }
 }
 
@@ -117,13 +117,13 @@ fn an_overrun_misses_its_deadlines() {
 #[test]
 fn encoders_count_in_their_motors_sense() {
     for text in [KINEMATIC.to_owned(), phased()] {
-        let looks = look(&scene(&format!(
+        let samples = observe(&scene(&format!(
             "{text}[[axis]]\nnumber = 2\nreversed = true\n"
         )));
-        for look in &looks.ticks {
+        for sample in &samples.ticks {
             for (axis, sense) in [(0, 1.0), (2, -1.0)] {
-                let counts = sense * look.actual[axis] * 12800.0;
-                let off = counts - f64::from(look.encoder[axis]);
+                let counts = sense * sample.actual[axis] * 12800.0;
+                let off = counts - f64::from(sample.encoder[axis]);
                 assert!((-1e-5..1.0).contains(&off), "axis {axis}: {off}");
             }
         }
@@ -138,7 +138,7 @@ fn a_flag_with_a_length_is_met_at_either_end() {
         "encoder = true\nindex_width_deg = 10\nindex_deg = 40",
     );
     let short = KINEMATIC.replace("encoder = true", "encoder = true\nindex_deg = 40");
-    let first = |text: &str| look(&scene(text)).rises_us(1)[0];
+    let first = |text: &str| observe(&scene(text)).rises_us(1)[0];
     assert_eq!(first(&long), first(&short));
     let backward = with(&unread(&long), "kind = \"reversed\"\naxis = 1\n");
     let us = backward.rises_us(1)[0];
@@ -151,13 +151,13 @@ fn a_flag_with_a_length_is_met_at_either_end() {
 /// Were it wrong, a sensor that answers late would answer in time, or lose what falls into the next tick.
 #[test]
 fn a_late_line_is_late_by_its_delay() {
-    let first = |text: &str| look(&scene(text)).rises_us(1)[0];
+    let first = |text: &str| observe(&scene(text)).rises_us(1)[0];
     let late = KINEMATIC.replace("encoder = true", "encoder = true\nindex_delay_us = 700");
     let off = first(&late) - first(KINEMATIC);
     assert!((off - 700.0).abs() < 0.01, "{off}");
 }
 
-/// Were it wrong, a reader of the report would not know what was put in, or what was told.
+/// Were it wrong, a reader of the report would not know what was put in, or what was reported.
 #[test]
 fn the_report_lists_what_was_put_in() {
     let run = record(
@@ -173,5 +173,5 @@ fn the_report_lists_what_was_put_in() {
     let events = run.report["events"].as_array().unwrap();
     let words = "put in: lost steps, axis 2, 3 cycles";
     assert!(events.iter().any(|event| event["what"] == words));
-    assert!(run.report["incidents"].is_array());
+    assert!(run.report["reported_faults"].is_array());
 }

@@ -7,9 +7,9 @@ use host_sim::trace::{Every, Window};
 use super::{AT_TICK, KINEMATIC, TICK_S, unread, with};
 
 /// The same machine on servos.
-fn servos(rung: &str) -> String {
+fn servos(model_level: &str) -> String {
     KINEMATIC
-        .replace("\"kinematic\"", rung)
+        .replace("\"kinematic\"", model_level)
         .replace("drive = \"stepper\"", "drive = \"servo\"")
         .replace("damping_nms = 0.4\n", "")
         .replace(
@@ -18,7 +18,7 @@ fn servos(rung: &str) -> String {
         )
 }
 
-const KINEMATIC_RUNG: &str = "\"kinematic\"";
+const KINEMATIC_LEVEL: &str = "\"kinematic\"";
 const PHASED: &str = "\"phased\"";
 
 /// What a servo of 200 N·m/rad is off under its share of 5 kg at 25 m/s² and a lever of 10.3 mm, turns; twice that for what it
@@ -28,13 +28,16 @@ const LAG: f64 = 2.0 * 5.0 * 35.0 * 0.0103 / 3.0 / 200.0 / std::f64::consts::TAU
 /// Were it wrong, a reversed servo would follow its setpoint, or one that slips would take its crank along.
 #[test]
 fn reversed_and_slipping_servos() {
-    for (rung, off) in [(KINEMATIC_RUNG, 1e-9), (PHASED, LAG)] {
-        let looks = with(&unread(&servos(rung)), "kind = \"reversed\"\naxis = 1\n");
-        let look = looks.at(AT_TICK);
-        assert!((look.actual[1] + look.command[1]).abs() < off);
+    for (model_level, off) in [(KINEMATIC_LEVEL, 1e-9), (PHASED, LAG)] {
+        let samples = with(
+            &unread(&servos(model_level)),
+            "kind = \"reversed\"\naxis = 1\n",
+        );
+        let sample = samples.at(AT_TICK);
+        assert!((sample.actual[1] + sample.command[1]).abs() < off);
         let slip = "kind = \"slip\"\naxis = 0\nrate_deg_per_s = 36\nfor_s = 0.5\n";
-        let looks = with(&servos(rung), slip);
-        let slipped = looks.ahead(0, AT_TICK + 99);
+        let samples = with(&servos(model_level), slip);
+        let slipped = samples.ahead(0, AT_TICK + 99);
         assert!((slipped + 0.1 * 100.0 * TICK_S).abs() < off, "{slipped}");
     }
 }
@@ -43,17 +46,17 @@ fn reversed_and_slipping_servos() {
 #[test]
 fn a_servo_that_was_stuck_goes_on() {
     let fault = "kind = \"stuck\"\naxis = 2\nfor_s = 0.02\n";
-    let looks = with(&servos(KINEMATIC_RUNG), fault);
-    let behind = looks.ahead(2, AT_TICK + 39);
+    let samples = with(&servos(KINEMATIC_LEVEL), fault);
+    let behind = samples.ahead(2, AT_TICK + 39);
     assert!(behind < -0.05, "{behind}");
-    // From there on it goes as far as it is told in each tick.
-    assert!((looks.ahead(2, AT_TICK + 60) - behind).abs() < 1e-9);
-    let looks = with(&servos(PHASED), fault);
-    let before = looks.at(AT_TICK - 1).actual[2];
-    assert_eq!(looks.at(AT_TICK + 39).actual[2], before);
-    assert!(looks.ahead(2, AT_TICK + 39) < -0.05);
+    // From there on it goes as far as commanded in each tick.
+    assert!((samples.ahead(2, AT_TICK + 60) - behind).abs() < 1e-9);
+    let samples = with(&servos(PHASED), fault);
+    let before = samples.at(AT_TICK - 1).actual[2];
+    assert_eq!(samples.at(AT_TICK + 39).actual[2], before);
+    assert!(samples.ahead(2, AT_TICK + 39) < -0.05);
     // Ten time constants of its position loop, 5 ms each, after it was let go.
-    assert!(looks.ahead(2, AT_TICK + 140).abs() < LAG);
+    assert!(samples.ahead(2, AT_TICK + 140).abs() < LAG);
 }
 
 /// Were it wrong, a servo would be asked to lose steps, or a cam shaft to stand where it is not told to.
@@ -66,7 +69,7 @@ fn what_a_scene_has_not_is_not_broken_in_it() {
             .to_string()
     };
     let fault = |kind: &str| format!("[[fault]]\nat_s = 1\nkind = \"{kind}\"\naxis = 1\n");
-    for kind in ["lost-steps", "run-dry"] {
+    for kind in ["lost-steps", "step-fifo-underrun"] {
         let said = refused(&(servos(PHASED) + &fault(kind)));
         assert!(
             said.contains("fault[0].axis") && said.contains("is a servo"),

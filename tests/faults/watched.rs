@@ -1,13 +1,13 @@
-//! What a campaign judges a run by: when cranks truly passed a limit, what was told of it, and who was moved while another stood.
+//! What a campaign judges a run by: when cranks truly passed a limit, what was reported of it, and who was moved while another stood.
 
 use cophase_lab::campaign::geometry::Geometry;
 use cophase_lab::campaign::judge::{self, Verdict, judge};
-use cophase_lab::campaign::watch::{Seen, Watch};
+use cophase_lab::campaign::watch::{Observation, Watch};
 use cophase_tests::scene;
 use host_sim::scene::Checked;
 use host_sim::sim::simulate;
 
-use super::{AT_S, AT_TICK, KINEMATIC, TICK_S, look, unread};
+use super::{AT_S, AT_TICK, KINEMATIC, TICK_S, observe, unread};
 
 /// A tilt limit, mrad, instead of one that nothing passes.
 fn limited(mrad: f64) -> String {
@@ -17,23 +17,29 @@ fn limited(mrad: f64) -> String {
     )
 }
 
-fn watched(text: &str, fault: &str) -> (Checked, Seen) {
+fn watched(text: &str, fault: &str) -> (Checked, Observation) {
     watched_at(AT_S, text, fault)
 }
 
-fn watched_at(at_s: f64, text: &str, fault: &str) -> (Checked, Seen) {
+fn watched_at(at_s: f64, text: &str, fault: &str) -> (Checked, Observation) {
     let checked = scene(&format!("{text}[[fault]]\nat_s = {at_s}\n{fault}"));
     let geometry = Geometry::new(&checked.scene);
     let count = judge::cranks_that_count(&checked.scene);
     let mut watch = Watch::new(geometry.as_ref(), &checked, count);
     simulate(&checked, &mut watch, |_, _| {}).expect("a checked scene runs");
-    let seen = watch.seen();
-    (checked, seen)
+    let observation = watch.observation();
+    (checked, observation)
 }
 
-fn verdict((checked, seen): &(Checked, Seen)) -> Verdict {
+fn verdict((checked, observation): &(Checked, Observation)) -> Verdict {
     let geometry = Geometry::new(&checked.scene);
-    judge(&checked.scene, geometry.as_ref(), seen, (false, false)).verdict
+    judge(
+        &checked.scene,
+        geometry.as_ref(),
+        observation,
+        (false, false),
+    )
+    .verdict
 }
 
 /// Were it wrong, a campaign would take the wrong tick for the one in which a fault became dangerous, or the wrong tilt for the
@@ -45,32 +51,40 @@ fn a_limit_is_passed_when_the_cranks_pass_it() {
     let mrad = |cycles: f64| {
         2.0 / 3.0 * cycles * 0.02 * std::f64::consts::TAU * 1.031 * 10.0 / 250.0 * 1e3
     };
-    let past_tick = |seen: &Seen| seen.past.map(|past| (past.t_s / TICK_S).round() as u64);
+    let beyond_tick = |observation: &Observation| {
+        observation
+            .beyond_limit
+            .map(|beyond_limit| (beyond_limit.t_s / TICK_S).round() as u64)
+    };
     let fault = "kind = \"lost-steps\"\naxis = 2\ncycles = 3\n";
     let (_, passed) = watched(&limited(mrad(2.9)), fault);
-    assert_eq!(past_tick(&passed), Some(AT_TICK + 1)); // at the end of the tick in which it began
-    assert_eq!(past_tick(&watched(&limited(mrad(3.1)), fault).1), None);
+    assert_eq!(beyond_tick(&passed), Some(AT_TICK + 1)); // at the end of the tick in which it began
+    assert_eq!(beyond_tick(&watched(&limited(mrad(3.1)), fault).1), None);
 
     // A walk passes it when it has come so far: two cycles at a turn a second, from the tick's end in which it begins.
     let slip = "kind = \"slip\"\naxis = 0\nrate_deg_per_s = 360\nfor_s = 0.045\n";
-    let past = past_tick(&watched(&limited(mrad(2.0)), slip).1).expect("2.25 cycles are slipped");
-    assert!((AT_TICK + 79..=AT_TICK + 82).contains(&past), "{past}");
+    let beyond_limit =
+        beyond_tick(&watched(&limited(mrad(2.0)), slip).1).expect("2.25 cycles are slipped");
+    assert!(
+        (AT_TICK + 79..=AT_TICK + 82).contains(&beyond_limit),
+        "{beyond_limit}"
+    );
 }
 
 /// Were cranks that the loop has let go held against it, no stop would be soon enough: one is stuck as the drives are cut, and the
-/// others swing on, far past a limit of 3 mrad.
+/// others swing on, far beyond a limit of 3 mrad.
 #[test]
-fn what_cranks_do_without_drives_is_not_to_be_seen() {
+fn what_cranks_do_without_drives_is_ignored() {
     let stuck = format!(
         "kind = \"enable-loss\"\n[[fault]]\nat_s = {}\nkind = \"stuck\"\naxis = 1\n",
         AT_S + 0.01
     );
     let text = limited(3.0).replace("kinematic", "phased");
-    let (_, seen) = watched(&text, &stuck);
-    assert_eq!(seen.past, None);
+    let (_, observation) = watched(&text, &stuck);
+    assert_eq!(observation.beyond_limit, None);
 }
 
-/// Were it wrong, an axis that is left running while another stands would go unseen, or one be seen where all stop.
+/// Were it wrong, an axis that is left running while another stands would go unseen, or one be detected where all stop.
 #[test]
 fn who_is_left_running_is_known() {
     // The machine is asked to stop, and does; but one motor runs on, and its drive is on.
@@ -78,14 +92,18 @@ fn who_is_left_running_is_known() {
         "kind = \"stop-input\"\n[[fault]]\nat_s = {}\nkind = \"runaway\"\naxis = 1\nspeed_hz = 9\nfor_s = 0.5\n",
         AT_S + 0.01
     );
-    let (_, seen) = watched(&unread(KINEMATIC), &alone);
-    assert!(seen.left_running_turns > 0.2, "{}", seen.left_running_turns);
-    let (_, seen) = watched(KINEMATIC, "kind = \"drive-alarm\"\naxis = 1\n");
+    let (_, observation) = watched(&unread(KINEMATIC), &alone);
+    assert!(
+        observation.left_running_turns > 0.2,
+        "{}",
+        observation.left_running_turns
+    );
+    let (_, observation) = watched(KINEMATIC, "kind = \"drive-alarm\"\naxis = 1\n");
     let step = 1.0 / 12_800.0;
     assert!(
-        seen.left_running_turns <= step,
+        observation.left_running_turns <= step,
         "{}",
-        seen.left_running_turns
+        observation.left_running_turns
     );
 }
 
@@ -93,7 +111,7 @@ fn who_is_left_running_is_known() {
 /// at the flag's own place called missed, what nobody can see, and what matters to nobody, would be held against the loop.
 #[test]
 fn a_pulse_is_extra_by_where_its_crank_truly_was() {
-    let flags = look(&scene(KINEMATIC)).rises_us(1);
+    let flags = observe(&scene(KINEMATIC)).rises_us(1);
     let after = |late_ms: f64| {
         let at_s = ((flags[1] + late_ms * 1e3).round()) * 1e-6;
         watched_at(
@@ -104,14 +122,18 @@ fn a_pulse_is_extra_by_where_its_crank_truly_was() {
     };
     // At 12 rev/s at most and 5 at least a millisecond is 1.8 to 4.3 degrees; the gate is 4 (0.25 + 2 steps) = 1.23.
     for (late_ms, verdict_is) in [(0.25, Verdict::Within), (5.0, Verdict::Right)] {
-        let seen = after(late_ms);
-        let off_deg = seen.1.extra.expect("a pulse was put in").off_turns * 360.0;
-        let speed_hz = seen.1.injected.expect("it was").speed_hz;
+        let observation = after(late_ms);
+        let off_deg = observation.1.extra.expect("a pulse was put in").off_turns * 360.0;
+        let speed_hz = observation.1.injected.expect("it was").speed_hz;
         let expected = speed_hz * late_ms * 1e-3 * 360.0;
         assert!(
             (off_deg - expected).abs() < 0.1,
             "{off_deg}, not {expected}"
         );
-        assert_eq!(verdict(&seen), verdict_is, "{late_ms} ms, {off_deg}°");
+        assert_eq!(
+            verdict(&observation),
+            verdict_is,
+            "{late_ms} ms, {off_deg}°"
+        );
     }
 }

@@ -1,4 +1,4 @@
-"""Cophase's phased rung beside MuJoCo on the same platform: error against time, on one core, in one run.
+"""Cophase's phased model level beside MuJoCo on the same platform: error against time, on one core, in one run.
 
     python tests/peers/compare.py            # all of it: writes docs/peer-mujoco.csv and .svg, prints the tables
     python tests/peers/compare.py --keep target/peers   # keeps reference solutions there for the next time
@@ -25,7 +25,7 @@ HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
 MACHINE = HERE / "machine.json"
 
-CASES = [(3, "rigid"), (4, "sprung")]
+CASES = [(3, "rigid"), (4, "elastic")]
 LEVELS_RAD = [1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6]
 
 # MuJoCo: integrator, and the time constant of rigid rods in steps. Each as short as it stays stable, or a little above.
@@ -55,7 +55,7 @@ class Run:
 
 
 def cophase(machine, axes, run, repeats):
-    """CPU time and samples of the phased rung; the tilt is that of the plane closest to the corners' heights. The time is the
+    """CPU time and samples of the phased model level; the tilt is that of the plane closest to the corners' heights. The time is the
     whole process's, its start included."""
     command = [built(), MACHINE, str(axes), run.method, str(run.steps_per_tick), str(repeats)]
     before_s = spent_by_children_s()
@@ -106,11 +106,11 @@ def reference(machine, axes, rods, keep):
         return tuple(np.load(kept).values())
     platform = Platform(machine, axes, rods)
     truth, drift = platform.solve(1e-11)
-    doubt = np.abs(platform.solve(1e-9)[0] - truth)[:, :axes].max()
+    uncertainty = np.abs(platform.solve(1e-9)[0] - truth)[:, :axes].max()
     if kept:
         keep.mkdir(parents=True, exist_ok=True)
-        np.savez(kept, truth=truth, doubt=doubt, drift=drift)
-    return truth, doubt, drift
+        np.savez(kept, truth=truth, uncertainty=uncertainty, drift=drift)
+    return truth, uncertainty, drift
 
 
 def play(machine, axes, rods, truth, rounds):
@@ -157,10 +157,10 @@ def seconds_at(runs, side, level):
 def table(runs):
     print("| error, rad | cophase, ms | by | MuJoCo, ms | by | ratio |\n| --- | --- | --- | --- | --- | --- |")
     for level in LEVELS_RAD:
-        (ours, our_way), (theirs, their_way) = (seconds_at(runs, side, level) for side in ("cophase", "MuJoCo"))
-        cell = lambda seconds, way: f"{1e3 * seconds:.2f} | {way}" if np.isfinite(seconds) else "not reached | "
+        (ours, our_method), (theirs, their_method) = (seconds_at(runs, side, level) for side in ("cophase", "MuJoCo"))
+        cell = lambda seconds, method: f"{1e3 * seconds:.2f} | {method}" if np.isfinite(seconds) else "not reached | "
         ratio = f"{theirs / ours:.1f}" if np.isfinite(ours) and np.isfinite(theirs) else ""
-        print(f"| {level:.0e} | {cell(ours, our_way)} | {cell(theirs, their_way)} | {ratio} |")
+        print(f"| {level:.0e} | {cell(ours, our_method)} | {cell(theirs, their_method)} | {ratio} |")
 
 
 def write(results):
@@ -212,8 +212,8 @@ def main():
     arguments = arguments.parse_args()
     machine, results = json.loads(MACHINE.read_text()), {}
     for axes, rods in CASES:
-        truth, doubt, drift = reference(machine, axes, rods, arguments.keep)
-        print(f"\n{axes} cranks, rods {rods}. Reference: 1e-9 and 1e-11 differ by {doubt:.1e} rad", end="")
+        truth, uncertainty, drift = reference(machine, axes, rods, arguments.keep)
+        print(f"\n{axes} cranks, rods {rods}. Reference: 1e-9 and 1e-11 differ by {uncertainty:.1e} rad", end="")
         print(f"; rods keep their length to {drift:.1e} m" if rods == "rigid" else "")
         results[axes, rods] = runs = play(machine, axes, rods, truth, arguments.rounds)
         for run in runs:

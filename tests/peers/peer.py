@@ -66,7 +66,7 @@ def mjcf(machine, axes, rods, integrator, step_s, stiffness_s):
     </body>"""
         corners += f'<site name="corner{i}" pos="{place} 0"/>'
         spring = ""
-        if rods == "sprung":
+        if rods == "elastic":
             spring = f'springlength="{length}" stiffness="{machine["rod_n_per_m"]}" damping="{machine["rod_ns_per_m"]}"'
         tendons += f'<spatial name="rod{i}" {spring}><site site="pin{i}"/><site site="corner{i}"/></spatial>'
         # Impedance as near to 1 as MuJoCo lets it be, all the way.
@@ -108,7 +108,7 @@ class Peer:
             self.numbers.offset_rad[i] = np.radians(machine["offset_deg"][i])
 
     def play(self, integrator, steps_per_tick, stiffness_steps, repeats=1):
-        """Least CPU time of the repeats, s, and coordinates at every sample; none if it went astray.
+        """Least CPU time of the repeats, s, and coordinates at every sample; none if it went off its command.
 
         Below one step a tick (1/2, 1/4), drives are told as much less often. `stiffness_steps` is the constraints' time
         constant in steps."""

@@ -1,6 +1,6 @@
 /* The motors' law and the manoeuvre on MuJoCo's side, in C: called from Python they would cost more than MuJoCo does.
  *
- * The torque is what host-sim's steppers and dry friction give: T sin(p (phi - alpha)) - f tanh(omega / creep) + d phi',
+ * The torque is what host-sim's steppers and dry friction give: T sin(p (phi - alpha)) - f tanh(omega / turn at homing speed) + d phi',
  * less d omega, which the model has as joint damping so that MuJoCo's integrators may treat it implicitly.
  * Degrees of freedom 0 .. axes-1 are the cranks.
  */
@@ -30,7 +30,7 @@ static void torques(const mjModel *model, mjData *data) {
     }
 }
 
-/* Runs that go astray are reported by what play() gives. */
+/* Runs that go off its command are reported by what play() gives. */
 static void quiet(const char *warning) { (void)warning; }
 
 static double turned(const struct machine *m, double t_s) {

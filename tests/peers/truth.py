@@ -3,7 +3,7 @@
 Written for this comparison alone, from geometry: whole rotations of the platform (a slide, then hinges about x and y),
 rods at their true slant, each crank in the vertical plane through the platform's axis. Two kinds of rod:
 - `rigid`: constraints, solved with the accelerations (index 1); for up to three cranks, whose rods always fit;
-- `sprung`: springs and dampers along the rods; for any number.
+- `elastic`: springs and dampers along the rods; for any number.
 
 Coordinates: N crank angles (rad, 0 upright), heave over the crank axes (m), two tilts (rad); then their speeds.
 """
@@ -88,7 +88,7 @@ class Platform:
         mass[n + 1], mass[n + 2] = self.tilt * cos**2 + self.spin * sin**2, self.tilt
         d, by_crank, by_tilt, turning = self.rods_and_slopes(q)
         rows = self.slopes(d, by_crank, by_tilt)
-        if self.rods == "sprung":
+        if self.rods == "elastic":
             length = np.sqrt(np.sum(d * d, axis=1))
             rate = rows @ v / length
             push = -machine["rod_n_per_m"] * (length - machine["rod_length_m"]) - machine["rod_ns_per_m"] * rate

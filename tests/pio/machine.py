@@ -5,7 +5,7 @@ have are added outside of it: optional side-set, IRQ instructions, and a FIFO th
 needs anything else that pioemu lacks is refused.
 
 A clock value is a cycle of 8 ns. An output that an instruction of cycle k changes, changes at the end of cycle k. An
-input that changes at the end of cycle k is seen by instructions from cycle k + 3 on, through two flip-flops.
+input that changes at the end of cycle k is detected by instructions from cycle k + 3 on, through two flip-flops.
 """
 
 import copy
@@ -19,7 +19,7 @@ import pioemu.instructions.push
 import pioemu.primitive_operations
 from firmware import CLKDIV, EXECCTRL, PINCTRL, SHIFTCTRL
 
-SEEN_AFTER = 3
+DETECTED_AFTER = 3
 FIFO, JOINED_FIFO = 4, 8
 NO_DIVIDER = 0x0001_0000
 
@@ -165,7 +165,7 @@ class StateMachine:
             return state.clock >= until or opcode >> 13 == IRQ or self.only_waits(opcode, state)
 
         def levels(state: pioemu.State) -> int:
-            return self.inputs(state.clock - SEEN_AFTER)
+            return self.inputs(state.clock - DETECTED_AFTER)
 
         options = {**self.options, "stop_when": stops, "input_source": levels if self.inputs else None}
         while self.state.clock < until:

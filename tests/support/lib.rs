@@ -6,7 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod edges;
-pub mod story;
+pub mod scripted;
 mod trace;
 mod watch;
 

@@ -62,8 +62,8 @@ impl Program {
         let mut corners = vec![from_s];
         let mut t_s = 0.0;
         for leg in &self.0 {
-            for way_s in [leg.ramp_s, leg.hold_s] {
-                t_s += way_s;
+            for span_s in [leg.ramp_s, leg.hold_s] {
+                t_s += span_s;
                 if t_s > corners[corners.len() - 1] + 1e-9 && t_s < to_s - 1e-9 {
                     corners.push(t_s);
                 }

@@ -103,7 +103,7 @@ impl Observer for Eyes {
             start_ns: moment.start_ns,
             state: telemetry.state,
             fault: telemetry.fault,
-            program: telemetry.amax_program,
+            program: telemetry.amax_requested,
             holding: telemetry.holding,
             phase: telemetry.phase,
             speed: telemetry.motion.speed.to_bits(),

@@ -5,7 +5,7 @@
 //!
 //! Deadlines are absolute, a whole number of ticks apart. A loop that wakes after the next deadline
 //! has already passed does not catch up with a burst: it goes on at the next deadline to come, and
-//! says how many it missed. What was reckoned too late to be handed over in time is not thrown away
+//! says how many it missed. What was computed too late to be handed over in time is not thrown away
 //! either: it is played a tick later, and counted as a deadline missed.
 
 use embassy_time::{Duration, Instant, Timer};
@@ -21,16 +21,16 @@ pub trait Io {
     /// Hands over what is to be played from `start` on, for one tick.
     ///
     /// The safety lines are set at once.
-    fn write(&mut self, output: &Output, start: Instant) -> Written;
+    fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult;
 }
 
 /// What became of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Written {
+pub enum SubmissionResult {
     /// It will be played in its tick.
     InTime,
-    /// It came too late for that: the step hardware was about to run dry, or has, and all axes stand from
-    /// `start` on. The same output is to be offered again a tick later.
+    /// It came too late for that: the step hardware was about to underrun, or has, and all axes stand from
+    /// `start` on. The same output is to be submitted again a tick later.
     TooLate,
     /// There is nothing more to control; a board never says that.
     Over,
@@ -65,9 +65,9 @@ pub async fn run(controller: &mut Controller, io: &mut impl Io) {
         let mut held_over = 0;
         loop {
             match io.write(output, deadline) {
-                Written::InTime => break,
-                Written::Over => return,
-                Written::TooLate => {
+                SubmissionResult::InTime => break,
+                SubmissionResult::Over => return,
+                SubmissionResult::TooLate => {
                     Timer::at(deadline).await;
                     deadline += tick;
                     held_over += 1;

@@ -5,27 +5,27 @@
 //! for one tick. The index pulses handed to it came between the deadline before and this one, while
 //! the output of two ticks ago was played.
 
-mod align;
 mod channel;
 mod configure;
+mod events;
+mod homing;
 mod punctuality;
-mod telling;
 mod wiring_proof;
 
 use crate::axes::Correction;
 use crate::drift::{DriftMonitor, Finding, Sensed, TickPhase};
 use crate::mechanism::{AnyMechanism, Mechanism};
 use crate::program::{Cursor, Program};
-use crate::pulse::Paces;
+use crate::pulse::StepRates;
 use crate::servo::Coupling;
 use crate::shaft::{Demand, Motion, Shaft, Target};
 use crate::signals::{Feedback, Output};
-use crate::supervisor::{Action, Command, Fault, FaultKind, Seen, State, Supervisor};
+use crate::supervisor::{Action, Command, Fault, FaultKind, State, Supervisor, SupervisorInput};
 use crate::units::{Amax, MAX_AXES, ONE_TURN, PerAxis, Phase, Turns};
-use align::Align;
 use channel::Channel;
+use events::select_reaction;
+use homing::Homing;
 use punctuality::Punctuality;
-use telling::weigh;
 
 /// The control loop's state, less its waiting.
 #[derive(Clone, Debug)]
@@ -46,17 +46,17 @@ pub struct Controller {
     phases: [PerAxis<TickPhase>; 2],
     newest: usize,
     has_servos: bool,
-    pace: Paces,
+    step_rate: StepRates,
     drift: DriftMonitor,
-    align: Align,
+    homing: Homing,
     correction: Correction,
     /// Rounds of the monitor, and turns of the master, up to when the cranks were corrected last.
     corrected: u32,
     turned: Turns,
     coupling: Option<Coupling>,
     supervisor: Supervisor,
-    /// What is told a tick later, as there was something else to tell.
-    untold: Option<Fault>,
+    /// What is reported a tick later, as there was something else to tell.
+    unpublished: Option<Fault>,
     /// The stop input's level in the last tick.
     stop_input: bool,
     /// The tick in which the drives were on last.
@@ -70,7 +70,7 @@ pub struct Controller {
     output: Output,
 }
 
-/// Ticks after a stop in which what its last pulses show is still heard: a tick is read two ticks after it was reckoned.
+/// Ticks after a stop in which what its last pulses show is still detected: a tick is read two ticks after it was computed.
 const LAST_PULSES: u64 = 4;
 
 impl Controller {
@@ -158,28 +158,28 @@ impl Controller {
 
     /// Plays one tick.
     ///
-    /// Never inlined: this is the name by which the image's checks find the tick.
+    /// Never inlined: this is the name by which the firmware's checks find the tick.
     #[inline(never)]
     pub fn tick(&mut self, feedback: &Feedback) -> &Output {
         if feedback.command == Some(Command::ResetPeak) {
             self.drift.reset_peak();
         }
-        let (seen, told) = self.observe(feedback);
+        let (input, reported) = self.observe(feedback);
         let before = self.supervisor.state();
         let was_well = !self.supervisor.has_fault();
         let action = self
             .supervisor
-            .step(feedback.inputs, feedback.command, seen);
+            .step(feedback.inputs, feedback.command, input);
         let now = self.supervisor.state();
         if now != before {
             self.enter(before, now);
         }
-        let is_news = self.supervisor.has_fault() && (was_well || seen.refines);
+        let is_new = self.supervisor.has_fault() && (was_well || input.supersedes);
         let stop = feedback.inputs.stop && !self.stop_input;
         self.stop_input = feedback.inputs.stop;
-        self.output.telemetry.incident = None;
-        if is_news || stop || told.is_some() || self.untold.is_some() {
-            self.tell(is_news, told, stop);
+        self.output.telemetry.event = None;
+        if is_new || stop || reported.is_some() || self.unpublished.is_some() {
+            self.publish(is_new, reported, stop);
         }
         let demand = self.demand(action);
         self.motion = self.shaft.advance(demand);
@@ -190,9 +190,9 @@ impl Controller {
         &self.output
     }
 
-    /// What has been seen since the last tick.
+    /// What has been detected since the last tick.
     #[inline(never)]
-    fn observe(&mut self, feedback: &Feedback) -> (Seen, Option<Fault>) {
+    fn observe(&mut self, feedback: &Feedback) -> (SupervisorInput, Option<Fault>) {
         let mut found = self.measure(feedback);
         let drives_on = self.supervisor.drives_enabled();
         if drives_on {
@@ -200,36 +200,39 @@ impl Controller {
         }
         if let Some(finding) = &mut found {
             // What cranks do that nothing drives is nobody's fault. But a name may come with the last of a stop's pulses.
-            let in_time = finding.refines && self.ticks - self.driven <= LAST_PULSES;
+            let in_time = finding.supersedes && self.ticks - self.driven <= LAST_PULSES;
             if !drives_on && !in_time {
                 found = None;
-            } else if finding.fault.kind == FaultKind::TooFarOut
-                && let Some(fault) = self.align.explain(&self.drift, &self.correction)
+            } else if finding.fault.kind == FaultKind::HomingRangeExceeded
+                && let Some(fault) = self.homing.explain(&self.drift, &self.correction)
             {
                 finding.fault = fault;
             }
         }
-        if self.supervisor.state() == State::Align && found.is_none() {
+        if self.supervisor.state() == State::Homing && found.is_none() {
             found = self.find_out();
         } else if self.correction.is_on() && self.supervisor.state() == State::Run {
             let swapped = self.correct();
-            // What is told in safety of cranks that are driven apart comes of that.
-            found = found.filter(|found| !found.in_safety).or(swapped).or(found);
+            // What is reported within limits of cranks that are driven apart comes of that.
+            found = found
+                .filter(|found| !found.within_limits)
+                .or(swapped)
+                .or(found);
         }
-        let mut seen = Seen {
+        let mut input = SupervisorInput {
             at_rest: self.motion.at_rest,
-            aligned: self.align.is_done(),
+            homed: self.homing.is_done(),
             program_done: self.cursor.is_done(&self.program),
             tick: self.ticks,
             phase: self.crank_phase(),
-            ..Seen::default()
+            ..SupervisorInput::default()
         };
-        let told = found.and_then(|found| weigh(found, &self.supervisor, &mut seen));
+        let reported = found.and_then(|found| select_reaction(found, &self.supervisor, &mut input));
         let alarm = feedback.alarm.iter().fold(false, |any, alarm| any | alarm);
-        if alarm || feedback.ran_dry.is_some() || self.overrun.is_some() {
-            self.blame(feedback, &mut seen);
+        if alarm || feedback.fifo_underrun.is_some() || self.overrun.is_some() {
+            self.highest_priority_fault(feedback, &mut input);
         }
-        (seen, told)
+        (input, reported)
     }
 
     /// Hears the sensors.
@@ -251,9 +254,9 @@ impl Controller {
         }
         let found = self.drift.observe(&sensed);
         if let Some(coupling) = &mut self.coupling {
-            // Before align is over, drifts say where cranks were left, and not what holds them up.
-            if self.supervisor.drives_enabled() && self.align.is_done() {
-                coupling.advance(self.drift.drift());
+            // Before homing is over, phase errors say where cranks were left, and not what holds them up.
+            if self.supervisor.drives_enabled() && self.homing.is_done() {
+                coupling.advance(self.drift.phase_error());
             } else {
                 coupling.reset();
             }
@@ -264,9 +267,9 @@ impl Controller {
     /// Goes on with finding out where the cranks are.
     fn find_out(&mut self) -> Option<Finding> {
         let found = self
-            .align
+            .homing
             .advance(&mut self.drift, &mut self.correction, self.motion.speed);
-        let park = self.park_crank.wrapping_sub(self.align.datum());
+        let park = self.park_crank.wrapping_sub(self.homing.home_offset());
         self.park = Phase::from_turns(park).within_turn();
         found.map(Finding::of)
     }
@@ -283,17 +286,17 @@ impl Controller {
             return None;
         }
         self.corrected = self.drift.rounds();
-        if self.correction.is_moving() || !self.drift.is_aligned() {
+        if self.correction.is_moving() || !self.drift.is_homed() {
             return None;
         }
-        if let Some(fault) = self.align.corrected(&self.drift, &self.correction) {
+        if let Some(fault) = self.homing.corrected(&self.drift, &self.correction) {
             return Some(Finding::of(fault));
         }
-        let errors = align::errors(&self.drift, &self.correction);
+        let errors = homing::errors(&self.drift, &self.correction);
         let watched = self.drift.watched();
         let target = self.correction.against(&errors, watched, false);
-        // What trims are not allowed to take away stays, until it is past a limit.
-        if self.correction.past_limit(&target).is_none() && self.drift.allows(&target) {
+        // What trims are not allowed to take away stays, until it is beyond a limit.
+        if self.correction.beyond_limit(&target).is_none() && self.drift.allows(&target) {
             self.correction.go_to(target);
         }
         None
@@ -301,7 +304,7 @@ impl Controller {
 
     /// The master's phase as the cranks stand.
     fn crank_phase(&self) -> Phase {
-        self.shaft.phase().advanced(self.align.datum())
+        self.shaft.phase().advanced(self.homing.home_offset())
     }
 
     /// Sets up for a state that was just entered.
@@ -309,9 +312,9 @@ impl Controller {
     fn enter(&mut self, before: State, now: State) {
         match now {
             // Whatever the cranks did while the drives were off, only their index pulses tell.
-            State::Align if before == State::Idle => {
+            State::Homing if before == State::Idle => {
                 self.drift.reset(&self.output.telemetry.axis_phase);
-                self.align.begin();
+                self.homing.begin();
                 self.correction.hold();
                 self.cursor = Cursor::new();
                 self.target = Target::steady(Turns::ZERO);
@@ -329,7 +332,7 @@ impl Controller {
     fn demand(&mut self, action: Action) -> Demand {
         match action {
             Action::Stand => Demand::Halt,
-            Action::Creep => Demand::Follow(Target::steady(self.shaft.limits().creep())),
+            Action::Home => Demand::Follow(Target::steady(self.shaft.limits().homing_speed())),
             Action::Play => Demand::Follow(self.play()),
             Action::Hold => {
                 self.target = Target::steady(self.target.next);
@@ -344,7 +347,7 @@ impl Controller {
     #[inline(never)]
     fn play(&mut self) -> Target {
         let reading = self.cursor.next(&self.program);
-        self.output.telemetry.amax_program = reading.level;
+        self.output.telemetry.amax_requested = reading.level;
         if self.end.0 != reading.end_level {
             self.end = (reading.end_level, self.mechanism.speed(reading.end_level));
         }
@@ -364,7 +367,7 @@ impl Controller {
     /// too: drives that are off would not follow them.
     #[inline(never)]
     fn drive(&mut self, moving: bool) {
-        let trimming = matches!(self.supervisor.state(), State::Align | State::Run);
+        let trimming = matches!(self.supervisor.state(), State::Homing | State::Run);
         let Output {
             runs,
             setpoints,
@@ -388,20 +391,24 @@ impl Controller {
             channel.advance(
                 master.as_ref(),
                 trim.unwrap_or_default(),
-                &mut self.pace,
+                &mut self.step_rate,
                 phase,
                 runs,
             );
         }
         if self.has_servos {
-            let datum = self.align.datum();
+            let home_offset = self.homing.home_offset();
             let channels = self.channels.iter().zip(phases.iter()).zip(setpoints);
             for (axis, ((channel, phase), setpoint)) in channels.enumerate() {
                 if let Some(forward) = &channel.feed_forward {
                     let coupled = self.coupling.as_ref().map(|coupling| coupling.of(axis));
                     let (position, speed) = coupled.unwrap_or_default();
-                    *setpoint =
-                        channel.setpoint(forward, phase.turns, self.motion.acceleration, datum);
+                    *setpoint = channel.setpoint(
+                        forward,
+                        phase.turns,
+                        self.motion.acceleration,
+                        home_offset,
+                    );
                     setpoint.position = setpoint.position.advanced(position);
                     setpoint.velocity = setpoint.velocity.wrapping_add(speed);
                     if channel.reversed {
@@ -410,8 +417,8 @@ impl Controller {
                 }
             }
         }
-        let told = telemetry.axis_phase.iter_mut().zip(&mut telemetry.steps);
-        for (channel, (phase, steps)) in self.channels.iter().zip(told) {
+        let outputs = telemetry.axis_phase.iter_mut().zip(&mut telemetry.steps);
+        for (channel, (phase, steps)) in self.channels.iter().zip(outputs) {
             *phase = channel.axis.phase();
             *steps = channel.planner.steps();
         }
@@ -427,17 +434,17 @@ impl Controller {
         telemetry.state = self.supervisor.state();
         telemetry.fault = self.supervisor.fault();
         if !matches!(action, Action::Play | Action::Hold) {
-            telemetry.amax_program = Amax::ZERO;
+            telemetry.amax_requested = Amax::ZERO;
         }
         telemetry.program_ticks = self.cursor.elapsed();
         telemetry.holding = action == Action::Hold;
         telemetry.motion = self.motion;
         telemetry.phase = self.shaft.phase();
-        telemetry.drift = *self.drift.drift();
+        telemetry.phase_error = *self.drift.phase_error();
         telemetry.peak = *self.drift.peak();
         telemetry.modes = *self.drift.modes();
         telemetry.correction = *self.correction.now();
-        telemetry.datum = self.align.datum();
+        telemetry.home_offset = self.homing.home_offset();
     }
 }
 

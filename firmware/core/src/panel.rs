@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn a_press_asks_once_and_only_when_it_has_lasted() {
+    fn a_press_counts_once_and_only_when_it_has_lasted() {
         let mut levels = std::vec![false; STEADY];
         levels.extend([true; 200]);
         assert_eq!(presses(&levels), [2 * STEADY - 1]);
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn a_button_that_is_stuck_since_power_up_asks_nothing() {
+    fn a_button_stuck_since_power_up_requests_nothing() {
         assert!(presses(&[true; 1000]).is_empty());
     }
 

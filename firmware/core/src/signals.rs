@@ -18,7 +18,7 @@ pub struct Feedback {
     /// Alarm outputs of the drives.
     pub alarm: PerAxis<bool>,
     /// An axis whose step hardware ran out of pulses within a tick that it had been given whole.
-    pub ran_dry: Option<usize>,
+    pub fifo_underrun: Option<usize>,
     /// The enable and stop inputs.
     pub inputs: SafetyInputs,
     /// A command, if one came.
@@ -32,7 +32,7 @@ impl Feedback {
             index: [None; MAX_AXES],
             encoder: [0; MAX_AXES],
             alarm: [false; MAX_AXES],
-            ran_dry: None,
+            fifo_underrun: None,
             inputs: SafetyInputs {
                 enable: true,
                 stop: false,
@@ -89,7 +89,7 @@ pub struct Telemetry {
     /// The fault that latched.
     pub fault: Option<Fault>,
     /// What the program asks for.
-    pub amax_program: Amax,
+    pub amax_requested: Amax,
     /// Ticks of the program that are over.
     pub program_ticks: u64,
     /// The master's motion in this tick.
@@ -101,19 +101,19 @@ pub struct Telemetry {
     /// Steps (or encoder counts) commanded since the start, in each axis's own sense.
     pub steps: PerAxis<i64>,
     /// Drift as last measured.
-    pub drift: PerAxis<Turns>,
+    pub phase_error: PerAxis<Turns>,
     /// The largest of it, without sign, since power-up or [`Command::ResetPeak`].
     pub peak: PerAxis<Turns>,
     /// Its modes.
     pub modes: Modes,
     /// What corrects it: trims, the sum of which is zero.
     pub correction: PerAxis<Turns>,
-    /// Where the master's phase is zero, seen from the cranks': align found them so far ahead of where they were believed.
-    pub datum: Turns,
-    /// What was seen in this tick and is told, whatever is done about it.
-    pub incident: Option<Fault>,
+    /// Where the master's phase is zero, detected from the cranks': homing found them so far ahead of where they were believed.
+    pub home_offset: Turns,
+    /// What was detected in this tick and is told, whatever is done about it.
+    pub event: Option<Fault>,
     /// How many there have been.
-    pub incidents: u32,
+    pub event_count: u32,
     /// Whether the program's time stands still on command.
     pub holding: bool,
     /// What is out of the ordinary but no fault.
@@ -125,19 +125,19 @@ impl Telemetry {
         Self {
             state: State::Idle,
             fault: None,
-            amax_program: Amax::ZERO,
+            amax_requested: Amax::ZERO,
             program_ticks: 0,
             motion: Motion::AT_REST,
             phase: Phase::ZERO,
             axis_phase,
             steps: [0; MAX_AXES],
-            drift: [Turns::ZERO; MAX_AXES],
+            phase_error: [Turns::ZERO; MAX_AXES],
             peak: [Turns::ZERO; MAX_AXES],
             modes: Modes::ZERO,
             correction: [Turns::ZERO; MAX_AXES],
-            datum: Turns::ZERO,
-            incident: None,
-            incidents: 0,
+            home_offset: Turns::ZERO,
+            event: None,
+            event_count: 0,
             holding: false,
             limits: Limits {
                 missed_deadlines: 0,

@@ -23,7 +23,7 @@
 //!     jerk_hz_per_s2: 1000.0,
 //!     stop_acceleration_hz_per_s: 100.0,
 //!     stop_jerk_hz_per_s2: 2000.0,
-//!     creep_hz: 0.5,
+//!     homing_speed_hz: 0.5,
 //!     bands: heapless::Vec::new(),
 //! };
 //! limits.check(f64::from(TICK_HZ))?;

@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn nearest_goes_the_short_way_round() {
+    fn nearest_takes_the_shorter_arc() {
         assert_eq!(nearest(Turns::from_num(0.75)), Turns::from_num(-0.25));
         assert_eq!(nearest(Turns::from_num(-7.25)), Turns::from_num(-0.25));
         assert_eq!(nearest(Turns::from_num(0.5)), Turns::from_num(-0.5));

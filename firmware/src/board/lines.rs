@@ -1,4 +1,4 @@
-//! The safety lines, the sync output and the lamp: levels that are read and set by the CPU.
+//! The safety lines, the sync output and the LED: levels that are read and set by the CPU.
 //!
 //! Inputs are pulled up and read low when all is well, so that a broken wire reads as what stops the
 //! machine. All inputs are read in one instant, and all drives are switched by one write: but on only as far as the
@@ -56,7 +56,7 @@ pub(super) const PIO0: u8 = 6;
 /// Sets the lines up: drives off before anything else, and the guard before any may be on.
 #[cold]
 pub fn set_up() {
-    for pin in [pins::DRIVE_ENABLE, pins::SYNC, pins::LAMP] {
+    for pin in [pins::DRIVE_ENABLE, pins::SYNC, pins::LED] {
         output(pin);
     }
     let inputs = [pins::ENABLE, pins::STOP, pins::START];
@@ -124,7 +124,7 @@ pub fn read() -> Levels {
     Levels(pac::SIO.gpio_in(0).read())
 }
 
-/// What the loop is told of the enable and stop inputs. A loss of enable that is over is told once.
+/// What the loop is given of the enable and stop inputs. A loss of enable that is over is told once.
 pub fn safety_inputs(levels: Levels) -> SafetyInputs {
     SafetyInputs {
         enable: !guard::take_loss(),
@@ -142,19 +142,19 @@ pub fn sync(high: bool) {
     set(pins::SYNC, high);
 }
 
-/// Shows the state on the lamp: a short flash a second in idle, quick blinking in a fault, steady light while
+/// Shows the state on the LED: a short flash a second in idle, quick blinking in a fault, steady light while
 /// drives are on.
-pub fn lamp(state: State) {
+pub fn led(state: State) {
     let now_us = now_us();
     let on = match state {
         State::Idle => (now_us >> 16) & 15 == 0, // 66 ms in 1.05 s
         State::Fault => (now_us >> 17) & 1 == 0, // 131 ms on, 131 ms off
         _ => true,
     };
-    set(pins::LAMP, on);
+    set(pins::LED, on);
 }
 
-/// Lights the lamp, or not: for an image that has no settings to run on, and no state.
+/// Lights the LED, or not: for the firmware that has no settings to run on, and no state.
 pub fn light(on: bool) {
-    set(pins::LAMP, on);
+    set(pins::LED, on);
 }

@@ -2,13 +2,13 @@
 //!
 //! What is soldered is here, and nothing that decides: [`pins`] is the one table of where everything is,
 //! [`steps`] plays step edges, [`index`] times index pulses, [`guard`] cuts the drives when the enable input goes,
-//! [`lines`] are the other safety lines and the lamp, [`watchdog`] restarts a controller that hangs.
+//! [`lines`] are the other safety lines and the LED, [`watchdog`] restarts a controller that hangs.
 //!
 //! Words: a *block* is one of the two PIO blocks, a *machine* one of its four state machines. A *cycle* is
 //! one of the core's and of the machines' clock, 8 ns; a microsecond is one of the timer that the loop's
 //! deadlines are on. Both come from the same crystal: a microsecond is 125 cycles, always.
 //!
-//! All that is unsafe in the image is in this folder, each time with the reason why it is sound.
+//! All that is unsafe in the firmware is in this folder, each time with the reason why it is sound.
 
 pub mod guard;
 pub mod index;
@@ -27,7 +27,7 @@ const GUARD_MACHINE: usize = 3;
 pub const CYCLES_PER_US: u32 = cophase_core::settings::CLOCK_HZ / 1_000_000;
 
 /// Whether an instant less than half an hour away has come: a tenth of what asking for the time costs.
-pub fn is_past(instant: embassy_time::Instant) -> bool {
+pub fn has_passed(instant: embassy_time::Instant) -> bool {
     now_us().wrapping_sub(instant.as_ticks() as u32) as i32 >= 0
 }
 

@@ -25,8 +25,8 @@ pub const DRIVE_ENABLE: u8 = 21;
 /// High in the first half of each turn of the master: an oscilloscope's trigger.
 pub const SYNC: u8 = 22;
 
-/// The lamp on the board.
-pub const LAMP: u8 = 25;
+/// The LED on the board.
+pub const LED: u8 = 25;
 
 /// Enable input. Low: drives may be on. High, or a broken wire: they may not.
 pub const ENABLE: u8 = 26;

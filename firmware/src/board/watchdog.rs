@@ -15,7 +15,7 @@ use embassy_time::Duration;
 /// the machine in order, after three: the watchdog is for when it can not.
 const TICKS: u32 = 20;
 
-/// Says that the registers hold what this image left there. Its last byte is the state.
+/// Says that the registers hold what this firmware left there. Its last byte is the state.
 const LEFT: u32 = 0xC0F4_5E00;
 
 /// In place of a state, before the loop's first tick.
@@ -23,7 +23,7 @@ const NOT_BEGUN: u32 = 0xFF;
 
 /// What was going on when the watchdog restarted the controller.
 #[derive(Clone, Copy, Debug, defmt::Format)]
-pub struct LastSeen {
+pub struct LastState {
     /// What the machine was doing; nothing if the loop had not begun.
     pub state: Option<State>,
     /// Control ticks since that power-up.
@@ -31,7 +31,7 @@ pub struct LastSeen {
 }
 
 /// Whether it was the watchdog that started the controller, and what it was doing before.
-pub fn last_seen() -> Option<LastSeen> {
+pub fn last_state() -> Option<LastState> {
     let reason = pac::WATCHDOG.reason().read();
     let left = pac::WATCHDOG.scratch0().read();
     pac::WATCHDOG.scratch0().write_value(0);
@@ -40,7 +40,7 @@ pub fn last_seen() -> Option<LastSeen> {
         return None;
     }
     let number = (left ^ LEFT) as usize; // beyond all states, if the loop had not begun
-    Some(LastSeen {
+    Some(LastState {
         state: State::ALL.get(number).copied(),
         tick: pac::WATCHDOG.scratch1().read(),
     })

@@ -45,16 +45,16 @@ pub fn run(figures: &[Figure]) {
         .filter(|argument| argument != "--bench") // cargo adds it
         .collect();
     let is_test = arguments.iter().any(|argument| argument == "--test");
-    let wanted: Vec<&String> = arguments
+    let selected: Vec<&String> = arguments
         .iter()
         .filter(|argument| *argument != "--test")
         .collect();
     let known = |name: &str| figures.iter().any(|figure| figure.name.contains(name));
-    if let Some(unknown) = wanted.iter().find(|name| !known(name)) {
+    if let Some(unknown) = selected.iter().find(|name| !known(name)) {
         panic!("no figure has {unknown} in its name");
     }
     let chosen = figures.iter().filter(|figure| {
-        wanted.is_empty() || wanted.iter().any(|name| figure.name.contains(*name))
+        selected.is_empty() || selected.iter().any(|name| figure.name.contains(*name))
     });
     let mut too_slow = Vec::new();
     for figure in chosen {

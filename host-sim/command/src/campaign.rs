@@ -57,7 +57,7 @@ pub(super) struct CampaignArgs {
 pub(super) fn campaign(args: &CampaignArgs, out: &mut impl Write) -> Result<Status, CommandError> {
     if !args.join.is_empty() {
         let shard = join(shards(&args.join)?).map_err(|error| input("--join", &error))?;
-        return told(args, &shard, out);
+        return print_result(args, &shard, out);
     }
     let scene = args.scene.as_deref();
     let checked = scene
@@ -69,7 +69,7 @@ pub(super) fn campaign(args: &CampaignArgs, out: &mut impl Write) -> Result<Stat
     })?;
     match args.replay {
         Some(number) => replay(args, &plan, number, out),
-        None => told(args, &run_shard(args, &plan)?, out),
+        None => print_result(args, &run_shard(args, &plan)?, out),
     }
 }
 
@@ -77,7 +77,7 @@ fn input(place: &str, error: &dyn std::fmt::Display) -> CommandError {
     CommandError::Input(format!("{place}: {error}"))
 }
 
-/// Which cases are asked for.
+/// Which cases are requested.
 fn numbers(args: &CampaignArgs) -> Result<Range<u64>, CommandError> {
     let to = args.to.unwrap_or(args.runs);
     if args.runs == 0 {
@@ -121,7 +121,11 @@ fn cores() -> usize {
 }
 
 /// Writes a shard with its picture and its table, and prints the table.
-fn told(args: &CampaignArgs, shard: &Shard, out: &mut impl Write) -> Result<Status, CommandError> {
+fn print_result(
+    args: &CampaignArgs,
+    shard: &Shard,
+    out: &mut impl Write,
+) -> Result<Status, CommandError> {
     let tally = Tally::new(&shard.rows);
     let text = table::text(&shard.header, &tally);
     let Range { start, end } = shard.header.numbers;

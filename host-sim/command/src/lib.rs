@@ -7,9 +7,9 @@
 mod campaign;
 mod chart;
 pub mod design;
-mod image;
 mod run;
 mod scenes;
+mod settings;
 mod status;
 
 pub use status::{CommandError, Status};
@@ -35,8 +35,9 @@ pub struct Command {
 enum What {
     /// Run a scene: the control loop, in virtual time, against a simulated machine
     Run(run::RunArgs),
-    /// Compile a scene for a board: all that the control loop is told, as a file to be placed in flash
-    Image(image::ImageArgs),
+    /// Compile a scene for a board: all that the control loop is given, as a file to be placed in flash
+    #[command(alias = "image")]
+    Settings(settings::SettingsArgs),
     /// List the built-in scenes, or print one to start your own from
     Scenes(scenes::ScenesArgs),
     /// Draw thousands of machines and what goes wrong with each, and hold what the loop does against what it claims
@@ -51,7 +52,7 @@ impl Command {
     pub fn carry_out(self, out: &mut impl Write) -> Status {
         let done = match self.what {
             What::Run(args) => run::run(&args, out),
-            What::Image(args) => image::image(&args, out),
+            What::Settings(args) => settings::settings(&args, out),
             What::Campaign(args) => campaign::campaign(&args, out),
             What::Chart(args) => chart::chart(&args, out),
             What::Scenes(args) => scenes::scenes(&args, out),

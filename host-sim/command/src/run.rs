@@ -11,7 +11,7 @@ use host_sim::fidelity;
 use host_sim::report::{self, Report, Written};
 use host_sim::scene::Checked;
 use host_sim::scene::library::SCENES;
-use host_sim::sim::events::Happening;
+use host_sim::sim::events::EventKind;
 use host_sim::sim::{Outcome, simulate};
 use host_sim::trace::{Every, Recorder, RunFiles, ScopeData, ScopeFrame, Window};
 
@@ -97,7 +97,7 @@ pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, Comman
         )?;
     }
     let went_wrong =
-        outcome.fault.is_some() || outcome.slipped_unseen() || outcome.diverged.is_some();
+        outcome.fault.is_some() || outcome.slipped_undetected() || outcome.diverged.is_some();
     Ok(if went_wrong {
         Status::Fault
     } else {
@@ -184,7 +184,7 @@ fn frame(checked: &Checked) -> ScopeFrame {
         gravity_mps2: host_sim::design::STANDARD_GRAVITY_MPS2,
         tilt_limit_mrad: checked.cam.is_none().then_some(scene.drift.tilt_limit_mrad),
         has_pushers: checked.cam.is_some(),
-        drift_limit_deg: None, // limits are on the modes of all drifts, not on one
+        phase_error_limit_deg: None, // limits are on the modes of all phase errors, not on one
     }
 }
 
@@ -195,26 +195,28 @@ fn mark(scope: &mut ScopeData, outcome: &Outcome) {
         .statistics
         .events
         .iter()
-        .filter(|event| report::is_news(&event.what))
+        .filter(|event| report::is_notable(&event.what))
     {
         match &event.what {
-            Happening::BandCrossed { .. } => scope.mark(event.t_s, "band crossed"),
-            Happening::HeldAtBand { .. } => scope.mark(event.t_s, "held at band"),
-            Happening::Missed { .. } => scope.mark(event.t_s, "deadlines missed"),
-            Happening::Slipped { axis, .. } => {
+            EventKind::BandCrossed { .. } => scope.mark(event.t_s, "band crossed"),
+            EventKind::HeldAtBand { .. } => scope.mark(event.t_s, "held at band"),
+            EventKind::Missed { .. } => scope.mark(event.t_s, "deadlines missed"),
+            EventKind::Slipped { axis, .. } => {
                 slips[*axis] += 1;
                 if slips[*axis] == 1 {
                     scope.mark(event.t_s, &format!("axis {axis} slips"));
                 }
             }
-            Happening::Fault { fault, .. } => {
+            EventKind::Fault { fault, .. } => {
                 scope.mark(event.t_s, &format!("fault: {}", fault.kind));
             }
-            Happening::Told(fault) => scope.mark(event.t_s, &format!("told: {}", fault.kind)),
-            Happening::Commanded(_) | Happening::Input { .. } | Happening::Injected(_) => {
+            EventKind::Reported(fault) => {
+                scope.mark(event.t_s, &format!("reported: {}", fault.kind))
+            }
+            EventKind::Commanded(_) | EventKind::Input { .. } | EventKind::Injected(_) => {
                 scope.mark(event.t_s, &report::describe(&event.what));
             }
-            Happening::State(_) | Happening::Running { .. } | Happening::Lagged { .. } => {}
+            EventKind::State(_) | EventKind::Running { .. } | EventKind::Lagged { .. } => {}
         }
     }
 }

@@ -51,10 +51,10 @@ fn failed(text: &str) -> serde_json::Value {
 /// Were it wrong, a program that starts from rest would be given an acceleration that no machine has, or would be a fault.
 #[test]
 fn root_at_rest() {
-    let facts = root::look().unwrap();
+    let facts = root::measure().unwrap();
     // In its first tick of h the root comes to √(40 g h / R (1 + λ)) / 2π, which is 1261 rev/s² h.
-    let asked = facts.asked_hz_per_s();
-    assert!((1250.0..1270.0).contains(&asked), "{asked} rev/s²");
+    let requested = facts.requested_hz_per_s();
+    assert!((1250.0..1270.0).contains(&requested), "{requested} rev/s²");
     // A speed is a whole number of 2⁻⁴⁸ turns a tick, and a difference of two is off by one at most: 1.4e-8 rev/s².
     let most = facts.commanded_hz_per_s();
     assert!(most <= root::LIMIT_HZ_PER_S + 1e-6, "{most} rev/s²");
@@ -69,7 +69,7 @@ fn root_at_rest() {
 /// Were it wrong, a frame would not mind how long a shaft stays at its resonance, or a shaft stay longer than it must.
 #[test]
 fn a_band_crossed_slowly() {
-    let facts = band::look(Size::Small).unwrap();
+    let facts = band::measure(Size::Small).unwrap();
     // Theory of one mass: m R / (M + m) · 1/2ζ = 5.95 mm; harmonics and the weight of what is off rest add a few per cent.
     let theory_um = 5e-3 / 21.0 / (2.0 * 0.02) * 1e6;
     let off = facts.dwelling_um / theory_um - 1.0;
@@ -106,7 +106,7 @@ fn a_band_crossed_slowly() {
 #[test]
 fn lambda_at_both_ends() {
     for (ratio, published_percent) in [(0.1, 0.046), (0.6, 9.375)] {
-        let facts = lambda::look(ratio).unwrap();
+        let facts = lambda::measure(ratio).unwrap();
         // Half of the last digit that is published.
         assert!(
             (facts.error * 100.0 - published_percent).abs() <= 5e-4,

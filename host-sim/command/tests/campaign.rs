@@ -124,7 +124,7 @@ fn shards_that_do_not_fit_are_refused_and_named() {
 
     let plan = format!("plan={}", cophase_lab::campaign::plan::VERSION);
     let not_plan = format!("plan = 99, not {}", cophase_lab::campaign::plan::VERSION);
-    for (what, other, told) in [
+    for (what, other, reported) in [
         ("seed=5", "seed=6", "seed = 6, not 5"),
         (plan.as_str(), "plan=99", not_plan.as_str()),
         (
@@ -136,7 +136,7 @@ fn shards_that_do_not_fit_are_refused_and_named() {
         let file = folder.path().join("other.csv");
         fs::write(&file, rows.replace(what, other)).unwrap();
         let said = refused(&join(&[&first, &file]));
-        assert!(said.contains(told), "{said}");
+        assert!(said.contains(reported), "{said}");
     }
 
     let short = folder.path().join("short.csv");
@@ -174,7 +174,7 @@ fn a_case_run_alone_is_the_campaigns() {
             let at = columns.clone().position(|column| column == name).unwrap();
             line.unwrap().split(',').nth(at).unwrap().to_owned()
         };
-        for name in ["fault", "ended", "verdict", "incidents"] {
+        for name in ["fault", "ended", "verdict", "reported_faults"] {
             assert_eq!(row[name].as_str().unwrap(), cell(name), "{number}, {name}");
         }
         assert_eq!(row["tilt_mrad"].to_string(), cell("tilt_mrad"), "{number}");
@@ -217,7 +217,7 @@ fn a_case_run_alone_is_the_campaigns() {
 #[test]
 fn what_cannot_be_a_campaign_is_refused() {
     let folder = folder();
-    for (arguments, told) in [
+    for (arguments, reported) in [
         (vec!["--runs", "0"], "--runs: 0 cases are none"),
         (vec!["--runs", "5", "--to", "6"], "--to: 6 is past --runs 5"),
         (
@@ -230,7 +230,7 @@ fn what_cannot_be_a_campaign_is_refused() {
         ),
     ] {
         let said = refused(&campaign(&folder, &arguments));
-        assert!(said.contains(told), "{said}");
+        assert!(said.contains(reported), "{said}");
     }
     let scene = host_sim::scene::library::find("default").unwrap().text;
     let file = folder.path().join("faulty.toml");
@@ -260,25 +260,26 @@ fn a_small_campaign_finds_what_a_large_one_claims() {
     let header = rows.headers().unwrap().clone();
     let column = |name: &str| header.iter().position(|column| column == name).unwrap();
     let [verdict, clean, running] = ["verdict", "clean", "left_running"].map(column);
-    let [past, detected, first] = ["past_s", "detected_s", "told_s"].map(column);
-    let (mut told, mut wrong) = (0, 0);
+    let [beyond_limit, detected, first] =
+        ["beyond_limit_s", "detected_s", "reported_s"].map(column);
+    let (mut reported, mut wrong) = (0, 0);
     for row in rows.records() {
         let row = row.unwrap();
         assert_eq!(&row[running], "false", "{row:?}");
-        // What counts is never told before anything is, and there where a crank was past its limit.
+        // What counts is never told before anything is, and there where a crank was beyond its limit.
         let at_s = |column: usize| row[column].parse::<f64>().ok();
         assert!(at_s(detected).is_none() || at_s(first) <= at_s(detected));
-        if &row[verdict] == "right" && at_s(past).is_some() {
+        if &row[verdict] == "right" && at_s(beyond_limit).is_some() {
             assert!(at_s(detected).is_some(), "{row:?}");
         }
         match (&row[clean], &row[verdict]) {
             ("true", verdict) => assert!(["clean", "moot"].contains(&verdict), "{row:?}"),
-            (_, "right") => told += 1,
+            (_, "right") => reported += 1,
             (_, "misnamed" | "missed" | "false-trip") => wrong += 1,
             _ => {}
         }
     }
-    assert!(told > 100, "{told}");
+    assert!(reported > 100, "{reported}");
     // One in a hundred is what is claimed; of so few, three are no surprise.
-    assert!(wrong <= 3, "{wrong} of {} told", told + wrong);
+    assert!(wrong <= 3, "{wrong} of {} told", reported + wrong);
 }

@@ -68,7 +68,7 @@ fn untimed(csv: &str) -> Vec<HashMap<String, String>> {
     rows
 }
 
-/// Were it wrong, a chart in the docs could not be told from another of the same name: a picture or a number would depend on
+/// Were it wrong, a chart in the docs could not be distinguished from another of the same name: a picture or a number would depend on
 /// the machine that made it.
 fn is_the_same_each_time(name: &'static str) {
     let (one, other) = (drawn(name), draw(name));
@@ -89,7 +89,7 @@ the_same_each_time! {
     energy_is_the_same_each_time: "energy",
     functions_are_the_same_each_time: "functions",
     tick_rates_are_the_same_each_time: "tick-rate",
-    rungs_are_the_same_each_time: "fidelity",
+    model_levels_are_the_same_each_time: "fidelity",
     bad_places_are_the_same_each_time: "breakdown",
 }
 
@@ -130,7 +130,7 @@ fn edges_of_stability_are_those_of_theory() {
 
 /// Were it wrong, a method would be drawn below what its reference is known to, or be chosen by looking at too few steps.
 #[test]
-fn methods_are_shown_down_to_ten_times_the_doubt_and_at_six_steps() {
+fn methods_are_shown_down_to_ten_times_the_uncertainty_and_at_six_steps() {
     let drawn = drawn("methods");
     let mut steps = HashMap::<(String, String), u32>::new();
     let mut defaults = HashMap::<String, String>::new();
@@ -155,7 +155,7 @@ fn methods_are_shown_down_to_ten_times_the_doubt_and_at_six_steps() {
     }
     for problem in cophase_lab::chart::methods::problems::all().unwrap() {
         let (least, most) = problem.shown();
-        assert!(least >= 10.0 * problem.doubt && most > 100.0 * least);
+        assert!(least >= 10.0 * problem.uncertainty && most > 100.0 * least);
     }
     assert!(drawn.svg.contains("(default where thick)"));
 }

@@ -73,10 +73,10 @@ fn answers_are_known_as_well_as_they_are_said_to_be() {
         );
         let most = between.max(one).max(other);
         // Not known worse, nor so much better that the chart hides what could be seen.
-        if most > problem.doubt || most < 0.05 * problem.doubt {
+        if most > problem.uncertainty || most < 0.05 * problem.uncertainty {
             wrong.push(format!(
                 "{}: {most:e}, not {:e}",
-                problem.name, problem.doubt
+                problem.name, problem.uncertainty
             ));
         }
     }

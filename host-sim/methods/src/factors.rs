@@ -87,7 +87,7 @@ mod tests {
     /// Were a zero pivot not noticed, the solution would be infinite; were rows not swapped, a matrix with a zero in its
     /// first place would be taken for singular.
     #[test]
-    fn tells_singular_from_regular() {
+    fn distinguishes_singular_from_regular() {
         let mut factors = Factors::new(2);
         assert!(!factors.factor(|m| m.copy_from_slice(&[1.0, 2.0, 2.0, 4.0])));
         assert!(!factors.factor(|m| m.copy_from_slice(&[f64::NAN, 2.0, 2.0, 4.0])));

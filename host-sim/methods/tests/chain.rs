@@ -270,15 +270,15 @@ fn follows_the_library_solvers() {
     let truth = reference::dop853(&chain, [0.0; 6], end_s, 1e-14);
     let other = reference::tsit45(&chain, [0.0; 6], end_s, 1e-13, 1e-13);
     let bdf = reference::bdf_of_diffsol(&chain, [0.0; 6], end_s, 1e-14, 1e-14);
-    let doubt = difference(&truth, &other).max(difference(&truth, &bdf));
-    println!("DOP853, TSIT45 and diffsol's BDF differ by {doubt:.1e}");
+    let uncertainty = difference(&truth, &other).max(difference(&truth, &bdf));
+    println!("DOP853, TSIT45 and diffsol's BDF differ by {uncertainty:.1e}");
     for scheme in Scheme::ALL {
         let y = play(scheme, &chain, [0.0; 6], end_s, 2500).unwrap();
         let error = difference(&truth, &y);
         println!("{:20} {error:.1e}", scheme.facts().name);
         assert!(
-            error > 10.0 * doubt,
-            "{scheme}: {error:e} is within the references' doubt"
+            error > 10.0 * uncertainty,
+            "{scheme}: {error:e} is within the references' uncertainty"
         );
         let order = i32::try_from(scheme.facts().order).unwrap();
         let bound = 2.0 * 0.09_f64.powi(order);

@@ -19,15 +19,15 @@ const MARGIN: f64 = 0.1;
 /// A machine to measure the order on, from its start to `end_s`, in `coarsest` steps and up to a hundred times as many.
 ///
 /// Over two decades of step the error of order 4 goes over eight. Coarser, the next term of the error has a share of some per
-/// cent in it; finer, it falls to rounding, or to the doubt of the reference. So methods of order 4 are given machines that
+/// cent in it; finer, it falls to rounding, or to the uncertainty of the reference. So methods of order 4 are given machines that
 /// swing for long and are hardly damped: on those the error adds up over the way, and rounding hardly does.
-struct Way<M> {
+struct Case<M> {
     machine: M,
     end_s: f64,
     coarsest: u32,
 }
 
-impl<M> Way<M> {
+impl<M> Case<M> {
     /// Steps of a sweep, six to the decade, over two decades.
     fn sweep(&self) -> impl Iterator<Item = u32> + use<M> {
         let coarsest = f64::from(self.coarsest);
@@ -40,14 +40,14 @@ const REFERENCE_SHARE: f64 = 10.0;
 
 #[test]
 fn on_a_damped_and_driven_pendulum() {
-    let short = |coarsest| Way {
+    let short = |coarsest| Case {
         machine: Pendulum::DRIVEN,
         end_s: 10.0,
         coarsest,
     };
     on_a_pendulum(1, [2.0, 0.0], &short(2000));
     on_a_pendulum(2, [2.0, 0.0], &short(200));
-    let long = Way {
+    let long = Case {
         machine: Pendulum {
             damping: 0.02,
             torque: 0.1,
@@ -59,14 +59,14 @@ fn on_a_damped_and_driven_pendulum() {
     on_a_pendulum(4, [1.0, 0.0], &long);
 }
 
-fn on_a_pendulum(order: u32, start: [f64; 2], way: &Way<Pendulum>) {
-    let (machine, end_s) = (&way.machine, way.end_s);
+fn on_a_pendulum(order: u32, start: [f64; 2], case: &Case<Pendulum>) {
+    let (machine, end_s) = (&case.machine, case.end_s);
     let truth = reference::dop853(machine, start, end_s, 1e-14);
     let other = reference::tsit45(machine, start, end_s, 1e-14, 1e-14);
     let bdf = reference::bdf_of_diffsol(machine, start, end_s, 1e-14, 1e-15);
-    let doubt = difference(&truth, &other);
+    let uncertainty = difference(&truth, &other);
     println!(
-        "DOP853 and TSIT45 differ by {doubt:.1e}, DOP853 and BDF by {:.1e}",
+        "DOP853 and TSIT45 differ by {uncertainty:.1e}, DOP853 and BDF by {:.1e}",
         difference(&truth, &bdf)
     );
     for scheme in Scheme::ALL {
@@ -75,10 +75,10 @@ fn on_a_pendulum(order: u32, start: [f64; 2], way: &Way<Pendulum>) {
             continue;
         }
         let mut slope = Slope::default();
-        for steps in way.sweep() {
+        for steps in case.sweep() {
             let y = play(scheme, machine, start, end_s, steps).unwrap();
             let error = difference(&y, &truth);
-            if error > REFERENCE_SHARE * doubt {
+            if error > REFERENCE_SHARE * uncertainty {
                 slope.add(end_s / f64::from(steps), error);
             }
         }
@@ -101,14 +101,14 @@ fn on_a_driven_oscillator() {
             force: 2.0,
             drive_rad_s: 1.3,
         };
-        let way = Way {
+        let case = Case {
             machine,
             end_s,
             coarsest,
         };
         let truth = machine.exact(end_s, start);
         let mut slope = Slope::default();
-        for steps in way.sweep() {
+        for steps in case.sweep() {
             let y = play(scheme, &machine, start, end_s, steps).unwrap();
             // Each step rounds by some ε of a state of some 3 m/s, this way or that way.
             let rounding = 3.0 * f64::EPSILON * f64::from(steps).sqrt();

@@ -37,7 +37,7 @@ fn andrews_starts_closed_and_as_published() {
 
 /// Were the equations wrong anywhere else, the squeezer would not arrive where it should after seven turns. Two libraries agree
 /// to 1e-13, and are 1.43e-9 off the published value in the two angles that have turned furthest, 1e-10 of them: so far the
-/// published value is off itself, and 2e-9 is what is asked.
+/// published value is off itself, and 2e-9 is what is required.
 ///
 /// Were a method wrong on a nonlinear machine of many bodies, a third of the step would not lessen its error by 3^p.
 #[test]
@@ -49,8 +49,8 @@ fn andrews_arrives_where_published() {
     let bdf = angles(&reference::bdf_of_diffsol(
         &Andrews, start, end_s, 1e-13, 1e-12,
     ));
-    let doubt = difference(&truth, &other);
-    println!("DOP853 and TSIT45 differ by {doubt:.1e}");
+    let uncertainty = difference(&truth, &other);
+    println!("DOP853 and TSIT45 differ by {uncertainty:.1e}");
     println!(
         "DOP853 and diffsol's BDF differ by {:.1e}",
         difference(&truth, &bdf)
@@ -75,7 +75,7 @@ fn andrews_arrives_where_published() {
             "{:20} 1000 steps {coarse:.1e}, 3000 steps {fine:.1e}: order {order:.2}",
             scheme.facts().name
         );
-        assert!(fine > 10.0 * doubt, "{scheme}: {fine:e}");
+        assert!(fine > 10.0 * uncertainty, "{scheme}: {fine:e}");
         assert!(
             (order - f64::from(scheme.facts().order)).abs() < 0.2,
             "{scheme}: {order}"
@@ -95,21 +95,21 @@ fn hires_ends_as_published() {
     let (start, end, published) = (Hires::START, Hires::END, Hires::PUBLISHED);
     let bdf = reference::bdf(&Hires, start, end, 1e-10, 1e-10);
     let other = reference::bdf_of_diffsol(&Hires, start, end, 1e-12, 1e-15);
-    let doubt = difference(&other, &published);
+    let uncertainty = difference(&other, &published);
     println!(
-        "differential-equations' BDF is off by {:.1e}, diffsol's by {doubt:.1e}",
+        "differential-equations' BDF is off by {:.1e}, diffsol's by {uncertainty:.1e}",
         difference(&bdf, &published)
     );
     assert!(difference(&bdf, &published) < 1e-8);
-    assert!(doubt < 5e-12);
+    assert!(uncertainty < 5e-12);
     for (scheme, steps, bound) in [
         (Scheme::Sdirk4, 1000, 4e-6),
         (Scheme::Sdirk4, 10_000, 5e-10),
         (Scheme::ImplicitMidpoint, 10_000, 2e-6),
         (Scheme::ImplicitMidpoint, 30_000, 2e-7),
         // As good as the references.
-        (Scheme::Sdirk4, 30_000, 10.0 * doubt),
-        (Scheme::Rk4, 30_000, 10.0 * doubt),
+        (Scheme::Sdirk4, 30_000, 10.0 * uncertainty),
+        (Scheme::Rk4, 30_000, 10.0 * uncertainty),
     ] {
         let y = play(scheme, &Hires, start, end, steps).unwrap();
         let error = difference(&y, &published);
@@ -138,8 +138,8 @@ fn van_der_pol_as_published() {
 
     let slow = reference::bdf_of_diffsol(&machine, start, 0.5, 1e-11, 1e-11);
     let radau = reference::radau5(&machine, start, 0.5, 1e-11, 1e-11);
-    let doubt = difference(&slow, &radau);
-    println!("on the slow branch the two differ by {doubt:.1e}");
+    let uncertainty = difference(&slow, &radau);
+    println!("on the slow branch the two differ by {uncertainty:.1e}");
     let error = |steps| {
         difference(
             &play(Scheme::Sdirk4, &machine, start, 0.5, steps).unwrap(),
@@ -147,7 +147,7 @@ fn van_der_pol_as_published() {
         )
     };
     println!("on the slow branch, steps of 5000 ε: {:.1e}", error(100));
-    assert!(error(100) < 1e-6 && doubt < 1e-9);
+    assert!(error(100) < 1e-6 && uncertainty < 1e-9);
 
     let across = |steps| play(Scheme::Sdirk4, &machine, start, VanDerPol::END, steps);
     let too_long = across(20_000);

@@ -1,7 +1,7 @@
 //! Gains of the cross-coupling between servos, from what the drives and their rotors are.
 //!
 //! The loop moves each servo's setpoint against what its crank is off from the mean of all, s, by −(p s + q ∫ s dt). What modes 1
-//! and up see of it is an open loop L(s) = (p + q/s) e^(−sτ) T(s): τ is two ticks, one in which the setpoint is reckoned and one
+//! and up see of it is an open loop L(s) = (p + q/s) e^(−sτ) T(s): τ is two ticks, one in which the setpoint is computed and one
 //! until it is reached, and T what the drive makes of its setpoint,
 //!
 //! T = C (s + g) / (J s² + C (s + g)), C = k (1 + 1/(Tᵢ s)),

@@ -37,33 +37,33 @@ pub fn write_page(design: &Design, out: &mut impl Write) -> io::Result<()> {
 
 /// Steps A to H: a line each.
 fn write_sizes(design: &Design, out: &mut impl Write) -> io::Result<()> {
-    let asked = &design.requirement;
+    let requested = &design.requirement;
     let radius_mm = 1e3 * design.mechanism.crank_radius_m();
     let rod_mm = 1e3 * design.mechanism.rod_length_m();
     let stroke_mm = 1e3 * design.mechanism.stroke_m();
-    let gravity = plain(asked.gravity_mps2);
-    let amax = four(asked.amax_mps2());
+    let gravity = plain(requested.gravity_mps2);
+    let amax = four(requested.amax_mps2());
     let rpm = four(design.speed_rpm());
-    let apart = 360 / asked.motors;
+    let apart = 360 / requested.motors;
     let rows = [
         (
             "A  load",
             "m",
-            plain(asked.load_kg),
+            plain(requested.load_kg),
             "kg",
             "without platform and rods".into(),
         ),
         (
             "B  acceleration",
             "amax",
-            plain(asked.amax_g),
+            plain(requested.amax_g),
             "g",
             format!("{amax} m/s² with g = {gravity} m/s²"),
         ),
         (
             "C  frequency",
             "f",
-            plain(asked.freq_hz),
+            plain(requested.freq_hz),
             "Hz",
             String::new(),
         ),
@@ -77,7 +77,7 @@ fn write_sizes(design: &Design, out: &mut impl Write) -> io::Result<()> {
         (
             "E  crank/rod ratio",
             "λ",
-            plain(asked.lambda),
+            plain(requested.lambda),
             "",
             String::new(),
         ),
@@ -92,7 +92,7 @@ fn write_sizes(design: &Design, out: &mut impl Write) -> io::Result<()> {
         (
             "H  motors",
             "N",
-            asked.motors.to_string(),
+            requested.motors.to_string(),
             "",
             format!("{apart} deg apart around the platform"),
         ),

@@ -32,7 +32,7 @@ pub struct Requirement {
 }
 
 impl Requirement {
-    /// Safety factor where none is asked for, in the lower half of the source's 1.5 to 3: the platform
+    /// Safety factor where none is requested, in the lower half of the source's 1.5 to 3: the platform
     /// usually weighs less than the load it is built for, and motors are bought in steps anyway.
     pub const DEFAULT_SAFETY: f64 = 2.0;
 
@@ -215,7 +215,7 @@ impl Quantity {
 pub struct OutOfRange {
     /// Which quantity.
     pub quantity: Quantity,
-    /// What was asked for.
+    /// What was requested.
     pub value: f64,
 }
 

@@ -36,7 +36,7 @@ fn lines(all: &[OutOfRange]) -> String {
 /// A platform that meets its requirement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Design {
-    /// What was asked for.
+    /// What was requested.
     pub requirement: Requirement,
     /// Crank and rod (steps F and G).
     pub mechanism: SliderCrank,

@@ -1,4 +1,4 @@
-//! What all rungs of the ladder share: the mechanism, what it carries, and what turns.
+//! What all model levels of the ladder share: the mechanism, what it carries, and what turns.
 
 use super::corners::FREEDOMS;
 use crate::mechanism::slider_crank::{Load, SliderCrank};
@@ -25,7 +25,7 @@ pub struct Crank {
     pub lever_rate_m: f64,
 }
 
-/// What all rungs share: the mechanism, what it carries, and what turns.
+/// What all model levels share: the mechanism, what it carries, and what turns.
 #[derive(Clone, Debug)]
 pub struct Body {
     /// Crank and rod, alike on all axes.
@@ -45,7 +45,7 @@ pub struct Body {
 }
 
 /// Speed over which dry friction turns round, rad/s: a hundredth of a turn a second is as good as standing.
-const CREEP_RAD_S: f64 = 0.06;
+const STICTION_RAD_S: f64 = 0.06;
 
 impl Body {
     /// Number of axes.
@@ -94,10 +94,10 @@ impl Body {
 }
 
 /// Torque of dry friction, N·m. It turns round smoothly, so that methods keep their order: what stands under a load below
-/// it creeps, by less than a turn in a hundred seconds.
+/// it turns at homing speed, by less than a turn in a hundred seconds.
 pub(super) fn drag_nm(friction_nm: f64, omega_rad_s: f64) -> f64 {
     if friction_nm == 0.0 {
         return 0.0;
     }
-    -friction_nm * (omega_rad_s / CREEP_RAD_S).tanh()
+    -friction_nm * (omega_rad_s / STICTION_RAD_S).tanh()
 }

@@ -7,7 +7,7 @@ use cophase_methods::Equations;
 
 use super::corners::MOST;
 use super::modes::{Bound, Mode};
-use super::{Body, Field, Frame, FrameMotion, Motor, Phased, PlaneMotion, Rigid, Sprung};
+use super::{Body, Elastic, Field, Frame, FrameMotion, Motor, Phased, PlaneMotion, Rigid};
 
 /// How much freedom the machine has.
 #[derive(Clone, Debug)]
@@ -17,7 +17,7 @@ pub enum Freedom {
     /// Each its own rotor, rods settled: N angles, and the frame's plane if it moves.
     Phased(Box<Phased>),
     /// Rods as springs: N angles, the platform's plane, and the frame's if it moves.
-    Sprung(Box<Sprung>),
+    Elastic(Box<Elastic>),
 }
 
 /// Motors on a machine. Time counts from the control tick's beginning.
@@ -56,7 +56,7 @@ impl Driven {
         match &self.freedom {
             Freedom::Rigid(rigid) => rigid.body(),
             Freedom::Phased(phased) => phased.body(),
-            Freedom::Sprung(sprung) => sprung.body(),
+            Freedom::Elastic(elastic) => elastic.body(),
         }
     }
 
@@ -78,7 +78,7 @@ impl Driven {
         match &self.freedom {
             Freedom::Rigid(_) => 1,
             Freedom::Phased(phased) => phased.positions(),
-            Freedom::Sprung(sprung) => sprung.positions(),
+            Freedom::Elastic(elastic) => elastic.positions(),
         }
     }
 
@@ -87,7 +87,7 @@ impl Driven {
         match &self.freedom {
             Freedom::Rigid(_) => None,
             Freedom::Phased(phased) => phased.frame(),
-            Freedom::Sprung(sprung) => sprung.frame(),
+            Freedom::Elastic(elastic) => elastic.frame(),
         }
     }
 
@@ -96,8 +96,8 @@ impl Driven {
         let mut state = vec![0.0; self.dimension()];
         let angles = self.angles();
         state[..angles].copy_from_slice(&alpha_rad[..angles]);
-        if let Freedom::Sprung(sprung) = &self.freedom {
-            let plane = sprung.rest(alpha_rad);
+        if let Freedom::Elastic(elastic) = &self.freedom {
+            let plane = elastic.rest(alpha_rad);
             state[angles..angles + plane.len()].copy_from_slice(&plane);
         }
         state
@@ -121,7 +121,7 @@ impl Driven {
         match &mut self.freedom {
             Freedom::Rigid(_) => {}
             Freedom::Phased(phased) => phased.hold(i, held),
-            Freedom::Sprung(sprung) => sprung.hold(i, held),
+            Freedom::Elastic(elastic) => elastic.hold(i, held),
         }
     }
 
@@ -136,9 +136,9 @@ impl Driven {
                 rotors.and(Bound::of_bent_rods(body)).or(frame)
             }
             Freedom::Phased(_) => rotors.or(frame),
-            Freedom::Sprung(sprung) => {
-                let damper = sprung.damper_ns_per_m();
-                let rods = Bound::of_sprung_rods(body, self.frame(), damper);
+            Freedom::Elastic(elastic) => {
+                let damper = elastic.damper_ns_per_m();
+                let rods = Bound::of_elastic_rods(body, self.frame(), damper);
                 rods.and(rotors.or(frame))
             }
         };
@@ -195,7 +195,7 @@ impl Driven {
         match &self.freedom {
             Freedom::Rigid(_) => None,
             Freedom::Phased(phased) => Some(phased.plane(q, v, a)),
-            Freedom::Sprung(sprung) => Some(sprung.plane(q, v, a)),
+            Freedom::Elastic(elastic) => Some(elastic.plane(q, v, a)),
         }
     }
 
@@ -213,7 +213,7 @@ impl Driven {
         match &self.freedom {
             Freedom::Rigid(rigid) => rigid.energy_j(q[0], v[0]),
             Freedom::Phased(phased) => phased.energy_j(q, v),
-            Freedom::Sprung(sprung) => sprung.energy_j(q, v),
+            Freedom::Elastic(elastic) => elastic.energy_j(q, v),
         }
     }
 }
@@ -240,7 +240,7 @@ impl Equations for Driven {
                 accelerations[0] = rigid.acceleration_rad_s2(q[0], v[0], net.iter().sum());
             }
             Freedom::Phased(phased) => phased.accelerations(q, v, &net, accelerations),
-            Freedom::Sprung(sprung) => sprung.accelerations(q, v, &net, accelerations),
+            Freedom::Elastic(elastic) => elastic.accelerations(q, v, &net, accelerations),
         }
         let of_each = self.integrals.iter().zip(integrals).zip(integral_rates);
         for ((&(i, integral_s), integral), rate) in of_each {

@@ -1,12 +1,12 @@
-//! Equations of motion: what forces make of a machine, where the cranks are not simply where they are told
+//! Equations of motion: what forces make of a machine, where the cranks are not simply where commanded
 //! to be.
 //!
-//! Rungs of the ladder, each with more freedom than the one before:
+//! Model level of the ladder, each with more freedom than the one before:
 //! - [`Rigid`]: all cranks on one shaft, one angle, with the inertia that the platform has at that angle;
 //! - [`Phased`]: every crank a rotor of its own, the platform heaving and tilting as they push it; rods that are
 //!   rigid, or settle where they must give;
-//! - [`Sprung`]: the same with rods as stiff springs, and the platform free;
-//! - either of the last two on a [`Frame`], which stands on its suspension: the *elastic* rung.
+//! - [`Elastic`]: the same with rods as stiff springs, and the platform free;
+//! - either of the last two on a [`Frame`], which stands on its suspension: the *elastic* model level.
 //!
 //! Words: a *rotor* is all that turns with one crank: motor, coupling, crank. A *corner* is where its rod carries
 //! the platform. The *plane* is the one closest to the corners' heights, which the platform lies in; what a corner
@@ -22,22 +22,22 @@
 mod body;
 mod corners;
 mod driven;
+mod elastic;
 mod frame;
 mod modes;
 mod motor;
 mod phased;
 mod rigid;
-mod sprung;
 
 pub use body::{Body, Crank, PlaneMotion};
 pub use corners::{Corners, FREEDOMS, MOST};
 pub use driven::{Driven, Freedom};
+pub use elastic::Elastic;
 pub use frame::{Frame, FrameMotion, Layer};
 pub use modes::Mode;
 pub use motor::{Field, Motor, Servo, Stepper};
 pub use phased::Phased;
 pub use rigid::Rigid;
-pub use sprung::Sprung;
 
 #[cfg(test)]
 mod tests;

@@ -46,7 +46,11 @@ impl Bound {
     }
 
     /// Of rods as springs, between cranks, platform and frame.
-    pub(super) fn of_sprung_rods(body: &Body, frame: Option<&Frame>, damper_ns_per_m: f64) -> Self {
+    pub(super) fn of_elastic_rods(
+        body: &Body,
+        frame: Option<&Frame>,
+        damper_ns_per_m: f64,
+    ) -> Self {
         let cranks = Self::of_bent_rods(body).stiff / body.rod_n_per_m;
         let n = body.axes() as f64;
         let around = n / 2.0 * body.mount_radius_m * body.mount_radius_m;

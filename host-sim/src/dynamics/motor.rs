@@ -1,4 +1,4 @@
-//! What a motor makes of what its drive tells it: torque.
+//! What a motor makes of what its drive shows it: torque.
 
 use crate::machine::PullOut;
 
@@ -9,7 +9,7 @@ pub struct Field {
     pub alpha_rad: f64,
     /// Speed, rad/s.
     pub omega_rad_s: f64,
-    /// Torque that a servo is told to add, N·m.
+    /// Torque that a servo is commanded to add, N·m.
     pub torque_nm: f64,
 }
 
@@ -41,7 +41,7 @@ pub struct Stepper {
 /// The position loop asks for the velocity φ′ + g (φ − α); the velocity loop answers an error e of that with the torque
 /// k e + z, and the torque that it is told ahead is added. The current limit caps the sum. z′ = k e / Tᵢ, less what was
 /// capped, over Tᵢ (*back-calculation*): altogether z′ = (torque − told ahead − z) / Tᵢ, so that z + told ahead follows
-/// the torque that is given, and cannot wind up past it. The current loop is far faster than all this, and is not modelled.
+/// the torque that is given, and cannot wind up beyond it. The current loop is far faster than all this, and is not modelled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Servo {
     /// Velocity to an error of position, g, 1/s.
@@ -133,9 +133,9 @@ impl Stepper {
 
 impl Servo {
     fn torque_nm(&self, field: &Field, alpha_rad: f64, omega_rad_s: f64, integral_nm: f64) -> f64 {
-        let asked_rad_s =
+        let requested_rad_s =
             field.omega_rad_s + self.position_gain_per_s * (field.alpha_rad - alpha_rad);
-        let torque_nm = self.velocity_gain_nms * (asked_rad_s - omega_rad_s);
+        let torque_nm = self.velocity_gain_nms * (requested_rad_s - omega_rad_s);
         (torque_nm + integral_nm + field.torque_nm).clamp(-self.limit_nm, self.limit_nm)
     }
 }

@@ -15,7 +15,7 @@
 //! Up to three corners always lie in a plane. A platform on four and more is *over-constrained*: unless all heights
 //! fit, rods must give. They are light and stiff, so they are taken to have settled: the platform lies in the plane
 //! that asks least of them, and corner i feels k times its distance from it. Of the rods' own oscillation, at
-//! √(k / m) and above, nothing is left ([`super::Sprung`] has it).
+//! √(k / m) and above, nothing is left ([`super::Elastic`] has it).
 
 use super::corners::{Corners, FREEDOMS, MOST};
 use super::{Body, Crank, Frame, PlaneMotion};

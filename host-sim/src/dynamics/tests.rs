@@ -1,4 +1,4 @@
-//! What must hold of equations of motion whatever the numbers are: power in is energy gained, and each rung is the
+//! What must hold of equations of motion whatever the numbers are: power in is energy gained, and each model level is the
 //! one below where their assumptions meet.
 
 mod energy;
@@ -7,7 +7,7 @@ mod servo;
 
 use proptest::prelude::*;
 
-use super::{Body, FREEDOMS, Frame, Layer, Phased, Rigid, Sprung};
+use super::{Body, Elastic, FREEDOMS, Frame, Layer, Phased, Rigid};
 use crate::mechanism::slider_crank::{Load, Platform, SliderCrank};
 
 fn body(axes: usize, platform: Platform) -> Body {
@@ -63,7 +63,7 @@ fn close(found: f64, right: f64, scale: f64) -> Result<(), TestCaseError> {
 proptest! {
     /// Were it wrong, the shaft would need another torque to move than `cophase design` sizes motors for.
     #[test]
-    fn a_rigid_shaft_moves_as_its_torque_was_reckoned(
+    fn a_rigid_shaft_moves_as_its_torque_was_computed(
         platform in platforms(),
         alpha in -7.0..7.0,
         omega in -200.0..200.0,
@@ -115,13 +115,13 @@ proptest! {
 
     /// As above, of a platform on springs.
     #[test]
-    fn what_motors_give_a_sprung_machine_is_what_it_gains(
+    fn what_motors_give_an_elastic_machine_is_what_it_gains(
         platform in platforms(),
         (alpha, omega, torque) in states(),
         place in planes(1e-3),
         rate in planes(1.0),
     ) {
-        let machine = Sprung::new(body(alpha.len(), platform), 0.0);
+        let machine = Elastic::new(body(alpha.len(), platform), 0.0);
         let (q, v) = ([&alpha[..], &place].concat(), [&omega[..], &rate].concat());
         let mut a = vec![0.0; q.len()];
         machine.accelerations(&q, &v, &torque, &mut a);
@@ -136,18 +136,18 @@ proptest! {
     fn what_motors_give_a_machine_on_a_frame_is_what_it_gains(
         platform in platforms(),
         (alpha, omega, torque) in states(),
-        sprung in any::<bool>(),
+        elastic in any::<bool>(),
         on_block in any::<bool>(),
         place in prop::array::uniform9(-1e-3..1e-3),
         rate in prop::array::uniform9(-1.0..1.0),
     ) {
         let n = alpha.len();
         let frame = frame(0.0, on_block);
-        let freedoms = frame.freedoms() + if sprung { FREEDOMS } else { 0 };
+        let freedoms = frame.freedoms() + if elastic { FREEDOMS } else { 0 };
         let (q, v) = ([&alpha[..], &place[..freedoms]].concat(), [&omega[..], &rate[..freedoms]].concat());
         let mut a = vec![0.0; q.len()];
-        let gained = if sprung {
-            let machine = Sprung::new(body(n, platform), 0.0).on(frame);
+        let gained = if elastic {
+            let machine = Elastic::new(body(n, platform), 0.0).on(frame);
             machine.accelerations(&q, &v, &torque, &mut a);
             gain(&q, &v, &a, |q, v| machine.energy_j(q, v))
         } else {
@@ -181,19 +181,19 @@ proptest! {
         }
     }
 
-    /// Were it wrong, stiff rods would load cranks otherwise than rods that have settled: with the platform where settled rods
+    /// Were it wrong, stiff rods would load cranks otherwise than rods that have settled: with the platform where quasi-static rods
     /// have it, on the same speeds, springs push what y and warps push, so long as they are short by that already.
     #[test]
-    fn rods_that_are_short_by_their_load_push_as_settled_ones(
+    fn rods_that_are_short_by_their_load_push_as_quasi_static_ones(
         platform in platforms(),
         (alpha, omega, torque) in states(),
     ) {
         let n = alpha.len();
-        let (settled, sprung) = (Phased::new(body(n, platform)), Sprung::new(body(n, platform), 0.0));
+        let (quasi_static, elastic) = (Phased::new(body(n, platform)), Elastic::new(body(n, platform), 0.0));
         let mut right = vec![0.0; n];
-        settled.accelerations(&alpha, &omega, &torque, &mut right);
-        let plane = settled.plane(&alpha, &omega, &right);
-        let body = settled.body();
+        quasi_static.accelerations(&alpha, &omega, &torque, &mut right);
+        let plane = quasi_static.plane(&alpha, &omega, &right);
+        let body = quasi_static.body();
         // Forces at corners that push the platform with y, in a plane: short by y's share of a corner, over k.
         let y: [f64; 3] = std::array::from_fn(|f| {
             body.masses()[f] * plane.acceleration[f] + if f == 0 { body.weight_n() } else { 0.0 }
@@ -205,7 +205,7 @@ proptest! {
             std::array::from_fn(|f| plane.place[f] - y[f] / spread[f] / body.rod_n_per_m);
         let (q, v) = ([&alpha[..], &place].concat(), [&omega[..], &plane.rate].concat());
         let mut found = vec![0.0; n + 3];
-        sprung.accelerations(&q, &v, &torque, &mut found);
+        elastic.accelerations(&q, &v, &torque, &mut found);
         let right = [&right[..], &plane.acceleration].concat();
         let scale = right.iter().fold(1.0, |most: f64, a| most.max(a.abs()));
         for (i, (found, right)) in found.iter().zip(&right).enumerate() {
@@ -251,7 +251,7 @@ fn dampers_take_energy() {
     let alpha = [0.3, 0.4, 0.2, 0.35];
     let rates = [0.7, 0.1, -0.2, 0.3, -0.2, 0.1, -0.4, 0.2, 0.3];
     for (in_rods, in_frame) in [(0.1, 0.0), (0.0, 0.1)] {
-        let machine = Sprung::new(body(4, Platform::Above), in_rods).on(frame(in_frame, true));
+        let machine = Elastic::new(body(4, Platform::Above), in_rods).on(frame(in_frame, true));
         let height = machine.body().crank(alpha[0]).height_m;
         let q = [&alpha[..], &[height], &[0.0; 8]].concat();
         let v = [&[0.0; 4][..], &rates].concat();
@@ -279,8 +279,8 @@ fn a_machine_at_rest_stays_at_rest() {
         let own = frame(0.1, on_block);
         let body = body(4, Platform::Above);
         let phased = Freedom::Phased(Box::new(Phased::new(body.clone()).on(own.clone())));
-        let sprung = Freedom::Sprung(Box::new(Sprung::new(body.clone(), 0.1).on(own.clone())));
-        for freedom in [phased, sprung] {
+        let elastic = Freedom::Elastic(Box::new(Elastic::new(body.clone(), 0.1).on(own.clone())));
+        for freedom in [phased, elastic] {
             let machine = Driven::new(freedom, vec![servo.clone(); 4]);
             let state = machine.at_rest(&[0.0; 4]);
             let mut rates = vec![1.0; state.len()];

@@ -2,7 +2,7 @@
 
 use cophase_core::signals::Feedback;
 
-use super::{Amiss, Planned, Sensor, Stream};
+use super::{Disturbance, Planned, Sensor, Stream};
 use crate::axes::{Axes, per_axis};
 use crate::machine::Extra;
 use crate::scene::Checked;
@@ -16,7 +16,7 @@ pub struct Faults {
     is_idle: bool,
     /// Which of them have begun, and in this order what has.
     begun: Vec<bool>,
-    news: Vec<FaultAt>,
+    new_faults: Vec<FaultAt>,
     tick_us: u64,
     tick_s: f64,
     touches_drives: bool,
@@ -24,8 +24,8 @@ pub struct Faults {
     encoder: Axes<Option<Stream>>,
     /// Two axes whose sensors are swapped.
     swapped_sensors: Vec<(usize, usize)>,
-    /// Axes whose pulses ran dry since the last reading.
-    dry: Option<usize>,
+    /// Axes whose pulses underran since the last reading.
+    underrun: Option<usize>,
     /// Index pulses that are still to stay away, each axis; none: no such fault.
     missing: Axes<Option<u32>>,
 }
@@ -49,7 +49,7 @@ impl Faults {
         Self {
             is_idle: planned.is_empty() && encoder.iter().all(Option::is_none),
             begun: vec![false; planned.len()],
-            news: Vec::new(),
+            new_faults: Vec::new(),
             swapped_sensors: scene.fault.iter().filter_map(of_sensors).collect(),
             planned,
             tick_us,
@@ -57,14 +57,14 @@ impl Faults {
             touches_drives: scene.touches_drives(),
             load: streams(Sensor::Load, noise.load_nm),
             encoder,
-            dry: None,
+            underrun: None,
             missing: per_axis(count, |_| None),
         }
     }
 
     /// What has begun since this was last asked.
-    pub fn news(&mut self) -> Vec<FaultAt> {
-        std::mem::take(&mut self.news)
+    pub fn new_faults(&mut self) -> Vec<FaultAt> {
+        std::mem::take(&mut self.new_faults)
     }
 
     /// Marks what begins up to `at_us`, of the kinds that `which` picks; what of it is new.
@@ -74,14 +74,14 @@ impl Faults {
             if !*begun && planned.from_us <= at_us && which(planned.fault.kind) {
                 *begun = true;
                 new.push(planned.fault);
-                self.news.push(planned.fault);
+                self.new_faults.push(planned.fault);
             }
         }
         new
     }
 
     /// What is wrong with each drive in the tick that begins at `start_us`; none in a scene where nothing ever is.
-    pub fn amiss(&mut self, start_us: u64) -> Option<Axes<Amiss>> {
+    pub fn disturbance(&mut self, start_us: u64) -> Option<Axes<Disturbance>> {
         if self.planned.is_empty() && !self.touches_drives {
             return None;
         }
@@ -89,7 +89,7 @@ impl Faults {
         if !self.touches_drives {
             return None;
         }
-        let mut amiss = per_axis(self.load.len(), Amiss::nothing);
+        let mut disturbance = per_axis(self.load.len(), Disturbance::nothing);
         for planned in self
             .planned
             .iter()
@@ -97,21 +97,22 @@ impl Faults {
         {
             let fault = &planned.fault;
             let Some(axis) = fault.axis else { continue };
-            let with = |amiss: &mut [Amiss], with: usize| {
-                (amiss[axis].from, amiss[with].from) = (amiss[with].from, amiss[axis].from);
+            let with = |disturbance: &mut [Disturbance], with: usize| {
+                (disturbance[axis].from, disturbance[with].from) =
+                    (disturbance[with].from, disturbance[axis].from);
             };
             match fault.kind {
                 FaultName::Slip => {
                     let rate_deg_per_s = fault.rate_deg_per_s.unwrap_or(0.0);
-                    amiss[axis].slip_turns += rate_deg_per_s / 360.0 * self.tick_s;
+                    disturbance[axis].slip_turns += rate_deg_per_s / 360.0 * self.tick_s;
                 }
-                FaultName::Stuck => amiss[axis].stuck = true,
-                FaultName::Runaway => amiss[axis].runaway_hz = fault.speed_hz,
-                FaultName::Reversed => amiss[axis].reversed ^= true,
-                FaultName::LoadStep => amiss[axis].load_nm += fault.torque_nm.unwrap_or(0.0),
+                FaultName::Stuck => disturbance[axis].stuck = true,
+                FaultName::Runaway => disturbance[axis].runaway_hz = fault.speed_hz,
+                FaultName::Reversed => disturbance[axis].reversed ^= true,
+                FaultName::LoadStep => disturbance[axis].load_nm += fault.torque_nm.unwrap_or(0.0),
                 FaultName::SwappedWiring if fault.lines == Some(Lines::Drive) => {
                     if let Some(other) = fault.with {
-                        with(&mut amiss, other);
+                        with(&mut disturbance, other);
                     }
                 }
                 _ => {}
@@ -120,19 +121,19 @@ impl Faults {
         for fault in new {
             let Some(axis) = fault.axis else { continue };
             match fault.kind {
-                FaultName::LostSteps => amiss[axis].lost_cycles += fault.cycles.unwrap_or(1),
-                FaultName::RunDry => {
-                    amiss[axis].part = 0.5;
-                    self.dry = Some(axis);
+                FaultName::LostSteps => disturbance[axis].lost_cycles += fault.cycles.unwrap_or(1),
+                FaultName::StepFifoUnderrun => {
+                    disturbance[axis].travel_share = 0.5;
+                    self.underrun = Some(axis);
                 }
                 _ => {}
             }
         }
         let tick = (start_us / self.tick_us) as i64;
-        for (amiss, load) in amiss.iter_mut().zip(&self.load) {
-            amiss.load_nm += load.as_ref().map_or(0.0, |load| load.draw(tick));
+        for (disturbance, load) in disturbance.iter_mut().zip(&self.load) {
+            disturbance.load_nm += load.as_ref().map_or(0.0, |load| load.draw(tick));
         }
-        Some(amiss)
+        Some(disturbance)
     }
 
     /// Extra index pulses that begin in the tick from `start_us`: on which axis, after which part of it, and how many.
@@ -165,7 +166,7 @@ impl Faults {
         extra
     }
 
-    /// Whether a flag that comes before the sensor of an axis is not to be seen; asked once a flag.
+    /// Whether a flag that comes before the sensor of an axis is not to be detected; asked once a flag.
     pub fn misses(&mut self, axis: usize) -> bool {
         match &mut self.missing[axis] {
             Some(0) | None => false,
@@ -206,7 +207,7 @@ impl Faults {
         }
         self.swap(&mut feedback.index);
         self.swap(&mut feedback.encoder);
-        feedback.ran_dry = self.dry.take();
+        feedback.fifo_underrun = self.underrun.take();
     }
 
     /// Swaps what comes from sensors whose wires are.
@@ -228,7 +229,7 @@ const fn is_of_a_tick(kind: FaultName) -> bool {
             | Kind::Runaway
             | Kind::Reversed
             | Kind::SwappedWiring
-            | Kind::RunDry
+            | Kind::StepFifoUnderrun
             | Kind::LoadStep
     )
 }

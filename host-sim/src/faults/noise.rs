@@ -1,4 +1,4 @@
-//! Noise that is the same on every run and host: a number of a normal distribution for each number that is asked for.
+//! Noise that is the same on every run and host: a number of a normal distribution for each number that is requested.
 //!
 //! Each sensor of each axis has a stream of its own, and within it each draw its own place. So one sensor that is read more
 //! often, or a fault that keeps it from being read, shifts the noise of no other. ChaCha is made for that: any place of any
@@ -81,7 +81,7 @@ mod tests {
     /// Were it wrong, noise would be of another size than the scene says, or off centre. Of 20,000 draws the mean is within
     /// σ/√n, the deviation within σ/√2n: four of those each, which one seed in 10,000 does not keep.
     #[test]
-    fn draws_have_the_deviation_that_was_asked_for() {
+    fn draws_have_the_requested_deviation() {
         const DRAWS: i64 = 20_000;
         for (seed, axis) in [(1, 0), (1, 5), (99, 0)] {
             let stream = Stream::new(seed, Sensor::Encoder, axis, 2.5).unwrap();

@@ -5,7 +5,7 @@ use cophase_core::supervisor::State;
 use super::Output;
 use crate::sim::{Moment, Observer};
 
-/// What a run answered, an entry for each of [`Output::ALL`]; none where its rung does not know.
+/// What a run answered, an entry for each of [`Output::ALL`]; none where its model level does not know.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Answers([Option<f64>; Output::ALL.len()]);
 
@@ -21,7 +21,7 @@ impl Answers {
     }
 }
 
-/// Looks on while cranks move as they are told: in running and stopping. What drives do as they are switched on is not
+/// Looks on while cranks move as commanded: in running and stopping. What drives do as they are switched on is not
 /// asked for.
 impl Observer for Answers {
     fn tick(&mut self, moment: &Moment<'_>) {

@@ -1,4 +1,4 @@
-//! Whether the rung that was chosen does, by running a sample of the scene on it and on others.
+//! Whether the model level that was chosen does, by running a sample of the scene on it and on others.
 
 use super::choice::{Choice, Judged};
 use super::choose::{available, judge, questions};
@@ -7,17 +7,17 @@ use crate::scene::file::Fidelity;
 use crate::scene::{Checked, SceneError};
 use crate::sim::simulate;
 
-/// A rung below the chosen one is taken if the sample shows no more of a difference than this part of each tolerance: what
+/// A model level below the chosen one is taken if the sample shows no more of a difference than this part of each tolerance: what
 /// the rest of the scene may add has the other part.
 const WELL_WITHIN: f64 = 0.5;
 
-/// The sample of a scene, run on one of its rungs.
+/// The sample of a scene, run on one of its model levels.
 ///
 /// # Errors
-/// The scene lacks what the rung needs.
-pub fn answers(checked: &Checked, rung: Fidelity) -> Result<Answers, SceneError> {
+/// The scene lacks what the model level needs.
+pub fn answers(checked: &Checked, model_level: Fidelity) -> Result<Answers, SceneError> {
     let mut sample = sample::of(&checked.scene);
-    sample.fidelity = rung;
+    sample.fidelity = model_level;
     let mut sample = Checked::new(sample)?;
     sample.resolution = checked.resolution;
     let mut answers = Answers::default();
@@ -25,35 +25,35 @@ pub fn answers(checked: &Checked, rung: Fidelity) -> Result<Answers, SceneError>
     Ok(answers)
 }
 
-/// A scene on the rung that its sample bears out. It is the same as before if the scene itself asks for a rung, or for nothing.
+/// A scene on the model level that its sample bears out. It is the same as before if the scene itself asks for a model level, or for nothing.
 ///
 /// # Errors
-/// A rung that cannot be run after all.
+/// A model level that cannot be run after all.
 pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
     let Some(choice) = checked.choice.take_if(|choice| !choice.judged.is_empty()) else {
         return Ok(checked);
     };
-    let rungs = available(&checked);
+    let model_levels = available(&checked);
     let questions = questions(&checked);
     let bounds = Bounds::new(&checked).ok();
-    let judge = |rung| judge(bounds.as_ref(), &questions, rung, choice.resolution);
+    let judge = |model_level| judge(bounds.as_ref(), &questions, model_level, choice.resolution);
     // Both runs have the steps that the scene asks for: what these are off by, no sample shows.
     let imposed = bounds.as_ref().and_then(Bounds::imposed);
-    let Some((&top, below)) = rungs.split_last() else {
+    let Some((&top, below)) = model_levels.split_last() else {
         checked.choice = Some(choice);
         return Ok(checked);
     };
     let right = answers(&checked, top)?;
     // The lowest first: bounds are wide.
-    for &rung in below {
-        let mut judged = judge(rung);
-        compare(&mut judged, &answers(&checked, rung)?, &right, top);
+    for &model_level in below {
+        let mut judged = judge(model_level);
+        compare(&mut judged, &answers(&checked, model_level)?, &right, top);
         let is_fair = |judged: &Judged| {
             let is_known = judged.is_bounded() || imposed.is_none() && is_borne_out(judged);
             is_known && !is_denied(judged)
         };
         if judged.iter().all(is_fair) {
-            return Ok(taken(checked, &choice, rung, judged));
+            return Ok(taken(checked, &choice, model_level, judged));
         }
     }
     let judged = judge(top);
@@ -70,39 +70,44 @@ fn is_borne_out(judged: &Judged) -> bool {
             .is_some_and(|(off, _)| off <= WELL_WITHIN * judged.tolerance)
 }
 
-/// Whether the sample is farther off than is asked, or than the bound has it.
+/// Whether the sample is farther off than is required, or than the bound has it.
 fn is_denied(judged: &Judged) -> bool {
     judged.measured.is_none_or(|(off, _)| {
         off > judged.tolerance || judged.bound.is_some_and(|bound| off > bound)
     })
 }
 
-fn taken(mut checked: Checked, choice: &Choice, rung: Fidelity, judged: Vec<Judged>) -> Checked {
-    checked.fidelity = rung;
+fn taken(
+    mut checked: Checked,
+    choice: &Choice,
+    model_level: Fidelity,
+    judged: Vec<Judged>,
+) -> Checked {
+    checked.fidelity = model_level;
     checked.choice = Some(Choice {
-        rung,
-        why: why(choice, rung),
+        model_level,
+        why: why(choice, model_level),
         judged,
         resolution: choice.resolution,
     });
     checked
 }
 
-fn why(choice: &Choice, rung: Fidelity) -> String {
-    if rung == choice.rung {
+fn why(choice: &Choice, model_level: Fidelity) -> String {
+    if model_level == choice.model_level {
         choice.why.clone()
-    } else if rung < choice.rung {
-        "its bounds go beyond what is asked, but a sample of the scene differs from the top rung by less than half of each tolerance"
+    } else if model_level < choice.model_level {
+        "its bounds go beyond what is required, but a sample of the scene differs from the top model level by less than half of each tolerance"
             .to_owned()
     } else {
         format!(
-            "the rung that its bounds would allow, {}, was off by more than its tolerance, or its bound, in a sample of the scene",
-            choice.rung.name()
+            "the model level that its bounds would allow, {}, was off by more than its tolerance, or its bound, in a sample of the scene",
+            choice.model_level.name()
         )
     }
 }
 
-/// Puts how far a run's answers are off another's, on the rung `against`, beside each bound.
+/// Puts how far a run's answers are off another's, on the model level `against`, beside each bound.
 pub fn compare(judged: &mut [Judged], found: &Answers, right: &Answers, against: Fidelity) {
     for judged in judged {
         let output = judged.output;

@@ -1,4 +1,4 @@
-//! Which rung, by what is known without a run.
+//! Which model level, by what is known without a run.
 
 use super::choice::{Choice, Judged};
 use super::{Bounds, Output};
@@ -6,7 +6,7 @@ use crate::machine::RESOLUTION;
 use crate::scene::file::{Fidelity, Questions};
 use crate::scene::{Checked, SceneError};
 
-/// All rungs, the lowest first.
+/// All model levels, the lowest first.
 pub const LADDER: [Fidelity; 5] = [
     Fidelity::Kinematic,
     Fidelity::QuasiStatic,
@@ -27,46 +27,46 @@ pub fn questions(checked: &Checked) -> Questions {
     declared
 }
 
-/// How well a rung answers what is asked, with a method of that resolution.
+/// How well a model level answers what is required, with a method of that resolution.
 pub fn judge(
     bounds: Option<&Bounds>,
     questions: &Questions,
-    rung: Fidelity,
+    model_level: Fidelity,
     resolution: f64,
 ) -> Vec<Judged> {
-    let asked = Output::ALL
+    let requested = Output::ALL
         .into_iter()
         .filter_map(|output| Some((output, output.tolerance(questions)?)));
-    asked
+    requested
         .map(|(output, tolerance)| Judged {
             output,
             tolerance,
-            bound: bounds.map(|bounds| bounds.with_steps(rung, output, resolution)),
+            bound: bounds.map(|bounds| bounds.with_steps(model_level, output, resolution)),
             measured: None,
         })
         .collect()
 }
 
-/// The lowest rung whose bounds are within what is asked, of those that a scene says enough for.
+/// The lowest model level whose bounds are within what is required, of those that a scene says enough for.
 ///
 /// # Errors
-/// A question that only rungs answer for which the scene lacks something.
+/// A question that only model levels answer for which the scene lacks something.
 pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
     let questions = questions(checked);
     if Output::ALL
         .iter()
         .all(|output| output.tolerance(&questions).is_none())
     {
-        return Ok(unasked(checked));
+        return Ok(without_questions(checked));
     }
     let bounds = Bounds::new(checked);
     let bounds = match bounds {
         Ok(bounds) => bounds,
-        // Nothing was asked for in so many words: the torques are compared, and that is said.
+        // Nothing was requested in so many words: the torques are compared, and that is said.
         Err(_) if checked.scene.questions.is_none() => {
             return Ok(Choice {
-                rung: Fidelity::QuasiStatic,
-                why: "the scene gives the motors' pull-out torque, so whether they keep in step is asked; what oscillation \
+                model_level: Fidelity::QuasiStatic,
+                why: "the scene gives the motors' pull-out torque, so whether they keep in step is required; what oscillation \
                       adds to torque is not known, as it gives no rotor inertia"
                     .to_owned(),
                 judged: judge(None, &questions, Fidelity::QuasiStatic, RESOLUTION),
@@ -76,8 +76,8 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
         // Nothing is lacking: what it says of the method does not go.
         Err(wrong) if wrong.key.starts_with("method") => return Err(wrong),
         Err(lacking) => {
-            let asked = judge(None, &questions, Fidelity::Rigid, RESOLUTION);
-            let key = asked.first().map_or("", |judged| judged.output.key());
+            let requested = judge(None, &questions, Fidelity::Rigid, RESOLUTION);
+            let key = requested.first().map_or("", |judged| judged.output.key());
             return Err(SceneError::at(
                 format!("questions.{key}"),
                 format!(
@@ -92,28 +92,32 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
     let resolution = bounds
         .imposed()
         .unwrap_or_else(|| resolution(&bounds, &questions));
-    let rungs = available(checked);
-    for &rung in &rungs {
-        let judged = judge(Some(&bounds), &questions, rung, resolution);
+    let model_levels = available(checked);
+    for &model_level in &model_levels {
+        let judged = judge(Some(&bounds), &questions, model_level, resolution);
         if judged.iter().all(Judged::is_bounded) {
             return Ok(Choice {
-                why: why(&bounds, rung, rungs.last() == Some(&rung)),
-                rung,
+                why: why(
+                    &bounds,
+                    model_level,
+                    model_levels.last() == Some(&model_level),
+                ),
+                model_level,
                 judged,
                 resolution,
             });
         }
     }
-    let top = rungs.last().copied().unwrap_or(Fidelity::Kinematic);
+    let top = model_levels.last().copied().unwrap_or(Fidelity::Kinematic);
     Ok(Choice {
-        rung: top,
-        why: "no rung's bounds are within what is asked; this is the highest that the scene says enough for".to_owned(),
+        model_level: top,
+        why: "no model level's bounds are within what is required; this is the highest that the scene says enough for".to_owned(),
         judged: judge(Some(&bounds), &questions, top, resolution),
         resolution,
     })
 }
 
-/// What a rung's complaint says to give, without what it says of the rung.
+/// What a model level's complaint says to give, without what it says of the model level.
 fn what_is_needed(problem: &str) -> &str {
     let given = problem.split("so give ").nth(1).unwrap_or(problem);
     given.split(", or let fidelity").next().unwrap_or(given)
@@ -130,48 +134,48 @@ fn resolution(bounds: &Bounds, questions: &Questions) -> f64 {
     parts.fold(1e-2, f64::min).max(1e-6)
 }
 
-/// Nothing is asked: cranks are where they are told, and followers, where the scene gives their masses and springs, what these
+/// Nothing is required: cranks are where commanded, and followers, where the scene gives their masses and springs, what these
 /// make of the law.
-fn unasked(checked: &Checked) -> Choice {
+fn without_questions(checked: &Checked) -> Choice {
     let gives = checked.cam.is_some_and(|cam| cam.links.is_some());
-    let (rung, why) = if gives {
+    let (model_level, why) = if gives {
         (
             Fidelity::Elastic,
-            "the scene gives the followers' masses and springs, so what these make of the law is asked",
+            "the scene gives the followers' masses and springs, so what these make of the law is required",
         )
     } else if checked.cam.is_some() {
         (
             Fidelity::Kinematic,
-            "the scene says nothing of what gives between cam and pusher, so only phases and the law are asked",
+            "the scene says nothing of what gives between cam and pusher, so only phases and the law are required",
         )
     } else {
         (
             Fidelity::Kinematic,
-            "the scene asks nothing of torque, so only phases and what follows from them are asked",
+            "the scene asks nothing of torque, so only phases and what follows from them are required",
         )
     };
     Choice {
-        rung,
+        model_level,
         why: why.to_owned(),
         judged: Vec::new(),
         resolution: RESOLUTION,
     }
 }
 
-fn why(bounds: &Bounds, rung: Fidelity, is_top: bool) -> String {
+fn why(bounds: &Bounds, model_level: Fidelity, is_top: bool) -> String {
     let numbers = bounds.numbers();
     if is_top {
-        format!("the rungs below may be off by more than is asked: {numbers}")
+        format!("the model levels below may be off by more than is required: {numbers}")
     } else {
-        let name = rung.name();
+        let name = model_level.name();
         format!("what {name} leaves out stays within the tolerances: {numbers}")
     }
 }
 
-/// Rungs that the scene says enough for, the lowest first.
+/// Model level that the scene says enough for, the lowest first.
 pub fn available(checked: &Checked) -> Vec<Fidelity> {
     LADDER
         .into_iter()
-        .filter(|&rung| checked.on(rung).is_ok())
+        .filter(|&model_level| checked.on(model_level).is_ok())
         .collect()
 }

@@ -1,15 +1,15 @@
-//! How much model a scene needs: the lowest rung of the ladder that answers what it asks, as well as it asks.
+//! How much model a scene needs: the lowest model level of the ladder that answers what it asks, as well as it asks.
 //!
 //! Words:
-//! - a **rung** is a [`Fidelity`]; each knows all that those below it know, and more;
+//! - a **model level** is a [`Fidelity`]; each knows all that those below it know, and more;
 //! - an **output** is a number that a run comes to ([`Output`]): the largest lag, the largest tilt …;
 //! - a **question** is an output with a tolerance, from a scene's `[questions]`;
-//! - a **bound** says by how much a rung's output may be off what the top rung has, for what the rung leaves out.
+//! - a **bound** says by how much a model level's output may be off what the top model level has, for what the model level leaves out.
 //!
-//! It goes in two steps. [`choose`] reckons bounds from dimensionless numbers: torque over pull-out torque, frequency over
+//! It goes in two steps. [`choose`] computes bounds from dimensionless numbers: torque over pull-out torque, frequency over
 //! that of motor and crank, and the phase errors that come of them ([`Bounds`]). That needs no run, and is done with every
-//! scene that leaves its fidelity to be chosen. Then [`check`] runs a sample of the scene ([`sample`]) on the rung and on the one
-//! above, and on those below: a rung whose measured difference is too large is left for the next, and one below whose
+//! scene that leaves its fidelity to be chosen. Then [`check`] runs a sample of the scene ([`sample`]) on the model level and on the one
+//! above, and on those below: a model level whose measured difference is too large is left for the next, and one below whose
 //! measured difference is well within tolerance is taken, as bounds are wide.
 //!
 //! What the sample does not show, the bound has to: both are reported, side by side.

@@ -1,4 +1,4 @@
-//! What a run comes to, as far as it can be asked for.
+//! What a run comes to, as far as it can be requested.
 
 use crate::scene::file::Questions;
 
@@ -69,7 +69,7 @@ impl Output {
         }
     }
 
-    /// By how much it may be off, if it is asked for.
+    /// By how much it may be off, if it is requested.
     pub fn tolerance(self, questions: &Questions) -> Option<f64> {
         match self {
             Self::Lag => questions.lag_deg,

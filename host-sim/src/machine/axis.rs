@@ -2,7 +2,7 @@
 //!
 //! A stepper counts rising edges, as its drive does, so that its phase is a whole number of steps. Past
 //! its pull-out torque it loses the field: for as long as the load is too large it makes none of the
-//! way that it is told, and catches the field again whole electrical cycles (four full steps) behind;
+//! way that it is reported, and catches the field again whole electrical cycles (four full steps) behind;
 //! or ahead, where the load drives it. That is the slowest way to lose steps there is in reality, and
 //! the smallest number of lost steps.
 //!
@@ -16,7 +16,7 @@ use cophase_core::units::{Phase, Turns};
 use super::PullOut;
 use super::flag::{Extra, Flag, Met};
 use super::index::Passed;
-use super::rotors::Told;
+use super::rotors::DriveCommand;
 
 /// How a simulated axis is driven.
 #[derive(Clone, Debug)]
@@ -51,17 +51,17 @@ pub struct SimulatedAxis {
     forward: bool,
     /// Rising edges counted, with the direction line's sign, in the axis's own sense.
     counted: i64,
-    /// Where a servo was told to be last.
-    told: Option<Phase>,
+    /// Where a servo was commanded to be last.
+    commanded: Option<Phase>,
     /// What the motor has slipped, in steps.
     slipped: i64,
     /// What it is slipping right now, in steps, since it lost the field.
     slipping: i64,
     overload: Overload,
-    /// Largest part of the pull-out torque that was asked for, and at which speed.
+    /// Largest part of the pull-out torque that was requested, and at which speed.
     torque_used: Option<(f64, f64)>,
-    /// How far the drive was told to go, turns; where torque moves the cranks.
-    told_turns: f64,
+    /// How far the drive was commanded to go, turns; where torque moves the cranks.
+    commanded_turns: f64,
     /// Whole electrical cycles slipped.
     lost_cycles: i64,
     travelled_turns: f64,
@@ -109,12 +109,12 @@ impl SimulatedAxis {
             step_high: false,
             forward: true,
             counted: 0,
-            told: None,
+            commanded: None,
             slipped: 0,
             slipping: 0,
             overload: Overload::None,
             torque_used: None,
-            told_turns: 0.0,
+            commanded_turns: 0.0,
             lost_cycles: 0,
             travelled_turns: 0.0,
         }
@@ -168,18 +168,18 @@ impl SimulatedAxis {
         needed
     }
 
-    /// Takes what the drive is told in a tick: for machines whose cranks move by torque, and not as they are told.
+    /// Takes what the drive is told in a tick: for machines whose cranks move by torque, and not as commanded.
     ///
     /// A stepper's field is where its steps have it, and in between where the phase is that they are made of,
     /// `command_turns`: seen at ticks alone, steps would beat with these, and shake the rotor at frequencies that
     /// edges, which have their own times, do not have.
-    pub fn tell(
+    pub fn command(
         &mut self,
         runs: &Runs,
         setpoint: &Setpoint,
         steps: i64,
         command_turns: f64,
-    ) -> Told {
+    ) -> DriveCommand {
         match self.drive {
             AxisDrive::Stepper { .. } => {
                 self.counted += self.count(runs);
@@ -189,17 +189,17 @@ impl SimulatedAxis {
                 );
                 let counted = self.counted as f64;
                 let commanded = (command_turns - self.offset_turns) * self.steps_per_turn;
-                self.told_turns =
+                self.commanded_turns =
                     commanded.clamp(counted - 1.0, counted + 1.0) / self.steps_per_turn;
             }
-            AxisDrive::Servo => self.told_turns += self.follow(setpoint),
+            AxisDrive::Servo => self.commanded_turns += self.follow(setpoint),
         }
         let torque_nm = match self.drive {
             AxisDrive::Stepper { .. } => 0.0,
             AxisDrive::Servo => self.own(setpoint).torque.to_num(),
         };
-        Told {
-            turns: self.origin_turns + self.told_turns,
+        DriveCommand {
+            turns: self.origin_turns + self.commanded_turns,
             torque_nm,
         }
     }
@@ -207,7 +207,7 @@ impl SimulatedAxis {
     /// Takes over where the crank has come to in a tick of `cycles`; the cycle at which the index flag came, if it
     /// did, as if it had turned evenly.
     pub fn moved(&mut self, turns: f64, cycles: u32) -> Option<Passed> {
-        self.moved_under(turns, self.told_turns, cycles)
+        self.moved_under(turns, self.commanded_turns, cycles)
     }
 
     /// The same, where the field went `field_turns` from where it was at power-up, whatever the drive was told.
@@ -271,8 +271,8 @@ impl SimulatedAxis {
     /// How far a servo's setpoint has moved, turns; the first says where the loop believes the crank to be.
     fn follow(&mut self, setpoint: &Setpoint) -> f64 {
         let position = self.own(setpoint).position;
-        let told = self.told.replace(position).unwrap_or(position);
-        Turns::to_num(position.since(told))
+        let commanded = self.commanded.replace(position).unwrap_or(position);
+        Turns::to_num(position.since(commanded))
     }
 
     /// A setpoint in the axis's own sense.
@@ -309,9 +309,9 @@ impl SimulatedAxis {
                 self.travelled_turns = (self.counted + self.slipped) as f64 / self.steps_per_turn;
             }
             AxisDrive::Servo => {
-                let told_turns = self.follow(setpoint);
+                let commanded_turns = self.follow(setpoint);
                 if drives_enabled {
-                    self.travelled_turns += told_turns;
+                    self.travelled_turns += commanded_turns;
                 }
             }
         }
@@ -395,7 +395,7 @@ impl SimulatedAxis {
         self.slipping -= whole;
     }
 
-    /// Cycle of the rising edge that took the crank to `place`, or past it.
+    /// Cycle of the rising edge that took the crank to `place`, or beyond it.
     fn when(&self, runs: &Runs, place: f64) -> u32 {
         let beyond = ((self.turns() - place) * self.steps_per_turn + 1e-6).floor() as i64;
         // Counted from the tick's end: `beyond` rises came after it.

@@ -1,6 +1,6 @@
 //! Cam shafts, each with a follower of its own, instead of cranks under a platform.
 //!
-//! On the *kinematic* rung a pusher is where its law has it. On the *elastic* one three masses hang between cam and pusher
+//! On the *kinematic* model level a pusher is where its law has it. On the *elastic* one three masses hang between cam and pusher
 //! ([`Chain`]), and are integrated. On both the cam stands where its drive has turned it, and turns evenly within a tick:
 //! what the follower pushes back with does not turn the shaft.
 
@@ -18,7 +18,7 @@ use crate::scene::{Checked, SceneError};
 use elastic::Elastic;
 
 /// Looks a tick where nothing is integrated.
-const LOOKS: u32 = 16;
+const SAMPLES: u32 = 16;
 /// The followers of all axes.
 #[derive(Debug)]
 pub struct Followers {
@@ -120,8 +120,8 @@ impl Followers {
 /// A tick of a pusher that its law moves.
 fn by_law(cam: &Cam, turned: &Turned, tick_s: f64) -> (Pusher, Peaks) {
     let (mut pusher, mut peaks) = (Pusher::default(), Peaks::default());
-    for look in 1..=LOOKS {
-        let part = f64::from(look) / f64::from(LOOKS);
+    for sample in 1..=SAMPLES {
+        let part = f64::from(sample) / f64::from(SAMPLES);
         let angle_rad = (turned.from + (turned.to - turned.from) * part) * std::f64::consts::TAU;
         let omega = turned.omega_rad_s - turned.acceleration_rad_s2 * tick_s * (1.0 - part);
         let law = cam.at_angle(angle_rad);

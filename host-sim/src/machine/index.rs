@@ -1,5 +1,5 @@
 //! An index sensor between the crank and the loop: the line rises as its flag comes and falls as it goes, later by the
-//! sensor's delay, and the loop hears what the core's filter makes of that.
+//! sensor's delay, and the loop detects what the core's filter makes of that.
 
 use std::collections::VecDeque;
 
@@ -8,7 +8,7 @@ use cophase_core::units::PerAxis;
 
 use crate::faults::Stream;
 
-/// How much of a tick a line may be ahead of its flag, by noise: one in four is as far back as the filter tells of.
+/// How much of a tick a line may be ahead of its flag, by noise: one in four is as far back as the filter reports.
 const MOST_OF_TICK: u32 = 4;
 
 /// What comes before a sensor in a tick, and when: cycles from its beginning.
@@ -66,7 +66,7 @@ impl Passages {
 pub struct Line {
     /// The cycle at which it rose, if it did.
     pub rose: Option<u32>,
-    /// What the loop hears.
+    /// What the loop detects.
     pub pulse: Option<IndexPulse>,
 }
 
@@ -214,17 +214,17 @@ mod tests {
 
     /// Were a passage told twice, or not at its edge, drift would be wrong where a tick ends.
     #[test]
-    fn a_passage_is_told_once_wherever_the_tick_ends() {
+    fn a_passage_is_reported_once_wherever_the_tick_ends() {
         for rise in 0..=1000 {
             let mut sensor = IndexSensor::new(50, 120);
-            let told = [Some(rise), None].map(|rise| tick(&mut sensor, Passed::rising(rise)));
+            let commanded = [Some(rise), None].map(|rise| tick(&mut sensor, Passed::rising(rise)));
             let expected = if rise <= 950 {
                 [edge(rise as i32), None]
             } else {
                 [None, edge(rise as i32 - 1000)]
             };
-            assert_eq!(told, expected, "a rise at {rise}");
-            // And the next passage is heard.
+            assert_eq!(commanded, expected, "a rise at {rise}");
+            // And the next passage is detected.
             assert_eq!(tick(&mut sensor, Passed::rising(Some(500))), edge(500));
         }
     }
@@ -235,18 +235,18 @@ mod tests {
         for delay in [0, 300, 1700] {
             let mut sensor = IndexSensor::new(50, 120).delayed(delay, None);
             let rises = [Some(600), None, None];
-            let told = rises.map(|rise| tick(&mut sensor, Passed::rising(rise)));
+            let commanded = rises.map(|rise| tick(&mut sensor, Passed::rising(rise)));
             let mut expected = [None; 3];
             let at = 600 + delay as i32;
             expected[(at / 1000) as usize] = edge(at % 1000);
-            assert_eq!(told, expected, "late by {delay}");
+            assert_eq!(commanded, expected, "late by {delay}");
         }
     }
 
     /// Were it wrong, a flag that is before its sensor at power-up would be a passage, or one that is not seen would come as
     /// it goes.
     #[test]
-    fn a_flag_with_a_length_is_heard_as_it_comes() {
+    fn a_flag_with_a_length_is_detected_at_its_rising_edge() {
         let mut sensor = IndexSensor::new(50, 120).of_length(50, true);
         let at = |rise, fall| Passed {
             rise,

@@ -1,17 +1,17 @@
 //! Simulated machines: what the drives, the cranks and the platform make of the loop's output.
 //!
-//! On the ladder's *kinematic* rung every crank is where it is told to be. On the *quasi-static* rung the torque
-//! that the motion needs is compared with the torque that each motor has, and a stepper that is asked for more slips.
-//! On the *rigid*, *phased* and *elastic* rungs ([`Rotors`]) torque moves the cranks. The platform follows from the
+//! On the ladder's *kinematic* model level every crank is where commanded. On the *quasi-static* model level the torque
+//! that the motion needs is compared with the torque that each motor has, and a stepper that is requested more slips.
+//! On the *rigid*, *phased* and *elastic* model levels ([`Rotors`]) torque moves the cranks. The platform follows from the
 //! cranks' phases by geometry, but on the last two: there it is what its equations make of it. Where a scene has
 //! cams instead, [`Followers`] hang on them, one an axis.
 //!
 //! What the lower two leave out: inertia's effect on the motion (the cranks never lag by less than a slip), and how the
 //! others' torque changes once one axis has slipped.
 
-mod astray;
 mod axis;
 mod cam;
+mod faulted_drive;
 mod flag;
 mod index;
 mod platform;
@@ -26,7 +26,7 @@ pub use flag::{Extra, Flag};
 pub use index::{IndexSensor, Line, Passages, Passed};
 pub use platform::{Platform, Pose};
 pub use pull_out::PullOut;
-pub use rotors::{Broken, Chosen, MOST_STEPS, RESOLUTION, Rotors, Told};
+pub use rotors::{Broken, Chosen, DriveCommand, MOST_STEPS, RESOLUTION, Rotors};
 
 use cophase_core::pulse::Runs;
 use cophase_core::servo::Setpoint;
@@ -36,10 +36,10 @@ use cophase_methods::Scheme;
 
 use crate::axes::{Axes, per_axis};
 use crate::dynamics::FrameMotion;
-use crate::faults::Amiss;
+use crate::faults::Disturbance;
 use crate::scene::file::{Drive, Fidelity};
 use crate::scene::{Checked, SceneError};
-use astray::Astray;
+use faulted_drive::FaultedDrives;
 
 /// How long an index line stays high: 20 µs, as wide as a sensor's flag is likely to be. Whoever has a filter
 /// for longer levels has wider flags.
@@ -83,7 +83,7 @@ impl Played {
 pub struct Machine {
     /// The motors and their cranks.
     pub axes: Axes<SimulatedAxis>,
-    /// What they carry; of cams, what the crank which the core is told would carry.
+    /// What they carry; for cams, what the crank which the core is given would carry.
     pub platform: Platform,
     /// How long an index line stays high, cycles.
     pub index_cycles: u32,
@@ -91,15 +91,15 @@ pub struct Machine {
     torques: bool,
     omega_before: f64,
     /// What each motor is asked for, where torques are compared.
-    asked_nm: Option<Axes<f64>>,
+    required_nm: Option<Axes<f64>>,
     /// Where torque moves the cranks.
     rotors: Option<Rotors>,
     /// Where axes are cam shafts.
     followers: Option<Followers>,
     /// Which motors have encoders that are read.
     has_encoder: Axes<bool>,
-    /// What has become of drives that do not do as they are told; none where all do.
-    astray: Option<Astray>,
+    /// What has become of drives that do not do as commanded; none where all do.
+    faulted_drives: Option<FaultedDrives>,
 }
 
 impl Machine {
@@ -112,11 +112,11 @@ impl Machine {
         let in_common = &checked.scene.axes;
         let pull_out = PullOut::new(&in_common.pull_out)?;
         let make = |i: usize| {
-            let apart = checked.apart(i);
+            let overrides = checked.overrides(i);
             let own = &settings.axes[i];
-            let scale = apart.map_or(1.0, |apart| apart.pull_out_scale);
-            let drive = match apart
-                .and_then(|apart| apart.drive)
+            let scale = overrides.map_or(1.0, |own| own.pull_out_scale);
+            let drive = match overrides
+                .and_then(|own| own.drive)
                 .unwrap_or(in_common.drive)
             {
                 Drive::Stepper => AxisDrive::Stepper {
@@ -127,9 +127,9 @@ impl Machine {
                 },
                 Drive::Servo => AxisDrive::Servo,
             };
-            let start_turns = apart.map_or(0.0, |apart| apart.start_deg / 360.0);
-            let friction_nm = apart
-                .and_then(|apart| apart.friction_nm)
+            let start_turns = overrides.map_or(0.0, |own| own.start_deg / 360.0);
+            let friction_nm = overrides
+                .and_then(|own| own.friction_nm)
                 .unwrap_or(in_common.friction_nm);
             let flag = Flag::new(checked, i);
             SimulatedAxis::new(own, drive, start_turns, friction_nm, flag)
@@ -141,10 +141,10 @@ impl Machine {
         let cycles = CLOCK_HZ / settings.tick_hz;
         Ok(Self {
             has_encoder: settings.axes.iter().map(|axis| axis.encoder).collect(),
-            astray: checked
+            faulted_drives: checked
                 .scene
                 .touches_drives()
-                .then(|| Astray::new(&axes, tick_s, cycles)),
+                .then(|| FaultedDrives::new(&axes, tick_s, cycles)),
             followers: Followers::new(checked, &turns)?,
             rotors,
             axes,
@@ -153,7 +153,7 @@ impl Machine {
             tick_s,
             torques: checked.fidelity == Fidelity::QuasiStatic,
             omega_before: 0.0,
-            asked_nm: None,
+            required_nm: None,
         })
     }
 
@@ -162,10 +162,10 @@ impl Machine {
         self.rotors.as_ref().map(Rotors::motion)
     }
 
-    /// What motor `i` gives, or is asked for, N·m; none on rungs that know no torque.
+    /// Torque that motor `i` gives, or that is required of it, N·m; none on model levels without torque.
     pub fn motor_torque_nm(&self, i: usize) -> Option<f64> {
-        let asked = self.asked_nm.as_ref().map(|asked| asked[i]);
-        asked.or_else(|| self.torques_nm().map(|torques| torques[i]))
+        let required = self.required_nm.as_ref().map(|required| required[i]);
+        required.or_else(|| self.torques_nm().map(|torques| torques[i]))
     }
 
     /// Torque of each motor at the tick's end, N·m, where torque moves the cranks.
@@ -251,7 +251,7 @@ impl Machine {
     }
 
     /// Plays one tick; `passages` then has what came before the index sensors in it. `master_turns` is what the master makes,
-    /// `command_turns` where the axes are told to be at its end; `amiss` is what is wrong with each drive, in a scene where
+    /// `command_turns` where the axes are commanded to be at its end; `disturbance` is what is wrong with each drive, in a scene where
     /// any ever is.
     ///
     /// Drives that are off do not follow: their cranks stand, or run on where torque moves them.
@@ -261,23 +261,25 @@ impl Machine {
         drives_enabled: bool,
         master_turns: f64,
         command_turns: &[f64],
-        amiss: Option<&[Amiss]>,
+        disturbance: Option<&[Disturbance]>,
         passages: &mut Passages,
     ) {
         if let Some(rotors) = &mut self.rotors {
-            let told = tell(&mut self.axes, played, command_turns);
-            if let (Some(astray), Some(amiss)) = (&mut self.astray, amiss) {
-                astray.turn(
+            let commanded = command(&mut self.axes, played, command_turns);
+            if let (Some(faulted_drives), Some(disturbance)) =
+                (&mut self.faulted_drives, disturbance)
+            {
+                faulted_drives.turn(
                     &mut self.axes,
                     rotors,
-                    &told,
-                    amiss,
+                    &commanded,
+                    disturbance,
                     drives_enabled,
                     passages,
                 );
                 return;
             }
-            rotors.play(&told, drives_enabled);
+            rotors.play(&commanded, drives_enabled);
             let cycles = (self.tick_s * f64::from(CLOCK_HZ)).round() as u32;
             for (i, axis) in self.axes.iter_mut().enumerate() {
                 passages.put(i, axis.moved(rotors.turns(i), cycles));
@@ -290,9 +292,15 @@ impl Machine {
         if self.torques {
             self.compare_torques(omega, acceleration);
         }
-        if let (Some(astray), Some(amiss)) = (&mut self.astray, amiss) {
-            let told = tell(&mut self.axes, played, command_turns);
-            astray.place(&mut self.axes, &told, amiss, drives_enabled, passages);
+        if let (Some(faulted_drives), Some(disturbance)) = (&mut self.faulted_drives, disturbance) {
+            let commanded = command(&mut self.axes, played, command_turns);
+            faulted_drives.place(
+                &mut self.axes,
+                &commanded,
+                disturbance,
+                drives_enabled,
+                passages,
+            );
             return;
         }
         let Some(followers) = &mut self.followers else {
@@ -332,21 +340,25 @@ impl Machine {
         let share_nm = torques.sum::<f64>() / (count * count) as f64;
         let hz = omega / std::f64::consts::TAU;
         let cranks = self.axes.iter_mut();
-        let asked = cranks.map(|axis| axis.load(share_nm, acceleration, hz));
-        self.asked_nm = Some(asked.collect());
+        let requested = cranks.map(|axis| axis.load(share_nm, acceleration, hz));
+        self.required_nm = Some(requested.collect());
     }
 }
 
 /// What drives are told in a tick.
-fn tell(axes: &mut [SimulatedAxis], played: &Played, command_turns: &[f64]) -> Axes<Told> {
+fn command(
+    axes: &mut [SimulatedAxis],
+    played: &Played,
+    command_turns: &[f64],
+) -> Axes<DriveCommand> {
     let drives = axes.iter_mut().enumerate();
-    let told = drives.map(|(i, axis)| {
-        axis.tell(
+    let commanded = drives.map(|(i, axis)| {
+        axis.command(
             &played.runs[i],
             &played.setpoints[i],
             played.steps[i],
             command_turns[i],
         )
     });
-    told.collect()
+    commanded.collect()
 }

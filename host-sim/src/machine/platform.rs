@@ -35,7 +35,7 @@ pub struct Pose {
 }
 
 impl Platform {
-    /// The platform of a scene; of cams, the one that the crank which the core is told would carry.
+    /// The platform of a scene; for cams, the one that the crank which the core is given would carry.
     ///
     /// # Errors
     /// A crank and rod that do not go together.

@@ -1,4 +1,4 @@
-//! Cranks that are not simply where they are told to be: the machine's equations of motion, advanced a control tick
+//! Cranks that are not simply where commanded: the machine's equations of motion, advanced a control tick
 //! at a time.
 //!
 //! Drives that have not been on yet hold their cranks, as whoever set them up left them. Once they have been, cranks
@@ -21,10 +21,10 @@ pub const MOST_STEPS: u32 = 1000;
 
 /// Where drives would have their rotors at the end of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Told {
+pub struct DriveCommand {
     /// Crank turns since power-up.
     pub turns: f64,
-    /// Torque that a servo is told to add, N·m.
+    /// Torque that a servo is commanded to add, N·m.
     pub torque_nm: f64,
 }
 
@@ -97,7 +97,7 @@ pub struct Rotors {
     /// Rates of the state, and torques of the motors, N·m, at the last tick's end.
     rates: Vec<f64>,
     torques_nm: [f64; MAX_AXES],
-    told: Vec<Told>,
+    commanded: Vec<DriveCommand>,
     tick_s: f64,
     were_on: bool,
     /// Ticks played, and the speed beyond which no crank turns, rad/s.
@@ -129,13 +129,13 @@ pub enum Broken {
 }
 
 impl Rotors {
-    /// At rest where `told` has them, to be advanced by ticks of `tick_s`, as chosen.
+    /// At rest where `commanded` has them, to be advanced by ticks of `tick_s`, as chosen.
     ///
     /// # Errors
     /// The method is unstable at that step, or none that a tick can be cut into is short enough; in a sentence.
     pub fn new(
         driven: Driven,
-        told: Vec<Told>,
+        commanded: Vec<DriveCommand>,
         tick_s: f64,
         chosen: Chosen,
     ) -> Result<Self, String> {
@@ -154,9 +154,9 @@ impl Rotors {
         let method = scheme
             .prepare(&driven, step_s)
             .map_err(|refused| refused.to_string())?;
-        let angles: Vec<f64> = told
+        let angles: Vec<f64> = commanded
             .iter()
-            .map(|told| told.turns * std::f64::consts::TAU)
+            .map(|commanded| commanded.turns * std::f64::consts::TAU)
             .collect();
         let state = driven.at_rest(&angles);
         Ok(Self {
@@ -167,7 +167,7 @@ impl Rotors {
             method,
             steps,
             state,
-            told,
+            commanded,
             tick_s,
             were_on: false,
             ticks: 0,
@@ -195,7 +195,7 @@ impl Rotors {
 
     /// Has field and rotor of crank `i` fall back together, at once.
     pub fn fall_back(&mut self, i: usize, turns: f64) {
-        self.told[i].turns -= turns;
+        self.commanded[i].turns -= turns;
         self.state[i] -= turns * std::f64::consts::TAU;
     }
 
@@ -212,11 +212,17 @@ impl Rotors {
         self.driven.loads_nm[i] = load_nm;
     }
 
-    /// Plays a tick in which drives lead their rotors evenly from where they were told last to `told`.
-    pub fn play(&mut self, told: &[Told], energised: bool) {
+    /// Plays a tick in which drives lead their rotors evenly from where commanded last to `commanded`.
+    pub fn play(&mut self, commanded: &[DriveCommand], energised: bool) {
         self.were_on |= energised;
         self.ticks += 1;
-        for ((field, to), from) in self.driven.fields.iter_mut().zip(told).zip(&self.told) {
+        for ((field, to), from) in self
+            .driven
+            .fields
+            .iter_mut()
+            .zip(commanded)
+            .zip(&self.commanded)
+        {
             let by_turns = to.turns - from.turns;
             *field = Field {
                 alpha_rad: from.turns * std::f64::consts::TAU,
@@ -224,7 +230,7 @@ impl Rotors {
                 torque_nm: to.torque_nm,
             };
         }
-        self.told.copy_from_slice(told);
+        self.commanded.copy_from_slice(commanded);
         if !self.were_on || self.broken.is_some() {
             return;
         }
@@ -274,7 +280,7 @@ impl Rotors {
 
     /// Torque of each motor at the last tick's end, N·m.
     pub fn torques_nm(&self) -> &[f64] {
-        &self.torques_nm[..self.told.len()]
+        &self.torques_nm[..self.commanded.len()]
     }
 
     /// Where the platform is and how it moves; none where it follows the shaft.

@@ -34,9 +34,9 @@ impl Machine {
         const ROUNDING: f64 = 1e-6;
         let axis = &self.axes[i];
         let slipped = self
-            .astray
+            .faulted_drives
             .as_ref()
-            .map_or(0.0, |astray| astray.slipped_turns(i));
+            .map_or(0.0, |faulted_drives| faulted_drives.slipped_turns(i));
         let sense = if axis.is_reversed() { -1.0 } else { 1.0 };
         let counts = sense * (axis.travelled_turns() + slipped) * axis.steps_per_turn();
         (counts + ROUNDING).floor() as i64 as i32

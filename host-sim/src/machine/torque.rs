@@ -2,9 +2,9 @@
 
 use cophase_methods::{Needs, Scheme};
 
-use super::{PullOut, Rotors, SimulatedAxis, Told};
+use super::{DriveCommand, PullOut, Rotors, SimulatedAxis};
 use crate::dynamics::{
-    Body, Driven, Frame, Freedom, Layer, Motor, Phased, Rigid, Servo, Sprung, Stepper,
+    Body, Driven, Elastic, Frame, Freedom, Layer, Motor, Phased, Rigid, Servo, Stepper,
 };
 use crate::mechanism::slider_crank::{Load, SliderCrank};
 use crate::scene::file::{self, Drive, Fidelity, Rods};
@@ -18,10 +18,10 @@ const COASTING_HZ: f64 = 50.0;
 /// Full steps to an electrical cycle.
 const FULL_STEPS: f64 = 4.0;
 
-/// The cranks of a scene whose rung has them moved by torque; none on the others.
+/// The cranks of a scene whose model level has them moved by torque; none on the others.
 ///
 /// # Errors
-/// What the rung needs and the scene does not say.
+/// What the model level needs and the scene does not say.
 pub fn rotors(
     checked: &Checked,
     pull_out: &PullOut,
@@ -31,7 +31,7 @@ pub fn rotors(
         return Ok(None);
     }
     let Some(machine) = &checked.scene.machine else {
-        return Ok(None); // cams have no such rung
+        return Ok(None); // cams have no such model level
     };
     let settings = &checked.settings;
     let motors = (0..axes.len())
@@ -39,15 +39,15 @@ pub fn rotors(
         .collect::<Result<Vec<_>, _>>()?;
     let body = body(checked, machine)?;
     let driven = Driven::new(freedom(checked, machine, body)?, motors);
-    let told = axes.iter().map(|axis| Told {
+    let commanded = axes.iter().map(|axis| DriveCommand {
         turns: axis.turns(),
         torque_nm: 0.0,
     });
     let tick_s = 1.0 / f64::from(settings.tick_hz);
     let chosen = checked.chosen();
-    let asks_for_places =
+    let needs_positions =
         |scheme: &Scheme| scheme.facts().needs == Needs::SecondOrder && !scheme.suits(&driven);
-    if let Some(scheme) = chosen.scheme.filter(asks_for_places) {
+    if let Some(scheme) = chosen.scheme.filter(needs_positions) {
         return Err(SceneError::at(
             "method.name",
             format!(
@@ -63,12 +63,12 @@ pub fn rotors(
     });
     let fastest_hz = settings.limits.speed_hz * ratios.fold(1.0, f64::max);
     let beyond_hz = BEYOND * fastest_hz + COASTING_HZ;
-    Rotors::new(driven, told.collect(), tick_s, chosen)
+    Rotors::new(driven, commanded.collect(), tick_s, chosen)
         .map(|rotors| Some(rotors.watched(beyond_hz * std::f64::consts::TAU)))
         .map_err(|problem| SceneError::at("method", problem))
 }
 
-/// How much freedom the rung gives the machine.
+/// How much freedom the model level gives the machine.
 fn freedom(checked: &Checked, machine: &file::Machine, body: Body) -> Result<Freedom, SceneError> {
     if checked.fidelity == Fidelity::Rigid {
         if let Some(apart) = checked.cranks_apart() {
@@ -94,18 +94,18 @@ fn freedom(checked: &Checked, machine: &file::Machine, body: Body) -> Result<Fre
         None
     };
     Ok(match machine.rods {
-        Rods::Settled => {
+        Rods::QuasiStatic => {
             let phased = Phased::new(body);
             Freedom::Phased(Box::new(match frame {
                 Some(frame) => phased.on(frame),
                 None => phased,
             }))
         }
-        Rods::Sprung => {
-            let sprung = Sprung::new(body, machine.rod_zeta);
-            Freedom::Sprung(Box::new(match frame {
-                Some(frame) => sprung.on(frame),
-                None => sprung,
+        Rods::Elastic => {
+            let elastic = Elastic::new(body, machine.rod_zeta);
+            Freedom::Elastic(Box::new(match frame {
+                Some(frame) => elastic.on(frame),
+                None => elastic,
             }))
         }
     })
@@ -165,7 +165,7 @@ fn body(checked: &Checked, machine: &file::Machine) -> Result<Body, SceneError> 
         ));
     }
     let friction = |i| {
-        let apart = checked.apart(i).and_then(|apart| apart.friction_nm);
+        let apart = checked.overrides(i).and_then(|own| own.friction_nm);
         apart.unwrap_or(checked.scene.axes.friction_nm)
     };
     Ok(Body {
@@ -185,7 +185,7 @@ fn body(checked: &Checked, machine: &file::Machine) -> Result<Body, SceneError> 
 
 fn motor(checked: &Checked, pull_out: &PullOut, i: usize) -> Result<Motor, SceneError> {
     let axes = &checked.scene.axes;
-    let apart = checked.apart(i);
+    let overrides = checked.overrides(i);
     let needed = |key: &str, what: &str| {
         SceneError::at(
             format!("axes.{key}"),
@@ -195,7 +195,7 @@ fn motor(checked: &Checked, pull_out: &PullOut, i: usize) -> Result<Motor, Scene
             ),
         )
     };
-    match apart.and_then(|apart| apart.drive).unwrap_or(axes.drive) {
+    match overrides.and_then(|own| own.drive).unwrap_or(axes.drive) {
         Drive::Stepper => {
             if axes.pull_out.is_empty() {
                 return Err(needed(
@@ -203,7 +203,7 @@ fn motor(checked: &Checked, pull_out: &PullOut, i: usize) -> Result<Motor, Scene
                     "the motors' pull-out torque as [[speed_hz, torque_nm], …]",
                 ));
             }
-            let scale = apart.map_or(1.0, |apart| apart.pull_out_scale);
+            let scale = overrides.map_or(1.0, |own| own.pull_out_scale);
             Ok(Motor::Stepper(Stepper {
                 pull_out: pull_out.scaled(scale),
                 cycles_per_turn: f64::from(axes.full_steps_per_turn) / FULL_STEPS,

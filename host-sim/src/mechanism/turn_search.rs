@@ -103,7 +103,7 @@ mod tests {
 
     /// If this fails, a top between two samples, or across the end of the turn, is cut off.
     #[test]
-    fn refines_between_samples_and_across_the_seam() {
+    fn searches_between_samples_and_across_the_seam() {
         for k in 0..1000 {
             let top = TAU * f64::from(k) / 1000.0;
             let peak = largest_over_turn(|a| 3.0 * (a - top).cos());

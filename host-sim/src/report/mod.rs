@@ -8,7 +8,7 @@ mod written;
 
 pub use summary::summary;
 pub use warnings::warnings;
-pub use words::{describe, is_news};
+pub use words::{describe, is_notable};
 pub use written::Written;
 
 use cophase_core::supervisor::Fault;
@@ -18,7 +18,7 @@ use model::{FidelityReport, MethodReport};
 
 use crate::scene::file::FaultName;
 use crate::scene::{Checked, Scene};
-use crate::sim::events::{Event, Happening, StoppedBy};
+use crate::sim::events::{Event, EventKind, StoppedBy};
 use crate::sim::{Outcome, Statistics};
 use crate::units::degrees;
 
@@ -63,7 +63,7 @@ pub struct Report<'a> {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     injected: Vec<InjectedReport>,
     /// What the loop told, whatever it did about it.
-    incidents: Vec<FaultReport>,
+    reported_faults: Vec<FaultReport>,
     faults: Vec<FaultReport>,
     events: Vec<EventReport>,
     events_left_out: usize,
@@ -86,7 +86,7 @@ struct Ended {
 #[derive(Clone, Debug, Serialize)]
 struct TimeInState {
     idle: f64,
-    align: f64,
+    homing: f64,
     run: f64,
     stop: f64,
     parked: f64,
@@ -100,10 +100,10 @@ struct AxisReport {
     actual_turns: f64,
     slipped_cycles: i64,
     /// Largest drift that was measured, since power-up or the last `reset-peak`, without sign.
-    drift_peak_deg: f64,
+    phase_error_peak_deg: f64,
     /// What corrected it at the end.
     correction_deg: f64,
-    /// Largest part of the pull-out torque that was asked for.
+    /// Largest part of the pull-out torque that was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pull_out_used: Option<f64>,
     /// Largest torque that the motor gave.
@@ -179,18 +179,19 @@ impl<'a> Report<'a> {
         written: Option<Written>,
         wall_s: f64,
     ) -> Self {
-        let seen = &outcome.statistics;
-        let [idle, align, run, stop, parked, fault] = seen.time_in_state_s.map(|s| round(s, 6));
+        let statistics = &outcome.statistics;
+        let [idle, homing, run, stop, parked, fault] =
+            statistics.time_in_state_s.map(|s| round(s, 6));
         let axis = |i: usize| AxisReport {
-            steps: seen.steps[i],
-            command_turns: seen.turns[i].0,
-            actual_turns: seen.turns[i].1,
-            slipped_cycles: seen.slipped_cycles[i],
-            drift_peak_deg: seen.drift_peak_deg[i],
-            correction_deg: seen.correction_deg[i],
-            pull_out_used: seen.torque_used[i].map(|(used, _)| used),
-            torque_worst_nm: seen.worst_torque_nm.get(i).copied(),
-            follower: seen.followers.get(i).map(|peaks| FollowerReport {
+            steps: statistics.steps[i],
+            command_turns: statistics.turns[i].0,
+            actual_turns: statistics.turns[i].1,
+            slipped_cycles: statistics.slipped_cycles[i],
+            phase_error_peak_deg: statistics.phase_error_peak_deg[i],
+            correction_deg: statistics.correction_deg[i],
+            pull_out_used: statistics.torque_used[i].map(|(used, _)| used),
+            torque_worst_nm: statistics.worst_torque_nm.get(i).copied(),
+            follower: statistics.followers.get(i).map(|peaks| FollowerReport {
                 off_law_worst_mm: peaks.off_m * 1e3,
                 pusher_accel_worst_mps2: peaks.pusher_mps2,
                 cam_side_accel_worst_mps2: peaks.cam_side_mps2,
@@ -203,7 +204,7 @@ impl<'a> Report<'a> {
             ended: Ended {
                 state: outcome.state.name(),
                 fault: outcome.fault.is_some(),
-                stopped_by: seen.stopped_by.map(|by| match by {
+                stopped_by: statistics.stopped_by.map(|by| match by {
                     StoppedBy::ProgramEnd => "program end",
                     StoppedBy::Request => "request",
                     StoppedBy::Fault => "fault",
@@ -214,51 +215,56 @@ impl<'a> Report<'a> {
             control_ticks: outcome.ticks,
             time_in_state_s: TimeInState {
                 idle,
-                align,
+                homing,
                 run,
                 stop,
                 parked,
                 fault,
             },
             axes: (0..checked.scene.axes.count).map(axis).collect(),
-            phase_spread_worst_deg: seen.worst_spread_deg,
-            phase_spread_rms_deg: seen.rms_spread_deg,
-            tilt_worst_mrad: seen.worst_tilt_mrad,
+            phase_spread_worst_deg: statistics.worst_spread_deg,
+            phase_spread_rms_deg: statistics.rms_spread_deg,
+            tilt_worst_mrad: statistics.worst_tilt_mrad,
             tilt_limit_mrad: checked
                 .cam
                 .is_none()
                 .then_some(checked.scene.drift.tilt_limit_mrad),
-            tilt_worst_off_mrad: seen.coast.worst_tilt_mrad,
-            coasted_s: (seen.coast.turned_s > 0.0).then(|| round(seen.coast.turned_s, 6)),
-            warp_worst_deg: seen.worst_warp_deg,
-            frame: seen.frame.map(|frame| FrameReport {
+            tilt_worst_off_mrad: statistics.coast.worst_tilt_mrad,
+            coasted_s: (statistics.coast.turned_s > 0.0)
+                .then(|| round(statistics.coast.turned_s, 6)),
+            warp_worst_deg: statistics.worst_warp_deg,
+            frame: statistics.frame.map(|frame| FrameReport {
                 sag_um: frame.sag_um,
                 displacement_worst_um: frame.worst_um,
                 ground_force_worst_n: frame.worst_ground_n,
             }),
             holding: HoldingReport {
-                held_s: round(seen.holding.held_s, 6),
-                worst_relative_error: seen.holding.worst_relative,
+                held_s: round(statistics.holding.held_s, 6),
+                worst_relative_error: statistics.holding.worst_relative,
             },
-            speed_top_hz: seen.top_speed_hz,
-            amax_top_mps2: seen.top_amax_mps2,
+            speed_top_hz: statistics.top_speed_hz,
+            amax_top_mps2: statistics.top_amax_mps2,
             accel_worst_mps2: outcome
                 .method
                 .filter(|_| checked.cam.is_none())
-                .map(|_| seen.worst_accel_mps2),
-            late_deadlines: seen.late_deadlines,
-            missed_deadlines: seen.missed_deadlines,
-            injected: seen.events.iter().filter_map(injected_report).collect(),
-            incidents: faults(seen, |what| match what {
-                Happening::Told(fault) => Some(fault),
+                .map(|_| statistics.worst_accel_mps2),
+            late_deadlines: statistics.late_deadlines,
+            missed_deadlines: statistics.missed_deadlines,
+            injected: statistics
+                .events
+                .iter()
+                .filter_map(injected_report)
+                .collect(),
+            reported_faults: faults(statistics, |what| match what {
+                EventKind::Reported(fault) => Some(fault),
                 _ => None,
             }),
-            faults: faults(seen, |what| match what {
-                Happening::Fault { fault, .. } => Some(fault),
+            faults: faults(statistics, |what| match what {
+                EventKind::Fault { fault, .. } => Some(fault),
                 _ => None,
             }),
-            events: seen.events.iter().map(event_report).collect(),
-            events_left_out: seen.events_left_out,
+            events: statistics.events.iter().map(event_report).collect(),
+            events_left_out: statistics.events_left_out,
             written,
             scene: &checked.scene,
             speed: Speed {
@@ -270,8 +276,8 @@ impl<'a> Report<'a> {
 }
 
 /// Those events that `pick` has a fault of.
-fn faults(seen: &Statistics, pick: fn(&Happening) -> Option<&Fault>) -> Vec<FaultReport> {
-    let events = seen.events.iter();
+fn faults(statistics: &Statistics, pick: fn(&EventKind) -> Option<&Fault>) -> Vec<FaultReport> {
+    let events = statistics.events.iter();
     events
         .filter_map(|event| Some(fault_report(event.t_s, pick(&event.what)?)))
         .collect()
@@ -289,7 +295,7 @@ fn fault_report(t_s: f64, fault: &Fault) -> FaultReport {
 }
 
 fn injected_report(event: &Event) -> Option<InjectedReport> {
-    let Happening::Injected(fault) = &event.what else {
+    let EventKind::Injected(fault) = &event.what else {
         return None;
     };
     Some(InjectedReport {

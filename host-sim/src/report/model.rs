@@ -9,13 +9,13 @@ use crate::sim::Outcome;
 
 #[derive(Clone, Debug, Serialize)]
 pub struct FidelityReport<'a> {
-    rung: &'static str,
+    model_level: &'static str,
     why: &'a str,
     left_out: &'static str,
-    /// How far a platform on settled rods is at most from where it would be on springs, where its rung has it move.
+    /// How far a platform on quasi-static rods is at most from where it would be on springs, where its model level has it move.
     #[serde(skip_serializing_if = "Option::is_none")]
-    settled_rods_um: Option<f64>,
-    /// What was asked for, and how well this rung answers it.
+    quasi_static_rods_um: Option<f64>,
+    /// What was requested, and how well this model level answers it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     outputs: Vec<OutputReport>,
 }
@@ -27,7 +27,7 @@ struct OutputReport {
     tolerance: f64,
     /// By how much it is off at most, by what is known without a run; none where nothing bounds it.
     bound: Option<f64>,
-    /// By how much it was off in a sample of the scene, run on another rung.
+    /// By how much it was off in a sample of the scene, run on another model level.
     measured: Option<f64>,
     against: Option<&'static str>,
 }
@@ -39,7 +39,7 @@ impl OutputReport {
             tolerance: judged.tolerance,
             bound: judged.bound.filter(|bound| bound.is_finite()),
             measured: judged.measured.map(|(off, _)| off),
-            against: judged.measured.map(|(_, rung)| rung.name()),
+            against: judged.measured.map(|(_, model_level)| model_level.name()),
         }
     }
 }
@@ -58,10 +58,10 @@ pub struct MethodReport {
 impl<'a> FidelityReport<'a> {
     pub fn new(checked: &'a Checked) -> Self {
         Self {
-            rung: checked.fidelity.name(),
+            model_level: checked.fidelity.name(),
             why: checked.why(),
             left_out: left_out(checked),
-            settled_rods_um: settled_rods_um(checked),
+            quasi_static_rods_um: quasi_static_rods_um(checked),
             outputs: judged(checked).iter().map(OutputReport::new).collect(),
         }
     }
@@ -82,10 +82,13 @@ impl MethodReport {
                 Fidelity::QuasiStatic => {
                     "torques follow from the motion, and slips from torques: nothing is integrated"
                 }
-                rung if rung.moves_by_torque() && checked.scene.method.name != MethodName::Auto => {
+                model_level
+                    if model_level.moves_by_torque()
+                        && checked.scene.method.name != MethodName::Auto =>
+                {
                     "the scene asks for it"
                 }
-                rung if rung.moves_by_torque() => {
+                model_level if model_level.moves_by_torque() => {
                     "accurate where the step resolves every mode: as long as what swings fastest stays right to the resolution"
                 }
                 Fidelity::Elastic => {
@@ -98,7 +101,7 @@ impl MethodReport {
     }
 }
 
-/// What was asked for, and how well it is answered; nothing if the scene itself asks for a rung.
+/// What was requested, and how well it is answered; nothing if the scene itself asks for a model level.
 pub fn judged(checked: &Checked) -> &[Judged] {
     checked
         .choice
@@ -106,20 +109,20 @@ pub fn judged(checked: &Checked) -> &[Judged] {
         .map_or(&[], |choice| &choice.judged[..])
 }
 
-fn settled_rods_um(checked: &Checked) -> Option<f64> {
+fn quasi_static_rods_um(checked: &Checked) -> Option<f64> {
     let moves = checked.fidelity >= Fidelity::Phased && checked.cam.is_none();
     let bounds = moves.then(|| Bounds::new(checked).ok()).flatten()?;
-    bounds.settled_um()
+    bounds.quasi_static_um()
 }
 
-/// What the rung leaves out, for all that read the results.
+/// What the model level leaves out, for all that read the results.
 fn left_out(checked: &Checked) -> &'static str {
     let over_constrained = checked.scene.axes.count > 3;
     let rods = checked
         .scene
         .machine
         .as_ref()
-        .map_or(Rods::Settled, |machine| machine.rods);
+        .map_or(Rods::QuasiStatic, |machine| machine.rods);
     match checked.fidelity {
         Fidelity::QuasiStatic => {
             "inertia's effect on the cranks' motion, elasticity, and how a slip loads the other motors"
@@ -128,22 +131,22 @@ fn left_out(checked: &Checked) -> &'static str {
             "each crank's own lag, tilt from torque, elasticity, microsteps: the cranks are one shaft"
         }
         Fidelity::Elastic if checked.cam.is_some() => {
-            "what the followers push back with: the cams turn as they are told, and no roller lifts off"
+            "what the followers push back with: the cams turn as commanded, and no roller lifts off"
         }
         Fidelity::Phased => match (rods, over_constrained) {
-            (Rods::Sprung, _) => "microsteps, suspension and foundation",
-            (Rods::Settled, false) => "rods that give, microsteps, suspension and foundation",
-            (Rods::Settled, true) => {
+            (Rods::Elastic, _) => "microsteps, suspension and foundation",
+            (Rods::QuasiStatic, false) => "rods that give, microsteps, suspension and foundation",
+            (Rods::QuasiStatic, true) => {
                 "the rods' own oscillation, microsteps, suspension and foundation; more than three cranks over-constrain \
                  the platform, so that it lies in the plane that asks least of the rods"
             }
         },
         Fidelity::Elastic => match (rods, over_constrained) {
-            (Rods::Sprung, _) => "microsteps, and forces on the frame across the line of travel",
-            (Rods::Settled, false) => {
+            (Rods::Elastic, _) => "microsteps, and forces on the frame across the line of travel",
+            (Rods::QuasiStatic, false) => {
                 "rods that give, microsteps, and forces on the frame across the line of travel"
             }
-            (Rods::Settled, true) => {
+            (Rods::QuasiStatic, true) => {
                 "the rods' own oscillation, microsteps, and forces on the frame across the line of travel; more than three \
                  cranks over-constrain the platform, so that it lies in the plane that asks least of the rods"
             }

@@ -7,14 +7,14 @@ use cophase_core::supervisor::{FaultKind, State};
 use super::model::judged;
 use super::words::fault_words;
 use super::written::Written;
-use super::{describe, is_news, warnings};
+use super::{describe, is_notable, warnings};
 use crate::design::STANDARD_GRAVITY_MPS2;
 use crate::fidelity::{Judged, Output};
 use crate::machine::Peaks;
 use crate::scene::Checked;
 use crate::scene::file::{Drive, Fidelity};
 use crate::sim::Outcome;
-use crate::sim::events::{Event, Happening, StoppedBy};
+use crate::sim::events::{Event, EventKind, StoppedBy};
 
 /// No more events than this are listed, of which so many from the end.
 const LISTED: usize = 24;
@@ -33,22 +33,22 @@ pub fn summary(
     page
 }
 
-/// How well an output that was asked for is answered.
+/// How well an output that was requested is answered.
 fn answered(judged: &Judged) -> String {
     let output = judged.output;
     let with_unit = |value: f64| match output.unit() {
         "°" => format!("{}°", significant(value)),
         unit => format!("{} {unit}", significant(value)),
     };
-    let asked = match output {
+    let requested = match output {
         Output::Slips => String::new(),
-        Output::Lag | Output::Spread => format!(", asked to {}°", judged.tolerance),
-        _ => format!(", asked to {} {}", judged.tolerance, output.unit()),
+        Output::Lag | Output::Spread => format!(", required to {}°", judged.tolerance),
+        _ => format!(", required to {} {}", judged.tolerance, output.unit()),
     };
     let bound = match judged.bound {
         // Nothing above it to be off from.
         Some(bound) if judged.measured.is_none() && bound < judged.tolerance => {
-            "this is the top rung that the scene says enough for".to_owned()
+            "this is the top model level that the scene says enough for".to_owned()
         }
         Some(bound) if bound.is_finite() => format!("off by at most {}", with_unit(bound)),
         _ => "nothing bounds how far it is off".to_owned(),
@@ -60,7 +60,7 @@ fn answered(judged: &Judged) -> String {
             against.name()
         )
     });
-    format!("{}{asked}: {bound}{measured}.", output.words())
+    format!("{}{requested}: {bound}{measured}.", output.words())
 }
 
 /// Two digits are enough for a bound.
@@ -84,7 +84,7 @@ fn write_page(
     wall_s: f64,
 ) -> std::fmt::Result {
     let scene = &checked.scene;
-    let seen = &outcome.statistics;
+    let statistics = &outcome.statistics;
     let colon = if scene.description.is_empty() {
         ""
     } else {
@@ -102,21 +102,21 @@ fn write_page(
     }
     writeln!(page)?;
 
-    let mut news: Vec<_> = seen
+    let mut notable: Vec<_> = statistics
         .events
         .iter()
-        .filter(|event| is_news(&event.what))
+        .filter(|event| is_notable(&event.what))
         .collect();
-    let all = news.len();
+    let all = notable.len();
     if all > LISTED {
-        // A motor that slips does so hundreds of times: its first and its last are told, and nothing else is hidden by them.
+        // A motor that slips does so hundreds of times: its first and its last are reported, and nothing else is hidden by them.
         let axis = |event: &Event| match event.what {
-            Happening::Slipped { axis, .. } => Some(axis),
+            EventKind::Slipped { axis, .. } => Some(axis),
             _ => None,
         };
-        let slips: Vec<_> = news.iter().map(|event| axis(event)).collect();
+        let slips: Vec<_> = notable.iter().map(|event| axis(event)).collect();
         let mut place = 0;
-        news.retain(|_| {
+        notable.retain(|_| {
             let (before, rest) = slips.split_at(place);
             place += 1;
             let own = rest[0];
@@ -124,18 +124,18 @@ fn write_page(
         });
     }
     // The end is what is most often looked for: where there is too much, the middle is left out.
-    let (first, last) = if news.len() > LISTED {
+    let (first, last) = if notable.len() > LISTED {
         (
-            &news[..LISTED - LISTED_LAST],
-            &news[news.len() - LISTED_LAST..],
+            &notable[..LISTED - LISTED_LAST],
+            &notable[notable.len() - LISTED_LAST..],
         )
     } else {
-        (&news[..], &news[..0])
+        (&notable[..], &notable[..0])
     };
     for event in first {
         writeln!(page, "  {:9.3} s  {}", event.t_s, describe(&event.what))?;
     }
-    let between = all - first.len() - last.len() + seen.events_left_out;
+    let between = all - first.len() - last.len() + statistics.events_left_out;
     if between > 0 {
         writeln!(
             page,
@@ -148,28 +148,28 @@ fn write_page(
     writeln!(page)?;
 
     writeln!(page, "{}", ending(outcome))?;
-    let holding = seen.holding;
+    let holding = statistics.holding;
     if holding.held_s > 0.0 {
         writeln!(
             page,
             "The commanded amax was held for {:.1} s in all, within {} of the program; at most {:.1} g, at {:.2} rev/s.",
             holding.held_s,
             relative(holding.worst_relative),
-            seen.top_amax_mps2 / STANDARD_GRAVITY_MPS2,
-            seen.top_speed_hz,
+            statistics.top_amax_mps2 / STANDARD_GRAVITY_MPS2,
+            statistics.top_speed_hz,
         )?;
     }
-    if seen.worst_accel_mps2 > 0.0 {
+    if statistics.worst_accel_mps2 > 0.0 {
         writeln!(
             page,
             "The platform itself accelerated by at most {:.1} g.",
-            seen.worst_accel_mps2 / STANDARD_GRAVITY_MPS2
+            statistics.worst_accel_mps2 / STANDARD_GRAVITY_MPS2
         )?;
     }
-    let lagged = seen
+    let lagged = statistics
         .events
         .iter()
-        .filter(|e| matches!(e.what, Happening::Lagged { .. }))
+        .filter(|e| matches!(e.what, EventKind::Lagged { .. }))
         .count();
     if lagged > 0 {
         writeln!(
@@ -183,7 +183,7 @@ fn write_page(
     } else {
         "cranks"
     };
-    if seen.worst_spread_deg < 1e-6 {
+    if statistics.worst_spread_deg < 1e-6 {
         let by_model = match checked.fidelity {
             Fidelity::Kinematic | Fidelity::Rigid => " (in this model they cannot do otherwise)",
             _ => "",
@@ -196,20 +196,20 @@ fn write_page(
         writeln!(
             page,
             "The cams were at most {:.3}° apart ({:.3}° rms while running).",
-            seen.worst_spread_deg, seen.rms_spread_deg,
+            statistics.worst_spread_deg, statistics.rms_spread_deg,
         )?;
     } else {
         writeln!(
             page,
             "The cranks were at most {:.3}° apart ({:.3}° rms while running); the platform tilted by at most {:.3} mrad of the {} allowed.",
-            seen.worst_spread_deg,
-            seen.rms_spread_deg,
-            seen.worst_tilt_mrad,
+            statistics.worst_spread_deg,
+            statistics.rms_spread_deg,
+            statistics.worst_tilt_mrad,
             scene.drift.tilt_limit_mrad,
         )?;
     }
     coasting(page, outcome)?;
-    let trims = seen.correction_deg.iter().enumerate();
+    let trims = statistics.correction_deg.iter().enumerate();
     if trims.clone().any(|(_, trim_deg)| *trim_deg != 0.0) {
         let trims: Vec<_> = trims
             .map(|(axis, trim_deg)| format!("axis {axis} by {trim_deg:.2}°"))
@@ -221,7 +221,7 @@ fn write_page(
         )?;
     }
     followers(page, checked, outcome)?;
-    let closest = seen
+    let closest = statistics
         .torque_used
         .iter()
         .enumerate()
@@ -229,21 +229,21 @@ fn write_page(
     if let Some((axis, (used, hz))) = closest.max_by(|a, b| a.1.0.total_cmp(&b.1.0)) {
         writeln!(
             page,
-            "Closest to pull-out: axis {axis}, asked for {:.0} % of the torque that it has at {hz:.2} rev/s.",
+            "Closest to pull-out: axis {axis}, loaded to {:.0} % of the torque that it has at {hz:.2} rev/s.",
             used * 100.0
         )?;
     }
-    let torques = seen.worst_torque_nm.iter().copied().enumerate();
+    let torques = statistics.worst_torque_nm.iter().copied().enumerate();
     if let Some((axis, torque_nm)) = torques.max_by(|a, b| a.1.total_cmp(&b.1)) {
         writeln!(
             page,
             "Greatest motor torque: {torque_nm:.3} N·m, of axis {axis}."
         )?;
     }
-    if let Some(frame) = seen.frame {
+    if let Some(frame) = statistics.frame {
         writeln!(
             page,
-            "The frame went at most {:.1} µm from rest; the ground got at most {:.1} N beyond the weight.",
+            "The frame went at most {:.1} µm from rest; the ground took at most {:.1} N beyond the weight.",
             frame.worst_um, frame.worst_ground_n,
         )?;
     }
@@ -287,10 +287,10 @@ fn coasting(page: &mut String, outcome: &Outcome) -> std::fmt::Result {
 
 /// What cams made of their followers, the worst of them.
 fn followers(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
-    let seen = &outcome.statistics.followers;
-    let worst = |of: fn(&Peaks) -> f64| seen.iter().map(of).fold(0.0, f64::max);
+    let statistics = &outcome.statistics.followers;
+    let worst = |of: fn(&Peaks) -> f64| statistics.iter().map(of).fold(0.0, f64::max);
     match checked.fidelity {
-        _ if seen.is_empty() => Ok(()),
+        _ if statistics.is_empty() => Ok(()),
         Fidelity::Elastic => writeln!(
             page,
             "The pushers accelerated by at most {:.1} m/s² and were at most {:.3} mm off their law.",
@@ -306,20 +306,20 @@ fn followers(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fm
 }
 
 fn steps(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
-    let seen = &outcome.statistics;
+    let statistics = &outcome.statistics;
     let what = match checked.scene.axes.drive {
         Drive::Stepper => "steps",
         Drive::Servo => "counts",
     };
-    let alike = seen.steps.windows(2).all(|pair| pair[0] == pair[1]);
+    let alike = statistics.steps.windows(2).all(|pair| pair[0] == pair[1]);
     if alike {
         return writeln!(
             page,
             "Every axis was given {} {what}, {:.3} turns.",
-            seen.steps[0], seen.turns[0].0
+            statistics.steps[0], statistics.turns[0].0
         );
     }
-    for (axis, (steps, turns)) in seen.steps.iter().zip(&seen.turns).enumerate() {
+    for (axis, (steps, turns)) in statistics.steps.iter().zip(&statistics.turns).enumerate() {
         writeln!(
             page,
             "Axis {axis} was given {steps} {what}, {:.3} turns.",
@@ -330,12 +330,15 @@ fn steps(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::R
 }
 
 fn ending(outcome: &Outcome) -> String {
-    let seen = &outcome.statistics;
+    let statistics = &outcome.statistics;
     let faults = || {
-        seen.events.iter().filter_map(|event| match &event.what {
-            Happening::Fault { fault, .. } => Some((event.t_s, fault)),
-            _ => None,
-        })
+        statistics
+            .events
+            .iter()
+            .filter_map(|event| match &event.what {
+                EventKind::Fault { fault, .. } => Some((event.t_s, fault)),
+                _ => None,
+            })
     };
     if outcome.diverged.is_some() {
         return "The simulated machine diverged: its equations, not the controller, came to an end.".to_owned();
@@ -358,7 +361,7 @@ fn ending(outcome: &Outcome) -> String {
             faults().count(),
             state.name(),
         ),
-        (None, State::Parked) => match seen.stopped_by {
+        (None, State::Parked) => match statistics.stopped_by {
             Some(StoppedBy::Request) => "The machine was stopped on request, and parked.",
             _ => "The program ran to its end, and the machine parked.",
         }

@@ -10,7 +10,7 @@ use crate::sim::Outcome;
 
 /// Warnings, a sentence each.
 pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
-    let (scene, seen) = (&checked.scene, &outcome.statistics);
+    let (scene, statistics) = (&checked.scene, &outcome.statistics);
     let mut warnings = Vec::new();
     warnings.extend(unwatched(checked));
     if let Some(why) = &outcome.diverged {
@@ -25,24 +25,24 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
                 .to_owned(),
         );
     }
-    if outcome.slipped_unseen() {
+    if outcome.slipped_undetected() {
         warnings.push("A motor slipped, and the controller did not see it.".to_owned());
     }
     let limit_mrad = scene.drift.tilt_limit_mrad;
-    if seen.worst_tilt_mrad > limit_mrad {
+    if statistics.worst_tilt_mrad > limit_mrad {
         warnings.push(format!(
-            "The platform tilted by {:.2} mrad, past its limit of {limit_mrad}: an index is heard once a turn, and what \
+            "The platform tilted by {:.2} mrad, beyond its limit of {limit_mrad}: an index is detected once a turn, and what \
              moves a crank, or holds it, does so until all stand (docs/faults.md).",
-            seen.worst_tilt_mrad
+            statistics.worst_tilt_mrad
         ));
     }
-    let coast = &seen.coast;
+    let coast = &statistics.coast;
     if let Some(tilt_mrad) = coast
         .worst_tilt_mrad
         .filter(|tilt_mrad| *tilt_mrad > limit_mrad && coast.turned_s > 0.0)
     {
         warnings.push(format!(
-            "With the drives off the platform tilted by {tilt_mrad:.2} mrad, past its limit of {limit_mrad}: nothing holds the cranks \
+            "With the drives off the platform tilted by {tilt_mrad:.2} mrad, beyond its limit of {limit_mrad}: nothing holds the cranks \
              together then but what they carry (docs/faults.md)."
         ));
     }
@@ -53,7 +53,7 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
         ));
     }
     let swapped = |fault: &FaultAt| fault.kind == FaultName::SwappedWiring;
-    if scene.fault.iter().any(swapped) && outcome.fault.is_none() && seen.told == 0 {
+    if scene.fault.iter().any(swapped) && outcome.fault.is_none() && statistics.reported == 0 {
         warnings.push(
             "Lines of two axes were swapped, and the controller did not find out: correction.prove_wiring looks for that."
                 .to_owned(),
@@ -74,10 +74,10 @@ fn unwatched(checked: &Checked) -> Option<String> {
     let is_watched = |axis: &usize| checked.has_index(*axis) || checked.scene.axes.encoder;
     let (watched, unwatched): (Vec<usize>, Vec<usize>) = (0..count).partition(is_watched);
     let set = watched.iter().fold(0, |set, axis| set | 1 << axis);
-    let tells = match Mount::with(count, set).knowledge() {
+    let coverage = match Mount::with(count, set).knowledge() {
         _ if unwatched.is_empty() => return None,
-        Knowledge::Nothing => "nothing tells of the platform's tilt",
-        Knowledge::Common => "one axis stands for all, and nothing tells of the platform's tilt",
+        Knowledge::Nothing => "nothing reports the platform's tilt",
+        Knowledge::Common => "one axis stands for all, and nothing reports the platform's tilt",
         Knowledge::OneTilt => {
             "of the platform two axes tell the least tilt that explains their difference"
         }
@@ -86,7 +86,7 @@ fn unwatched(checked: &Checked) -> Option<String> {
     };
     let axes: Vec<_> = unwatched.iter().map(usize::to_string).collect();
     Some(format!(
-        "Without a sensor the drift of axis {} is not watched, and drift_deg is 0 there for want of a measurement; {tells}.",
+        "Without a sensor the drift of axis {} is not watched, and phase_error_deg is 0 there for want of a measurement; {coverage}.",
         axes.join(", ")
     ))
 }
@@ -114,20 +114,20 @@ mod tests {
         };
         assert_eq!(said(4, &[], false), None);
         assert_eq!(said(4, &[0, 1], true), None, "encoders watch them");
-        for (without, tells) in [
+        for (without, coverage) in [
             (
                 &[2][..],
-                "axis 2 is not watched, and drift_deg is 0 there for want of a measurement; of the platform three axes",
+                "axis 2 is not watched, and phase_error_deg is 0 there for want of a measurement; of the platform three axes",
             ),
             (
                 &[1, 3],
-                "axis 1, 3 is not watched, and drift_deg is 0 there for want of a measurement; of the platform two axes",
+                "axis 1, 3 is not watched, and phase_error_deg is 0 there for want of a measurement; of the platform two axes",
             ),
             (&[0, 1, 2], "one axis stands for all"),
-            (&[0, 1, 2, 3], "nothing tells"),
+            (&[0, 1, 2, 3], "nothing shows"),
         ] {
             let said = said(4, without, false).expect("some are not watched");
-            assert!(said.contains(tells), "{said}");
+            assert!(said.contains(coverage), "{said}");
         }
         let said = said(5, &[4], false).expect("one is not watched");
         assert!(said.ends_with("the best through the others."), "{said}");

@@ -4,71 +4,71 @@ use cophase_core::supervisor::{Command, Fault, FaultKind, State};
 use cophase_core::units::Turns;
 
 use crate::scene::file::{FaultAt, InputLine, Lines};
-use crate::sim::events::Happening;
+use crate::sim::events::EventKind;
 use crate::units::degrees;
 
 /// An event in words.
-pub fn describe(what: &Happening) -> String {
+pub fn describe(what: &EventKind) -> String {
     match *what {
-        Happening::State(state) => match state {
+        EventKind::State(state) => match state {
             State::Idle => "idle, drives off",
-            State::Align => "drives on, turning slowly to hear every index",
+            State::Homing => "drives on, turning slowly to detect every index",
             State::Run => "running",
             State::Stop => "stopping, all axes together",
             State::Parked => "parked",
             State::Fault => "drives off, waiting for a reset",
         }
         .to_owned(),
-        Happening::Running { from_s: 0.0 } => "running the program".to_owned(),
-        Happening::Running { from_s } => format!("going on with the program at its {from_s:.3} s"),
-        Happening::Commanded(command) => format!("command: {}", command_name(command)),
-        Happening::Input { line, active } => {
+        EventKind::Running { from_s: 0.0 } => "running the program".to_owned(),
+        EventKind::Running { from_s } => format!("going on with the program at its {from_s:.3} s"),
+        EventKind::Commanded(command) => format!("command: {}", command_name(command)),
+        EventKind::Input { line, active } => {
             let line = match line {
                 InputLine::Enable => "enable",
                 InputLine::Stop => "stop",
             };
             format!("{line} input {}", if active { "on" } else { "off" })
         }
-        Happening::BandCrossed { in_s, upwards } => {
-            let way = if upwards { "upwards" } else { "downwards" };
-            format!("band crossed {way} in {in_s:.3} s")
+        EventKind::BandCrossed { in_s, upwards } => {
+            let direction = if upwards { "upwards" } else { "downwards" };
+            format!("band crossed {direction} in {in_s:.3} s")
         }
-        Happening::HeldAtBand { for_s } => {
+        EventKind::HeldAtBand { for_s } => {
             format!(
                 "the program asks for a forbidden band, for {for_s:.2} s: kept at its nearer edge"
             )
         }
-        Happening::Lagged { for_s, worst_mps2 } => {
+        EventKind::Lagged { for_s, worst_mps2 } => {
             format!("behind the program for {for_s:.2} s, by at most {worst_mps2:.2} m/s²")
         }
-        Happening::Slipped { axis, cycles: 0 } => format!("axis {axis} slips, and is back in step"),
-        Happening::Slipped { axis, cycles } => {
-            let way = if cycles < 0 { "behind" } else { "ahead" };
+        EventKind::Slipped { axis, cycles: 0 } => format!("axis {axis} slips, and is back in step"),
+        EventKind::Slipped { axis, cycles } => {
+            let direction = if cycles < 0 { "behind" } else { "ahead" };
             let plural = if cycles.abs() == 1 { "" } else { "s" };
             format!(
-                "axis {axis} slips: now {} electrical cycle{plural} {way}",
+                "axis {axis} slips: now {} electrical cycle{plural} {direction}",
                 cycles.abs()
             )
         }
-        Happening::Missed { deadlines } => {
+        EventKind::Missed { deadlines } => {
             let plural = if deadlines == 1 { "" } else { "s" };
             format!("{deadlines} deadline{plural} missed: all axes stood still")
         }
-        Happening::Injected(fault) => format!("put in: {}", injected_words(&fault)),
-        Happening::Told(fault) => format!("told: {}", fault_words(&fault)),
-        Happening::Fault { fault, leading_deg } if fault.kind == FaultKind::Tilt => format!(
+        EventKind::Injected(fault) => format!("put in: {}", injected_words(&fault)),
+        EventKind::Reported(fault) => format!("reported: {}", fault_words(&fault)),
+        EventKind::Fault { fault, leading_deg } if fault.kind == FaultKind::Tilt => format!(
             "fault: {}; the cranks lead at {leading_deg:.0}° around the platform",
             fault_words(&fault)
         ),
-        Happening::Fault { fault, .. } => format!("fault: {}", fault_words(&fault)),
+        EventKind::Fault { fault, .. } => format!("fault: {}", fault_words(&fault)),
     }
 }
 
 /// Whether people want to be told: what lasts only as long as a band takes to cross is not news.
-pub fn is_news(what: &Happening) -> bool {
+pub fn is_notable(what: &EventKind) -> bool {
     const SHORT_S: f64 = 0.3;
     match what {
-        Happening::HeldAtBand { for_s } | Happening::Lagged { for_s, .. } => *for_s >= SHORT_S,
+        EventKind::HeldAtBand { for_s } | EventKind::Lagged { for_s, .. } => *for_s >= SHORT_S,
         _ => true,
     }
 }

@@ -43,8 +43,8 @@ impl Checked {
                 ),
             ));
         }
-        for (entry, apart) in scene.axis.iter().enumerate() {
-            numbers::check_apart(&scene, entry, apart)?;
+        for (entry, overrides) in scene.axis.iter().enumerate() {
+            numbers::check_overrides(&scene, entry, overrides)?;
         }
         PullOut::new(&scene.axes.pull_out)?;
         numbers::check_times(&scene)?;
@@ -78,19 +78,19 @@ impl Checked {
         }
         if checked.fidelity == Fidelity::Auto {
             let choice = fidelity::choose(&checked)?;
-            checked.fidelity = choice.rung;
+            checked.fidelity = choice.model_level;
             checked.resolution = choice.resolution;
             checked.choice = Some(choice);
         }
-        // The machine as well: what its rung needs is known there.
-        let rung = checked.fidelity;
-        checked.on(rung)
+        // The machine as well: what its model level needs is known there.
+        let model_level = checked.fidelity;
+        checked.on(model_level)
     }
 }
 
 /// What a scene's mechanism amounts to.
 struct Mechanism {
-    /// What the core is told of it.
+    /// What the core is given of it.
     machine: MachineSettings,
     /// And of its limits.
     drift: DriftSettings,
@@ -106,7 +106,7 @@ fn mechanism(scene: &Scene) -> Result<Mechanism, SceneError> {
                 tilt_limit_mrad: scene.drift.tilt_limit_mrad,
                 warp_limit_deg: scene.drift.warp_limit_deg,
                 common_limit_deg: scene.drift.common_limit_deg,
-                reading_deg: scene.drift.reading_deg,
+                reading_error_deg: scene.drift.reading_error_deg,
                 lag_s: scene.drift.lag_us * 1e-6,
             },
             cam: None,
@@ -114,7 +114,7 @@ fn mechanism(scene: &Scene) -> Result<Mechanism, SceneError> {
         (None, Some(shaft)) => {
             cam::check_useless(scene)?;
             let follower = cam::follower(shaft)?;
-            let machine = cam::told(&follower);
+            let machine = cam::core_settings(&follower);
             Ok(Mechanism {
                 drift: cam::drift(&scene.drift, &machine)?,
                 machine,

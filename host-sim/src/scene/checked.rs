@@ -7,7 +7,7 @@ use cophase_core::settings::{AxisSettings, Settings, SettingsError};
 
 use super::SceneError;
 use super::check::{Follower, program};
-use super::file::{AxisApart, Fidelity, Scene};
+use super::file::{AxisOverrides, Fidelity, Scene};
 use crate::fidelity::Choice;
 use crate::machine::Chosen;
 
@@ -16,11 +16,11 @@ use crate::machine::Chosen;
 pub struct Checked {
     /// The scene.
     pub scene: Scene,
-    /// What the core is told of it: on a board, in a blob, the very same.
+    /// What the core is given of it: on a board, in a settings file, the very same.
     pub settings: Settings,
     /// The cam shafts with their followers, where there are no cranks.
     pub cam: Option<Follower>,
-    /// The rung of the ladder, `auto` resolved.
+    /// The model level of the ladder, `auto` resolved.
     pub fidelity: Fidelity,
     /// What chose it, if the scene left that open.
     pub choice: Option<Choice>,
@@ -29,7 +29,7 @@ pub struct Checked {
 }
 
 impl Checked {
-    /// Why this rung, in a sentence.
+    /// Why this model level, in a sentence.
     pub fn why(&self) -> &str {
         let chosen = self.choice.as_ref().map(|choice| choice.why.as_str());
         chosen.unwrap_or("the scene asks for it")
@@ -39,7 +39,7 @@ impl Checked {
     pub fn cranks_apart(&self) -> Option<&'static str> {
         let axes = &self.settings.axes;
         let trims = &self.settings.trims_turns;
-        let starts = |i: usize| self.apart(i).map_or(0.0, |apart| apart.start_deg);
+        let starts = |i: usize| self.overrides(i).map_or(0.0, |own| own.start_deg);
         let differ = |one: fn(&AxisSettings) -> f64| {
             axes.windows(2).any(|pair| one(&pair[0]) != one(&pair[1]))
         };
@@ -85,7 +85,8 @@ impl Checked {
         let crank_m = self.settings.machine.crank_radius_m * (1.0 + self.lambda());
         let omega = (levels.fold(0.0, f64::max) / crank_m).sqrt();
         let limits = &self.scene.limits;
-        (omega / std::f64::consts::TAU).clamp(limits.creep_hz.min(limits.speed_hz), limits.speed_hz)
+        (omega / std::f64::consts::TAU)
+            .clamp(limits.homing_speed_hz.min(limits.speed_hz), limits.speed_hz)
     }
 
     /// The loop that this scene asks for.
@@ -125,19 +126,19 @@ impl Checked {
     }
 
     /// What axis `number` has apart from the others.
-    pub fn apart(&self, number: usize) -> Option<&AxisApart> {
-        self.scene.apart(number)
+    pub fn overrides(&self, number: usize) -> Option<&AxisOverrides> {
+        self.scene.overrides(number)
     }
 }
 
 impl Scene {
     /// What axis `number` has apart from the others.
-    pub fn apart(&self, number: usize) -> Option<&AxisApart> {
-        self.axis.iter().find(|apart| apart.number == number)
+    pub fn overrides(&self, number: usize) -> Option<&AxisOverrides> {
+        self.axis.iter().find(|own| own.number == number)
     }
 }
 
-impl AxisApart {
+impl AxisOverrides {
     /// Whether a key of [`file::Axes`] is given for this axis apart.
     fn has(&self, name: &str) -> bool {
         match name {

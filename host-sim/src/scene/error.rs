@@ -65,7 +65,7 @@ fn reason(key: &str) -> Option<&'static str> {
         "acceleration_hz_per_s" | "jerk_hz_per_s2" => {
             "what a tick can resolve and limits.speed_hz can use"
         }
-        "creep_hz" => "slow enough to find an index pulse at, and within limits.speed_hz",
+        "homing_speed_hz" => "slow enough to find an index pulse at, and within limits.speed_hz",
         "width_ns" => "what drives ask for and the step clock makes",
         "repeat" => "the counts that a program holds",
         "start_deg" | "offset_deg" | "index_deg" => "half a turn either way",

@@ -1,13 +1,13 @@
 //! What cranks do that no drive holds any more: how far they tilt the platform, and when they stand.
 //!
 //! Drives that are off hold nothing. Where torque moves the cranks, what they had of speed, and the weight of the platform, turn
-//! them on; on the other rungs a crank without its drive stands.
+//! them on; on the other model levels a crank without its drive stands.
 
 use super::Moment;
 use crate::scene::Checked;
 
 /// A crank stands that stays within this of one place, degrees, for [`STANDS_S`]: 7.2° a second, twice what friction in this
-/// model lets a crank creep at that it holds. So a rod that rings does not count, and a crank that swings does.
+/// model lets a crank turn at homing speed at that it holds. So a rod that rings does not count, and a crank that swings does.
 const STANDS_DEG: f64 = 0.36;
 
 /// See [`STANDS_DEG`].

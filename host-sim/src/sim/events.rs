@@ -10,13 +10,13 @@ pub struct Event {
     /// When, s since power-up.
     pub t_s: f64,
     /// What.
-    pub what: Happening,
+    pub what: EventKind,
 }
 
 /// What can happen.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Happening {
-    /// The supervisor changed its state; to running, see [`Happening::Running`].
+pub enum EventKind {
+    /// The supervisor changed its state; to running, see [`EventKind::Running`].
     State(State),
     /// The program began, or went on.
     Running {
@@ -65,8 +65,8 @@ pub enum Happening {
     },
     /// The scene puts in a fault.
     Injected(FaultAt),
-    /// The loop tells of something, whatever it does about it.
-    Told(Fault),
+    /// The loop reports something, whatever it does about it.
+    Reported(Fault),
     /// A fault latched.
     Fault {
         /// What was seen.

@@ -6,7 +6,7 @@
 use std::cell::OnceCell;
 use std::collections::VecDeque;
 
-use cophase_core::control_loop::{Io, Written};
+use cophase_core::control_loop::{Io, SubmissionResult};
 use cophase_core::drift::IndexPulse;
 use cophase_core::settings::CLOCK_HZ;
 use cophase_core::signals::{Feedback, Output, Telemetry};
@@ -54,7 +54,7 @@ pub struct SimulatedIo<'a, O, P> {
     tick_cycles: u32,
     machine: Machine,
     sensors: Axes<IndexSensor>,
-    /// Up to when the sensors have been heard: the end of a tick.
+    /// Up to when the sensors have been detected: the end of a tick.
     sensed_us: u64,
     schedule: Schedule,
     faults: Faults,
@@ -149,16 +149,16 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
     }
 
     /// Hears the sensors over ticks in which nothing was played, up to the time `until_us`.
-    fn stand(&mut self, until_us: u64, heard: &mut PerAxis<Option<IndexPulse>>) {
+    fn stand(&mut self, until_us: u64, detected: &mut PerAxis<Option<IndexPulse>>) {
         while self.sensed_us < until_us {
             self.now.passages = Passages::default();
-            self.hear(heard);
+            self.detect(detected);
         }
     }
 
     /// Hears the sensors over one tick, and when their lines rose. Of what is read at one deadline the latest counts: the
     /// loop asks for no more than one tick, unless it was late.
-    fn hear(&mut self, heard: &mut PerAxis<Option<IndexPulse>>) {
+    fn detect(&mut self, detected: &mut PerAxis<Option<IndexPulse>>) {
         for (i, (sensor, rose)) in self.sensors.iter_mut().zip(&mut self.now.index).enumerate() {
             *rose = None;
             let passed = self.now.passages.get(i);
@@ -167,14 +167,14 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
             }
             let passed = passed.unwrap_or_default();
             let line = sensor.tick(passed, self.tick_cycles, || self.faults.misses(i));
-            heard[i] = line.pulse.or(heard[i]);
+            detected[i] = line.pulse.or(detected[i]);
             *rose = line.rose;
         }
         self.sensed_us += self.tick_us;
     }
 
-    /// Plays one output, hears the sensors, and shows it round.
-    fn play(&mut self, waiting: &Waiting, heard: &mut PerAxis<Option<IndexPulse>>) {
+    /// Plays one output, detects the sensors, and shows it round.
+    fn play(&mut self, waiting: &Waiting, detected: &mut PerAxis<Option<IndexPulse>>) {
         let Waiting {
             start_us,
             played,
@@ -198,16 +198,16 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
         for (axis, extra) in self.faults.extra(*start_us) {
             self.machine.axes[axis].add_pulses(extra);
         }
-        let amiss = self.faults.amiss(*start_us);
+        let disturbance = self.faults.disturbance(*start_us);
         self.machine.play(
             played,
             self.drives_enabled,
             turns(telemetry.motion.speed),
             &self.now.command_turns,
-            amiss.as_deref(),
+            disturbance.as_deref(),
             &mut self.now.passages,
         );
-        self.hear(heard);
+        self.detect(detected);
         self.faults.swap(&mut self.now.index);
         self.take_note(*start_us);
         for (actual, axis) in self.now.actual_turns.iter_mut().zip(&self.machine.axes) {
@@ -239,9 +239,9 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
             && (!self.statistics.coast.is_on() || self.quiet > ticks_in(MOST_TAIL_S, self.tick_hz))
     }
 
-    /// Tells of faults that have begun up to a time.
+    /// Shows of faults that have begun up to a time.
     fn take_note(&mut self, at_us: u64) {
-        for fault in self.faults.news() {
+        for fault in self.faults.new_faults() {
             let t_s = at_us as f64 / TICKS_PER_S as f64;
             self.statistics.injected(t_s, fault);
         }
@@ -284,7 +284,7 @@ impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
         feedback
     }
 
-    fn write(&mut self, output: &Output, start: Instant) -> Written {
+    fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult {
         let start_us = start.as_micros();
         let mut waiting = self.spare.pop().unwrap_or_else(|| {
             Box::new(Waiting {
@@ -315,9 +315,9 @@ impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
         };
         let broken = self.machine.broken().is_some();
         if broken || self.is_at_rest() || start_us > self.schedule.end_us() {
-            return Written::Over;
+            return SubmissionResult::Over;
         }
-        Written::InTime
+        SubmissionResult::InTime
     }
 }
 

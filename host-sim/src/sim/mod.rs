@@ -4,10 +4,10 @@
 //! an observer does, or whether there is one, never changes what happens.
 
 pub mod coast;
+pub mod event_watch;
 pub mod events;
 mod io;
 mod moment;
-pub mod news;
 mod outcome;
 mod schedule;
 pub mod statistics;

@@ -25,10 +25,10 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Whether a motor slipped and nothing was told of it: the controller believes the cranks in phase, and they are not.
-    pub fn slipped_unseen(&self) -> bool {
+    /// Whether a motor slipped and nothing was reported of it: the controller believes the cranks in phase, and they are not.
+    pub fn slipped_undetected(&self) -> bool {
         self.fault.is_none()
-            && self.statistics.told == 0
+            && self.statistics.reported == 0
             && self
                 .statistics
                 .slipped_cycles

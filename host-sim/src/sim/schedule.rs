@@ -12,9 +12,9 @@ pub struct Schedule {
     commands: Vec<(u64, Command)>,
     inputs: Vec<(u64, InputAt)>,
     late: Vec<(u64, u64)>,
-    /// When the last fault begins, and up to when commands and inputs have been asked for, µs.
+    /// When the last fault begins, and up to when commands and inputs have been requested, µs.
     last_fault_us: u64,
-    asked_us: u64,
+    requested_us: u64,
     next_command: usize,
     next_input: usize,
     lines: SafetyInputs,
@@ -72,14 +72,14 @@ impl Schedule {
             });
         let late = late.chain(overruns).collect();
         let program_s = program_ticks as f64 / f64::from(scene.control.tick_hz);
-        // Switching on, a turn to align, a turn to park.
-        let around_s = scene.control.settle_s + 2.5 / scene.limits.creep_hz;
+        // Switching on, a turn to homing, a turn to park.
+        let around_s = scene.control.settle_s + 2.5 / scene.limits.homing_speed_hz;
         Self {
             commands,
             inputs,
             late,
             last_fault_us,
-            asked_us: 0,
+            requested_us: 0,
             next_command: 0,
             next_input: 0,
             lines: SafetyInputs {
@@ -92,7 +92,7 @@ impl Schedule {
 
     /// The command that is due, if one is; each is given once.
     pub fn command(&mut self, now: u64) -> Option<Command> {
-        self.asked_us = now;
+        self.requested_us = now;
         let &(at, command) = self.commands.get(self.next_command)?;
         if at > now {
             return None;
@@ -124,7 +124,7 @@ impl Schedule {
     pub fn is_over(&self) -> bool {
         self.next_command == self.commands.len()
             && self.next_input == self.inputs.len()
-            && self.last_fault_us <= self.asked_us
+            && self.last_fault_us <= self.requested_us
     }
 
     /// About how long the run will take, µs.
@@ -145,7 +145,7 @@ impl Schedule {
     }
 }
 
-/// Lateness that was asked for, each served once, at the first alarm from its time on.
+/// Lateness that was requested, each served once, at the first alarm from its time on.
 #[derive(Clone, Debug)]
 pub struct Lateness {
     late: Vec<(u64, u64)>,

@@ -6,8 +6,8 @@ use cophase_core::units::{Amax, PerAxis, Turns};
 
 use super::Moment;
 use super::coast::Coast;
-use super::events::{Event, Happening, StoppedBy};
-use super::news::{News, Tellings};
+use super::event_watch::{EventWatch, NewEvents};
+use super::events::{Event, EventKind, StoppedBy};
 use crate::machine::{Machine, Peaks, SimulatedAxis};
 use crate::mechanism::slider_crank::SliderCrank;
 use crate::scene::Checked;
@@ -25,7 +25,7 @@ pub struct Holding {
 
 /// How far a frame went, and what it handed on to the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FrameSeen {
+pub struct FramePeaks {
     /// How far it has sagged under all that it carries, µm: from there its way is counted.
     pub sag_um: f64,
     /// Largest force on the ground beyond the weight at rest, N.
@@ -55,19 +55,19 @@ pub struct Statistics {
     pub top_speed_hz: f64,
     /// Greatest amplitude that the commanded speed amounts to, m/s².
     pub top_amax_mps2: f64,
-    /// Time in each state, s: idle, align, run, stop, parked, fault.
+    /// Time in each state, s: idle, homing, run, stop, parked, fault.
     pub time_in_state_s: [f64; 6],
     /// Steps or counts commanded, each axis.
     pub steps: Vec<i64>,
     /// Turns commanded, and turns made, each axis.
     pub turns: Vec<(f64, f64)>,
     /// Largest drift that the loop measured, each axis, and what corrects it, degrees.
-    pub drift_peak_deg: Vec<f64>,
+    pub phase_error_peak_deg: Vec<f64>,
     /// See there.
     pub correction_deg: Vec<f64>,
     /// Electrical cycles slipped, each axis.
     pub slipped_cycles: Vec<i64>,
-    /// The largest part of its pull-out torque that each axis was asked for, and at which speed (rev/s);
+    /// The largest part of its pull-out torque that each axis was requested, and at which speed (rev/s);
     /// empty where torque is not asked.
     pub torque_used: Vec<Option<(f64, f64)>>,
     /// Largest torque that each motor gave, N·m; empty where torque does not move the cranks.
@@ -75,13 +75,13 @@ pub struct Statistics {
     /// Largest acceleration of the platform itself while running, m/s²; 0 where torque does not move the cranks.
     pub worst_accel_mps2: f64,
     /// What the frame did, if it moves.
-    pub frame: Option<FrameSeen>,
+    pub frame: Option<FramePeaks>,
     /// The greatest of what each follower did; empty where axes are no cam shafts.
     pub followers: Vec<Peaks>,
     /// What cranks did that drives had let go.
     pub coast: Coast,
     /// How often the loop told something.
-    pub told: u32,
+    pub reported: u32,
     /// What made the machine stop last.
     pub stopped_by: Option<StoppedBy>,
     /// Deadlines met late by over half a tick.
@@ -91,7 +91,7 @@ pub struct Statistics {
 
     /// What was so at the end of the last tick.
     last: Last,
-    /// What makes an amplitude of a speed: of cams, the crank of equal κ.
+    /// What makes an amplitude of a speed: for cams, the crank of equal κ.
     mechanism: SliderCrank,
     /// Speed in the last tick, and what it amounts to: most ticks have that of the one before.
     speed: Turns,
@@ -101,9 +101,9 @@ pub struct Statistics {
     tick_s: f64,
     running_ticks: u64,
     spread_squares: f64,
-    stop_asked: bool,
+    stop_requested: bool,
     state: Option<State>,
-    tellings: Tellings,
+    event_watch: EventWatch,
     band: Option<(f64, f64)>,
     held: Option<f64>,
     lag: Option<(f64, f64)>,
@@ -142,7 +142,7 @@ impl Statistics {
             time_in_state_s: [0.0; 6],
             steps: Vec::new(),
             turns: Vec::new(),
-            drift_peak_deg: Vec::new(),
+            phase_error_peak_deg: Vec::new(),
             correction_deg: Vec::new(),
             slipped_cycles: vec![0; axes],
             torque_used: Vec::new(),
@@ -151,7 +151,7 @@ impl Statistics {
             frame: None,
             followers: vec![Peaks::default(); if checked.cam.is_some() { axes } else { 0 }],
             coast: Coast::new(checked),
-            told: 0,
+            reported: 0,
             stopped_by: None,
             late_deadlines: 0,
             missed_deadlines: 0,
@@ -164,9 +164,9 @@ impl Statistics {
             tick_s: 1.0 / f64::from(checked.scene.control.tick_hz),
             running_ticks: 0,
             spread_squares: 0.0,
-            stop_asked: false,
+            stop_requested: false,
             state: None,
-            tellings: Tellings::default(),
+            event_watch: EventWatch::default(),
             band: None,
             held: None,
             lag: None,
@@ -193,8 +193,8 @@ impl Statistics {
         self.forces(moment.machine);
         self.limits(moment, t_s);
         self.level(moment);
-        if let Some(news) = self.tellings.tick(telemetry) {
-            self.tell(news, telemetry, t_s);
+        if let Some(new_events) = self.event_watch.tick(telemetry) {
+            self.publish(new_events, telemetry, t_s);
         }
         if self.state != Some(telemetry.state) {
             self.state = Some(telemetry.state);
@@ -203,14 +203,14 @@ impl Statistics {
     }
 
     #[cold]
-    fn tell(&mut self, news: News, telemetry: &Telemetry, t_s: f64) {
-        if let Some(fault) = news.told {
-            self.told += 1;
-            self.note(t_s, Happening::Told(fault));
+    fn publish(&mut self, new_events: NewEvents, telemetry: &Telemetry, t_s: f64) {
+        if let Some(fault) = new_events.reported {
+            self.reported += 1;
+            self.note(t_s, EventKind::Reported(fault));
         }
-        if let Some(fault) = news.latched {
+        if let Some(fault) = new_events.latched {
             let leading_deg = telemetry.modes.tilt_direction_deg().rem_euclid(360.0);
-            self.note(t_s, Happening::Fault { fault, leading_deg });
+            self.note(t_s, EventKind::Fault { fault, leading_deg });
         }
     }
 
@@ -218,37 +218,37 @@ impl Statistics {
         if state == State::Stop {
             self.stopped_by = Some(match telemetry.fault {
                 Some(_) => StoppedBy::Fault,
-                None if self.stop_asked => StoppedBy::Request,
+                None if self.stop_requested => StoppedBy::Request,
                 None => StoppedBy::ProgramEnd,
             });
         }
         let what = if state == State::Run {
-            self.stop_asked = false;
+            self.stop_requested = false;
             // The first tick of the program is over already.
             let from_s = telemetry.program_ticks.saturating_sub(1) as f64 * self.tick_s;
-            Happening::Running { from_s }
+            EventKind::Running { from_s }
         } else {
-            Happening::State(state)
+            EventKind::State(state)
         };
         self.note(t_s, what);
     }
 
     /// Takes note of a command that was given.
     pub fn commanded(&mut self, t_s: f64, command: Command) {
-        self.stop_asked |= command == Command::Stop;
-        self.note(t_s, Happening::Commanded(command));
+        self.stop_requested |= command == Command::Stop;
+        self.note(t_s, EventKind::Commanded(command));
     }
 
     /// Takes note of a change of a safety input.
     pub fn input(&mut self, t_s: f64, line: InputLine, active: bool) {
-        self.stop_asked |= line == InputLine::Stop && active;
-        self.note(t_s, Happening::Input { line, active });
+        self.stop_requested |= line == InputLine::Stop && active;
+        self.note(t_s, EventKind::Input { line, active });
     }
 
     /// Takes note of a fault that the scene puts in.
     pub fn injected(&mut self, t_s: f64, fault: FaultAt) {
-        self.stop_asked |= fault.kind == FaultName::StopInput;
-        self.note(t_s, Happening::Injected(fault));
+        self.stop_requested |= fault.kind == FaultName::StopInput;
+        self.note(t_s, EventKind::Injected(fault));
     }
 
     /// Where the cranks are.
@@ -263,7 +263,7 @@ impl Statistics {
                 self.slipped_cycles[i] = slipped;
                 self.note(
                     t_s,
-                    Happening::Slipped {
+                    EventKind::Slipped {
                         axis: i,
                         cycles: slipped,
                     },
@@ -313,12 +313,12 @@ impl Statistics {
             }
         }
         if let Some(frame) = machine.frame() {
-            let seen = self.frame.get_or_insert(FrameSeen {
+            let peaks = self.frame.get_or_insert(FramePeaks {
                 sag_um: machine.sag_um(),
-                ..FrameSeen::default()
+                ..FramePeaks::default()
             });
-            seen.worst_ground_n = seen.worst_ground_n.max(frame.ground_n.abs());
-            seen.worst_um = seen.worst_um.max(machine.frame_um(&frame));
+            peaks.worst_ground_n = peaks.worst_ground_n.max(frame.ground_n.abs());
+            peaks.worst_um = peaks.worst_um.max(machine.frame_um(&frame));
         }
     }
 
@@ -330,7 +330,7 @@ impl Statistics {
             (true, None) => self.band = Some((t_s, hz)),
             (false, Some((since_s, from_hz))) => {
                 self.band = None;
-                let what = Happening::BandCrossed {
+                let what = EventKind::BandCrossed {
                     in_s: t_s - since_s,
                     upwards: hz > from_hz,
                 };
@@ -344,7 +344,7 @@ impl Statistics {
                 self.held = None;
                 self.note(
                     since_s,
-                    Happening::HeldAtBand {
+                    EventKind::HeldAtBand {
                         for_s: t_s - since_s,
                     },
                 );
@@ -353,13 +353,13 @@ impl Statistics {
         }
         // Only in running is there a program to be behind of.
         if motion.lagging && moment.telemetry.state == State::Run {
-            let off = (self.speed_mps2 - moment.telemetry.amax_program.to_num::<f64>()).abs();
+            let off = (self.speed_mps2 - moment.telemetry.amax_requested.to_num::<f64>()).abs();
             let (since_s, worst) = self.lag.unwrap_or((t_s, 0.0));
             self.lag = Some((since_s, worst.max(off)));
         } else if let Some((since_s, worst_mps2)) = self.lag.take() {
             self.note(
                 since_s,
-                Happening::Lagged {
+                EventKind::Lagged {
                     for_s: t_s - since_s,
                     worst_mps2,
                 },
@@ -368,7 +368,7 @@ impl Statistics {
         if limits.missed_deadlines != self.missed_deadlines {
             let deadlines = limits.missed_deadlines - self.missed_deadlines;
             self.missed_deadlines = limits.missed_deadlines;
-            self.note(t_s, Happening::Missed { deadlines });
+            self.note(t_s, EventKind::Missed { deadlines });
         }
         self.late_deadlines = limits.late_deadlines;
     }
@@ -376,8 +376,8 @@ impl Statistics {
     /// How well the level is held.
     fn level(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
-        if telemetry.state != State::Run || telemetry.amax_program != self.level {
-            self.level = telemetry.amax_program;
+        if telemetry.state != State::Run || telemetry.amax_requested != self.level {
+            self.level = telemetry.amax_requested;
             self.level_mps2 = self.level.to_num();
             self.level_ticks = 0;
             return;
@@ -407,7 +407,7 @@ impl Statistics {
         let of = |i| (last.command_turns[i], last.actual_turns[i]);
         self.turns = axes.clone().map(of).collect();
         let in_degrees = |angles: &[Turns]| angles.iter().copied().map(degrees).collect();
-        self.drift_peak_deg = in_degrees(&last.peak[axes.clone()]);
+        self.phase_error_peak_deg = in_degrees(&last.peak[axes.clone()]);
         self.correction_deg = in_degrees(&last.correction[axes]);
         if self.running_ticks > 0 {
             self.rms_spread_deg = (self.spread_squares / self.running_ticks as f64).sqrt();
@@ -415,7 +415,7 @@ impl Statistics {
         self.events.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
     }
 
-    fn note(&mut self, t_s: f64, what: Happening) {
+    fn note(&mut self, t_s: f64, what: EventKind) {
         if self.events.len() < MOST_EVENTS {
             self.events.push(Event { t_s, what });
         } else {

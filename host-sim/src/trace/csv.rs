@@ -16,12 +16,12 @@ use super::Row;
 #[derive(Debug, Error)]
 pub enum TraceError {
     /// A row has another number of axes than the header.
-    #[error("a row has {got} axes where the header names {expected}")]
+    #[error("a row has {actual} axes where the header names {expected}")]
     Axes {
         /// Axes in the header.
         expected: usize,
         /// Axes in the row.
-        got: usize,
+        actual: usize,
     },
     /// The `csv` crate or the file under it refused.
     #[error("trace not written: {0}")]
@@ -92,13 +92,13 @@ impl<W: Write> TraceCsv<W> {
         if row.axes.len() != self.axes {
             return Err(TraceError::Axes {
                 expected: self.axes,
-                got: row.axes.len(),
+                actual: row.axes.len(),
             });
         }
         self.number(row.t_s, decimals::TIME)?;
         self.lines.write_field(row.state)?;
-        self.number(row.amax_program_mps2, decimals::ACCELERATION)?;
-        self.number(row.amax_command_mps2, decimals::ACCELERATION)?;
+        self.number(row.amax_requested_mps2, decimals::ACCELERATION)?;
+        self.number(row.amax_commanded_mps2, decimals::ACCELERATION)?;
         self.number(row.omega_rad_s, decimals::SPEED)?;
         self.number(row.phase_turns, decimals::TURNS)?;
         for axis in &row.axes {
@@ -108,7 +108,7 @@ impl<W: Write> TraceCsv<W> {
             self.lines.write_field(&self.text)?;
             self.number(axis.command_turns, decimals::TURNS)?;
             self.number(axis.actual_turns, decimals::TURNS)?;
-            self.number(axis.drift_deg, decimals::DEGREES)?;
+            self.number(axis.phase_error_deg, decimals::DEGREES)?;
         }
         self.number(row.tilt_x_mrad, decimals::TILT)?;
         self.number(row.tilt_y_mrad, decimals::TILT)?;
@@ -141,12 +141,12 @@ fn columns(axes: usize) -> Vec<String> {
     let first = [
         "t_s",
         "state",
-        "amax_program_mps2",
-        "amax_command_mps2",
+        "amax_requested_mps2",
+        "amax_commanded_mps2",
         "omega_rad_s",
         "phase_turns",
     ];
-    let per_axis = ["steps", "command_turns", "actual_turns", "drift_deg"];
+    let per_axis = ["steps", "command_turns", "actual_turns", "phase_error_deg"];
     let last = [
         "tilt_x_mrad",
         "tilt_y_mrad",

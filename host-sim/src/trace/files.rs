@@ -29,7 +29,7 @@ pub enum RunFilesError {
     /// The name is not that of a file directly in the folder.
     #[error("`{0}` is not a plain file name")]
     Name(String),
-    /// The name was asked for before.
+    /// The name was requested before.
     #[error("`{0}` is already being written")]
     Twice(String),
 }
@@ -90,7 +90,7 @@ impl RunFiles {
     /// the error of its last write, and a short file would be put in place.
     ///
     /// # Errors
-    /// When the name is no plain one, was asked for before, or the temporary cannot be created.
+    /// When the name is no plain one, was requested before, or the temporary cannot be created.
     pub fn file(&mut self, name: &str) -> Result<BufWriter<File>, RunFilesError> {
         let mut parts = Path::new(name).components();
         if !matches!((parts.next(), parts.next()), (Some(Component::Normal(part)), None) if part == name)
@@ -111,7 +111,7 @@ impl RunFiles {
     }
 
     /// Puts every file in place, over what was there under its name, and gives their paths in the order they
-    /// were asked for.
+    /// were requested.
     ///
     /// # Errors
     /// When one cannot be put in place: those before it are, it and those after it are taken away.
@@ -141,7 +141,7 @@ impl RunFiles {
 
 impl Drop for RunFiles {
     fn drop(&mut self) {
-        // Nobody is left to hear of a failure; whatever cannot be removed stays.
+        // Nobody is left to detect of a failure; whatever cannot be removed stays.
         for name in &self.names {
             let _ = fs::remove_file(self.temporary(name));
         }

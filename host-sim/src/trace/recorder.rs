@@ -49,7 +49,7 @@ impl<C: Write, V: Write> Recorder<C, V> {
     ) -> Result<Self, RecordError> {
         let axes = checked.scene.axes.count;
         let reversed = (0..axes)
-            .map(|i| checked.apart(i).is_some_and(|apart| apart.reversed))
+            .map(|i| checked.overrides(i).is_some_and(|own| own.reversed))
             .collect();
         Ok(Self {
             rows: Rows::new(TraceCsv::new(csv, axes)?, every),
@@ -93,15 +93,15 @@ impl<C: Write, V: Write> Recorder<C, V> {
         let row = &mut self.row;
         row.t_s = moment.end_ns as f64 * 1e-9;
         row.state = telemetry.state.name();
-        row.amax_program_mps2 = telemetry.amax_program.to_num();
-        row.amax_command_mps2 = self.mechanism.amax(telemetry.motion.speed).to_num();
+        row.amax_requested_mps2 = telemetry.amax_requested.to_num();
+        row.amax_commanded_mps2 = self.mechanism.amax(telemetry.motion.speed).to_num();
         row.omega_rad_s = omega;
         row.phase_turns = moment.master_turns;
         for (i, axis) in row.axes.iter_mut().enumerate() {
             axis.steps = telemetry.steps[i];
             axis.command_turns = moment.command_turns[i];
             axis.actual_turns = moment.actual_turns[i];
-            axis.drift_deg = degrees(telemetry.drift[i]);
+            axis.phase_error_deg = degrees(telemetry.phase_error[i]);
         }
         row.tilt_x_mrad = pose.tilt_x_mrad;
         row.tilt_y_mrad = pose.tilt_y_mrad;

@@ -11,9 +11,9 @@ pub struct Row {
     /// The supervisor's state, in lower case.
     pub state: &'static str,
     /// What the program asks for, m/s².
-    pub amax_program_mps2: f64,
+    pub amax_requested_mps2: f64,
     /// What the commanded speed amounts to, m/s².
-    pub amax_command_mps2: f64,
+    pub amax_commanded_mps2: f64,
     /// Commanded speed of the master shaft, rad/s.
     pub omega_rad_s: f64,
     /// Commanded phase of the master shaft, turns since power-up.
@@ -42,5 +42,5 @@ pub struct AxisRow {
     /// The crank's true phase, turns since power-up.
     pub actual_turns: f64,
     /// Drift as the monitor last measured it, degrees.
-    pub drift_deg: f64,
+    pub phase_error_deg: f64,
 }

@@ -250,7 +250,7 @@ mod tests {
     use crate::scene::load;
 
     /// Were it wrong, whoever looks at what a fault did to the edges would get the machine's first steps, or miss what came just
-    /// before it; or a window that was asked for would be moved.
+    /// before it; or a window that was requested would be moved.
     #[test]
     fn a_fault_is_what_is_shown() {
         let of = |more: &str| {

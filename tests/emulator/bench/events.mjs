@@ -10,19 +10,19 @@ const UNITS_A_TURN = 2 ** 32;
 
 /** Kinds by their number on the wire: FaultKind::ALL of firmware/core/src/supervisor/fault.rs. */
 const KINDS = [
-  'tilt', 'warp', 'common-lag', 'lost-steps', 'slip', 'stuck', 'runaway', 'silent', 'index-missing', 'index-extra', 'swapped-wiring',
-  'reversed', 'encoder-glitch', 'drive-alarm', 'overrun', 'run-dry', 'enable-loss', 'stop-input', 'too-far-out', 'program-rejected',
-  'settings-rejected', 'restarted',
+  'tilt', 'warp', 'common-lag', 'lost-steps', 'slip', 'stuck', 'runaway', 'index-timeout', 'index-missing', 'index-extra', 'swapped-wiring',
+  'reversed', 'encoder-glitch', 'drive-alarm', 'overrun', 'step-fifo-underrun', 'enable-loss', 'stop-input', 'homing-range-exceeded', 'program-rejected',
+  'settings-rejected', 'watchdog-reset',
 ];
 
-const STATE = /tick (\d+): (Idle|Align|Run|Stop|Parked|Fault), drift/;
-const EVENT = /tick (\d+): (fault|told): ([a-z-]+)(?: on axis (\d))?, (-?[\d.e-]+) deg, at crank phase ([\d.e-]+) deg \[(.*)\]/;
+const STATE = /tick (\d+): (Idle|Homing|Run|Stop|Parked|Fault), phase error/;
+const EVENT = /tick (\d+): (fault|reported): ([a-z-]+)(?: on axis (\d))?, (-?[\d.e-]+) deg, at crank phase ([\d.e-]+) deg \[(.*)\]/;
 
 /** States and events of the firmware's log; `wrong` collects lines whose words and bytes differ. */
 export function eventsOfLog(lines, wrong) {
   const states = lines.map((line) => line.match(STATE)).filter(Boolean);
   const all = states.map(([, tick, state]) => ({ tick: Number(tick), state: state.toLowerCase() }));
-  const began = all.findLast(({ state }) => state === 'align')?.tick;
+  const began = all.findLast(({ state }) => state === 'homing')?.tick;
   const events = lines
     .map((line) => [line, line.match(EVENT)])
     .filter(([, match]) => match)
@@ -56,7 +56,7 @@ export function eventsOfHost({ trace, report }) {
     if (state !== (states.at(-1)?.state ?? 'idle')) states.push({ tick, state });
   });
   const latched = report.faults.map(({ kind, tick }) => `${kind} ${tick}`);
-  const events = report.incidents.map(({ kind, axis, size_deg: sizeDeg, phase_deg: phaseDeg, tick }) => ({
+  const events = report.reported_faults.map(({ kind, axis, size_deg: sizeDeg, phase_deg: phaseDeg, tick }) => ({
     kind,
     axis: axis ?? undefined,
     sizeDeg,

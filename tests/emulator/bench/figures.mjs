@@ -1,11 +1,11 @@
-// The figures that are kept: docs/emulated.csv, and the table of them in docs/image.md.
+// The figures that are kept: docs/emulated.csv, and the table of them in docs/firmware.md.
 
 import fs from 'node:fs';
 import path from 'node:path';
 import { DOCS } from './paths.mjs';
 
 const CSV = path.join(DOCS, 'emulated.csv');
-const PAGE = path.join(DOCS, 'image.md');
+const PAGE = path.join(DOCS, 'firmware.md');
 const BEGIN = '<!-- written by tests/emulator/run --write -->';
 const END = '<!-- end -->';
 

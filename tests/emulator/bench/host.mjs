@@ -66,15 +66,15 @@ function withScene({ text }, use) {
 /** The scene's settings as the firmware takes them. */
 export function settingsOf(played) {
   return withScene(played, (file, folder) => {
-    const settings = path.join(folder, 'scene.blob');
-    cophase(['image', file, '-o', settings], [0]);
+    const settings = path.join(folder, 'scene.settings');
+    cophase(['settings', file, '-o', settings], [0]);
     return fs.readFileSync(settings);
   });
 }
 
 /** Why the board will refuse the scene; undefined if it will not. */
 export function refusedBy(played) {
-  const said = withScene(played, (file, folder) => cophase(['image', file, '-o', path.join(folder, 'scene.blob')], [0]));
+  const said = withScene(played, (file, folder) => cophase(['settings', file, '-o', path.join(folder, 'scene.settings')], [0]));
   return said.match(/board will refuse this: (.*)/)?.[1];
 }
 

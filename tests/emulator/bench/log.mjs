@@ -11,6 +11,6 @@ export function log(board) {
     maxBuffer: 1 << 24,
   });
   if (done.error) throw done.error;
-  if (done.status !== 0) throw new Error(`image-inspect log ended with ${done.status}:\n${done.stderr}`);
+  if (done.status !== 0) throw new Error(`firmware-inspect log ended with ${done.status}:\n${done.stderr}`);
   return done.stdout.split('\n').filter((line) => line.trim() !== '');
 }

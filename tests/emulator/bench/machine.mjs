@@ -11,7 +11,7 @@ import { FIRMWARE } from './paths.mjs';
 
 export const CYCLES_PER_S = 1e6 * CYCLES_PER_US;
 
-/** Offsets of the settings slots in the flash (firmware/blob/src/layout.rs). */
+/** Offsets of the settings slots in the flash (firmware/link/src/layout.rs). */
 export const SLOT_A = 0x1f_0000;
 export const SLOT_B = 0x1f_8000;
 

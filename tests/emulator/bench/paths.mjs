@@ -8,11 +8,11 @@ export const ROOT = path.resolve(HERE, '../..');
 export const TARGET = process.env.CARGO_TARGET_DIR ?? path.join(ROOT, 'target');
 
 /** The firmware as it is flashed; another one's ELF file in COPHASE_ELF. */
-export const FIRMWARE = process.env.COPHASE_ELF ?? path.join(TARGET, 'thumbv6m-none-eabi/image/cophase-firmware');
+export const FIRMWARE = process.env.COPHASE_ELF ?? path.join(TARGET, 'thumbv6m-none-eabi/firmware/cophase-firmware');
 
 /** The command, and the tool that reads firmware and logs. */
 export const COPHASE = path.join(TARGET, 'release/cophase');
-export const INSPECT = path.join(TARGET, 'release/image-inspect');
+export const INSPECT = path.join(TARGET, 'release/firmware-inspect');
 
 export const SCENES = path.join(HERE, 'scenes');
 export const DOCS = path.join(ROOT, 'docs');

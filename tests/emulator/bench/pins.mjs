@@ -18,7 +18,7 @@ export const ALARM = constant('ALARM');
 export const INDEX = STEP.map((_, axis) => constant('INDEX') + axis);
 export const DRIVE_ENABLE = constant('DRIVE_ENABLE');
 export const SYNC = constant('SYNC');
-export const LED = constant('LAMP');
+export const LED = constant('LED');
 export const ENABLE = constant('ENABLE');
 export const STOP = constant('STOP');
 export const START = constant('START');

@@ -17,7 +17,7 @@ export function namesAt(addresses) {
     maxBuffer: 1 << 28,
   });
   if (done.error) throw done.error;
-  if (done.status !== 0) throw new Error(`image-inspect frames ended with ${done.status}:\n${done.stderr}`);
+  if (done.status !== 0) throw new Error(`firmware-inspect frames ended with ${done.status}:\n${done.stderr}`);
   const lines = done.stdout.trimEnd().split('\n');
   return new Map(addresses.map((pc, i) => [pc, lines[i].split('\t')]));
 }

@@ -1,4 +1,4 @@
-// A channel that stands: its axis' step machine gets no words, and runs dry.
+// A channel that stands: its axis' step machine gets no words, and underruns.
 
 const DMA = 0x5000_0000;
 const CHANNEL_BYTES = 0x40;

@@ -14,14 +14,14 @@ const ROOT = 1.324717957244746;
 export const spread = (number) => [(0.5 + number / ROOT) % 1, (0.5 + number / ROOT ** 2) % 1];
 
 /** True if any case of these sweeps is selected. */
-export const wanted = (...names) => ONLY === undefined || names.some((name) => ONLY.startsWith(`${name} `));
+export const isSelected = (...names) => ONLY === undefined || names.some((name) => ONLY.startsWith(`${name} `));
 
 /**
  * A sweep. Runs `count` cases, or a multiple of that. `play(u, v, number)` plays one and gives { name, wrong: what does
  * not hold, ended: in a word, worst: a figure }; `unit` says of what.
  */
 export function sweep(outcome, name, count, unit, play) {
-  if (!wanted(name)) return;
+  if (!isSelected(name)) return;
   const numbers = [...Array(Math.round(count * SIZE)).keys()];
   const ends = new Map();
   let worst = -Infinity;

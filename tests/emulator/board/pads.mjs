@@ -5,7 +5,7 @@
 //   cycle is k, a stimulus at k: all change levels with stamp k;
 // - *outside*: what the bench drives. An undriven pin follows its pulls; with none, or both, it keeps its
 //   level;
-// - *synchroniser*: two flip-flops between pad and inside: a level of stamp k is seen by what happens in cycle k + 3
+// - *synchroniser*: two flip-flops between pad and inside: a level of stamp k is detected by what happens in cycle k + 3
 //   and later (k + 1 where INPUT_SYNC_BYPASS is set). Interrupts of IO_BANK0 are raised with the stamp itself.
 //
 // A chip pin and the outside that drive one pin to different levels are a *contention*: noted, and the chip wins.
@@ -142,9 +142,9 @@ export class Pads {
 
   /** Levels that the inside sees in `cycle`; `bypass`: mask of pins without synchroniser. */
   inputs(cycle, bypass = 0) {
-    let seen = this.levelsBefore(cycle - SYNC_CYCLES);
-    if (bypass !== 0) seen = (seen & ~bypass) | (this.levelsBefore(cycle - 1) & bypass);
-    return this.inside(seen);
+    let sampled = this.levelsBefore(cycle - SYNC_CYCLES);
+    if (bypass !== 0) sampled = (sampled & ~bypass) | (this.levelsBefore(cycle - 1) & bypass);
+    return this.inside(sampled);
   }
 
   /** Applies input enables and overrides to levels. */
@@ -155,8 +155,8 @@ export class Pads {
   /** True if in `cycle` the inside sees other levels on `pins` than there are now, synchroniser or not. */
   moving(cycle, pins) {
     const { levels } = this;
-    const seen = (this.levelsBefore(cycle - SYNC_CYCLES) ^ levels) | (this.levelsBefore(cycle - 1) ^ levels);
-    return (seen & pins) !== 0;
+    const sampled = (this.levelsBefore(cycle - SYNC_CYCLES) ^ levels) | (this.levelsBefore(cycle - 1) ^ levels);
+    return (sampled & pins) !== 0;
   }
 
   /** True if a level changed with a stamp after `stamp`. */

@@ -40,8 +40,8 @@ export class Block extends RPPIO {
     /** IRQ flags as the machines of the present cycle see them. */
     this.flags = 0;
     this.cycle = -1;
-    this.seen = 0;
-    this.seenIn = -1;
+    this.sampled = 0;
+    this.sampledIn = -1;
     this.pinsTouched = false;
     /** A flag was raised or cleared in the present cycle, also if that changed nothing. */
     this.flagsTouched = false;
@@ -100,11 +100,11 @@ export class Block extends RPPIO {
 
   /** Input pins as the machines see them in the present cycle. */
   get inputs() {
-    if (this.seenIn !== this.cycle) {
-      this.seen = this.host.pads.inputs(this.cycle, this.inputSyncBypass);
-      this.seenIn = this.cycle;
+    if (this.sampledIn !== this.cycle) {
+      this.sampled = this.host.pads.inputs(this.cycle, this.inputSyncBypass);
+      this.sampledIn = this.cycle;
     }
-    return this.seen;
+    return this.sampled;
   }
 
   /** Inputs as the machines see them once no level moves. */
@@ -113,7 +113,7 @@ export class Block extends RPPIO {
     return pads.inside(pads.levels);
   }
 
-  /** True if `pins` are seen with other levels in `cycle` than they will be once nothing moves. */
+  /** True if `pins` are detected with other levels in `cycle` than they will be once nothing moves. */
   inputsMoving(cycle, pins) {
     return this.host.pads.moving(cycle, pins);
   }
@@ -121,8 +121,8 @@ export class Block extends RPPIO {
   /** Inputs as a machine that runs ahead sees them in `cycle`. */
   fixInputs(cycle, levels) {
     this.cycle = cycle;
-    this.seenIn = cycle;
-    this.seen = levels;
+    this.sampledIn = cycle;
+    this.sampled = levels;
   }
 
   /** True if changes of pins are under way that the machines have not seen in `cycle`. */

@@ -306,7 +306,7 @@ export class Machine extends Operations {
       at += period;
     }
     block.cycle = present;
-    block.seenIn = -1;
+    block.sampledIn = -1;
     this.due = at;
   }
 

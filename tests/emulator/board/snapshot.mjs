@@ -17,15 +17,15 @@ export class Snapshot {
   }
 
   take(root) {
-    const seen = new Set();
+    const visited = new Set();
     const waiting = [root];
     const find = (value) => {
-      if (value !== null && typeof value === 'object' && !seen.has(value)) {
-        seen.add(value);
+      if (value !== null && typeof value === 'object' && !visited.has(value)) {
+        visited.add(value);
         waiting.push(value);
       }
     };
-    seen.add(root);
+    visited.add(root);
     while (waiting.length > 0) {
       const object = waiting.pop();
       if (ArrayBuffer.isView(object)) {

@@ -6,7 +6,7 @@ const RELEASED = -1;
 
 export class Stimulus {
   constructor() {
-    /** Sorted by cycle, those of one cycle in the order in which they were asked for; done up to `position`. */
+    /** Sorted by cycle, those of one cycle in the order in which they were requested; done up to `position`. */
     this.plan = [];
     this.position = 0;
     this.now = 0;

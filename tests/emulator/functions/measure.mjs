@@ -1,6 +1,6 @@
 // Error against cycles of the tick's elementary functions and their rivals.
 //
-//   cargo build --package cophase-functions --target thumbv6m-none-eabi --profile image
+//   cargo build --package cophase-functions --target thumbv6m-none-eabi --profile firmware
 //   node tests/emulator/functions/measure.mjs [--check]
 //
 // Writes docs/emulated-functions.csv and the table in docs/functions.md: the same bytes on each run. With --check writes
@@ -14,7 +14,7 @@ import { Sizes } from './size.mjs';
 
 const ROOT = resolve(import.meta.dirname ?? new URL('.', import.meta.url).pathname, '../../..');
 const TARGET = process.env.CARGO_TARGET_DIR ?? `${ROOT}/target`;
-const ELF = `${TARGET}/thumbv6m-none-eabi/image/cophase-functions`;
+const ELF = `${TARGET}/thumbv6m-none-eabi/firmware/cophase-functions`;
 const CSV = `${ROOT}/docs/emulated-functions.csv`;
 const MARKDOWN = `${ROOT}/docs/functions.md`;
 const LIMIT = 100_000; // cycles: nothing that works takes a quarter of that

@@ -21,15 +21,15 @@ export class Sizes {
 
   /** Bytes that can be reached from the function `name` by calls, jumps, and addresses among its constants. */
   reachable(name) {
-    const seen = new Set();
+    const visited = new Set();
     // What a panic says is no part of what a function needs.
     const panic = this.symbols.find((s) => s.name.includes('panic_fmt'));
-    if (panic) seen.add(panic.address);
+    if (panic) visited.add(panic.address);
     let sum = 0;
     const visit = (block) => {
       // Equal functions may share one body: an address counts once.
-      if (block === undefined || seen.has(block.address)) return;
-      seen.add(block.address);
+      if (block === undefined || visited.has(block.address)) return;
+      visited.add(block.address);
       sum += block.size;
       if (block.kind !== 'function') return;
       const code = this.bytes(block);

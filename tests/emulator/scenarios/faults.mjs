@@ -32,31 +32,31 @@ const MOST_LATER = 2;
 /** Until all events are in the log. */
 const REPORTING_S = 0.03;
 
-const stops = ['align', 'run', 'stop', 'fault'];
-const parks = ['align', 'run', 'stop', 'parked'];
-const disables = ['align', 'run', 'fault'];
-const refuses = ['align', 'stop', 'fault'];
+const stops = ['homing', 'run', 'stop', 'fault'];
+const parks = ['homing', 'run', 'stop', 'parked'];
+const disables = ['homing', 'run', 'fault'];
+const refuses = ['homing', 'stop', 'fault'];
 
 /** The scenes, and where each is to end: states in turn, the events, and the reaction to them. */
 const CASES = [
   ['lost-steps', 'correct', parks, ['lost-steps'], { corrects: true }],
-  ['lost-steps-past', 'stop', stops, ['silent', 'lost-steps']],
+  ['lost-steps-beyond-limit', 'stop', stops, ['index-timeout', 'lost-steps']],
   ['slip', 'correct', parks, ['slip', 'slip'], { corrects: true }],
-  ['slip-past', 'correct, stop', stops, ['slip', 'silent', 'slip'], { corrects: true }],
-  ['stuck', 'stop', stops, ['silent']],
+  ['slip-beyond-limit', 'correct, stop', stops, ['slip', 'index-timeout', 'slip'], { corrects: true }],
+  ['stuck', 'stop', stops, ['index-timeout']],
   ['runaway', 'stop, disable', stops, ['slip', 'runaway']],
-  ['index-missing', 'stop', stops, ['silent', 'index-missing']],
-  ['index-dead', 'stop', stops, ['silent']],
+  ['index-missing', 'stop', stops, ['index-timeout', 'index-missing']],
+  ['index-dead', 'stop', stops, ['index-timeout']],
   ['index-extra', 'report', parks, ['index-extra']],
   ['index-noisy', 'report, stop', stops, ['index-extra', 'index-extra', 'index-extra', 'index-extra']],
   ['common-lag', 'stop', stops, ['common-lag']],
-  ['swapped-wiring', 'stop in align', refuses, ['swapped-wiring'], { corrects: true }],
-  ['too-far-out', 'stop in align', refuses, ['too-far-out']],
-  ['start-out', 'corrected in align', parks, [], { corrects: true }],
+  ['swapped-wiring', 'stop in homing', refuses, ['swapped-wiring'], { corrects: true }],
+  ['homing-range-exceeded', 'stop in homing', refuses, ['homing-range-exceeded']],
+  ['start-out', 'corrected in homing', parks, [], { corrects: true }],
   ['drive-alarm', 'stop', stops, ['drive-alarm']],
   ['at-once', 'stop', stops, ['drive-alarm', 'stop-input']],
   ['overrun', 'stop', stops, ['overrun'], { stands: true }],
-  ['run-dry', 'stop', stops, ['run-dry'], { differs: true }],
+  ['step-fifo-underrun', 'stop', stops, ['step-fifo-underrun'], { differs: true }],
   ['enable-loss', 'disable', disables, ['enable-loss']],
   ['stop-input', 'park', parks, ['stop-input']],
 ];
@@ -126,7 +126,7 @@ function put(machine, played, predicted, began, turned) {
       const deadline = Math.ceil((at(from) - began) / machine.tick) + count;
       machine.freeze((began + (deadline + 0.1) * machine.tick - machine.board.cycle) / CYCLES_PER_S);
     }
-    if (kind === 'run-dry') {
+    if (kind === 'step-fifo-underrun') {
       machine.board.run({ untilCycle: at(from) });
       starve(machine, axis);
     }
@@ -138,7 +138,7 @@ function put(machine, played, predicted, began, turned) {
 function compare(firmware, host, { differs = false }, wrong) {
   const later = differs ? MOST_LATER : 0;
   const near = (a, b) => Math.abs(a - b) <= later;
-  const names = (events) => events.map(({ kind, axis = '', latched }) => `${latched ? 'fault' : 'told'}: ${kind} ${axis}`.trim()).join(', ');
+  const names = (events) => events.map(({ kind, axis = '', latched }) => `${latched ? 'fault' : 'reported'}: ${kind} ${axis}`.trim()).join(', ');
   const walk = ({ states }) => states.map(({ tick, state }) => `${state} ${tick}`).join(', ');
   const sameStates = firmware.states.length === host.states.length
     && firmware.states.every(({ tick, state }, i) => state === host.states[i].state && (differs || tick === host.states[i].tick));

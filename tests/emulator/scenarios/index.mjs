@@ -61,9 +61,9 @@ function measure(played, predicted, disturb) {
   disturb(machine, predicted, began + offset);
   act(machine, played, predicted, began + offset);
   const lines = log(machine.board);
-  const line = lines.find((text) => /Stop, drift/.test(text));
+  const line = lines.find((text) => /Stop, phase error/.test(text));
   if (!line) throw new Error(`the log reports no stop:\n${lines.join('\n')}`);
-  return line.match(/drift \[(.*)\]/)[1].split(',').map(Number);
+  return line.match(/phase error \[(.*)\]/)[1].split(',').map(Number);
 }
 
 /** Cranks turn with the steps, which begin some cycles after the deadline; the same each time. */

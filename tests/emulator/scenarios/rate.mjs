@@ -1,7 +1,7 @@
 // Rate: how many steps a second the firmware sustains on six axes, and what they cost the processor.
 //
 // First the rate that is promised, 1 M steps/s on each axis for 100 ms. Then upwards, with pulses as narrow as each rate
-// needs, up to the last at which every deadline is met. Steps are counted at the pins; that a machine ran dry, or a
+// needs, up to the last at which every deadline is met. Steps are counted at the pins; that a machine underran, or a
 // deadline was missed, is in the log.
 
 import { predict, scene, settingsOf } from '../bench/host.mjs';
@@ -67,8 +67,8 @@ function sustain(rate) {
   machine.boot();
   const began = machine.start();
   // The hold begins after the ramp, and what the shaft's limits add to that.
-  const { align } = report.time_in_state_s;
-  const from = began + Math.round((align + 0.08) * CYCLES_PER_S);
+  const { homing } = report.time_in_state_s;
+  const from = began + Math.round((homing + 0.08) * CYCLES_PER_S);
   machine.board.run({ untilCycle: from });
   const before = machine.board.usage.sums();
   machine.board.run({ untilCycle: from + SECONDS * CYCLES_PER_S });

@@ -1,7 +1,7 @@
 // Safety: what goes wrong, where the machine ends, and what the log says of it.
 //
 // A machine of four axes turns at a constant speed. Then one thing happens to it; each must end in the state that
-// docs/image.md states for it, with the reason in the log. "In step" is that all axes have made the same number of steps
+// docs/firmware.md states for it, with the reason in the log. "In step" is that all axes have made the same number of steps
 // when they stand. Times of the drives' enable line are from what happened to its fall.
 
 import { scene, settingsOf } from '../bench/host.mjs';
@@ -123,15 +123,15 @@ function skewAfter(machine, axis) {
 }
 
 /** Checks the stop after a channel stood: its axis has lost steps, and the fault says so. */
-function driesUp(machine, must) {
+function runsEmpty(machine, must) {
   machine.run(0.5);
-  must(logs(machine, /run-dry on axis 1/), 'the log says run-dry on axis 1');
+  must(logs(machine, /run-dry on axis 1/), 'the log says step-fifo-underrun on axis 1');
   must(machine.level('enable') === 0, 'the drives are off');
   const before = machine.board.edges.to('step_0', 1).length;
   machine.run(0.05);
   must(machine.board.edges.to('step_0', 1).length === before, 'nothing moves any more');
   resets(machine, must);
-  return 'stopped, then drives off: run-dry on axis 1';
+  return 'stopped, then drives off: step-fifo-underrun on axis 1';
 }
 
 /** The loop has more to do than time: now and then it misses a deadline, never three in a row. */
@@ -163,11 +163,11 @@ const restarts = (mostS) => (machine, must) => {
   machine.run(0.5);
   const fall = drivesFell(machine, must, mostS);
   must(machine.board.events.some(({ kind, text }) => kind === 'reset' && text === 'watchdog'), 'the watchdog restarts it');
-  must(logs(machine, /restarted by the watchdog.*Run/), 'the log says what the machine was doing');
-  must(logs(machine, /fault: restarted/), 'the log says restarted');
+  must(logs(machine, /reset by the watchdog.*Run/), 'the log says what the machine was doing');
+  must(logs(machine, /fault: watchdog-reset/), 'the log says restarted');
   must(machine.level('enable') === 0, 'the drives stay off');
   resets(machine, must);
-  return `${fall}, restarted by the watchdog; stays off until reset`;
+  return `${fall}, reset by the watchdog; stays off until reset`;
 };
 
 const CASES = [
@@ -189,7 +189,7 @@ const CASES = [
   ['loop late by a deadline', (machine) => machine.freeze(0.0012), goesOn],
   ['loop overrun', (machine) => machine.freeze(0.0031), faults(/overrun/)],
   ['… again and again', stumble, faults(/overrun/)],
-  ['FIFO run dry', (machine) => starve(machine, 1), driesUp],
+  ['FIFO underrun', (machine) => starve(machine, 1), runsEmpty],
   ['loop hangs', (machine) => machine.freeze(0.03), restarts(0.0101)],
   ['a fault of the core', breakIn, restarts(20e-6)],
 ];

@@ -7,7 +7,7 @@
 import { predict, scene, settingsOf } from '../bench/host.mjs';
 import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
-import { wanted } from '../bench/sweep.mjs';
+import { isSelected } from '../bench/sweep.mjs';
 import { Snapshot } from '../board/snapshot.mjs';
 import { enablePulses } from '../sweeps/enable.mjs';
 import { Follow } from '../sweeps/follow.mjs';
@@ -21,12 +21,12 @@ import { offsetOf, standsFor } from './index.mjs';
 export const title = 'Sweeps: failures at every moment';
 
 export function run(outcome) {
-  if (wanted('freezes', 'releases', 'enable', 'panics', 'starts')) {
+  if (isSelected('freezes', 'releases', 'enable', 'panics', 'starts')) {
     const played = scene('sweep');
     const settings = settingsOf(played);
     const predicted = predict(played);
     const fresh = () => new Machine({ ...played, settings });
-    if (wanted('freezes', 'releases', 'enable', 'panics')) {
+    if (isSelected('freezes', 'releases', 'enable', 'panics')) {
       const moving = running(played, fresh(), 0.09, predicted);
       freezes(outcome, moving);
       releases(outcome, moving);
@@ -35,11 +35,11 @@ export function run(outcome) {
     }
     starts(outcome, { fresh, predicted });
   }
-  if (wanted('stops')) {
+  if (isSelected('stops')) {
     const played = scene('hold', quick);
     stops(outcome, running(played, new Machine({ ...played, settings: settingsOf(played) }), 0.12));
   }
-  if (wanted('noise')) noise(outcome, aboutToStop());
+  if (isSelected('noise')) noise(outcome, aboutToStop());
 }
 
 /** The scene `hold` with gears, and quick to get to its level and to rest. */

@@ -6,7 +6,7 @@
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
-import { sweep, wanted } from '../bench/sweep.mjs';
+import { sweep, isSelected } from '../bench/sweep.mjs';
 
 const PULSES = 42;
 
@@ -22,7 +22,7 @@ const AFTER_S = 400e-6;
 const LOGGED_S = 0.008;
 
 export function enablePulses(outcome, running) {
-  if (!wanted('enable')) return;
+  if (!isSelected('enable')) return;
   const { machine, snapshot, follow } = running;
   const { board } = machine;
   sweep(outcome, 'enable', PULSES, 'µs to drives off', (u, v, number) => {

@@ -4,7 +4,7 @@
 // many as the log counts; or the machine has stopped with a fault: in step, or with an axis behind, and then that is the fault.
 
 import { log } from '../bench/log.mjs';
-import { sweep, wanted } from '../bench/sweep.mjs';
+import { sweep, isSelected } from '../bench/sweep.mjs';
 import { Follow, inProportion, missed } from './follow.mjs';
 
 /** Cases, and the longest that the processor stands, in ticks. */
@@ -20,7 +20,7 @@ const STOPPED_S = 0.15;
 
 /** `scene` is one that is running: { machine, snapshot, follow, deadline, perTurn }. */
 export function freezes(outcome, running) {
-  if (!wanted('freezes')) return;
+  if (!isSelected('freezes')) return;
   const { machine, snapshot } = running;
   sweep(outcome, 'freezes', FREEZES, 'ticks of standstill', (u, v) => {
     snapshot.restore();
@@ -51,7 +51,7 @@ export function judge({ machine, follow, perTurn, reversed }) {
   machine.run(STOPPED_S);
   lines = log(machine.board);
   const wrong = [];
-  if (!['overrun', 'run-dry'].includes(kind)) wrong.push(`the fault is ${kind}`);
+  if (!['overrun', 'step-fifo-underrun'].includes(kind)) wrong.push(`the fault is ${kind}`);
   if (machine.level('enable') !== 0) wrong.push(`the drives are on after ${kind}`);
   const counts = () => machine.board.edges.tracks.map(({ name, cycles }) => (/^(step|dir)/.test(name) ? cycles.length : 0)).join();
   const before = counts();

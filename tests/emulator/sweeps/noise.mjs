@@ -8,7 +8,7 @@
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
-import { spread, sweep, wanted } from '../bench/sweep.mjs';
+import { spread, sweep, isSelected } from '../bench/sweep.mjs';
 import { MOST_DEG, standsFor, TURN_HZ } from '../scenarios/index.mjs';
 
 const NOISES = 12;
@@ -16,23 +16,23 @@ const NOISES = 12;
 const WIDTH = 250; // index.width_us, 2 µs
 const BRIDGED = 2;
 /** Resolution of a stretch: one sampling of the lines, and another after a change. */
-const LOOK = 21;
+const POLL = 21;
 
 const DEG_PER_CYCLE = (360 * TURN_HZ) / CYCLES_PER_S;
 
 /** `ready`: a machine about to be stopped, as scenarios/sweeps.mjs has it. */
 export function noise(outcome, ready) {
-  if (!wanted('noise')) return;
+  if (!isSelected('noise')) return;
   const { machine, snapshot, pulses, stands } = ready;
   sweep(outcome, 'noise', NOISES, '° off the phase', (u, v, number) => {
     snapshot.restore();
     const places = pulses.map((own, axis) => own.map((pulse) => disturb(machine, axis, pulse, spread(6 * number + axis))));
     machine.board.run({ untilCycle: ready.end });
     const lines = log(machine.board);
-    const line = lines.find((text) => /Stop, drift/.test(text));
-    const drift = line?.match(/drift \[(.*)\]/)[1].split(',').map(Number);
-    const wrong = drift ? [] : ['the log reports no stop'];
-    const off = (drift ?? []).map((deg, axis) => deg - stands[axis]);
+    const line = lines.find((text) => /Stop, phase error/.test(text));
+    const phaseError = line?.match(/phase error \[(.*)\]/)[1].split(',').map(Number);
+    const wrong = phaseError ? [] : ['the log reports no stop'];
+    const off = (phaseError ?? []).map((deg, axis) => deg - stands[axis]);
     off.forEach((deg, axis) => {
       const [{ text, early }] = places[axis].slice(-1);
       // A pulse that comes early is of a crank that is ahead.
@@ -50,13 +50,13 @@ export function noise(outcome, ready) {
 }
 
 /** True if a glitch may be taken for the pulse's own bouncing: close to it, and no stretch that counts between. */
-const isBridged = (length, apart) => apart < WIDTH + LOOK && apart + length <= BRIDGED * WIDTH + LOOK;
+const isBridged = (length, apart) => apart < WIDTH + POLL && apart + length <= BRIDGED * WIDTH + POLL;
 
 /** One glitch of up to a width; gives what it is, and by how many cycles it may make the pulse seem early. */
 function disturb(machine, axis, { rise, fall }, [u, v]) {
   const { stimulus } = machine.board;
   const pin = pins.INDEX[axis];
-  const length = 10 + Math.round(u * (WIDTH - LOOK - 10));
+  const length = 10 + Math.round(u * (WIDTH - POLL - 10));
   const apart = 10 + Math.round((v * 4 - Math.floor(v * 4)) * 3 * WIDTH);
   switch (Math.floor(v * 4)) {
     case 0:

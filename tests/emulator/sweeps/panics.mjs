@@ -3,14 +3,14 @@
 
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S } from '../bench/machine.mjs';
-import { sweep, wanted } from '../bench/sweep.mjs';
+import { sweep, isSelected } from '../bench/sweep.mjs';
 
 const PANICS = 4;
 
 /** Drives are off within this, cycles. */
 const MOST = 250;
 /** Until the watchdog has restarted the controller, and that is in the log. */
-const RESTARTED_S = 0.15;
+const RESET_S = 0.15;
 
 /** RAM that nothing uses: the place of the panic's arguments. */
 const SPARE = 0x2003_e000;
@@ -18,7 +18,7 @@ const FILE = 'the-bench.rs';
 const LINE = 4711;
 
 export function panics(outcome, running) {
-  if (!wanted('panics')) return;
+  if (!isSelected('panics')) return;
   const { machine, snapshot } = running;
   const { board } = machine;
   const at = [...board.elf.symbols.values()].find(({ name }) => /panicking18panic_bounds_check/.test(name)).address;
@@ -29,7 +29,7 @@ export function panics(outcome, running) {
     if (isFull) board.rtt.stall();
     const began = board.cycle;
     call(board, at);
-    machine.run(RESTARTED_S);
+    machine.run(RESET_S);
     const falls = board.edges.to('enable', 0).filter((cycle) => cycle >= began);
     const lines = log(board);
     const wrong = [];
@@ -38,8 +38,8 @@ export function panics(outcome, running) {
     if (machine.level('enable') !== 0 || falls.length !== 1) wrong.push('the drives do not stay off');
     if (!board.events.some(({ kind, text }) => kind === 'reset' && text === 'watchdog')) wrong.push('the watchdog does not restart it');
     if (!isFull) says(new RegExp(`panicked at ${FILE}:${LINE}`));
-    says(/restarted by the watchdog.*Run/);
-    says(/fault: restarted/);
+    says(/reset by the watchdog.*Run/);
+    says(/fault: watchdog-reset/);
     return {
       name: `${u.toFixed(4)} ticks after a deadline${isFull ? ', the log full' : ''}`,
       wrong,

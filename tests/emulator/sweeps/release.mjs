@@ -6,7 +6,7 @@
 
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S } from '../bench/machine.mjs';
-import { spread, sweep, wanted } from '../bench/sweep.mjs';
+import { spread, sweep, isSelected } from '../bench/sweep.mjs';
 import { Snapshot } from '../board/snapshot.mjs';
 import { Follow } from './follow.mjs';
 import { judge } from './freezes.mjs';
@@ -14,7 +14,7 @@ import { judge } from './freezes.mjs';
 const RELEASES = 40;
 const STARTS = 16;
 
-/** The loop misses a deadline, and no axis runs dry by that: from and for how many ticks. It stands before it has handed
+/** The loop misses a deadline, and no axis underruns by that: from and for how many ticks. It stands before it has handed
  * over, so that no channel waits for it to be set on. */
 const FROZEN_FROM = 0.05;
 const FROZEN_FOR = 1.2;
@@ -52,7 +52,7 @@ function letGo(machine) {
 
 /** Begun again, after the loop stood for over a tick. */
 export function releases(outcome, running) {
-  if (!wanted('releases')) return;
+  if (!isSelected('releases')) return;
   const { machine, snapshot } = running;
   const missed = () => {
     snapshot.restore();
@@ -80,7 +80,7 @@ export function releases(outcome, running) {
 
 /** The first time, at power-up: then the machine is started. */
 export function starts(outcome, { fresh, predicted }) {
-  if (!wanted('starts')) return;
+  if (!isSelected('starts')) return;
   const go = letGo(fresh());
   const machine = fresh();
   machine.board.run({ untilCycle: go - BEFORE });

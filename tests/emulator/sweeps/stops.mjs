@@ -2,7 +2,7 @@
 
 import { log } from '../bench/log.mjs';
 import * as pins from '../bench/pins.mjs';
-import { sweep, wanted } from '../bench/sweep.mjs';
+import { sweep, isSelected } from '../bench/sweep.mjs';
 
 const STOPS = 10;
 
@@ -11,7 +11,7 @@ const TURN_S = 1 / 12;
 const PARKED_S = 0.2;
 
 export function stops(outcome, running) {
-  if (!wanted('stops')) return;
+  if (!isSelected('stops')) return;
   const { machine, snapshot, perTurn, reversed, parkDeg } = running;
   sweep(outcome, 'stops', STOPS, 'steps off the parking phase', (u, v) => {
     snapshot.restore();

@@ -48,11 +48,11 @@ test('after reset pins have their input enabled and are pulled down', () => {
 test('the processor sees a level through two flip-flops', () => {
   const board = new Board({ bare: true });
   board.stimulus.at(1000, 3, 1);
-  const seen = [1001, 1002, 1003, 1004].map((cycle) => {
+  const sampled = [1001, 1002, 1003, 1004].map((cycle) => {
     board.run({ untilCycle: cycle });
     return (board.peek(GPIO_IN) >>> 3) & 1;
   });
-  assert.deepEqual(seen, [0, 0, 1, 1]);
+  assert.deepEqual(sampled, [0, 0, 1, 1]);
 });
 
 test('outputs are recorded, overrides included, and go to the VCD file', () => {

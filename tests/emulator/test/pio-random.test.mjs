@@ -2,7 +2,7 @@
 //
 // Each seed makes two machines with programs of random instructions, toggles pins that they read, writes and reads
 // their FIFOs, forces instructions, stops and starts them, and looks at their program counters; once stepping every
-// cycle, once running ahead. Everything that can be seen is compared.
+// cycle, once running ahead. Everything that can be detected is compared.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
@@ -52,7 +52,7 @@ function instruction(below) {
 function play(seed, fastForward) {
   const below = source(seed);
   const board = new Board({ bare: true, fastForward, pins: PINS });
-  const seen = [];
+  const results = [];
   pio.load(
     board,
     0,
@@ -89,15 +89,15 @@ function play(seed, fastForward) {
     const machine = below(2);
     const act = below(12);
     if (act < 5) board.poke(pio.PIO_BASE[0] + pio.TXF + 4 * machine, below(0xffff_ffff) >>> below(32));
-    else if (act < 8) seen.push(board.peek(pio.PIO_BASE[0] + pio.RXF + 4 * machine));
-    else if (act < 9) seen.push(board.peek(pio.machineRegister(0, machine, pio.ADDR)));
+    else if (act < 8) results.push(board.peek(pio.PIO_BASE[0] + pio.RXF + 4 * machine));
+    else if (act < 9) results.push(board.peek(pio.machineRegister(0, machine, pio.ADDR)));
     else if (act < 10) board.poke(pio.machineRegister(0, machine, pio.INSTR), instruction(below));
     else if (act < 11) pio.enable(board, 0, below(4));
     else board.poke(pio.PIO_BASE[0] + pio.IRQ, 0xff);
     if (act === 10) pio.enable(board, 0, 0b11);
-    seen.push(board.peek(pio.PIO_BASE[0] + pio.FLEVEL), board.peek(pio.PIO_BASE[0] + pio.FDEBUG));
+    results.push(board.peek(pio.PIO_BASE[0] + pio.FLEVEL), board.peek(pio.PIO_BASE[0] + pio.FDEBUG));
   }
-  return { seen, edges: board.edges.tracks };
+  return { results, edges: board.edges.tracks };
 }
 
 test('random programs do the same whether every cycle is stepped or not', () => {

@@ -162,11 +162,11 @@ test('a dry FIFO stops the pulses, is flagged, and a word that comes later is pl
   feed(board, axis, run(2, 20));
   const start = board.cycle;
   pio.enable(board, 0, 0b001);
-  const dryFrom = start + 40;
+  const emptyFrom = start + 40;
   assert.equal(board.peek(pio.PIO_BASE[0] + pio.FDEBUG) & (1 << 24), 0, 'no stall before the first pull');
-  board.run({ untilCycle: dryFrom });
+  board.run({ untilCycle: emptyFrom });
   assert.equal(board.peek(pio.PIO_BASE[0] + pio.FDEBUG) & (1 << 24), 0, 'no stall while the word lasts');
-  board.run({ untilCycle: dryFrom + 1 });
+  board.run({ untilCycle: emptyFrom + 1 });
   assert.equal(board.peek(pio.PIO_BASE[0] + pio.FDEBUG) & (1 << 24), 1 << 24, 'stalled on the empty FIFO');
   board.poke(pio.PIO_BASE[0] + pio.FDEBUG, 1 << 24);
   assert.notEqual(board.peek(pio.PIO_BASE[0] + pio.FDEBUG) & (1 << 24), 0, 'not to be cleared while it lasts');

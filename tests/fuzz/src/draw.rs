@@ -25,8 +25,8 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
     } else {
         script.between(1.0, 20.0)
     };
-    let creep_hz = script.between(2.0, 10.0).min(speed_hz);
-    let banded = script.one_in(3) && 0.3 * speed_hz > creep_hz;
+    let homing_speed_hz = script.between(2.0, 10.0).min(speed_hz);
+    let banded = script.one_in(3) && 0.3 * speed_hz > homing_speed_hz;
     let band = banded.then_some(BandSettings {
         from_hz: 0.4 * speed_hz,
         to_hz: 0.6 * speed_hz,
@@ -62,7 +62,7 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
             jerk_hz_per_s2,
             stop_acceleration_hz_per_s: acceleration_hz_per_s * harder,
             stop_jerk_hz_per_s2: jerk_hz_per_s2 * harder,
-            creep_hz,
+            homing_speed_hz,
             bands: band.into_iter().collect(),
         },
         pulse: PulseSettings {
@@ -120,14 +120,14 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
             tilt_limit_mrad: script.between(0.1, 20.0),
             warp_limit_deg: script.between(1.0, 30.0),
             common_limit_deg: script.between(2.0, 90.0),
-            reading_deg: script.between(0.05, 1.0),
+            reading_error_deg: script.between(0.05, 1.0),
             lag_s: 0.0,
         },
         correction: if script.one_in(3) {
             CorrectionSettings::NONE
         } else {
             CorrectionSettings {
-                part: if script.one_in(4) {
+                gain: if script.one_in(4) {
                     0.0
                 } else {
                     script.between(0.05, 1.0)

@@ -1,4 +1,4 @@
-//! A machine that does as it is told, but for what the script does to it.
+//! A machine that does as commanded, but for what the script does to it.
 
 use cophase_core::controller::Controller;
 use cophase_core::drift::IndexPulse;
@@ -16,8 +16,8 @@ struct Crank {
     reversed: bool,
     /// The phase at which its flag begins.
     index: i64,
-    /// Where it was told to be at the end of the ticks that were played last, the latest first; units of a turn, not wrapped.
-    told: [i64; 4],
+    /// Where it was commanded to be at the end of the ticks that were played last, the latest first; units of a turn, not wrapped.
+    commanded: [i64; 4],
     /// How far from that it is.
     apart: i64,
     /// How much further in each tick.
@@ -44,7 +44,7 @@ pub struct Machine {
     /// All feedback is random.
     wild: bool,
     command: Option<Command>,
-    ran_dry: Option<usize>,
+    fifo_underrun: Option<usize>,
     pulse: Option<(usize, i32)>,
 }
 
@@ -70,7 +70,7 @@ impl Machine {
                         steps_per_turn: i64::from(axis.steps_per_turn),
                         reversed: axis.reversed,
                         index: units(axis.index_turns.unwrap_or_default()),
-                        told: [at; 4],
+                        commanded: [at; 4],
                         apart: 0,
                         walks: 0,
                         stuck: false,
@@ -90,7 +90,7 @@ impl Machine {
             swapped: None,
             wild: false,
             command: Some(Command::Start),
-            ran_dry: None,
+            fifo_underrun: None,
             pulse: None,
         }
     }
@@ -106,8 +106,8 @@ impl Machine {
             1 => self.enable = !self.enable,
             2 => self.stop = !self.stop,
             3 => self.alarm[axis] = !self.alarm[axis],
-            4 => self.ran_dry = Some(axis),
-            5 => self.ran_dry = Some(script.word() as usize),
+            4 => self.fifo_underrun = Some(axis),
+            5 => self.fifo_underrun = Some(script.word() as usize),
             6 => self.pulse = Some((axis, script.number())),
             7 => {
                 self.pulse = Some((
@@ -137,14 +137,14 @@ impl Machine {
                 let _whole = controller.set_trim(script.below(count + 2), turns);
             }
             22 => controller.seek(u64::from(script.number().unsigned_abs())),
-            23..=30 => self.mend(Command::Reset),
-            31..=40 => self.mend(Command::Start),
+            23..=30 => self.fix(Command::Reset),
+            31..=40 => self.fix(Command::Start),
             _ => {}
         }
     }
 
     /// All is well, and a command comes.
-    fn mend(&mut self, command: Command) {
+    fn fix(&mut self, command: Command) {
         (self.enable, self.stop, self.wild) = (true, false, false);
         (self.alarm, self.swapped) = (PerAxis::default(), None);
         self.command = Some(command);
@@ -156,7 +156,7 @@ impl Machine {
     }
 
     /// How long nothing else happens.
-    pub fn calm_ticks(&self, script: &mut Script<'_>) -> u32 {
+    pub fn quiet_ticks(&self, script: &mut Script<'_>) -> u32 {
         match script.byte() {
             short @ 0..64 => u32::from(short % 4),
             long => u32::from(long),
@@ -172,16 +172,20 @@ impl Machine {
         feedback.inputs.enable = self.enable;
         feedback.inputs.stop = self.stop;
         feedback.alarm = self.alarm;
-        feedback.ran_dry = self.ran_dry.take();
+        feedback.fifo_underrun = self.fifo_underrun.take();
         for (i, crank) in self.cranks.iter().enumerate() {
-            let seen = match self.swapped {
+            let source = match self.swapped {
                 Some((a, b)) if i == a => b,
                 Some((a, b)) if i == b => a,
                 _ => i,
             };
-            let seen = &self.cranks[seen];
-            feedback.index[i] = seen.pulse(self.tick_cycles);
-            feedback.encoder[i] = if crank.encoder_dead { 0 } else { seen.counts() };
+            let source = &self.cranks[source];
+            feedback.index[i] = source.pulse(self.tick_cycles);
+            feedback.encoder[i] = if crank.encoder_dead {
+                0
+            } else {
+                source.counts()
+            };
         }
         if let Some((axis, cycle)) = self.pulse.take() {
             feedback.index[axis] = Some(IndexPulse { cycle });
@@ -206,25 +210,30 @@ impl Machine {
     /// Takes in what is to be played from the next deadline on.
     pub fn play(&mut self, output: &Output) {
         for (crank, phase) in self.cranks.iter_mut().zip(&output.telemetry.axis_phase) {
-            let last = crank.told[0];
+            let last = crank.commanded[0];
             let step = phase.since(Phase::from_turns(Turns::from_bits(last)));
-            crank.told = [last + step.to_bits(), last, crank.told[1], crank.told[2]];
+            crank.commanded = [
+                last + step.to_bits(),
+                last,
+                crank.commanded[1],
+                crank.commanded[2],
+            ];
         }
     }
 }
 
 impl Crank {
-    /// On to where it is at this deadline: what was told two ticks ago has just been played.
+    /// On to where it is at this deadline: what was reported two ticks ago has just been played.
     fn move_on(&mut self) {
         self.was = self.is;
-        let step = self.told[1] - self.told[2];
+        let step = self.commanded[1] - self.commanded[2];
         if self.stuck {
             self.apart -= step;
         } else if self.reversed_by_mistake {
             self.apart -= 2 * step;
         }
         self.apart = self.apart.wrapping_add(self.walks) % (1 << 60);
-        self.is = self.told[1].wrapping_add(self.apart);
+        self.is = self.commanded[1].wrapping_add(self.apart);
     }
 
     /// A pulse where it met its flag going forward in the tick that is over, at that cycle.
@@ -233,10 +242,10 @@ impl Crank {
             self.was.wrapping_sub(self.index),
             self.is.wrapping_sub(self.index),
         );
-        let way = to.wrapping_sub(from);
-        let met = way > 0 && from.div_euclid(ONE_TURN) != to.div_euclid(ONE_TURN);
+        let distance = to.wrapping_sub(from);
+        let met = distance > 0 && from.div_euclid(ONE_TURN) != to.div_euclid(ONE_TURN);
         let left = ONE_TURN - from.rem_euclid(ONE_TURN);
-        let cycle = (left as f64 / way as f64 * tick_cycles as f64) as i64;
+        let cycle = (left as f64 / distance as f64 * tick_cycles as f64) as i64;
         (met && !self.index_dead).then_some(IndexPulse {
             cycle: cycle.clamp(0, tick_cycles) as i32,
         })

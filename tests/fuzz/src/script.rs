@@ -25,7 +25,7 @@ impl<'a> Script<'a> {
         self.at += 1;
         // Knuth's multiplicative hash of the round and the place in it; none in the first.
         let hash = (self.round << 16 ^ self.at as u32).wrapping_mul(2_654_435_761) >> 24;
-        let told = if self.round == 0 {
+        let reported = if self.round == 0 {
             byte
         } else {
             byte ^ hash as u8
@@ -34,7 +34,7 @@ impl<'a> Script<'a> {
             self.at = 0;
             self.round = self.round.wrapping_add(1);
         }
-        told
+        reported
     }
 
     /// Any number.

@@ -57,7 +57,7 @@ impl Watch {
                 .iter()
                 .map(|axis| axis.drive == DriveKind::Stepper)
                 .collect(),
-            corrects: settings.correction.part > 0.0,
+            corrects: settings.correction.gain > 0.0,
             tick_cycles: settings.tick_cycles(),
             phase: Phase::ZERO,
             speed: 0,
@@ -100,7 +100,7 @@ impl Watch {
         self.reached.ticks += 1;
         self.reached.running += u32::from(telemetry.state == State::Run);
         self.reached.faults += u32::from(telemetry.fault.is_some() && self.fault.is_none());
-        for fault in telemetry.fault.iter().chain(&telemetry.incident) {
+        for fault in telemetry.fault.iter().chain(&telemetry.event) {
             self.reached.kinds |= 1 << fault.kind as u32;
         }
         self.fault = telemetry.fault;
@@ -137,8 +137,8 @@ impl Watch {
         }
         if feedback.inputs.stop {
             assert!(
-                !matches!(now, State::Align | State::Run),
-                "stop is not heeded"
+                !matches!(now, State::Homing | State::Run),
+                "stop is not obeyed"
             );
         }
         assert!(

@@ -14,8 +14,10 @@ use cophase_fuzz::{Reached, TICKS, play};
 
 /// Ticks over all numbers of axes.
 fn inputs() -> u32 {
-    let asked = std::env::var("COPHASE_FUZZ_INPUTS").ok();
-    asked.map_or(1_000_000, |asked| asked.parse().expect("a number of ticks"))
+    let requested = std::env::var("COPHASE_FUZZ_INPUTS").ok();
+    requested.map_or(1_000_000, |requested| {
+        requested.parse().expect("a number of ticks")
+    })
 }
 
 fn fuzz(count: usize) {
@@ -33,10 +35,10 @@ fn fuzz(count: usize) {
             all.kinds |= reached.kinds;
         });
     let all = *all.lock().expect("no case left it locked");
-    let seen = |kind: &&FaultKind| all.kinds >> **kind as u32 & 1 == 1;
+    let was_found = |kind: &&FaultKind| all.kinds >> **kind as u32 & 1 == 1;
     let kinds: Vec<&str> = FaultKind::ALL
         .iter()
-        .filter(seen)
+        .filter(was_found)
         .map(|kind| kind.name())
         .collect();
     println!(

@@ -1,6 +1,6 @@
 //! Trims of all axes together, against what drives their cranks apart.
 //!
-//! The sum of these trims is zero at any time, to the count: what all cranks have in common is not corrected, or the machine would
+//! The sum of these trims is zero at any time, exactly: what all cranks have in common is not corrected, or the machine would
 //! walk away from its program. They go to their targets together, each by its share of the way in every tick, none faster than
 //! its rate, and no axis further than its limit.
 
@@ -23,7 +23,7 @@ pub struct Correction {
     /// The slowest axis's rate, turns a tick.
     rate: u64,
     /// Part of a difference that is corrected at once, 16 fraction bits.
-    part: i64,
+    gain: i64,
 }
 
 impl Correction {
@@ -37,7 +37,7 @@ impl Correction {
             count: 0,
             limit: [Turns::ZERO; MAX_AXES],
             rate: 1,
-            part: 0,
+            gain: 0,
         }
     }
 
@@ -53,12 +53,12 @@ impl Correction {
             *limit = Turns::from_bits(turns_at_most(axis.trim_limit_turns));
         }
         self.count = settings.axes.len();
-        self.part = libm::round(settings.correction.part * 65_536.0) as i64;
+        self.gain = libm::round(settings.correction.gain * 65_536.0) as i64;
     }
 
     /// Whether anything is to be corrected at all.
     pub const fn is_on(&self) -> bool {
-        self.part > 0
+        self.gain > 0
     }
 
     /// The trims that are in force.
@@ -96,7 +96,7 @@ impl Correction {
                 error,
                 watched,
                 mean,
-                (!all).then_some(self.part),
+                (!all).then_some(self.gain),
             );
         }
         target
@@ -110,7 +110,7 @@ impl Correction {
     }
 
     /// The axis, if any, whose limit a target is past.
-    pub fn past_limit(&self, target: &PerAxis<Turns>) -> Option<usize> {
+    pub fn beyond_limit(&self, target: &PerAxis<Turns>) -> Option<usize> {
         let axes = target.iter().zip(&self.limit);
         axes.enumerate()
             .find(|(_, (target, limit))| target.wrapping_abs() > **limit)
@@ -129,8 +129,8 @@ impl Correction {
         match self.left {
             0 => return None,
             1 => {
-                let way = self.target.iter().zip(&self.now);
-                for (change, (target, &now)) in self.change.iter_mut().zip(way) {
+                let pairs = self.target.iter().zip(&self.now);
+                for (change, (target, &now)) in self.change.iter_mut().zip(pairs) {
                     *change = target.wrapping_sub(now);
                 }
             }
@@ -156,7 +156,7 @@ fn sum(error: &[Turns], watched: u8) -> i64 {
 /// Takes away from trims what some axes are off from the mean, or a part of that. The last of them makes up for the rest, so that their
 /// sum stays.
 #[inline(never)]
-fn take_away(trims: &mut [Turns], error: &[Turns], watched: u8, mean: Turns, part: Option<i64>) {
+fn take_away(trims: &mut [Turns], error: &[Turns], watched: u8, mean: Turns, gain: Option<i64>) {
     let mut rest = Turns::ZERO;
     let mut left = watched;
     for (axis, (trim, &error)) in trims.iter_mut().zip(error).enumerate() {
@@ -166,10 +166,10 @@ fn take_away(trims: &mut [Turns], error: &[Turns], watched: u8, mean: Turns, par
         }
         left &= !own;
         let off = mean.wrapping_sub(error);
-        let by = match part {
+        let by = match gain {
             _ if left == 0 => rest,
             None => off,
-            Some(part) => Turns::from_bits((off.to_bits() >> 16) * part),
+            Some(gain) => Turns::from_bits((off.to_bits() >> 16) * gain),
         };
         *trim = trim.wrapping_add(by);
         rest = rest.wrapping_sub(by);
@@ -187,8 +187,8 @@ fn share_out(
     rate: u64,
 ) -> u32 {
     let mut most = 0;
-    let way = target.iter().zip(now);
-    for (change, (target, &now)) in change.iter_mut().zip(way) {
+    let pairs = target.iter().zip(now);
+    for (change, (target, &now)) in change.iter_mut().zip(pairs) {
         *change = target.wrapping_sub(now);
         most = most.max(change.to_bits().unsigned_abs());
     }

@@ -4,7 +4,7 @@
 //! makes of them its own, exactly: what a ratio leaves over is kept for the next tick. Its sense of
 //! rotation is not part of its phase either. A *reversed* axis counts its phase in its own sense,
 //! and only the outputs (DIR, and the signs of a servo's setpoints) are turned round, so that the
-//! phases of axes of equal ratio are equal to the count, whichever way round they are mounted.
+//! phases of axes of equal ratio are equal exactly, whichever way round they are mounted.
 
 mod correction;
 mod gear;

@@ -1,8 +1,8 @@
-//! One axis of the loop: its phase, its pulses or setpoints, and what it was told in the last two ticks.
+//! One axis of the loop: its phase, its pulses or setpoints, and what it was commanded to do in the last two ticks.
 
 use crate::axes::Axis;
 use crate::drift::TickPhase;
-use crate::pulse::{Paces, Planner, Runs};
+use crate::pulse::{Planner, Runs, StepRates};
 use crate::servo::{FeedForward, Setpoint};
 use crate::units::Turns;
 
@@ -23,7 +23,7 @@ impl Channel {
         &mut self,
         master: Option<&Turns>,
         trim: Turns,
-        pace: &mut Paces,
+        step_rate: &mut StepRates,
         phase: &mut TickPhase,
         runs: &mut Runs,
     ) {
@@ -34,28 +34,28 @@ impl Channel {
         };
         phase.turns = turns;
         if self.feed_forward.is_none() {
-            self.planner.plan(turns, pace, runs);
+            self.planner.plan(turns, step_rate, runs);
         } else {
-            self.planner.count(turns, pace, runs);
+            self.planner.count(turns, step_rate, runs);
         }
     }
 
     /// What a servo is told at the end of a tick in which the master accelerated, in the axis's own sense. Its crank stands
-    /// `datum` further than its phase says.
+    /// `home_offset` further than its phase says.
     #[inline(never)]
     pub(super) fn setpoint(
         &self,
         forward: &FeedForward,
         velocity: Turns,
         acceleration: Turns,
-        datum: Turns,
+        home_offset: Turns,
     ) -> Setpoint {
         let position = self.axis.phase();
         let acceleration = self.axis.gear().share(acceleration);
         Setpoint {
             position,
             velocity,
-            torque: forward.torque(position.advanced(datum), velocity, acceleration),
+            torque: forward.torque(position.advanced(home_offset), velocity, acceleration),
         }
     }
 }

@@ -4,15 +4,15 @@
 //! the beginning, without axes, and settings fill it in.
 
 use super::Controller;
-use super::align::Align;
 use super::channel::Channel;
+use super::homing::Homing;
 use super::punctuality::Punctuality;
 use super::wiring_proof::wiring_patterns;
 use crate::axes::{Axis, Correction};
 use crate::drift::{DriftMonitor, TickPhase};
 use crate::mechanism::AnyMechanism;
 use crate::program::{Cursor, Program};
-use crate::pulse::{Paces, Planner, PulseTiming};
+use crate::pulse::{Planner, PulseTiming, StepRates};
 use crate::servo::{Coupling, FeedForward};
 use crate::settings::{AxisSettings, DriveKind, Problem, Settings, SettingsError, turns};
 use crate::shaft::{Motion, Shaft, ShaftLimits, Target};
@@ -53,15 +53,15 @@ impl Controller {
             phases: [[STILL; MAX_AXES]; 2],
             newest: 0,
             has_servos: false,
-            pace: Paces::new(62_500),
+            step_rate: StepRates::new(62_500),
             drift: DriftMonitor::new(),
-            align: Align::new(),
+            homing: Homing::new(),
             correction: Correction::new(),
             corrected: 0,
             turned: Turns::ZERO,
             coupling: None,
             supervisor: Supervisor::new(0),
-            untold: None,
+            unpublished: None,
             stop_input: false,
             driven: 0,
             motion: Motion::AT_REST,
@@ -110,7 +110,7 @@ impl Controller {
         self.turned = Turns::ZERO;
         let settle_ticks = libm::ceil(settings.settle_s * f64::from(settings.tick_hz));
         self.supervisor = Supervisor::new(settle_ticks as u32);
-        self.untold = None;
+        self.unpublished = None;
         self.stop_input = false;
         self.driven = 0;
         self.motion = Motion::AT_REST;
@@ -141,7 +141,7 @@ impl Controller {
         self.phases = [phases.map(TickPhase::still); 2];
         self.newest = 0;
         self.has_servos = self.channels.iter().any(|c| c.feed_forward.is_some());
-        self.pace = Paces::new(timing.tick());
+        self.step_rate = StepRates::new(timing.tick());
         self.output.reset(phases);
         Ok(())
     }
@@ -155,11 +155,11 @@ impl Controller {
             [PerAxis::default(); 2]
         };
         let mut axes = settings.axes.iter();
-        let has_datum = axes.all(|axis| axis.ratio.0 == axis.ratio.1);
+        let has_home_offset = axes.all(|axis| axis.ratio.0 == axis.ratio.1);
         let lag = turns(settings.drift.common_limit_deg / 360.0 / LAG_PART);
         let tolerance = core::array::from_fn(|axis| self.drift.tolerance(axis));
-        self.align
-            .configure(patterns, has_datum, count, lag, tolerance);
+        self.homing
+            .configure(patterns, has_home_offset, count, lag, tolerance);
         Ok(())
     }
 
@@ -170,7 +170,7 @@ impl Controller {
             let limit_turns = axis.map_or(0.0, |axis| axis.trim_limit_turns);
             // Also refuses what is not a number.
             if !(-limit_turns..=limit_turns).contains(&trim_turns) {
-                let problem = Problem::TrimPastLimit {
+                let problem = Problem::TrimBeyondLimit {
                     trim_deg: trim_turns * 360.0,
                     limit_deg: limit_turns * 360.0,
                 };
@@ -229,7 +229,7 @@ fn feed_forward(
     }
 }
 
-/// The cross-coupling of servos, if it is asked for and every axis is a servo with an encoder.
+/// The cross-coupling of servos, if it is requested and every axis is a servo with an encoder.
 #[cold]
 fn coupling(settings: &Settings) -> Result<Option<Coupling>, SettingsError> {
     let measured = |axis: &AxisSettings| axis.drive == DriveKind::Servo && axis.encoder;

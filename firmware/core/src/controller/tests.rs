@@ -28,7 +28,7 @@ fn settings() -> Settings {
         jerk_hz_per_s2: 1000.0,
         stop_acceleration_hz_per_s: 40.0,
         stop_jerk_hz_per_s2: 1000.0,
-        creep_hz: 5.0,
+        homing_speed_hz: 5.0,
         bands: [BandSettings {
             from_hz: 8.0,
             to_hz: 10.0,
@@ -54,10 +54,10 @@ fn controller(settings: &Settings, amax_mps2: f64) -> Controller {
 }
 
 /// Ticks with nothing but an index pulse from both axes now and then.
-fn play(controller: &mut Controller, command: Option<Command>, ticks: u32, heard: bool) {
+fn play(controller: &mut Controller, command: Option<Command>, ticks: u32, detected: bool) {
     for tick in 0..ticks {
         let mut feedback = Feedback::of(command.filter(|_| tick == 0));
-        if heard && tick == 2 {
+        if detected && tick == 2 {
             feedback.index = [Some(IndexPulse { cycle: 0 }); MAX_AXES];
         }
         controller.tick(&feedback);
@@ -97,8 +97,8 @@ fn a_level_in_a_band_is_held_at_its_nearer_edge_and_reported() {
         play(&mut controller, None, 4000, false);
         let motion = controller.output.telemetry.motion;
         assert!(motion.held_at_band && !motion.crossing_band);
-        let got_hz = motion.speed.to_num::<f64>() * f64::from(HZ);
-        assert!((got_hz - edge_hz).abs() < 1e-9, "{got_hz} rev/s");
+        let actual_hz = motion.speed.to_num::<f64>() * f64::from(HZ);
+        assert!((actual_hz - edge_hz).abs() < 1e-9, "{actual_hz} rev/s");
     }
     let mut outside = running(40.0);
     play(&mut outside, None, 4000, false);
@@ -120,7 +120,7 @@ fn a_seek_goes_on_from_there() {
 
 /// While the drives were off the cranks may have been turned: what the sensors said before is void.
 #[test]
-fn every_start_from_idle_aligns_anew() {
+fn every_start_from_idle_homes_again() {
     let mut controller = controller(&settings(), 100.0);
     play(&mut controller, Some(Command::Start), 5, true);
     assert_eq!(controller.output.telemetry.state, State::Run);
@@ -129,10 +129,10 @@ fn every_start_from_idle_aligns_anew() {
     controller.tick(&lost);
     play(&mut controller, Some(Command::Reset), 1, false);
     play(&mut controller, Some(Command::Start), 100, false);
-    assert_eq!(controller.output.telemetry.state, State::Align);
+    assert_eq!(controller.output.telemetry.state, State::Homing);
 }
 
-/// An align that is cut short leaves trims where they were on their way; where nothing is to be corrected, the next takes back
+/// A homing run that is cut short leaves trims where they were on their way; where nothing is to be corrected, the next takes back
 /// even what is less than a reading may be off by.
 #[test]
 fn what_a_proof_that_was_cut_short_left_is_taken_back() {
@@ -149,7 +149,7 @@ fn what_a_proof_that_was_cut_short_left_is_taken_back() {
     while trim(&controller) > tolerance / 2 || !was_tilted {
         was_tilted |= trim(&controller) > tolerance;
         play(&mut controller, None, 1, false);
-        assert_eq!(controller.output.telemetry.state, State::Align);
+        assert_eq!(controller.output.telemetry.state, State::Homing);
     }
     assert!(trim(&controller) > 0, "it is on its way");
     let mut lost = Feedback::of(None);

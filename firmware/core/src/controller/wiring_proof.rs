@@ -1,4 +1,4 @@
-//! The tilts that prove whose lines are whose: about one axis, and about the other. Made once, of settings; [`super::align`] plays them.
+//! The tilts that prove whose lines are whose: about one axis, and about the other. Made once, of settings; [`super::homing`] plays them.
 
 use crate::axes::Correction;
 use crate::drift::DriftMonitor;
@@ -24,7 +24,7 @@ pub(super) fn wiring_patterns(
     // With what readings may be off on top.
     let on_top = |level: Turns| level + if level < 0 { -tolerance } else { tolerance };
     for pattern in &patterns {
-        if correction.past_limit(pattern).is_some() || !drift.allows(&pattern.map(on_top)) {
+        if correction.beyond_limit(pattern).is_some() || !drift.allows(&pattern.map(on_top)) {
             let most = pattern.iter().map(|level| level.abs()).max();
             let problem = Problem::WiringPattern {
                 deg: most.unwrap_or_default().to_num::<f64>() * 360.0,

@@ -62,11 +62,11 @@ pub(super) fn furthest(errors: &[Turns], set: AxisSet) -> usize {
 
 /// What the axes of a set are off by in common, with their corrections. Of one alone, that.
 #[inline(never)]
-pub(super) fn in_common(drifts: &[Turns], corrections: &[Turns], set: AxisSet) -> Turns {
+pub(super) fn in_common(errors: &[Turns], corrections: &[Turns], set: AxisSet) -> Turns {
     let mut angles = Angles::default();
-    for (axis, (drift, &correction)) in drifts.iter().zip(corrections).enumerate() {
+    for (axis, (error, &correction)) in errors.iter().zip(corrections).enumerate() {
         if set & 1 << axis != 0 {
-            angles.push(angle(drift.wrapping_add(correction)));
+            angles.push(angle(error.wrapping_add(correction)));
         }
     }
     of_angle(angles.common_or_only())

@@ -1,19 +1,19 @@
-//! All that watches one axis: its index sensor, its encoder, and what they tell of its crank together.
+//! All that watches one axis: its index sensor, its encoder, and what they report its crank together.
 
 mod sorting;
 
 use super::angles::{angle, of_angle};
-use super::encoder_watch::{EncoderWatch, Manner, Read};
+use super::encoder_watch::{EncoderWatch, Read, Tracking};
 use super::index_filter::BRIDGE_WIDTHS;
-use super::index_watch::{Heard, IndexWatch, Place};
-use super::naming::Story;
+use super::index_watch::{Detection, IndexWatch, Place};
+use super::naming::History;
 use super::tick_phase::{IndexPulse, TickClock, TickPhase};
 use crate::settings::{AxisSettings, turns};
 use crate::supervisor::FaultKind;
 use crate::units::{Phase, Turns, nearest};
 
 /// Index pulses over which what crank and encoder differ by is averaged: 2 to this power.
-const CALM: u32 = 4;
+const FILTER_SHIFT: u32 = 4;
 
 /// Turns after which what happened to an axis is no longer why it is where it is.
 const FORGOTTEN_AFTER: u8 = 8;
@@ -42,11 +42,14 @@ fn gate(tolerance: Turns, cycle: Turns) -> Turns {
     widest.min(Turns::from_bits(most))
 }
 
-/// How far, turns, an axis's index pulse may be from where the one before has it, and still be in place; `reading_deg` is that of the
+/// How far, turns, an axis's index pulse may be from where the one before has it, and still be in place; `reading_error_deg` is that of the
 /// settings.
 #[cold]
-pub fn place_gate(axis: &AxisSettings, reading_deg: f64) -> Turns {
-    gate(tolerance(axis, turns(reading_deg / 360.0)), cycle(axis))
+pub fn place_gate(axis: &AxisSettings, reading_error_deg: f64) -> Turns {
+    gate(
+        tolerance(axis, turns(reading_error_deg / 360.0)),
+        cycle(axis),
+    )
 }
 
 /// Watches one axis.
@@ -54,22 +57,22 @@ pub fn place_gate(axis: &AxisSettings, reading_deg: f64) -> Turns {
 pub(super) struct AxisWatch {
     index: Option<IndexWatch>,
     encoder: Option<EncoderWatch>,
-    heard: Heard,
+    detection: Detection,
     read: Read,
     /// Where the tick began in which the encoder was read last, and where the one in which it jumped.
     began: Phase,
     jumped_at: Phase,
-    /// What motor and command differed by as the index was heard last.
+    /// What motor and command differed by as the index was detected last.
     at_flag: Turns,
     tolerance: Turns,
     /// Further than this angle from where it was, a crank has moved.
     gate: u32,
-    /// So far off, this crank alone takes the platform past a limit.
+    /// So far off, this crank alone takes the platform beyond a limit.
     alone: Turns,
     /// Offset at the last round, and where it was when all was well: angles.
     last: i32,
     home: i32,
-    story: Story,
+    history: History,
     /// Named in this tick, and not told yet.
     fresh: Option<(FaultKind, Turns)>,
     /// What it was called last, and for how many rounds more that counts.
@@ -77,11 +80,11 @@ pub(super) struct AxisWatch {
     name_for: u8,
     /// It slipped, as its last pulse had it.
     is_slipping: bool,
-    silent: bool,
+    timed_out: bool,
     missed: u8,
     extra: u8,
     /// Pulses out of place without one in place between.
-    crowd: u8,
+    consecutive_outliers: u8,
 }
 
 impl AxisWatch {
@@ -106,20 +109,20 @@ impl AxisWatch {
         let overdue = alone.max(gate);
         let overdue_settled = if is_cycle_too_far { gate } else { overdue };
         let ticks = |time_s: f64| time_s * f64::from(tick_hz) * 65_536.0;
-        // From a pulse's edge until the filter tells of it: what it bridges, and its width.
+        // From a pulse's edge until the filter reports it: what it bridges, and its width.
         let filter_s = filter_s * f64::from(BRIDGE_WIDTHS + 1);
         let place = |index: f64| Place {
             index: turns(index),
             flag: turns(axis.index_width_turns),
             delay: libm::round(ticks(axis.index_delay_s)) as u32,
-            told_of: libm::floor(65_536.0 - ticks(axis.index_delay_s + filter_s)) as i32,
+            covered: libm::floor(65_536.0 - ticks(axis.index_delay_s + filter_s)) as i32,
             gate,
             tolerance,
             // Where the crank is taken from an encoder, that one's noise comes on top, then and now.
             sure: Turns::from_bits(tolerance.to_bits() << u32::from(axis.encoder)),
             overdue,
             overdue_settled,
-            calm: if axis.encoder { CALM } else { 0 },
+            filter_shift: if axis.encoder { FILTER_SHIFT } else { 0 },
         };
         let index = axis.index_turns.map(|index| IndexWatch::new(place(index)));
         let jump = Turns::from_bits(tolerance.to_bits() * 4);
@@ -129,7 +132,7 @@ impl AxisWatch {
         Self {
             index,
             encoder,
-            heard: Heard::Nothing,
+            detection: Detection::Nothing,
             read: Read::Nothing,
             began: Phase::ZERO,
             jumped_at: Phase::ZERO,
@@ -139,15 +142,15 @@ impl AxisWatch {
             alone,
             last: 0,
             home: 0,
-            story: Story::new(cycle, whole),
+            history: History::new(cycle, whole),
             fresh: None,
             name: None,
             name_for: 0,
             is_slipping: false,
-            silent: false,
+            timed_out: false,
             missed: 0,
             extra: 0,
-            crowd: 0,
+            consecutive_outliers: 0,
         }
     }
 
@@ -174,33 +177,34 @@ impl AxisWatch {
             let Some(index) = &mut self.index else {
                 return false;
             };
-            let told = commanded.turns;
-            self.heard = index.observe(pulse, commanded, told, before_is_known, clock);
-            return self.heard != Heard::Nothing;
+            let commanded_turns = commanded.turns;
+            self.detection =
+                index.observe(pulse, commanded, commanded_turns, before_is_known, clock);
+            return self.detection != Detection::Nothing;
         };
-        // Where the motor is, not where it was told to be.
-        let start = commanded.start.advanced(encoder.drift());
+        // Where the motor is, not where commanded.
+        let start = commanded.start.advanced(encoder.phase_error());
         let (read, turns) = encoder.observe(count, commanded);
         self.read = read;
         // A jump is told a tick later.
         self.jumped_at = core::mem::replace(&mut self.began, start);
-        self.heard = match &mut self.index {
+        self.detection = match &mut self.index {
             Some(index) => {
                 let measured = TickPhase { start, turns };
                 // A motor's noise turns it back for a tick; its flag is met by the way that it is told.
-                let told = commanded.turns;
-                index.observe(pulse, &measured, told, before_is_known, clock)
+                let commanded_turns = commanded.turns;
+                index.observe(pulse, &measured, commanded_turns, before_is_known, clock)
             }
-            None => Heard::Nothing,
+            None => Detection::Nothing,
         };
-        self.heard != Heard::Nothing || self.read != Read::Nothing
+        self.detection != Detection::Nothing || self.read != Read::Nothing
     }
 
     pub(super) fn disregard(&mut self, pulse: bool, count: i32, start: Phase) {
         let mut start = start;
         if let Some(encoder) = &mut self.encoder {
             encoder.skip(count);
-            start = start.advanced(encoder.drift());
+            start = start.advanced(encoder.phase_error());
         }
         if pulse && let Some(index) = &mut self.index {
             index.disregard(start);
@@ -209,7 +213,7 @@ impl AxisWatch {
 
     /// Gives what happened a name: that of its story unless it is known.
     fn named(&mut self, by: Turns, kind: Option<FaultKind>) {
-        let kind = kind.unwrap_or_else(|| self.story.jumped(by));
+        let kind = kind.unwrap_or_else(|| self.history.jumped(by));
         self.fresh = Some((kind, by));
         self.is_slipping = kind == FaultKind::Slip;
         self.name = Some(kind);
@@ -236,7 +240,7 @@ impl AxisWatch {
             self.named(of_angle(own_jump), None);
             return;
         }
-        self.story.rest();
+        self.history.rest();
         if own_walk.unsigned_abs() > self.gate {
             self.home = self.last.wrapping_sub(walk);
             self.named(of_angle(own_walk), Some(FaultKind::Slip));
@@ -258,33 +262,33 @@ impl AxisWatch {
     }
 
     /// Measured minus commanded, turns, −½ to ½.
-    pub(super) fn drift(&self) -> Turns {
+    pub(super) fn phase_error(&self) -> Turns {
         match &self.encoder {
-            Some(encoder) => nearest(self.offset().wrapping_add(encoder.drift())),
+            Some(encoder) => nearest(self.offset().wrapping_add(encoder.phase_error())),
             None => self.offset(),
         }
     }
 
     /// The same with little of the readings' noise, and some ticks late.
-    pub(super) fn calm_drift(&self) -> Turns {
+    pub(super) fn filtered_error(&self) -> Turns {
         match &self.encoder {
-            Some(encoder) => nearest(self.offset().wrapping_add(encoder.calm_drift())),
+            Some(encoder) => nearest(self.offset().wrapping_add(encoder.filtered_error())),
             None => self.offset(),
         }
     }
 
     /// The same as its crank passed its flag last: what loads do to a crank is the same there in each turn. Of one without a flag,
     /// now.
-    pub(super) fn drift_at_flag(&self) -> Turns {
+    pub(super) fn error_at_flag(&self) -> Turns {
         match (&self.encoder, &self.index) {
             (Some(_), Some(_)) => nearest(self.offset().wrapping_add(self.at_flag)),
-            _ => self.calm_drift(),
+            _ => self.filtered_error(),
         }
     }
 
     /// What it is called that this axis is where it is, if that is known.
     pub(super) fn name(&self) -> Option<FaultKind> {
-        self.manner().or(self.name)
+        self.tracking().or(self.name)
     }
 
     /// Whether it moved in the last turns, or does.
@@ -293,32 +297,32 @@ impl AxisWatch {
     }
 
     /// How its motor moves, if that is why it is off.
-    fn manner(&self) -> Option<FaultKind> {
+    fn tracking(&self) -> Option<FaultKind> {
         let encoder = self.encoder.as_ref()?;
-        if angle(encoder.drift()).unsigned_abs() <= self.gate {
+        if angle(encoder.phase_error()).unsigned_abs() <= self.gate {
             return None;
         }
-        match encoder.manner() {
-            Manner::Follows => None,
-            Manner::Stands => Some(FaultKind::Stuck),
-            Manner::Backwards => Some(FaultKind::Reversed),
-            Manner::Ahead => Some(FaultKind::Runaway),
+        match encoder.tracking() {
+            Tracking::Ok => None,
+            Tracking::Stalled => Some(FaultKind::Stuck),
+            Tracking::Reversed => Some(FaultKind::Reversed),
+            Tracking::Overspeed => Some(FaultKind::Runaway),
         }
     }
 
-    /// By its encoder alone, an axis that does not turn as it is told.
-    pub(super) fn astray(&self) -> Option<(FaultKind, Turns)> {
-        let by = self.encoder.as_ref()?.drift();
-        let kind = self.manner().unwrap_or(FaultKind::Tilt);
+    /// By its encoder alone, an axis that does not turn as commanded.
+    pub(super) fn tracking_fault(&self) -> Option<(FaultKind, Turns)> {
+        let by = self.encoder.as_ref()?.phase_error();
+        let kind = self.tracking().unwrap_or(FaultKind::Tilt);
         (by.wrapping_abs() > self.alone).then_some((kind, by))
     }
 
-    /// So far off, this crank alone takes the platform past a limit.
+    /// So far off, this crank alone takes the platform beyond a limit.
     pub(super) const fn alone(&self) -> Turns {
         self.alone
     }
 
-    /// The same, whatever all have done since the others were heard.
+    /// The same, whatever all have done since the others were detected.
     pub(super) fn far(&self) -> Turns {
         self.alone.saturating_add(of_angle(self.gate as i32))
     }
@@ -335,24 +339,24 @@ impl AxisWatch {
     /// What no crank is off by that only swings about its place: a rotor that is half an electrical cycle from its field does not come
     /// back to where it was.
     pub(super) fn swing(&self) -> Turns {
-        of_angle(self.gate as i32).max(self.story.half_cycle())
+        of_angle(self.gate as i32).max(self.history.half_cycle())
     }
 
     /// What it is called that the crank jumped, with what it did before.
     pub(super) fn jumped(&mut self, by: Turns) -> FaultKind {
-        self.story.jumped(by)
+        self.history.jumped(by)
     }
 
     /// What a jump is called that nothing is known of but its size.
     pub(super) fn name_of(&self, by: Turns) -> FaultKind {
-        self.story.of_one(by)
+        self.history.of_one(by)
     }
 
     /// Its pulse is late, or was until this tick, or nothing is expected of it.
     pub(super) fn is_late(&self) -> bool {
-        let came_late = matches!(self.heard, Heard::Moved { by } if by < 0);
-        let is_unheard = self.index.as_ref().is_none_or(IndexWatch::is_unheard);
-        self.encoder.is_none() && (is_unheard || came_late)
+        let came_late = matches!(self.detection, Detection::Moved { by } if by < 0);
+        let is_undetected = self.index.as_ref().is_none_or(IndexWatch::is_undetected);
+        self.encoder.is_none() && (is_undetected || came_late)
     }
 
     #[inline(never)] // once a start, and long
@@ -363,16 +367,16 @@ impl AxisWatch {
         if let Some(encoder) = &mut self.encoder {
             encoder.reset();
         }
-        self.heard = Heard::Nothing;
+        self.detection = Detection::Nothing;
         self.read = Read::Nothing;
-        self.story.rest();
+        self.history.rest();
         self.fresh = None;
         self.name = None;
         self.is_slipping = false;
-        self.silent = false;
+        self.timed_out = false;
         self.missed = 0;
         self.extra = 0;
-        self.crowd = 0;
+        self.consecutive_outliers = 0;
     }
 
     pub(super) fn settle(&mut self) {

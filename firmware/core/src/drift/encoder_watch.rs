@@ -1,24 +1,24 @@
-//! One axis's encoder: how far its motor is from where it was told to be, all the time.
+//! One axis's encoder: how far its motor is from where commanded, all the time.
 //!
 //! A crank has inertia: between two ticks its speed changes by little. A reading that jumps by more than that is held back for a
 //! tick. If it returns, it was a *glitch*. If it stays, counts were lost, or the crank was moved by a blow: then the jump is
-//! *doubted*, and the index tells. If it goes on, the crank is really moving so, as one does that gets stuck at speed.
+//! *unconfirmed*, and the index shows. If it goes on, the crank is really moving so, as one does that gets stuck at speed.
 
 use super::tick_phase::TickPhase;
 use crate::units::Turns;
 
-/// How a motor moves, against what it is told.
+/// How a motor moves, against what it is commanded to do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Manner {
+pub(super) enum Tracking {
     /// About as told.
     #[default]
-    Follows,
+    Ok,
     /// Not at all.
-    Stands,
+    Stalled,
     /// The other way.
-    Backwards,
+    Reversed,
     /// Faster.
-    Ahead,
+    Overspeed,
 }
 
 /// What a reading brought.
@@ -46,33 +46,33 @@ pub(super) struct EncoderWatch {
     /// What a count is more than that, 16 fraction bits; and what of it is left over.
     rest_a_count: i64,
     rest: i64,
-    /// More than this in a tick, against what was told, is no crank's doing.
+    /// More than this in a tick, against what was reported, is no crank's doing.
     jump: Turns,
     last: Option<i32>,
     /// Measured minus commanded turns since the reset; and the same without most of its noise, some ticks later.
-    drift: Turns,
-    calm: Turns,
+    phase_error: Turns,
+    filtered: Turns,
     held: Option<Turns>,
     /// It really moves by more than a jump a tick.
     moving: bool,
-    /// A jump that the index has to tell of.
-    pub(super) doubt: Turns,
+    /// A jump that the index has to report.
+    pub(super) unconfirmed_jump: Turns,
     window: Window,
 }
 
-/// Over which the manner is judged: some ticks, and some way.
+/// Over which the tracking is judged: some ticks, and some way.
 #[derive(Clone, Copy, Debug, Default)]
 struct Window {
     ticks: u8,
-    drift: Turns,
+    phase_error: Turns,
     commanded: Turns,
-    manner: Manner,
+    tracking: Tracking,
 }
 
 const WINDOW_TICKS: u8 = 4;
 
 /// Each tick's reading counts for this part of the calm drift, as a power of two: 16 ticks take away three quarters of the noise.
-const CALM: u32 = 4;
+const FILTER_SHIFT: u32 = 4;
 
 impl EncoderWatch {
     /// Of `counts` to a turn, `reversed` or not; `jump`: see there.
@@ -85,45 +85,45 @@ impl EncoderWatch {
             rest: 0,
             jump,
             last: None,
-            drift: Turns::ZERO,
-            calm: Turns::ZERO,
+            phase_error: Turns::ZERO,
+            filtered: Turns::ZERO,
             held: None,
             moving: false,
-            doubt: Turns::ZERO,
+            unconfirmed_jump: Turns::ZERO,
             window: Window::default(),
         }
     }
 
-    /// Forgets what was read: from now on the motor is where it is told to be.
+    /// Forgets what was read: from now on the motor is where commanded.
     pub(super) fn reset(&mut self) {
         *self = Self {
             last: None,
-            drift: Turns::ZERO,
-            calm: Turns::ZERO,
+            phase_error: Turns::ZERO,
+            filtered: Turns::ZERO,
             held: None,
             moving: false,
-            doubt: Turns::ZERO,
+            unconfirmed_jump: Turns::ZERO,
             window: Window::default(),
             ..*self
         };
     }
 
-    pub(super) const fn drift(&self) -> Turns {
-        self.drift
+    pub(super) const fn phase_error(&self) -> Turns {
+        self.phase_error
     }
 
     /// The drift as a mean over the last ticks, some 16.
-    pub(super) const fn calm_drift(&self) -> Turns {
-        self.calm
+    pub(super) const fn filtered_error(&self) -> Turns {
+        self.filtered
     }
 
-    pub(super) const fn manner(&self) -> Manner {
-        self.window.manner
+    pub(super) const fn tracking(&self) -> Tracking {
+        self.window.tracking
     }
 
     /// Takes in a reading at the end of a tick in which `commanded` was commanded; and the turns that were made.
     pub(super) fn observe(&mut self, count: i32, commanded: &TickPhase) -> (Read, Turns) {
-        let before = self.drift;
+        let before = self.phase_error;
         let Some(last) = self.last.replace(count) else {
             return (Read::Nothing, commanded.turns);
         };
@@ -138,33 +138,33 @@ impl EncoderWatch {
         self.rest &= 0xFFFF;
         let made = Turns::from_bits(made);
         let off = made.wrapping_sub(commanded.turns);
-        let read = self.weigh(off);
+        let read = self.classify(off);
         self.judge(commanded.turns);
-        let anew = self.drift.wrapping_sub(self.calm);
-        self.calm = self
-            .calm
-            .wrapping_add(Turns::from_bits(anew.to_bits() >> CALM));
+        let anew = self.phase_error.wrapping_sub(self.filtered);
+        self.filtered = self
+            .filtered
+            .wrapping_add(Turns::from_bits(anew.to_bits() >> FILTER_SHIFT));
         let made = commanded
             .turns
-            .wrapping_add(self.drift.wrapping_sub(before));
+            .wrapping_add(self.phase_error.wrapping_sub(before));
         (read, made)
     }
 
-    fn weigh(&mut self, off: Turns) -> Read {
+    fn classify(&mut self, off: Turns) -> Read {
         let is_jump = |turns: Turns| turns.wrapping_abs() > self.jump || turns == Turns::MIN;
         if let Some(held) = self.held.take() {
             let both = held.wrapping_add(off);
             if !is_jump(both) {
-                self.drift = self.drift.wrapping_add(both);
+                self.phase_error = self.phase_error.wrapping_add(both);
                 return Read::Glitch { by: held };
             }
             if !is_jump(off) {
-                self.drift = self.drift.wrapping_add(off);
-                self.doubt = self.doubt.wrapping_add(held);
+                self.phase_error = self.phase_error.wrapping_add(off);
+                self.unconfirmed_jump = self.unconfirmed_jump.wrapping_add(held);
                 return Read::Jump { by: held };
             }
             self.moving = true;
-            self.drift = self.drift.wrapping_add(both);
+            self.phase_error = self.phase_error.wrapping_add(both);
             return Read::Nothing;
         }
         if !is_jump(off) {
@@ -173,7 +173,7 @@ impl EncoderWatch {
             self.held = Some(off);
             return Read::Nothing;
         }
-        self.drift = self.drift.wrapping_add(off);
+        self.phase_error = self.phase_error.wrapping_add(off);
         Read::Nothing
     }
 
@@ -186,22 +186,22 @@ impl EncoderWatch {
             return;
         }
         // Of what was commanded, −2 is backwards and −1 is standing; half way between them is the border.
-        let made = self.drift.wrapping_sub(window.drift).to_bits() >> 8;
-        let told = window.commanded.to_bits() >> 8;
-        let manner = if 2 * made < -3 * told {
-            Manner::Backwards
-        } else if 4 * made < -3 * told {
-            Manner::Stands
-        } else if 4 * made > told {
-            Manner::Ahead
+        let made = self.phase_error.wrapping_sub(window.phase_error).to_bits() >> 8;
+        let commanded_turns = window.commanded.to_bits() >> 8;
+        let tracking = if 2 * made < -3 * commanded_turns {
+            Tracking::Reversed
+        } else if 4 * made < -3 * commanded_turns {
+            Tracking::Stalled
+        } else if 4 * made > commanded_turns {
+            Tracking::Overspeed
         } else {
-            Manner::Follows
+            Tracking::Ok
         };
         *window = Window {
             ticks: 0,
-            drift: self.drift,
+            phase_error: self.phase_error,
             commanded: Turns::ZERO,
-            manner,
+            tracking,
         };
     }
 
@@ -211,9 +211,9 @@ impl EncoderWatch {
         self.held = None;
     }
 
-    /// The jump that was doubted was real.
+    /// The jump that was unconfirmed was real.
     pub(super) fn believe(&mut self) {
-        self.drift = self.drift.wrapping_add(self.doubt);
-        self.doubt = Turns::ZERO;
+        self.phase_error = self.phase_error.wrapping_add(self.unconfirmed_jump);
+        self.unconfirmed_jump = Turns::ZERO;
     }
 }

@@ -1,4 +1,4 @@
-//! What the monitor has found and not told yet, one thing a tick; and what a stop was asked for, which may get a better name.
+//! What the monitor has found and not told yet, one thing a tick; and what a stop was requested, which may get a better name.
 
 use super::naming;
 use crate::supervisor::{Fault, FaultKind};
@@ -10,10 +10,10 @@ use heapless::Deque;
 pub struct Finding {
     /// What it is.
     pub fault: Fault,
-    /// The platform is within its limits, and the crank still seen.
-    pub in_safety: bool,
+    /// The platform is within its limits, and the crank still detected.
+    pub within_limits: bool,
     /// It is what was found before, better named.
-    pub refines: bool,
+    pub supersedes: bool,
 }
 
 impl Finding {
@@ -21,8 +21,8 @@ impl Finding {
     pub(crate) const fn of(fault: Fault) -> Self {
         Self {
             fault,
-            in_safety: false,
-            refines: false,
+            within_limits: false,
+            supersedes: false,
         }
     }
 }
@@ -37,7 +37,7 @@ const WAITING: usize = 8;
 #[derive(Clone, Debug)]
 pub(super) struct Findings {
     waiting: Deque<Finding, WAITING>,
-    /// What a stop was asked for, of which axis, and the master's turns since.
+    /// What a stop was requested, of which axis, and the master's turns since.
     open: Option<(Option<usize>, FaultKind)>,
     since_open: Turns,
 }
@@ -58,7 +58,7 @@ impl Findings {
         }
     }
 
-    /// What is told now.
+    /// What is reported now.
     pub(super) fn next(&mut self) -> Option<Finding> {
         // Mostly there is none: that is asked before an empty finding is moved about.
         if self.waiting.is_empty() {
@@ -68,7 +68,7 @@ impl Findings {
         }
     }
 
-    pub(super) const fn has_asked_for_a_stop(&self) -> bool {
+    pub(super) const fn has_requested_stop(&self) -> bool {
         self.open.is_some()
     }
 
@@ -79,33 +79,33 @@ impl Findings {
 
     /// To be told. What is no longer safe goes first, and once; after that only better names for it.
     #[inline(never)]
-    pub(super) fn push(&mut self, fault: Fault, in_safety: bool) {
-        let mut refines = false;
+    pub(super) fn push(&mut self, fault: Fault, within_limits: bool) {
+        let mut supersedes = false;
         if let Some((axis, kind)) = self.open {
             let same = axis == fault.axis || axis.is_none();
             let in_time = self.since_open < NAMED_WITHIN;
             if same && in_time && naming::is_better(fault.kind, kind) {
-                refines = true;
-            } else if !in_safety {
+                supersedes = true;
+            } else if !within_limits {
                 return; // it is being stopped
             }
         }
-        if !refines && !in_safety {
+        if !supersedes && !within_limits {
             self.since_open = Turns::ZERO;
         }
-        if !in_safety || refines {
+        if !within_limits || supersedes {
             self.open = Some((fault.axis, fault.kind));
         }
         let finding = Finding {
             fault,
-            in_safety: in_safety && !refines,
-            refines,
+            within_limits: within_limits && !supersedes,
+            supersedes,
         };
         if self.waiting.is_full() {
             self.waiting.pop_back();
         }
         // There is room now.
-        let _ = if in_safety {
+        let _ = if within_limits {
             self.waiting.push_back(finding)
         } else {
             self.waiting.push_front(finding)

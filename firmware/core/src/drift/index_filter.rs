@@ -6,7 +6,7 @@
 //! as a high stretch in it has lasted for the width. Dropouts after that change nothing.
 //!
 //! The time of a pulse is that of its first edge, so that a sensor that bounces as its flag comes is
-//! heard when it comes, and not when it has calmed down. But noise in front of a pulse looks the same
+//! detected when it comes, and not when it has calmed down. But noise in front of a pulse looks the same
 //! as bouncing. Hence a rise that comes more than [`BRIDGE_WIDTHS`] widths after the first is a first one
 //! again. That bridges a dropout wherever it lies, and a pulse's time is never further from the stretch
 //! that confirms it than that, whatever noise there is.
@@ -113,7 +113,7 @@ impl IndexFilter {
         self.glitches
     }
 
-    /// Whether the present stretch, seen at `now`, counts; takes it in if so.
+    /// Whether the present stretch, detected at `now`, counts; takes it in if so.
     fn settle(&mut self, now: i32) -> bool {
         let counts = now - self.since >= self.width;
         if counts && self.level != self.steady {

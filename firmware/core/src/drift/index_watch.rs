@@ -1,7 +1,7 @@
 //! One axis's index sensor: which of its pulses are to be believed, and when one stays away.
 //!
-//! A pulse is *in place* if it shows about the same offset as the one before. Any other is a *suspect*: noise, or a crank that
-//! has moved. Which of the two, the place tells where the next pulse was expected: a pulse there clears the suspect as an extra
+//! A pulse is *in place* if it shows about the same offset as the one before. Any other is an *outlier*: noise, or a crank that
+//! has moved. Which of the two, the place shows where the next pulse was expected: a pulse there clears the outlier as an extra
 //! one; silence there, or the same again a turn later, shows that the crank has moved. So an extra pulse never counts as
 //! drift, and a crank that has moved is known to have within a turn and the width of a place.
 //!
@@ -18,8 +18,8 @@ const HALF: Turns = Turns::from_bits(ONE_TURN / 2);
 /// A pulse that is missing in its place, and comes no later than this, is of a crank that fell back: noise comes anywhere.
 const LATE: Turns = Turns::from_bits(-ONE_TURN / 8);
 
-/// A crank that runs over twice as fast as it is told may pass its flag between, and once more in its place. It is between so far from
-/// the pulse before, turns, at least; up to the other it is past a limit so early that what comes after that place tells too late.
+/// A crank that runs over twice as fast as commanded may pass its flag between, and once more in its place. It is between so far from
+/// the pulse before, turns, at least; up to the other it is beyond a limit so early that what comes after that place shows too late.
 /// Exactly it were ½ and 0.618, p² + p = 1, with p the place between; a master that speeds up meanwhile has it a little wider.
 const BETWEEN: core::ops::Range<Turns> = Turns::lit("0.48")..Turns::lit("0.66");
 
@@ -34,41 +34,41 @@ pub(super) struct Place {
     pub delay: u32,
     /// Of a tick that is over, the part in which no flag can have come that is not told of yet, 16 fraction bits: the line is late,
     /// and its filter waits. Below zero where that takes longer than a tick.
-    pub told_of: i32,
+    pub covered: i32,
     /// A pulse further than this from the last is out of place.
     pub gate: Turns,
     /// What two pulses of a crank that is where it was may be apart.
     pub tolerance: Turns,
     /// A pulse that is late by more does not come where it was.
     pub sure: Turns,
-    /// A pulse that is late by more stands for a crank past its limit: while cranks are found out, and from then on.
+    /// A pulse that is late by more stands for a crank beyond its limit: while cranks are found out, and from then on.
     pub overdue: Turns,
     pub overdue_settled: Turns,
-    /// Of what a pulse in place shows anew, 1/2^`calm` is believed: where an encoder has the crank anyway, the index need not
+    /// Of what a pulse in place shows anew, 1/2^`filtered` is believed: where an encoder has the crank anyway, the index need not
     /// bring its own noise in.
-    pub calm: u32,
+    pub filter_shift: u32,
 }
 
 /// What a tick brought.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Heard {
+pub(super) enum Detection {
     /// Nothing new.
     Nothing,
     /// The first pulse of all.
     First,
-    /// A pulse in its place; and a suspect before it was none.
+    /// A pulse in its place; and an outlier before it was none.
     InPlace {
         /// By how much that was off.
         extra: Option<Turns>,
         /// But the crank may have passed its flag in both places, being that fast.
         may_be_fast: bool,
     },
-    /// After a suspect and a pulse in its place, another as far from that as that was from the suspect: the crank runs.
+    /// After an outlier and a pulse in its place, another as far from that as that was from the outlier: the crank runs.
     Running {
         /// By how much it is off.
         by: Turns,
     },
-    /// A suspect was none, and here is another.
+    /// An outlier was none, and here is another.
     Extra {
         /// By how much the first was off.
         by: Turns,
@@ -79,21 +79,21 @@ pub(super) enum Heard {
         by: Turns,
     },
     /// Nothing came where the next pulse was expected.
-    Unheard,
+    Undetected,
     /// A pulse stays away: told once, until one comes.
     Overdue,
 }
 
 /// A pulse out of place.
 #[derive(Clone, Copy, Debug)]
-struct Suspect {
+struct Outlier {
     offset: Turns,
     at: Phase,
 }
 
 /// An extra pulse and one in its place: how far that came after it, and by how much the first was off.
 #[derive(Clone, Copy, Debug)]
-struct Beat {
+struct Spacing {
     turns: Turns,
     by: Turns,
 }
@@ -107,14 +107,14 @@ pub(super) struct IndexWatch {
     /// What the last believed pulse showed.
     offset: Turns,
     known: bool,
-    /// Pulses that this is the mean of, up to what `calm` asks for.
+    /// Pulses that this is the mean of, up to what `filtered` asks for.
     meant: u8,
     /// Phase at that pulse; before the first, where the search began.
-    heard_at: Phase,
-    suspect: Option<Suspect>,
-    beat: Option<Beat>,
+    detected_at: Phase,
+    outlier: Option<Outlier>,
+    spacing: Option<Spacing>,
     /// Nothing came where the next pulse was expected.
-    unheard: bool,
+    undetected: bool,
     /// Nor where the last was, which was done without.
     missing: bool,
     /// Turns since then at which there is something to say.
@@ -131,26 +131,26 @@ impl IndexWatch {
             offset: Turns::ZERO,
             known: false,
             meant: 0,
-            heard_at: Phase::ZERO,
-            suspect: None,
-            beat: None,
-            unheard: false,
+            detected_at: Phase::ZERO,
+            outlier: None,
+            spacing: None,
+            undetected: false,
             missing: false,
             alert: Turns::ZERO,
             before: Turns::ZERO,
         }
     }
 
-    /// Forgets what was heard; the first pulse is expected within a turn and what may be overdue from `phase` on.
+    /// Forgets what was detected; the first pulse is expected within a turn and what may be overdue from `phase` on.
     pub(super) fn reset(&mut self, phase: Phase) {
         self.is_settled = false;
         self.offset = Turns::ZERO;
         self.known = false;
-        self.suspect = None;
-        self.beat = None;
-        self.unheard = false;
+        self.outlier = None;
+        self.spacing = None;
+        self.undetected = false;
         self.missing = false;
-        self.heard_at = phase;
+        self.detected_at = phase;
         self.alert = ONE.wrapping_add(self.place.overdue);
     }
 
@@ -180,8 +180,8 @@ impl IndexWatch {
     }
 
     /// Whether the expected pulse has not come.
-    pub(super) const fn is_unheard(&self) -> bool {
-        self.unheard
+    pub(super) const fn is_undetected(&self) -> bool {
+        self.undetected
     }
 
     /// Takes in a tick without a pulse, if there is nothing to say of it; whether there was not.
@@ -190,17 +190,17 @@ impl IndexWatch {
         self.before = phase.turns;
         // Up to its end, which is further than what is sure of it.
         let end = phase.start.advanced(phase.turns);
-        end.since(self.heard_at) <= self.alert
+        end.since(self.detected_at) <= self.alert
     }
 
     /// Whether it is sure that no flag came where there would be something to say of it.
-    fn is_silent(&self, phase: &TickPhase, commanded: Turns) -> bool {
-        let sure = (commanded.to_bits() >> 16).wrapping_mul(i64::from(self.place.told_of));
-        let since = phase.start.since(self.heard_at);
+    fn has_timed_out(&self, phase: &TickPhase, commanded: Turns) -> bool {
+        let sure = (commanded.to_bits() >> 16).wrapping_mul(i64::from(self.place.covered));
+        let since = phase.start.since(self.detected_at);
         since.wrapping_add(Turns::from_bits(sure)) > self.alert
     }
 
-    /// Takes in a tick that is over, in which the axis was told to make `commanded` turns: a motor's noise would be
+    /// Takes in a tick that is over, in which the axis was commanded to make `commanded` turns: a motor's noise would be
     /// multiplied by the line's delay. `before_is_known`: so is the tick
     /// before it.
     #[inline]
@@ -211,34 +211,36 @@ impl IndexWatch {
         commanded: Turns,
         before_is_known: bool,
         clock: TickClock,
-    ) -> Heard {
-        let heard = match pulse {
-            Some(pulse) => self.hear(*pulse, phase, commanded, before_is_known, clock),
-            None if self.is_silent(phase, commanded) => match self.silence() {
+    ) -> Detection {
+        let detection = match pulse {
+            Some(pulse) => self.detect(*pulse, phase, commanded, before_is_known, clock),
+            None if self.has_timed_out(phase, commanded) => match self.time_out() {
                 // In the same tick it may be so late that it is overdue; where nothing else watches, that is what matters.
-                Heard::Unheard if self.place.calm == 0 && self.is_silent(phase, commanded) => {
-                    self.silence()
+                Detection::Undetected
+                    if self.place.filter_shift == 0 && self.has_timed_out(phase, commanded) =>
+                {
+                    self.time_out()
                 }
-                heard => heard,
+                detection => detection,
             },
-            None => Heard::Nothing,
+            None => Detection::Nothing,
         };
         self.before = phase.turns;
-        heard
+        detection
     }
 
     #[inline(never)] // seldom, and what it needs of registers the loop over all axes would lack
-    fn hear(
+    fn detect(
         &mut self,
         pulse: IndexPulse,
         phase: &TickPhase,
         commanded: Turns,
         before_is_known: bool,
         clock: TickClock,
-    ) -> Heard {
+    ) -> Detection {
         if commanded == 0 && !self.known {
             // A crank that swings where it was left may meet its flag at either end.
-            return Heard::Nothing;
+            return Detection::Nothing;
         }
         let back = pulse.cycle.min(0).unsigned_abs();
         let tick = if back == 0 {
@@ -249,8 +251,8 @@ impl IndexWatch {
                 turns: self.before,
             }
         } else {
-            self.heard_at = phase.start; // it is alive, and more is not known
-            return Heard::Nothing;
+            self.detected_at = phase.start; // it is alive, and more is not known
+            return Detection::Nothing;
         };
         let cycle = if back == 0 {
             pulse.cycle.unsigned_abs()
@@ -270,75 +272,75 @@ impl IndexWatch {
         self.judge(nearest(Phase::from_turns(end).since(at)), at)
     }
 
-    fn judge(&mut self, offset: Turns, at: Phase) -> Heard {
+    fn judge(&mut self, offset: Turns, at: Phase) -> Detection {
         if !self.known {
             self.known = true;
             self.meant = 1;
             self.believe(offset, at);
-            return Heard::First;
+            return Detection::First;
         }
         let by = nearest(offset.wrapping_sub(self.offset));
         if by.abs() <= self.place.gate {
-            if at.since(self.heard_at) < HALF {
-                return Heard::Nothing; // the same passage
+            if at.since(self.detected_at) < HALF {
+                return Detection::Nothing; // the same passage
             }
-            let before = self.heard_at;
-            let calm = self.calmed(by);
-            self.believe(nearest(self.offset.wrapping_add(calm)), at);
+            let before = self.detected_at;
+            let filtered = self.filter(by);
+            self.believe(nearest(self.offset.wrapping_add(filtered)), at);
             return self.in_place(offset, at, before);
         }
-        let again = self.suspect.is_some_and(|suspect| {
-            let apart = nearest(offset.wrapping_sub(suspect.offset));
-            apart.abs() <= self.place.gate && at.since(suspect.at) >= HALF
+        let again = self.outlier.is_some_and(|outlier| {
+            let apart = nearest(offset.wrapping_sub(outlier.offset));
+            apart.abs() <= self.place.gate && at.since(outlier.at) >= HALF
         });
         // None where the flag was, and one behind that: the flag is there now.
         let is_behind = self.missing && (LATE..Turns::ZERO).contains(&by);
-        if self.unheard || is_behind || again {
-            self.suspect = None;
-            self.beat = None;
+        if self.undetected || is_behind || again {
+            self.outlier = None;
+            self.spacing = None;
             self.meant = 1;
             self.believe(offset, at);
-            return Heard::Moved { by };
+            return Detection::Moved { by };
         }
         self.decide_soon();
-        let goes_on = self.beat.take().is_some_and(|beat| {
-            let late = at.since(self.heard_at).wrapping_sub(beat.turns).abs();
+        let goes_on = self.spacing.take().is_some_and(|spacing| {
+            let late = at.since(self.detected_at).wrapping_sub(spacing.turns).abs();
             // Noise that comes once a turn does so at the same place.
-            let is_elsewhere = nearest(by.wrapping_sub(beat.by)).abs() > self.place.gate;
-            is_elsewhere && late <= beat.turns / 4
+            let is_elsewhere = nearest(by.wrapping_sub(spacing.by)).abs() > self.place.gate;
+            is_elsewhere && late <= spacing.turns / 4
         });
-        match self.suspect.replace(Suspect { offset, at }) {
-            Some(extra) => Heard::Extra {
+        match self.outlier.replace(Outlier { offset, at }) {
+            Some(extra) => Detection::Extra {
                 by: nearest(extra.offset.wrapping_sub(self.offset)),
             },
-            None if goes_on => Heard::Running { by },
-            None => Heard::Nothing,
+            None if goes_on => Detection::Running { by },
+            None => Detection::Nothing,
         }
     }
 
     /// A pulse in its place, which showed `offset`; the one before came at `before`.
-    fn in_place(&mut self, offset: Turns, at: Phase, before: Phase) -> Heard {
-        let Some(suspect) = self.suspect.take() else {
-            self.beat = None;
-            return Heard::InPlace {
+    fn in_place(&mut self, offset: Turns, at: Phase, before: Phase) -> Detection {
+        let Some(outlier) = self.outlier.take() else {
+            self.spacing = None;
+            return Detection::InPlace {
                 extra: None,
                 may_be_fast: false,
             };
         };
-        let by = nearest(suspect.offset.wrapping_sub(offset));
-        let after = suspect.at.since(before);
-        self.beat = (after >= BETWEEN.start).then_some(Beat {
-            turns: at.since(suspect.at),
+        let by = nearest(outlier.offset.wrapping_sub(offset));
+        let after = outlier.at.since(before);
+        self.spacing = (after >= BETWEEN.start).then_some(Spacing {
+            turns: at.since(outlier.at),
             by,
         });
-        Heard::InPlace {
+        Detection::InPlace {
             extra: Some(by),
             may_be_fast: BETWEEN.contains(&after),
         }
     }
 
-    /// What is believed of a pulse that shows `by` more than is known: of the first few their mean, then the part that `calm` is.
-    fn calmed(&mut self, by: Turns) -> Turns {
+    /// What is believed of a pulse that shows `by` more than is known: of the first few their mean, then the part that `filtered` is.
+    fn filter(&mut self, by: Turns) -> Turns {
         // What is more than noise is believed whole, so that a walk is never behind by more.
         if by.abs() > self.place.tolerance {
             self.meant = 1;
@@ -346,56 +348,56 @@ impl IndexWatch {
         }
         let part = u32::from(self.meant).checked_ilog2().map_or(0, |n| n + 1);
         self.meant = self.meant.saturating_add(1);
-        Turns::from_bits(by.to_bits() >> part.min(self.place.calm))
+        Turns::from_bits(by.to_bits() >> part.min(self.place.filter_shift))
     }
 
     /// Nothing has come for so long that there is something to say.
     #[inline(never)]
-    fn silence(&mut self) -> Heard {
-        if self.known && !self.unheard {
-            if let Some(suspect) = self.suspect.take() {
-                let by = nearest(suspect.offset.wrapping_sub(self.offset));
-                self.beat = None;
+    fn time_out(&mut self) -> Detection {
+        if self.known && !self.undetected {
+            if let Some(outlier) = self.outlier.take() {
+                let by = nearest(outlier.offset.wrapping_sub(self.offset));
+                self.spacing = None;
                 self.meant = 1;
-                self.believe(suspect.offset, suspect.at);
-                return Heard::Moved { by };
+                self.believe(outlier.offset, outlier.at);
+                return Detection::Moved { by };
             }
-            self.unheard = true;
+            self.undetected = true;
             self.alert = ONE.wrapping_add(self.overdue().max(self.place.gate));
-            return Heard::Unheard;
+            return Detection::Undetected;
         }
-        self.unheard = true;
+        self.undetected = true;
         self.alert = Turns::MAX;
-        Heard::Overdue
+        Detection::Overdue
     }
 
     fn believe(&mut self, offset: Turns, at: Phase) {
         self.offset = offset;
-        self.heard_at = at;
-        self.unheard = false;
+        self.detected_at = at;
+        self.undetected = false;
         self.missing = false;
         self.alert = ONE.wrapping_add(self.place.gate);
     }
 
     /// A pulse came out of place: silence at the very place of the next decides.
     fn decide_soon(&mut self) {
-        if !self.unheard {
+        if !self.undetected {
             self.alert = self.alert.min(ONE.wrapping_add(self.place.sure));
         }
     }
 
     /// The crank may have moved at `phase`: silence at the place of the next pulse decides, and within a turn from then.
     pub(super) fn decide_within_a_turn_of(&mut self, phase: Phase) {
-        if self.known && !self.unheard {
-            let went = phase.since(self.heard_at).max(Turns::ZERO);
+        if self.known && !self.undetected {
+            let went = phase.since(self.detected_at).max(Turns::ZERO);
             self.alert = ONE.wrapping_add(went.min(self.place.gate));
         }
     }
 
-    /// The crank has moved by so much, as something else tells: its pulse is to come where that has it.
+    /// The crank has moved by so much, as something else shows: its pulse is to come where that has it.
     pub(super) fn believe_moved(&mut self, by: Turns) {
         self.offset = nearest(self.offset.wrapping_add(by));
-        self.unheard = false;
+        self.undetected = false;
         self.alert = ONE
             .wrapping_add(self.place.gate)
             .wrapping_sub(by.min(Turns::ZERO));
@@ -408,15 +410,15 @@ impl IndexWatch {
 
     /// An overdue pulse is done without: the next is expected a turn later.
     pub(super) fn pass_over(&mut self) {
-        self.heard_at = self.heard_at.advanced(ONE);
-        self.unheard = false;
+        self.detected_at = self.detected_at.advanced(ONE);
+        self.undetected = false;
         self.missing = true;
         self.alert = ONE.wrapping_add(self.place.gate);
     }
 
     /// A pulse came in a tick of which nothing is known: the sensor is alive.
     pub(super) fn disregard(&mut self, phase: Phase) {
-        self.heard_at = phase;
+        self.detected_at = phase;
     }
 
     /// All phases are counted from elsewhere from now on: the sensor is found `by` further on.

@@ -17,7 +17,7 @@ struct Limits {
 
 impl Limits {
     /// Which of them the platform is past, if it is.
-    fn past(&self, modes: &Modes) -> Option<FaultKind> {
+    fn exceeded(&self, modes: &Modes) -> Option<FaultKind> {
         if square(modes.tilt_x) + square(modes.tilt_y) > self.tilt_squared {
             Some(FaultKind::Tilt)
         } else if modes.warp > self.warp {
@@ -34,7 +34,7 @@ impl Limits {
 /// mount radius ρ tilts it by s(α) R e/ρ. The limit is for the crank angle at which that is worst, so
 /// that one measurement a turn bounds the tilt over the whole turn.
 ///
-/// A crank past a limit is to be noticed whatever its reading is off by: where one has moved, the machine is stopped by a reading's
+/// A crank beyond a limit is to be noticed whatever its reading is off by: where one has moved, the machine is stopped by a reading's
 /// error sooner. That is one crank's error, taken off each mode; with all readings off at once a tilt errs by up to √2 of it, and
 /// with sensors missing by more ([`Mount::with`]).
 #[derive(Clone, Copy, Debug)]
@@ -76,7 +76,7 @@ impl DriftLimits {
                 / machine.mount_radius_m;
         let tilt = turns((settings.tilt_limit_mrad / mrad_per_turn).min(0.5));
         let warp = turns(settings.warp_limit_deg / 360.0);
-        let reading = turns(settings.reading_deg / 360.0);
+        let reading = turns(settings.reading_error_deg / 360.0);
         let limits = |guard: Turns| {
             // Of limits no wider than what a reading may be off by, something is left.
             let less = |limit: Turns| limit.wrapping_sub(guard).max(limit / 2);
@@ -97,15 +97,15 @@ impl DriftLimits {
 
     /// Which limit the platform is past, if it is: of the modes that make it tilt and bend.
     pub(super) fn of_platform(&self, modes: &Modes) -> Option<FaultKind> {
-        self.true_limits.past(modes)
+        self.true_limits.exceeded(modes)
     }
 
     /// Which it may be past, by what readings of the cranks have.
     pub(super) fn of_readings(&self, modes: &Modes) -> Option<FaultKind> {
-        self.read.past(modes)
+        self.read.exceeded(modes)
     }
 
-    /// The limit on what all cranks have in common, if they are past it, at a speed of the master (turns a tick).
+    /// The limit on what all cranks have in common, if they are beyond it, at a speed of the master (turns a tick).
     pub(super) fn of_common(&self, modes: &Modes, speed: Turns) -> Option<FaultKind> {
         (self.beyond_natural(modes, speed).abs() > self.common).then_some(FaultKind::CommonLag)
     }

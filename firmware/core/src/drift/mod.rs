@@ -1,16 +1,16 @@
-//! The drift monitor: how far each crank is from where it was told to be, what that does to the platform, and what it is
+//! The drift monitor: how far each crank is from where commanded, what that does to the platform, and what it is
 //! called.
 //!
 //! Words: *drift* is measured minus commanded phase of one axis. An *index pulse* comes once a turn of a crank, when it passes
-//! its sensor; an *encoder*, where an axis has one, is read every tick. The cranks stand in a circle, so their N drifts, with
+//! its sensor; an *encoder*, where an axis has one, is read every tick. The cranks stand in a circle, so their N phase errors, with
 //! the trims that correct them, are taken apart into *modes*: common (all lag alike: harmless), tilt about two axes, and warp,
 //! which is what no flat platform can follow.
 //!
 //! - [`IndexFilter`] makes pulses of noisy lines; `index_watch` believes them, or does not.
-//! - `encoder_watch` does the same for encoders. Of an axis that has both, the index tells what encoder and crank differ by.
+//! - `encoder_watch` does the same for encoders. Of an axis that has both, the index shows what encoder and crank differ by.
 //! - [`Mount`] takes drifts apart, [`DriftLimits`] says which modes are too large, `naming` what a crank that moved is called.
 //!
-//! A *round* is over when every axis without an encoder has been heard since the last: drifts of one turn are compared with
+//! A *round* is over when every axis without an encoder has been detected since the last: phase errors of one turn are compared with
 //! each other and not with those of the turn before. What all cranks do alike is nobody's fault, and is taken out before one is
 //! named.
 //!
@@ -73,16 +73,16 @@ pub struct DriftMonitor {
     before_is_known: bool,
     /// Where the cranks stand is not known yet: what they are off by is nobody's fault.
     finding_out: bool,
-    /// Meanwhile a crank was heard to be elsewhere than in the turn before, by so much.
+    /// Meanwhile a crank was detected to be elsewhere than in the turn before, by so much.
     moved: Option<(usize, Turns)>,
-    drift: PerAxis<Turns>,
+    phase_error: PerAxis<Turns>,
     peak: PerAxis<Turns>,
-    /// Axes by index heard in this round.
-    heard: AxisSet,
-    /// Axes whose index has been heard at all.
+    /// Axes by index detected in this round.
+    detected: AxisSet,
+    /// Axes whose index has been detected at all.
     known: AxisSet,
-    /// Axes whose index has been heard since [`Self::look_again`].
-    seen: AxisSet,
+    /// Axes whose index has been detected since [`Self::start_check`].
+    checked: AxisSet,
     rounds: u32,
     /// In the last round, axes by index were off by about what they were in the one before: all but those that moved of themselves.
     is_even: bool,
@@ -106,11 +106,11 @@ impl DriftMonitor {
             before_is_known: false,
             finding_out: true,
             moved: None,
-            drift: [Turns::ZERO; MAX_AXES],
+            phase_error: [Turns::ZERO; MAX_AXES],
             peak: [Turns::ZERO; MAX_AXES],
-            heard: 0,
+            detected: 0,
             known: 0,
-            seen: 0,
+            checked: 0,
             rounds: 0,
             is_even: false,
             is_compared: false,
@@ -149,7 +149,7 @@ impl DriftMonitor {
         self.by_encoder = by_encoder;
         self.clock = TickClock::new(settings.tick_cycles());
         self.before_is_known = false;
-        self.seen = 0;
+        self.checked = 0;
         self.rounds = 0;
         self.reset_peak();
         self.reset(&[Phase::ZERO; MAX_AXES]);
@@ -159,28 +159,28 @@ impl DriftMonitor {
     #[inline(never)]
     pub fn observe(&mut self, sensed: &Sensed<'_>) -> Option<Finding> {
         let before_is_known = core::mem::replace(&mut self.before_is_known, true);
-        let mut news = 0;
-        let stirred = stirred(&mut self.axes, sensed.index, sensed.commanded);
-        if stirred != 0 {
-            let heard = sensed.index.iter().zip(sensed.encoder);
-            let all = self.axes.iter_mut().zip(heard.zip(sensed.commanded));
+        let mut updated = 0;
+        let pending = pending(&mut self.axes, sensed.index, sensed.commanded);
+        if pending != 0 {
+            let detected = sensed.index.iter().zip(sensed.encoder);
+            let all = self.axes.iter_mut().zip(detected.zip(sensed.commanded));
             for (axis, (watch, ((pulse, &count), commanded))) in all.enumerate() {
                 let pulse = pulse.as_ref();
-                if stirred & 1 << axis != 0
+                if pending & 1 << axis != 0
                     && watch.observe(pulse, count, commanded, before_is_known, self.clock)
                 {
-                    news |= 1 << axis;
+                    updated |= 1 << axis;
                 }
             }
         }
         self.findings.pass(sensed.speed);
-        if news != 0 || self.by_encoder != 0 {
-            self.consider(news, sensed);
+        if updated != 0 || self.by_encoder != 0 {
+            self.consider(updated, sensed);
         }
         self.findings.next()
     }
 
-    /// Takes note of a tick to which no phase belongs: sensors that were heard in it are alive.
+    /// Takes note of a tick to which no phase belongs: sensors that were detected in it are alive.
     pub fn disregard(&mut self, sensed: &Sensed<'_>) {
         self.before_is_known = false;
         for (axis, watch) in self.axes.iter_mut().enumerate() {
@@ -194,13 +194,13 @@ impl DriftMonitor {
         }
     }
 
-    /// Sorts what was heard, and looks at what has come of it.
+    /// Sorts what was detected, and looks at what has come of it.
     #[inline(never)]
-    fn consider(&mut self, news: AxisSet, sensed: &Sensed<'_>) {
+    fn consider(&mut self, updated: AxisSet, sensed: &Sensed<'_>) {
         let all_late = self.axes.iter().all(AxisWatch::is_late);
         let mut moved = 0;
         for axis in 0..self.axes.len().min(MAX_AXES) {
-            if news & 1 << axis == 0 {
+            if updated & 1 << axis == 0 {
                 continue;
             }
             let tolerance = self.limits.common;
@@ -208,53 +208,54 @@ impl DriftMonitor {
             let Some(watch) = self.axes.get_mut(axis) else {
                 continue;
             };
-            let heard = watch.sort(all_late.then_some(tolerance));
-            if heard.is_heard {
-                self.heard |= 1 << axis;
+            let sorted = watch.sort(all_late.then_some(tolerance));
+            if sorted.is_detected {
+                self.detected |= 1 << axis;
                 self.known |= 1 << axis;
-                self.seen |= 1 << axis;
+                self.checked |= 1 << axis;
             }
             // A crank may pass a limit by its own pulse, long before the round is over.
-            let own = watch.drift().wrapping_add(sensed.correction[axis]);
+            let own = watch.phase_error().wrapping_add(sensed.correction[axis]);
             let off = nearest(own.wrapping_sub(others)).abs();
-            let has_moved = heard.has_moved.filter(|_| watch.is_by_index());
+            let has_moved = sorted.has_moved.filter(|_| watch.is_by_index());
             let most = if has_moved.is_some() {
                 watch.alone()
             } else {
                 watch.far()
             };
             // One that was late, and comes while all are stopped for that, is told what it did before they stand.
-            let is_waited_for = has_moved.is_some() && self.findings.has_asked_for_a_stop();
-            if heard.is_heard && (off > most || is_waited_for) {
+            let is_waited_for = has_moved.is_some() && self.findings.has_requested_stop();
+            if sorted.is_detected && (off > most || is_waited_for) {
                 moved |= 1 << axis;
             }
-            // While it was being found out a crank was lost sight of; where it shows again tells what it did.
+            // While it was being found out a crank was lost sight of; where it shows again shows what it did.
             if let Some(by) = has_moved
                 && self.finding_out
-                && self.findings.has_asked_for_a_stop()
+                && self.findings.has_requested_stop()
             {
                 let kind = watch.jumped(by);
                 self.find(axis, kind, by, false);
-            } else if let Some(by) = heard.has_moved
+            } else if let Some(by) = sorted.has_moved
                 && self.finding_out
             {
                 self.moved = Some((axis, by));
             }
-            if let Some((kind, by, in_safety)) = heard.told {
-                self.find(axis, kind, by, in_safety);
+            if let Some((kind, by, within_limits)) = sorted.reported {
+                self.find(axis, kind, by, within_limits);
             }
         }
-        let round = news != 0 && self.heard & self.by_index == self.by_index && self.heard != 0;
-        if self.finding_out && self.is_aligned() && news != 0 && !round {
-            // All creep alike: what was heard a turn ago is as good.
+        let round =
+            updated != 0 && self.detected & self.by_index == self.by_index && self.detected != 0;
+        if self.finding_out && self.is_homed() && updated != 0 && !round {
+            // All turn at homing speed alike: what was detected a turn ago is as good.
             self.update();
-        } else if moved != 0 && !round && !self.finding_out && self.others_are_heard(moved) {
+        } else if moved != 0 && !round && !self.finding_out && self.others_are_detected(moved) {
             // It is not waited for the others, of which none is late: they have not moved with it.
             self.update();
             self.compare();
             self.is_compared = true;
         } else if round {
-            self.heard = 0;
+            self.detected = 0;
             self.rounds = self.rounds.wrapping_add(1);
             self.update();
             if !self.finding_out {
@@ -262,7 +263,7 @@ impl DriftMonitor {
                 let is_whole = !core::mem::take(&mut self.is_compared);
                 self.is_even = is_whole && others_moved <= self.limits.reading;
             }
-        } else if self.by_encoder != 0 || self.is_even && self.others_are_heard(news) {
+        } else if self.by_encoder != 0 || self.is_even && self.others_are_detected(updated) {
             // What all have in common is what it was in the round before, so that a crank may be held against others of a turn ago.
             self.update();
         } else {
@@ -274,20 +275,25 @@ impl DriftMonitor {
     /// What all axes but one are off by in common, with their corrections. Not the mean of all: that one would be held against
     /// what it did itself.
     fn in_common_but(&self, axis: usize, correction: &PerAxis<Turns>) -> Turns {
-        in_common(&self.drift, correction, self.watched() & !(1 << axis))
+        in_common(&self.phase_error, correction, self.watched() & !(1 << axis))
     }
 
     /// Whether none but the axes in `moved` is late.
-    fn others_are_heard(&self, moved: AxisSet) -> bool {
+    fn others_are_detected(&self, moved: AxisSet) -> bool {
         let others = self.by_index & !moved;
         let mut axes = self.axes.iter().enumerate();
         axes.all(|(axis, watch)| others & 1 << axis == 0 || !watch.is_late())
     }
 
     fn update(&mut self) {
-        for ((drift, peak), watch) in self.drift.iter_mut().zip(&mut self.peak).zip(&self.axes) {
-            *drift = watch.drift();
-            *peak = drift.wrapping_abs().max(*peak);
+        for ((phase_error, peak), watch) in self
+            .phase_error
+            .iter_mut()
+            .zip(&mut self.peak)
+            .zip(&self.axes)
+        {
+            *phase_error = watch.phase_error();
+            *peak = phase_error.wrapping_abs().max(*peak);
         }
     }
 
@@ -296,16 +302,16 @@ impl DriftMonitor {
         of_angle(compare(&mut self.axes, self.by_index))
     }
 
-    /// Holds what is known against the limits, and tells what was named.
+    /// Holds what is known against the limits, and shows what was named.
     fn check(&mut self, sensed: &Sensed<'_>) {
         if self.finding_out {
             self.check_encoders();
         }
-        if !self.is_aligned() {
+        if !self.is_homed() {
             return;
         }
-        let mut error = self.drift;
-        // While nobody knows the common zero, drifts may lie around half a turn: differences are what counts.
+        let mut error = self.phase_error;
+        // While nobody knows the common zero, phase errors may lie around half a turn: differences are what counts.
         let first = self.watched().trailing_zeros() as usize;
         let base = match error.get(first) {
             Some(&first) if self.finding_out => first,
@@ -315,46 +321,46 @@ impl DriftMonitor {
             *error = nearest(error.wrapping_add(correction).wrapping_sub(base));
         }
         self.modes = self.mount.modes(&error);
-        let past = self.past(sensed.speed);
+        let exceeded = self.exceeded(sensed.speed);
         for axis in 0..self.axes.len().min(MAX_AXES) {
             let fresh = self.axes.get_mut(axis).and_then(AxisWatch::take_fresh);
             // While cranks are found out, and brought together, what they do is looked at by whoever does that.
             if let Some((kind, by)) = fresh.filter(|_| !self.finding_out) {
-                self.find(axis, kind, by, past.is_none());
+                self.find(axis, kind, by, exceeded.is_none());
             }
         }
-        if let Some(kind) = past {
-            self.blame(kind, &error, sensed.speed);
+        if let Some(kind) = exceeded {
+            self.attribute(kind, &error, sensed.speed);
         }
     }
 
     /// Which limit the cranks are past, if they are: of the platform, or of what all may lag.
-    fn past(&self, speed: Turns) -> Option<FaultKind> {
+    fn exceeded(&self, speed: Turns) -> Option<FaultKind> {
         // Where cranks were left, or tilted to prove their wiring, they stay; one that has moved goes on, and may be past already.
         let goes_on = || !self.finding_out && self.axes.iter().any(AxisWatch::has_moved);
         let may_be = self.limits.of_readings(&self.modes);
-        let past = may_be.and_then(|kind| {
+        let exceeded = may_be.and_then(|kind| {
             if goes_on() {
                 Some(kind)
             } else {
                 self.limits.of_platform(&self.modes)
             }
         });
-        if past.is_some() || self.finding_out {
-            return past;
+        if exceeded.is_some() || self.finding_out {
+            return exceeded;
         }
         self.limits.of_common(&self.modes, speed)
     }
 
-    /// The cranks are past a limit: which of them, and why, if that is known.
+    /// The cranks are beyond a limit: which of them, and why, if that is known.
     #[inline(never)]
-    fn blame(&mut self, kind: FaultKind, error: &PerAxis<Turns>, speed: Turns) {
+    fn attribute(&mut self, kind: FaultKind, error: &PerAxis<Turns>, speed: Turns) {
         if kind == FaultKind::CommonLag {
             let size = self.limits.beyond_natural(&self.modes, speed);
             return self.findings.push(Fault::new(kind).with_size(size), false);
         }
         let kind = if self.finding_out {
-            FaultKind::TooFarOut
+            FaultKind::HomingRangeExceeded
         } else {
             kind
         };
@@ -374,7 +380,7 @@ impl DriftMonitor {
 
     #[inline(never)]
     fn push_axis(&mut self, axis: usize, kind: FaultKind) {
-        let size = self.drift.get(axis).copied().unwrap_or_default();
+        let size = self.phase_error.get(axis).copied().unwrap_or_default();
         self.findings
             .push(Fault::new(kind).on_axis(axis).with_size(size), false);
     }
@@ -384,14 +390,14 @@ impl DriftMonitor {
         furthest(error, self.watched())
     }
 
-    /// While nobody knows where the cranks should be, encoders still tell of an axis that does not turn as it is told; of all that do not,
-    /// too, whose drifts are alike.
+    /// While nobody knows where the cranks should be, encoders still report an axis that does not turn as commanded; of all that do not,
+    /// too, whose phase errors are alike.
     fn check_encoders(&mut self) {
         for axis in 0..self.axes.len().min(MAX_AXES) {
             let Some(watch) = self.axes.get(axis) else {
                 continue;
             };
-            if let Some((kind, by)) = watch.astray() {
+            if let Some((kind, by)) = watch.tracking_fault() {
                 let fault = Fault::new(kind).on_axis(axis).with_size(by);
                 self.findings.push(fault, false);
             }
@@ -399,9 +405,9 @@ impl DriftMonitor {
     }
 
     #[inline(never)]
-    fn find(&mut self, axis: usize, kind: FaultKind, by: Turns, in_safety: bool) {
+    fn find(&mut self, axis: usize, kind: FaultKind, by: Turns, within_limits: bool) {
         let fault = Fault::new(kind).on_axis(axis).with_size(by);
-        self.findings.push(fault, in_safety);
+        self.findings.push(fault, within_limits);
     }
 
     /// What a jump of an axis is called that nothing is known of but its size.
@@ -410,8 +416,8 @@ impl DriftMonitor {
         watch.map_or(FaultKind::Slip, |watch| watch.name_of(by))
     }
 
-    /// Whether every axis that has a sensor has been heard since [`Self::reset`].
-    pub const fn is_aligned(&self) -> bool {
+    /// Whether every axis that has a sensor has been detected since [`Self::reset`].
+    pub const fn is_homed(&self) -> bool {
         self.known == self.sensed
     }
 
@@ -422,7 +428,7 @@ impl DriftMonitor {
 
     /// Forgets what was measured: the cranks may have been turned while the drives were off. From now on they are found out.
     pub fn reset(&mut self, phase: &PerAxis<Phase>) {
-        self.heard = 0;
+        self.detected = 0;
         self.known = 0;
         self.is_even = false;
         self.is_compared = false;
@@ -432,42 +438,42 @@ impl DriftMonitor {
         for (watch, &phase) in self.axes.iter_mut().zip(phase) {
             watch.reset(phase);
         }
-        self.drift = [Turns::ZERO; MAX_AXES];
+        self.phase_error = [Turns::ZERO; MAX_AXES];
         self.modes = Modes::default();
     }
 
-    /// A crank that was heard to be elsewhere than in the turn before while cranks are found out, and by how much.
+    /// A crank that was detected to be elsewhere than in the turn before while cranks are found out, and by how much.
     pub const fn take_moved(&mut self) -> Option<(usize, Turns)> {
         self.moved.take()
     }
 
     /// The drift of each axis as it is known now, round or not, with little of the readings' noise and some ticks late.
-    pub fn calm_drift(&self) -> PerAxis<Turns> {
-        let mut drifts = self.drift;
-        fill(&mut drifts, &self.axes, AxisWatch::calm_drift);
-        drifts
+    pub fn filtered_error(&self) -> PerAxis<Turns> {
+        let mut errors = self.phase_error;
+        fill(&mut errors, &self.axes, AxisWatch::filtered_error);
+        errors
     }
 
     /// The same as each crank passed its flag last: to be compared with what it was a turn ago.
-    pub fn drift_at_flags(&self) -> PerAxis<Turns> {
-        let mut drifts = self.drift;
-        fill(&mut drifts, &self.axes, AxisWatch::drift_at_flag);
-        drifts
+    pub fn errors_at_flags(&self) -> PerAxis<Turns> {
+        let mut errors = self.phase_error;
+        fill(&mut errors, &self.axes, AxisWatch::error_at_flag);
+        errors
     }
 
-    /// Takes in what was heard in a round that is not over.
+    /// Takes in what was detected in a round that is not over.
     pub fn refresh(&mut self) {
         self.update();
     }
 
-    /// Whatever was heard, every index is to be heard again.
-    pub const fn look_again(&mut self) {
-        self.seen = 0;
+    /// Whatever was detected, every index is to be detected again.
+    pub const fn start_check(&mut self) {
+        self.checked = 0;
     }
 
-    /// Whether every index has been heard since [`Self::look_again`].
-    pub const fn has_looked(&self) -> bool {
-        self.seen & self.sensed == self.sensed
+    /// Whether every index has been detected since [`Self::start_check`].
+    pub const fn is_check_done(&self) -> bool {
+        self.checked & self.sensed == self.sensed
     }
 
     /// The cranks are where they are: from now on, what moves one of them is a fault.
@@ -484,7 +490,7 @@ impl DriftMonitor {
             watch.shift(by.wrapping_neg());
         }
         self.update();
-        self.peak = self.drift.map(Turns::wrapping_abs);
+        self.peak = self.phase_error.map(Turns::wrapping_abs);
     }
 
     /// What a crank's reading may be off by, turns.
@@ -511,7 +517,7 @@ impl DriftMonitor {
         self.limits.of_platform(&self.mount.modes(error)).is_none()
     }
 
-    /// Axes of which something is heard.
+    /// Axes of which something is detected.
     pub const fn watched(&self) -> AxisSet {
         self.sensed | self.by_encoder
     }
@@ -522,8 +528,8 @@ impl DriftMonitor {
     }
 
     /// The drift of each axis, as last measured: turns, −½ to ½.
-    pub const fn drift(&self) -> &PerAxis<Turns> {
-        &self.drift
+    pub const fn phase_error(&self) -> &PerAxis<Turns> {
+        &self.phase_error
     }
 
     /// The largest of it so far, without sign.
@@ -531,12 +537,12 @@ impl DriftMonitor {
         &self.peak
     }
 
-    /// Forgets the largest drifts.
+    /// Forgets the largest phase errors.
     pub fn reset_peak(&mut self) {
         self.peak = [Turns::ZERO; MAX_AXES];
     }
 
-    /// The modes of the drifts and their correction, as last taken.
+    /// The modes of the phase errors and their correction, as last taken.
     pub const fn modes(&self) -> &Modes {
         &self.modes
     }
@@ -544,7 +550,7 @@ impl DriftMonitor {
 
 /// Axes of which there may be news. All others are done with: in nearly all ticks, all.
 #[inline(never)] // in a loop of its own: unrolled, it lacks registers
-fn stirred(
+fn pending(
     axes: &mut [AxisWatch],
     index: &[Option<IndexPulse>],
     commanded: &[TickPhase],
@@ -562,9 +568,9 @@ fn stirred(
 
 /// A drift of each axis.
 #[inline(never)]
-fn fill(drifts: &mut [Turns], axes: &[AxisWatch], of: impl Fn(&AxisWatch) -> Turns) {
-    for (drift, watch) in drifts.iter_mut().zip(axes) {
-        *drift = of(watch);
+fn fill(errors: &mut [Turns], axes: &[AxisWatch], of: impl Fn(&AxisWatch) -> Turns) {
+    for (phase_error, watch) in errors.iter_mut().zip(axes) {
+        *phase_error = of(watch);
     }
 }
 

@@ -7,13 +7,13 @@
 //! there is no warp.
 //!
 //! Where some axes have no sensor there are fewer equations ([`Knowledge`] says how many), and the best plane through those that
-//! are heard is another sum with other weights. Errors of the plane grow with what has to be extrapolated: the axis opposite
+//! are detected is another sum with other weights. Errors of the plane grow with what has to be extrapolated: the axis opposite
 //! three neighbours of six is known six times worse than these.
 
 use crate::functions::multiply_q30;
 use crate::units::{MAX_AXES, PerAxis, Turns};
 
-/// The modes of one set of drifts, turns of crank angle.
+/// The modes of one set of phase errors, turns of crank angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Modes {
     /// Mean of all: lag if negative.
@@ -50,17 +50,17 @@ impl Modes {
 /// A set of axes: a bit for each.
 pub type AxisSet = u8;
 
-/// What axes tell of a platform on which they stand evenly, when some or all of them are heard.
+/// What axes report a platform on which they stand evenly, when some or all of them are detected.
 #[derive(Clone, Debug)]
 pub struct Mount {
-    /// Weights of the drifts, 28 fraction bits; zero for those that are not heard.
+    /// Weights of the phase errors, 28 fraction bits; zero for those that are not detected.
     common: PerAxis<i32>,
     tilt_x: PerAxis<i32>,
     tilt_y: PerAxis<i32>,
     /// Where they stand, 30 fraction bits.
     cosine: PerAxis<i32>,
     sine: PerAxis<i32>,
-    heard: AxisSet,
+    detected: AxisSet,
     count: usize,
 }
 
@@ -70,10 +70,10 @@ const DROPPED_BITS: u32 = 19;
 /// Fraction bits of a product of a drift and a weight, less those of a drift.
 const WEIGHT_BITS: u32 = 28;
 
-/// One turn, as drifts times weights have it.
+/// One turn, as phase errors times weights have it.
 const ONE_TURN_OF_SUM: i32 = 1 << (Turns::FRAC_NBITS - DROPPED_BITS + WEIGHT_BITS - 30);
 
-/// How much a set of axes tells.
+/// How much a set of axes shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Knowledge {
     /// Nothing.
@@ -96,25 +96,25 @@ impl Mount {
         tilt_y: [0; MAX_AXES],
         cosine: [0; MAX_AXES],
         sine: [0; MAX_AXES],
-        heard: 0,
+        detected: 0,
         count: 0,
     };
 
-    /// `count` axes evenly around the circle, axis 0 at θ = 0, all of them heard.
+    /// `count` axes evenly around the circle, axis 0 at θ = 0, all of them detected.
     pub fn new(count: usize) -> Self {
         Self::with(count, ((1_u32 << count) - 1) as AxisSet)
     }
 
-    /// The same, of which only some are heard.
+    /// The same, of which only some are detected.
     #[cold]
-    pub fn with(count: usize, heard: AxisSet) -> Self {
+    pub fn with(count: usize, detected: AxisSet) -> Self {
         let theta = |i: usize| core::f64::consts::TAU * i as f64 / count as f64;
         let place = |i: usize| {
             // With two axes there is no second direction to tilt in.
             let sine = if count == 2 { 0.0 } else { libm::sin(theta(i)) };
             (libm::cos(theta(i)), sine)
         };
-        let axes = || (0..count).filter(|&axis| heard & 1 << axis != 0);
+        let axes = || (0..count).filter(|&axis| detected & 1 << axis != 0);
         let mut weights = [[0.0; 3]; MAX_AXES];
         if axes().count() >= 3 {
             // The normal equations of the best plane: M c = Σ e (1, cos θ, sin θ).
@@ -149,7 +149,7 @@ impl Mount {
             tilt_y: weight(2),
             cosine: core::array::from_fn(|i| fixed(place(i).0, 30)),
             sine: core::array::from_fn(|i| fixed(place(i).1, 30)),
-            heard,
+            detected,
             count,
         }
     }
@@ -161,7 +161,7 @@ impl Mount {
 
     /// What these axes tell.
     pub const fn knowledge(&self) -> Knowledge {
-        match self.heard.count_ones() {
+        match self.detected.count_ones() {
             0 => Knowledge::Nothing,
             1 => Knowledge::Common,
             2 => Knowledge::OneTilt,
@@ -185,15 +185,15 @@ impl Mount {
         (libm::sqrt(x * x + y * y), warp)
     }
 
-    /// Takes the drifts, each from −½ to ½ turn, apart; those that are not heard are not looked at.
+    /// Takes the phase errors, each from −½ to ½ turn, apart; those that are not detected are not looked at.
     ///
-    /// Error below 1e-6 of the largest, and 2⁻²⁵ turn: drifts are taken with 29 fraction bits, and up to twelve
+    /// Error below 1e-6 of the largest, and 2⁻²⁵ turn: phase errors are taken with 29 fraction bits, and up to twelve
     /// products are rounded down.
     #[inline(never)]
-    pub fn modes(&self, drift: &PerAxis<Turns>) -> Modes {
-        let drift = drift.map(|e| (e.to_bits() >> DROPPED_BITS) as i32);
+    pub fn modes(&self, phase_error: &PerAxis<Turns>) -> Modes {
+        let phase_error = phase_error.map(|e| (e.to_bits() >> DROPPED_BITS) as i32);
         let project = |weights: &PerAxis<i32>| {
-            let products = drift.iter().zip(weights).take(self.count);
+            let products = phase_error.iter().zip(weights).take(self.count);
             let sum: i32 = products.map(|(&e, &weight)| multiply_q30(e, weight)).sum();
             // Three neighbours of six that are all far off would be extrapolated to several turns.
             sum.clamp(-ONE_TURN_OF_SUM, ONE_TURN_OF_SUM) << (30 - WEIGHT_BITS)
@@ -203,14 +203,14 @@ impl Mount {
         let tilt_y = project(&self.tilt_y);
         let (mut warp, mut warp_axis) = (0, 0);
         if self.knowledge() == Knowledge::All {
-            for (axis, ((e, &cosine), &sine)) in drift
+            for (axis, ((e, &cosine), &sine)) in phase_error
                 .iter()
                 .zip(&self.cosine)
                 .zip(&self.sine)
                 .enumerate()
                 .take(self.count)
             {
-                if self.heard & 1 << axis == 0 {
+                if self.detected & 1 << axis == 0 {
                     continue;
                 }
                 let plane = common + multiply_q30(tilt_x, cosine) + multiply_q30(tilt_y, sine);
@@ -252,19 +252,19 @@ mod tests {
     fn check(count: usize, common: f64, tilt: (f64, f64), warp: f64) {
         let tilt = if count == 2 { (tilt.0, 0.0) } else { tilt };
         let warp = if count == 4 || count == 6 { warp } else { 0.0 };
-        let drift: PerAxis<Turns> = core::array::from_fn(|i| {
+        let phase_error: PerAxis<Turns> = core::array::from_fn(|i| {
             let theta = core::f64::consts::TAU * i as f64 / count as f64;
             let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
             Turns::from_num(common + tilt.0 * theta.cos() + tilt.1 * theta.sin() + sign * warp)
         });
-        let modes = Mount::new(count).modes(&drift);
-        for (name, got, want) in [
+        let modes = Mount::new(count).modes(&phase_error);
+        for (name, actual, expected) in [
             ("common", modes.common, common),
             ("tilt_x", modes.tilt_x, tilt.0),
             ("tilt_y", modes.tilt_y, tilt.1),
             ("warp", modes.warp, warp.abs()),
         ] {
-            let error = got.to_num::<f64>() - want;
+            let error = actual.to_num::<f64>() - expected;
             assert!(error.abs() < 1e-6, "N = {count}, {name}: off by {error:e}");
         }
     }
@@ -304,32 +304,40 @@ mod tests {
             let (c, x, y) = (0.01, 0.02, if count == 2 { 0.0 } else { -0.015 });
             let theta = |i: usize| core::f64::consts::TAU * i as f64 / count as f64;
             let plane = |i: usize| c + x * theta(i).cos() + y * theta(i).sin();
-            for heard in 0..1_u32 << count {
-                let mount = Mount::with(count, heard as AxisSet);
-                // What is not heard is rubbish, and must not count.
-                let drift = core::array::from_fn(|i| {
-                    let e = if heard & 1 << i == 0 { 0.3 } else { plane(i) };
+            for detected in 0..1_u32 << count {
+                let mount = Mount::with(count, detected as AxisSet);
+                // What is not detected is rubbish, and must not count.
+                let phase_error = core::array::from_fn(|i| {
+                    let e = if detected & 1 << i == 0 {
+                        0.3
+                    } else {
+                        plane(i)
+                    };
                     Turns::from_num(e)
                 });
-                let modes = mount.modes(&drift);
-                let got = [modes.common, modes.tilt_x, modes.tilt_y].map(Turns::to_num::<f64>);
+                let modes = mount.modes(&phase_error);
+                let actual = [modes.common, modes.tilt_x, modes.tilt_y].map(Turns::to_num::<f64>);
                 assert!(modes.warp.to_num::<f64>() < 1e-6, "a plane has no warp");
-                let heard: std::vec::Vec<_> = (0..count).filter(|i| heard & 1 << i != 0).collect();
+                let detected: std::vec::Vec<_> =
+                    (0..count).filter(|i| detected & 1 << i != 0).collect();
                 let near = |a: f64, b: f64| (a - b).abs() < 1e-6;
-                match (mount.knowledge(), heard.as_slice()) {
-                    (Knowledge::Nothing, []) => assert_eq!(got, [0.0; 3]),
-                    (Knowledge::Common, &[a]) => assert!(near(got[0], plane(a))),
+                match (mount.knowledge(), detected.as_slice()) {
+                    (Knowledge::Nothing, []) => assert_eq!(actual, [0.0; 3]),
+                    (Knowledge::Common, &[a]) => assert!(near(actual[0], plane(a))),
                     (Knowledge::OneTilt, &[a, b]) => {
-                        assert!(near(got[0], (plane(a) + plane(b)) / 2.0));
-                        let at = |i: usize| got[1] * theta(i).cos() + got[2] * theta(i).sin();
+                        assert!(near(actual[0], (plane(a) + plane(b)) / 2.0));
+                        let at = |i: usize| actual[1] * theta(i).cos() + actual[2] * theta(i).sin();
                         assert!(near(at(a) - at(b), plane(a) - plane(b)));
                         let least = (plane(a) - plane(b)).abs();
-                        assert!(got[1].hypot(got[2]) <= least + 1e-6, "not the least tilt");
+                        assert!(
+                            actual[1].hypot(actual[2]) <= least + 1e-6,
+                            "not the least tilt"
+                        );
                     }
                     (Knowledge::Plane | Knowledge::All, _) => {
                         assert!(
-                            near(got[0], c) && near(got[1], x) && near(got[2], y),
-                            "{got:?}"
+                            near(actual[0], c) && near(actual[1], x) && near(actual[2], y),
+                            "{actual:?}"
                         );
                     }
                     other => panic!("{other:?}"),
@@ -342,9 +350,9 @@ mod tests {
     /// is warp.
     #[test]
     fn a_single_axis_shows_as_tilt_and_warp() {
-        let mut drift = PerAxis::default();
-        drift[2] = Turns::from_num(0.02);
-        let modes = Mount::new(6).modes(&drift);
+        let mut phase_error = PerAxis::default();
+        phase_error[2] = Turns::from_num(0.02);
+        let modes = Mount::new(6).modes(&phase_error);
         assert!((modes.warp.to_num::<f64>() - 0.01).abs() < 1e-6);
         assert_eq!(modes.warp_axis, 2);
     }

@@ -15,7 +15,7 @@ const MOST_GAINED: i64 = 4;
 
 /// What one axis did, as far as its name depends on it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Story {
+pub(super) struct History {
     /// An electrical cycle, turns; zero if it has none.
     cycle: Turns,
     /// What two readings may differ by, of themselves.
@@ -25,7 +25,7 @@ pub(super) struct Story {
     last: Turns,
 }
 
-impl Story {
+impl History {
     pub(super) const fn new(cycle: Turns, tolerance: Turns) -> Self {
         Self {
             cycle,
@@ -115,7 +115,7 @@ pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
             FaultKind::Tilt
             | FaultKind::Warp
             | FaultKind::CommonLag
-            | FaultKind::Silent
+            | FaultKind::IndexTimeout
             | FaultKind::IndexExtra => 0,
             FaultKind::LostSteps | FaultKind::Slip => 1,
             FaultKind::IndexMissing
@@ -126,12 +126,12 @@ pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
         }
     }
     if let FaultKind::IndexMissing = new {
-        return matches!(old, FaultKind::Silent);
+        return matches!(old, FaultKind::IndexTimeout);
     }
     let (new_rank, old_rank) = (rank(new), rank(old));
-    // Of lost steps and slip the later tells.
-    let told_apart = new_rank == 1 && old_rank == 1 && new as u8 != old as u8;
-    new_rank < 3 && (new_rank > old_rank || told_apart)
+    // Of lost steps and slip the later shows.
+    let is_other_kind = new_rank == 1 && old_rank == 1 && new as u8 != old as u8;
+    new_rank < 3 && (new_rank > old_rank || is_other_kind)
 }
 
 #[cfg(test)]
@@ -144,8 +144,8 @@ mod tests {
         Turns::from_num(deg / 360.0)
     }
 
-    fn story() -> Story {
-        Story::new(deg(CYCLE_DEG), deg(0.45))
+    fn history() -> History {
+        History::new(deg(CYCLE_DEG), deg(0.45))
     }
 
     #[test]
@@ -153,33 +153,33 @@ mod tests {
         for cycles in [-20.0, -3.0, -1.0, 1.0, 2.0] {
             for off in [-0.4, 0.0, 0.4] {
                 let by = deg(cycles * CYCLE_DEG + off);
-                assert_eq!(story().jumped(by), FaultKind::LostSteps, "{by}");
+                assert_eq!(history().jumped(by), FaultKind::LostSteps, "{by}");
             }
         }
         for off in [-3.6, -2.0, 2.0, 10.0, 30.0] {
-            assert_eq!(story().jumped(deg(off)), FaultKind::Slip, "{off}");
+            assert_eq!(history().jumped(deg(off)), FaultKind::Slip, "{off}");
         }
-        let mut servo = Story::new(Turns::ZERO, deg(0.9));
+        let mut servo = History::new(Turns::ZERO, deg(0.9));
         assert_eq!(servo.jumped(deg(7.2)), FaultKind::Slip);
     }
 
-    /// One jump of many may be whole by chance; the next tells.
+    /// One jump of many may be whole by chance; the next shows.
     #[test]
     fn what_goes_on_is_no_loss_of_steps_and_what_gains_runs_away() {
-        let mut walk = story();
+        let mut walk = history();
         assert_eq!(walk.jumped(deg(-7.2)), FaultKind::LostSteps);
         assert_eq!(walk.jumped(deg(-9.7)), FaultKind::Slip);
-        let mut slips = story();
+        let mut slips = history();
         assert_eq!(slips.jumped(deg(-7.2)), FaultKind::LostSteps);
         assert_eq!(slips.jumped(deg(-14.4)), FaultKind::LostSteps);
-        let mut gains = story();
+        let mut gains = history();
         gains.jumped(deg(50.0));
         assert_eq!(gains.jumped(deg(83.0)), FaultKind::Runaway);
-        let mut in_two = story();
+        let mut in_two = history();
         assert_eq!(in_two.jumped(deg(9.4)), FaultKind::Slip);
         assert_eq!(in_two.jumped(deg(5.0)), FaultKind::LostSteps);
         assert_eq!(in_two.jumped(deg(7.2)), FaultKind::Runaway);
-        let mut by_chance = story();
+        let mut by_chance = history();
         by_chance.jumped(deg(51.456));
         assert_eq!(by_chance.jumped(deg(107.477)), FaultKind::Runaway);
         gains.rest();

@@ -27,12 +27,12 @@ fn monitor(count: usize, tilt_mrad: f64, warp_deg: f64, common_deg: f64) -> Drif
 /// How far one crank may truly be off, turns, under the limits of `monitor(3.0, 5.0, 15.0)`.
 fn true_alone(count: usize, axis: usize) -> f64 {
     let mut settings = settings(count, 3.0, 5.0, 15.0);
-    settings.drift.reading_deg = 0.0;
+    settings.drift.reading_error_deg = 0.0;
     configured(&settings).axes[axis].alone().to_num()
 }
 
 /// What one tick brought to a monitor.
-fn hear(
+fn detect(
     monitor: &mut DriftMonitor,
     index: &PerAxis<Option<IndexPulse>>,
     encoder: &PerAxis<i32>,
@@ -109,7 +109,8 @@ impl Cranks {
             });
             let counts = now.map(|turns| (turns * 3200.0).floor() as i32);
             self.before = now;
-            if let Some(finding) = hear(&mut self.monitor, &pulses, &counts, &[commanded; MAX_AXES])
+            if let Some(finding) =
+                detect(&mut self.monitor, &pulses, &counts, &[commanded; MAX_AXES])
             {
                 found.push((self.tick, finding));
             }
@@ -118,11 +119,11 @@ impl Cranks {
         found
     }
 
-    /// Turns until every index has been heard, and takes that for where the cranks are.
-    fn aligned(mut self) -> Self {
+    /// Turns until every index has been detected, and takes that for where the cranks are.
+    fn homed(mut self) -> Self {
         let ticks = (1.2 / self.speed) as u32;
         assert_eq!(self.turn(ticks, |_, _| 0.0), []);
-        assert!(self.monitor.is_aligned());
+        assert!(self.monitor.is_homed());
         self.monitor.settle();
         self
     }
@@ -149,9 +150,9 @@ fn drift_is_measured_to_a_cycle_at_any_speed() {
         let errors = [0.01, -0.02, 0.003, 0.0, 0.0, 0.0];
         cranks.before = errors;
         assert_eq!(cranks.turn((3.0 / speed) as u32, |i, _| errors[i]), []);
-        assert!(cranks.monitor.is_aligned());
-        for (got, want) in cranks.monitor.drift().iter().zip(errors) {
-            let error = got.to_num::<f64>() - want;
+        assert!(cranks.monitor.is_homed());
+        for (actual, expected) in cranks.monitor.phase_error().iter().zip(errors) {
+            let error = actual.to_num::<f64>() - expected;
             // The pulse's own cycle, rounded down, and the interpolation's 24 bits.
             let bound = speed / f64::from(TICK_CYCLES) + speed * (-24.0_f64).exp2() + 1e-11;
             assert!(error.abs() < bound, "{error:e} at {speed} turns a tick");
@@ -163,7 +164,7 @@ fn drift_is_measured_to_a_cycle_at_any_speed() {
 #[test]
 fn tilt_trips_at_its_limit() {
     // mode 1 of one axis in three that is off by e is 2/3 e; max s(α) at λ = 0.3 by fine search.
-    let most_way = (0..100_000)
+    let largest_travel = (0..100_000)
         .map(|i| {
             let alpha = f64::from(i) * core::f64::consts::PI / 100_000.0;
             let (sin, cos) = alpha.sin_cos();
@@ -171,7 +172,7 @@ fn tilt_trips_at_its_limit() {
         })
         .fold(0.0, f64::max);
     let limit_mrad = 3.0;
-    let amplitude = limit_mrad * 1e-3 * 0.25 / 0.02 / most_way / core::f64::consts::TAU;
+    let amplitude = limit_mrad * 1e-3 * 0.25 / 0.02 / largest_travel / core::f64::consts::TAU;
     for (part, trips) in [(0.99, false), (1.01, true)] {
         let error = -1.5 * amplitude * part;
         let fault = found_out(
@@ -181,7 +182,7 @@ fn tilt_trips_at_its_limit() {
         );
         assert_eq!(fault.is_some(), trips, "at {part} of the limit");
         if let Some((tick, kind, axis)) = fault {
-            assert_eq!((kind, axis), (FaultKind::TooFarOut, Some(2)));
+            assert_eq!((kind, axis), (FaultKind::HomingRangeExceeded, Some(2)));
             assert!(tick <= 103, "a turn and two ticks, and not {tick}");
         }
     }
@@ -195,12 +196,12 @@ fn warp_tilt_and_common_lag_have_limits_of_their_own() {
         for watch in &mut monitor.axes {
             watch.never_walks(); // what has a name is not left to the limits
         }
-        let mut cranks = Cranks::new(monitor, 0.01).aligned();
+        let mut cranks = Cranks::new(monitor, 0.01).homed();
         let from = f64::from(cranks.tick) * 0.01;
         let found = cranks.turn(2000, move |i, t| off(i) * (t - from).max(0.0));
         found
             .first()
-            .map(|(_, finding)| (finding.fault.kind, finding.in_safety))
+            .map(|(_, finding)| (finding.fault.kind, finding.within_limits))
     };
     let bent: fn(usize) -> f64 = |i| if i % 2 == 0 { 0.001 } else { -0.001 };
     assert_eq!(
@@ -228,7 +229,7 @@ fn warp_tilt_and_common_lag_have_limits_of_their_own() {
 /// that never was, and a crank that jumps with all others is not the one that moved.
 #[test]
 fn a_lag_in_common_is_no_ones_own() {
-    let mut cranks = Cranks::new(monitor(4, 0.05, 0.05, 180.0), 0.01).aligned();
+    let mut cranks = Cranks::new(monitor(4, 0.05, 0.05, 180.0), 0.01).homed();
     let from = f64::from(cranks.tick) * 0.01;
     let small = |i: usize| [0.0, -1e-6, 1e-6, 0.0][i];
     let found = cranks.turn(10_000, move |i, t| -0.0037 * (t - from) + small(i));
@@ -240,16 +241,16 @@ fn a_lag_in_common_is_no_ones_own() {
 }
 
 #[test]
-fn a_sensor_that_stays_silent_is_missed_within_its_turn() {
-    let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), 0.01).aligned();
+fn an_index_timeout_is_reported_within_its_turn() {
+    let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), 0.01).homed();
     let began = cranks.tick;
     let found = cranks.turn_with(300, |_, _| 0.0, |i, _, pulse| pulse.filter(|_| i != 3));
     let (tick, finding) = found[0];
     assert_eq!(
         (finding.fault.kind, finding.fault.axis),
-        (FaultKind::Silent, Some(3))
+        (FaultKind::IndexTimeout, Some(3))
     );
-    assert!(!finding.in_safety);
+    assert!(!finding.within_limits);
     // Aligned at 1.2 turns: due 80 ticks later, and then the way that would tilt the platform too far.
     assert!(
         tick - began <= 80 + 8,
@@ -261,23 +262,26 @@ fn a_sensor_that_stays_silent_is_missed_within_its_turn() {
 /// What was silent and comes back in its place was the sensor, not the crank.
 #[test]
 fn one_pulse_that_stays_away_gets_its_name_when_the_next_comes() {
-    let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), 0.01).aligned();
+    let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), 0.01).homed();
     let once = |i: usize, t: f64, pulse: Option<IndexPulse>| pulse.filter(|_| i != 1 || t > 2.5);
     let found = cranks.turn_with(300, |_, _| 0.0, once);
     let kinds: Vec<_> = found
         .iter()
-        .map(|(_, f)| (f.fault.kind, f.refines))
+        .map(|(_, f)| (f.fault.kind, f.supersedes))
         .collect();
     assert_eq!(
         kinds,
-        [(FaultKind::Silent, false), (FaultKind::IndexMissing, true)]
+        [
+            (FaultKind::IndexTimeout, false),
+            (FaultKind::IndexMissing, true)
+        ]
     );
 }
 
 /// A pulse where no flag is: told once the true one has come, and nothing is thought to have moved. Where a crank at twice its speed would
 /// have made both, nobody can be sure.
 #[test]
-fn an_extra_pulse_is_told_and_counts_for_nothing() {
+fn an_extra_pulse_is_reported_and_changes_nothing() {
     for (at, is_sure) in [
         (0.1, true),
         (0.3, true),
@@ -288,7 +292,7 @@ fn an_extra_pulse_is_told_and_counts_for_nothing() {
         (0.9, true),
         (0.97, true),
     ] {
-        let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), 0.01).aligned();
+        let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), 0.01).homed();
         let extra = move |i: usize, t: f64, pulse: Option<IndexPulse>| {
             let now = (t - 2.0 - at).abs() < 0.0051;
             pulse.or((i == 2 && now).then_some(IndexPulse { cycle: 100 }))
@@ -296,7 +300,7 @@ fn an_extra_pulse_is_told_and_counts_for_nothing() {
         let found = cranks.turn_with(400, |_, _| 0.0, extra);
         let kinds: Vec<_> = found
             .iter()
-            .map(|(_, f)| (f.fault.kind, f.in_safety))
+            .map(|(_, f)| (f.fault.kind, f.within_limits))
             .collect();
         assert_eq!(kinds, [(FaultKind::IndexExtra, is_sure)], "at {at}");
         assert_eq!(found[0].1.fault.axis, Some(2));
@@ -305,10 +309,10 @@ fn an_extra_pulse_is_told_and_counts_for_nothing() {
 
 /// Steps lost, few and many, at any place of the turn, behind and ahead.
 #[test]
-fn lost_steps_are_seen_within_a_turn_and_counted() {
+fn lost_steps_are_detected_within_a_turn_and_counted() {
     for cycles in [-4.0, -2.0, -1.0, 1.0, 2.0, 3.0] {
         for place in [0.05, 0.3, 0.6, 0.95] {
-            let mut cranks = Cranks::new(monitor(5, 3.0, 5.0, 15.0), 0.01).aligned();
+            let mut cranks = Cranks::new(monitor(5, 3.0, 5.0, 15.0), 0.01).homed();
             let lost = move |i: usize, t: f64| {
                 let gone = i == 1 && t > 2.0 + place;
                 if gone { cycles * 0.02 } else { 0.0 }
@@ -321,12 +325,12 @@ fn lost_steps_are_seen_within_a_turn_and_counted() {
                 "{cycles} at {place}: {found:?}"
             );
             assert_eq!(last.fault.axis, Some(1));
-            let drift = cranks.monitor.drift()[1].to_num::<f64>();
+            let drift = cranks.monitor.phase_error()[1].to_num::<f64>();
             assert!((drift - cycles * 0.02).abs() < 1e-3, "{drift}");
             let first = f64::from(found[0].0) * 0.01;
             assert!(
                 first <= 3.0 + place + 0.02 + 0.005,
-                "{cycles} at {place}: seen at {first}"
+                "{cycles} at {place}: detected at {first}"
             );
         }
     }
@@ -336,7 +340,7 @@ fn lost_steps_are_seen_within_a_turn_and_counted() {
 #[test]
 fn a_walk_is_slip() {
     for a_turn in [-0.03, -0.013, -0.002, -0.0005, 0.0005, 0.002] {
-        let mut cranks = Cranks::new(monitor(3, 5.0, 5.0, 15.0), 0.01).aligned();
+        let mut cranks = Cranks::new(monitor(3, 5.0, 5.0, 15.0), 0.01).homed();
         let found = cranks.turn(4000, move |i, t| {
             if i == 0 {
                 a_turn * (t - 2.0).max(0.0)
@@ -347,7 +351,9 @@ fn a_walk_is_slip() {
         let first = found.first().expect("something is found").1;
         assert_eq!(first.fault.axis, Some(0));
         let named = found.iter().map(|(_, finding)| finding.fault.kind);
-        let named: Vec<_> = named.filter(|kind| *kind != FaultKind::Silent).collect();
+        let named: Vec<_> = named
+            .filter(|kind| *kind != FaultKind::IndexTimeout)
+            .collect();
         // Two jumps in a row may add up to whole cycles by chance; the next shows that it goes on.
         let last = named.iter().rev().take(2);
         assert!(
@@ -355,8 +361,8 @@ fn a_walk_is_slip() {
             "{a_turn}: {named:?}"
         );
         assert!(
-            found.iter().any(|(_, finding)| !finding.in_safety),
-            "{a_turn}: past the limit"
+            found.iter().any(|(_, finding)| !finding.within_limits),
+            "{a_turn}: beyond the limit"
         );
     }
 }
@@ -366,7 +372,7 @@ fn encoders(tilt_mrad: f64) -> Cranks {
 }
 
 fn encoders_at(speed: f64, tilt_mrad: f64) -> Cranks {
-    Cranks::new(monitor_with_encoders(tilt_mrad), speed).aligned()
+    Cranks::new(monitor_with_encoders(tilt_mrad), speed).homed()
 }
 
 fn monitor_with_encoders(tilt_mrad: f64) -> DriftMonitor {
@@ -381,7 +387,7 @@ fn monitor_with_encoders(tilt_mrad: f64) -> DriftMonitor {
 
 /// With an encoder a crank that stands, turns back or runs away is known within some ticks, by its name.
 #[test]
-fn encoders_tell_how_an_axis_moves() {
+fn encoders_show_how_an_axis_moves() {
     for (speed, kind) in [
         (-1.0, FaultKind::Stuck),
         (-2.0, FaultKind::Reversed),
@@ -407,7 +413,7 @@ fn encoders_tell_how_an_axis_moves() {
 }
 
 /// A reading that is off for some ticks is a glitch; counts that stay lost are told by the index; a crank that slips on its shaft
-/// is seen by the index alone.
+/// is detected by the index alone.
 #[test]
 fn encoder_and_index_check_each_other() {
     let glitch = |from: f64, to: f64| {
@@ -427,7 +433,7 @@ fn encoder_and_index_check_each_other() {
             let count = (end * 3200.0).floor() as i32;
             let off = if (from..to).contains(&t) { 500 } else { 0 };
             let counts = [count, count + off, count, 0, 0, 0];
-            let sensed = hear(
+            let sensed = detect(
                 &mut cranks.monitor,
                 &[pulse; MAX_AXES],
                 &counts,
@@ -436,13 +442,13 @@ fn encoder_and_index_check_each_other() {
             found.extend(sensed.map(|finding| (finding.fault.kind, finding.fault.axis)));
             cranks.tick += 1;
         }
-        let drift = cranks.monitor.drift()[1].to_num::<f64>();
+        let drift = cranks.monitor.phase_error()[1].to_num::<f64>();
         assert!(drift.abs() < 2.0 / 3200.0, "a glitch is no drift: {drift}");
         found
     };
-    let told = (FaultKind::EncoderGlitch, Some(1));
-    assert_eq!(glitch(1.5, 1.505), [told], "for a tick");
-    assert_eq!(glitch(1.5, 99.0), [told], "for good");
+    let reported = (FaultKind::EncoderGlitch, Some(1));
+    assert_eq!(glitch(1.5, 1.505), [reported], "for a tick");
+    assert_eq!(glitch(1.5, 99.0), [reported], "for good");
     let mut cranks = encoders(30.0);
     let mut settings = Vec::new();
     for _ in 0..1500 {
@@ -466,7 +472,7 @@ fn encoder_and_index_check_each_other() {
             })
         });
         let counts = [(end * 3200.0).floor() as i32; MAX_AXES];
-        let sensed = hear(&mut cranks.monitor, &pulses, &counts, &[phase; MAX_AXES]);
+        let sensed = detect(&mut cranks.monitor, &pulses, &counts, &[phase; MAX_AXES]);
         settings.extend(sensed.map(|finding| (finding.fault.kind, finding.fault.axis)));
         cranks.tick += 1;
     }
@@ -474,12 +480,12 @@ fn encoder_and_index_check_each_other() {
     assert!(
         settings
             .iter()
-            .all(|told| *told == (FaultKind::Slip, Some(0))),
+            .all(|reported| *reported == (FaultKind::Slip, Some(0))),
         "{settings:?}"
     );
 }
 
-/// An index that is missing, or extra, where an encoder watches, is told, and the machine goes on.
+/// An index that is missing, or extra, where an encoder watches, is reported, and the machine goes on.
 #[test]
 fn an_encoder_vouches_for_its_crank() {
     let mut cranks = encoders(3.0);
@@ -487,12 +493,12 @@ fn an_encoder_vouches_for_its_crank() {
     let found = cranks.turn_with(300, |_, _| 0.0, once);
     let kinds: Vec<_> = found
         .iter()
-        .map(|(_, f)| (f.fault.kind, f.in_safety))
+        .map(|(_, f)| (f.fault.kind, f.within_limits))
         .collect();
     assert_eq!(kinds, [(FaultKind::IndexMissing, true)]);
 }
 
-/// A pulse that is confirmed a tick later belongs to the speed of its own tick. Were it reckoned from the
+/// A pulse that is confirmed a tick later belongs to the speed of its own tick. Were it computed from the
 /// later one's, 2000 rev/s² would make 0.018° of 50 µs. One cycle at 200 rev/s is 0.0006°.
 #[test]
 fn a_pulse_of_the_tick_before_is_measured_as_well() {
@@ -515,21 +521,21 @@ fn a_pulse_of_the_tick_before_is_measured_as_well() {
         let pulse = Some(IndexPulse {
             cycle: -(back as i32),
         });
-        hear(
+        detect(
             &mut monitor,
             &[None; MAX_AXES],
             &[0; MAX_AXES],
             &[tick(1.0 - before, before); MAX_AXES],
         );
-        let found = hear(
+        let found = detect(
             &mut monitor,
             &[pulse; MAX_AXES],
             &[0; MAX_AXES],
             &[tick(1.0, now); MAX_AXES],
         );
         assert_eq!(found, None);
-        for (got, want) in monitor.drift().iter().zip(error) {
-            let off_deg = (got.to_num::<f64>() - want) * 360.0;
+        for (actual, expected) in monitor.phase_error().iter().zip(error) {
+            let off_deg = (actual.to_num::<f64>() - expected) * 360.0;
             assert!(off_deg.abs() < 0.0006, "{off_deg}° at {hz_per_s} rev/s²");
         }
     }
@@ -544,7 +550,7 @@ fn a_pulse_of_a_tick_that_is_not_known_is_not_measured() {
         start: Phase::ZERO,
         turns: Turns::from_num(0.001),
     }; MAX_AXES];
-    hear(&mut monitor, &[None; MAX_AXES], &[0; MAX_AXES], &phases);
+    detect(&mut monitor, &[None; MAX_AXES], &[0; MAX_AXES], &phases);
     monitor.disregard(&Sensed {
         index: &[None; MAX_AXES],
         encoder: &[0; MAX_AXES],
@@ -553,10 +559,10 @@ fn a_pulse_of_a_tick_that_is_not_known_is_not_measured() {
         speed: Turns::ZERO,
     });
     let pulse = Some(IndexPulse { cycle: -1 });
-    hear(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &phases);
-    assert!(!monitor.is_aligned());
-    hear(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &phases);
-    assert!(monitor.is_aligned());
+    detect(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &phases);
+    assert!(!monitor.is_homed());
+    detect(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &phases);
+    assert!(monitor.is_homed());
 }
 
 /// A sensor that bounces at every other passage, at 0.4 turns a tick: three widths or one until a pulse is
@@ -572,26 +578,26 @@ fn pulses_that_wait_to_be_confirmed_are_not_missed() {
     let mut waiting = None;
     for tick in 0..1000 {
         let (start, end) = (f64::from(tick) * turns, f64::from(tick + 1) * turns);
-        let mut told = None;
+        let mut reported = None;
         if end.floor() > start.floor() {
             let widths = if end.floor() % 2.0 == 0.0 { 3.0 } else { 1.0 };
             let cycle = (end.floor() - start) / turns * tick_cycles;
             if cycle + widths * 0.25 * tick_cycles <= tick_cycles {
-                told = Some(cycle);
+                reported = Some(cycle);
             } else {
                 waiting = Some(cycle);
             }
         } else {
-            told = waiting.take().map(|cycle| cycle - tick_cycles);
+            reported = waiting.take().map(|cycle| cycle - tick_cycles);
         }
-        let pulse = told.map(|cycle| IndexPulse {
+        let pulse = reported.map(|cycle| IndexPulse {
             cycle: cycle as i32,
         });
         let phase = TickPhase {
             start: Phase::from_turns(Turns::wrapping_from_num(start)),
             turns: Turns::from_num(turns),
         };
-        let found = hear(
+        let found = detect(
             &mut monitor,
             &[pulse; MAX_AXES],
             &[0; MAX_AXES],
@@ -599,9 +605,9 @@ fn pulses_that_wait_to_be_confirmed_are_not_missed() {
         );
         assert_eq!(found, None, "tick {tick}");
     }
-    assert!(monitor.is_aligned());
+    assert!(monitor.is_homed());
 }
 
+mod index_timeout;
 mod runaways;
-mod silence;
 mod slips;

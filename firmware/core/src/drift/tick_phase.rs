@@ -3,7 +3,7 @@
 use crate::functions::{multiply_high, multiply_long};
 use crate::units::{Phase, Turns};
 
-/// An index pulse: when it came, seen from the tick that was over when it was read.
+/// An index pulse: when it came, detected from the tick that was over when it was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IndexPulse {
     /// Cycles of the step clock from the beginning of that tick, up to a tick's cycles; negative if it
@@ -55,9 +55,12 @@ impl TickPhase {
         // cycle / tick_cycles with 24 fraction bits; and of the turns of a tick, below ½, the upper 40: 2⁻²⁴ of a tick
         // is less than a cycle.
         let part = multiply_high(cycle << CYCLE_SPARE_BITS, clock.per_cycle).min(1 << 24);
-        let way = self.turns.to_bits().unsigned_abs() >> 8;
-        let way = (multiply_long(way, part) >> 16) as i64;
-        self.start
-            .advanced(Turns::from_bits(if self.turns < 0 { -way } else { way }))
+        let travel = self.turns.to_bits().unsigned_abs() >> 8;
+        let travel = (multiply_long(travel, part) >> 16) as i64;
+        self.start.advanced(Turns::from_bits(if self.turns < 0 {
+            -travel
+        } else {
+            travel
+        }))
     }
 }

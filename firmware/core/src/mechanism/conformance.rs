@@ -51,7 +51,7 @@ fn curvature_is_the_derivative_of_slope() {
     }
 }
 
-/// Were it wrong, the platform would creep away over a turn.
+/// Were it wrong, the platform would turn at homing speed away over a turn.
 #[test]
 fn the_platform_comes_back_after_a_turn() {
     for (name, mechanism) in all() {

@@ -114,7 +114,7 @@ impl<'a> ProgramBuilder<'a> {
             return Err(SettingsError::new(
                 "program.amax_mps2",
                 Problem::LevelOutOfReach {
-                    asked_mps2: amax_mps2,
+                    requested_mps2: amax_mps2,
                     needed_hz: needed.to_num::<f64>() * f64::from(self.tick_hz),
                     limit_hz,
                     most_mps2: self.mechanism.amax(limit).to_num(),

@@ -111,8 +111,8 @@ mod tests {
         let mut worst = 0.0_f64;
         for i in 0..100_000_u64 {
             let x = ((i << 32) / 100_000) as u32;
-            let got = smooth(x) as f64 / 4294967296.0;
-            worst = worst.max((got - quintic(f64::from(x) / 4294967296.0)).abs());
+            let actual = smooth(x) as f64 / 4294967296.0;
+            worst = worst.max((actual - quintic(f64::from(x) / 4294967296.0)).abs());
         }
         assert!(worst < 45.0 / 4294967296.0, "{worst:e}");
     }
@@ -148,11 +148,14 @@ mod tests {
     }
 
     #[test]
-    fn half_way_is_half_the_level() {
+    fn half_the_ramp_is_half_the_level() {
         for shape in [Shape::Linear, Shape::Smooth] {
             let segment = Segment::new(Amax::from_num(200), 1000, 0, shape);
-            let got: f64 = segment.level_at(500, Amax::from_num(100)).to_num();
-            assert!((got - 150.0).abs() < 100.0 * (-26.0_f64).exp2(), "{got}");
+            let actual: f64 = segment.level_at(500, Amax::from_num(100)).to_num();
+            assert!(
+                (actual - 150.0).abs() < 100.0 * (-26.0_f64).exp2(),
+                "{actual}"
+            );
         }
     }
 }

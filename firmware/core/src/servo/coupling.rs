@@ -1,7 +1,7 @@
 //! Cross-coupling of servos: an axis that is held up is waited for by the others.
 //!
 //! Each servo's position setpoint is moved against what its crank is off from the mean of all, in proportion and integrated. The
-//! one that lags is told to go on, the others are told to hold back, by as much in all: the sum of what is added is zero, so
+//! one that lags is commanded to go on, the others are commanded to hold back, by as much in all: the sum of what is added is zero, so
 //! that mode 0, which the program decides, is not touched. All other modes are fed back with the same gains.
 
 use crate::settings::Settings;
@@ -45,18 +45,18 @@ impl Coupling {
         })
     }
 
-    /// Takes in the drifts at a tick's end.
+    /// Takes in the phase errors at a tick's end.
     #[inline(never)] // of boards without servos it is not to be in the way
-    pub fn advance(&mut self, drift: &PerAxis<Turns>) {
+    pub fn advance(&mut self, phase_error: &PerAxis<Turns>) {
         // Below half a turn each: 31 bits, and room for gains of up to 20 and a sum of six.
-        let drift = drift.map(|e| e.to_bits() >> 16);
-        let mean = (drift.iter().sum::<i64>() * self.share) >> 28;
+        let phase_error = phase_error.map(|e| e.to_bits() >> 16);
+        let mean = (phase_error.iter().sum::<i64>() * self.share) >> 28;
         let mut integral = self.integral;
         let mut added = self.added;
         let (mut rest, mut rest_integral) = (0, 0);
         for axis in 0..self.count.min(MAX_AXES) {
             let (of_integral, all) = if axis + 1 < self.count {
-                let off = drift[axis] - mean;
+                let off = phase_error[axis] - mean;
                 let of_integral = integral[axis] - ((off * self.gain_a_tick) >> 8);
                 (of_integral, of_integral - off * self.gain)
             } else {
@@ -67,7 +67,7 @@ impl Coupling {
             integral[axis] = of_integral;
             added[axis] = Turns::from_bits(all);
         }
-        // What would take an axis past its limit is not begun: all stay where they are, and their sum zero.
+        // What would take an axis beyond its limit is not begun: all stay where they are, and their sum zero.
         if integral.iter().all(|integral| integral.abs() <= self.limit) {
             self.integral = integral;
         }

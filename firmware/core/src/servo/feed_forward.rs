@@ -165,19 +165,22 @@ mod tests {
                         } else {
                             -9.80665
                         };
-                        let want = load_kg / 4.0
+                        let expected = load_kg / 4.0
                             * radius_m
                             * s
                             * (radius_m * (h * omega * omega + s * angular) + g)
                             + 1e-3 * angular;
-                        let got: f64 = forward
+                        let actual: f64 = forward
                             .torque(
                                 Phase::from_turns(Turns::from_num(f64::from(degree) / 360.0)),
                                 Turns::from_num(speed_hz / hz),
                                 Turns::from_num(acceleration / hz / hz),
                             )
                             .to_num();
-                        worst = (worst.0.max((got - want).abs()), worst.1.max(want.abs()));
+                        worst = (
+                            worst.0.max((actual - expected).abs()),
+                            worst.1.max(expected.abs()),
+                        );
                     }
                 }
                 assert!(

@@ -34,7 +34,7 @@ pub enum Problem {
     CouplingBlind,
     #[error(
         "proving the wiring moves cranks by up to {deg:.2}°, which a trim limit or the limits on tilt and warp do not allow; raise \
-         axes.trim_limit_deg or the limits in [drift], lower drift.reading_deg, or let it be false"
+         axes.trim_limit_deg or the limits in [drift], lower drift.reading_error_deg, or let it be false"
     )]
     WiringPattern { deg: f64 },
     #[error(
@@ -56,14 +56,14 @@ pub enum Problem {
     #[error(
         "{}° is outside -{} to {}°; trim less, or raise axes.trim_limit_deg", Number(*trim_deg), Number(*limit_deg), Number(*limit_deg)
     )]
-    TrimPastLimit { trim_deg: f64, limit_deg: f64 },
+    TrimBeyondLimit { trim_deg: f64, limit_deg: f64 },
     #[error("the segment takes no time at all; give it a ramp_s or a hold_s of at least one tick")]
     NoDuration,
     #[error(
-        "{asked_mps2:.2} m/s² needs {needed_hz:.3} rev/s, over limits.speed_hz = {limit_hz}; {most_mps2:.2} m/s² is the most this machine reaches within it"
+        "{requested_mps2:.2} m/s² needs {needed_hz:.3} rev/s, over limits.speed_hz = {limit_hz}; {most_mps2:.2} m/s² is the most this machine reaches within it"
     )]
     LevelOutOfReach {
-        asked_mps2: f64,
+        requested_mps2: f64,
         needed_hz: f64,
         limit_hz: f64,
         most_mps2: f64,

@@ -159,8 +159,8 @@ pub struct DriftSettings {
     /// Mean lag of all cranks, degrees, above 0, up to 180.
     pub common_limit_deg: f64,
     /// What a reading of a crank's phase may be off by, from noise alone, degrees, 0.01 to 5. What is within this, and two
-    /// steps, is not told from nothing.
-    pub reading_deg: f64,
+    /// steps, is not distinguished from nothing.
+    pub reading_error_deg: f64,
     /// Time by which all cranks follow late by their nature, seconds, 0 to 0.1: as much of the common lag as belongs to the
     /// speed is not held against its limit.
     pub lag_s: f64,
@@ -171,8 +171,8 @@ pub struct DriftSettings {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CorrectionSettings {
     /// Part of a difference between cranks that is trimmed away in a turn, 0 (never) to 1.
-    pub part: f64,
-    /// Whether *align* trims each crank by an amount of its own and asks to see that crank, and no other, follow.
+    pub gain: f64,
+    /// Whether *homing* trims each crank by an amount of its own and asks to see that crank, and no other, follow.
     pub prove_wiring: bool,
     /// Cross-coupling of servos: setpoint against what an axis is off from the mean of all, 0 to 20.
     pub coupling: f64,
@@ -189,7 +189,7 @@ impl Default for Settings {
 impl CorrectionSettings {
     /// Drift is watched, and nothing done about it within the limits.
     pub const NONE: Self = Self {
-        part: 0.0,
+        gain: 0.0,
         prove_wiring: false,
         coupling: 0.0,
         coupling_per_s: 0.0,
@@ -216,7 +216,7 @@ impl Settings {
                 jerk_hz_per_s2: 0.0,
                 stop_acceleration_hz_per_s: 0.0,
                 stop_jerk_hz_per_s2: 0.0,
-                creep_hz: 0.0,
+                homing_speed_hz: 0.0,
                 bands: heapless::Vec::new(),
             },
             pulse: PulseSettings {
@@ -231,7 +231,7 @@ impl Settings {
                 tilt_limit_mrad: 0.0,
                 warp_limit_deg: 0.0,
                 common_limit_deg: 0.0,
-                reading_deg: 0.0,
+                reading_error_deg: 0.0,
                 lag_s: 0.0,
             },
             correction: CorrectionSettings::NONE,
@@ -280,7 +280,12 @@ impl Settings {
             1e-3,
             180.0,
         )?;
-        inside("drift.reading_deg", self.drift.reading_deg, 0.01, 5.0)?;
+        inside(
+            "drift.reading_error_deg",
+            self.drift.reading_error_deg,
+            0.01,
+            5.0,
+        )?;
         inside("drift.lag_us", self.drift.lag_s * 1e6, 0.0, 100_000.0)?;
         self.correction.check()?;
         inside("control.park_deg", self.park_turns * 360.0, 0.0, 360.0)?;
@@ -329,7 +334,7 @@ impl Settings {
 impl CorrectionSettings {
     #[cold]
     fn check(&self) -> Result<(), SettingsError> {
-        inside("correction.part", self.part, 0.0, 1.0)?;
+        inside("correction.gain", self.gain, 0.0, 1.0)?;
         inside("correction.coupling", self.coupling, 0.0, 20.0)?;
         let per_s = self.coupling_per_s;
         inside("correction.coupling_per_s", per_s, 0.0, 10_000.0)?;

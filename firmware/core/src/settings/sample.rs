@@ -47,7 +47,7 @@ pub(crate) fn settings(axes: usize) -> Settings {
             jerk_hz_per_s2: 200.0,
             stop_acceleration_hz_per_s: 20.0,
             stop_jerk_hz_per_s2: 200.0,
-            creep_hz: 1.0,
+            homing_speed_hz: 1.0,
             bands: heapless::Vec::new(),
         },
         pulse: PulseSettings {
@@ -62,7 +62,7 @@ pub(crate) fn settings(axes: usize) -> Settings {
             tilt_limit_mrad: 3.0,
             warp_limit_deg: 3.0,
             common_limit_deg: 15.0,
-            reading_deg: 0.25,
+            reading_error_deg: 0.25,
             lag_s: 0.0,
         },
         correction: CorrectionSettings::NONE,

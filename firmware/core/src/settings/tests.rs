@@ -10,9 +10,9 @@ fn refused(settings: &Settings) -> std::string::String {
     settings.controller().unwrap_err().to_string()
 }
 
-/// Were it wrong, an image would run another program than the one it was given.
+/// Were it wrong, the firmware would run another program than the one it was given.
 #[test]
-fn the_program_is_the_one_that_is_told() {
+fn the_program_is_the_given_one() {
     let controller = settings(3).controller().unwrap();
     assert_eq!(controller.program().0.duration(), 3 * 3 * 2000);
 }

@@ -1,4 +1,4 @@
-//! What can go wrong, and what was seen when it did.
+//! What can go wrong, and what was detected when it did.
 //!
 //! One list for all of it, faults and what is merely told, under the same names in the log, in reports and as bytes.
 
@@ -9,14 +9,14 @@ use crate::units::{FRACTION_BITS, Phase, Turns};
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum FaultKind {
-    /// The platform tilts further than it may, and nothing tells why.
-    #[error("platform tilt past its limit")]
+    /// The platform tilts further than it may, and nothing shows why.
+    #[error("platform tilt beyond its limit")]
     Tilt = 0,
-    /// The cranks bend the platform further than they may, and nothing tells why.
-    #[error("platform warp past its limit")]
+    /// The cranks bend the platform further than they may, and nothing shows why.
+    #[error("platform warp beyond its limit")]
     Warp = 1,
     /// All cranks together lag, or lead, further than they may.
-    #[error("common lag past its limit")]
+    #[error("common lag beyond its limit")]
     CommonLag = 2,
     /// A stepper fell behind, or was driven ahead, by whole electrical cycles.
     #[error("lost steps")]
@@ -24,25 +24,25 @@ pub enum FaultKind {
     /// A crank walks away from where its motor has it.
     #[error("slip")]
     Slip = 4,
-    /// A crank stands while its motor is told to turn; seen by its encoder.
+    /// A crank stands while its motor is commanded to turn; detected by its encoder.
     #[error("axis stuck")]
     Stuck = 5,
-    /// An axis turns faster than it is told to.
+    /// An axis turns faster than commanded.
     #[error("axis runs away")]
     Runaway = 6,
     /// No index pulse comes any more from an axis that nothing else watches: it is stuck, or its sensor dead.
-    #[error("axis silent: stuck, or its index sensor dead")]
-    Silent = 7,
+    #[error("index timeout: axis stuck, or its index sensor dead")]
+    IndexTimeout = 7,
     /// An index pulse stayed away, and the crank is where it should be.
     #[error("index pulse missing")]
     IndexMissing = 8,
     /// An index pulse came where no flag is.
     #[error("extra index pulse")]
     IndexExtra = 9,
-    /// Lines of two axes are swapped: one is moved, and the other is seen to follow.
+    /// Lines of two axes are swapped: one is moved, and the other is detected to follow.
     #[error("wiring of two axes swapped")]
     SwappedWiring = 10,
-    /// An axis turns the other way round than it is told; seen by its encoder.
+    /// An axis turns the other way round than commanded; detected by its encoder.
     #[error("axis turns the wrong way")]
     Reversed = 11,
     /// An encoder reads what its crank cannot have done.
@@ -55,17 +55,17 @@ pub enum FaultKind {
     #[error("control loop overrun")]
     Overrun = 14,
     /// The step hardware of an axis ran out of pulses within a tick: that axis is behind the others.
-    #[error("step pulses ran dry")]
-    RanDry = 15,
+    #[error("step FIFO underrun")]
+    StepFifoUnderrun = 15,
     /// The enable input was taken away while the machine moved.
     #[error("enable input lost while moving")]
     EnableLost = 16,
     /// The stop input came on.
     #[error("stop input")]
     StopInput = 17,
-    /// A crank is too far from the others for align to bring it back.
-    #[error("crank too far out to be aligned")]
-    TooFarOut = 18,
+    /// A crank is too far from the others for homing to bring it back.
+    #[error("homing range exceeded")]
+    HomingRangeExceeded = 18,
     /// The program that was handed over cannot be run.
     #[error("program rejected")]
     ProgramRejected = 19,
@@ -73,8 +73,8 @@ pub enum FaultKind {
     #[error("settings rejected")]
     SettingsRejected = 20,
     /// The controller restarted by itself, out of a state in which the machine may have been moving.
-    #[error("controller restarted")]
-    Restarted = 21,
+    #[error("watchdog reset")]
+    WatchdogReset = 21,
 }
 
 impl FaultKind {
@@ -87,7 +87,7 @@ impl FaultKind {
         Self::Slip,
         Self::Stuck,
         Self::Runaway,
-        Self::Silent,
+        Self::IndexTimeout,
         Self::IndexMissing,
         Self::IndexExtra,
         Self::SwappedWiring,
@@ -95,13 +95,13 @@ impl FaultKind {
         Self::EncoderGlitch,
         Self::DriveAlarm,
         Self::Overrun,
-        Self::RanDry,
+        Self::StepFifoUnderrun,
         Self::EnableLost,
         Self::StopInput,
-        Self::TooFarOut,
+        Self::HomingRangeExceeded,
         Self::ProgramRejected,
         Self::SettingsRejected,
-        Self::Restarted,
+        Self::WatchdogReset,
     ];
 
     /// Its name in reports and tables.
@@ -114,7 +114,7 @@ impl FaultKind {
             Self::Slip => "slip",
             Self::Stuck => "stuck",
             Self::Runaway => "runaway",
-            Self::Silent => "silent",
+            Self::IndexTimeout => "index-timeout",
             Self::IndexMissing => "index-missing",
             Self::IndexExtra => "index-extra",
             Self::SwappedWiring => "swapped-wiring",
@@ -122,18 +122,18 @@ impl FaultKind {
             Self::EncoderGlitch => "encoder-glitch",
             Self::DriveAlarm => "drive-alarm",
             Self::Overrun => "overrun",
-            Self::RanDry => "run-dry",
+            Self::StepFifoUnderrun => "step-fifo-underrun",
             Self::EnableLost => "enable-loss",
             Self::StopInput => "stop-input",
-            Self::TooFarOut => "too-far-out",
+            Self::HomingRangeExceeded => "homing-range-exceeded",
             Self::ProgramRejected => "program-rejected",
             Self::SettingsRejected => "settings-rejected",
-            Self::Restarted => "restarted",
+            Self::WatchdogReset => "watchdog-reset",
         }
     }
 }
 
-/// A fault or a limit, and what was seen.
+/// A fault or a limit, and what was detected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fault {
     /// What went wrong.
@@ -166,7 +166,7 @@ impl Fault {
         }
     }
 
-    /// The same, seen on an axis.
+    /// The same, detected on an axis.
     #[must_use]
     pub const fn on_axis(mut self, axis: usize) -> Self {
         self.axis = Some(axis);

@@ -1,8 +1,8 @@
 //! The supervisor: which state the machine is in, and what that means for shaft and drives.
 //!
 //! ```text
-//!            start             all indices seen          program done, stop
-//!   idle ───────────► align ───────────────────► run ───────────────────────► stop ──► parked
+//!            start             all indices detected          program done, stop
+//!   idle ───────────► homing ──────────────────► run ───────────────────────► stop ──► parked
 //!    ▲                  │                         │ ▲                           │        │ │
 //!    │                  │ stop, fault             │ └───────────── start ───────┼────────┘ │
 //!    │                  └──────────► stop ◄───────┘ fault                       ▼          │
@@ -16,8 +16,8 @@
 //! enable input is taken away while anything moves, and where the table of reactions says so, the drives are off the
 //! same tick. A parked machine whose enable is taken away is idle, as nothing is wrong with it.
 //!
-//! A fault *latches*: the first is kept, with what was seen, until a reset. What is learnt about it later may give it a
-//! better name, never another time. The drives are on in align, run, stop and parked, and in no other state.
+//! A fault *latches*: the first is kept, with what was detected, until a reset. What is learnt about it later may give it a
+//! better name, never another time. The drives are on in homing, run, stop and parked, and in no other state.
 
 mod fault;
 pub mod reaction;
@@ -34,8 +34,8 @@ pub enum State {
     /// Drives off, waiting for a start.
     #[default]
     Idle,
-    /// Drives on, turning slowly until every index has been seen.
-    Align,
+    /// Drives on, turning slowly until every index has been detected.
+    Homing,
     /// Following the program.
     Run,
     /// Coming to rest, all axes together.
@@ -50,7 +50,7 @@ impl State {
     /// All of them; each at the place that it has as a number.
     pub const ALL: [Self; 6] = [
         Self::Idle,
-        Self::Align,
+        Self::Homing,
         Self::Run,
         Self::Stop,
         Self::Parked,
@@ -61,7 +61,7 @@ impl State {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Idle => "idle",
-            Self::Align => "align",
+            Self::Homing => "homing",
             Self::Run => "run",
             Self::Stop => "stop",
             Self::Parked => "parked",
@@ -83,7 +83,7 @@ pub struct SafetyInputs {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Command {
-    /// Run the program: from idle, align first; when parked, go on (or from the start, if it was over).
+    /// Run the program: from idle, homing first; when parked, go on (or from the start, if it was over).
     Start,
     /// Stop at the parking phase.
     Stop,
@@ -93,23 +93,23 @@ pub enum Command {
     Resume,
     /// Leave the fault state.
     Reset,
-    /// Forget the largest drifts so far.
+    /// Forget the largest phase errors so far.
     ResetPeak,
 }
 
 /// What the rest of the loop reports, of the tick that is over.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen {
+pub struct SupervisorInput {
     /// Something is wrong that the machine must not go on with.
     pub fault: Option<Fault>,
-    /// What is to be done about it: to stop, or to disable. What is milder is told, and no fault.
+    /// What is to be done about it: to stop, or to disable. What is milder is reported, and no fault.
     pub reaction: Reaction,
     /// The fault is the one that latched, better named.
-    pub refines: bool,
+    pub supersedes: bool,
     /// The shaft stands where it was to stop.
     pub at_rest: bool,
-    /// Align is over: every index has been heard, and the cranks are together as far as that is asked for.
-    pub aligned: bool,
+    /// Homing is over: every index has been detected, and the cranks are together as far as that is requested.
+    pub homed: bool,
     /// The program is over.
     pub program_done: bool,
     /// Control ticks since power-up.
@@ -118,15 +118,15 @@ pub struct Seen {
     pub phase: Phase,
 }
 
-impl Default for Seen {
+impl Default for SupervisorInput {
     /// Nothing; and were it a fault, it would stop the machine.
     fn default() -> Self {
         Self {
             fault: None,
             reaction: Reaction::Stop,
-            refines: false,
+            supersedes: false,
             at_rest: false,
-            aligned: false,
+            homed: false,
             program_done: false,
             tick: 0,
             phase: Phase::ZERO,
@@ -140,7 +140,7 @@ pub enum Action {
     /// Stand; the drives are off or have just been switched on.
     Stand,
     /// Turn slowly.
-    Creep,
+    Home,
     /// Follow the program.
     Play,
     /// Keep the speed, the program's time standing still.
@@ -193,7 +193,7 @@ impl Supervisor {
     pub const fn drives_enabled(&self) -> bool {
         matches!(
             self.state,
-            State::Align | State::Run | State::Stop | State::Parked
+            State::Homing | State::Run | State::Stop | State::Parked
         )
     }
 
@@ -204,41 +204,51 @@ impl Supervisor {
     }
 
     /// Decides on one tick.
-    pub fn step(&mut self, inputs: SafetyInputs, command: Option<Command>, seen: Seen) -> Action {
-        self.latch(seen);
-        self.state = self.next_state(inputs, command, seen);
+    pub fn step(
+        &mut self,
+        inputs: SafetyInputs,
+        command: Option<Command>,
+        input: SupervisorInput,
+    ) -> Action {
+        self.latch(input);
+        self.state = self.next_state(inputs, command, input);
         self.action()
     }
 
     /// Keeps the first fault; what follows from it is not what began it, unless it is a better name for that.
-    fn latch(&mut self, seen: Seen) {
-        let Some(fault) = seen.fault else {
+    fn latch(&mut self, input: SupervisorInput) {
+        let Some(fault) = input.fault else {
             return;
         };
         let on = self.drives_enabled();
         match &mut self.fault {
-            Some(first) if seen.refines => {
+            Some(first) if input.supersedes => {
                 *first = Fault {
                     tick: first.tick,
                     phase: first.phase,
                     ..fault
                 };
             }
-            None if on => self.fault = Some(fault.at(seen.tick, seen.phase)),
+            None if on => self.fault = Some(fault.at(input.tick, input.phase)),
             _ => {}
         }
     }
 
-    fn next_state(&mut self, inputs: SafetyInputs, command: Option<Command>, seen: Seen) -> State {
+    fn next_state(
+        &mut self,
+        inputs: SafetyInputs,
+        command: Option<Command>,
+        input: SupervisorInput,
+    ) -> State {
         let stop = inputs.stop || command == Some(Command::Stop);
-        let moving = matches!(self.state, State::Align | State::Run | State::Stop);
+        let moving = matches!(self.state, State::Homing | State::Run | State::Stop);
         if moving && !inputs.enable {
-            let lost = Fault::new(FaultKind::EnableLost).at(seen.tick, seen.phase);
+            let lost = Fault::new(FaultKind::EnableLost).at(input.tick, input.phase);
             self.fault.get_or_insert(lost);
             return State::Fault;
         }
         // Whichever fault is the first, a later one may be what must not go on for another tick.
-        let disable = seen.fault.is_some() && seen.reaction == Reaction::Disable;
+        let disable = input.fault.is_some() && input.reaction == Reaction::Disable;
         if disable && self.drives_enabled() {
             return State::Fault;
         }
@@ -246,17 +256,17 @@ impl Supervisor {
             State::Idle if command == Some(Command::Start) && inputs.enable && !inputs.stop => {
                 self.settling = self.settle_ticks;
                 self.holding = false;
-                State::Align
+                State::Homing
             }
             State::Idle => State::Idle,
-            State::Align | State::Run if self.fault.is_some() || stop => State::Stop,
-            State::Align if self.settling > 0 => {
+            State::Homing | State::Run if self.fault.is_some() || stop => State::Stop,
+            State::Homing if self.settling > 0 => {
                 self.settling -= 1;
-                State::Align
+                State::Homing
             }
-            State::Align if seen.aligned => State::Run,
-            State::Align => State::Align,
-            State::Run if seen.program_done => State::Stop,
+            State::Homing if input.homed => State::Run,
+            State::Homing => State::Homing,
+            State::Run if input.program_done => State::Stop,
             State::Run => {
                 match command {
                     Some(Command::Hold) => self.holding = true,
@@ -265,18 +275,18 @@ impl Supervisor {
                 }
                 State::Run
             }
-            State::Stop if !seen.at_rest => State::Stop,
+            State::Stop if !input.at_rest => State::Stop,
             State::Stop if self.fault.is_some() => State::Fault,
             State::Stop => State::Parked,
             State::Parked if self.fault.is_some() => State::Fault,
             State::Parked if !inputs.enable => State::Idle,
             State::Parked if !inputs.stop && command == Some(Command::Start) => {
                 self.holding = false;
-                // It may have been stopped before it was aligned.
-                if seen.aligned {
+                // It may have been stopped before it was homed.
+                if input.homed {
                     State::Run
                 } else {
-                    State::Align
+                    State::Homing
                 }
             }
             State::Parked => State::Parked,
@@ -291,8 +301,8 @@ impl Supervisor {
     fn action(&self) -> Action {
         match self.state {
             State::Idle | State::Fault => Action::Stand,
-            State::Align if self.settling > 0 => Action::Stand,
-            State::Align => Action::Creep,
+            State::Homing if self.settling > 0 => Action::Stand,
+            State::Homing => Action::Home,
             State::Run if self.holding => Action::Hold,
             State::Run => Action::Play,
             State::Stop | State::Parked if self.fault.is_some() => Action::StopFast,

@@ -26,12 +26,12 @@ const DEPTH: u32 = 6;
 struct Input {
     inputs: SafetyInputs,
     command: Option<Command>,
-    seen: Seen,
+    observed: SupervisorInput,
 }
 
 impl Input {
     fn disables(&self) -> bool {
-        self.seen.fault.is_some() && self.seen.reaction == Reaction::Disable
+        self.observed.fault.is_some() && self.observed.reaction == Reaction::Disable
     }
 
     fn stops(&self) -> bool {
@@ -60,7 +60,7 @@ fn all_inputs() -> Vec<Input> {
     ];
     let mut all = Vec::new();
     for command in COMMANDS {
-        for (reaction, refines) in faults {
+        for (reaction, supersedes) in faults {
             for bits in 0_u8..32 {
                 let bit = |n: u8| bits & (1 << n) != 0;
                 all.push(Input {
@@ -69,14 +69,14 @@ fn all_inputs() -> Vec<Input> {
                         stop: bit(1),
                     },
                     command,
-                    seen: Seen {
+                    observed: SupervisorInput {
                         fault: reaction.map(|_| Fault::new(FaultKind::Stuck)),
                         reaction: reaction.unwrap_or(Reaction::Stop),
-                        refines,
+                        supersedes,
                         at_rest: bit(2),
-                        aligned: bit(3),
+                        homed: bit(3),
                         program_done: bit(4),
-                        ..Seen::default()
+                        ..SupervisorInput::default()
                     },
                 });
             }
@@ -103,9 +103,9 @@ fn key(supervisor: &Supervisor, owed: Owed) -> Key {
 fn explore(inputs: &[Input]) -> BTreeMap<Key, BTreeSet<Key>> {
     let mut graph = BTreeMap::new();
     let mut open = VecDeque::from([(Supervisor::new(SETTLE), Owed::Nothing)]);
-    let mut restarted = Supervisor::new(SETTLE);
-    restarted.begin_with(Fault::new(FaultKind::Restarted));
-    open.push_back((restarted, Owed::Reset));
+    let mut after_reset = Supervisor::new(SETTLE);
+    after_reset.begin_with(Fault::new(FaultKind::WatchdogReset));
+    open.push_back((after_reset, Owed::Reset));
     while let Some((supervisor, owed)) = open.pop_front() {
         let from = key(&supervisor, owed);
         if graph.contains_key(&from) {
@@ -114,7 +114,7 @@ fn explore(inputs: &[Input]) -> BTreeMap<Key, BTreeSet<Key>> {
         let mut next = BTreeSet::new();
         for input in inputs {
             let mut after = supervisor.clone();
-            let action = after.step(input.inputs, input.command, input.seen);
+            let action = after.step(input.inputs, input.command, input.observed);
             let owed = check(&supervisor, owed, input, &after, action);
             if next.insert(key(&after, owed)) {
                 open.push_back((after, owed));
@@ -168,7 +168,7 @@ fn no_sequence_of_any_length_breaks_a_demand_or_ends_in_a_dead_state() {
     );
 }
 
-/// One thing that happens in a tick; safety inputs and what is seen of the machine stay as they are until they change.
+/// One thing that happens in a tick; safety inputs and what is detected of the machine stay as they are until they change.
 const EVENTS: [fn(&mut Input); 16] = [
     |_| {},
     |input| input.command = Some(Command::Start),
@@ -178,26 +178,26 @@ const EVENTS: [fn(&mut Input); 16] = [
     |input| input.command = Some(Command::Reset),
     |input| input.inputs.enable = !input.inputs.enable,
     |input| input.inputs.stop = !input.inputs.stop,
-    |input| input.seen.at_rest = !input.seen.at_rest,
-    |input| input.seen.aligned = !input.seen.aligned,
-    |input| input.seen.program_done = !input.seen.program_done,
-    |input| input.seen.fault = Some(Fault::new(FaultKind::Tilt)),
+    |input| input.observed.at_rest = !input.observed.at_rest,
+    |input| input.observed.homed = !input.observed.homed,
+    |input| input.observed.program_done = !input.observed.program_done,
+    |input| input.observed.fault = Some(Fault::new(FaultKind::Tilt)),
     |input| {
-        input.seen.fault = Some(Fault::new(FaultKind::Runaway));
-        input.seen.reaction = Reaction::Disable;
+        input.observed.fault = Some(Fault::new(FaultKind::Runaway));
+        input.observed.reaction = Reaction::Disable;
     },
     |input| {
-        input.seen.fault = Some(Fault::new(FaultKind::Stuck));
-        input.seen.refines = true;
+        input.observed.fault = Some(Fault::new(FaultKind::Stuck));
+        input.observed.supersedes = true;
     },
     // The usual course of things, so that six events are a long story.
     |input| {
         input.command = Some(Command::Start);
-        input.seen.aligned = true;
+        input.observed.homed = true;
     },
     |input| {
         input.command = Some(Command::Stop);
-        input.seen.at_rest = true;
+        input.observed.at_rest = true;
     },
 ];
 
@@ -206,22 +206,22 @@ const EVENTS: [fn(&mut Input); 16] = [
 #[test]
 fn all_sequences_of_six_events_stay_within_the_graph() {
     let graph = explore(&all_inputs());
-    let calm = Input {
+    let quiet = Input {
         inputs: SafetyInputs {
             enable: true,
             stop: false,
         },
         command: None,
-        seen: Seen::default(),
+        observed: SupervisorInput::default(),
     };
     let mut ticks = 0_u64;
-    let mut stack = std::vec![(Supervisor::new(SETTLE), Owed::Nothing, calm, 0)];
+    let mut stack = std::vec![(Supervisor::new(SETTLE), Owed::Nothing, quiet, 0)];
     while let Some((supervisor, owed, held, depth)) = stack.pop() {
         for event in EVENTS {
             let mut input = held;
             event(&mut input);
             let mut after = supervisor.clone();
-            let action = after.step(input.inputs, input.command, input.seen);
+            let action = after.step(input.inputs, input.command, input.observed);
             let owed = check(&supervisor, owed, &input, &after, action);
             assert!(
                 graph.contains_key(&key(&after, owed)),
@@ -231,11 +231,11 @@ fn all_sequences_of_six_events_stay_within_the_graph() {
             if depth + 1 < DEPTH {
                 let held = Input {
                     command: None,
-                    seen: Seen {
+                    observed: SupervisorInput {
                         fault: None,
                         reaction: Reaction::Stop,
-                        refines: false,
-                        ..input.seen
+                        supersedes: false,
+                        ..input.observed
                     },
                     ..input
                 };

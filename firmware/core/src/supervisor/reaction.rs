@@ -1,7 +1,7 @@
 //! What is done about what goes wrong: one table.
 //!
-//! A fault is met in *safety* as long as all cranks that can be seen are within their limits, and the crank it befell is
-//! still seen by some sensor that can be believed. Out of safety there is always a stop.
+//! A fault is met in *safety* as long as all cranks that can be detected are within their limits, and the crank it befell is
+//! still detected by some sensor that can be believed. Out of safety there is always a stop.
 
 use super::FaultKind;
 
@@ -9,9 +9,9 @@ use super::FaultKind;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reaction {
-    /// It is told, and the machine goes on.
+    /// It is reported, and the machine goes on.
     Report,
-    /// It is told, and trimmed away; where trims are not allowed to, told only.
+    /// It is reported, and trimmed away; where trims are not allowed to, told only.
     Correct,
     /// All axes stop together, as fast as the motors' torque allows; then the drives are off until a reset.
     Stop,
@@ -25,7 +25,7 @@ pub enum Reaction {
 pub struct Row {
     /// What is wrong.
     pub kind: FaultKind,
-    /// What is done in safety.
+    /// What is done within limits.
     pub safe: Reaction,
     /// What is done out of it.
     pub unsafe_: Reaction,
@@ -51,7 +51,7 @@ pub const REACTIONS: [Row; FaultKind::ALL.len()] = {
         row(Kind::Slip, Correct, Stop),
         row(Kind::Stuck, Stop, Stop),
         row(Kind::Runaway, Disable, Disable),
-        row(Kind::Silent, Stop, Stop),
+        row(Kind::IndexTimeout, Stop, Stop),
         row(Kind::IndexMissing, Report, Stop),
         row(Kind::IndexExtra, Report, Stop),
         row(Kind::SwappedWiring, Stop, Stop),
@@ -59,26 +59,26 @@ pub const REACTIONS: [Row; FaultKind::ALL.len()] = {
         row(Kind::EncoderGlitch, Report, Stop),
         row(Kind::DriveAlarm, Stop, Stop),
         row(Kind::Overrun, Stop, Stop),
-        row(Kind::RanDry, Stop, Stop),
+        row(Kind::StepFifoUnderrun, Stop, Stop),
         row(Kind::EnableLost, Disable, Disable),
         // Not a fault: it parks the machine, as the stop command does, and the drives hold.
         row(Kind::StopInput, Report, Report),
-        row(Kind::TooFarOut, Stop, Stop),
+        row(Kind::HomingRangeExceeded, Stop, Stop),
         // Nothing turns yet: what is rejected is not run, and what was there before goes on.
         row(Kind::ProgramRejected, Report, Report),
         row(Kind::SettingsRejected, Report, Report),
-        row(Kind::Restarted, Disable, Disable),
+        row(Kind::WatchdogReset, Disable, Disable),
     ]
 };
 
 /// What is done about a kind.
-pub const fn reaction(kind: FaultKind, in_safety: bool) -> Reaction {
+pub const fn reaction(kind: FaultKind, within_limits: bool) -> Reaction {
     let place = kind as usize;
     if place >= REACTIONS.len() {
         return Reaction::Disable; // there is no such kind: a compiler is not always told
     }
     let row = REACTIONS[place];
-    if in_safety { row.safe } else { row.unsafe_ }
+    if within_limits { row.safe } else { row.unsafe_ }
 }
 
 #[cfg(test)]
@@ -87,7 +87,7 @@ mod tests {
 
     /// Were a row at another's place, a fault would get another's reaction.
     #[test]
-    fn every_kind_has_its_row_and_is_met_no_milder_out_of_safety() {
+    fn every_kind_has_its_row_and_is_no_milder_outside_limits() {
         for (row, kind) in REACTIONS.iter().zip(FaultKind::ALL) {
             assert_eq!(row.kind, kind);
             assert!(row.unsafe_ >= row.safe, "{kind:?}");

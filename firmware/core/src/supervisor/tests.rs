@@ -9,45 +9,48 @@ const SAFE: SafetyInputs = SafetyInputs {
 
 fn in_state(state: State) -> Supervisor {
     let mut supervisor = Supervisor::new(0);
-    let mut go = |command, seen| {
-        supervisor.step(SAFE, command, seen);
+    let mut go = |command, input| {
+        supervisor.step(SAFE, command, input);
     };
-    let aligned = Seen {
-        aligned: true,
-        ..Seen::default()
+    let homed = SupervisorInput {
+        homed: true,
+        ..SupervisorInput::default()
     };
-    let at_rest = Seen {
+    let at_rest = SupervisorInput {
         at_rest: true,
-        ..Seen::default()
+        ..SupervisorInput::default()
     };
-    let broken = Seen {
+    let broken = SupervisorInput {
         fault: Some(Fault::new(FaultKind::Tilt)),
-        ..Seen::default()
+        ..SupervisorInput::default()
     };
-    let path: &[(Option<Command>, Seen)] = match state {
+    let path: &[(Option<Command>, SupervisorInput)] = match state {
         State::Idle => &[],
-        State::Align => &[(Some(Command::Start), Seen::default())],
-        State::Run => &[(Some(Command::Start), Seen::default()), (None, aligned)],
+        State::Homing => &[(Some(Command::Start), SupervisorInput::default())],
+        State::Run => &[
+            (Some(Command::Start), SupervisorInput::default()),
+            (None, homed),
+        ],
         State::Stop => &[
-            (Some(Command::Start), Seen::default()),
-            (None, aligned),
-            (Some(Command::Stop), aligned),
+            (Some(Command::Start), SupervisorInput::default()),
+            (None, homed),
+            (Some(Command::Stop), homed),
         ],
         State::Parked => &[
-            (Some(Command::Start), Seen::default()),
-            (None, aligned),
-            (Some(Command::Stop), aligned),
+            (Some(Command::Start), SupervisorInput::default()),
+            (None, homed),
+            (Some(Command::Stop), homed),
             (None, at_rest),
         ],
         State::Fault => &[
-            (Some(Command::Start), Seen::default()),
-            (None, aligned),
+            (Some(Command::Start), SupervisorInput::default()),
+            (None, homed),
             (None, broken),
             (None, at_rest),
         ],
     };
-    for &(command, seen) in path {
-        go(command, seen);
+    for &(command, input) in path {
+        go(command, input);
     }
     assert_eq!(supervisor.state(), state);
     supervisor
@@ -73,7 +76,7 @@ const COMMANDS: [Option<Command>; 6] = [
 
 /// One step from every state under every combination of inputs.
 fn for_every_step(
-    mut check: impl FnMut(State, SafetyInputs, Option<Command>, Seen, &Supervisor, Action),
+    mut check: impl FnMut(State, SafetyInputs, Option<Command>, SupervisorInput, &Supervisor, Action),
 ) {
     for state in STATES {
         for command in COMMANDS {
@@ -83,16 +86,16 @@ fn for_every_step(
                     enable: bit(0),
                     stop: bit(1),
                 };
-                let seen = Seen {
+                let input = SupervisorInput {
                     fault: bit(2).then_some(Fault::new(FaultKind::DriveAlarm)),
                     at_rest: bit(3),
-                    aligned: bit(4),
+                    homed: bit(4),
                     program_done: bit(5),
-                    ..Seen::default()
+                    ..SupervisorInput::default()
                 };
                 let mut supervisor = in_state(state);
-                let action = supervisor.step(inputs, command, seen);
-                check(state, inputs, command, seen, &supervisor, action);
+                let action = supervisor.step(inputs, command, input);
+                check(state, inputs, command, input, &supervisor, action);
             }
         }
     }
@@ -101,8 +104,8 @@ fn for_every_step(
 #[test]
 fn nothing_starts_against_the_inputs() {
     for_every_step(|state, inputs, _, _, after, _| {
-        let started = !matches!(state, State::Align | State::Run | State::Stop)
-            && matches!(after.state(), State::Align | State::Run);
+        let started = !matches!(state, State::Homing | State::Run | State::Stop)
+            && matches!(after.state(), State::Homing | State::Run);
         assert!(
             !started || (inputs.enable && !inputs.stop),
             "{state:?} {inputs:?}"
@@ -121,11 +124,11 @@ fn losing_enable_switches_off_at_once() {
 
 #[test]
 fn a_fault_stops_and_only_a_reset_leaves_it() {
-    for_every_step(|state, inputs, command, seen, after, _| {
-        if seen.fault.is_some()
+    for_every_step(|state, inputs, command, input, after, _| {
+        if input.fault.is_some()
             && matches!(
                 state,
-                State::Align | State::Run | State::Stop | State::Parked
+                State::Homing | State::Run | State::Stop | State::Parked
             )
         {
             assert!(
@@ -156,9 +159,9 @@ fn drives_that_are_off_are_not_driven() {
 }
 
 #[test]
-fn a_stop_is_heeded_from_every_moving_state() {
+fn a_stop_is_obeyed_in_every_moving_state() {
     for_every_step(|state, inputs, command, _, after, action| {
-        let moving = matches!(state, State::Align | State::Run | State::Stop);
+        let moving = matches!(state, State::Homing | State::Run | State::Stop);
         if moving && inputs.enable && (inputs.stop || command == Some(Command::Stop)) {
             assert!(matches!(
                 after.state(),
@@ -176,12 +179,12 @@ fn a_stop_is_heeded_from_every_moving_state() {
 #[test]
 fn the_first_fault_is_kept() {
     let mut supervisor = in_state(State::Run);
-    let seen = |kind| Seen {
+    let input = |kind| SupervisorInput {
         fault: Some(Fault::new(kind)),
-        ..Seen::default()
+        ..SupervisorInput::default()
     };
-    supervisor.step(SAFE, None, seen(FaultKind::Tilt));
-    supervisor.step(SAFE, None, seen(FaultKind::IndexMissing));
+    supervisor.step(SAFE, None, input(FaultKind::Tilt));
+    supervisor.step(SAFE, None, input(FaultKind::IndexMissing));
     assert_eq!(supervisor.fault().unwrap().kind, FaultKind::Tilt);
 }
 
@@ -189,60 +192,60 @@ fn the_first_fault_is_kept() {
 #[test]
 fn a_better_name_replaces_what_latched_and_not_when() {
     let mut supervisor = in_state(State::Run);
-    let seen = |kind, refines, tick| Seen {
+    let input = |kind, supersedes, tick| SupervisorInput {
         fault: Some(Fault::new(kind)),
-        refines,
+        supersedes,
         tick,
         at_rest: tick == 9,
-        ..Seen::default()
+        ..SupervisorInput::default()
     };
-    supervisor.step(SAFE, None, seen(FaultKind::Tilt, false, 7));
+    supervisor.step(SAFE, None, input(FaultKind::Tilt, false, 7));
     let better = Fault::new(FaultKind::Stuck).on_axis(2);
-    let refined = Seen {
+    let refined = SupervisorInput {
         fault: Some(better),
-        ..seen(FaultKind::Stuck, true, 8)
+        ..input(FaultKind::Stuck, true, 8)
     };
     supervisor.step(SAFE, None, refined);
-    let told = supervisor.fault().unwrap();
+    let reported = supervisor.fault().unwrap();
     assert_eq!(
-        (told.kind, told.axis, told.tick),
+        (reported.kind, reported.axis, reported.tick),
         (FaultKind::Stuck, Some(2), 7)
     );
     // At rest with the drives off it may still be learnt; without a fault there is nothing to name.
     supervisor.step(
         SAFE,
         None,
-        Seen {
+        SupervisorInput {
             at_rest: true,
-            ..Seen::default()
+            ..SupervisorInput::default()
         },
     );
     assert_eq!(supervisor.state(), State::Fault);
-    supervisor.step(SAFE, None, seen(FaultKind::Slip, true, 9));
+    supervisor.step(SAFE, None, input(FaultKind::Slip, true, 9));
     assert_eq!(supervisor.fault().unwrap().kind, FaultKind::Slip);
-    supervisor.step(SAFE, Some(Command::Reset), Seen::default());
-    supervisor.step(SAFE, None, seen(FaultKind::Slip, true, 10));
+    supervisor.step(SAFE, Some(Command::Reset), SupervisorInput::default());
+    supervisor.step(SAFE, None, input(FaultKind::Slip, true, 10));
     assert_eq!(supervisor.fault(), None);
 }
 
 /// Were it wrong, a runaway would be waited for: it does not come to rest with the others.
 #[test]
 fn a_fault_that_disables_switches_off_at_once_and_during_another_stop_too() {
-    let disables = Seen {
+    let disables = SupervisorInput {
         fault: Some(Fault::new(FaultKind::Runaway)),
         reaction: Reaction::Disable,
-        ..Seen::default()
+        ..SupervisorInput::default()
     };
-    for state in [State::Align, State::Run, State::Stop, State::Parked] {
+    for state in [State::Homing, State::Run, State::Stop, State::Parked] {
         let mut supervisor = in_state(state);
         assert_eq!(supervisor.step(SAFE, None, disables), Action::Stand);
         assert_eq!(supervisor.state(), State::Fault);
         assert_eq!(supervisor.fault().unwrap().kind, FaultKind::Runaway);
     }
     let mut supervisor = in_state(State::Run);
-    let stops = Seen {
+    let stops = SupervisorInput {
         fault: Some(Fault::new(FaultKind::Tilt)),
-        ..Seen::default()
+        ..SupervisorInput::default()
     };
     assert_eq!(supervisor.step(SAFE, None, stops), Action::StopFast);
     assert_eq!(supervisor.step(SAFE, None, disables), Action::Stand);
@@ -253,7 +256,7 @@ fn a_fault_that_disables_switches_off_at_once_and_during_another_stop_too() {
     );
 }
 
-/// Whatever comes, in whatever order: the machine does not run before every index has been heard.
+/// Whatever comes, in whatever order: the machine does not run before every index has been detected.
 #[test]
 fn nothing_runs_unaligned() {
     let commands = [
@@ -267,11 +270,11 @@ fn nothing_runs_unaligned() {
         let mut supervisor = Supervisor::new(0);
         for tick in 0..5 {
             let choice = sequence / 8_u32.pow(tick) % 8;
-            let seen = Seen {
+            let input = SupervisorInput {
                 at_rest: choice >= 4,
-                ..Seen::default()
+                ..SupervisorInput::default()
             };
-            supervisor.step(SAFE, commands[choice as usize % 4], seen);
+            supervisor.step(SAFE, commands[choice as usize % 4], input);
             assert_ne!(supervisor.state(), State::Run, "sequence {sequence:o}");
         }
     }
@@ -281,12 +284,12 @@ fn nothing_runs_unaligned() {
 #[test]
 fn a_hold_does_not_outlive_its_run() {
     let mut supervisor = in_state(State::Run);
-    let aligned = Seen {
-        aligned: true,
+    let homed = SupervisorInput {
+        homed: true,
         at_rest: true,
-        ..Seen::default()
+        ..SupervisorInput::default()
     };
-    let mut step = |command| supervisor.step(SAFE, command, aligned);
+    let mut step = |command| supervisor.step(SAFE, command, homed);
     assert_eq!(step(Some(Command::Hold)), Action::Hold);
     step(Some(Command::Stop));
     assert_eq!(step(None), Action::Park);

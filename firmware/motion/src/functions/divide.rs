@@ -124,8 +124,8 @@ mod tests {
             .chain(1 << 31..(1 << 31) + 1000)
         {
             let by = Divisor::new(divisor);
-            let want = u64::MAX / u64::from(by.normalised) - (1 << 32);
-            assert_eq!(u64::from(by.inverse), want, "{divisor}");
+            let expected = u64::MAX / u64::from(by.normalised) - (1 << 32);
+            assert_eq!(u64::from(by.inverse), expected, "{divisor}");
         }
     }
 }

@@ -36,8 +36,8 @@ mod tests {
         let sweep = (LEAST..u32::MAX - 9973).step_by(9973);
         let (mut low, mut high) = (0.0_f64, 0.0_f64);
         for d in ends.chain(steps).chain(sweep) {
-            let want = 63.0_f64.exp2() / f64::from(d);
-            let error = f64::from(reciprocal(d)) / want - 1.0;
+            let expected = 63.0_f64.exp2() / f64::from(d);
+            let error = f64::from(reciprocal(d)) / expected - 1.0;
             low = low.min(error);
             high = high.max(error);
         }

@@ -224,9 +224,9 @@ mod tests {
         let mut x = 1_u64;
         while x < u64::MAX / 3 * 2 {
             let Root { mantissa, shift } = root(x);
-            let got = f64::from(mantissa) / f64::from(1_u32 << shift);
-            let want = (x as f64).sqrt();
-            worst = worst.max((got - want).abs() / want);
+            let actual = f64::from(mantissa) / f64::from(1_u32 << shift);
+            let expected = (x as f64).sqrt();
+            worst = worst.max((actual - expected).abs() / expected);
             x += x / 1000 + 1;
         }
         assert!(worst < (-31.0_f64).exp2(), "{worst:e}");

@@ -102,10 +102,11 @@ mod tests {
         let samples = 1_000_003_u32; // prime, so samples fall everywhere between the entries
         for i in 0..samples {
             let angle = ((u64::from(i) << 32) / u64::from(samples)) as u32;
-            let got = sine_cosine(angle);
+            let actual = sine_cosine(angle);
             let radians = f64::from(angle) / 4294967296.0 * core::f64::consts::TAU;
-            for (got, want) in [(got.sine, radians.sin()), (got.cosine, radians.cos())] {
-                let error = (f64::from(got) / f64::from(ONE_Q30) - want).abs();
+            for (actual, expected) in [(actual.sine, radians.sin()), (actual.cosine, radians.cos())]
+            {
+                let error = (f64::from(actual) / f64::from(ONE_Q30) - expected).abs();
                 sum += error;
                 squares += error * error;
                 worst = worst.max(error);

@@ -5,16 +5,16 @@
 //! apart. A run without edges is a pause, and only a pause changes DIR. The runs of a tick fill exactly one tick.
 //! [`planner`] derives the bound on the edges' times.
 
-mod pace;
 pub mod planner;
 mod run;
 mod runs;
+mod step_rate;
 mod timing;
 
-pub use pace::Paces;
 pub use planner::Planner;
 pub use run::Run;
 pub use runs::{BLOCK, MAX_RUNS, Runs};
+pub use step_rate::StepRates;
 pub use timing::PulseTiming;
 
 /// Greatest number of edges in a tick of a stepper axis; checked settings stay within it.

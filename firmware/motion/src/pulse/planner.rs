@@ -19,9 +19,9 @@
 //! which is at most a quarter of a tick. A pause carries the change, and the line follows [`Run::DIR_DELAY`] cycles
 //! after the pause begins. Hold and set-up are counted from there.
 
-use super::pace::{HALF_STEP, Pace, Paces, TIME_BITS};
 use super::run::RunsOf;
 use super::runs::Appending;
+use super::step_rate::{HALF_STEP, StepRate, StepRates, TIME_BITS};
 use super::{PulseTiming, Run, Runs};
 use crate::units::{FRACTION_BITS, Turns};
 
@@ -73,21 +73,21 @@ impl Planner {
     /// `turns` must not need more edges than [`PulseTiming::check_rate`] allowed. The cache of step rates may be shared
     /// by axes with the same tick length.
     #[inline]
-    pub fn plan(&mut self, turns: Turns, pace: &mut Paces, runs: &mut Runs) {
+    pub fn plan(&mut self, turns: Turns, step_rate: &mut StepRates, runs: &mut Runs) {
         runs.clear();
         let tick_cycles = self.timing.tick;
-        let pace = pace.take(turns.to_bits(), self.half_steps_per_turn);
-        let way = self.travel(turns, pace);
+        let step_rate = step_rate.take(turns.to_bits(), self.half_steps_per_turn);
+        let travel = self.travel(turns, step_rate);
         let forward = turns >= 0;
-        let due_high = way.begins_low == forward;
-        if way.crossings == 0 {
+        let due_high = travel.begins_low == forward;
+        if travel.crossings == 0 {
             append(Run::pause(tick_cycles, self.forward), runs);
         } else if forward == self.forward && self.high == due_high {
-            let times = (pace.first(way.to_first), pace.spacing);
-            self.high ^= way.crossings % 2 == 1;
-            spread(way.crossings, 0, times, tick_cycles, forward, runs);
+            let times = (step_rate.first(travel.to_first), step_rate.spacing);
+            self.high ^= travel.crossings % 2 == 1;
+            schedule_edges(travel.crossings, 0, times, tick_cycles, forward, runs);
         } else {
-            self.plan_turning(&way, forward, due_high, pace, runs);
+            self.plan_turning(&travel, forward, due_high, step_rate, runs);
         }
     }
 
@@ -98,21 +98,21 @@ impl Planner {
     #[inline(never)]
     fn plan_turning(
         &mut self,
-        way: &Way,
+        travel: &Travel,
         forward: bool,
         due_high: bool,
-        pace: &Pace,
+        step_rate: &StepRate,
         runs: &mut Runs,
     ) {
         let tick_cycles = self.timing.tick;
         let skipped = u32::from(due_high && !self.high);
-        let edges = way.crossings - skipped;
+        let edges = travel.crossings - skipped;
         if edges == 0 {
             append(Run::pause(tick_cycles, self.forward), runs);
             return;
         }
         let start = self.turn_round(forward, runs);
-        let (to_first, spacing) = pace.times(way.to_first, tick_cycles - start);
+        let (to_first, spacing) = step_rate.times(travel.to_first, tick_cycles - start);
         let first = if skipped == 0 {
             to_first
         } else {
@@ -120,26 +120,26 @@ impl Planner {
         };
         self.high ^= edges % 2 == 1;
         let times = (first, spacing);
-        spread(edges, start, times, tick_cycles, self.forward, runs);
+        schedule_edges(edges, start, times, tick_cycles, self.forward, runs);
     }
 
     /// Counts the steps of a tick without pulses, for a servo axis: `runs` becomes one pause of a tick.
-    pub fn count(&mut self, turns: Turns, pace: &mut Paces, runs: &mut Runs) {
-        let pace = pace.take(turns.to_bits(), self.half_steps_per_turn);
-        self.travel(turns, pace);
+    pub fn count(&mut self, turns: Turns, step_rate: &mut StepRates, runs: &mut Runs) {
+        let step_rate = step_rate.take(turns.to_bits(), self.half_steps_per_turn);
+        self.travel(turns, step_rate);
         runs.clear();
         append(Run::pause(self.timing.tick, self.forward), runs);
     }
 
     /// Advances by a tick and returns the half-steps that it crosses.
     #[inline(always)]
-    fn travel(&mut self, turns: Turns, pace: &Pace) -> Way {
+    fn travel(&mut self, turns: Turns, step_rate: &StepRate) -> Travel {
         let begin = self.within;
-        let past = begin & (HALF_STEP - 1);
+        let passed = begin & (HALF_STEP - 1);
         let (end, to_first) = if turns >= 0 {
-            (begin.wrapping_add(pace.length), HALF_STEP - past)
+            (begin.wrapping_add(step_rate.length), HALF_STEP - passed)
         } else {
-            (begin.wrapping_sub(pace.length), past)
+            (begin.wrapping_sub(step_rate.length), passed)
         };
         // Half-steps by number, even in the first half of a step. There are below 2^15 of them, which fit in the upper
         // word.
@@ -147,7 +147,7 @@ impl Planner {
         let (first, last) = (number(begin), number(end));
         self.steps += i64::from(last >> 1);
         self.within = end & (2 * HALF_STEP - 1);
-        Way {
+        Travel {
             to_first,
             crossings: last.abs_diff(first),
             begins_low: first == 0,
@@ -173,7 +173,7 @@ impl Planner {
 }
 
 /// Half-steps of one tick.
-struct Way {
+struct Travel {
     /// Half-steps to the first crossing, in 2⁻⁴⁸; at most the tick's, if there is a crossing.
     to_first: u64,
     /// Crossings of whole or half steps.
@@ -186,7 +186,7 @@ struct Way {
 ///
 /// The first is due after `first`, the others `spacing` apart, both with [`TIME_BITS`].
 #[inline(always)] // A call with seven arguments costs 40 cycles.
-fn spread(
+fn schedule_edges(
     edges: u32,
     start: u32,
     (first, spacing): (u32, u32),
@@ -197,11 +197,11 @@ fn spread(
     let half_a_cycle = 1 << (TIME_BITS - 1);
     let mut time = (start << TIME_BITS) + half_a_cycle + first;
     let latest = tick - GUARD;
-    let way = RunsOf::new(forward);
+    let runs_of = RunsOf::new(forward);
     let mut runs = runs.append();
     // Only the first edge may come too early, and only the last too late, as half a step is longer than the guard.
     let mut end = (time >> TIME_BITS).min(latest).max(start + GUARD);
-    let mut last = way.run(1, end - start);
+    let mut last = runs_of.run(1, end - start);
     let mut left = edges - 1;
     while left > CHUNK {
         left -= CHUNK;
@@ -210,7 +210,7 @@ fn spread(
         end = time >> TIME_BITS;
         let cycles = end - begin;
         last = chunk(
-            way,
+            runs_of,
             CHUNK,
             cycles >> CHUNK_BITS,
             cycles % CHUNK,
@@ -222,11 +222,11 @@ fn spread(
         time += left * spacing;
         let begin = end;
         end = (time >> TIME_BITS).min(latest);
-        let (period, slower) = shares(end - begin, left, spacing >> TIME_BITS);
-        last = chunk(way, left, period, slower, last, &mut runs);
+        let (period, slower) = split(end - begin, left, spacing >> TIME_BITS);
+        last = chunk(runs_of, left, period, slower, last, &mut runs);
     }
     runs.push(last);
-    runs.push(way.run(0, tick - end));
+    runs.push(runs_of.run(0, tick - end));
     runs.finish();
 }
 
@@ -234,7 +234,7 @@ fn spread(
 ///
 /// The period is close to `near`; rounding and the guards move it slightly. A few corrections replace a division.
 #[inline(always)]
-fn shares(cycles: u32, edges: u32, near: u32) -> (u32, u32) {
+fn split(cycles: u32, edges: u32, near: u32) -> (u32, u32) {
     let (mut period, edges) = (near, edges as i32);
     let mut slower = cycles as i32 - period as i32 * edges;
     while slower < 0 {
@@ -253,15 +253,15 @@ fn shares(cycles: u32, edges: u32, near: u32) -> (u32, u32) {
 /// Edges that continue `last` come first. Returns the run that may grow now.
 #[inline(always)]
 fn chunk(
-    way: RunsOf,
+    runs_of: RunsOf,
     edges: u32,
     period: u32,
     slower: u32,
     last: Run,
     runs: &mut Appending<'_>,
 ) -> Run {
-    let short = way.run(edges - slower, period);
-    let long = way.run(slower, period + 1);
+    let short = runs_of.run(edges - slower, period);
+    let long = runs_of.run(slower, period + 1);
     let (grown, next) = if last.goes_on_with(short) {
         (last.lengthened(edges - slower), long)
     } else if slower > 0 && last.goes_on_with(long) {

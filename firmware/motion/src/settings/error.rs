@@ -52,9 +52,9 @@ pub enum Problem {
     )]
     BandsOverlap(f64, f64),
     #[error(
-        "the band begins at {} rev/s and so covers the homing speed, limits.creep_hz = {}, at which the machine homes and parks; let it begin above that", Number(*.0), Number(*.1)
+        "the band begins at {} rev/s and so covers the homing speed, limits.homing_speed_hz = {}, at which the machine homes and parks; let it begin above that", Number(*.0), Number(*.1)
     )]
-    BandCoversCreep(f64, f64),
+    BandCoversHomingSpeed(f64, f64),
     #[error(
         "the band ends at {} rev/s, not below limits.speed_hz = {}, so that nothing above it could be reached; lower its upper edge, or lower limits.speed_hz to its lower edge and leave the band out", Number(*.0), Number(*.1)
     )]

@@ -31,7 +31,7 @@ pub struct LimitSettings {
     /// Greatest jerk of a fault stop, rev/s³, not below the usual one.
     pub stop_jerk_hz_per_s2: f64,
     /// Homing speed, rev/s, from 0.01 to 10: the slow speed that finds the index pulses and a parking phase.
-    pub creep_hz: f64,
+    pub homing_speed_hz: f64,
     /// Forbidden bands: speeds at which the machine must not dwell, lowest first.
     pub bands: heapless::Vec<BandSettings, MAX_BANDS>,
 }
@@ -151,8 +151,13 @@ impl LimitSettings {
                 },
             ));
         }
-        inside("limits.creep_hz", self.creep_hz, 0.01, speed_hz.min(10.0))?;
-        let mut below = self.creep_hz;
+        inside(
+            "limits.homing_speed_hz",
+            self.homing_speed_hz,
+            0.01,
+            speed_hz.min(10.0),
+        )?;
+        let mut below = self.homing_speed_hz;
         for (i, band) in self.bands.iter().enumerate() {
             let place = |e: SettingsError| e.on_entry(i);
             finite("limits.band.from_hz", band.from_hz).map_err(place)?;
@@ -166,7 +171,7 @@ impl LimitSettings {
             // A tiny gap between two bands would vanish when their edges become integers.
             if band.from_hz - below < LEAST_GAP_HZ {
                 let problem = if i == 0 {
-                    Problem::BandCoversCreep(band.from_hz, below)
+                    Problem::BandCoversHomingSpeed(band.from_hz, below)
                 } else {
                     Problem::BandsOverlap(band.from_hz, below)
                 };

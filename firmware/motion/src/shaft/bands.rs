@@ -53,12 +53,12 @@ pub(super) fn below_band(bands: &[Band], speed: i64) -> i64 {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Passage {
     /// Number of the band, and the direction.
-    inside: Option<(usize, Way)>,
+    inside: Option<(usize, Direction)>,
     last_speed: i64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Way {
+enum Direction {
     Up,
     Down,
 }
@@ -74,14 +74,16 @@ impl Passage {
     /// Updates from the shaft's speed in the last tick.
     pub fn observe(&mut self, bands: &[Band], speed: i64) {
         self.inside = match (find(bands, speed), self.inside) {
-            (Some((number, _)), Some((before, way))) if before == number => Some((number, way)),
+            (Some((number, _)), Some((before, direction))) if before == number => {
+                Some((number, direction))
+            }
             (Some((number, band)), _) => {
-                let way = if self.last_speed <= band.from {
-                    Way::Up
+                let direction = if self.last_speed <= band.from {
+                    Direction::Up
                 } else {
-                    Way::Down
+                    Direction::Down
                 };
-                Some((number, way))
+                Some((number, direction))
             }
             (None, _) => None,
         };
@@ -102,7 +104,7 @@ pub(super) struct Corridor {
 
 impl Corridor {
     /// Corridor around the shaft's `speed`, for a requested speed.
-    pub fn new(limits: &ShaftLimits, speed: i64, passage: Passage, asked: i64) -> Self {
+    pub fn new(limits: &ShaftLimits, speed: i64, passage: Passage, requested: i64) -> Self {
         let mut corridor = Self {
             floor: 0,
             ceiling: limits.speed,
@@ -110,8 +112,8 @@ impl Corridor {
         for (number, band) in limits.bands.iter().enumerate() {
             let through = passage.inside.filter(|&(inside, _)| inside == number);
             let up = match through {
-                Some((_, way)) => way == Way::Up,
-                None => band.sends_up(asked),
+                Some((_, direction)) => direction == Direction::Up,
+                None => band.sends_up(requested),
             };
             // For a shaft above it, or on its way up through it, a band is a floor; otherwise it is a ceiling.
             if up {

@@ -35,8 +35,8 @@ impl State {
     }
 
     /// Distance of the fastest brake, in units modulo 2⁶⁴.
-    pub fn braking_way(self, limits: &RampLimits) -> i64 {
-        limits.braking_way(self.speed, self.acceleration)
+    pub fn braking_distance(self, limits: &RampLimits) -> i64 {
+        limits.braking_distance(self.speed, self.acceleration)
     }
 
     const fn stands(self) -> bool {
@@ -52,7 +52,7 @@ pub(super) struct Blend {
     /// λ, in 2⁻⁶⁴.
     share: u64,
     /// Lead of the later brake over the earlier one.
-    apart: i64,
+    lead: i64,
     /// Part of the lead that the shaft has covered.
     taken: i64,
 }
@@ -67,7 +67,7 @@ impl Blend {
             earlier,
             later: if rest == 0 { earlier } else { later },
             share: share(rest, further),
-            apart: 0,
+            lead: 0,
             taken: 0,
         }
     }
@@ -75,8 +75,8 @@ impl Blend {
     /// Speed of the coming tick; advances both brakes to the next.
     pub fn advance(&mut self, limits: &RampLimits) -> i64 {
         let speed = self.earlier.speed;
-        self.apart += self.later.speed - speed;
-        let taken = part(self.apart, self.share);
+        self.lead += self.later.speed - speed;
+        let taken = share_of(self.lead, self.share);
         let speed = speed + taken - self.taken;
         self.taken = taken;
         self.earlier = self.earlier.braked(limits);
@@ -108,11 +108,11 @@ fn share(rest: i64, whole: i64) -> u64 {
     (share + u64::from(rest > 0)) << 1
 }
 
-/// Product `way · share / 2⁶⁴`, rounded down.
-const fn part(way: i64, share: u64) -> i64 {
+/// Product `distance · share / 2⁶⁴`, rounded down.
+const fn share_of(distance: i64, share: u64) -> i64 {
     let (high, low) = (
-        ((way.unsigned_abs() >> 32) as u32),
-        way.unsigned_abs() as u32,
+        ((distance.unsigned_abs() >> 32) as u32),
+        distance.unsigned_abs() as u32,
     );
     let (share_high, share_low) = ((share >> 32) as u32, share as u32);
     let lowest = multiply(low, share_low);
@@ -120,7 +120,7 @@ const fn part(way: i64, share: u64) -> i64 {
     let other = multiply(low, share_high) + (one & 0xFFFF_FFFF);
     let whole = (multiply(high, share_high) + (one >> 32) + (other >> 32)) as i64;
     let rest = other as u32 | lowest as u32;
-    if way >= 0 {
+    if distance >= 0 {
         whole
     } else {
         -whole - (rest != 0) as i64

@@ -62,13 +62,13 @@ pub(super) fn quotient(x: i64, d: i64) -> u32 {
 struct Braking {
     speed: i64,
     b: i64,
-    way: i64,
+    distance: i64,
 }
 
 impl Braking {
     /// State after `ticks` of raising b by `jerk`: after i ticks the speed is v − i b − J i (i + 1)/2.
     fn raised(self, ticks: u32, jerk: i64) -> Self {
-        let Self { speed, b, way } = self;
+        let Self { speed, b, distance } = self;
         let sum = triangle(ticks);
         let raised = jerk.wrapping_mul(sum);
         // J Σ i (i + 1)/2 = J i (i + 1) (i + 2)/6.
@@ -76,7 +76,7 @@ impl Braking {
         Self {
             speed: speed - times(ticks, b) - raised,
             b: b + times(ticks, jerk),
-            way: way
+            distance: distance
                 .wrapping_add(times(ticks, speed))
                 .wrapping_sub(b.wrapping_mul(sum))
                 .wrapping_sub(sums),
@@ -97,13 +97,14 @@ impl RampLimits {
 
     /// Distance of the fastest brake from a state that [can brake](Self::can_brake), in units modulo 2⁶⁴.
     #[inline(never)]
-    pub(super) fn braking_way(&self, speed: i64, acceleration: i64) -> i64 {
+    pub(super) fn braking_distance(&self, speed: i64, acceleration: i64) -> i64 {
         let b = -acceleration;
-        let way = 0;
-        let begun = Braking { speed, b, way };
+        let distance = 0;
+        let begun = Braking { speed, b, distance };
         let raised = begun.raised(self.rising_ticks(speed, b), self.jerk);
         let held = self.held(raised);
-        held.way.wrapping_add(self.letting_go(held.speed, held.b))
+        held.distance
+            .wrapping_add(self.letting_go(held.speed, held.b))
     }
 
     /// Number of ticks for which the deceleration rises by the whole jerk from `b`.
@@ -144,7 +145,7 @@ impl RampLimits {
 
     /// State after holding the deceleration at the limit, if it reaches the limit.
     fn held(&self, from: Braking) -> Braking {
-        let Braking { speed, b, way } = from;
+        let Braking { speed, b, distance } = from;
         let over = speed - self.gain_from_limit as i64;
         let most = self.acceleration;
         if over < 0 || b + self.jerk < most {
@@ -155,7 +156,9 @@ impl RampLimits {
         Braking {
             speed: speed - times(ticks, most),
             b: most,
-            way: way.wrapping_add(times(ticks, speed)).wrapping_sub(taken),
+            distance: distance
+                .wrapping_add(times(ticks, speed))
+                .wrapping_sub(taken),
         }
     }
 

@@ -29,7 +29,7 @@ impl Easing {
         };
         let outside = bands::below_band(&limits.bands, left);
         Self {
-            coasting: outside.max(limits.creep).min(limits.speed),
+            coasting: outside.max(limits.homing_speed).min(limits.speed),
         }
     }
 
@@ -67,7 +67,7 @@ impl Easing {
         if acceleration <= parking.jerk {
             parking.can_brake(speed, acceleration)
         } else {
-            speed + parking.let_go(acceleration) <= limits.creep
+            speed + parking.let_go(acceleration) <= limits.homing_speed
         }
     }
 
@@ -78,7 +78,7 @@ impl Easing {
     ///   (a + 2p)/J with p² = J v + a²/2, and from there on no tick is faster than v.
     /// - While the shaft speeds up to c, the distance grows most at standstill with the greatest acceleration that is
     ///   still to be released, a² = 2 J c: by 8.3 c.
-    pub const fn most_way(self, state: State) -> i64 {
+    pub const fn longest_distance(self, state: State) -> i64 {
         if self.speeds_up(state) {
             9 * self.coasting
         } else if state.speed == self.coasting && state.acceleration == 0 {

@@ -139,10 +139,10 @@ mod tests {
         /// The inverse is exact: the next larger acceleration would overshoot.
         #[test]
         fn settling_is_the_largest_that_does_not_overshoot((gain, speed) in any_gain(), part in any::<u64>()) {
-            let wanted = part % speed;
-            let a = settling(wanted, gain.jerk);
-            prop_assert!(gain.of(a) <= wanted);
-            prop_assert!(a == gain.most || gain.of(a + 1) > wanted);
+            let desired = part % speed;
+            let a = settling(desired, gain.jerk);
+            prop_assert!(gain.of(a) <= desired);
+            prop_assert!(a == gain.most || gain.of(a + 1) > desired);
         }
 
         /// The inverse without a root gives the same for all bounds of the search.
@@ -153,13 +153,13 @@ mod tests {
             below in 0_u64..3 << 40,
             above in 0_u64..3 << 40,
         ) {
-            let wanted = part % speed;
-            let a = settling(wanted, gain.jerk);
+            let desired = part % speed;
+            let a = settling(desired, gain.jerk);
             let within = |x: u64| x % (3 * gain.jerk);
             let (least, most) = (a.saturating_sub(within(below)), (a + within(above)).min(gain.most));
-            prop_assert_eq!(gain.inverse(wanted, least, most), a.clamp(least, most));
+            prop_assert_eq!(gain.inverse(desired, least, most), a.clamp(least, most));
             let (least, most) = (a + 1, a + 1 + within(above));
-            prop_assert_eq!(gain.inverse(wanted, least, most), least, "all is above");
+            prop_assert_eq!(gain.inverse(desired, least, most), least, "all is above");
         }
 
         /// The closed form of g equals its sum.

@@ -13,7 +13,7 @@ pub struct ShaftLimits {
     /// Greatest speed, turns a tick.
     pub(crate) speed: i64,
     /// Homing speed, turns a tick.
-    pub(crate) creep: i64,
+    pub(crate) homing_speed: i64,
     /// Forbidden bands, lowest first and not touching, between homing speed and greatest speed.
     pub(crate) bands: heapless::Vec<Band, MAX_BANDS>,
     /// Ramp limits of all motion but the stops below.
@@ -46,11 +46,11 @@ impl RampLimits {
         Self::within(acceleration, jerk, acceleration, speed)
     }
 
-    /// Ramp limits in units. The gain covers accelerations up to `asked`.
-    const fn within(acceleration: i64, jerk: i64, asked: i64, speed: i64) -> Self {
+    /// Ramp limits in units. The gain covers accelerations up to `requested`.
+    const fn within(acceleration: i64, jerk: i64, requested: i64, speed: i64) -> Self {
         let gain = Gain::new(
             jerk.unsigned_abs(),
-            asked.unsigned_abs(),
+            requested.unsigned_abs(),
             speed.unsigned_abs(),
         );
         Self {
@@ -77,7 +77,7 @@ impl ShaftLimits {
         const RAMP: RampLimits = RampLimits::within(64, 64, 64, 1);
         Self {
             speed: 1,
-            creep: 1,
+            homing_speed: 1,
             bands: heapless::Vec::new(),
             usual: RAMP,
             fault: RAMP,
@@ -98,7 +98,7 @@ impl ShaftLimits {
         );
         Self {
             speed,
-            creep: turns_at_most(settings.creep_hz / hz).max(1),
+            homing_speed: turns_at_most(settings.homing_speed_hz / hz).max(1),
             bands: settings
                 .bands
                 .iter()
@@ -119,7 +119,7 @@ impl ShaftLimits {
     }
 
     /// Homing speed, turns a tick.
-    pub const fn creep(&self) -> crate::units::Turns {
-        crate::units::Turns::from_bits(self.creep)
+    pub const fn homing_speed(&self) -> crate::units::Turns {
+        crate::units::Turns::from_bits(self.homing_speed)
     }
 }

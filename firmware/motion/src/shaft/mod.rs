@@ -144,7 +144,7 @@ impl Shaft {
     /// turns back. [`Demand::Halt`] is the exception. A stop at a phase ends exactly at that phase.
     #[inline(never)]
     pub fn advance(&mut self, demand: Demand) -> Motion {
-        self.heed(demand);
+        self.obey(demand);
         let mut motion = Motion::default();
         let state = self.state();
         let speed = match &mut self.mode {
@@ -181,7 +181,7 @@ impl Shaft {
     }
 
     /// Changes the mode when the demand has changed.
-    fn heed(&mut self, demand: Demand) {
+    fn obey(&mut self, demand: Demand) {
         match (demand, &self.mode) {
             (Demand::Halt, _) => {
                 self.speed = 0;
@@ -210,17 +210,17 @@ impl Shaft {
 
     #[inline(never)]
     fn follow(&self, target: Target, motion: &mut Motion) -> i64 {
-        let asked = (target.now.to_bits(), target.next.to_bits());
-        let corridor = Corridor::new(&self.limits, self.speed, self.passage, asked.1);
+        let requested = (target.now.to_bits(), target.next.to_bits());
+        let corridor = Corridor::new(&self.limits, self.speed, self.passage, requested.1);
         let bands = &self.limits.bands;
-        let next = bands::outside(bands, asked.1);
-        motion.held_at_band = next != asked.1;
+        let next = bands::outside(bands, requested.1);
+        motion.held_at_band = next != requested.1;
         let aim = Aim {
-            now: corridor.clamp(bands::outside(bands, asked.0)),
+            now: corridor.clamp(bands::outside(bands, requested.0)),
             next: corridor.clamp(next),
         };
         // Where the corridor has changed the aim, the difference is a jump and not a rate.
-        let aim = if (aim.now, aim.next) == asked {
+        let aim = if (aim.now, aim.next) == requested {
             aim
         } else {
             Aim::steady(aim.next)

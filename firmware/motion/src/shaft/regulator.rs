@@ -59,58 +59,58 @@ impl Range {
     }
 }
 
-/// Greatest acceleration, up to `limit`, that gains at most `way` (not negative); clamped to the range.
-fn settling(way: i64, limit: i64, range: Range, limits: &RampLimits) -> i64 {
+/// Greatest acceleration, up to `limit`, that gains at most `change` (not negative); clamped to the range.
+fn settling(change: i64, limit: i64, range: Range, limits: &RampLimits) -> i64 {
     let most = range.most.min(limit);
     if most <= 0 || most <= range.least {
         return range.clamp(most);
     }
     // With this much left to gain, the acceleration limit itself is the result.
-    if limit == limits.acceleration && way.unsigned_abs() >= limits.gain_from_limit {
+    if limit == limits.acceleration && change.unsigned_abs() >= limits.gain_from_limit {
         return most;
     }
     let least = range.least.max(0);
     let gain = &limits.gain;
     gain.inverse(
-        way.unsigned_abs(),
+        change.unsigned_abs(),
         least.unsigned_abs(),
         most.unsigned_abs(),
     ) as i64
 }
 
-/// Acceleration that gains at most `way`, of either sign.
-fn towards(way: i64, limit: i64, range: Range, limits: &RampLimits) -> i64 {
-    if way < 0 {
-        -settling(-way, limit, range.mirrored(), limits)
+/// Acceleration that gains at most `change`, of either sign.
+fn towards(change: i64, limit: i64, range: Range, limits: &RampLimits) -> i64 {
+    if change < 0 {
+        -settling(-change, limit, range.mirrored(), limits)
     } else {
-        settling(way, limit, range, limits)
+        settling(change, limit, range, limits)
     }
 }
 
-/// Acceleration, within the range, that meets an aim which moves at `rate` and is `way` ahead.
-fn pursuing(way: i64, rate: i64, range: Range, limits: &RampLimits) -> i64 {
-    if way == 0 {
+/// Acceleration, within the range, that meets an aim which moves at `rate` and is `change` ahead.
+fn pursuing(change: i64, rate: i64, range: Range, limits: &RampLimits) -> i64 {
+    if change == 0 {
         return range.clamp(rate);
     }
     // If the aim moves away, the limit is soon reached. If it approaches, the two close in faster than the shaft alone
     // could, and the relative acceleration to release is greater by that.
-    let coming = (rate < 0) != (way < 0) && rate != 0;
+    let coming = (rate < 0) != (change < 0) && rate != 0;
     let limit = if coming {
         i64::MAX
     } else {
         limits.acceleration
     };
-    rate + towards(way, limit, range.relative_to(rate), limits)
+    rate + towards(change, limit, range.relative_to(rate), limits)
 }
 
-/// Limits `wanted` so that it still meets a ceiling that is `way` above. Beyond the ceiling it is the fastest return.
-fn bounded(wanted: i64, way: i64, range: Range, limits: &RampLimits) -> i64 {
-    if way >= 0 && wanted <= 0 {
-        return wanted;
+/// Limits `desired` so that it still meets a ceiling that is `change` above. Beyond the ceiling it is the fastest return.
+fn bounded(desired: i64, change: i64, range: Range, limits: &RampLimits) -> i64 {
+    if change >= 0 && desired <= 0 {
+        return desired;
     }
-    let most = if way < 0 { range.most } else { wanted };
+    let most = if change < 0 { range.most } else { desired };
     let range = Range { most, ..range };
-    towards(way, limits.acceleration, range, limits).min(wanted)
+    towards(change, limits.acceleration, range, limits).min(desired)
 }
 
 /// Acceleration of the coming tick.
@@ -129,9 +129,9 @@ pub(super) fn acceleration(
         least: acceleration - limits.jerk,
         most: acceleration + limits.jerk,
     };
-    let wanted = pursuing(aim.now - speed, aim.next - aim.now, range, limits);
+    let desired = pursuing(aim.now - speed, aim.next - aim.now, range, limits);
     // Outside floor and ceiling these are the fastest return.
-    let below = bounded(wanted, ceiling - speed, range, limits);
+    let below = bounded(desired, ceiling - speed, range, limits);
     -bounded(-below, speed - floor, range.mirrored(), limits)
 }
 
@@ -159,7 +159,7 @@ mod tests {
             jerk_hz_per_s2: 500.0,
             stop_acceleration_hz_per_s: 50.0,
             stop_jerk_hz_per_s2: 500.0,
-            creep_hz: 1.0,
+            homing_speed_hz: 1.0,
             bands: heapless::Vec::new(),
         };
         let limits = crate::shaft::ShaftLimits::of(&settings, 2000);

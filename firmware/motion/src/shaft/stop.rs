@@ -24,7 +24,7 @@ pub(super) struct StopPlan {
     /// Ticks for which the slack is guaranteed to last.
     lasts: u32,
     /// Braking distance from here, if the last tick computed it.
-    way: Option<i64>,
+    distance: Option<i64>,
     brake: Option<Blend>,
 }
 
@@ -35,7 +35,7 @@ impl StopPlan {
             at,
             easing: Easing::new(state, limits),
             lasts: 0,
-            way: None,
+            distance: None,
             brake: None,
         }
     }
@@ -45,7 +45,7 @@ impl StopPlan {
         if let Some(brake) = &mut self.brake {
             return brake.advance(&limits.parking);
         }
-        let way = self.way.take();
+        let distance = self.distance.take();
         if self.lasts == 0 && !self.easing.is_ready(state, limits) {
             return self.easing.step_unready(state, limits).speed;
         }
@@ -53,38 +53,39 @@ impl StopPlan {
         if self.lasts > 0 {
             self.lasts -= 1;
             if self.lasts == 0 {
-                self.way = Some(later.braking_way(&limits.parking));
+                self.distance = Some(later.braking_distance(&limits.parking));
             }
-        } else if let Some(brake) = self.look(way, phase, state, later, &limits.parking) {
+        } else if let Some(brake) = self.search(distance, phase, state, later, &limits.parking) {
             return self.brake.insert(brake).advance(&limits.parking);
         }
         later.speed
     }
 
     /// Brake to start now, if the slack does not last for a tick that leads to the state `later`.
-    fn look(
+    fn search(
         &mut self,
-        way: Option<i64>,
+        distance: Option<i64>,
         phase: Phase,
         state: State,
         later: State,
         limits: &RampLimits,
     ) -> Option<Blend> {
-        let way = way.unwrap_or_else(|| state.braking_way(limits));
+        let distance = distance.unwrap_or_else(|| state.braking_distance(limits));
         let ahead = self.at.wrapping_sub(phase.within_turn()).to_bits();
-        let slack = ahead.wrapping_sub(way) & (ONE_TURN - 1);
-        let lasts = quotient(slack, self.easing.most_way(state));
+        let slack = ahead.wrapping_sub(distance) & (ONE_TURN - 1);
+        let lasts = quotient(slack, self.easing.longest_distance(state));
         if lasts > 1 {
             // This tick is one of them.
             self.lasts = lasts - 1;
             return None;
         }
-        let later_way = later.braking_way(limits);
-        let further =
-            |next: State, its_way: i64| its_way.wrapping_add(next.speed).wrapping_sub(way);
-        let most = further(later, later_way);
+        let later_distance = later.braking_distance(limits);
+        let further = |next: State, own_distance: i64| {
+            own_distance.wrapping_add(next.speed).wrapping_sub(distance)
+        };
+        let most = further(later, later_distance);
         if slack >= most {
-            self.way = Some(later_way);
+            self.distance = Some(later_distance);
             return None;
         }
         let earlier = state.braked(limits);
@@ -95,7 +96,7 @@ impl StopPlan {
         // Rounded up, so that the speed suffices for the release.
         let half = (later.acceleration - earlier.acceleration + 1) / 2;
         let between = state.after(earlier.acceleration + half);
-        let least = further(between, between.braking_way(limits));
+        let least = further(between, between.braking_distance(limits));
         Some(if slack < least {
             Blend::new(earlier, between, slack, least)
         } else {

@@ -122,7 +122,7 @@ fn limits(
         jerk_hz_per_s2: jerk,
         stop_acceleration_hz_per_s: acceleration,
         stop_jerk_hz_per_s2: jerk,
-        creep_hz: (speed_hz / 20.0).min(1.0),
+        homing_speed_hz: (speed_hz / 20.0).min(1.0),
         bands: bands
             .iter()
             .map(|&(from_hz, to_hz)| BandSettings { from_hz, to_hz })
@@ -192,7 +192,7 @@ fn any_limit_settings() -> impl Strategy<Value = (u32, LimitSettings)> {
                         .clamp(acceleration_hz_per_s, most),
                     stop_jerk_hz_per_s2: between(jerk_hz_per_s2, most_jerk, stop_j)
                         .clamp(jerk_hz_per_s2, most_jerk),
-                    creep_hz: (speed_hz / 20.0).min(1.0),
+                    homing_speed_hz: (speed_hz / 20.0).min(1.0),
                     bands: heapless::Vec::new(),
                 };
                 settings.check(hz).is_ok().then_some((tick_hz, settings))
@@ -311,15 +311,15 @@ proptest! {
     /// The shaft reaches a constant requested speed exactly (or the nearer edge of its band).
     #[test]
     fn steady_speeds_are_met_exactly(limits in any_limits(), part in 0.0..1.0_f64) {
-        let asked = (part * limits.speed as f64) as i64;
+        let requested = (part * limits.speed as f64) as i64;
         let mut watch = Watch::new(limits.clone());
         for _ in 0..ticks_between(&limits, 0, limits.speed) * 2 {
-            watch.advance(Demand::Follow(Target::steady(Turns::from_bits(asked))));
+            watch.advance(Demand::Follow(Target::steady(Turns::from_bits(requested))));
         }
-        let near = match limits.bands.iter().find(|band| band.from < asked && asked < band.to) {
-            Some(band) if asked - band.from >= band.to - asked => band.to,
+        let near = match limits.bands.iter().find(|band| band.from < requested && requested < band.to) {
+            Some(band) if requested - band.from >= band.to - requested => band.to,
             Some(band) => band.from,
-            None => asked,
+            None => requested,
         };
         prop_assert_eq!(watch.speed, near);
         prop_assert_eq!(watch.acceleration, 0);

@@ -14,7 +14,7 @@ use embassy_rp::pac;
 use embassy_rp::pac::pio::vals::SmExecctrlStatusSel;
 
 use super::{INDEX_MACHINE, lines, pins, relocated, steps};
-use program::{COUNT_BITS, LOOK_CYCLES, SAMPLED_AFTER};
+use program::{COUNT_BITS, POLL_CYCLES, SAMPLED_AFTER};
 use ring::Ring;
 
 /// The part of a word that counts looks.
@@ -37,17 +37,17 @@ pub struct Index {
     ring: Ring,
     tick_cycles: i32,
     /// Looks, and cycles beyond, in a tick.
-    tick_looks: u32,
+    tick_polls: u32,
     tick_rest: u32,
     /// Looks, and cycles beyond, from the machine's beginning to that of the tick that is over. Looks wrap
     /// with the words' count.
-    looks: u32,
+    polls: u32,
     rest: u32,
     /// What the lines were after the last change that was read, and which of them are not known.
     levels: u8,
     unknown: u8,
     /// Lines that changed and have not been said to be quiet again.
-    stirred: u8,
+    pending: u8,
 }
 
 impl Index {
@@ -78,13 +78,13 @@ impl Index {
         Self {
             ring: Ring::new(),
             tick_cycles: tick_cycles as i32,
-            tick_looks: tick_cycles / LOOK_CYCLES,
-            tick_rest: tick_cycles % LOOK_CYCLES,
-            looks: 0,
+            tick_polls: tick_cycles / POLL_CYCLES,
+            tick_rest: tick_cycles % POLL_CYCLES,
+            polls: 0,
             rest: 0,
             levels: 0,
             unknown: u8::MAX,
-            stirred: u8::MAX,
+            pending: u8::MAX,
         }
     }
 
@@ -92,8 +92,8 @@ impl Index {
     /// the next to be read.
     pub const fn begin(&mut self, cycles: u32) {
         let since = cycles as i32 - self.tick_cycles;
-        self.looks = since.div_euclid(LOOK_CYCLES as i32) as u32;
-        self.rest = since.rem_euclid(LOOK_CYCLES as i32) as u32;
+        self.polls = since.div_euclid(POLL_CYCLES as i32) as u32;
+        self.rest = since.rem_euclid(POLL_CYCLES as i32) as u32;
     }
 
     /// Reads the changes of the tick that is over, in order.
@@ -108,7 +108,7 @@ impl Index {
             let levels = (word >> COUNT_BITS) as u8;
             let changed = (levels ^ self.levels) | self.unknown;
             (self.levels, self.unknown) = (levels, 0);
-            self.stirred |= changed;
+            self.pending |= changed;
             change(Change {
                 levels,
                 changed,
@@ -119,14 +119,14 @@ impl Index {
         }
     }
 
-    /// Lines, a bit each, that have changed since they were [`Self::calmed`].
-    pub const fn stirred(&self) -> u8 {
-        self.stirred
+    /// Lines, a bit each, that have changed since they were [`Self::clear_pending`].
+    pub const fn pending(&self) -> u8 {
+        self.pending
     }
 
     /// Takes note that nothing that a line did is of consequence any more, until it changes again.
-    pub const fn calmed(&mut self, axis: usize) {
-        self.stirred &= !(1 << axis);
+    pub const fn clear_pending(&mut self, axis: usize) {
+        self.pending &= !(1 << axis);
     }
 
     /// Cycles of a tick.
@@ -136,20 +136,20 @@ impl Index {
 
     /// Goes on to the next tick.
     pub const fn end_tick(&mut self) {
-        self.looks = self.looks.wrapping_add(self.tick_looks);
+        self.polls = self.polls.wrapping_add(self.tick_polls);
         self.rest += self.tick_rest;
-        if self.rest >= LOOK_CYCLES {
-            self.rest -= LOOK_CYCLES;
-            self.looks = self.looks.wrapping_add(1);
+        if self.rest >= POLL_CYCLES {
+            self.rest -= POLL_CYCLES;
+            self.polls = self.polls.wrapping_add(1);
         }
     }
 
-    /// When the lines changed, in the middle of when they may have: since the look before.
+    /// When the lines changed, in the middle of when they may have: since the poll before.
     const fn cycle(&self, word: u32) -> i32 {
-        // The n-th look's count is −n. Less those before the tick, the difference is small and may be negative.
-        let looks = word.wrapping_neg().wrapping_sub(1).wrapping_sub(self.looks) & COUNT;
+        // The n-th poll's count is −n. Less those before the tick, the difference is small and may be negative.
+        let polls = word.wrapping_neg().wrapping_sub(1).wrapping_sub(self.polls) & COUNT;
         const UNUSED_BITS: u32 = u32::BITS - COUNT_BITS;
-        let looks = (looks << UNUSED_BITS) as i32 >> UNUSED_BITS;
-        looks * LOOK_CYCLES as i32 + (SAMPLED_AFTER - LOOK_CYCLES / 2) as i32 - self.rest as i32
+        let polls = (polls << UNUSED_BITS) as i32 >> UNUSED_BITS;
+        polls * POLL_CYCLES as i32 + (SAMPLED_AFTER - POLL_CYCLES / 2) as i32 - self.rest as i32
     }
 }

@@ -1,15 +1,15 @@
 //! What a state machine does to time the changes of six lines.
 //!
-//! It looks at them once in 7 cycles, and counts these looks down. When a look differs from the one before,
+//! It looks at them once in 7 cycles, and counts these looks down. When a poll differs from the one before,
 //! both the levels and the count go out, and the next look comes 14 cycles after: the count is lowered by two
 //! for it, so that it stays a clock. A FIFO that is full loses a change, not the clock.
 
 use pio::{Program, RP2040_MAX_PROGRAM_SIZE};
 
 /// Cycles from one look to the next.
-pub const LOOK_CYCLES: u32 = 7;
+pub const POLL_CYCLES: u32 = 7;
 
-/// Cycles from the beginning of a look to the sampling of the lines.
+/// Cycles from the beginning of a poll to the sampling of the lines.
 pub const SAMPLED_AFTER: u32 = 4;
 
 /// Bits of the count that go out; the levels are above them.

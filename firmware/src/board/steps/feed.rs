@@ -25,7 +25,7 @@ struct Words {
     count: u32,
 }
 
-/// Axes, a bit each, whose words came too late: their machine had run dry, or those before them were never begun.
+/// Axes, a bit each, whose words came too late: their machine had underrun, or those before them were never begun.
 static LATE: AtomicU8 = AtomicU8::new(0);
 
 static QUEUED: Mutex<[Cell<Option<Words>>; AXES]> = Mutex::new([const { Cell::new(None) }; AXES]);
@@ -69,7 +69,7 @@ pub fn feed(cs: CriticalSection<'_>, axis: usize, words: &[u32]) {
         if let Some(queued) = QUEUED.borrow(cs).get(axis)
             && queued.replace(Some(words)).is_some()
         {
-            tell_late(axis);
+            flag_underrun(axis);
         }
     } else {
         begin(axis, words);
@@ -92,7 +92,7 @@ pub fn is_waiting(cs: CriticalSection<'_>, axis: usize) -> bool {
 }
 
 /// Notes that an axis is behind. To be called with interrupts shut off.
-pub fn tell_late(axis: usize) {
+pub fn flag_underrun(axis: usize) {
     LATE.store(LATE.load(Ordering::Relaxed) | 1 << axis, Ordering::Relaxed);
 }
 
@@ -123,8 +123,8 @@ fn DMA_IRQ_1() {
             if done & 1 << axis != 0
                 && let Some(words) = queued.take()
             {
-                if super::has_run_dry(axis) {
-                    tell_late(axis);
+                if super::has_underrun(axis) {
+                    flag_underrun(axis);
                 }
                 begin(axis, words);
             }

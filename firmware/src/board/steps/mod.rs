@@ -11,8 +11,8 @@
 //! **Running dry.** The loop hands a tick's words over while the tick before is played. If it is late, all
 //! machines play to the end of what they have, the same tick on every axis, and stop there together, between
 //! two edges; they are held and begun again, together, at a later deadline. To be late for some axes and in
-//! time for others is impossible: [`Steps::offer`] hands over all axes at once or none, and none in the last
-//! [`LEAST_LEAD_US`] before the deadline: twice what all axes take. If a machine nevertheless ran dry inside a tick that
+//! time for others is impossible: [`Steps::submit`] hands over all axes at once or none, and none in the last
+//! [`LEAST_LEAD_US`] before the deadline: twice what all axes take. If a machine nevertheless underran inside a tick that
 //! it had been given whole (a channel that stood still, interrupts that were shut off), its axis is behind the others:
 //! the hardware's own flag shows it, and it is told as a fault.
 
@@ -22,9 +22,9 @@ mod release;
 
 use core::arch::asm;
 
-use cophase_blob::board::LEAST_LEAD_US;
 use cophase_core::pulse::{BLOCK, MAX_RUNS, Run, Runs};
 use cophase_core::units::PerAxis;
+use cophase_link::board::LEAST_LEAD_US;
 use critical_section::CriticalSection;
 use embassy_rp::pac;
 use embassy_rp::pac::pio::Pio;
@@ -73,9 +73,9 @@ const fn machines(block: usize, axes: usize) -> u8 {
 /// Instructions of a block that the program takes, from the first on.
 pub const PROGRAM_LENGTH: usize = 15;
 
-/// What became of an offer of words.
+/// What became of a submission of words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Offer {
+pub enum Submission {
     /// They will be played when they are due, right behind those before them.
     Taken,
     /// They will be played when they are due. The machines stood, and have been let go this many cycles
@@ -83,8 +83,8 @@ pub enum Offer {
     Begun(u32),
     /// It was too late: the machines stand, or are about to.
     TooLate,
-    /// An axis ran dry inside a tick: it is behind the others. Nothing was taken.
-    RanDry(usize),
+    /// An axis underran inside a tick: it is behind the others. Nothing was taken.
+    Underrun(usize),
 }
 
 /// The step output of all axes.
@@ -141,41 +141,41 @@ impl Steps {
     }
 
     /// Hands over a tick's runs, to be played from `start` on: those of all axes, or of none.
-    pub fn offer(&mut self, runs: &PerAxis<Runs>, start: Instant) -> Offer {
+    pub fn submit(&mut self, runs: &PerAxis<Runs>, start: Instant) -> Submission {
         let axes = self.free.iter_mut().zip(runs).zip(&self.reversed);
         for ((words, runs), &reversed) in axes.take(self.axes) {
             words.copy(runs, reversed);
         }
-        let offer = critical_section::with(|cs| self.hand_over(cs, start));
-        if matches!(offer, Offer::Taken | Offer::Begun(_)) {
+        let submission = critical_section::with(|cs| self.hand_over(cs, start));
+        if matches!(submission, Submission::Taken | Submission::Begun(_)) {
             self.until = start.checked_add(self.tick);
             core::mem::swap(&mut self.free, &mut self.given);
         }
-        offer
+        submission
     }
 
-    fn hand_over(&mut self, cs: CriticalSection<'_>, start: Instant) -> Offer {
+    fn hand_over(&mut self, cs: CriticalSection<'_>, start: Instant) -> Submission {
         let lead_us = (start.as_ticks() as u32).wrapping_sub(now_us());
         if (lead_us as i32) < LEAST_LEAD_US as i32 {
-            return Offer::TooLate;
+            return Submission::TooLate;
         }
         if let Some(axis) = feed::take_late() {
             self.until = None;
-            return Offer::RanDry(axis);
+            return Submission::Underrun(axis);
         }
         if self.until == Some(start) {
-            if let Some(axis) = self.dry_axis() {
+            if let Some(axis) = self.underrun_axis() {
                 self.until = None;
-                return Offer::RanDry(axis);
+                return Submission::Underrun(axis);
             }
             for (axis, words) in self.free.iter().enumerate().take(self.axes) {
                 feed::feed(cs, axis, words.tick());
             }
-            Offer::Taken
+            Submission::Taken
         } else if lead_us >= LEAST_BEGIN_US && self.all_stand(cs) {
-            Offer::Begun(self.begin(cs, start))
+            Submission::Begun(self.begin(cs, start))
         } else {
-            Offer::TooLate
+            Submission::TooLate
         }
     }
 
@@ -207,18 +207,18 @@ impl Steps {
         );
         if !in_time {
             // Whatever held it up, the machines' ticks are not the timer's now, or one block's not the other's: the
-            // next offer tells.
-            feed::tell_late(0);
+            // next offer shows.
+            feed::flag_underrun(0);
         }
         for (pio, machines) in BLOCKS.into_iter().zip([first, second]) {
-            // That they waited is over now. The pause is not: none can have run dry again.
+            // That they waited is over now. The pause is not: none can have underrun again.
             pio.fdebug().write(|w| w.set_txstall(machines));
         }
         pause
     }
 
     /// An axis whose machine has waited for words since it was let go.
-    fn dry_axis(&self) -> Option<usize> {
+    fn underrun_axis(&self) -> Option<usize> {
         // Most often none has, which two registers tell.
         let stalled = |block: usize, pio: Pio| {
             pio.fdebug().read().txstall() & machines(block, self.axes) != 0
@@ -226,7 +226,7 @@ impl Steps {
         if !stalled(0, pac::PIO0) && !stalled(1, pac::PIO1) {
             return None;
         }
-        (0..self.axes.min(AXES)).find(|&axis| has_run_dry(axis))
+        (0..self.axes.min(AXES)).find(|&axis| has_underrun(axis))
     }
 
     /// Whether every machine has played all its words and waits for more.
@@ -248,7 +248,7 @@ impl Steps {
 }
 
 /// Whether the machine of an axis has waited for words since it was let go.
-fn has_run_dry(axis: usize) -> bool {
+fn has_underrun(axis: usize) -> bool {
     let pio = if block_of(axis) == 0 {
         pac::PIO0
     } else {

@@ -224,14 +224,14 @@ fn what_one_has_apart() {
             "-180 to 180°",
         ),
         key(
-            "trim past its limit",
+            "trim beyond its limit",
             "axis[0].trim_deg",
             "6",
             "6° is outside -5 to 5°",
             "raise axes.trim_limit_deg",
         ),
         key(
-            "trim past any limit",
+            "trim beyond any limit",
             "axis[0].trim_deg",
             "60",
             "60° is outside",

@@ -5,7 +5,7 @@ use host_sim::scene::library;
 use super::edit::{BASE, append, replace};
 use super::{Case, assert_all_refused, case};
 
-/// The built-in scene of cams with a piece of its text replaced.
+/// The built-in scene for cams with a piece of its text replaced.
 #[track_caller]
 fn edit(from: &str, to: &str) -> String {
     let wrapper = library::find("wrapper").unwrap().text;
@@ -183,8 +183,8 @@ fn what_gives_between_cam_and_pusher() {
 }
 
 #[test]
-fn rungs_and_methods() {
-    let rung = |name: &'static str, key, wrong, right| {
+fn model_levels_and_methods() {
+    let model_level = |name: &'static str, key, wrong, right| {
         let text = format!(
             "fidelity = \"{name}\"\n{}",
             library::find("wrapper").unwrap().text
@@ -201,19 +201,19 @@ fn rungs_and_methods() {
         )
     };
     let mut cases: Vec<Case> = vec![
-        rung(
+        model_level(
             "quasi-static",
             "fidelity",
             "\"quasi-static\" is of cranks",
             "\"kinematic\" and \"elastic\"",
         ),
-        rung(
+        model_level(
             "rigid",
             "fidelity",
             "\"rigid\" is of cranks",
             "\"kinematic\" and \"elastic\"",
         ),
-        rung(
+        model_level(
             "phased",
             "fidelity",
             "\"phased\" is of cranks",

@@ -103,7 +103,7 @@ fn the_window() {
 #[test]
 fn fidelity() {
     assert_all_refused(&[case(
-        "a rung that is not there",
+        "a model level that is not there",
         set("fidelity", "\"perfect\""),
         "fidelity",
         "\"perfect\" is none of its values",

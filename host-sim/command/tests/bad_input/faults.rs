@@ -147,8 +147,11 @@ fn their_numbers() {
 
 #[test]
 fn axes_and_machines_that_cannot_show_them() {
-    let rung = |name, rung: &str, lines: &str, key, wrong, right| {
-        let text = replace("fidelity = \"auto\"", &format!("fidelity = \"{rung}\""));
+    let model_level = |name, model_level: &str, lines: &str, key, wrong, right| {
+        let text = replace(
+            "fidelity = \"auto\"",
+            &format!("fidelity = \"{model_level}\""),
+        );
         let text = format!("{text}\n[[fault]]\nat_s = 1\n{lines}\n");
         case(name, text, key, wrong, right)
     };
@@ -174,7 +177,7 @@ fn axes_and_machines_that_cannot_show_them() {
             "no encoder is read",
             "axes.encoder = true",
         ),
-        rung(
+        model_level(
             "one shaft",
             "rigid",
             "kind = \"stuck\"\naxis = 1",
@@ -182,7 +185,7 @@ fn axes_and_machines_that_cannot_show_them() {
             "stuck has them at others",
             "let it be \"phased\"",
         ),
-        rung(
+        model_level(
             "no torque",
             "kinematic",
             "kind = \"load-step\"\naxis = 1\ntorque_nm = 2",

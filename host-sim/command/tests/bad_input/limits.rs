@@ -19,14 +19,14 @@ fn forbidden_bands() {
             "all speeds",
             "{ from_hz = 0, to_hz = 100 }",
             "limits.band[0]",
-            "covers all speeds from limits.creep_hz = 1 to limits.speed_hz = 20",
+            "covers all speeds from limits.homing_speed_hz = 1 to limits.speed_hz = 20",
             "begin above the one and end below the other",
         ),
         band(
-            "over creep",
+            "over turn at homing speed",
             "{ from_hz = 0.5, to_hz = 3 }",
             "limits.band[0].from_hz",
-            "covers the homing speed, limits.creep_hz = 1",
+            "covers the homing speed, limits.homing_speed_hz = 1",
             "begin above that",
         ),
         band(
@@ -156,8 +156,8 @@ fn speed_acceleration_jerk() {
             "0.01 to 80000000 rev/s³",
         ),
         key(
-            "creeping fast",
-            "limits.creep_hz",
+            "turning at homing speed fast",
+            "limits.homing_speed_hz",
             "15",
             "15 rev/s is outside",
             "0.01 to 10 rev/s",

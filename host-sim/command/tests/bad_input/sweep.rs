@@ -26,7 +26,7 @@ const NUMBERS: &[(&str, bool)] = &[
     ("limits.speed_hz", false),
     ("limits.acceleration_hz_per_s", false),
     ("limits.jerk_hz_per_s2", false),
-    ("limits.creep_hz", false),
+    ("limits.homing_speed_hz", false),
     ("pulse.width_ns", false),
     ("pulse.dir_setup_ns", true),
     ("pulse.dir_hold_ns", true),

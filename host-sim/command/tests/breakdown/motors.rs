@@ -1,19 +1,19 @@
-//! Motors that are asked for more than they have, cranks that bend the rods, and a loop that has no time.
+//! Motors that are requested more than they have, cranks that bend the rods, and a loop that has no time.
 
 use cophase_core::supervisor::{FaultKind, State};
 use cophase_lab::chart::breakdown::{overload, pull_out, rods, runs};
-use host_sim::sim::events::Happening;
+use host_sim::sim::events::EventKind;
 
 use super::failed;
 
 /// Were it wrong, a motor that is too weak would hold all the same, or its slips be noticed late or by nobody.
 #[test]
 fn a_motor_that_pulls_out() {
-    let strong = pull_out::look(1.0).unwrap().outcome;
+    let strong = pull_out::measure(1.0).unwrap().outcome;
     assert_eq!(strong.statistics.slipped_cycles, [0, 0, 0]);
     assert_eq!((strong.state, strong.fault), (State::Parked, None));
 
-    let weak = pull_out::look(pull_out::WEAK).unwrap();
+    let weak = pull_out::measure(pull_out::WEAK).unwrap();
     let slipped = &weak.outcome.statistics.slipped_cycles;
     assert!(slipped[pull_out::WEAK_AXIS] < 0, "{slipped:?}");
     let slip_s = runs::first_slip_s(&weak.outcome).expect("it slips");
@@ -26,17 +26,17 @@ fn a_motor_that_pulls_out() {
         .events
         .iter()
         .filter_map(|event| match event.what {
-            Happening::Fault { fault, .. } => Some(fault.kind),
+            EventKind::Fault { fault, .. } => Some(fault.kind),
             _ => None,
         })
         .collect();
-    assert_eq!(names[..2], [FaultKind::Silent, FaultKind::Slip]);
-    // An index is heard once a turn, a tick later at the latest, and judged in the next.
-    let heard_s = runs::fault_s(&weak.outcome).expect("it is an event") - slip_s;
+    assert_eq!(names[..2], [FaultKind::IndexTimeout, FaultKind::Slip]);
+    // An index is detected once a turn, a tick later at the latest, and judged in the next.
+    let detected_s = runs::fault_s(&weak.outcome).expect("it is an event") - slip_s;
     let turn_s = weak.turn_s(slip_s);
     assert!(
-        heard_s > 0.0 && heard_s <= turn_s + 2.0 * pull_out::TICK_S,
-        "{heard_s} s, a turn {turn_s} s"
+        detected_s > 0.0 && detected_s <= turn_s + 2.0 * pull_out::TICK_S,
+        "{detected_s} s, a turn {turn_s} s"
     );
     assert_eq!(weak.outcome.state, State::Fault);
 
@@ -50,7 +50,7 @@ fn a_motor_that_pulls_out() {
 #[test]
 fn a_crank_that_bends_the_rods_is_stopped() {
     // One of four that is 1° off is 0.25° off the plane of all.
-    for (limit_deg, fault) in [(0.2, Some(FaultKind::TooFarOut)), (0.3, None)] {
+    for (limit_deg, fault) in [(0.2, Some(FaultKind::HomingRangeExceeded)), (0.3, None)] {
         let text = rods::scene(rods::SOFT_N_PER_UM, 1.0, limit_deg, "");
         let outcome = runs::run(&text, &mut |_| {}).unwrap();
         assert_eq!(outcome.fault.map(|fault| fault.kind), fault, "{limit_deg}°");
@@ -71,10 +71,10 @@ fn a_crank_that_bends_the_rods_is_stopped() {
 /// Were it wrong, motors that all slip together would go unseen, as nothing tilts; or would not slip.
 #[test]
 fn five_times_the_load() {
-    let sized = overload::look(overload::SIZED_KG).unwrap().outcome;
+    let sized = overload::measure(overload::SIZED_KG).unwrap().outcome;
     assert_eq!(sized.statistics.slipped_cycles, [0, 0, 0]);
     assert_eq!((sized.state, sized.fault), (State::Parked, None));
-    let over = overload::look(5.0 * overload::SIZED_KG).unwrap();
+    let over = overload::measure(5.0 * overload::SIZED_KG).unwrap();
     let slip_s = runs::first_slip_s(&over.outcome).expect("they slip");
     let fault = over.outcome.fault.expect("the common lag is watched");
     assert_eq!(fault.kind, FaultKind::CommonLag);
@@ -85,7 +85,7 @@ fn five_times_the_load() {
         .iter()
         .fold(0.0_f64, |worst, (_, deg)| worst.max(deg.abs()));
     assert!(worst > overload::COMMON_LIMIT_DEG, "{worst}°");
-    // Torque is in proportion to the load where rotors take little of it: the rung that compares torques says so beforehand.
+    // Torque is in proportion to the load where rotors take little of it: the model level that compares torques says so beforehand.
     let used = overload::torque_used(overload::SIZED_KG).unwrap();
     assert!((0.5..0.6).contains(&used), "{used}");
     assert!(overload::torque_used(5.0 * overload::SIZED_KG).unwrap() > 1.0);

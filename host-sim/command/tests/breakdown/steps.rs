@@ -9,8 +9,8 @@ use super::{failed, refused};
 
 /// Were it wrong, a step past a method's limit would not diverge, or one below it would.
 #[test]
-fn a_stiff_chain_past_its_step() {
-    let facts = chain::look(Size::Small).unwrap();
+fn a_stiff_chain_beyond_its_step() {
+    let facts = chain::measure(Size::Small).unwrap();
     // Published for steady turning: 0.125 mm. From rest the first turn is within what the slowest mode still remembers of it.
     assert!(
         (facts.true_m * 1e3 - 0.125).abs() < 0.0015,
@@ -59,7 +59,7 @@ fn a_stiff_chain_past_its_step() {
 
 /// Were it wrong, a scene would run where its method is unstable.
 #[test]
-fn a_step_past_the_limit_is_refused() {
+fn a_step_beyond_the_limit_is_refused() {
     for (method, limit) in [("rk4", "81.1464 us"), ("explicit-euler", "20.1057 us")] {
         let said = refused(&chain::scene(&format!(
             "name = \"{method}\"\nsteps_per_tick = 1"
@@ -98,20 +98,20 @@ fn a_run_that_diverges_says_so_and_is_written() {
 /// Were it wrong, rods would not ask anything of a crank that stands off, or a step that did for soft ones be run on stiff ones.
 #[test]
 fn stiffer_rods_under_four_cranks() {
-    let facts = rods::look(Size::Small).unwrap();
+    let facts = rods::measure(Size::Small).unwrap();
     // One of four that is 1° off is 0.25° off the plane of all. Were rods rigid its motor would have to give all of that: 20 N·m
     // by the sine of 50 electrical cycles.
     let most_nm = 20.0 * (50.0 * 0.25_f64.to_radians()).sin();
-    let bent_nm = |seen: &rods::Seen| seen.off_nm - seen.aligned_nm;
-    for pair in facts.seen.windows(2) {
+    let bent_nm = |measured: &rods::Measured| measured.off_nm - measured.in_phase_nm;
+    for pair in facts.measured.windows(2) {
         assert!(bent_nm(&pair[1]) > bent_nm(&pair[0]), "{pair:?}");
         assert!(pair[1].steps > 2 * pair[0].steps, "{pair:?}");
         // A crank that is where it should be bends nothing, whatever the rods.
-        let aligned = pair[1].aligned_nm / pair[0].aligned_nm;
-        assert!((aligned - 1.0).abs() < 0.01, "{pair:?}");
+        let in_phase = pair[1].in_phase_nm / pair[0].in_phase_nm;
+        assert!((in_phase - 1.0).abs() < 0.01, "{pair:?}");
     }
-    let [soft, stiff, rigid] = facts.seen[..] else {
-        panic!("{:?}", facts.seen);
+    let [soft, stiff, rigid] = facts.measured[..] else {
+        panic!("{:?}", facts.measured);
     };
     assert!(bent_nm(&stiff) > 2.0 * bent_nm(&soft), "{stiff:?}");
     assert!(bent_nm(&rigid) <= most_nm, "{rigid:?}, at most {most_nm}");

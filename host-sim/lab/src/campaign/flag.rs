@@ -17,7 +17,7 @@ impl Flag {
     /// Of an axis; none if it has no sensor.
     pub fn new(checked: &Checked, axis: usize) -> Option<Self> {
         let settings = checked.settings.axes.get(axis)?;
-        let gate = place_gate(settings, checked.settings.drift.reading_deg);
+        let gate = place_gate(settings, checked.settings.drift.reading_error_deg);
         Some(Self {
             at_turns: settings.index_turns?,
             length_turns: settings.index_width_turns,
@@ -52,7 +52,7 @@ mod tests {
     use super::*;
     use host_sim::scene::library;
 
-    /// Were the place too wide, pulses that the loop must tell of would be let pass; were it too narrow, it would be blamed for what no
+    /// Were the place too wide, pulses that the loop must report would be let pass; were it too narrow, it would be blamed for what no
     /// line shows. Of 3200 steps and 0.25° a gate is 4 (0.25 + 0.225) = 1.9°, of 200 full steps no more than 3.6 - 0.475 = 3.125°.
     #[test]
     fn a_place_is_a_gate_wide_and_as_long_as_its_flag() {
@@ -61,7 +61,7 @@ mod tests {
             scene.axes.steps_per_turn = 3200;
             scene.axes.full_steps_per_turn = full_steps;
             scene.axes.index_width_deg = width_deg;
-            scene.drift.reading_deg = 0.25;
+            scene.drift.reading_error_deg = 0.25;
             let flag = Flag::new(&Checked::new(scene).unwrap(), 0).unwrap();
             flag.extra_at(flag.at_turns + 3.0 + deg / 360.0).is_in_place
         };

@@ -27,7 +27,7 @@ impl Geometry {
     pub fn new(scene: &Scene) -> Option<Self> {
         let machine = scene.machine.as_ref()?;
         let mechanism = mechanism(machine)?;
-        let most_way_m = angles()
+        let longest_travel_m = angles()
             .map(|alpha| mechanism.x_dot_mps(alpha, 1.0).abs())
             .fold(0.0, f64::max);
         Some(Self {
@@ -38,7 +38,7 @@ impl Geometry {
             },
             corners: Corners::new(scene.axes.count, machine.mount_radius_mm * 1e-3),
             count: scene.axes.count,
-            mrad_per_turn: 1e3 * most_way_m * TAU,
+            mrad_per_turn: 1e3 * longest_travel_m * TAU,
             tilt_limit_mrad: scene.drift.tilt_limit_mrad,
             warp_limit_deg: scene.drift.warp_limit_deg,
             mechanism,
@@ -69,13 +69,13 @@ impl Geometry {
         self.modes(&errors)
     }
 
-    /// Whether errors are past the limits, as the controller has them: on tilt at the worst crank angle, and on warp.
-    pub fn is_past(&self, errors: &[f64]) -> bool {
+    /// Whether errors are beyond the limits, as the controller has them: on tilt at the worst crank angle, and on warp.
+    pub fn is_beyond_limit(&self, errors: &[f64]) -> bool {
         let (tilt_mrad, warp_deg) = self.modes(errors);
         tilt_mrad > self.tilt_limit_mrad || warp_deg > self.warp_limit_deg
     }
 
-    /// How far one crank may be from all others before the platform is past its limits, turns.
+    /// How far one crank may be from all others before the platform is beyond its limits, turns.
     pub fn single_limit_turns(&self) -> f64 {
         let (tilt_mrad, warp_deg) = self.of_one(1.0);
         let by_tilt = self.tilt_limit_mrad / tilt_mrad;
@@ -125,14 +125,14 @@ impl Geometry {
     }
 
     /// Greatest way of the platform to an angle of the crank, m/rad.
-    pub fn most_way_m(&self) -> f64 {
+    pub fn longest_travel_m(&self) -> f64 {
         self.mrad_per_turn / 1e3 / TAU
     }
 
     /// Inertia that the platform and its load have at one crank, where that is greatest, kg·m²: an Nth of m (dx/dα)².
     pub fn most_inertia_kgm2(&self) -> f64 {
-        let most_way_m = self.most_way_m();
-        self.load.mass_kg * most_way_m * most_way_m / self.count as f64
+        let longest_travel_m = self.longest_travel_m();
+        self.load.mass_kg * longest_travel_m * longest_travel_m / self.count as f64
     }
 
     /// The most that all cranks together ask at up to a speed and acceleration, at any angle, N·m.
@@ -170,7 +170,7 @@ mod tests {
     use super::*;
     use host_sim::scene::library;
 
-    /// Were the bound below the linear limit's tilt, a crank at its limit would be past its bound; were it far above, the bound
+    /// Were the bound below the linear limit's tilt, a crank at its limit would be beyond its bound; were it far above, the bound
     /// would say nothing. Chords are shorter than tangents, by less than e²/2 times the largest curvature 1 + λ, over the
     /// largest slope, which is above 1.
     #[test]
@@ -189,7 +189,7 @@ mod tests {
         }
     }
 
-    /// Were a cap below what half a turn does, a crank that stands would be past its bound.
+    /// Were a cap below what half a turn does, a crank that stands would be beyond its bound.
     #[test]
     fn half_a_turn_tilts_by_the_stroke() {
         let scene = library::find("patent-4").unwrap().scene();

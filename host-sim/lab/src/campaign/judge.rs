@@ -1,6 +1,6 @@
 //! Holds a run against what the campaign claims.
 //!
-//! A crank past a limit is *detected* when the machine is brought to where it does no harm, for a reason that has to do with that
+//! A crank beyond a limit is *detected* when the machine is brought to where it does no harm, for a reason that has to do with that
 //! crank ([`detection`]). That something else was told before, which the loop goes on from, is no detection: nobody need be there
 //! to read it. Nor is a stop for another crank's sake, as the next machine would not stop for that; unless torque dragged that one along.
 
@@ -8,34 +8,34 @@ use cophase_core::supervisor::reaction::Reaction;
 use cophase_core::supervisor::{FaultKind, State};
 
 use host_sim::axes::{Axes, per_axis};
-use host_sim::scene::file::{AxisApart, FaultAt, FaultName, Scene};
+use host_sim::scene::file::{AxisOverrides, FaultAt, FaultName, Scene};
 
 use super::bound;
 use super::geometry::Geometry;
 use super::names::{self, Circumstances};
 use super::plan::faults::driven;
 use super::plan::machines::Driven;
-use super::watch::{Seen, Telling, Told};
+use super::watch::{FaultEvent, Observation, ReportedFault};
 
-/// What a crank is from where it was told to be for rounding: a step either way. More than this, it was moved.
+/// What a crank is from where commanded for rounding: a step either way. More than this, it was moved.
 const ROUNDING_STEPS: f64 = 2.0;
 
 /// What a faulty run comes to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// Told, and rightly.
+    /// reported, and rightly.
     Right,
-    /// Told, and wrongly.
+    /// reported, and wrongly.
     Misnamed,
-    /// Not told, though the kind is one that must be; or neither stopped for nor mended, though a crank was past its limit.
+    /// Not told, though the kind is one that must be; or neither stopped for nor fixed, though a crank was beyond its limit.
     Missed,
-    /// Nothing was told, and nothing had to be: no crank was past its limit.
+    /// Nothing was reported, and nothing had to be: no crank was beyond its limit.
     Within,
     /// The machine did not move when it came, or not for long enough after it; or, in a clean run, motors lost steps of
     /// themselves, so that it was none.
     Moot,
-    /// A clean run in which nothing was told.
+    /// A clean run in which nothing was reported.
     Clean,
     /// Something was told before anything was wrong.
     FalseTrip,
@@ -61,96 +61,112 @@ pub struct Judgement {
     pub left_running: bool,
 }
 
-/// Judges a run by what was seen in it, and by whether its machine's equations came to an end or a motor slipped of itself.
+/// Judges a run by what was detected in it, and by whether its machine's equations came to an end or a motor slipped of itself.
 pub fn judge(
     scene: &Scene,
     geometry: Option<&Geometry>,
-    seen: &Seen,
+    observation: &Observation,
     (diverged, slipped): (bool, bool),
 ) -> Judgement {
     let bound_mrad = geometry.map_or(0.0, |geometry| {
-        bound::tilt_mrad(scene, geometry, seen.out.as_ref())
+        bound::tilt_mrad(scene, geometry, observation.out.as_ref())
     });
     let steps = f64::from(scene.axes.steps_per_turn);
     let verdict = match scene.fault.first() {
         _ if diverged => Verdict::Diverged,
         None if slipped => Verdict::Moot,
-        _ if !seen.early.is_empty() => Verdict::FalseTrip,
+        _ if !observation.early.is_empty() => Verdict::FalseTrip,
         None => Verdict::Clean,
-        Some(fault) => verdict(scene, fault, seen),
+        Some(fault) => verdict(scene, fault, observation),
     };
     let fault = scene.fault.first();
-    let detected = fault.and_then(|fault| detection(scene, fault, seen));
-    let turns = detected.zip(seen.past);
+    let detected = fault.and_then(|fault| detection(scene, fault, observation));
+    let turns = detected.zip(observation.beyond_limit);
     Judgement {
         verdict,
-        in_time: in_time(detected, seen),
-        turns: turns.map(|(detected, past)| detected.turns - past.turns),
+        in_time: in_time(detected, observation),
+        turns: turns.map(|(detected, beyond_limit)| detected.turns - beyond_limit.turns),
         detected_s: detected.map(|detected| detected.place.t_s),
         bound_mrad,
-        left_running: seen.left_running_turns * steps > ROUNDING_STEPS,
+        left_running: observation.left_running_turns * steps > ROUNDING_STEPS,
     }
 }
 
 /// What the loop told of a fault that counts as its detection: the first that made it stop, or disable the drives, on the axis that
-/// it befell, on one whose crank it moved as well, or on none. If cranks that had been past their limits were within them again by then,
-/// or at the end where nothing did, and never past them for longer than a turn, the first that had it trim that axis: what is trimmed
-/// away in time need not stop a machine, and what goes on past its limit must.
-pub fn detection<'a>(scene: &Scene, fault: &FaultAt, seen: &'a Seen) -> Option<&'a Telling> {
-    let of_it = |telling: &&Telling| {
-        telling.told.axis.is_none() || telling.is_moved || is_of(scene, fault, &telling.told)
+/// it befell, on one whose crank it moved as well, or on none. If cranks that had been beyond their limits were within them again by then,
+/// or at the end where nothing did, and never beyond them for longer than a turn, the first that had it trim that axis: what is trimmed
+/// away in time need not stop a machine, and what goes on beyond its limit must.
+pub fn detection<'a>(
+    scene: &Scene,
+    fault: &FaultAt,
+    observation: &'a Observation,
+) -> Option<&'a FaultEvent> {
+    let of_it = |fault_event: &&FaultEvent| {
+        fault_event.reported.axis.is_none()
+            || fault_event.is_moved
+            || is_of(scene, fault, &fault_event.reported)
     };
-    let tellings = || seen.tellings.iter().filter(of_it);
-    let stop = tellings().find(|telling| telling.done >= Reaction::Stop);
-    let is_back = match (stop, seen.past) {
-        (Some(stop), Some(past)) => !stop.is_past && past.moment < stop.place.moment,
+    let fault_events = || observation.fault_events.iter().filter(of_it);
+    let stop = fault_events().find(|fault_event| fault_event.done >= Reaction::Stop);
+    let is_back = match (stop, observation.beyond_limit) {
+        (Some(stop), Some(beyond_limit)) => {
+            !stop.is_beyond_limit && beyond_limit.moment < stop.place.moment
+        }
         (Some(_), None) => false,
-        (None, _) => !seen.is_past,
+        (None, _) => !observation.is_beyond_limit,
     };
-    // For longer than a turn nothing may be past its limit, corrected or not.
-    let mended = scene.correction.part > 0.0 && is_back && seen.stay_turns <= 1.0;
-    let counts = |telling: &&Telling| {
-        telling.done >= Reaction::Stop || mended && telling.done == Reaction::Correct
+    // For longer than a turn nothing may be beyond its limit, corrected or not.
+    let corrected = scene.correction.gain > 0.0 && is_back && observation.stay_turns <= 1.0;
+    let counts = |fault_event: &&FaultEvent| {
+        fault_event.done >= Reaction::Stop || corrected && fault_event.done == Reaction::Correct
     };
-    tellings().find(counts)
+    fault_events().find(counts)
 }
 
 /// See [`Judgement::in_time`].
-fn in_time(detected: Option<&Telling>, seen: &Seen) -> Option<bool> {
-    let past = seen.past?;
+fn in_time(detected: Option<&FaultEvent>, observation: &Observation) -> Option<bool> {
+    let beyond_limit = observation.beyond_limit?;
     match detected {
-        Some(detected) => Some(detected.turns - past.turns <= 1.0),
-        None if seen.fault.is_some() => Some(false),
-        None => (seen.end?.turns - past.turns > 1.0).then_some(false),
+        Some(detected) => Some(detected.turns - beyond_limit.turns <= 1.0),
+        None if observation.fault.is_some() => Some(false),
+        None => (observation.end?.turns - beyond_limit.turns > 1.0).then_some(false),
     }
 }
 
-/// Whether what was told is of an axis that it may be of.
-fn is_of(scene: &Scene, fault: &FaultAt, told: &Told) -> bool {
+/// Whether what was reported is of an axis that it may be of.
+fn is_of(scene: &Scene, fault: &FaultAt, reported: &ReportedFault) -> bool {
     let axes = [fault.axis, fault.with];
     // Two cranks that seem far out, each its own way, make the third look so as well.
     // And of two cranks nobody knows which is out.
-    let any = told.kind == FaultKind::TooFarOut
+    let any = reported.kind == FaultKind::HomingRangeExceeded
         && (fault.kind == FaultName::SwappedWiring || scene.axes.count == 2);
-    any || !names::has_axis(fault.kind) || (told.axis.is_some() && axes.contains(&told.axis))
+    any || !names::has_axis(fault.kind)
+        || (reported.axis.is_some() && axes.contains(&reported.axis))
 }
 
-fn verdict(scene: &Scene, fault: &FaultAt, seen: &Seen) -> Verdict {
-    let Some((injected, end)) = seen.injected.zip(seen.end) else {
+fn verdict(scene: &Scene, fault: &FaultAt, observation: &Observation) -> Verdict {
+    let Some((injected, end)) = observation.injected.zip(observation.end) else {
         return Verdict::Moot;
     };
-    let stood = !matches!(injected.state, State::Align | State::Run | State::Stop);
+    let stood = !matches!(injected.state, State::Homing | State::Run | State::Stop);
     let from_power_up = matches!(fault.kind, FaultName::SwappedWiring | FaultName::Reversed);
-    if stood && !from_power_up && seen.tellings.is_empty() && seen.past.is_none() {
+    if stood
+        && !from_power_up
+        && observation.fault_events.is_empty()
+        && observation.beyond_limit.is_none()
+    {
         return Verdict::Moot;
     }
-    if seen.tellings.is_empty() {
-        let had_time = end.turns - injected.turns > names::turns_to_tell(fault);
-        // An extra pulse before the first is the first, if nothing tells otherwise; what it would have moved is looked at again.
-        let may_be_first = fault.kind == FaultName::IndexExtra && injected.state == State::Align;
-        let is_in_place = seen.extra.is_some_and(|extra| extra.is_in_place);
-        let must = names::must_be_told(fault.kind) && !may_be_first && !is_in_place;
-        return match (seen.past.map(|_| in_time(None, seen)), must) {
+    if observation.fault_events.is_empty() {
+        let had_time = end.turns - injected.turns > names::turns_to_report(fault);
+        // An extra pulse before the first is the first, if nothing shows otherwise; what it would have moved is looked at again.
+        let may_be_first = fault.kind == FaultName::IndexExtra && injected.state == State::Homing;
+        let is_in_place = observation.extra.is_some_and(|extra| extra.is_in_place);
+        let must = names::must_be_reported(fault.kind) && !may_be_first && !is_in_place;
+        return match (
+            observation.beyond_limit.map(|_| in_time(None, observation)),
+            must,
+        ) {
             (Some(Some(_)), _) => Verdict::Missed,
             (Some(None), _) => Verdict::Moot,
             (None, true) if had_time => Verdict::Missed,
@@ -158,8 +174,8 @@ fn verdict(scene: &Scene, fault: &FaultAt, seen: &Seen) -> Verdict {
             (None, false) => Verdict::Within,
         };
     }
-    let too_late = in_time(detection(scene, fault, seen), seen) == Some(false);
-    if too_late && seen.fault.is_none() {
+    let too_late = in_time(detection(scene, fault, observation), observation) == Some(false);
+    if too_late && observation.fault.is_none() {
         return Verdict::Missed;
     }
     let accepted = names::accepted(
@@ -167,18 +183,23 @@ fn verdict(scene: &Scene, fault: &FaultAt, seen: &Seen) -> Verdict {
         Circumstances {
             has_encoder: scene.axes.encoder,
             is_stepper: driven(scene, fault.axis.unwrap_or_default()) != Driven::Servo,
-            in_align: injected.state == State::Align || stood,
-            is_past: seen.past.is_some(),
+            in_homing: injected.state == State::Homing || stood,
+            is_beyond_limit: observation.beyond_limit.is_some(),
             opposed: differs(scene, fault, |apart| f64::from(u8::from(apart.reversed))),
-            stood_first: !seen.passed_after,
-            flags_apart: differs(scene, fault, |apart| apart.index_deg.unwrap_or_default()),
+            stood_first: !observation.passed_after,
+            flags_apart: differs(scene, fault, |own| own.index_deg.unwrap_or_default()),
         },
     );
-    let is_right = |told: &Told| accepted.contains(&told.kind) && is_of(scene, fault, told);
+    let is_right = |reported: &ReportedFault| {
+        accepted.contains(&reported.kind) && is_of(scene, fault, reported)
+    };
     // What latched is what counts, as it was called at last; where nothing did, all that was told.
-    let right = match &seen.fault {
-        Some(told) => is_right(told),
-        None => !seen.incidents.is_empty() && seen.incidents.iter().all(is_right),
+    let right = match &observation.fault {
+        Some(reported) => is_right(reported),
+        None => {
+            !observation.reported_faults.is_empty()
+                && observation.reported_faults.iter().all(is_right)
+        }
     };
     if right {
         Verdict::Right
@@ -188,21 +209,21 @@ fn verdict(scene: &Scene, fault: &FaultAt, seen: &Seen) -> Verdict {
 }
 
 /// Whether the two axes of a swap differ in something that each has apart.
-fn differs(scene: &Scene, fault: &FaultAt, what: fn(&AxisApart) -> f64) -> bool {
-    let of = |axis: Option<usize>| scene.apart(axis?).map(what);
+fn differs(scene: &Scene, fault: &FaultAt, what: fn(&AxisOverrides) -> f64) -> bool {
+    let of = |axis: Option<usize>| scene.overrides(axis?).map(what);
     of(fault.axis) != of(fault.with)
 }
 
 /// Of which axes the cranks must stop, and not only the commands: those that their drives move as told. A crank that slips is not
 /// moved by its drive, one that stands for a while is not either, and one that torque moves swings on.
 pub fn cranks_that_count(scene: &Scene) -> Axes<bool> {
-    let astray = |axis: usize| {
+    let is_faulted = |axis: usize| {
         scene.fault.first().is_some_and(|fault| {
             matches!(fault.kind, FaultName::Slip | FaultName::Stuck) && fault.axis == Some(axis)
         })
     };
     per_axis(scene.axes.count, |axis| {
-        !scene.fidelity.moves_by_torque() && !astray(axis)
+        !scene.fidelity.moves_by_torque() && !is_faulted(axis)
     })
 }
 

@@ -1,16 +1,16 @@
 //! A campaign: thousands of machines that are drawn, each with one thing that goes wrong, and each once more with nothing wrong.
 //!
 //! The *claim* that it tests, run by run:
-//! 1. every fault that moves a crank past a limit (tilt or warp, as the true cranks have it) is detected within one turn of the
+//! 1. every fault that moves a crank beyond a limit (tilt or warp, as the true cranks have it) is detected within one turn of the
 //!    master and two ticks: the loop has found something of the axis that it befell, or of one that it moved ([`moved`]), or
 //!    something that is of no axis, and stops or disables the machine for it, or has trimmed the crank back
 //!    ([`judge::detection`]), and this is played by then;
-//! 2. what is told is the right name, by one table ([`names`]), and of the right axis: in 99 of 100 at least;
+//! 2. what is reported is the right name, by one table ([`names`]), and of the right axis: in 99 of 100 at least;
 //! 3. the platform never tilts further than the limit and what the kind can add, until all cranks stand or the drives are off
 //!    ([`bound`]);
-//! 4. no axis is left running: once the controller has stopped one, no other is told to move, nor moved by its drive, for more
+//! 4. no axis is left running: once the controller has stopped one, no other is commanded to move, nor moved by its drive, for more
 //!    than two ticks;
-//! 5. with noise alone, nothing is told.
+//! 5. with noise alone, nothing is reported.
 //!
 //! A *case* is what is drawn for a number ([`plan`]); its *faulty* run and its *clean* run are a row each ([`row`]). Rows depend on
 //! seed and number alone, so that any range of them, on any number of threads, has the same ([`shards`]). What all of them come to
@@ -53,15 +53,15 @@ pub fn run(case: &Case, clean: bool) -> Result<Row, SceneError> {
     let geometry = Geometry::new(scene);
     let mut watch = Watch::new(geometry.as_ref(), &checked, judge::cranks_that_count(scene));
     let outcome = simulate(&checked, &mut watch, |_, _| {})?;
-    let seen = watch.seen();
+    let observation = watch.observation();
     let diverged = outcome.diverged.is_some();
     let slipped = outcome
         .statistics
         .slipped_cycles
         .iter()
         .any(|&cycles| cycles != 0);
-    let judgement = judge::judge(scene, geometry.as_ref(), &seen, (diverged, slipped));
-    Ok(Row::new(case, clean, &seen, &judgement, &outcome))
+    let judgement = judge::judge(scene, geometry.as_ref(), &observation, (diverged, slipped));
+    Ok(Row::new(case, clean, &observation, &judgement, &outcome))
 }
 
 /// Runs cases, both runs of each, on all threads that rayon has; rows in the order of their numbers. `done` is called after

@@ -20,8 +20,8 @@ impl Moved {
     /// Of a machine in which nothing has moved yet.
     pub fn new(checked: &Checked) -> Self {
         let axes = &checked.settings.axes;
-        let reading_deg = checked.settings.drift.reading_deg;
-        let gate = |axis: &AxisSettings| place_gate(axis, reading_deg).to_num();
+        let reading_error_deg = checked.settings.drift.reading_error_deg;
+        let gate = |axis: &AxisSettings| place_gate(axis, reading_error_deg).to_num();
         Self {
             gate_turns: axes.iter().map(gate).collect(),
             before: None,
@@ -30,12 +30,12 @@ impl Moved {
     }
 
     /// Takes note of what each crank is off from its own command, turns, before the fault.
-    pub fn look_before(&mut self, off: Axes<f64>) {
+    pub fn sample_before(&mut self, off: Axes<f64>) {
         self.before = Some(off);
     }
 
     /// The same from the fault on.
-    pub fn look(&mut self, off: Axes<f64>) {
+    pub fn sample(&mut self, off: Axes<f64>) {
         let before = self.before.get_or_insert_with(|| off.clone());
         let cranks = self.is_moved.iter_mut().zip(&self.gate_turns);
         for ((is_moved, gate), (off, before)) in cranks.zip(off.iter().zip(before)) {
@@ -60,16 +60,16 @@ mod tests {
         let scene = library::find("default").unwrap().scene();
         let mut moved = Moved::new(&Checked::new(scene).unwrap());
         let gate = moved.gate_turns[0];
-        moved.look_before(Axes::from_array([0.3; 4]));
+        moved.sample_before(Axes::from_array([0.3; 4]));
         let start = [0.1, -0.01, 0.0, 0.0];
-        moved.look_before(Axes::from_array(start));
-        moved.look(Axes::from_array([
+        moved.sample_before(Axes::from_array(start));
+        moved.sample(Axes::from_array([
             start[0],
             start[1] - 1.1 * gate,
             start[2] + 0.9 * gate,
             0.0,
         ]));
-        moved.look(Axes::from_array(start));
+        moved.sample(Axes::from_array(start));
         let is_moved = [0, 1, 2, 3, 4].map(|axis| moved.has(axis));
         assert_eq!(is_moved, [false, true, false, false, false]);
     }

@@ -1,7 +1,7 @@
 //! What counts as named rightly: one table, from what was put in to what may be told of it.
 //!
-//! An index sensor is heard once a turn, and an encoder all the time; so what can be told of a crank depends on which of them it
-//! has. What cannot be told apart by what there is, is not asked to be.
+//! An index sensor is detected once a turn, and an encoder all the time; so what can be told of a crank depends on which of them it
+//! has. What cannot be distinguished by what there is, is not asked to be.
 
 use cophase_core::supervisor::FaultKind;
 
@@ -14,10 +14,10 @@ pub struct Circumstances {
     pub has_encoder: bool,
     /// It is a stepper's.
     pub is_stepper: bool,
-    /// The fault came before align was over: what was before it is not known, so that a jump is a place too far out.
-    pub in_align: bool,
-    /// The crank was past its limit.
-    pub is_past: bool,
+    /// The fault came before homing was over: what was before it is not known, so that a jump is a place too far out.
+    pub in_homing: bool,
+    /// The crank was beyond its limit.
+    pub is_beyond_limit: bool,
     /// The two axes of a swap are mounted the other way round from each other: what drives one forward drives the other back.
     pub opposed: bool,
     /// Their index flags stand at different places.
@@ -40,9 +40,9 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         FaultName::Slip => vec![Kind::Slip],
         // Without an encoder, a crank that stands and a sensor that is dead are the same.
         FaultName::Stuck if !at.has_encoder => match fault.for_s {
-            None => vec![Kind::Silent],
+            None => vec![Kind::IndexTimeout],
             // It goes on before its pulse is overdue, and is behind: a stepper by whole cycles.
-            Some(_) => vec![Kind::Silent, Kind::LostSteps, Kind::Slip],
+            Some(_) => vec![Kind::IndexTimeout, Kind::LostSteps, Kind::Slip],
         },
         FaultName::Stuck => match fault.for_s {
             Some(_) if at.is_stepper => vec![Kind::Stuck, Kind::LostSteps],
@@ -52,10 +52,10 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         // Seen once a turn, a crank that gains on its command walks ahead of it.
         FaultName::Runaway => vec![Kind::Runaway, Kind::Slip],
         // Where nothing else watches, a pulse that is overdue stops the machine, mostly before the next could tell.
-        FaultName::IndexMissing if at.has_encoder && !at.in_align => vec![Kind::IndexMissing],
+        FaultName::IndexMissing if at.has_encoder && !at.in_homing => vec![Kind::IndexMissing],
         FaultName::IndexMissing => match fault.count {
-            None if !at.in_align => vec![Kind::Silent],
-            _ => vec![Kind::IndexMissing, Kind::Silent],
+            None if !at.in_homing => vec![Kind::IndexTimeout],
+            _ => vec![Kind::IndexMissing, Kind::IndexTimeout],
         },
         FaultName::IndexExtra => vec![Kind::IndexExtra],
         FaultName::SwappedWiring => {
@@ -63,10 +63,10 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
             if at.opposed && at.has_encoder {
                 names.push(Kind::Reversed);
             }
-            // Before anything is moved, each of the two is seen where the other's flag is; or both turn back, as they are mounted
+            // Before anything is moved, each of the two is detected where the other's flag is; or both turn back, as they are mounted
             // the other way round from each other, and pass their flags elsewhere.
             if at.flags_apart || at.opposed && !at.has_encoder {
-                names.push(Kind::TooFarOut);
+                names.push(Kind::HomingRangeExceeded);
             }
             names
         }
@@ -74,7 +74,7 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         FaultName::EncoderGlitch => vec![Kind::EncoderGlitch],
         FaultName::DriveAlarm => vec![Kind::DriveAlarm],
         FaultName::Overrun => vec![Kind::Overrun],
-        FaultName::RunDry => vec![Kind::RanDry],
+        FaultName::StepFifoUnderrun => vec![Kind::StepFifoUnderrun],
         FaultName::EnableLoss => vec![Kind::EnableLost],
         FaultName::StopInput => vec![Kind::StopInput],
         // Nothing is wrong with a motor that has torque enough; with one that has not, it loses steps, or lags.
@@ -92,20 +92,20 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
     );
     // Its pulse is overdue, and where it would have come nobody sees any more.
     if moves_crank && !at.has_encoder && at.stood_first {
-        names.push(Kind::Silent);
+        names.push(Kind::IndexTimeout);
     }
-    // The first pulse that is heard is where a crank is found.
-    if at.in_align && (moves_crank || fault.kind == FaultName::IndexExtra) {
-        names.push(Kind::TooFarOut);
+    // The first pulse that is detected is where a crank is found.
+    if at.in_homing && (moves_crank || fault.kind == FaultName::IndexExtra) {
+        names.push(Kind::HomingRangeExceeded);
     }
-    if at.in_align && moves_crank && at.is_past {
+    if at.in_homing && moves_crank && at.is_beyond_limit {
         names.extend([Kind::Tilt, Kind::Warp]);
     }
     names
 }
 
-/// Whether a kind must be told even though no crank moves past a limit.
-pub const fn must_be_told(kind: FaultName) -> bool {
+/// Whether a kind must be told even though no crank moves beyond a limit.
+pub const fn must_be_reported(kind: FaultName) -> bool {
     !matches!(
         kind,
         FaultName::LostSteps
@@ -126,7 +126,7 @@ pub const fn has_axis(kind: FaultName) -> bool {
 
 /// Turns of the master, of a machine that moves, after which a kind must have been told: of index pulses, one until the next is
 /// due, and one until that is overdue by a margin.
-pub fn turns_to_tell(fault: &FaultAt) -> f64 {
+pub fn turns_to_report(fault: &FaultAt) -> f64 {
     match fault.kind {
         FaultName::IndexMissing | FaultName::IndexExtra | FaultName::EncoderGlitch => 2.2,
         _ => 0.0,

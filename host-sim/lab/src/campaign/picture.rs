@@ -1,4 +1,4 @@
-//! The picture of a campaign: how soon faults are detected after a crank is past its limit, and how far platforms tilt, by kind.
+//! The picture of a campaign: how soon faults are detected after a crank is beyond its limit, and how far platforms tilt, by kind.
 
 use super::shards::Header;
 use super::tally::{Group, Tally};
@@ -17,7 +17,7 @@ pub fn svg(header: &Header, tally: &Tally) -> String {
     picture::render(Picture {
         title: format!("{cases} faults, and {cases} runs with noise alone"),
         says: format!(
-            "Of {} faults that moved a crank past its limit {} were detected within one turn and two ticks. {} of {} were named \
+            "Of {} faults that moved a crank beyond its limit {} were detected within one turn and two ticks. {} of {} were named \
              rightly. The largest tilt was {:.2} of its bound. Noise alone tripped {} of {} runs.",
             all.in_time.of,
             all.in_time.hits,
@@ -41,7 +41,7 @@ pub fn svg(header: &Header, tally: &Tally) -> String {
     })
 }
 
-const fn seen_by(encoder: bool) -> &'static str {
+const fn measured_by(encoder: bool) -> &'static str {
     if encoder {
         "encoder and index"
     } else {
@@ -51,7 +51,7 @@ const fn seen_by(encoder: bool) -> &'static str {
 
 fn delays(tally: &Tally, encoder: bool) -> Panel {
     Panel {
-        title: format!("Detected after the limit: {}", seen_by(encoder)),
+        title: format!("Detected after the limit: {}", measured_by(encoder)),
         x: Axis::linear(
             "turns from the limit to two ticks before it is detected",
             -0.2,
@@ -68,7 +68,7 @@ fn delays(tally: &Tally, encoder: bool) -> Panel {
 
 fn tilts(tally: &Tally, encoder: bool) -> Panel {
     Panel {
-        title: format!("Largest tilt: {}", seen_by(encoder)),
+        title: format!("Largest tilt: {}", measured_by(encoder)),
         x: Axis::linear("tilt over its bound", 0.0, 1.2),
         y: Axis::linear("part of the faults", 0.0, 1.0),
         lines: lines(tally, encoder, |group| &group.tilt_over_bound),
@@ -84,9 +84,9 @@ fn lines(tally: &Tally, encoder: bool, values: fn(&Group) -> &Vec<f64>) -> Vec<L
     tally
         .groups
         .iter()
-        .filter(|((_, with), group)| *with == encoder && group.past > 0)
+        .filter(|((_, with), group)| *with == encoder && group.beyond_limit > 0)
         .filter_map(|((kind, _), group)| {
-            let (ink, stroke) = look(*kind)?;
+            let (ink, stroke) = style(*kind)?;
             Some(Line {
                 marked: false,
                 stroke,
@@ -97,7 +97,7 @@ fn lines(tally: &Tally, encoder: bool, values: fn(&Group) -> &Vec<f64>) -> Vec<L
 }
 
 /// A kind looks the same in all panels; none of those that move no crank.
-const fn look(kind: FaultName) -> Option<(Ink, Stroke)> {
+const fn style(kind: FaultName) -> Option<(Ink, Stroke)> {
     Some(match kind {
         FaultName::LostSteps => (Ink::Blue, Stroke::Solid),
         FaultName::Slip => (Ink::Orange, Stroke::Solid),
@@ -105,7 +105,7 @@ const fn look(kind: FaultName) -> Option<(Ink, Stroke)> {
         FaultName::Runaway => (Ink::Purple, Stroke::Solid),
         FaultName::Reversed => (Ink::Green, Stroke::Dashed),
         FaultName::SwappedWiring => (Ink::Sky, Stroke::Dashed),
-        FaultName::RunDry => (Ink::Black, Stroke::Dotted),
+        FaultName::StepFifoUnderrun => (Ink::Black, Stroke::Dotted),
         FaultName::LoadStep => (Ink::Grey, Stroke::Solid),
         FaultName::EnableLoss => (Ink::Black, Stroke::Dashed),
         _ => return None,

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::judge::{Judgement, Verdict};
 use super::plan::Case;
-use super::watch::{Seen, Told};
+use super::watch::{Observation, ReportedFault};
 use host_sim::scene::file::{Drive, FaultAt, FaultName, Fidelity, Scene};
 use host_sim::sim::Outcome;
 
@@ -24,11 +24,11 @@ pub struct Row {
     pub drive: Drive,
     /// Whether they have encoders.
     pub encoder: bool,
-    /// The rung of the ladder.
-    pub rung: Fidelity,
+    /// The model level of the ladder.
+    pub model_level: Fidelity,
     /// Control ticks a second.
     pub tick_hz: u32,
-    /// Whether align proves the wiring.
+    /// Whether homing proves the wiring.
     pub proves_wiring: bool,
     /// What goes wrong.
     pub kind: Option<FaultName>,
@@ -44,13 +44,13 @@ pub struct Row {
     pub state: String,
     /// Its speed then, rev/s.
     pub speed_hz: Option<f64>,
-    /// When a crank was past its limit, s.
-    pub past_s: Option<f64>,
-    /// When anything was first told, s: from then on what the loop made of it was played.
-    pub told_s: Option<f64>,
+    /// When a crank was beyond its limit, s.
+    pub beyond_limit_s: Option<f64>,
+    /// When anything was first reported, s: from then on what the loop made of it was played.
+    pub reported_s: Option<f64>,
     /// When what counts was told: what stopped the machine for it, or had the crank trimmed back.
     pub detected_s: Option<f64>,
-    /// Turns of the master from the fault to two ticks before anything was told.
+    /// Turns of the master from the fault to two ticks before anything was reported.
     pub turns_from_fault: Option<f64>,
     /// … and from the crank passing its limit to two ticks before that was detected; below 0, it was before.
     pub turns_from_limit: Option<f64>,
@@ -60,8 +60,8 @@ pub struct Row {
     pub fault: String,
     /// Of which axis.
     pub fault_axis: Option<usize>,
-    /// All incidents that were told, as kind@axis.
-    pub incidents: String,
+    /// All reported_faults that were told, as kind@axis.
+    pub reported_faults: String,
     /// How it is judged.
     pub verdict: Verdict,
     /// Largest tilt while the drives were on, mrad.
@@ -87,14 +87,14 @@ impl Row {
     pub fn new(
         case: &Case,
         clean: bool,
-        seen: &Seen,
+        observation: &Observation,
         judgement: &Judgement,
         outcome: &Outcome,
     ) -> Self {
         let scene: &Scene = &case.scene;
         let fault = (!clean).then(|| case.fault());
-        let injected = seen.injected.as_ref();
-        let told = seen.first_told();
+        let injected = observation.injected.as_ref();
+        let reported = observation.first_reported();
         Self {
             number: case.number,
             clean,
@@ -102,7 +102,7 @@ impl Row {
             axes: scene.axes.count,
             drive: scene.axes.drive,
             encoder: scene.axes.encoder,
-            rung: scene.fidelity,
+            model_level: scene.fidelity,
             tick_hz: scene.control.tick_hz,
             proves_wiring: scene.correction.prove_wiring,
             kind: fault.map(|fault| fault.kind),
@@ -112,21 +112,24 @@ impl Row {
             size: fault.and_then(size),
             state: injected.map_or("", |place| place.state.name()).to_owned(),
             speed_hz: injected.map(|place| place.speed_hz),
-            past_s: seen.past.as_ref().map(|place| place.t_s),
-            told_s: told.map(|telling| telling.place.t_s),
+            beyond_limit_s: observation.beyond_limit.as_ref().map(|place| place.t_s),
+            reported_s: reported.map(|fault_event| fault_event.place.t_s),
             detected_s: judgement.detected_s,
-            turns_from_fault: told
+            turns_from_fault: reported
                 .zip(injected)
-                .map(|(telling, injected)| telling.turns - injected.turns),
+                .map(|(fault_event, injected)| fault_event.turns - injected.turns),
             turns_from_limit: judgement.turns,
             in_time: judgement.in_time,
-            fault: seen.fault.map_or("", |told| told.kind.name()).to_owned(),
-            fault_axis: seen.fault.and_then(|told| told.axis),
-            incidents: seen
+            fault: observation
+                .fault
+                .map_or("", |reported| reported.kind.name())
+                .to_owned(),
+            fault_axis: observation.fault.and_then(|reported| reported.axis),
+            reported_faults: observation
                 .early
                 .iter()
-                .filter(|_| seen.incidents.is_empty())
-                .chain(&seen.incidents)
+                .filter(|_| observation.reported_faults.is_empty())
+                .chain(&observation.reported_faults)
                 .map(named)
                 .collect::<Vec<_>>()
                 .join(" "),
@@ -135,22 +138,24 @@ impl Row {
             tilt_off_mrad: outcome.statistics.coast.worst_tilt_mrad,
             bound_mrad: judgement.bound_mrad,
             limit_mrad: scene.drift.tilt_limit_mrad,
-            left_running_turns: seen.left_running_turns,
+            left_running_turns: observation.left_running_turns,
             left_running: judgement.left_running,
             ended: outcome.state.name().to_owned(),
             simulated_s: outcome.simulated_s(),
         }
     }
 
-    /// Whether a crank was past its limit.
-    pub const fn is_past(&self) -> bool {
-        self.past_s.is_some()
+    /// Whether a crank was beyond its limit.
+    pub const fn is_beyond_limit(&self) -> bool {
+        self.beyond_limit_s.is_some()
     }
 
-    /// Largest tilt that the bound is on: while the drives were on, and on rungs where cranks without drives stand, after that. Where
+    /// Largest tilt that the bound is on: while the drives were on, and on model levels where cranks without drives stand, after that. Where
     /// torque moves the cranks, no loop decides where they go without.
     pub fn bounded_tilt_mrad(&self) -> f64 {
-        let off_mrad = self.tilt_off_mrad.filter(|_| !self.rung.moves_by_torque());
+        let off_mrad = self
+            .tilt_off_mrad
+            .filter(|_| !self.model_level.moves_by_torque());
         self.tilt_mrad.max(off_mrad.unwrap_or(0.0))
     }
 
@@ -160,10 +165,10 @@ impl Row {
     }
 }
 
-fn named(told: &Told) -> String {
-    match told.axis {
-        Some(axis) => format!("{}@{axis}", told.kind.name()),
-        None => told.kind.name().to_owned(),
+fn named(reported: &ReportedFault) -> String {
+    match reported.axis {
+        Some(axis) => format!("{}@{axis}", reported.kind.name()),
+        None => reported.kind.name().to_owned(),
     }
 }
 

@@ -31,7 +31,7 @@ pub fn text(header: &Header, tally: &Tally) -> String {
         rows.push(row(kind.name(), with, group));
     }
     rows.push(row("all", "", &tally.all));
-    text.push_str(&aligned(&rows));
+    text.push_str(&in_columns(&rows));
     let _ = writeln!(
         text,
         "\nFalse trips: {} of {} clean runs; {}.",
@@ -68,7 +68,7 @@ const HEADER: [&str; 14] = [
     "fault",
     "seen by",
     "runs",
-    "past limit",
+    "beyond limit",
     "in time",
     "turns, half",
     "95 %",
@@ -98,7 +98,7 @@ fn row(name: &str, with: &str, group: &Group) -> Vec<String> {
         name.to_owned(),
         with.to_owned(),
         group.runs.to_string(),
-        group.past.to_string(),
+        group.beyond_limit.to_string(),
         group.in_time.hits.to_string(),
         turns(0.5),
         turns(0.95),
@@ -162,7 +162,7 @@ fn list(cases: &[u64]) -> String {
 }
 
 /// A Markdown table, its columns as wide as what is in them; numbers to the right.
-fn aligned(rows: &[Vec<String>]) -> String {
+fn in_columns(rows: &[Vec<String>]) -> String {
     let columns = rows.first().map_or(0, Vec::len);
     let width = |column: usize| {
         let cells = rows.iter().filter_map(|row| row.get(column));

@@ -13,11 +13,11 @@ use host_sim::scene::file::FaultName;
 pub struct Group {
     /// How many there were, all told.
     pub runs: u64,
-    /// In how many a crank was past its limit.
-    pub past: u64,
+    /// In how many a crank was beyond its limit.
+    pub beyond_limit: u64,
     /// Of these, detected within one turn and two ticks.
     pub in_time: Rate,
-    /// Of what was told, or had to be, rightly named.
+    /// Of what was reported, or had to be, rightly named.
     pub named: Rate,
     /// Turns from the limit to the detection, smallest first.
     pub turns: Vec<f64>,
@@ -37,7 +37,7 @@ pub struct Group {
 mod failed {
     pub const LATE: &str = "late";
     pub const LEFT_RUNNING: &str = "left running";
-    pub const TILTED: &str = "tilted past its bound";
+    pub const TILTED: &str = "tilted beyond its bound";
     pub const MISNAMED: &str = "misnamed";
     pub const MISSED: &str = "missed";
     pub const EARLY: &str = "told before it";
@@ -47,7 +47,7 @@ mod failed {
 impl Group {
     fn take(&mut self, row: &Row) {
         self.runs += 1;
-        self.past += u64::from(row.is_past());
+        self.beyond_limit += u64::from(row.is_beyond_limit());
         if let Some(in_time) = row.in_time {
             self.in_time.count(in_time);
             // What was not detected at all is among the missed.
@@ -108,7 +108,7 @@ pub struct Tally {
     pub groups: Vec<((FaultName, bool), Group)>,
     /// All of them together.
     pub all: Group,
-    /// Clean runs in which something was told.
+    /// Clean runs in which something was reported.
     pub false_trips: Rate,
     /// Their cases.
     pub tripped: Vec<u64>,
@@ -165,7 +165,7 @@ impl Tally {
 mod tests {
     use super::*;
 
-    /// Were a quantile of the wrong one, the slowest tellings would be left out of the table.
+    /// Were a quantile of the wrong one, the slowest fault events would be left out of the table.
     #[test]
     fn quantiles_are_of_those_that_there_are() {
         let sorted: Vec<f64> = (1..=200).map(f64::from).collect();

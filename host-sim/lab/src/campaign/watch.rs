@@ -1,10 +1,10 @@
 //! Looks on while a case runs, and keeps what it is judged by: where the cranks truly were, and what the loop told of it when.
 //!
 //! A *moment* is a tick that was played. What the loop made of a tick is played from the second moment after it on: one until the
-//! loop reads, and one until what it then writes is played. So a *telling* counts from the beginning of the moment in which it is
+//! loop reads, and one until what it then writes is played. So a *fault event* counts from the beginning of the moment in which it is
 //! played.
 //!
-//! All tellings are kept, each with what the loop does about it; which of them counts, [`super::judge`] says. What every run keeps,
+//! All fault events are kept, each with what the loop does about it; which of them counts, [`super::judge`] says. What every run keeps,
 //! such as its largest tilt, is in [`host_sim::sim::Statistics`].
 
 use cophase_core::signals::Telemetry;
@@ -17,7 +17,7 @@ use super::moved::Moved;
 use host_sim::axes::{Axes, per_axis};
 use host_sim::scene::Checked;
 use host_sim::scene::file::{FaultAt, FaultName};
-use host_sim::sim::news::{News, Tellings};
+use host_sim::sim::event_watch::{EventWatch, NewEvents};
 use host_sim::sim::{Moment, Observer};
 use host_sim::units::speed_hz;
 
@@ -38,27 +38,27 @@ pub struct Place {
     pub state: State,
 }
 
-/// What was told.
+/// What was reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Told {
+pub struct ReportedFault {
     /// What.
     pub kind: FaultKind,
     /// Of which axis.
     pub axis: Option<usize>,
 }
 
-impl From<Fault> for Told {
+impl From<Fault> for ReportedFault {
     fn from(Fault { kind, axis, .. }: Fault) -> Self {
         Self { kind, axis }
     }
 }
 
-/// When something was told, and what the loop did about it.
+/// When something was reported, and what the loop did about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Telling {
+pub struct FaultEvent {
     /// What.
-    pub told: Told,
-    /// What was done: of what did not latch, what the table has for it in safety.
+    pub reported: ReportedFault,
+    /// What was done: of what did not latch, what the table has for it within limits.
     pub done: Reaction,
     /// The beginning of the moment in which it was played.
     pub place: Place,
@@ -66,45 +66,45 @@ pub struct Telling {
     pub turns: f64,
     /// The true crank of its axis had been moved since the fault.
     pub is_moved: bool,
-    /// Cranks were past a limit then.
-    pub is_past: bool,
+    /// Cranks were beyond a limit then.
+    pub is_beyond_limit: bool,
 }
 
-/// What was seen.
+/// What was detected.
 #[derive(Clone, Debug, Default)]
-pub struct Seen {
+pub struct Observation {
     /// When what goes wrong began.
     pub injected: Option<Place>,
-    /// The end of the first moment since then in which the true cranks were past a limit, with the drives on.
-    pub past: Option<Place>,
-    /// The same, and on rungs where cranks without drives stand, with the drives off as well.
+    /// The end of the first moment since then in which the true cranks were beyond a limit, with the drives on.
+    pub beyond_limit: Option<Place>,
+    /// The same, and on model levels where cranks without drives stand, with the drives off as well.
     pub out: Option<Place>,
     /// Whether they were in the last moment with the drives on.
-    pub is_past: bool,
+    pub is_beyond_limit: bool,
     /// The longest that they stayed so, turns of the master.
     pub stay_turns: f64,
-    /// What was told since the fault, each thing once for each that was done about it.
-    pub tellings: Vec<Telling>,
+    /// What was reported since the fault, each thing once for each that was done about it.
+    pub fault_events: Vec<FaultEvent>,
     /// Whether the axis it befell passed its index flag after the first of them.
     pub passed_after: bool,
-    /// What was told before the fault.
-    pub early: Vec<Told>,
-    /// Incidents, each once.
-    pub incidents: Vec<Told>,
+    /// What was reported before the fault.
+    pub early: Vec<ReportedFault>,
+    /// Events, each once.
+    pub reported_faults: Vec<ReportedFault>,
     /// The pulse that no flag makes, if that is what went wrong, by the true crank.
     pub extra: Option<Extra>,
     /// The fault that latched, as it was called at last.
-    pub fault: Option<Told>,
+    pub fault: Option<ReportedFault>,
     /// The most that an axis, or its crank, was moved by its drive while another had been stopped for over two ticks, turns.
     pub left_running_turns: f64,
     /// The end of the run.
     pub end: Option<Place>,
 }
 
-impl Seen {
+impl Observation {
     /// The first thing that was told since the fault.
-    pub fn first_told(&self) -> Option<&Telling> {
-        self.tellings.first()
+    pub fn first_reported(&self) -> Option<&FaultEvent> {
+        self.fault_events.first()
     }
 }
 
@@ -117,13 +117,13 @@ pub struct Watch<'a> {
     flag: Option<Flag>,
     /// Of a crank that its drive does not move, or that torque moves, how far it goes says nothing.
     cranks_count: Axes<bool>,
-    seen: Seen,
+    observation: Observation,
     /// The true cranks that have moved since the fault.
     moved: Moved,
-    /// Turns of the master at which cranks went past a limit that they have not come back from.
-    went_past: Option<f64>,
+    /// Turns of the master at which cranks went beyond a limit that they have not come back from.
+    beyond_since: Option<f64>,
     moments: u64,
-    tellings: Tellings,
+    event_watch: EventWatch,
     /// Turns of the master at the end of the last three moments, latest first.
     turns: [f64; 3],
     before: Option<(Axes<f64>, Axes<f64>)>,
@@ -133,8 +133,8 @@ pub struct Watch<'a> {
     run_on: Axes<f64>,
 }
 
-/// Most incidents that are kept, and most tellings.
-const MOST_INCIDENTS: usize = 16;
+/// Most reported_faults that are kept, and most fault events.
+const MOST_EVENTS: usize = 16;
 
 impl<'a> Watch<'a> {
     /// Of a scene's run, and of the first fault in it, if there is one; `cranks_count` says of which axes not only the commands,
@@ -151,11 +151,11 @@ impl<'a> Watch<'a> {
             fault: fault.copied(),
             flag: axis.and_then(|axis| Flag::new(checked, axis)),
             cranks_count,
-            seen: Seen::default(),
+            observation: Observation::default(),
             moved: Moved::new(checked),
-            went_past: None,
+            beyond_since: None,
             moments: 0,
-            tellings: Tellings::default(),
+            event_watch: EventWatch::default(),
             turns: [0.0; 3],
             before: None,
             apart: 0,
@@ -163,53 +163,56 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// What was seen.
-    pub fn seen(self) -> Seen {
-        self.seen
+    /// What was detected.
+    pub fn observation(self) -> Observation {
+        self.observation
     }
 
-    /// What is told in a moment that was not told before it.
-    fn tellings(&mut self, telemetry: &Telemetry, place: Place) {
-        let Some(News { told, latched }) = self.tellings.tick(telemetry) else {
+    /// What is reported in a moment that was not told before it.
+    fn fault_events(&mut self, telemetry: &Telemetry, place: Place) {
+        let Some(NewEvents { reported, latched }) = self.event_watch.tick(telemetry) else {
             return;
         };
-        let seen = &mut self.seen;
-        let keep = |list: &mut Vec<Told>, told: Told| {
-            if list.len() < MOST_INCIDENTS && !list.contains(&told) {
-                list.push(told);
+        let observation = &mut self.observation;
+        let keep = |list: &mut Vec<ReportedFault>, reported: ReportedFault| {
+            if list.len() < MOST_EVENTS && !list.contains(&reported) {
+                list.push(reported);
             }
         };
-        if let Some(told) = told {
-            keep(&mut seen.incidents, told.into());
+        if let Some(reported) = reported {
+            keep(&mut observation.reported_faults, reported.into());
         }
         if let Some(fault) = latched {
-            seen.fault = Some(fault.into());
+            observation.fault = Some(fault.into());
         }
         // What latches is told as well: once is enough.
-        let told = told.filter(|told| telemetry.fault != Some(*told));
+        let reported = reported.filter(|reported| telemetry.fault != Some(*reported));
         let latched = latched.map(|fault| (fault, reaction(fault.kind, false).max(Reaction::Stop)));
-        let told = told.map(|fault| (fault, reaction(fault.kind, true).min(Reaction::Correct)));
-        for (fault, done) in latched.into_iter().chain(told) {
-            let told = Told::from(fault);
-            if seen.injected.is_none() {
-                keep(&mut seen.early, told);
+        let reported =
+            reported.map(|fault| (fault, reaction(fault.kind, true).min(Reaction::Correct)));
+        for (fault, done) in latched.into_iter().chain(reported) {
+            let reported = ReportedFault::from(fault);
+            if observation.injected.is_none() {
+                keep(&mut observation.early, reported);
                 continue;
             }
-            let is_known = |known: &Telling| (known.told, known.done) == (told, done);
-            if seen.tellings.len() < MOST_INCIDENTS && !seen.tellings.iter().any(is_known) {
-                seen.tellings.push(Telling {
-                    told,
+            let is_known = |known: &FaultEvent| (known.reported, known.done) == (reported, done);
+            if observation.fault_events.len() < MOST_EVENTS
+                && !observation.fault_events.iter().any(is_known)
+            {
+                observation.fault_events.push(FaultEvent {
+                    reported,
                     done,
                     place,
                     turns: self.turns[2],
-                    is_moved: told.axis.is_some_and(|axis| self.moved.has(axis)),
-                    is_past: seen.is_past,
+                    is_moved: reported.axis.is_some_and(|axis| self.moved.has(axis)),
+                    is_beyond_limit: observation.is_beyond_limit,
                 });
             }
         }
     }
 
-    /// Whether cranks are past a limit. What they do that the loop has let go is nothing that it could yet see, or stop for.
+    /// Whether cranks are beyond a limit. What they do that the loop has let go is nothing that it could yet see, or stop for.
     fn cranks(&mut self, moment: &Moment<'_>, end: Place) {
         if !moment.drives_enabled && moment.machine.rotors().is_some() {
             return;
@@ -217,17 +220,18 @@ impl<'a> Watch<'a> {
         let errors: Axes<f64> = moment.errors().collect();
         // Cranks that are all alike neither tilt nor bend the platform.
         let differ = errors.iter().any(|error| *error != errors[0]);
-        let is_past = differ && self.geometry.is_some_and(|g| g.is_past(&errors));
-        let since = is_past && self.seen.injected.is_some();
-        self.seen.out = self.seen.out.or(since.then_some(end));
+        let is_beyond_limit = differ && self.geometry.is_some_and(|g| g.is_beyond_limit(&errors));
+        let since = is_beyond_limit && self.observation.injected.is_some();
+        self.observation.out = self.observation.out.or(since.then_some(end));
         if moment.drives_enabled {
-            self.seen.is_past = is_past;
-            self.seen.past = self.seen.past.or(since.then_some(end));
+            self.observation.is_beyond_limit = is_beyond_limit;
+            self.observation.beyond_limit = self.observation.beyond_limit.or(since.then_some(end));
             if since {
-                let went_past = self.went_past.get_or_insert(end.turns);
-                self.seen.stay_turns = self.seen.stay_turns.max(end.turns - *went_past);
+                let beyond_since = self.beyond_since.get_or_insert(end.turns);
+                self.observation.stay_turns =
+                    self.observation.stay_turns.max(end.turns - *beyond_since);
             } else {
-                self.went_past = None;
+                self.beyond_since = None;
             }
         }
     }
@@ -236,9 +240,9 @@ impl<'a> Watch<'a> {
     fn moved(&mut self, moment: &Moment<'_>) {
         let cranks = moment.actual_turns.iter().zip(moment.command_turns);
         let off = cranks.map(|(actual, command)| actual - command).collect();
-        match (self.seen.injected, moment.drives_enabled) {
-            (None, _) => self.moved.look_before(off),
-            (Some(_), true) => self.moved.look(off),
+        match (self.observation.injected, moment.drives_enabled) {
+            (None, _) => self.moved.sample_before(off),
+            (Some(_), true) => self.moved.sample(off),
             (Some(_), false) => {}
         }
     }
@@ -268,14 +272,14 @@ impl<'a> Watch<'a> {
         let Some((commands, cranks)) = self.before.replace(kept) else {
             return;
         };
-        let told = per_axis(now.0.len(), |i| (now.0[i] - commands[i]).abs());
+        let commanded = per_axis(now.0.len(), |i| (now.0[i] - commands[i]).abs());
         let went = per_axis(now.0.len(), |i| match self.cranks_count[i] {
-            true => told[i].max((now.1[i] - cranks[i]).abs()),
-            false => told[i],
+            true => commanded[i].max((now.1[i] - cranks[i]).abs()),
+            false => commanded[i],
         });
-        let someone_stands = told.contains(&0.0);
+        let someone_stands = commanded.contains(&0.0);
         let someone_moves = went.iter().any(|went| *went > 0.0);
-        if !moment.drives_enabled || self.seen.tellings.is_empty() || !someone_stands {
+        if !moment.drives_enabled || self.observation.fault_events.is_empty() || !someone_stands {
             self.apart = 0;
             self.run_on.fill(0.0);
             return;
@@ -286,7 +290,8 @@ impl<'a> Watch<'a> {
         if self.apart > 2 {
             for (run_on, went) in self.run_on.iter_mut().zip(went) {
                 *run_on += went;
-                self.seen.left_running_turns = self.seen.left_running_turns.max(*run_on);
+                self.observation.left_running_turns =
+                    self.observation.left_running_turns.max(*run_on);
             }
         }
     }
@@ -313,21 +318,21 @@ impl Observer for Watch<'_> {
             ..start
         };
         let at_ns = self.fault.map(|fault| (fault.at_s * 1e9).round() as u64);
-        if self.seen.injected.is_none() && at_ns.is_some_and(|at| at < moment.end_ns) {
-            self.seen.injected = Some(start);
-            self.seen.extra = self.extra(moment);
+        if self.observation.injected.is_none() && at_ns.is_some_and(|at| at < moment.end_ns) {
+            self.observation.injected = Some(start);
+            self.observation.extra = self.extra(moment);
         }
-        self.tellings(telemetry, start);
+        self.fault_events(telemetry, start);
         self.cranks(moment, end);
         self.moved(moment);
         self.moves(moment);
         let axis = self.fault.and_then(|fault| fault.axis);
         let index = axis.and_then(|axis| moment.index.get(axis));
-        if !self.seen.tellings.is_empty() && index.is_some_and(Option::is_some) {
-            self.seen.passed_after = true;
+        if !self.observation.fault_events.is_empty() && index.is_some_and(Option::is_some) {
+            self.observation.passed_after = true;
         }
         self.turns = [moment.master_turns, self.turns[0], self.turns[1]];
         self.moments += 1;
-        self.seen.end = Some(end);
+        self.observation.end = Some(end);
     }
 }

@@ -81,12 +81,12 @@ impl Axis {
     /// Plain numbers where all of them are short, else powers of ten.
     fn ticks(&self) -> TickFormat {
         let is_plain = self.from >= 0.009 && self.to <= 11_000.0;
-        TickFormat::Custom(Arc::new(move |lifted| told(lifted / LIFT, is_plain)))
+        TickFormat::Custom(Arc::new(move |lifted| tick_label(lifted / LIFT, is_plain)))
     }
 }
 
-fn told(value: f64, is_plain: bool) -> String {
-    // 1, 2 and 5 in each decade are all that is asked for; what is left of rounding goes with {:.0}.
+fn tick_label(value: f64, is_plain: bool) -> String {
+    // 1, 2 and 5 in each decade are all that is requested; what is left of rounding goes with {:.0}.
     let exponent = (value.log10() + 1e-9).floor();
     let digit = value / 10.0_f64.powf(exponent);
     if is_plain {
@@ -126,7 +126,7 @@ mod tests {
 
     /// Were it wrong, a reader would be off by powers of ten.
     #[test]
-    fn ticks_are_told_as_people_write_them() {
+    fn ticks_are_labelled_as_people_write_them() {
         for (value, is_plain, text) in [
             (1e-12, false, "10⁻¹²"),
             (2e5, false, "2·10⁵"),
@@ -134,7 +134,7 @@ mod tests {
             (0.05, true, "0.05"),
             (500.0, true, "500"),
         ] {
-            assert_eq!(told(value * LIFT / LIFT, is_plain), text);
+            assert_eq!(tick_label(value * LIFT / LIFT, is_plain), text);
         }
     }
 }

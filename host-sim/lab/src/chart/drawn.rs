@@ -1,4 +1,4 @@
-//! What every chart is asked for, and gives.
+//! What every chart is requested, and gives.
 
 /// A chart that was made.
 #[derive(Clone, Debug)]

@@ -1,4 +1,4 @@
-//! Error against cost of the rungs, for each built-in scene: what a scene pays for, and which rung `auto` takes.
+//! Error against cost of the model levels, for each built-in scene: what a scene pays for, and which model level `auto` takes.
 
 use std::fmt::Write;
 use std::time::Instant;
@@ -19,8 +19,8 @@ use host_sim::scene::{Checked, SceneError};
 /// What is shown of error over tolerance; less is drawn at the bottom.
 const SHOWN: (f64, f64) = (1e-4, 1e2);
 
-/// One rung of a scene.
-struct Rung {
+/// One model level of a scene.
+struct ModelLevel {
     fidelity: Fidelity,
     cost: f64,
     judged: Vec<Judged>,
@@ -28,11 +28,11 @@ struct Rung {
     timing: f64,
 }
 
-/// A scene on all its rungs.
+/// A scene on all its model levels.
 struct Ladder {
     name: &'static str,
     chosen: Fidelity,
-    rungs: Vec<Rung>,
+    model_levels: Vec<ModelLevel>,
 }
 
 /// Makes the chart.
@@ -53,7 +53,7 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
     Ok(Drawn {
         csv: csv(&ladders),
         svg: render(Picture {
-            title: "Fidelity: error against cost of the rungs".to_owned(),
+            title: "Fidelity: error against cost of the model levels".to_owned(),
             says: says.clone(),
             columns: 3,
             chosen_is: "taken by auto",
@@ -63,7 +63,7 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
     })
 }
 
-/// Runs a scene's sample on each rung it has.
+/// Runs a scene's sample on each model level it has.
 fn climb(scene: &BuiltIn, yardstick: Yardstick) -> Result<Ladder, SceneError> {
     let checked = Checked::new(scene.scene())?;
     let questions = questions(&checked);
@@ -71,14 +71,14 @@ fn climb(scene: &BuiltIn, yardstick: Yardstick) -> Result<Ladder, SceneError> {
     let fidelities = available(&checked);
     let top = fidelities.last().copied().unwrap_or_default();
     let right = answers(&checked, top)?;
-    let mut rungs = Vec::new();
+    let mut model_levels = Vec::new();
     for fidelity in fidelities {
         let began = Instant::now();
         let found = answers(&checked, fidelity)?;
         let timing = yardstick.sines(began.elapsed());
         let mut judged = judge(bounds.as_ref(), &questions, fidelity, checked.resolution);
         compare(&mut judged, &found, &right, top);
-        rungs.push(Rung {
+        model_levels.push(ModelLevel {
             fidelity,
             cost: crank_evaluations(&checked, fidelity)?,
             judged,
@@ -89,27 +89,27 @@ fn climb(scene: &BuiltIn, yardstick: Yardstick) -> Result<Ladder, SceneError> {
     Ok(Ladder {
         name: scene.name,
         chosen: check(checked)?.fidelity,
-        rungs,
+        model_levels,
     })
 }
 
 /// How often a tick asks where a crank or cam is: the sine and the root, or the law, that all else is little beside. Once an
-/// axis for the platform's place, once more for the torque that it asks for, and on rungs that are integrated as often as the
+/// axis for the platform's place, once more for the torque that it asks for, and on model levels that are integrated as often as the
 /// method asks.
-fn crank_evaluations(checked: &Checked, rung: Fidelity) -> Result<f64, SceneError> {
-    let on = checked.on(rung)?;
+fn crank_evaluations(checked: &Checked, model_level: Fidelity) -> Result<f64, SceneError> {
+    let on = checked.on(model_level)?;
     let axes = checked.scene.axes.count;
     let method = Machine::new(&on)?.method();
-    let asked = method.map_or(0, |(scheme, steps)| {
+    let evaluated = method.map_or(0, |(scheme, steps)| {
         let each = (steps * scheme.facts().evaluations) as usize;
-        if rung == Fidelity::Rigid {
+        if model_level == Fidelity::Rigid {
             each
         } else {
             each * axes
         }
     });
-    let compared = usize::from(rung == Fidelity::QuasiStatic);
-    Ok((axes + compared + asked) as f64)
+    let compared = usize::from(model_level == Fidelity::QuasiStatic);
+    Ok((axes + compared + evaluated) as f64)
 }
 
 /// How far the worst output is off, as a part of its tolerance.
@@ -128,32 +128,39 @@ fn panel(ladder: &Ladder) -> Panel {
     let shown = |off: f64| off.clamp(SHOWN.0, SHOWN.1);
     let along = |of: fn(&Judged) -> Option<f64>| -> Vec<(f64, f64)> {
         let points = ladder
-            .rungs
+            .model_levels
             .iter()
-            .map(|rung| (rung.cost, shown(part(&rung.judged, of))));
+            .map(|model_level| (model_level.cost, shown(part(&model_level.judged, of))));
         points.collect()
     };
-    let names = ladder.rungs.iter().map(|rung| rung.fidelity.name());
+    let names = ladder
+        .model_levels
+        .iter()
+        .map(|model_level| model_level.fidelity.name());
     let found = Line {
         names: names.map(str::to_owned).collect(),
-        ..Line::new("measured, against the top rung", Ink::Blue, along(measured))
+        ..Line::new(
+            "measured, against the top model level",
+            Ink::Blue,
+            along(measured),
+        )
     };
     let bound = Line {
         stroke: Stroke::Dashed,
         ..Line::new("bound", Ink::Vermilion, along(|judged| judged.bound))
     };
     let taken = ladder
-        .rungs
+        .model_levels
         .iter()
-        .filter(|rung| rung.fidelity == ladder.chosen);
+        .filter(|model_level| model_level.fidelity == ladder.chosen);
     let taken = Line {
         stroke: Stroke::None,
         chosen: true,
         ..Line::new(
-            "rung",
+            "model_level",
             Ink::Black,
             taken
-                .map(|rung| (rung.cost, shown(part(&rung.judged, measured))))
+                .map(|model_level| (model_level.cost, shown(part(&model_level.judged, measured))))
                 .collect(),
         )
     };
@@ -171,30 +178,30 @@ fn panel(ladder: &Ladder) -> Panel {
 
 fn csv(ladders: &[Ladder]) -> String {
     let mut csv =
-        "scene,rung,taken,crank_evaluations,output,unit,found,tolerance,bound,off_top,timing\n"
+        "scene,model_level,taken,crank_evaluations,output,unit,found,tolerance,bound,off_top,timing\n"
             .to_owned();
     let number = |value: Option<f64>| match value {
         Some(value) if value.is_finite() => format!("{value:.6e}"),
         _ => String::new(),
     };
     for ladder in ladders {
-        for rung in &ladder.rungs {
-            for judged in &rung.judged {
+        for model_level in &ladder.model_levels {
+            for judged in &model_level.judged {
                 // Writing to a string does not fail.
                 let _ = writeln!(
                     csv,
                     "{},{},{},{},{},{},{},{},{},{},{:.0}",
                     ladder.name,
-                    rung.fidelity.name(),
-                    rung.fidelity == ladder.chosen,
-                    rung.cost,
+                    model_level.fidelity.name(),
+                    model_level.fidelity == ladder.chosen,
+                    model_level.cost,
                     judged.output.key(),
                     judged.output.unit(),
-                    number(rung.answers.of(judged.output)),
+                    number(model_level.answers.of(judged.output)),
                     judged.tolerance,
                     number(judged.bound),
                     number(measured(judged)),
-                    rung.timing,
+                    model_level.timing,
                 );
             }
         }
@@ -206,24 +213,24 @@ fn csv(ladders: &[Ladder]) -> String {
 fn says(ladders: &[Ladder]) -> String {
     let taken = |ladder: &Ladder| {
         ladder
-            .rungs
+            .model_levels
             .iter()
-            .position(|rung| rung.fidelity == ladder.chosen)
+            .position(|model_level| model_level.fidelity == ladder.chosen)
             .unwrap_or(0)
     };
     let within = ladders.iter().filter(|ladder| {
-        let rung = &ladder.rungs[taken(ladder)];
-        part(&rung.judged, measured) <= 1.0
+        let model_level = &ladder.model_levels[taken(ladder)];
+        part(&model_level.judged, measured) <= 1.0
     });
     let lowest = ladders.iter().filter(|ladder| {
         let found = ladder
-            .rungs
+            .model_levels
             .iter()
-            .position(|rung| part(&rung.judged, measured) <= 1.0);
+            .position(|model_level| part(&model_level.judged, measured) <= 1.0);
         found == Some(taken(ladder))
     });
     format!(
-        "Of {} scenes auto answers {} within their tolerances, {} of these on the lowest rung that does. Errors are of the worst output asked for; \
+        "Of {} scenes auto answers {} within their tolerances, {} of these on the lowest model level that does. Errors are of the worst output asked for; \
          what is below {:.0e} of its tolerance, or not off at all, stands at the bottom.",
         ladders.len(),
         within.count(),

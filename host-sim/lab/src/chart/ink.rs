@@ -1,4 +1,4 @@
-//! Who is drawn how: colours of Okabe and Ito, which the colour-blind tell apart, and strokes that let both of two
+//! Who is drawn how: colours of Okabe and Ito, which the colour-blind distinguish, and strokes that let both of two
 //! lines be seen where one lies on the other.
 
 use cophase_methods::Scheme;

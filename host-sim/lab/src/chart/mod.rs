@@ -64,7 +64,7 @@ pub const CHARTS: &[Chart] = &[
     },
     Chart {
         name: "fidelity",
-        shows: "error against cost of the rungs, for each built-in scene, and which of them auto takes",
+        shows: "error against cost of the model levels, for each built-in scene, and which of them auto takes",
         draw: fidelity::draw,
     },
     Chart {

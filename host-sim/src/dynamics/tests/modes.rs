@@ -5,7 +5,7 @@ use nalgebra::DMatrix;
 use proptest::prelude::*;
 
 use super::{body, frame};
-use crate::dynamics::{Driven, Freedom, Motor, Phased, Servo, Sprung};
+use crate::dynamics::{Driven, Elastic, Freedom, Motor, Phased, Servo};
 use crate::mechanism::slider_crank::Platform;
 
 /// 1000 N·m/rad, and next to no damping.
@@ -17,13 +17,13 @@ const SPRING: Servo = Servo {
 };
 
 proptest! {
-    /// Were it wrong, a step would be called stable that is not, and a scene be run into rubbish: on settled rods and sprung ones,
+    /// Were it wrong, a step would be called stable that is not, and a scene be run into rubbish: on quasi-static rods and elastic ones,
     /// with and without a frame and its foundation. And were it far too wide, scenes would be slow for nothing.
     #[test]
     fn no_mode_is_faster_than_the_bound(
         alpha in (2_usize..=6).prop_flat_map(|n| prop::collection::vec(-3.0..3.0, n)),
         stiffer in 1.0..1000.0,
-        sprung in any::<bool>(),
+        elastic in any::<bool>(),
         framed in any::<bool>(),
         on_block in any::<bool>(),
     ) {
@@ -31,11 +31,11 @@ proptest! {
         let body = body(n, Platform::Above);
         let mut frame = frame(0.0, on_block);
         frame.suspended.stiffness = frame.suspended.stiffness.map(|k| k * stiffer);
-        let freedom = match (sprung, framed) {
+        let freedom = match (elastic, framed) {
             (false, false) => Freedom::Phased(Box::new(Phased::new(body))),
             (false, true) => Freedom::Phased(Box::new(Phased::new(body).on(frame))),
-            (true, false) => Freedom::Sprung(Box::new(Sprung::new(body, 0.0))),
-            (true, true) => Freedom::Sprung(Box::new(Sprung::new(body, 0.0).on(frame))),
+            (true, false) => Freedom::Elastic(Box::new(Elastic::new(body, 0.0))),
+            (true, true) => Freedom::Elastic(Box::new(Elastic::new(body, 0.0).on(frame))),
         };
         let mut machine = Driven::new(freedom, vec![Motor::Servo(SPRING); n]);
         machine.energised = true;

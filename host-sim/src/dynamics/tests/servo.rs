@@ -68,7 +68,7 @@ fn an_integral_leaves_no_error_under_load() {
 }
 
 /// Were it wrong, an integral would go on growing while the current limit holds the torque, and the drive push on long after it
-/// has been told to turn back: half a radian from where it is told to be, held fast for 10 s, what an integral would gather by
+/// has been commanded to turn back: half a radian from where commanded, held fast for 10 s, what an integral would gather by
 /// itself is 0.26 N·m·s · 25 rad/s over 0.05 s, 1300 N·m.
 #[test]
 fn an_integral_does_not_wind_up() {

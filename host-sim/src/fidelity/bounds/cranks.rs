@@ -1,4 +1,4 @@
-//! By how much each rung of a platform on cranks may be off the top one, output by output.
+//! By how much each model level of a platform on cranks may be off the top one, output by output.
 
 use std::f64::consts::TAU;
 
@@ -8,13 +8,13 @@ use crate::dynamics::{Driven, Motor};
 use crate::fidelity::Output;
 use crate::scene::file::Fidelity;
 
-/// What is allowed for that the reckoning leaves out: coefficients that change within a turn, and transients.
+/// What is allowed for that the computation leaves out: coefficients that change within a turn, and transients.
 ///
 /// A crank whose inertia and stiffness change by a part ε twice a turn answers, to first order, with sidebands of ε/2 each,
 /// at most; where both are within their ranges of a resonance the worst over the ranges has been taken already.
 const MARGIN: f64 = 1.5;
 
-/// What is to be known of a platform on cranks to bound what a rung leaves out.
+/// What is to be known of a platform on cranks to bound what a model level leaves out.
 #[derive(Clone, Debug)]
 pub struct Cranks {
     worst: Worst,
@@ -22,17 +22,17 @@ pub struct Cranks {
     standing_apart_rad: f64,
     /// What a moving frame does to the platform's acceleration, as a part of it; 0 if the machine has none.
     frame: f64,
-    /// What springs for rods do to it, which only rungs with cranks of their own know; 0 where rods settle.
+    /// What springs for rods do to it, which only model levels with cranks of their own know; 0 where rods settle.
     rods: f64,
-    /// How far the platform is from where settled rods have it, m; 0 where they spring.
-    settled_m: f64,
+    /// How far the platform is from where quasi-static rods have it, m; 0 where they spring.
+    quasi_static_m: f64,
     /// mrad of tilt to a rad between cranks.
     tilt_mrad: f64,
     /// What is missed of a peak between two ticks, as a part of it.
     sampling: f64,
     steppers: Vec<bool>,
     alike: bool,
-    /// Whether all cranks are to turn as one, which is all that the linear reckoning knows; on up to three, apart but for where
+    /// Whether all cranks are to turn as one, which is all that the linear computation knows; on up to three, apart but for where
     /// they stand at the start, as no rod then pulls on them.
     in_phase: bool,
 }
@@ -45,7 +45,7 @@ impl Cranks {
         worst: Worst,
         standing_apart_rad: f64,
         leads_apart: bool,
-        (sprung, rod_zeta): (bool, f64),
+        (elastic, rod_zeta): (bool, f64),
     ) -> Self {
         let body = driven.body();
         let lambda = body.mechanism.lambda();
@@ -70,15 +70,15 @@ impl Cranks {
             in_phase: !leads_apart && (body.axes() <= 3 || standing_apart_rad == 0.0),
             alike: worst.spread_rad == 0.0,
             frame: frame::share(driven, drive),
-            rods: if sprung {
+            rods: if elastic {
                 rods::share(body, rod_zeta, drive)
             } else {
                 0.0
             },
-            settled_m: if sprung {
+            quasi_static_m: if elastic {
                 0.0
             } else {
-                rods::settled_m(body, rod_zeta, drive)
+                rods::quasi_static_m(body, rod_zeta, drive)
             },
             worst,
         }
@@ -90,19 +90,19 @@ impl Cranks {
         let most = |used: &[f64]| used.iter().copied().fold(0.0, f64::max);
         format!(
             "torque ratio {:.2} ({:.2} with what oscillates), frequency ratio {:.2}, lag of at most {:.2}°",
-            most(&worst.torque_ratio_asked),
+            most(&worst.torque_ratio_required),
             most(&worst.torque_ratio),
             worst.frequency_ratio,
             degrees(worst.lag_rad)
         )
     }
 
-    /// How far the platform is from where settled rods have it at most, m.
-    pub fn settled_m(&self) -> f64 {
-        self.settled_m
+    /// How far the platform is from where quasi-static rods have it at most, m.
+    pub fn quasi_static_m(&self) -> f64 {
+        self.quasi_static_m
     }
 
-    /// Whether every motor surely gives what it is asked for, oscillation and margin included.
+    /// Whether every motor surely gives what it is requested, oscillation and margin included.
     pub fn keeps_step(&self) -> bool {
         self.worst
             .torque_ratio
@@ -110,21 +110,21 @@ impl Cranks {
             .all(|used| MARGIN * used < 1.0)
     }
 
-    /// By how much a rung's output may be off the top rung's, in the unit of its tolerance; infinite where the rung cannot
+    /// By how much a model level's output may be off the top model level's, in the unit of its tolerance; infinite where the model level cannot
     /// answer, or nothing bounds it.
-    pub fn of(&self, rung: Fidelity, output: Output) -> f64 {
+    pub fn of(&self, model_level: Fidelity, output: Output) -> f64 {
         if output == Output::Slips {
-            return self.slips(rung);
+            return self.slips(model_level);
         }
         if output == Output::Ground {
-            let knows = rung == Fidelity::Elastic;
+            let knows = model_level == Fidelity::Elastic;
             return if knows { 0.0 } else { f64::INFINITY };
         }
         // Half slipped is anywhere, and motors that are alike do not slip alike where they swing past what they have.
-        if rung < Fidelity::Phased && !(self.keeps_step() && self.in_phase) {
+        if model_level < Fidelity::Phased && !(self.keeps_step() && self.in_phase) {
             return f64::INFINITY;
         }
-        match rung {
+        match model_level {
             Fidelity::Kinematic if output == Output::Torque => f64::INFINITY,
             Fidelity::Auto | Fidelity::Kinematic | Fidelity::QuasiStatic => {
                 self.left_out_below_rigid(output)
@@ -194,9 +194,9 @@ impl Cranks {
         }
     }
 
-    /// By how many motors a rung may be wrong about which of them slip.
-    fn slips(&self, rung: Fidelity) -> f64 {
-        let is_known = match rung {
+    /// By how many motors a model level may be wrong about which of them slip.
+    fn slips(&self, model_level: Fidelity) -> f64 {
+        let is_known = match model_level {
             Fidelity::Auto | Fidelity::Kinematic => false,
             Fidelity::QuasiStatic => self.is_decided(),
             Fidelity::Rigid => false,
@@ -211,11 +211,11 @@ impl Cranks {
         (0..worst.len()).filter(may_slip).count() as f64
     }
 
-    /// Whether the torque that is asked for alone tells who slips: each motor is asked for far more than it has, or far less
+    /// Whether the torque that is requested alone shows who slips: each motor is asked for far more than it has, or far less
     /// even if those carry nothing any more.
     fn is_decided(&self) -> bool {
         let worst = &self.worst;
-        let slips = |i: usize| self.steppers[i] && worst.torque_ratio_asked[i] > MARGIN;
+        let slips = |i: usize| self.steppers[i] && worst.torque_ratio_required[i] > MARGIN;
         if !self.in_phase {
             return false;
         }

@@ -17,7 +17,7 @@ const SAMPLES: u32 = 1024;
 /// What the harmonics beyond may add, of the peak.
 const TAIL: f64 = 0.02;
 /// What exact discretisation at its own step misses of a peak, of itself: half a step of 0.05 rad of the slowest mode.
-const SEEN: f64 = 3.2e-4;
+const RESOLVED: f64 = 3.2e-4;
 /// Speeds looked at, up to the top.
 const SPEEDS: u32 = 40;
 
@@ -59,12 +59,12 @@ impl Followers {
         })
     }
 
-    /// By how much a rung's output may be off the elastic one's. Cams turn as they are told on both.
-    pub fn of(&self, rung: Fidelity, output: Output) -> f64 {
+    /// By how much a model level's output may be off the elastic one's. Cams turn as commanded on both.
+    pub fn of(&self, model_level: Fidelity, output: Output) -> f64 {
         match output {
             Output::Torque | Output::Ground => f64::INFINITY,
-            Output::Amax if rung < Fidelity::Elastic => 100.0 * self.off,
-            Output::Amax => 100.0 * SEEN,
+            Output::Amax if model_level < Fidelity::Elastic => 100.0 * self.off,
+            Output::Amax => 100.0 * RESOLVED,
             _ => 0.0,
         }
     }

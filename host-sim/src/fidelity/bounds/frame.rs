@@ -11,8 +11,8 @@
 
 use nalgebra::{Complex, Matrix2, Vector2};
 
-use super::asked::{HARMONICS, cosines_of_h};
 use super::linear::Drive;
+use super::required_torque::{HARMONICS, cosines_of_h};
 use crate::dynamics::{Driven, Layer};
 
 const SPEEDS: u32 = 400;

@@ -19,7 +19,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Complex;
 
-use super::asked::{Asked, HARMONICS, SAMPLES};
+use super::required_torque::{HARMONICS, RequiredTorque, SAMPLES};
 use crate::dynamics::{Body, Driven, Motor};
 
 /// Speeds looked at, besides those of resonances.
@@ -59,7 +59,7 @@ pub struct Worst {
     /// Torque over the most that the motor has (pull-out torque, or a servo's limit), each axis.
     pub torque_ratio: Vec<f64>,
     /// The same as the load alone asks it, without what oscillation adds.
-    pub torque_ratio_asked: Vec<f64>,
+    pub torque_ratio_required: Vec<f64>,
     /// Highest frequency that the load has at top speed (its second harmonic), over the lowest of motor and crank.
     pub frequency_ratio: f64,
 }
@@ -70,11 +70,11 @@ struct Crank {
     stiffness: (f64, f64),
     inertia: (f64, f64),
     damping_nms: f64,
-    is_told: bool,
+    has_feed_forward: bool,
     /// What moves it: constant, then harmonics.
     torque_nm: [f64; HARMONICS + 1],
     /// What the load asks, told or not: at most the sum of its harmonics.
-    asked_nm: f64,
+    required_nm: f64,
     most_nm: f64,
 }
 
@@ -133,28 +133,28 @@ const PLACES: [(f64, f64); 6] = [
 /// The worst of a machine under a drive.
 pub fn worst(driven: &Driven, drive: &Drive) -> Worst {
     let body = driven.body();
-    let asked = Asked::by(body);
+    let required = RequiredTorque::by(body);
     let axes = body.axes();
     let mut worst = Worst {
         torque_ratio: vec![0.0; axes],
-        torque_ratio_asked: vec![0.0; axes],
+        torque_ratio_required: vec![0.0; axes],
         ..Worst::default()
     };
-    for omega in speeds(driven, drive, &asked) {
+    for omega in speeds(driven, drive, &required) {
         let cranks: Vec<Crank> = (0..axes)
-            .map(|i| crank(driven, drive, &asked, i, omega))
+            .map(|i| crank(driven, drive, &required, i, omega))
             .collect();
         at_speed(&cranks, driven, drive, &mut worst);
     }
     let greatest_nm = greatest_nm(body, drive);
     worst.torque /= greatest_nm;
     let mechanism = &body.mechanism;
-    let lever_m = mechanism.crank_radius_m() * asked.lever_squared.sqrt();
+    let lever_m = mechanism.crank_radius_m() * required.lever_squared.sqrt();
     let share_kg = body.load.mass_kg / axes as f64;
     worst.torque_of_amax =
         (share_kg * lever_m * mechanism.amax_mps2(drive.top_rad_s) / greatest_nm).max(1.0);
     worst.spring_per_rad /= greatest_nm;
-    worst.frequency_ratio = frequency_ratio(driven, drive, &asked);
+    worst.frequency_ratio = frequency_ratio(driven, drive, &required);
     worst
 }
 
@@ -178,12 +178,16 @@ fn at_speed(cranks: &[Crank], driven: &Driven, drive: &Drive, worst: &mut Worst)
         worst.amax = worst.amax.max(amax * at_top);
         worst.torque = worst.torque.max(torque);
         worst.spring_per_rad = worst.spring_per_rad.max(crank.stiffness.1);
-        // A servo gives what it was told besides what its lag makes it give.
-        let told_nm = if crank.is_told { crank.asked_nm } else { 0.0 };
-        let ratio = (told_nm + lag * crank.stiffness.1) / crank.most_nm;
+        // A servo gives what it was commanded to do besides what its lag makes it give.
+        let feed_forward_nm = if crank.has_feed_forward {
+            crank.required_nm
+        } else {
+            0.0
+        };
+        let ratio = (feed_forward_nm + lag * crank.stiffness.1) / crank.most_nm;
         worst.torque_ratio[i] = worst.torque_ratio[i].max(ratio);
-        let asked = crank.asked_nm / crank.most_nm;
-        worst.torque_ratio_asked[i] = worst.torque_ratio_asked[i].max(asked);
+        let required = crank.required_nm / crank.most_nm;
+        worst.torque_ratio_required[i] = worst.torque_ratio_required[i].max(required);
     }
     for (i, one) in cranks.iter().enumerate() {
         for (j, other) in cranks.iter().enumerate().skip(i + 1) {
@@ -225,31 +229,37 @@ fn bounded(value: f64) -> f64 {
     if value.is_nan() { f64::INFINITY } else { value }
 }
 
-fn crank(driven: &Driven, drive: &Drive, asked: &Asked, i: usize, master_rad_s: f64) -> Crank {
+fn crank(
+    driven: &Driven,
+    drive: &Drive,
+    required: &RequiredTorque,
+    i: usize,
+    master_rad_s: f64,
+) -> Crank {
     let body = driven.body();
     let motor = &driven.motors()[i];
     let omega = master_rad_s * drive.ratios[i];
     let share = 1.0 / body.axes() as f64;
     let (softest, stiffest) = motor.stiffness_nm(omega);
-    let slope = asked.slope_nm(omega) * share;
-    let load = load_inertia_kgm2(body, asked);
+    let slope = required.slope_nm(omega) * share;
+    let load = load_inertia_kgm2(body, required);
     let rotor = body.rotors_kgm2[i];
-    let is_told = matches!(motor, Motor::Servo(_));
+    let has_feed_forward = matches!(motor, Motor::Servo(_));
     let mut torque_nm = [0.0; HARMONICS + 1];
     // Friction is not told; while the speed changes, rotor and load ask for more, twice at worst, as it comes at once.
     torque_nm[0] = body.friction_nm[i];
-    if !is_told {
+    if !has_feed_forward {
         torque_nm[0] += 2.0 * (rotor + load) * drive.acceleration_rad_s2 * drive.ratios[i];
     }
-    let mut asked_nm = torque_nm[0].abs();
+    let mut required_nm = torque_nm[0].abs();
     for (n, torque) in torque_nm.iter_mut().enumerate().skip(1) {
-        let left = if is_told {
+        let left = if has_feed_forward {
             (n as f64 * omega * drive.tick_s).min(1.0)
         } else {
             1.0
         };
-        let whole = asked.harmonic_nm(n, omega) * share;
-        asked_nm += whole.abs();
+        let whole = required.harmonic_nm(n, omega) * share;
+        required_nm += whole.abs();
         *torque = whole * left;
     }
     Crank {
@@ -258,18 +268,18 @@ fn crank(driven: &Driven, drive: &Drive, asked: &Asked, i: usize, master_rad_s: 
         inertia: (rotor, rotor + load),
         damping_nms: motor.damping_nms(),
         torque_nm,
-        asked_nm,
+        required_nm,
         most_nm: motor.most_nm(omega),
-        is_told,
+        has_feed_forward,
     }
 }
 
 /// The most that the load adds to a crank's inertia, whether all move alike or the platform tilts.
-fn load_inertia_kgm2(body: &Body, asked: &Asked) -> f64 {
+fn load_inertia_kgm2(body: &Body, required: &RequiredTorque) -> f64 {
     let radius = body.mechanism.crank_radius_m();
     let tilting = 2.0 * body.tilt_inertia_kgm2 / body.mount_radius_m.powi(2);
     let mass = body.load.mass_kg.max(tilting) / body.axes() as f64;
-    mass * radius * radius * asked.lever_squared
+    mass * radius * radius * required.lever_squared
 }
 
 /// The greatest torque that the load asks of a crank, N·m.
@@ -287,13 +297,13 @@ fn greatest_nm(body: &Body, drive: &Drive) -> f64 {
 
 /// Speeds of the master to look at: evenly up to the top, and where a harmonic meets the ends of the range that
 /// motor and crank resonate in.
-fn speeds(driven: &Driven, drive: &Drive, asked: &Asked) -> Vec<f64> {
+fn speeds(driven: &Driven, drive: &Drive, required: &RequiredTorque) -> Vec<f64> {
     let mut speeds: Vec<f64> = (1..=SPEEDS)
         .map(|i| drive.top_rad_s * f64::from(i) / f64::from(SPEEDS))
         .collect();
     let body = driven.body();
     for (i, motor) in driven.motors().iter().enumerate() {
-        for inertia in [0.0, load_inertia_kgm2(body, asked)] {
+        for inertia in [0.0, load_inertia_kgm2(body, required)] {
             let resonance = (motor.stiffest_nm() / (body.rotors_kgm2[i] + inertia)).sqrt();
             let met = (1..=HARMONICS).map(|n| resonance / n as f64 / drive.ratios[i]);
             speeds.extend(met.filter(|&omega| omega < drive.top_rad_s));
@@ -302,9 +312,9 @@ fn speeds(driven: &Driven, drive: &Drive, asked: &Asked) -> Vec<f64> {
     speeds
 }
 
-fn frequency_ratio(driven: &Driven, drive: &Drive, asked: &Asked) -> f64 {
+fn frequency_ratio(driven: &Driven, drive: &Drive, required: &RequiredTorque) -> f64 {
     let body = driven.body();
-    let load = load_inertia_kgm2(body, asked);
+    let load = load_inertia_kgm2(body, required);
     let ratio = |(i, motor): (usize, &Motor)| {
         let resonance = (motor.stiffness_nm(0.0).0 / (body.rotors_kgm2[i] + load)).sqrt();
         2.0 * drive.top_rad_s * drive.ratios[i] / resonance

@@ -1,10 +1,10 @@
-//! By how much a rung may be off the top one, for what it leaves out.
+//! By how much a model level may be off the top one, for what it leaves out.
 
-mod asked;
 mod cranks;
 mod followers;
 mod frame;
 mod linear;
+mod required_torque;
 mod rods;
 
 use cophase_methods::Scheme;
@@ -20,7 +20,7 @@ use cranks::Cranks;
 use followers::Followers;
 use linear::{Drive, worst};
 
-/// Bounds of all rungs of a scene's machine.
+/// Bounds of all model levels of a scene's machine.
 #[derive(Clone, Debug)]
 pub struct Bounds {
     of: Of,
@@ -35,7 +35,7 @@ enum Of {
     Followers(Followers),
 }
 
-/// What rounding may add, in the unit of each output: symmetrical cranks, which theory has exactly in phase, are told apart
+/// What rounding may add, in the unit of each output: symmetrical cranks, which theory has exactly in phase, are distinguished
 /// by it.
 const ROUNDING: f64 = 1e-6;
 
@@ -52,7 +52,7 @@ impl Bounds {
                 imposed: imposed(&top, follower_mode(&top))?,
             });
         }
-        // The top rung that the scene has: with a frame, if it gives one.
+        // The top model level that the scene has: with a frame, if it gives one.
         let top = checked
             .on(Fidelity::Elastic)
             .or_else(|_| checked.on(Fidelity::Phased))?;
@@ -66,15 +66,15 @@ impl Bounds {
         })
     }
 
-    /// By how much a rung's output may be off the top rung's, in the unit of its tolerance; infinite where the rung cannot
+    /// By how much a model level's output may be off the top model level's, in the unit of its tolerance; infinite where the model level cannot
     /// answer, or nothing bounds it.
-    pub fn of(&self, rung: Fidelity, output: Output) -> f64 {
+    pub fn of(&self, model_level: Fidelity, output: Output) -> f64 {
         let left_out = match &self.of {
-            Of::Cranks(cranks) => cranks.of(rung, output),
-            Of::Followers(followers) => followers.of(rung, output),
+            Of::Cranks(cranks) => cranks.of(model_level, output),
+            Of::Followers(followers) => followers.of(model_level, output),
         };
         let off = match output {
-            // What is left out is a part of what the rung has; what is asked for, of what is right: less by as much.
+            // What is left out is a part of what the model level has; what is requested, of what is right: less by as much.
             Output::Amax | Output::Torque if left_out < 100.0 => left_out / (1.0 - 0.01 * left_out),
             Output::Amax | Output::Torque => f64::INFINITY,
             _ => left_out,
@@ -87,23 +87,23 @@ impl Bounds {
         self.imposed
     }
 
-    /// The same with what the steps of two rungs' methods may be apart, each being off what swings by `resolution` of it.
-    pub fn with_steps(&self, rung: Fidelity, output: Output, resolution: f64) -> f64 {
+    /// The same with what the steps of two model levels' methods may be apart, each being off what swings by `resolution` of it.
+    pub fn with_steps(&self, model_level: Fidelity, output: Output, resolution: f64) -> f64 {
         let whole = self.of(Fidelity::QuasiStatic, output);
         let steps = if whole.is_finite() && output != Output::Slips {
             2.0 * resolution * whole
         } else {
             0.0
         };
-        self.of(rung, output) + steps
+        self.of(model_level, output) + steps
     }
 
-    /// How far a platform on settled rods is from where it would be on springs at most, µm: the oscillation that was
+    /// How far a platform on quasi-static rods is from where it would be on springs at most, µm: the oscillation that was
     /// replaced by its static response. None where there is no such.
-    pub fn settled_um(&self) -> Option<f64> {
+    pub fn quasi_static_um(&self) -> Option<f64> {
         match &self.of {
             Of::Cranks(cranks) => {
-                Some(cranks.settled_m() * 1e6).filter(|um| um.is_finite() && *um > 0.0)
+                Some(cranks.quasi_static_m() * 1e6).filter(|um| um.is_finite() && *um > 0.0)
             }
             Of::Followers(_) => None,
         }
@@ -120,8 +120,8 @@ impl Bounds {
 
 /// How far off a mode is by the method and step that a scene asks for, of itself.
 fn imposed(top: &Checked, mode: Mode) -> Result<Option<f64>, SceneError> {
-    let asked = &top.scene.method;
-    if asked.name == MethodName::Auto && asked.steps_per_tick.is_none() {
+    let requested = &top.scene.method;
+    if requested.name == MethodName::Auto && requested.steps_per_tick.is_none() {
         return Ok(None);
     }
     let method = Machine::new(top)?.method();
@@ -172,8 +172,10 @@ fn cranks(checked: &Checked, driven: &Driven) -> Cranks {
         offsets: settings.axes.iter().map(|axis| axis.offset_turns).collect(),
     };
     let standing = (0..settings.axes.len()).map(|i| {
-        let apart = checked.apart(i);
-        apart.map_or(0.0, |apart| (apart.start_deg + apart.trim_deg).to_radians())
+        let overrides = checked.overrides(i);
+        overrides.map_or(0.0, |overrides| {
+            (overrides.start_deg + overrides.trim_deg).to_radians()
+        })
     });
     let (least, most) = standing.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), deg| {
         (least.min(deg), most.max(deg))
@@ -189,7 +191,7 @@ fn cranks(checked: &Checked, driven: &Driven) -> Cranks {
             .machine
             .as_ref()
             .map_or((false, 0.0), |machine| {
-                (machine.rods == Rods::Sprung, machine.rod_zeta)
+                (machine.rods == Rods::Elastic, machine.rod_zeta)
             }),
     )
 }

@@ -1,6 +1,6 @@
 //! What rods that give do to the platform, all together: a mass m on N springs k, pushed by where the cranks would have it.
 //!
-//! Two answers. Where a scene has its rods spring, every rung without springs is off by them, harmonic by harmonic. Where it has
+//! Two answers. Where a scene has its rods spring, every model level without springs is off by them, harmonic by harmonic. Where it has
 //! them settle, the fast mode ω_r = √(N k/m) is replaced by its static response, and what that leaves out of the platform's place
 //! is, beside that static response itself, at most
 //!
@@ -15,8 +15,8 @@ use std::f64::consts::PI;
 
 use nalgebra::Complex;
 
-use super::asked::{HARMONICS, cosines_of_h};
 use super::linear::Drive;
+use super::required_torque::{HARMONICS, cosines_of_h};
 use crate::dynamics::Body;
 
 /// Speeds looked at, up to the top.
@@ -42,8 +42,8 @@ pub fn share(body: &Body, zeta: f64, drive: &Drive) -> f64 {
     even.chain(met).map(at_speed).fold(0.0, f64::max)
 }
 
-/// How far the platform is from where settled rods have it at most, at any steady speed up to the top, m.
-pub fn settled_m(body: &Body, zeta: f64, drive: &Drive) -> f64 {
+/// How far the platform is from where quasi-static rods have it at most, at any steady speed up to the top, m.
+pub fn quasi_static_m(body: &Body, zeta: f64, drive: &Drive) -> f64 {
     let mode = heave_rad_s(body);
     let (mut first, mut second) = (0.0, 0.0);
     let amax = body.mechanism.crank_radius_m() * drive.top_rad_s.powi(2);

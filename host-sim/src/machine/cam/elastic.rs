@@ -12,7 +12,7 @@ use crate::machine::MOST_STEPS;
 
 /// How far the slowest mode may turn in a step of exact discretisation, rad: a peak lies within half a step of one that is
 /// looked at, where its cosine is 1 − (0.05/2)²/2, 0.03 % off.
-const SEEN_RAD_A_STEP: f64 = 0.05;
+const RESOLVED_RAD_A_STEP: f64 = 0.05;
 /// How far the fastest mode may turn in a step of any other method, rad: RK4 is off by 3.3e-5 a radian there.
 const FOLLOWED_RAD_A_STEP: f64 = 0.25;
 /// The shortest step whose stability is looked at, s: a thousandth of the shortest that a tick is ever cut into.
@@ -104,7 +104,7 @@ fn steps_for(
     tick_s: f64,
 ) -> Result<u32, String> {
     let followed_s = if scheme == Scheme::Exact {
-        SEEN_RAD_A_STEP / chain.undamped_rad_s()[0]
+        RESOLVED_RAD_A_STEP / chain.undamped_rad_s()[0]
     } else {
         FOLLOWED_RAD_A_STEP / chain.fastest_rad_s()
     };

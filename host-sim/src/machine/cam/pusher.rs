@@ -39,7 +39,7 @@ pub struct Turned {
     pub from: f64,
     /// After it.
     pub to: f64,
-    /// Speed at its end, as it was asked for, rad/s.
+    /// Speed at its end, as it was requested, rad/s.
     pub omega_rad_s: f64,
     /// Acceleration, rad/s².
     pub acceleration_rad_s2: f64,

@@ -1,7 +1,7 @@
-//! A cam shaft's numbers, what they amount to, and what the core is told of them.
+//! A cam shaft's numbers, what they amount to, and what the core is given of them.
 //!
 //! The core knows slider-cranks alone, and of those a follower has one thing: its greatest acceleration is κ ω², with the
-//! crank's κ = R (1 + λ) and the cam's κ = Ca H/β² (stroke H over the shorter of rise and return, β rad). So the core is told a
+//! crank's κ = R (1 + λ) and the cam's κ = Ca H/β² (stroke H over the shorter of rise and return, β rad). So the core is given a
 //! **crank of equal κ**, and its profile holds as it is.
 //!
 //! The rest of what a crank means to it must not act:
@@ -19,7 +19,7 @@ use crate::mechanism::slider_crank::SliderCrank;
 use crate::scene::SceneError;
 use crate::scene::file::{self, CamShaft, Drift, Fidelity, Scene};
 
-/// λ of the crank that the core is told: the least that it takes.
+/// λ of the crank that the core is given: the least that it takes.
 const LAMBDA: f64 = 0.1;
 /// The least load that it takes, kg: at 450 turns a minute it is 9 mN·m of feed-forward where the pusher needs 50 N·m.
 const LOAD_KG: f64 = 1e-3;
@@ -150,8 +150,8 @@ fn crank_radius_m(cam: &Cam) -> f64 {
     cam.peak_m() / (1.0 + LAMBDA)
 }
 
-/// The crank that the core is told.
-pub(super) fn told(follower: &Follower) -> MachineSettings {
+/// The crank that the core is given.
+pub(super) fn core_settings(follower: &Follower) -> MachineSettings {
     let crank_radius_m = crank_radius_m(&follower.cam);
     MachineSettings {
         crank_radius_m,
@@ -164,28 +164,28 @@ pub(super) fn told(follower: &Follower) -> MachineSettings {
     }
 }
 
-/// The limits that the core is told: that on tilt stands for one on the first mode, in degrees as the others.
+/// The limits that the core is given: that on tilt stands for one on the first mode, in degrees as the others.
 pub(super) fn drift(drift: &Drift, machine: &MachineSettings) -> Result<DriftSettings, SceneError> {
     let mechanism =
         SliderCrank::of(machine).map_err(|error| SceneError::at("cam", error.to_string()))?;
     // As the core has it: half a degree finds the greatest way a radian to 4e-5.
-    let way = (0..360)
+    let lever = (0..360)
         .map(|half_degree| mechanism.s((f64::from(half_degree) * 0.5).to_radians()))
         .fold(0.0, f64::max);
-    let tilt_mrad = 1e3 * drift.warp_limit_deg.to_radians() * way * machine.crank_radius_m
+    let tilt_mrad = 1e3 * drift.warp_limit_deg.to_radians() * lever * machine.crank_radius_m
         / machine.mount_radius_m;
     Ok(DriftSettings {
         tilt_limit_mrad: tilt_mrad.clamp(1e-3, 100.0),
         warp_limit_deg: drift.warp_limit_deg,
         common_limit_deg: drift.common_limit_deg,
-        reading_deg: drift.reading_deg,
+        reading_error_deg: drift.reading_error_deg,
         lag_s: drift.lag_us * 1e-6,
     })
 }
 
-/// Whether cams have a rung, and the scene says enough for it.
-pub(super) fn check_rung(rung: Fidelity, follower: &Follower) -> Result<(), SceneError> {
-    match rung {
+/// Whether cams have a model level, and the scene says enough for it.
+pub(super) fn check_level(model_level: Fidelity, follower: &Follower) -> Result<(), SceneError> {
+    match model_level {
         Fidelity::Auto | Fidelity::Kinematic => Ok(()),
         Fidelity::Elastic if follower.links.is_some() => Ok(()),
         Fidelity::Elastic => Err(SceneError::at(
@@ -221,7 +221,7 @@ pub(super) fn check_useless(scene: &Scene) -> Result<(), SceneError> {
     match torques.iter().find(|(_, given)| *given) {
         Some((key, _)) => Err(SceneError::at(
             *key,
-            "says something of torque, and cams turn as they are told: no rung of [cam] asks for it; leave it out",
+            "says something of torque, and cams turn as commanded: no model level of [cam] asks for it; leave it out",
         )),
         None => Ok(()),
     }

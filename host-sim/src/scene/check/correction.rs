@@ -1,4 +1,4 @@
-//! What is done against drift, as the core is told: gains of the cross-coupling are derived unless they are given.
+//! What is done against drift, as the core is given: gains of the cross-coupling are derived unless they are given.
 
 use cophase_core::settings::{CorrectionSettings, MachineSettings};
 
@@ -29,7 +29,7 @@ pub(super) fn correction(
         (0.0, 0.0)
     };
     Ok(CorrectionSettings {
-        part: given.part,
+        gain: given.gain,
         prove_wiring: given.prove_wiring,
         coupling: given.coupling.unwrap_or(gains.0),
         coupling_per_s: given.coupling_per_s.unwrap_or(gains.1),
@@ -59,8 +59,8 @@ pub fn plant(scene: &Scene, machine: &MachineSettings) -> Result<Plant, SceneErr
     let radius_m = machine.crank_radius_m;
     let mechanism = SliderCrank::of(machine)
         .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
-    let way = (0..180).map(|degree| mechanism.s(f64::from(degree).to_radians()));
-    let lever_m = radius_m * way.fold(0.0, f64::max);
+    let lever = (0..180).map(|degree| mechanism.s(f64::from(degree).to_radians()));
+    let lever_m = radius_m * lever.fold(0.0, f64::max);
     let share_kg = machine.load_kg / axes.count as f64;
     Ok(Plant {
         servo,

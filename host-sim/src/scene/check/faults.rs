@@ -1,7 +1,7 @@
 //! `[[fault]]` and `[noise]`: which numbers each kind takes, and on which machines it can be.
 //!
-//! A fault that moves a crank needs cranks that can be moved one by one: on cams a shaft is where it is told to be, and on the
-//! rigid rung all cranks are one.
+//! A fault that moves a crank needs cranks that can be moved one by one: on cams a shaft is where commanded, and on the
+//! rigid model level all cranks are one.
 
 use super::numbers::range;
 use crate::scene::file::{Axes, Drive, FaultAt, FaultName, Fidelity, Lines, Noise, Scene};
@@ -22,7 +22,7 @@ const fn takes(kind: FaultName) -> Takes {
         Kind::Runaway => (&["axis", "speed_hz"], &["for_s"]),
         Kind::IndexMissing | Kind::IndexExtra => (&["axis"], &["count"]),
         Kind::SwappedWiring => (&["axis", "with", "lines"], &[]),
-        Kind::Reversed | Kind::RunDry => (&["axis"], &[]),
+        Kind::Reversed | Kind::StepFifoUnderrun => (&["axis"], &[]),
         Kind::EncoderGlitch => (&["axis", "counts"], &["for_s"]),
         Kind::Overrun => (&[], &["count"]),
         Kind::EnableLoss | Kind::StopInput => (&[], &["for_s"]),
@@ -48,7 +48,7 @@ fn given(fault: &FaultAt) -> [(&'static str, bool); 10] {
 }
 
 /// What is right for a key that is missing.
-fn wanted(key: &str) -> &'static str {
+fn requirement(key: &str) -> &'static str {
     match key {
         "axis" => "the number of the axis that it befalls",
         "with" => "the number of the other axis",
@@ -72,7 +72,7 @@ pub(super) fn fill(scene: &mut Scene) {
     }
 }
 
-/// Checks all of them against the scene; what depends on its rung, [`check_rung`] does.
+/// Checks all of them against the scene; what depends on its model level, [`check_level`] does.
 pub(super) fn check(scene: &Scene) -> Result<(), SceneError> {
     check_noise(&scene.noise, &scene.axes)?;
     for (i, fault) in scene.fault.iter().enumerate() {
@@ -108,7 +108,11 @@ fn check_keys(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
         if needs && !given {
             return Err(SceneError::at(
                 at(i, key),
-                format!("missing; \"{}\" needs {}", fault.kind.name(), wanted(key)),
+                format!(
+                    "missing; \"{}\" needs {}",
+                    fault.kind.name(),
+                    requirement(key)
+                ),
             ));
         }
         if given && !needs && !may.contains(&key) {
@@ -131,7 +135,7 @@ fn check_numbers(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
     if let Some(for_s) = fault.for_s {
         range(&at(i, "for_s"), for_s, 1e-6, 1e6)?;
     }
-    let either_way = |key: &str, value: Option<f64>, most: f64| {
+    let signed = |key: &str, value: Option<f64>, most: f64| {
         let Some(value) = value else { return Ok(()) };
         range(&at(i, key), value, -most, most)?;
         if value != 0.0 {
@@ -145,10 +149,10 @@ fn check_numbers(i: usize, fault: &FaultAt) -> Result<(), SceneError> {
             ),
         ))
     };
-    either_way("cycles", fault.cycles.map(|cycles| cycles as f64), 1e4)?;
-    either_way("rate_deg_per_s", fault.rate_deg_per_s, 36_000.0)?;
-    either_way("counts", fault.counts.map(|counts| counts as f64), 1e9)?;
-    either_way("torque_nm", fault.torque_nm, 1000.0)?;
+    signed("cycles", fault.cycles.map(|cycles| cycles as f64), 1e4)?;
+    signed("rate_deg_per_s", fault.rate_deg_per_s, 36_000.0)?;
+    signed("counts", fault.counts.map(|counts| counts as f64), 1e9)?;
+    signed("torque_nm", fault.torque_nm, 1000.0)?;
     if let Some(speed_hz) = fault.speed_hz {
         range(&at(i, "speed_hz"), speed_hz, -200.0, 200.0)?;
     }
@@ -176,8 +180,8 @@ fn check_axes(i: usize, fault: &FaultAt, scene: &Scene) -> Result<(), SceneError
         return Ok(());
     };
     let drive = |axis| {
-        let apart = scene.apart(axis).and_then(|apart| apart.drive);
-        apart.unwrap_or(scene.axes.drive)
+        let overrides = scene.overrides(axis).and_then(|own| own.drive);
+        overrides.unwrap_or(scene.axes.drive)
     };
     let wrong = |key: &str, problem: String| Err(SceneError::at(at(i, key), problem));
     match fault.kind {
@@ -194,7 +198,7 @@ fn check_axes(i: usize, fault: &FaultAt, scene: &Scene) -> Result<(), SceneError
                 "one of the two is a stepper and the other a servo, whose lines fit no other; give two of a kind".to_owned(),
             )
         }
-        FaultName::LostSteps | FaultName::RunDry if drive(axis) != Drive::Stepper => wrong(
+        FaultName::LostSteps | FaultName::StepFifoUnderrun if drive(axis) != Drive::Stepper => wrong(
             "axis",
             format!(
                 "axis {axis} is a servo, which has no steps for \"{}\" to lose; give a stepper's",
@@ -214,27 +218,28 @@ fn check_axes(i: usize, fault: &FaultAt, scene: &Scene) -> Result<(), SceneError
 }
 
 fn has_index(scene: &Scene, axis: usize) -> bool {
-    let apart = scene.apart(axis).and_then(|apart| apart.index);
-    apart.unwrap_or(scene.axes.index)
+    let overrides = scene.overrides(axis).and_then(|own| own.index);
+    overrides.unwrap_or(scene.axes.index)
 }
 
-/// Checks what of them cannot be on a rung.
-pub(super) fn check_rung(checked: &Checked, rung: Fidelity) -> Result<(), SceneError> {
+/// Checks what of them cannot be on a model level.
+pub(super) fn check_level(checked: &Checked, model_level: Fidelity) -> Result<(), SceneError> {
     let scene = &checked.scene;
     if let Some(i) = scene.moving_fault().filter(|_| checked.cam.is_some()) {
         return Err(SceneError::at(
             at(i, "kind"),
             format!(
-                "\"{}\" has a crank be elsewhere than it is told, and cam shafts are where they are told to be; leave it \
+                "\"{}\" has a crank be elsewhere than commanded, and cam shafts are where commanded; leave it \
                  out, or give a scene with [machine]",
                 scene.fault[i].kind.name()
             ),
         ));
     }
-    if rung.moves_by_torque() && checked.cam.is_none() {
-        return Ok(()); // that the rigid rung has no crank by itself, `cranks_apart` says
+    if model_level.moves_by_torque() && checked.cam.is_none() {
+        return Ok(()); // that the rigid model level has no crank by itself, `cranks_apart` says
     }
-    let right = "torque moves no cranks on this rung; let fidelity be \"phased\", or leave it out";
+    let right =
+        "torque moves no cranks on this model level; let fidelity be \"phased\", or leave it out";
     let load_step = |fault: &FaultAt| fault.kind == FaultName::LoadStep;
     if let Some(i) = scene.fault.iter().position(load_step) {
         return Err(SceneError::at(

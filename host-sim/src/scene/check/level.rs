@@ -1,4 +1,4 @@
-//! A checked scene on another rung.
+//! A checked scene on another model level.
 
 use super::{cam, faults};
 use crate::machine::Machine;
@@ -6,23 +6,23 @@ use crate::scene::file::Fidelity;
 use crate::scene::{Checked, SceneError};
 
 impl Checked {
-    /// The same on a rung.
+    /// The same on a model level.
     ///
     /// # Errors
-    /// What the rung needs and the scene does not say.
-    pub fn on(&self, rung: Fidelity) -> Result<Self, SceneError> {
+    /// What the model level needs and the scene does not say.
+    pub fn on(&self, model_level: Fidelity) -> Result<Self, SceneError> {
         let mut other = self.clone();
-        other.fidelity = rung;
+        other.fidelity = model_level;
         if let Some(follower) = &self.cam {
-            cam::check_rung(rung, follower)?;
-        } else if rung == Fidelity::QuasiStatic && other.scene.axes.pull_out.is_empty() {
+            cam::check_level(model_level, follower)?;
+        } else if model_level == Fidelity::QuasiStatic && other.scene.axes.pull_out.is_empty() {
             return Err(SceneError::at(
                 "axes.pull_out",
                 "missing; fidelity = \"quasi-static\" compares torques, so give the motors' pull-out torque \
                  as [[speed_hz, torque_nm], …], or let fidelity be \"kinematic\"",
             ));
         }
-        faults::check_rung(&other, rung)?;
+        faults::check_level(&other, model_level)?;
         Machine::new(&other)?;
         Ok(other)
     }

@@ -6,7 +6,7 @@ use cophase_core::settings::{MAX_BANDS, MachineSettings, Problem};
 use crate::fidelity::Output;
 use crate::machine::MOST_STEPS;
 use crate::scene::SceneError;
-use crate::scene::file::{self, AxisApart, Drive, Scene};
+use crate::scene::file::{self, AxisOverrides, Drive, Scene};
 
 /// More than any motor that a platform of 50 kg needs has to give.
 const MOST_FRICTION_NM: f64 = 1000.0;
@@ -40,18 +40,18 @@ fn lambda(machine: &file::Machine) -> Result<f64, SceneError> {
     }
 }
 
-pub(super) fn check_apart(
+pub(super) fn check_overrides(
     scene: &Scene,
     entry: usize,
-    apart: &AxisApart,
+    overrides: &AxisOverrides,
 ) -> Result<(), SceneError> {
     let key = |name: &str| format!("axis[{entry}].{name}");
-    if apart.number >= scene.axes.count {
+    if overrides.number >= scene.axes.count {
         return Err(SceneError::at(
             key("number"),
             format!(
                 "there is no axis {}; with axes.count = {} they are 0 to {}",
-                apart.number,
+                overrides.number,
                 scene.axes.count,
                 scene.axes.count - 1
             ),
@@ -59,25 +59,25 @@ pub(super) fn check_apart(
     }
     if scene.axis[..entry]
         .iter()
-        .any(|other| other.number == apart.number)
+        .any(|other| other.number == overrides.number)
     {
         return Err(SceneError::at(
             key("number"),
             format!(
                 "axis {} has an [[axis]] of its own already; put both into one",
-                apart.number
+                overrides.number
             ),
         ));
     }
-    if let Some(friction_nm) = apart.friction_nm {
+    if let Some(friction_nm) = overrides.friction_nm {
         range(&key("friction_nm"), friction_nm, 0.0, MOST_FRICTION_NM)?;
     }
-    range(&key("start_deg"), apart.start_deg, -180.0, 180.0)?;
-    range(&key("trim_deg"), apart.trim_deg, -36.0, 36.0)?;
-    range(&key("pull_out_scale"), apart.pull_out_scale, 0.0, 10.0)
+    range(&key("start_deg"), overrides.start_deg, -180.0, 180.0)?;
+    range(&key("trim_deg"), overrides.trim_deg, -36.0, 36.0)?;
+    range(&key("pull_out_scale"), overrides.pull_out_scale, 0.0, 10.0)
 }
 
-/// The mechanism that the core is told.
+/// The mechanism that the core is given.
 pub(super) fn crank(machine: &file::Machine) -> Result<MachineSettings, SceneError> {
     Ok(MachineSettings {
         crank_radius_m: machine.crank_radius_mm / 1e3,
@@ -126,7 +126,7 @@ pub(super) fn check_torque(scene: &Scene) -> Result<(), SceneError> {
     }
 }
 
-/// More than this creeps back, and is no spring any more.
+/// More than this turns at homing speed back, and is no spring any more.
 const MOST_ZETA: f64 = 2.0;
 
 fn check_frame(frame: &file::Frame) -> Result<(), SceneError> {
@@ -218,13 +218,13 @@ pub(super) fn check_times(scene: &Scene) -> Result<(), SceneError> {
 /// What the core would find too, one edge at a time; said of the whole.
 pub(super) fn check_bands(limits: &file::Limits) -> Result<(), SceneError> {
     for (i, band) in limits.band.iter().enumerate() {
-        if band.from_hz <= limits.creep_hz && band.to_hz >= limits.speed_hz {
+        if band.from_hz <= limits.homing_speed_hz && band.to_hz >= limits.speed_hz {
             return Err(SceneError::at(
                 format!("limits.band[{i}]"),
                 format!(
-                    "the band covers all speeds from limits.creep_hz = {} to limits.speed_hz = {} rev/s, so \
+                    "the band covers all speeds from limits.homing_speed_hz = {} to limits.speed_hz = {} rev/s, so \
                      that none is left to run at; let it begin above the one and end below the other",
-                    limits.creep_hz, limits.speed_hz
+                    limits.homing_speed_hz, limits.speed_hz
                 ),
             ));
         }
@@ -243,11 +243,7 @@ pub(super) fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), Sc
 pub(super) fn check_pull_out(scene: &Scene) -> Result<(), SceneError> {
     let axes = &scene.axes;
     if axes.pull_out.is_empty() {
-        return match scene
-            .axis
-            .iter()
-            .position(|apart| apart.pull_out_scale != 1.0)
-        {
+        return match scene.axis.iter().position(|own| own.pull_out_scale != 1.0) {
             Some(entry) => Err(SceneError::at(
                 format!("axis[{entry}].pull_out_scale"),
                 "scales nothing: axes.pull_out is missing; give the motors' torque as [[speed_hz, torque_nm], …]",
@@ -256,12 +252,12 @@ pub(super) fn check_pull_out(scene: &Scene) -> Result<(), SceneError> {
         };
     }
     let drives = (0..axes.count).map(|i| {
-        let apart = scene.apart(i);
-        let drive = apart.and_then(|apart| apart.drive).unwrap_or(axes.drive);
+        let overrides = scene.overrides(i);
+        let drive = overrides.and_then(|own| own.drive).unwrap_or(axes.drive);
         (
             drive,
-            apart
-                .and_then(|apart| apart.steps_per_turn)
+            overrides
+                .and_then(|own| own.steps_per_turn)
                 .unwrap_or(axes.steps_per_turn),
         )
     });

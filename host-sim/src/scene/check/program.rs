@@ -77,7 +77,7 @@ pub(in crate::scene) fn placed(entries: &[Segment], error: &SettingsError) -> Op
     })
 }
 
-/// A problem with a level: the core reckons in m/s², the file in g.
+/// A problem with a level: the core computes in m/s², the file in g.
 fn in_g(key: String, problem: Problem) -> SceneError {
     let g = |mps2: f64| mps2 / STANDARD_GRAVITY_MPS2;
     if let Some((value, low, high)) = problem.range() {
@@ -86,16 +86,16 @@ fn in_g(key: String, problem: Problem) -> SceneError {
     }
     match problem {
         Problem::LevelOutOfReach {
-            asked_mps2,
+            requested_mps2,
             needed_hz,
             limit_hz,
             most_mps2,
         } => SceneError::at(
             key,
             format!(
-                "{:.2} g ({asked_mps2:.2} m/s²) needs {needed_hz:.3} rev/s, over limits.speed_hz = {limit_hz}; \
+                "{:.2} g ({requested_mps2:.2} m/s²) needs {needed_hz:.3} rev/s, over limits.speed_hz = {limit_hz}; \
                  give at most {} g, or raise limits.speed_hz",
-                g(asked_mps2),
+                g(requested_mps2),
                 // Rounded down, so that what is advised is accepted.
                 (g(most_mps2) * 100.0).floor() / 100.0
             ),

@@ -1,4 +1,4 @@
-//! What the core is told, from a scene's words: units turned, what axes have in common and apart put
+//! What the core is given, from a scene's words: units turned, what axes have in common and apart put
 //! together.
 
 use cophase_core::program::{CAPACITY, EntrySettings};
@@ -8,9 +8,9 @@ use cophase_core::settings::{
 };
 use cophase_core::units::MAX_AXES;
 
-use crate::scene::file::{AxisApart, Drive, Scene};
+use crate::scene::file::{AxisOverrides, Drive, Scene};
 
-/// All that a scene tells the core, of the mechanism and drift what was made of them. Of axes, bands and program entries those that there is room for; more have
+/// All that a scene shows the core, of the mechanism and drift what was made of them. Of axes, bands and program entries those that there is room for; more have
 /// been refused before.
 pub(super) fn settings(
     scene: &Scene,
@@ -30,7 +30,7 @@ pub(super) fn settings(
         })
         .collect();
     let numbers = 0..scene.axes.count.min(MAX_AXES);
-    let trim_deg = |i| scene.apart(i).map_or(0.0, |apart| apart.trim_deg);
+    let trim_deg = |i| scene.overrides(i).map_or(0.0, |own| own.trim_deg);
     Settings {
         name: short_name(&scene.name),
         tick_hz: scene.control.tick_hz,
@@ -43,7 +43,7 @@ pub(super) fn settings(
                 .stop_acceleration_hz_per_s
                 .unwrap_or(limits.acceleration_hz_per_s),
             stop_jerk_hz_per_s2: limits.stop_jerk_hz_per_s2.unwrap_or(limits.jerk_hz_per_s2),
-            creep_hz: limits.creep_hz,
+            homing_speed_hz: limits.homing_speed_hz,
             bands,
         },
         pulse: PulseSettings {
@@ -67,22 +67,22 @@ pub(super) fn settings(
 /// One axis: what all have in common, with what it has apart.
 fn axis(scene: &Scene, number: usize) -> AxisSettings {
     let axes = &scene.axes;
-    let apart = scene.apart(number);
-    let own = |pick: fn(&AxisApart) -> Option<f64>| apart.and_then(pick);
-    let has_index = apart.and_then(|apart| apart.index).unwrap_or(axes.index);
+    let overrides = scene.overrides(number);
+    let own = |pick: fn(&AxisOverrides) -> Option<f64>| overrides.and_then(pick);
+    let has_index = overrides.and_then(|own| own.index).unwrap_or(axes.index);
     let index_deg = own(|a| a.index_deg).unwrap_or(axes.index_deg);
-    let drive = match apart.and_then(|a| a.drive).unwrap_or(axes.drive) {
+    let drive = match overrides.and_then(|a| a.drive).unwrap_or(axes.drive) {
         Drive::Stepper => DriveKind::Stepper,
         Drive::Servo => DriveKind::Servo,
     };
-    let steps_per_turn = apart
+    let steps_per_turn = overrides
         .and_then(|a| a.steps_per_turn)
         .unwrap_or(axes.steps_per_turn);
     AxisSettings {
         drive,
         steps_per_turn,
-        reversed: apart.is_some_and(|a| a.reversed),
-        ratio: apart.and_then(|a| a.ratio).unwrap_or(axes.ratio),
+        reversed: overrides.is_some_and(|a| a.reversed),
+        ratio: overrides.and_then(|a| a.ratio).unwrap_or(axes.ratio),
         offset_turns: own(|a| a.offset_deg).unwrap_or(axes.offset_deg) / 360.0,
         index_turns: has_index.then_some(index_deg / 360.0),
         index_width_turns: axes.index_width_deg / 360.0,

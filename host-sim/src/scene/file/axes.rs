@@ -88,7 +88,7 @@ pub enum Drive {
 /// What one axis has apart from the others.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-pub struct AxisApart {
+pub struct AxisOverrides {
     /// Which one, counted from 0.
     pub number: usize,
     /// Mounted the other way round.

@@ -1,4 +1,4 @@
-//! What the loop is told beside its machine: its tick, its limits, its lines, and what it watches.
+//! What the loop is given beside its machine: its tick, its limits, its lines, and what it watches.
 
 use serde::{Deserialize, Serialize};
 
@@ -42,8 +42,8 @@ pub struct Limits {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop_jerk_hz_per_s2: Option<f64>,
     /// Speed of the slow turn that finds index pulses and the parking phase, rev/s.
-    #[serde(default = "default_creep_hz")]
-    pub creep_hz: f64,
+    #[serde(default = "default_homing_speed_hz")]
+    pub homing_speed_hz: f64,
     /// Speeds at which the machine must not dwell, lowest first.
     #[serde(default, rename = "band", skip_serializing_if = "Vec::is_empty")]
     pub band: Vec<Band>,
@@ -106,7 +106,7 @@ pub struct Drift {
     /// Mean lag of all, degrees.
     pub common_limit_deg: f64,
     /// What a reading may be off by, from noise alone, degrees.
-    pub reading_deg: f64,
+    pub reading_error_deg: f64,
     /// Time by which all cranks follow late by their nature, µs.
     pub lag_us: f64,
 }
@@ -116,8 +116,8 @@ pub struct Drift {
 #[serde(deny_unknown_fields, default)]
 pub struct Correction {
     /// Part of a difference between cranks that is trimmed away in a turn; 0 is never.
-    pub part: f64,
-    /// Whether align moves each crank by an amount of its own, and asks to see that crank follow.
+    pub gain: f64,
+    /// Whether homing moves each crank by an amount of its own, and asks to see that crank follow.
     pub prove_wiring: bool,
     /// Cross-coupling of servos: its gains are derived from [axes.servo], but for those that are given.
     pub couple: bool,
@@ -142,12 +142,12 @@ impl Default for Drift {
             tilt_limit_mrad: 3.0,
             warp_limit_deg: 3.0,
             common_limit_deg: 15.0,
-            reading_deg: 0.25,
+            reading_error_deg: 0.25,
             lag_us: 0.0,
         }
     }
 }
 
-const fn default_creep_hz() -> f64 {
+const fn default_homing_speed_hz() -> f64 {
     1.0
 }

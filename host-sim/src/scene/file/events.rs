@@ -27,7 +27,7 @@ pub enum CommandName {
     Resume,
     /// Leave the fault state.
     Reset,
-    /// Forget the largest drifts so far.
+    /// Forget the largest phase errors so far.
     ResetPeak,
 }
 

@@ -60,7 +60,7 @@ pub enum FaultName {
     IndexExtra,
     /// Two axes' `lines`, `axis` and `with`, are swapped; from power-up, whatever `at_s`.
     SwappedWiring,
-    /// A motor turns the other way than it is told; from power-up, whatever `at_s`.
+    /// A motor turns the other way than commanded; from power-up, whatever `at_s`.
     Reversed,
     /// An encoder's reading is off by `counts`, `for_s`.
     EncoderGlitch,
@@ -68,8 +68,8 @@ pub enum FaultName {
     DriveAlarm,
     /// The loop misses `count` deadlines (default 3).
     Overrun,
-    /// The step hardware runs dry within a tick.
-    RunDry,
+    /// The step hardware underruns within a tick.
+    StepFifoUnderrun,
     /// The enable input is off, `for_s`.
     EnableLoss,
     /// The stop input is on, `for_s`.
@@ -93,7 +93,7 @@ impl FaultName {
             Self::EncoderGlitch => "encoder-glitch",
             Self::DriveAlarm => "drive-alarm",
             Self::Overrun => "overrun",
-            Self::RunDry => "run-dry",
+            Self::StepFifoUnderrun => "step-fifo-underrun",
             Self::EnableLoss => "enable-loss",
             Self::StopInput => "stop-input",
             Self::LoadStep => "load-step",

@@ -3,14 +3,14 @@
 use cophase_methods::Scheme;
 use serde::{Deserialize, Serialize};
 
-/// How much model a scene gets; the ladder's rungs are in order.
+/// How much model a scene gets; the ladder's model levels are in order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Fidelity {
-    /// The lowest rung that answers the scene's question.
+    /// The lowest model level that answers the scene's question.
     #[default]
     Auto,
-    /// Axes are where they are told to be; the platform follows from geometry.
+    /// Axes are where commanded; the platform follows from geometry.
     Kinematic,
     /// The torque that motion needs, against the torque that each motor has.
     QuasiStatic,
@@ -18,7 +18,7 @@ pub enum Fidelity {
     Rigid,
     /// Each crank its own rotor, moved by its motor's torque; the platform tilts.
     Phased,
-    /// As phased, on a frame that moves on its suspension; of cams, followers that are masses on springs.
+    /// As phased, on a frame that moves on its suspension; for cams, followers that are masses on springs.
     Elastic,
 }
 
@@ -35,7 +35,7 @@ impl Fidelity {
         }
     }
 
-    /// Whether torque moves the cranks on this rung.
+    /// Whether torque moves the cranks on this model level.
     pub const fn moves_by_torque(self) -> bool {
         matches!(self, Self::Rigid | Self::Phased | Self::Elastic)
     }

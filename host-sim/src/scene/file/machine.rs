@@ -34,7 +34,7 @@ pub struct Machine {
     /// What becomes of rods that are pushed and pulled, where each crank is its own rotor.
     #[serde(default)]
     pub rods: Rods,
-    /// Damping of sprung rods, as a part of what is critical for the platform's heave on them.
+    /// Damping of elastic rods, as a part of what is critical for the platform's heave on them.
     #[serde(default = "default_rod_zeta")]
     pub rod_zeta: f64,
 }
@@ -45,9 +45,9 @@ pub struct Machine {
 pub enum Rods {
     /// They are rigid; where a platform on more than three asks them to give, they have given.
     #[default]
-    Settled,
+    QuasiStatic,
     /// They are springs, on which the platform oscillates.
-    Sprung,
+    Elastic,
 }
 
 /// The frame that carries the cranks, on its suspension.

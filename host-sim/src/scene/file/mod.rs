@@ -1,7 +1,7 @@
 //! The form of a scene file. Every key carries its unit; unknown keys are refused.
 //!
 //! A file here is a table there: `machine` or `cam`, `control` (with limits and what is watched), `axes`, `program`, and
-//! what happens to a scene from outside, `events`. How it is reckoned, `fidelity` says.
+//! what happens to a scene from outside, `events`. How it is computed, `fidelity` says.
 
 mod axes;
 mod cam;
@@ -13,7 +13,7 @@ mod machine;
 mod program;
 mod questions;
 
-pub use axes::{Axes, AxisApart, Drive, ServoDrive};
+pub use axes::{Axes, AxisOverrides, Drive, ServoDrive};
 pub use cam::{CamShaft, Damper, LawName};
 pub use control::{Band, Control, Correction, Drift, Index, Limits, Pulse};
 pub use events::{CommandAt, CommandName, InputAt, InputLine, LateAt, Scope};
@@ -34,7 +34,7 @@ pub struct Scene {
     /// One line that says what it shows.
     #[serde(default)]
     pub description: String,
-    /// How much model: the lowest rung of the ladder that answers the question.
+    /// How much model: the lowest model level of the ladder that answers the question.
     #[serde(default)]
     pub fidelity: Fidelity,
     /// What `fidelity = "auto"` has to answer, and how well.
@@ -64,7 +64,7 @@ pub struct Scene {
     pub axes: Axes,
     /// What single axes have apart.
     #[serde(default, rename = "axis", skip_serializing_if = "Vec::is_empty")]
-    pub axis: Vec<AxisApart>,
+    pub axis: Vec<AxisOverrides>,
     /// What counts as a pulse of an index line.
     #[serde(default)]
     pub index: Index,

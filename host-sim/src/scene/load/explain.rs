@@ -124,7 +124,7 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
         );
         return format!("`{source}`: {message}{such_as}");
     };
-    let wanted = match expected {
+    let expected_kind = match expected {
         "f64" => "a number",
         "usize" | "u32" | "u64" => "a whole number, 0 or more,",
         "a string" => "text in quotes",
@@ -135,9 +135,9 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
         _ if expected.starts_with("struct") => "a table",
         other => other,
     };
-    let whole = wanted.starts_with("a whole");
+    let whole = expected_kind.starts_with("a whole");
     if let Some(length) = found.strip_prefix("length ") {
-        return format!("`{source}` has {length} in it, where {wanted} belongs{such_as}");
+        return format!("`{source}` has {length} in it, where {expected_kind} belongs{such_as}");
     }
     let (_, found) = found.split_once(": ").unwrap_or(("", found));
     let kind = match found.split([' ', '`']).next().unwrap_or_default() {
@@ -153,11 +153,11 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
         "map" => "a date",
         _ => "something else",
     };
-    if kind == "a table" && wanted == "a list" && !path.contains('.') {
+    if kind == "a table" && expected_kind == "a list" && !path.contains('.') {
         return format!("is a table, where a list of tables belongs; write [[{path}]]");
     }
     let right = match (kind, written.trim_matches(['"', '\''])) {
-        ("text", inner) if wanted == "a number" && inner.parse::<f64>().is_ok() => {
+        ("text", inner) if expected_kind == "a number" && inner.parse::<f64>().is_ok() => {
             format!("; write {inner}, without quotes")
         }
         ("text", inner) if whole && inner.parse::<u32>().is_ok() => {
@@ -165,7 +165,7 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
         }
         _ => such_as,
     };
-    format!("`{source}` is {kind}, where {wanted} belongs{right}")
+    format!("`{source}` is {kind}, where {expected_kind} belongs{right}")
 }
 
 fn join(path: &str, key: &str) -> String {

@@ -57,7 +57,7 @@ mod tests {
         "speed_hz",
         "acceleration_hz_per_s",
         "jerk_hz_per_s2",
-        "creep_hz",
+        "homing_speed_hz",
     ];
 
     #[test]
@@ -69,7 +69,7 @@ mod tests {
             ("rod_length_m", MACHINE, "rod_length_mm"),
             ("gravity_g", MACHINE, "gravity_mps2"),
             ("speed_rpm", LIMITS, "speed_hz"),
-            ("creep_rev_per_min", LIMITS, "creep_hz"),
+            ("homing_speed_rev_per_min", LIMITS, "homing_speed_hz"),
             ("acceleration_hz", LIMITS, "acceleration_hz_per_s"),
             ("jerk_mps3", LIMITS, "jerk_hz_per_s2"),
         ] {
@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slip_of_the_finger_is_seen_through_and_another_word_is_not() {
+    fn a_typing_error_is_recognised_and_another_word_is_not() {
         assert_eq!(nearest("lamda", MACHINE), Some("lambda"));
         assert_eq!(nearest("lode_kg", MACHINE), Some("load_kg"));
         for unknown in ["colour", "x", "", "_", "_s"] {

@@ -141,7 +141,7 @@ mod tests {
             ("limits.speed_hz", Some(4)),
             ("limits.band[1].from_hz", Some(7)),
             ("limits.band[1].to_hz", Some(7)),
-            ("limits.creep_hz", Some(3)),
+            ("limits.homing_speed_hz", Some(3)),
             ("axis[1].number", Some(12)),
             ("machine.lambda", None),
             ("", None),
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn a_broken_line_still_tells_its_key() {
+    fn a_broken_line_still_names_its_key() {
         let broken = TEXT.replace("speed_hz = 3", "speed_hz 3");
         assert_eq!(key_on_line(&broken, 1), "name");
         assert_eq!(key_on_line(&broken, 4), "limits.speed_hz");

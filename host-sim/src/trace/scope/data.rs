@@ -18,12 +18,12 @@ pub struct ScopeFrame {
     /// Tilt at which the supervisor acts, mrad either way.
     pub tilt_limit_mrad: Option<f64>,
     /// Drift at which the supervisor acts, degrees either way.
-    pub drift_limit_deg: Option<f64>,
+    pub phase_error_limit_deg: Option<f64>,
     /// Whether cams move pushers, so that their acceleration is shown, and no tilt.
     pub has_pushers: bool,
 }
 
-/// Channels of the envelope; the drifts, one an axis, follow those named here.
+/// Channels of the envelope; the phase errors, one an axis, follow those named here.
 pub(super) mod channel {
     pub const PROGRAM: usize = 0;
     pub const COMMAND: usize = 1;
@@ -31,7 +31,7 @@ pub(super) mod channel {
     pub const TILT_X: usize = 3;
     pub const TILT_Y: usize = 4;
     pub const ACCEL: usize = 5;
-    pub const DRIFT: usize = 6;
+    pub const PHASE_ERROR: usize = 6;
 }
 
 /// Collects a run and draws it.
@@ -60,7 +60,7 @@ pub struct ScopeData {
 impl ScopeData {
     /// An empty page for a machine with `axes` axes.
     pub fn new(axes: usize, frame: ScopeFrame) -> Self {
-        let channels = channel::DRIFT + axes;
+        let channels = channel::PHASE_ERROR + axes;
         Self {
             axes,
             frame,
@@ -70,22 +70,25 @@ impl ScopeData {
         }
     }
 
-    /// Takes in one control tick. Rows come in the order of their times; drifts of axes the row has not, or
+    /// Takes in one control tick. Rows come in the order of their times; phase errors of axes the row has not, or
     /// the page has not, are left out.
     pub fn push(&mut self, row: &Row) {
         if !row.t_s.is_finite() {
             return;
         }
         self.timeline.state(row.t_s, row.state);
-        let (fixed, drifts) = self.values.split_at_mut(channel::DRIFT);
-        fixed[channel::PROGRAM] = row.amax_program_mps2;
-        fixed[channel::COMMAND] = row.amax_command_mps2;
+        let (fixed, phase_errors) = self.values.split_at_mut(channel::PHASE_ERROR);
+        fixed[channel::PROGRAM] = row.amax_requested_mps2;
+        fixed[channel::COMMAND] = row.amax_commanded_mps2;
         fixed[channel::SPEED] = row.omega_rad_s;
         fixed[channel::TILT_X] = row.tilt_x_mrad;
         fixed[channel::TILT_Y] = row.tilt_y_mrad;
         fixed[channel::ACCEL] = row.accel_mps2;
-        for (i, drift) in drifts.iter_mut().enumerate() {
-            *drift = row.axes.get(i).map_or(f64::NAN, |axis| axis.drift_deg);
+        for (i, phase_error) in phase_errors.iter_mut().enumerate() {
+            *phase_error = row
+                .axes
+                .get(i)
+                .map_or(f64::NAN, |axis| axis.phase_error_deg);
         }
         self.envelope.push(row.t_s, &self.values);
     }

@@ -27,7 +27,7 @@ const fn panels(scope: &ScopeData) -> [(MakePanel, f64); 4] {
     [
         (panel::acceleration, 190.0),
         (panel::speed, 150.0),
-        (panel::drift, 170.0),
+        (panel::phase_error, 170.0),
         if scope.frame.has_pushers {
             (panel::pushers, 150.0)
         } else {
@@ -176,7 +176,7 @@ fn ribbon(scene: &mut Scene, scope: &ScopeData, time: TimeAxis, top: f64) {
 /// Fill and text of a state.
 fn state_colours(state: &str) -> (&'static str, &'static str) {
     match state {
-        "align" => ("#BFE0F5", INK),
+        "homing" => ("#BFE0F5", INK),
         "run" => ("#A8DCCB", INK),
         "stop" => ("#F6D58E", INK),
         "parked" => ("#CFCFDA", INK),

@@ -1,7 +1,7 @@
 //! The panels: what each one shows, in which colours, with which legend.
 //!
-//! Colours are those of Okabe and Ito, which the colour-blind tell apart; vermilion is kept for limits and
-//! faults. Where two curves are meant to coincide, the one asked for is thick and pale, the one got
+//! Colours are those of Okabe and Ito, which the colour-blind distinguish; vermilion is kept for limits and
+//! faults. Where two curves are meant to coincide, the one asked for is thick and pale, the one commanded
 //! thin and dark, so that both are seen.
 
 use std::f64::consts::TAU;
@@ -28,22 +28,22 @@ const FROM_REST: Extent = Extent {
 };
 const STANDARD_GRAVITY_MPS2: f64 = 9.80665;
 
-/// Acceleration asked for and got, in g.
+/// Acceleration asked for and commanded, in g.
 pub fn acceleration(scope: &ScopeData, time: TimeAxis) -> Panel {
     let per_mps2 = in_g(scope);
-    let asked = scope.envelope.total(channel::PROGRAM).times(per_mps2);
-    let got = scope.envelope.total(channel::COMMAND).times(per_mps2);
+    let requested = scope.envelope.total(channel::PROGRAM).times(per_mps2);
+    let commanded = scope.envelope.total(channel::COMMAND).times(per_mps2);
     let mut draft = Draft::new(
         scope,
         time,
         "amax, g",
-        padded(asked.and(got).and(FROM_REST), 0.5),
+        padded(requested.and(commanded).and(FROM_REST), 0.5),
     );
     let pen = |colour, width| Pen { colour, width };
     draft.curve(channel::PROGRAM, per_mps2, pen(PALE_BLUE, 5.0));
     draft.curve(channel::COMMAND, per_mps2, pen(DARK_BLUE, 1.4));
-    draft.entry(LegendShape::Rect, PALE_BLUE, peak("asked", asked));
-    draft.entry(LegendShape::Line, DARK_BLUE, peak("got", got));
+    draft.entry(LegendShape::Rect, PALE_BLUE, peak("requested", requested));
+    draft.entry(LegendShape::Line, DARK_BLUE, peak("commanded", commanded));
     draft.done()
 }
 
@@ -125,15 +125,15 @@ pub fn speed(scope: &ScopeData, time: TimeAxis) -> Panel {
 }
 
 /// Drift of each axis in degrees, with its limit.
-pub fn drift(scope: &ScopeData, time: TimeAxis) -> Panel {
-    let totals = (0..scope.axes).map(|i| scope.envelope.total(channel::DRIFT + i));
+pub fn phase_error(scope: &ScopeData, time: TimeAxis) -> Panel {
+    let totals = (0..scope.axes).map(|i| scope.envelope.total(channel::PHASE_ERROR + i));
     let all = totals.fold(Extent::EMPTY, Extent::and);
-    let (shown, limit) = with_limit(all, scope.frame.drift_limit_deg);
-    let mut draft = Draft::new(scope, time, "drift, deg", padded(shown, 0.1));
+    let (shown, limit) = with_limit(all, scope.frame.phase_error_limit_deg);
+    let mut draft = Draft::new(scope, time, "phase error, deg", padded(shown, 0.1));
     for i in 0..scope.axes {
         let colour = AXES[i % AXES.len()];
-        let total = scope.envelope.total(channel::DRIFT + i);
-        draft.curve(channel::DRIFT + i, 1.0, Pen { colour, width: 1.5 });
+        let total = scope.envelope.total(channel::PHASE_ERROR + i);
+        draft.curve(channel::PHASE_ERROR + i, 1.0, Pen { colour, width: 1.5 });
         draft.entry(LegendShape::Line, colour, peak(&format!("axis {i}"), total));
     }
     draft.limit(limit);

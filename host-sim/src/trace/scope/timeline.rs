@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn crossings_do_not_crowd_out_the_fault() {
+    fn crossings_do_not_hide_the_fault() {
         let mut timeline = Timeline::default();
         for i in 0..1000 {
             timeline.mark(f64::from(i), "band crossed");

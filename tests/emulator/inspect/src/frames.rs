@@ -8,7 +8,7 @@ use addr2line::gimli::{Dwarf, EndianSlice, LittleEndian, SectionId};
 use object::{Object, ObjectSection};
 
 use crate::error::{self, Error};
-use crate::image::Image;
+use crate::firmware::Firmware;
 use crate::name;
 
 /// The command: for each address, a line of names with tabs between them. The linked function comes first; then
@@ -19,7 +19,7 @@ use crate::name;
 /// # Errors
 /// Files that cannot be read, an ELF file with broken debug information, a line that is no address.
 pub fn print(elf: &Path, addresses: &Path) -> Result<bool, Error> {
-    let image = Image::read(elf)?;
+    let firmware = Firmware::read(elf)?;
     let bytes = error::read(elf)?;
     let problem = |error: &dyn std::fmt::Display| Error::content(elf, error);
     let file = object::File::parse(bytes.as_slice()).map_err(|e| problem(&e))?;
@@ -34,8 +34,8 @@ pub fn print(elf: &Path, addresses: &Path) -> Result<bool, Error> {
     for line in error::read_text(addresses)?.lines() {
         let address = u32::from_str_radix(line.trim_start_matches("0x"), 16)
             .map_err(|e| Error::content(addresses, format!("{line}: {e}")))?;
-        let linked = image.function_around(address);
-        let first = linked.map_or("?", |function| &image.functions[function].names[0]);
+        let linked = firmware.function_around(address);
+        let first = linked.map_or("?", |function| &firmware.functions[function].names[0]);
         write!(out, "{}", name::plain(first))?;
         for inlined in inlined(&context, address).map_err(|e| problem(&e))? {
             write!(out, "\t{}", name::plain(&inlined))?;

@@ -1,4 +1,4 @@
-//! `image-inspect`: looks into the firmware's ELF file, so that tests know what the flashed bytes are.
+//! `firmware-inspect`: looks into the firmware's ELF file, so that tests know what the flashed bytes are.
 //!
 //! - `log` decodes what the firmware logged over RTT;
 //! - `panics` proves that no panic can be reached from given functions, and bounds their stack;
@@ -12,8 +12,8 @@
 mod calls;
 mod command;
 mod error;
+mod firmware;
 mod frames;
-mod image;
 mod log;
 mod name;
 mod panics;
@@ -29,7 +29,7 @@ fn main() -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(error) => {
-            eprintln!("image-inspect: {error}");
+            eprintln!("firmware-inspect: {error}");
             ExitCode::from(2)
         }
     }

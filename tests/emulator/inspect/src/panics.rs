@@ -11,7 +11,7 @@ use crate::calls::flow::Callee;
 use crate::calls::graph::{Graph, Reached, Stack};
 use crate::calls::roots;
 use crate::error::Error;
-use crate::image::Image;
+use crate::firmware::Firmware;
 
 /// The command: walks from every function that a root matches and prints what is reached.
 ///
@@ -20,19 +20,19 @@ use crate::image::Image;
 /// # Errors
 /// Files that cannot be read; a root that matches nothing.
 pub fn check(elf: &Path, patterns: &[String], allow: Option<&Path>) -> Result<bool, Error> {
-    let image = Image::read(elf)?;
+    let firmware = Firmware::read(elf)?;
     let mut allowed = match allow {
-        Some(path) => Allowed::read(path, &image)?,
+        Some(path) => Allowed::read(path, &firmware)?,
         None => Allowed::default(),
     };
-    let roots = roots(&image, patterns)?;
+    let roots = roots(&firmware, patterns)?;
     let mut out = std::io::stdout().lock();
     let mut holds = true;
-    let mut graph = Graph::new(&image, &mut allowed);
+    let mut graph = Graph::new(&firmware, &mut allowed);
     for root in roots {
         let reached = graph.reach(root);
         holds &= reached.forbidden.is_empty();
-        print(&mut out, &image, root, &reached)?;
+        print(&mut out, &firmware, root, &reached)?;
     }
     for (entry, met) in allowed.entries() {
         let (from, to) = (&entry.from, &entry.to);
@@ -49,8 +49,13 @@ pub fn check(elf: &Path, patterns: &[String], allow: Option<&Path>) -> Result<bo
     Ok(holds)
 }
 
-fn print(out: &mut impl Write, image: &Image, root: usize, reached: &Reached) -> Result<(), Error> {
-    let name = |function: usize| image.functions[function].name();
+fn print(
+    out: &mut impl Write,
+    firmware: &Firmware,
+    root: usize,
+    reached: &Reached,
+) -> Result<(), Error> {
+    let name = |function: usize| firmware.functions[function].name();
     writeln!(out, "{}", name(root))?;
     writeln!(out, "  functions reached: {}", reached.functions.len())?;
     match &reached.stack {

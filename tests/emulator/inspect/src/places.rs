@@ -11,7 +11,7 @@ use crate::calls::allow::Allowed;
 use crate::calls::graph::Graph;
 use crate::calls::roots;
 use crate::error::Error;
-use crate::image::{Image, in_ram};
+use crate::firmware::{Firmware, in_ram};
 
 /// The command: walks from every function that a root matches, and names what lies elsewhere.
 ///
@@ -20,22 +20,22 @@ use crate::image::{Image, in_ram};
 /// # Errors
 /// A file that cannot be read; a root that matches nothing.
 pub fn check(elf: &Path, patterns: &[String]) -> Result<bool, Error> {
-    let image = Image::read(elf)?;
+    let firmware = Firmware::read(elf)?;
     let mut none = Allowed::default();
-    let mut graph = Graph::new(&image, &mut none);
+    let mut graph = Graph::new(&firmware, &mut none);
     let mut reached = BTreeMap::new();
-    for root in roots(&image, patterns)? {
+    for root in roots(&firmware, patterns)? {
         reached.extend(graph.reach(root).functions);
     }
     let mut out = std::io::stdout().lock();
     let mut holds = true;
     for (&function, &by) in &reached {
-        let Some(found) = image.functions.get(function) else {
+        let Some(found) = firmware.functions.get(function) else {
             continue;
         };
         if !in_ram(found.address) {
             holds = false;
-            let (name, by) = (found.name(), image.functions[by].name());
+            let (name, by) = (found.name(), firmware.functions[by].name());
             writeln!(out, "NOT IN RAM {name}, which is called by {by}")?;
         }
     }

@@ -11,8 +11,8 @@ use tempfile::TempDir;
 const HELLO: u16 = 1;
 const SPEED: u16 = 2;
 
-/// An image with two log statements and a timestamp of microseconds.
-fn image(encoding: &str) -> (TempDir, PathBuf) {
+/// The firmware with two log statements and a timestamp of microseconds.
+fn firmware(encoding: &str) -> (TempDir, PathBuf) {
     let mut elf = Elf::new();
     let defmt = elf.section(".defmt", SectionKind::Other, &[0; 4]);
     let mut entry = |tag: &str, data: &str, at| {
@@ -67,7 +67,7 @@ fn statements_come_out_in_both_encodings() {
             frames.iter().flat_map(|frame| rzcobs(frame)).collect(),
         ),
     ] {
-        let (_dir, elf) = image(encoding);
+        let (_dir, elf) = firmware(encoding);
         let (status, out, err) = log(&elf, &[], &bytes);
         let lines: Vec<Vec<&str>> = out
             .lines()
@@ -87,8 +87,8 @@ fn statements_come_out_in_both_encodings() {
 
 /// The ring may have been read from the middle of a frame, and the reading may end in one.
 #[test]
-fn broken_frames_are_skipped_and_told() {
-    let (_dir, elf) = image("rzcobs");
+fn broken_frames_are_skipped_and_reported() {
+    let (_dir, elf) = firmware("rzcobs");
     let [hello, speed] = [
         rzcobs(&frame(HELLO, 7, &[])),
         rzcobs(&frame(SPEED, 8, &[1, 2])),
@@ -105,7 +105,7 @@ fn broken_frames_are_skipped_and_told() {
 #[test]
 fn a_stream_of_which_nothing_can_be_decoded_fails() {
     for encoding in ["raw", "rzcobs"] {
-        let (_dir, elf) = image(encoding);
+        let (_dir, elf) = firmware(encoding);
         let (status, out, err) = log(&elf, &[], &[0xaa; 30]);
         assert_eq!((status, out.as_str()), (1, ""), "{encoding}: {err}");
         let (status, out, err) = log(&elf, &[], &[]);
@@ -119,7 +119,7 @@ fn a_stream_of_which_nothing_can_be_decoded_fails() {
 
 #[test]
 fn json_has_a_line_an_object_with_the_cycle_of_its_last_byte() {
-    let (dir, elf) = image("rzcobs");
+    let (dir, elf) = firmware("rzcobs");
     let frames = [
         rzcobs(&frame(HELLO, 7, &[])),
         rzcobs(&frame(SPEED, 8, &[1, 2])),
@@ -143,7 +143,7 @@ fn json_has_a_line_an_object_with_the_cycle_of_its_last_byte() {
 }
 
 #[test]
-fn an_image_without_a_log_is_said_to_have_none() {
+fn firmware_without_a_log_is_named_so() {
     let dir = tempfile::tempdir().unwrap();
     let elf = Elf::new().write(dir.path());
     let (status, out, err) = log(&elf, &[], &[1]);

@@ -5,7 +5,8 @@ mod support;
 use std::path::Path;
 
 use support::code::{
-    CALL_R3, Function, NOP, POP_R4_PC, PUSH_R4_LR, Part, RETURN, Word, function, image, with_data,
+    CALL_R3, Function, NOP, POP_R4_PC, PUSH_R4_LR, Part, RETURN, Word, firmware, function,
+    with_data,
 };
 use support::{inspect, said};
 
@@ -17,7 +18,7 @@ fn a_panic() -> Function {
 
 /// Status, words, complaints of a check from `root`.
 fn check(functions: &[Function], root: &str, more: &[&str]) -> (i32, String, String) {
-    let (_dir, elf) = image(functions);
+    let (_dir, elf) = firmware(functions);
     let arguments = ["panics", elf.to_str().unwrap(), "--root", root];
     said(&inspect(&[&arguments, more].concat(), &[]))
 }
@@ -44,7 +45,7 @@ fn calls(name: &'static str, to: &'static str) -> Function {
 const REACHED: &str = "core::panicking::panic_fmt, by";
 
 #[test]
-fn a_chain_of_calls_is_shown_by_its_shortest_way() {
+fn a_chain_of_calls_is_shown_by_its_shortest_path() {
     let functions = [
         function(
             "root",
@@ -89,7 +90,7 @@ fn a_function_without_an_end_goes_on_into_the_next() {
 
 /// If this fails, constants are read as code, and there are calls that do not exist.
 #[test]
-fn data_that_look_like_a_call_are_none() {
+fn data_that_resemble_a_call_are_none() {
     let bl_to_panic = |offset: u32| (0xf800 | offset >> 1) << 16 | 0xf000;
     // The data stand at 0x104, the panic at 0x108.
     let data = [Word::Is(bl_to_panic(0x108 - 0x104 - 4))];
@@ -192,7 +193,7 @@ fn a_far_jump_inside_is_no_recursion() {
 }
 
 #[test]
-fn the_stack_is_that_of_the_deepest_way() {
+fn the_stack_is_that_of_the_deepest_path() {
     let functions = [
         // push {r4, lr}; sub sp, #16; bl a; add sp, #16; bl b; pop {r4, pc}
         function(
@@ -279,7 +280,7 @@ fn a_root_that_is_not_there_is_an_error() {
     assert_eq!((status, out.as_str()), (2, ""));
     assert!(err.contains("matches the root `other::root`"), "{err}");
     assert!(err.contains("Names alike: module::root"), "{err}");
-    let (_dir, elf) = image(&functions);
+    let (_dir, elf) = firmware(&functions);
     let (status, _, err) = said(&inspect(&["panics", elf.to_str().unwrap()], &[]));
     assert_eq!(status, 2);
     assert!(err.contains("give --root NAME"), "{err}");

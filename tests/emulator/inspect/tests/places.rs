@@ -2,7 +2,7 @@
 
 mod support;
 
-use support::code::{POP_R4_PC, PUSH_R4_LR, Part, RETURN, function, image};
+use support::code::{POP_R4_PC, PUSH_R4_LR, Part, RETURN, firmware, function};
 use support::{inspect, said};
 
 /// If this fails, something of the tick path could wait for the flash unseen.
@@ -13,7 +13,7 @@ fn what_lies_in_the_flash_is_named_with_its_caller() {
         function("a", &[RETURN]),
         function("b", &[RETURN]),
     ];
-    let (_dir, elf) = image(&functions);
+    let (_dir, elf) = firmware(&functions);
     let elf = elf.to_str().unwrap();
     let (status, out, err) = said(&inspect(&["places", elf, "--root", "root"], &[]));
     assert_eq!(status, 1, "{out}{err}");
@@ -27,7 +27,7 @@ fn what_lies_in_the_flash_is_named_with_its_caller() {
 
 #[test]
 fn a_root_that_is_not_there_is_no_proof() {
-    let (_dir, elf) = image(&[function("root", &[RETURN])]);
+    let (_dir, elf) = firmware(&[function("root", &[RETURN])]);
     let elf = elf.to_str().unwrap();
     let (status, _, err) = said(&inspect(&["places", elf, "--root", "other"], &[]));
     assert_eq!(status, 2);

@@ -8,8 +8,8 @@ use object::{SectionKind, SymbolKind};
 use support::{Elf, inspect, said};
 use tempfile::TempDir;
 
-/// An image of `text` bytes of code, and 600 of constants, 200 of data, 3000 of bss.
-fn image(text: usize) -> (TempDir, PathBuf) {
+/// The firmware of `text` bytes of code, and 600 of constants, 200 of data, 3000 of bss.
+fn firmware(text: usize) -> (TempDir, PathBuf) {
     let mut elf = Elf::new();
     let code = elf.section(".text", SectionKind::Text, &vec![0; text]);
     elf.symbol(
@@ -39,8 +39,8 @@ fn size(elf: &Path, more: &[&str]) -> (i32, String, String) {
 }
 
 #[test]
-fn sections_functions_and_buffers_are_told() {
-    let (_dir, elf) = image(10_000);
+fn sections_functions_and_buffers_are_listed() {
+    let (_dir, elf) = firmware(10_000);
     let (status, out, err) = size(&elf, &[]);
     assert_eq!(status, 0, "{err}");
     assert!(
@@ -60,8 +60,8 @@ fn sections_functions_and_buffers_are_told() {
 }
 
 #[test]
-fn a_change_past_its_margin_fails_until_it_is_blessed() {
-    let (dir, elf) = image(10_000);
+fn a_change_beyond_its_margin_fails_until_it_is_blessed() {
+    let (dir, elf) = firmware(10_000);
     let golden = dir.path().join("golden.toml");
     let golden = golden.to_str().unwrap();
     let (status, _, err) = size(&elf, &["--golden", golden]);
@@ -83,7 +83,7 @@ fn a_change_past_its_margin_fails_until_it_is_blessed() {
     );
     assert!(out.contains("run this again with --bless"), "{out}");
 
-    let (_other, grown) = image(10_600);
+    let (_other, grown) = firmware(10_600);
     let (status, out, _) = size(&grown, &["--golden", golden]);
     assert_eq!(status, 1);
     assert!(
@@ -91,7 +91,7 @@ fn a_change_past_its_margin_fails_until_it_is_blessed() {
         "{out}"
     );
     assert!(!out.contains("rodata_bytes:"), "{out}");
-    let (_other, shrunk) = image(7000);
+    let (_other, shrunk) = firmware(7000);
     let (status, out, _) = size(&shrunk, &["--golden", golden]);
     assert_eq!(status, 1);
     assert!(
@@ -111,7 +111,7 @@ fn a_change_past_its_margin_fails_until_it_is_blessed() {
 
 #[test]
 fn a_figure_that_was_never_kept_is_noticed() {
-    let (dir, elf) = image(10_000);
+    let (dir, elf) = firmware(10_000);
     let golden = dir.path().join("golden.toml");
     std::fs::write(&golden, "text_bytes = 10000\n").unwrap();
     let (status, out, _) = size(&elf, &["--golden", golden.to_str().unwrap()]);

@@ -1,12 +1,12 @@
 //! What the news of a tick comes to: index and encoder held against each other.
 //!
-//! An encoder that jumped is *doubted* until the index tells: a pulse where it was due shows that counts were lost, silence
+//! An encoder that jumped is *unconfirmed* until the index shows: a pulse where it was due shows that counts were lost, silence
 //! there that the crank moved. An index that is out of place, with an encoder that saw nothing, is a crank that slipped on its shaft.
 
 use super::{AxisWatch, FORGOTTEN_AFTER};
 use crate::drift::angles::{angle, of_angle};
 use crate::drift::encoder_watch::Read;
-use crate::drift::index_watch::Heard;
+use crate::drift::index_watch::Detection;
 use crate::supervisor::FaultKind;
 use crate::units::Turns;
 
@@ -18,47 +18,47 @@ const EXTRA_WEIGHT: u8 = 4;
 const MOST_EXTRA: u8 = 12;
 
 /// Pulses out of place, one after the other: a crank passes its flag more often than it should.
-const CROWD: u8 = 2;
+const RUNAWAY_OUTLIERS: u8 = 2;
 
-/// What there is to tell: what it is, its size, and whether the crank is still seen.
-type Tale = (FaultKind, Turns, bool);
+/// What there is to tell: what it is, its size, and whether the crank is still detected.
+type Report = (FaultKind, Turns, bool);
 
 /// What was sorted out of a tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::drift) struct Sorted {
-    /// The index tells where the crank is.
-    pub is_heard: bool,
+    /// The index shows where the crank is.
+    pub is_detected: bool,
     /// It is elsewhere, by so much.
     pub has_moved: Option<Turns>,
     /// What there is to tell.
-    pub told: Option<Tale>,
+    pub reported: Option<Report>,
 }
 
 impl Sorted {
-    /// The index was heard, and with it there may be something to tell.
-    const fn heard(told: Option<Tale>) -> Self {
+    /// The index was detected, and with it there may be something to tell.
+    const fn detected(reported: Option<Report>) -> Self {
         Self {
-            is_heard: true,
+            is_detected: true,
             has_moved: None,
-            told,
+            reported,
         }
     }
 
-    /// The index was heard of a crank that is elsewhere, by so much.
+    /// The index was detected of a crank that is elsewhere, by so much.
     const fn moved(by: Turns) -> Self {
         Self {
-            is_heard: true,
+            is_detected: true,
             has_moved: Some(by),
-            told: None,
+            reported: None,
         }
     }
 
-    /// Where the crank is was not heard, but there may be something to tell.
-    const fn unheard(told: Option<Tale>) -> Self {
+    /// Where the crank is was not detected, but there may be something to tell.
+    const fn undetected(reported: Option<Report>) -> Self {
         Self {
-            is_heard: false,
+            is_detected: false,
             has_moved: None,
-            told,
+            reported,
         }
     }
 }
@@ -66,51 +66,53 @@ impl Sorted {
 impl AxisWatch {
     /// Sorts the news. Where all axes are late together, a pulse may be so by `patience`.
     pub(in crate::drift) fn sort(&mut self, patience: Option<Turns>) -> Sorted {
-        let mut sorted = match core::mem::replace(&mut self.heard, Heard::Nothing) {
-            Heard::Nothing => Sorted::default(),
-            Heard::First => Sorted::heard(self.first()),
-            Heard::InPlace { extra, may_be_fast } => {
+        let mut sorted = match core::mem::replace(&mut self.detection, Detection::Nothing) {
+            Detection::Nothing => Sorted::default(),
+            Detection::First => Sorted::detected(self.first()),
+            Detection::InPlace { extra, may_be_fast } => {
                 // Which of the two it is, an encoder knows. (At three times its speed there are two between.)
-                let is_sure = !may_be_fast && self.crowd == 0 || self.encoder.is_some();
-                Sorted::heard(self.in_place(extra, is_sure))
+                let is_sure =
+                    !may_be_fast && self.consecutive_outliers == 0 || self.encoder.is_some();
+                Sorted::detected(self.in_place(extra, is_sure))
             }
-            Heard::Running { by } if self.encoder.is_none() => {
-                Sorted::unheard(Some(self.runs_away(by)))
+            Detection::Running { by } if self.encoder.is_none() => {
+                Sorted::undetected(Some(self.runs_away(by)))
             }
-            Heard::Running { .. } => Sorted::default(),
-            Heard::Extra { by } => Sorted::unheard(Some(self.out_of_place(by))),
-            Heard::Moved { by } => {
-                // It came twice in a turn, and not where it was: a crank that runs, or that moved once, and a stray pulse before.
-                let may_run = core::mem::take(&mut self.crowd) > 0 && self.encoder.is_none();
-                let told = may_run.then_some((FaultKind::IndexExtra, by, false));
+            Detection::Running { .. } => Sorted::default(),
+            Detection::Extra { by } => Sorted::undetected(Some(self.out_of_place(by))),
+            Detection::Moved { by } => {
+                // It came twice in a turn, and not where it was: a crank that runs, or that moved once, and an extra pulse before.
+                let may_run =
+                    core::mem::take(&mut self.consecutive_outliers) > 0 && self.encoder.is_none();
+                let reported = may_run.then_some((FaultKind::IndexExtra, by, false));
                 Sorted {
-                    told,
+                    reported,
                     ..Sorted::moved(self.elsewhere(by))
                 }
             }
-            Heard::Unheard => self.nowhere(),
-            Heard::Overdue => Sorted::unheard(self.overdue(patience)),
+            Detection::Undetected => self.nowhere(),
+            Detection::Overdue => Sorted::undetected(self.overdue(patience)),
         };
-        if let (true, Some(encoder)) = (sorted.is_heard, &self.encoder) {
-            self.at_flag = encoder.calm_drift();
+        if let (true, Some(encoder)) = (sorted.is_detected, &self.encoder) {
+            self.at_flag = encoder.filtered_error();
         }
-        if let Some(told) = self.sort_encoder(sorted.told.is_some()) {
-            sorted.told = Some(told);
+        if let Some(reported) = self.sort_encoder(sorted.reported.is_some()) {
+            sorted.reported = Some(reported);
         }
         sorted
     }
 
-    /// The jump of the encoder that is doubted, if there is one. It is settled with that.
-    fn take_doubt(&mut self) -> Option<Turns> {
-        let doubt = core::mem::take(&mut self.encoder.as_mut()?.doubt);
-        (doubt != 0).then_some(doubt)
+    /// The jump of the encoder that is unconfirmed, if there is one. It is settled with that.
+    fn take_unconfirmed_jump(&mut self) -> Option<Turns> {
+        let unconfirmed_jump = core::mem::take(&mut self.encoder.as_mut()?.unconfirmed_jump);
+        (unconfirmed_jump != 0).then_some(unconfirmed_jump)
     }
 
     /// The first pulse of all: whatever moved before, here the crank is. That the encoder jumped is told all the same.
-    fn first(&mut self) -> Option<Tale> {
+    fn first(&mut self) -> Option<Report> {
         self.home = angle(self.offset());
-        let by = self.take_doubt()?;
-        let kind = match self.story.of_one(by) {
+        let by = self.take_unconfirmed_jump()?;
+        let kind = match self.history.of_one(by) {
             FaultKind::LostSteps => FaultKind::LostSteps,
             _ => FaultKind::EncoderGlitch,
         };
@@ -118,23 +120,23 @@ impl AxisWatch {
     }
 
     /// A pulse where it was due, and perhaps an extra one before it; unless it is not sure that it was extra.
-    fn in_place(&mut self, extra: Option<Turns>, is_sure: bool) -> Option<Tale> {
+    fn in_place(&mut self, extra: Option<Turns>, is_sure: bool) -> Option<Report> {
         self.missed = 0;
-        self.crowd = 0;
+        self.consecutive_outliers = 0;
         self.is_slipping = false;
         self.extra = self.extra.saturating_sub(1);
         if self.encoder.is_some() {
             self.forget(); // the others do at the end of their round
         }
-        if core::mem::take(&mut self.silent) {
+        if core::mem::take(&mut self.timed_out) {
             return Some((FaultKind::IndexMissing, Turns::ZERO, false));
         }
         if let Some(by) = extra {
-            let (kind, by, in_safety) = self.extra(by);
-            return Some((kind, by, in_safety && is_sure));
+            let (kind, by, within_limits) = self.extra(by);
+            return Some((kind, by, within_limits && is_sure));
         }
-        if let Some(doubt) = self.take_doubt() {
-            return Some((FaultKind::EncoderGlitch, doubt, true));
+        if let Some(unconfirmed_jump) = self.take_unconfirmed_jump() {
+            return Some((FaultKind::EncoderGlitch, unconfirmed_jump, true));
         }
         if self.encoder.is_some() {
             self.walk_by_encoder();
@@ -143,15 +145,15 @@ impl AxisWatch {
     }
 
     /// Another pulse out of place. Of a crank that is ahead already, and comes again before its time: it is on its way.
-    fn out_of_place(&mut self, by: Turns) -> Tale {
-        self.crowd = self.crowd.saturating_add(1);
-        if self.crowd < CROWD && !self.story.is_ahead() {
+    fn out_of_place(&mut self, by: Turns) -> Report {
+        self.consecutive_outliers = self.consecutive_outliers.saturating_add(1);
+        if self.consecutive_outliers < RUNAWAY_OUTLIERS && !self.history.is_ahead() {
             return self.extra(by);
         }
         self.runs_away(by)
     }
 
-    fn runs_away(&mut self, by: Turns) -> Tale {
+    fn runs_away(&mut self, by: Turns) -> Report {
         self.name = Some(FaultKind::Runaway);
         self.name_for = FORGOTTEN_AFTER;
         (FaultKind::Runaway, by, false)
@@ -159,19 +161,22 @@ impl AxisWatch {
 
     /// The crank is elsewhere, `by` as its index has it; by how much in all.
     fn elsewhere(&mut self, by: Turns) -> Turns {
-        self.silent = false;
+        self.timed_out = false;
         self.missed = 0;
         if self.encoder.is_none() {
             return by; // named when the round is over
         }
-        let doubt = self.take_doubt().unwrap_or_default();
+        let unconfirmed_jump = self.take_unconfirmed_jump().unwrap_or_default();
         // Only where the encoder saw a jump as well did the motor move; else the crank did on its shaft. (One that passes its flag
         // in the jump shows part of it.)
-        let (shown, jumped) = (angle(by).unsigned_abs(), angle(doubt).unsigned_abs());
-        let same_sense = doubt != 0 && (by < 0) == (doubt < 0);
+        let (shown, jumped) = (
+            angle(by).unsigned_abs(),
+            angle(unconfirmed_jump).unsigned_abs(),
+        );
+        let same_sense = unconfirmed_jump != 0 && (by < 0) == (unconfirmed_jump < 0);
         let (by, kind) = if same_sense && shown <= jumped.saturating_add(self.gate) {
-            self.believe_moved(doubt.wrapping_sub(by));
-            (doubt, None)
+            self.believe_moved(unconfirmed_jump.wrapping_sub(by));
+            (unconfirmed_jump, None)
         } else {
             (by, Some(FaultKind::Slip))
         };
@@ -182,17 +187,17 @@ impl AxisWatch {
 
     /// Nothing came where the crank would be had the encoder lost counts: if it jumped, the crank did.
     fn nowhere(&mut self) -> Sorted {
-        let Some(doubt) = self.take_doubt() else {
+        let Some(unconfirmed_jump) = self.take_unconfirmed_jump() else {
             return Sorted::default();
         };
-        self.believe_moved(doubt);
-        self.home = self.home.wrapping_add(angle(doubt));
-        self.named(doubt, None);
-        Sorted::moved(doubt)
+        self.believe_moved(unconfirmed_jump);
+        self.home = self.home.wrapping_add(angle(unconfirmed_jump));
+        self.named(unconfirmed_jump, None);
+        Sorted::moved(unconfirmed_jump)
     }
 
-    /// No pulse for so long that the crank may be past its limit.
-    fn overdue(&mut self, patience: Option<Turns>) -> Option<Tale> {
+    /// No pulse for so long that the crank may be beyond its limit.
+    fn overdue(&mut self, patience: Option<Turns>) -> Option<Report> {
         let index = self.index.as_mut()?;
         if self.encoder.is_some() && index.is_known() {
             index.pass_over();
@@ -201,15 +206,15 @@ impl AxisWatch {
                 // Nor does an encoder vouch for a crank that slipped on its shaft in the turn before.
                 return Some((FaultKind::Slip, self.alone.wrapping_neg(), false));
             }
-            let in_safety = self.missed <= MOST_MISSED;
-            return Some((FaultKind::IndexMissing, Turns::ZERO, in_safety));
+            let within_limits = self.missed <= MOST_MISSED;
+            return Some((FaultKind::IndexMissing, Turns::ZERO, within_limits));
         }
-        let was_silent = core::mem::replace(&mut self.silent, true);
-        if let Some(patience) = patience.filter(|&most| most > self.alone && !was_silent) {
+        let had_timed_out = core::mem::replace(&mut self.timed_out, true);
+        if let Some(patience) = patience.filter(|&most| most > self.alone && !had_timed_out) {
             index.wait(patience);
             return None;
         }
-        Some((FaultKind::Silent, self.alone.wrapping_neg(), false))
+        Some((FaultKind::IndexTimeout, self.alone.wrapping_neg(), false))
     }
 
     fn believe_moved(&mut self, by: Turns) {
@@ -218,7 +223,7 @@ impl AxisWatch {
         }
     }
 
-    fn sort_encoder(&mut self, already: bool) -> Option<Tale> {
+    fn sort_encoder(&mut self, already: bool) -> Option<Report> {
         let encoder = self.encoder.as_mut()?;
         match core::mem::replace(&mut self.read, Read::Nothing) {
             Read::Glitch { by } if !already => Some((FaultKind::EncoderGlitch, by, true)),
@@ -226,7 +231,7 @@ impl AxisWatch {
                 index.decide_within_a_turn_of(self.jumped_at);
                 None
             }
-            // Nothing else tells where the crank is: it is believed.
+            // Nothing else shows where the crank is: it is believed.
             Read::Jump { by } if self.index.is_none() => {
                 encoder.believe();
                 self.named(by, None);
@@ -236,7 +241,7 @@ impl AxisWatch {
         }
     }
 
-    fn extra(&mut self, by: Turns) -> Tale {
+    fn extra(&mut self, by: Turns) -> Report {
         self.extra = self.extra.saturating_add(EXTRA_WEIGHT);
         (FaultKind::IndexExtra, by, self.extra <= MOST_EXTRA)
     }

@@ -111,10 +111,10 @@ fn train(w: i64, pulses: &[Pulse]) -> (Stretches, Vec<(i64, i64)>) {
 }
 
 proptest! {
-    /// If this fails, a passage of the crank is missed, heard twice or heard at a wrong time, or a glitch
+    /// If this fails, a passage of the crank is missed, detected twice or detected at a wrong time, or a glitch
     /// is taken for one.
     #[test]
-    fn every_pulse_is_told_once_with_its_first_edge(
+    fn every_pulse_is_reported_once_with_its_first_edge(
         (w, ticks, pulses) in (2..40_i64, 1..8_i64).prop_flat_map(|(w, scale)| (
             Just(w),
             // No tick is so long that two pulses are confirmed in it: those are 2 w and the gap apart.
@@ -124,12 +124,12 @@ proptest! {
         late_border: [bool; 7],
     ) {
         let (stretches, truth) = train(w, &pulses);
-        let (told, filter) = play(IndexFilter::new(w as u32, false), &stretches, &ticks, &late_border);
+        let (reported, filter) = play(IndexFilter::new(w as u32, false), &stretches, &ticks, &late_border);
         let firsts: Vec<i64> = truth.iter().map(|&(first, _)| first).collect();
-        let got: Vec<i64> = told.iter().map(|&(at, _)| at).collect();
-        prop_assert_eq!(got, firsts);
+        let actual: Vec<i64> = reported.iter().map(|&(at, _)| at).collect();
+        prop_assert_eq!(actual, firsts);
         let most_tick = i64::from(*ticks.iter().max().unwrap());
-        for (&(first, confirmed), &(_, end)) in truth.iter().zip(&told) {
+        for (&(first, confirmed), &(_, end)) in truth.iter().zip(&reported) {
             // Neither before it could be known, nor later than the end of the tick in which it could.
             prop_assert!(confirmed <= end && end < confirmed + most_tick, "{first}, {confirmed}: told at {end}");
         }
@@ -145,7 +145,7 @@ proptest! {
         ticks in proptest::collection::vec(1..300_u32, 1..9),
         stuck: bool,
     ) {
-        // Stuck low with high glitches; or stuck high with dropouts, told from the first change on.
+        // Stuck low with high glitches; or stuck high with dropouts, distinguished from the first change on.
         let glitch = |part: f64| 1 + (part * (w - 1) as f64) as i64;
         let stretches: Stretches = noise
             .iter()
@@ -196,11 +196,11 @@ proptest! {
             expected.push((low_since, at)); // it ends high, for good
         }
         // Ticks of one cycle: no two pulses fall into one.
-        let (told, _) = play(IndexFilter::new(w as u32, false), &stretches, &[1], &[false]);
-        prop_assert_eq!(told.len(), expected.len());
-        for (&(got, _), &(low_until, stretch)) in told.iter().zip(&expected) {
-            prop_assert!(low_until <= got && got <= stretch, "{got} of {low_until}..{stretch}");
-            prop_assert!(got >= stretch - 2 * w, "{got}, two widths of {w} before {stretch}");
+        let (reported, _) = play(IndexFilter::new(w as u32, false), &stretches, &[1], &[false]);
+        prop_assert_eq!(reported.len(), expected.len());
+        for (&(actual, _), &(low_until, stretch)) in reported.iter().zip(&expected) {
+            prop_assert!(low_until <= actual && actual <= stretch, "{actual} of {low_until}..{stretch}");
+            prop_assert!(actual >= stretch - 2 * w, "{actual}, two widths of {w} before {stretch}");
         }
     }
 
@@ -221,7 +221,7 @@ proptest! {
 
 /// Two pulses in one tick: the first is told, the other is on record.
 #[test]
-fn of_two_pulses_in_a_tick_the_first_is_told() {
+fn of_two_pulses_in_a_tick_the_first_is_reported() {
     let mut filter = IndexFilter::new(10, false);
     for (cycle, level) in [(100, true), (120, false), (140, true), (160, false)] {
         filter.change(cycle, level);

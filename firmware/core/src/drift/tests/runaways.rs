@@ -5,13 +5,13 @@ use super::*;
 /// Were it wrong, a crank that runs at some ratio of its speed, from some place of its turn on, would pass for noise: one at twice its
 /// speed comes in its place, and once more between.
 #[test]
-fn an_index_tells_a_crank_that_runs_at_any_speed_within_a_turn() {
+fn an_index_detects_a_runaway_at_any_speed_within_a_turn() {
     let speed = 0.01;
     let mut worst = f64::MIN;
     for hundredths in (110..=450).step_by(3) {
         let ratio = f64::from(hundredths) / 100.0;
         for place in [0.02, 0.1, 0.23, 0.37, 0.48, 0.55, 0.61, 0.7, 0.83, 0.97] {
-            let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), speed).aligned();
+            let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), speed).homed();
             let from = 2.0 + place;
             let off = |i: usize, t: f64| {
                 if i == 2 {
@@ -21,11 +21,11 @@ fn an_index_tells_a_crank_that_runs_at_any_speed_within_a_turn() {
                 }
             };
             let found = cranks.turn(400, off);
-            let stop = found.iter().find(|(_, finding)| !finding.in_safety);
+            let stop = found.iter().find(|(_, finding)| !finding.within_limits);
             let (tick, finding) = stop.expect("told");
             assert_eq!(finding.fault.axis, Some(2), "ratio {ratio}, from {place}");
-            let past = from + true_alone(4, 2) / (ratio - 1.0);
-            let late = f64::from(*tick + 1) * speed - past;
+            let beyond = from + true_alone(4, 2) / (ratio - 1.0);
+            let late = f64::from(*tick + 1) * speed - beyond;
             worst = worst.max(late);
             // A tick that is over, and one for the pulse at its end.
             assert!(
@@ -44,7 +44,7 @@ fn an_index_tells_a_crank_that_runs_at_any_speed_within_a_turn() {
 #[test]
 fn noise_once_a_turn_is_no_crank_that_runs() {
     for place in [0.1, 0.3, 0.45, 0.51, 0.55, 0.62, 0.7, 0.9] {
-        let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), 0.01).aligned();
+        let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), 0.01).homed();
         let noise = move |i: usize, t: f64, pulse: Option<IndexPulse>| {
             let now = t > 2.0 && (t.fract() - place).abs() < 0.0051;
             pulse.or((i == 2 && now).then_some(IndexPulse { cycle: 100 }))

@@ -26,8 +26,14 @@ fn play(
             sensor(i, end, pulse)
         });
         let counts = [(end * 3200.0).floor() as i32; MAX_AXES];
-        let heard = hear(&mut cranks.monitor, &pulses, &counts, &[phase; MAX_AXES]);
-        found.extend(heard.map(|told| (told.fault.kind, told.fault.axis, told.in_safety)));
+        let detected = detect(&mut cranks.monitor, &pulses, &counts, &[phase; MAX_AXES]);
+        found.extend(detected.map(|reported| {
+            (
+                reported.fault.kind,
+                reported.fault.axis,
+                reported.within_limits,
+            )
+        }));
         cranks.tick += 1;
     }
     found
@@ -54,7 +60,7 @@ fn a_fast_slip_stops_the_machine_as_its_flag_comes() {
 }
 
 /// Were it wrong, a crank that slipped once, by little, would never be vouched for by its encoder again: a pulse that is lost long after
-/// would stop a sound machine; and whatever takes it past a limit years later would be called a slip.
+/// would stop a sound machine; and whatever takes it beyond a limit years later would be called a slip.
 #[test]
 fn a_slip_of_long_ago_is_not_why_a_pulse_is_missing() {
     let mut cranks = encoders(30.0);
@@ -88,12 +94,12 @@ fn a_pulse_lost_and_noise_after_it_are_no_slip() {
     };
     let found = play(&mut cranks, 700, |_, _| 0.0, sensor);
     assert!(!found.is_empty());
-    assert!(found.iter().all(|told| told.2), "{found:?}");
+    assert!(found.iter().all(|reported| reported.2), "{found:?}");
 }
 
 /// Were it wrong, where a crank was left would be something that it did: of two that are apart, the sound one would be named.
 #[test]
-fn where_a_crank_is_first_heard_is_no_slip() {
+fn where_a_crank_is_first_detected_is_no_slip() {
     let mut cranks = Cranks::new(monitor_with_encoders(30.0), 0.01);
     let found = play(
         &mut cranks,
@@ -111,7 +117,7 @@ fn where_a_crank_is_first_heard_is_no_slip() {
 /// passing its limit, turns until it is stopped for.
 fn late_by_index(count: usize, rate: f64, from: f64) -> f64 {
     let speed = 0.01;
-    let mut cranks = Cranks::new(monitor(count, 3.0, 5.0, 15.0), speed).aligned();
+    let mut cranks = Cranks::new(monitor(count, 3.0, 5.0, 15.0), speed).homed();
     let slips = count - 1;
     let found = cranks.turn(6000, |i, t| {
         if i == slips {
@@ -120,13 +126,13 @@ fn late_by_index(count: usize, rate: f64, from: f64) -> f64 {
             0.0
         }
     });
-    let stop = found.iter().find(|(_, finding)| !finding.in_safety);
+    let stop = found.iter().find(|(_, finding)| !finding.within_limits);
     let (tick, finding) = stop.expect("told");
     assert_eq!(finding.fault.axis, Some(slips));
     f64::from(tick + 1) * speed - (from + true_alone(count, slips) / rate.abs())
 }
 
-/// Were it wrong, a crank that slips slowly would be held against a mean that it moves itself, and be past its limit by half of what it
+/// Were it wrong, a crank that slips slowly would be held against a mean that it moves itself, and be beyond its limit by half of what it
 /// gains in a turn, or by all of it, before it is stopped for; or one that is far from it would be.
 #[test]
 fn a_slow_slip_by_index_is_stopped_for_within_a_turn_of_its_limit() {

@@ -1,4 +1,4 @@
-//! What is asked of every tick of the supervisor, by one who sees only what goes in and comes out.
+//! What is required of every tick of the supervisor, by one who sees only what goes in and comes out.
 
 use super::*;
 
@@ -6,7 +6,7 @@ use super::*;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Owed {
     Nothing,
-    /// A fault was seen: an operator must reset.
+    /// A fault was detected: an operator must reset.
     Reset,
     /// … has reset: and must start.
     Start,
@@ -15,7 +15,8 @@ pub(super) enum Owed {
 impl Owed {
     /// What is owed after a tick that began with the drives on, or off, and the machine in motion, or not.
     fn after(self, drives: bool, moving: bool, input: &Input) -> Self {
-        let faulted = (drives && input.seen.fault.is_some()) || (moving && !input.inputs.enable);
+        let faulted =
+            (drives && input.observed.fault.is_some()) || (moving && !input.inputs.enable);
         match (self, input.command) {
             _ if faulted => Self::Reset,
             (Self::Reset, Some(Command::Reset)) if !drives => Self::Start,
@@ -26,10 +27,10 @@ impl Owed {
 }
 
 const fn moving(state: State) -> bool {
-    matches!(state, State::Align | State::Run | State::Stop)
+    matches!(state, State::Homing | State::Run | State::Stop)
 }
 
-/// Everything that is asked of one tick. `owed` is what was owed before it.
+/// Everything that is required of one tick. `owed` is what was owed before it.
 pub(super) fn check(
     before: &Supervisor,
     owed: Owed,
@@ -42,8 +43,8 @@ pub(super) fn check(
     let drives = after.drives_enabled();
     let say = |what: &str| std::format!("{what}: {from:?} to {to:?}, {action:?}, by {input:?}");
 
-    // Drives. What is seen while they are off is not held against a machine that may be turned by hand: a fault that is
-    // one still is seen in the next tick.
+    // Drives. What is detected while they are off is not held against a machine that may be turned by hand: a fault that is
+    // one still is detected in the next tick.
     assert!(
         drives != matches!(to, State::Idle | State::Fault),
         "{}",
@@ -74,7 +75,7 @@ pub(super) fn check(
     // Faults.
     if owes != Owed::Nothing {
         assert!(
-            !matches!(to, State::Align | State::Run | State::Parked),
+            !matches!(to, State::Homing | State::Run | State::Parked),
             "{}",
             say("runs on after a fault")
         );
@@ -101,7 +102,7 @@ pub(super) fn check(
     assert!(
         !input.stops() || parked,
         "{}",
-        say("a stop that is not heeded")
+        say("a stop that is not obeyed")
     );
     assert!(
         from == State::Stop || to != State::Stop || moving(from),
@@ -112,7 +113,7 @@ pub(super) fn check(
         from != State::Stop
             || !input.inputs.enable
             || input.disables()
-            || input.seen.at_rest == (to != State::Stop),
+            || input.observed.at_rest == (to != State::Stop),
         "{}",
         say("a stop is over at rest, and not before")
     );
@@ -120,12 +121,12 @@ pub(super) fn check(
     // Running.
     let ran_on = from == State::Run && to == State::Run;
     assert!(
-        to != State::Run || ran_on || input.seen.aligned,
+        to != State::Run || ran_on || input.observed.homed,
         "{}",
         say("runs unaligned")
     );
     assert!(
-        !ran_on || !input.seen.program_done,
+        !ran_on || !input.observed.program_done,
         "{}",
         say("runs past the program's end")
     );
@@ -135,7 +136,7 @@ pub(super) fn check(
         say("a hold that nobody asked for")
     );
     assert!(
-        (action == Action::Creep) == (to == State::Align && after.settling == 0),
+        (action == Action::Home) == (to == State::Homing && after.settling == 0),
         "{}",
         say("creeps")
     );

@@ -128,10 +128,10 @@ fn play_ticks(tick_hz: u32, steps_per_turn: u32, ticks: &[i64]) -> (Drive, Plann
 fn play_with(lines: Lines, steps_per_turn: u32, ticks: &[i64]) -> (Drive, Planner) {
     let mut planner = Planner::new(lines.timing, steps_per_turn);
     let mut drive = Drive::new(lines);
-    let mut pace = Paces::new(lines.timing.tick());
+    let mut step_rate = StepRates::new(lines.timing.tick());
     let mut runs = Runs::new();
     for &turns in ticks {
-        planner.plan(Turns::from_bits(turns), &mut pace, &mut runs);
+        planner.plan(Turns::from_bits(turns), &mut step_rate, &mut runs);
         drive.play(&runs);
         assert_eq!(
             drive.position,
@@ -235,9 +235,9 @@ fn a_whole_period_needs_few_runs() {
     let mut planner = Planner::new(timing(2000).timing, 2000);
     let mut runs = Runs::new();
     let turns = Turns::from_num(0.125); // 250 steps in a tick of 62,500 cycles: 125 cycles an edge
-    let mut pace = Paces::new(timing(2000).timing.tick());
-    planner.plan(turns, &mut pace, &mut runs);
-    planner.plan(turns, &mut pace, &mut runs);
+    let mut step_rate = StepRates::new(timing(2000).timing.tick());
+    planner.plan(turns, &mut step_rate, &mut runs);
+    planner.plan(turns, &mut step_rate, &mut runs);
     assert!(runs.len() <= 3, "{runs:?}");
     let exact: u32 = runs
         .iter()

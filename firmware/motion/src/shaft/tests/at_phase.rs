@@ -21,14 +21,14 @@ pub(super) struct Found {
 }
 
 /// Distance of the fastest brake in whole ticks, that of the regulator to speed 0.
-fn least_way(watch: &Watch) -> i64 {
+fn least_distance(watch: &Watch) -> i64 {
     let ramp = &watch.shaft.limits().usual;
-    let (mut state, mut way) = (watch.shaft.state(), 0);
+    let (mut state, mut distance) = (watch.shaft.state(), 0);
     while state.speed != 0 || state.acceleration > 0 {
         state = state.braked(ramp);
-        way += state.speed;
+        distance += state.speed;
     }
-    way
+    distance
 }
 
 /// Greatest speed during a brake: the speed after releasing the acceleration.
@@ -39,12 +39,12 @@ fn greatest_speed(watch: &Watch) -> i64 {
 
 /// Stops; returns the distance until standstill, and the ticks for which the shaft moves.
 fn stop(watch: &mut Watch, phase: Turns) -> (i64, u64) {
-    let top = greatest_speed(watch).max(watch.shaft.limits().creep);
-    let (mut moved, mut ticks, mut way) = (0, 0, 0);
+    let top = greatest_speed(watch).max(watch.shaft.limits().homing_speed);
+    let (mut moved, mut ticks, mut distance) = (0, 0, 0);
     loop {
         let motion = watch.advance(Demand::Stop(Some(phase)));
         ticks += 1;
-        way += motion.speed.to_bits();
+        distance += motion.speed.to_bits();
         assert!(motion.speed.to_bits() <= top, "speeds up beyond {top}");
         if motion.speed > Turns::ZERO {
             moved = ticks;
@@ -55,24 +55,24 @@ fn stop(watch: &mut Watch, phase: Turns) -> (i64, u64) {
         assert!(ticks < 10_000_000, "no rest");
     }
     assert_eq!(watch.shaft.phase().within_turn(), phase);
-    (way, moved)
+    (distance, moved)
 }
 
 /// Stops, and compares the result with the earliest stop.
 pub(super) fn stop_at(watch: &mut Watch, phase: Turns, earliest: &Earliest) -> Found {
-    let (least, top) = (least_way(watch), greatest_speed(watch));
+    let (least, top) = (least_distance(watch), greatest_speed(watch));
     let passage = phase.wrapping_sub(watch.shaft.phase().within_turn());
     // The first passage that is not nearer than the fastest brake's end.
     let spare = passage.to_bits().wrapping_sub(least) & (ONE_TURN - 1);
     let (acceleration, from) = (watch.acceleration as f64, watch.ticks);
-    let (way, moved) = stop(watch, phase);
-    let turns_later = (way - least - spare) >> crate::units::FRACTION_BITS;
+    let (distance, moved) = stop(watch, phase);
+    let turns_later = (distance - least - spare) >> crate::units::FRACTION_BITS;
     let limits = &watch.shaft.limits().usual;
     let (jerk, most) = (limits.jerk as f64, limits.acceleration as f64);
     // Limits that are gentler by a share lengthen release and brake by no more than that share.
     let gentler = 4.0 / jerk + 2.0 / most;
     let stretched = gentler * (earliest.easing_ticks() + earliest.least_ticks());
-    let Some(stand) = earliest.stand(way as f64) else {
+    let Some(stand) = earliest.stand(distance as f64) else {
         panic!(
             "stood after {} ticks, where nothing gets",
             watch.ticks - from
@@ -92,11 +92,11 @@ pub(super) fn stop_at(watch: &mut Watch, phase: Turns, earliest: &Earliest) -> F
         // A gentler brake goes further, so that less distance is left at homing speed. That may well be the beginning,
         // which is slow.
         Coasting::Slow => {
-            let creeping = |way: f64| {
-                let jerked = 4.0 * (way / (2.0 * jerk)).cbrt();
-                jerked + 2.0 * (way / most).sqrt() + way / earliest.coasting
+            let slow_end = |distance: f64| {
+                let jerked = 4.0 * (distance / (2.0 * jerk)).cbrt();
+                jerked + 2.0 * (distance / most).sqrt() + distance / earliest.coasting
             };
-            (0.0, creeping(spare + longer) - creeping(spare))
+            (0.0, slow_end(spare + longer) - slow_end(spare))
         }
         // The edge is met. To reach it a little later, in whole ticks and by gentler limits, is even a gain.
         Coasting::BelowBand => (f64::INFINITY, 0.0),
@@ -146,7 +146,7 @@ proptest! {
         part in 0.0..1.0_f64,
         phase_bits in 0..ONE_TURN,
     ) {
-        let speed = (limits.creep as f64 + part * (limits.speed - limits.creep) as f64) as i64;
+        let speed = (limits.homing_speed as f64 + part * (limits.speed - limits.homing_speed) as f64) as i64;
         let mut watch = Watch::new(limits);
         watch.start_at(speed);
         let Some(earliest) = Earliest::of(&watch) else { return Err(TestCaseError::reject("at an edge")) };

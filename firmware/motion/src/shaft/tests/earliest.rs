@@ -19,7 +19,7 @@ use super::*;
 struct Point {
     speed: f64,
     acceleration: f64,
-    way: f64,
+    distance: f64,
     ticks: f64,
 }
 
@@ -33,7 +33,7 @@ impl Point {
         Self {
             speed: v + ticks * (a + ticks * jerk / 2.0),
             acceleration: a + ticks * jerk,
-            way: self.way + ticks * (v + ticks * (a / 2.0 + ticks * jerk / 6.0)),
+            distance: self.distance + ticks * (v + ticks * (a / 2.0 + ticks * jerk / 6.0)),
             ticks: self.ticks + ticks,
         }
     }
@@ -75,20 +75,22 @@ impl Earliest {
         let limits = watch.shaft.limits();
         let free = Self::letting_go(watch);
         let (left, jerk) = (free.coasting, limits.usual.jerk as f64);
-        let creep = limits.creep as f64;
+        let homing_speed = limits.homing_speed as f64;
         let edges = || {
             limits
                 .bands
                 .iter()
                 .map(|band| (band.from as f64, band.to as f64))
         };
-        let mut steps = edges().flat_map(|(from, to)| [from, to]).chain([creep]);
+        let mut steps = edges()
+            .flat_map(|(from, to)| [from, to])
+            .chain([homing_speed]);
         if watch.acceleration != 0 && steps.any(|step| (left - step).abs() <= jerk) {
             return None;
         }
         let band = edges().find(|&(from, to)| from < left && left < to);
         Some(match band {
-            _ if left < creep => free.coasting_at(creep, Coasting::Slow),
+            _ if left < homing_speed => free.coasting_at(homing_speed, Coasting::Slow),
             Some((from, _)) => free.coasting_at(from, Coasting::BelowBand),
             None => free,
         })
@@ -103,7 +105,7 @@ impl Earliest {
             from: Point {
                 speed: v - a / 2.0,
                 acceleration: a,
-                way: a / 6.0 - v,
+                distance: a / 6.0 - v,
                 ticks: 0.0,
             },
             jerk,
@@ -172,14 +174,14 @@ impl Earliest {
         self.braked(self.from).ticks
     }
 
-    /// Earliest standstill at the distance `way`; none where no stop reaches it or ends there.
-    pub fn stand(&self, way: f64) -> Option<Stand> {
+    /// Earliest standstill at the distance `distance`; none where no stop reaches it or ends there.
+    pub fn stand(&self, distance: f64) -> Option<Stand> {
         let stop = |ticks: f64| self.braked(self.eased(ticks));
-        if way < stop(0.0).way {
+        if distance < stop(0.0).distance {
             return None;
         }
         let easing = self.easing_ticks();
-        let coasted = (way - stop(easing).way) / self.coasting;
+        let coasted = (distance - stop(easing).distance) / self.coasting;
         if coasted >= 0.0 {
             return (self.coasting > 0.0).then(|| Stand {
                 ticks: stop(easing).ticks + coasted,
@@ -189,7 +191,7 @@ impl Earliest {
         let (mut least, mut most) = (0.0, easing);
         for _ in 0..100 {
             let middle = f64::midpoint(least, most);
-            if stop(middle).way < way {
+            if stop(middle).distance < distance {
                 least = middle;
             } else {
                 most = middle;

@@ -40,7 +40,7 @@ fn stops(of: impl Strategy<Value = ShaftLimits>, each: usize) -> ([Vec<Found>; 5
     let cuts = prop::collection::vec((any::<prop::sample::Index>(), 0..ONE_TURN), 10);
     let cases = (of, any_speeds(), cuts);
     let mut all: [Vec<Found>; 5] = Default::default();
-    let mut heedless = std::vec![];
+    let mut without_bands = std::vec![];
     let mut runner = TestRunner::deterministic();
     while all.iter().any(|found| found.len() < each) {
         let tree = cases.new_tree(&mut runner).expect("a case");
@@ -49,10 +49,10 @@ fn stops(of: impl Strategy<Value = ShaftLimits>, each: usize) -> ([Vec<Found>; 5
         let mut watch = Watch::new(limits);
         for (tick, &target) in targets.iter().enumerate() {
             watch.advance(Demand::Follow(target));
-            let asked = cuts
+            let requested = cuts
                 .iter()
                 .find(|(cut, _)| cut.index(targets.len()) == tick);
-            let (Some(&(_, phase_bits)), 1..) = (asked, watch.speed) else {
+            let (Some(&(_, phase_bits)), 1..) = (requested, watch.speed) else {
                 continue;
             };
             let Some(earliest) = Earliest::of(&watch) else {
@@ -71,12 +71,12 @@ fn stops(of: impl Strategy<Value = ShaftLimits>, each: usize) -> ([Vec<Found>; 5
             let phase = Turns::from_bits(phase_bits);
             if earliest.kind == Coasting::BelowBand {
                 let free = Earliest::letting_go(&watch);
-                heedless.push(stop_at(&mut watch.clone(), phase, &free).over);
+                without_bands.push(stop_at(&mut watch.clone(), phase, &free).over);
             }
             all[class].push(stop_at(&mut watch.clone(), phase, &earliest));
         }
     }
-    (all, heedless)
+    (all, without_bands)
 }
 
 fn turns_later(found: &[Found]) -> usize {
@@ -88,7 +88,7 @@ fn turns_later(found: &[Found]) -> usize {
 /// bands may; it coasts at the lower edge.
 #[test]
 fn stops_of_machines_are_no_later_than_two_ticks() {
-    let (all, heedless) = stops(any_machine(), 2000);
+    let (all, without_bands) = stops(any_machine(), 2000);
     for (name, found) in CLASSES.into_iter().zip(all) {
         print(
             name,
@@ -98,7 +98,11 @@ fn stops_of_machines_are_no_later_than_two_ticks() {
         assert!(found.iter().all(|found| found.over <= 2.0), "{name}");
         assert_eq!(turns_later(&found), 0, "{name}");
     }
-    print("below a band, over heedless ones", heedless.into_iter(), 0);
+    print(
+        "below a band, over stops without bands",
+        without_bands.into_iter(),
+        0,
+    );
 }
 
 /// The same over all that settings accept, down to jerks of 64 units, of which planning subtracts four: there it costs

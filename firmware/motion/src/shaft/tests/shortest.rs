@@ -145,7 +145,7 @@ proptest! {
 
 /// Fault stops during homing, while starting and at constant speed: speeds of 0.1 to 10 rev/s, at each tick.
 #[test]
-fn a_fault_during_align_stops_as_shortly() {
+fn a_fault_during_homing_stops_as_shortly() {
     for (speed_hz, stop) in [(60.0, 1.0), (60.0, 8.0), (2.0, 3.0)] {
         let settings = LimitSettings {
             speed_hz,
@@ -153,15 +153,15 @@ fn a_fault_during_align_stops_as_shortly() {
             jerk_hz_per_s2: 500.0,
             stop_acceleration_hz_per_s: 20.0 * stop,
             stop_jerk_hz_per_s2: 500.0 * stop,
-            creep_hz: speed_hz / 20.0,
+            homing_speed_hz: speed_hz / 20.0,
             bands: heapless::Vec::new(),
         };
         let limits = ShaftLimits::of(&settings, 2000);
-        let creep = Demand::Follow(Target::steady(limits.creep()));
+        let homing_speed = Demand::Follow(Target::steady(limits.homing_speed()));
         for ticks in 1..600 {
             let mut watch = Watch::new(limits.clone());
             for _ in 0..ticks {
-                watch.advance(creep);
+                watch.advance(homing_speed);
             }
             let over = over_the_least(&mut watch, |_| false);
             assert!(

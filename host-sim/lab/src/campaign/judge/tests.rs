@@ -1,10 +1,10 @@
-//! What counts as the detection of a crank past its limit.
+//! What counts as the detection of a crank beyond its limit.
 
 use super::*;
 use crate::campaign::watch::Place;
 use host_sim::scene::library;
 
-const PAST_TURNS: f64 = 10.0;
+const BEYOND_TURNS: f64 = 10.0;
 
 fn place(turns: f64) -> Place {
     Place {
@@ -17,21 +17,21 @@ fn place(turns: f64) -> Place {
     }
 }
 
-fn telling(kind: FaultKind, axis: Option<usize>, done: Reaction, turns: f64) -> Telling {
-    Telling {
-        told: Told { kind, axis },
+fn fault_event(kind: FaultKind, axis: Option<usize>, done: Reaction, turns: f64) -> FaultEvent {
+    FaultEvent {
+        reported: ReportedFault { kind, axis },
         done,
         place: place(turns),
         turns,
         is_moved: false,
-        is_past: true,
+        is_beyond_limit: true,
     }
 }
 
-/// The default scene, axis 1 of which slips, and what was seen of it: past its limit at [`PAST_TURNS`], and told so.
-fn slipped(tellings: &[Telling]) -> (Scene, Seen) {
+/// The default scene, axis 1 of which slips, and what was detected of it: beyond its limit at [`BEYOND_TURNS`], and told so.
+fn slipped(fault_events: &[FaultEvent]) -> (Scene, Observation) {
     let mut scene = library::find("default").unwrap().scene();
-    scene.correction.part = 0.5;
+    scene.correction.gain = 0.5;
     scene.fault = vec![FaultAt {
         at_s: 0.9,
         kind: FaultName::Slip,
@@ -46,24 +46,27 @@ fn slipped(tellings: &[Telling]) -> (Scene, Seen) {
         torque_nm: None,
         for_s: None,
     }];
-    let stopped = tellings
+    let stopped = fault_events
         .iter()
-        .find(|telling| telling.done >= Reaction::Stop);
-    let seen = Seen {
+        .find(|fault_event| fault_event.done >= Reaction::Stop);
+    let observation = Observation {
         injected: Some(place(9.0)),
-        past: Some(place(PAST_TURNS)),
-        is_past: true,
-        tellings: tellings.to_vec(),
-        incidents: tellings.iter().map(|telling| telling.told).collect(),
-        fault: stopped.map(|telling| telling.told),
+        beyond_limit: Some(place(BEYOND_TURNS)),
+        is_beyond_limit: true,
+        fault_events: fault_events.to_vec(),
+        reported_faults: fault_events
+            .iter()
+            .map(|fault_event| fault_event.reported)
+            .collect(),
+        fault: stopped.map(|fault_event| fault_event.reported),
         end: Some(place(20.0)),
-        ..Seen::default()
+        ..Observation::default()
     };
-    (scene, seen)
+    (scene, observation)
 }
 
-fn judged((scene, seen): &(Scene, Seen)) -> (Verdict, Option<f64>) {
-    let judgement = judge(scene, None, seen, (false, false));
+fn judged((scene, observation): &(Scene, Observation)) -> (Verdict, Option<f64>) {
+    let judgement = judge(scene, None, observation, (false, false));
     (judgement.verdict, judgement.turns)
 }
 
@@ -73,11 +76,11 @@ fn judged((scene, seen): &(Scene, Seen)) -> (Verdict, Option<f64>) {
 fn what_is_detected_is_stopped_for() {
     use FaultKind::{EncoderGlitch, Slip, Tilt};
     use Reaction::{Correct, Report, Stop};
-    let glitch = telling(EncoderGlitch, Some(1), Report, 10.1);
-    let corrected = telling(Slip, Some(1), Correct, 10.2);
-    let other = telling(Slip, Some(2), Stop, 10.3);
-    let of_none = telling(Tilt, None, Stop, 10.6);
-    let own = telling(Slip, Some(1), Stop, 11.4);
+    let glitch = fault_event(EncoderGlitch, Some(1), Report, 10.1);
+    let corrected = fault_event(Slip, Some(1), Correct, 10.2);
+    let other = fault_event(Slip, Some(2), Stop, 10.3);
+    let of_none = fault_event(Tilt, None, Stop, 10.6);
+    let own = fault_event(Slip, Some(1), Stop, 11.4);
     let near =
         |turns: Option<f64>, expected: f64| turns.is_some_and(|t| (t - expected).abs() < 1e-9);
 
@@ -86,13 +89,13 @@ fn what_is_detected_is_stopped_for() {
     let (_, turns) = judged(&slipped(&[glitch, of_none, own]));
     assert!(near(turns, 0.6), "{turns:?}");
     // Stopped, but for another crank's sake: wrongly named, and never detected, however soon it was.
-    let (scene, mut seen) = slipped(&[glitch, other]);
-    seen.end = Some(place(PAST_TURNS + 0.5));
-    let judgement = judge(&scene, None, &seen, (false, false));
+    let (scene, mut observation) = slipped(&[glitch, other]);
+    observation.end = Some(place(BEYOND_TURNS + 0.5));
+    let judgement = judge(&scene, None, &observation, (false, false));
     assert_eq!(judgement.verdict, Verdict::Misnamed);
     assert_eq!((judgement.turns, judgement.in_time), (None, Some(false)));
     // Unless that one had been dragged along; the name is as wrong.
-    let dragged = Telling {
+    let dragged = FaultEvent {
         is_moved: true,
         ..other
     };
@@ -101,62 +104,66 @@ fn what_is_detected_is_stopped_for() {
         verdict == Verdict::Misnamed && near(turns, 0.3),
         "{turns:?}"
     );
-    // Told, and gone on from, with the crank still out.
-    for told in [&[glitch][..], &[corrected], &[glitch, corrected]] {
-        assert_eq!(judged(&slipped(told)), (Verdict::Missed, None));
+    // reported, and gone on from, with the crank still out.
+    for reported in [&[glitch][..], &[corrected], &[glitch, corrected]] {
+        assert_eq!(judged(&slipped(reported)), (Verdict::Missed, None));
     }
 }
 
-/// Were a correction that was enough none, a machine would have to stop for what it mends; were one that was not, or that may not
-/// be made, a machine could go on past its limit for ever.
+/// Were a correction that was enough none, a machine would have to stop for what it fixes; were one that was not, or that may not
+/// be made, a machine could go on beyond its limit for ever.
 #[test]
 fn a_correction_counts_where_it_was_enough() {
-    let corrected = telling(FaultKind::Slip, Some(1), Reaction::Correct, 9.5);
-    let (scene, mut seen) = slipped(&[corrected]);
-    seen.is_past = false;
-    let (verdict, turns) = judged(&(scene.clone(), seen.clone()));
-    assert_eq!((verdict, turns), (Verdict::Right, Some(9.5 - PAST_TURNS)));
+    let corrected = fault_event(FaultKind::Slip, Some(1), Reaction::Correct, 9.5);
+    let (scene, mut observation) = slipped(&[corrected]);
+    observation.is_beyond_limit = false;
+    let (verdict, turns) = judged(&(scene.clone(), observation.clone()));
+    assert_eq!((verdict, turns), (Verdict::Right, Some(9.5 - BEYOND_TURNS)));
 
-    let mut told_only = scene.clone();
-    told_only.correction.part = 0.0;
-    assert_eq!(judged(&(told_only, seen.clone())).0, Verdict::Missed);
+    let mut reported_only = scene.clone();
+    reported_only.correction.gain = 0.0;
+    assert_eq!(
+        judged(&(reported_only, observation.clone())).0,
+        Verdict::Missed
+    );
 
-    // It walks on, and is stopped for after all: that is when it was seen to be past its limit.
-    let stopped = telling(FaultKind::Slip, Some(1), Reaction::Stop, 12.0);
-    seen.tellings.push(stopped);
-    seen.fault = Some(stopped.told);
-    assert_eq!(judged(&(scene.clone(), seen.clone())).1, Some(2.0));
+    // It walks on, and is stopped for after all: that is when it was detected to be beyond its limit.
+    let stopped = fault_event(FaultKind::Slip, Some(1), Reaction::Stop, 12.0);
+    observation.fault_events.push(stopped);
+    observation.fault = Some(stopped.reported);
+    assert_eq!(judged(&(scene.clone(), observation.clone())).1, Some(2.0));
     // It is stopped for all the same, though it is within its limits again.
-    seen.tellings[1].is_past = false;
-    let (_, turns) = judged(&(scene.clone(), seen.clone()));
-    assert_eq!(turns, Some(9.5 - PAST_TURNS));
+    observation.fault_events[1].is_beyond_limit = false;
+    let (_, turns) = judged(&(scene.clone(), observation.clone()));
+    assert_eq!(turns, Some(9.5 - BEYOND_TURNS));
     // It was for too long.
-    seen.stay_turns = 1.7;
-    assert_eq!(judged(&(scene, seen)).1, Some(2.0));
+    observation.stay_turns = 1.7;
+    assert_eq!(judged(&(scene, observation)).1, Some(2.0));
 }
 
-/// Were it counted late, a loop would be asked to hear an index that does not come any more; were it in time, a crank that stays out
+/// Were it counted late, a loop would be asked to detect an index that does not come any more; were it in time, a crank that stays out
 /// for turns would pass for detected.
 #[test]
 fn a_turn_that_is_not_made_is_not_waited_for() {
-    let corrected = telling(FaultKind::Slip, Some(1), Reaction::Correct, 9.5);
-    let (scene, mut seen) = slipped(&[corrected]);
-    let in_time = |seen: &Seen| judge(&scene, None, seen, (false, false)).in_time;
-    assert_eq!(in_time(&seen), Some(false));
-    seen.end = Some(place(PAST_TURNS + 0.9));
-    assert_eq!(in_time(&seen), None);
+    let corrected = fault_event(FaultKind::Slip, Some(1), Reaction::Correct, 9.5);
+    let (scene, mut observation) = slipped(&[corrected]);
+    let in_time =
+        |observation: &Observation| judge(&scene, None, observation, (false, false)).in_time;
+    assert_eq!(in_time(&observation), Some(false));
+    observation.end = Some(place(BEYOND_TURNS + 0.9));
+    assert_eq!(in_time(&observation), None);
     assert_eq!(
-        judge(&scene, None, &seen, (false, false)).verdict,
+        judge(&scene, None, &observation, (false, false)).verdict,
         Verdict::Right
     );
-    seen.tellings.clear();
+    observation.fault_events.clear();
     assert_eq!(
-        judge(&scene, None, &seen, (false, false)).verdict,
+        judge(&scene, None, &observation, (false, false)).verdict,
         Verdict::Moot
     );
-    seen.end = Some(place(PAST_TURNS + 1.1));
+    observation.end = Some(place(BEYOND_TURNS + 1.1));
     assert_eq!(
-        judge(&scene, None, &seen, (false, false)).verdict,
+        judge(&scene, None, &observation, (false, false)).verdict,
         Verdict::Missed
     );
 }

@@ -19,7 +19,7 @@ pub const KINDS: [FaultName; 15] = [
     FaultName::EncoderGlitch,
     FaultName::DriveAlarm,
     FaultName::Overrun,
-    FaultName::RunDry,
+    FaultName::StepFifoUnderrun,
     FaultName::EnableLoss,
     FaultName::StopInput,
     FaultName::LoadStep,
@@ -28,14 +28,14 @@ pub const KINDS: [FaultName; 15] = [
 /// Whether a kind makes sense for axes that are driven so.
 pub const fn befalls(kind: FaultName, driven: Driven) -> bool {
     match kind {
-        FaultName::LostSteps | FaultName::RunDry => !matches!(driven, Driven::Servo),
-        // Of an axis with an index alone, which way round it turns cannot be seen: its pulses come once a turn either way.
+        FaultName::LostSteps | FaultName::StepFifoUnderrun => !matches!(driven, Driven::Servo),
+        // Of an axis with an index alone, which way round it turns cannot be detected: its pulses come once a turn either way.
         FaultName::Reversed | FaultName::EncoderGlitch => driven.has_encoder(),
         _ => true,
     }
 }
 
-/// Whether a kind can be seen only where align proves which wire goes where.
+/// Whether a kind can be detected only where homing proves which wire goes where.
 pub const fn needs_proof(kind: FaultName) -> bool {
     matches!(kind, FaultName::SwappedWiring)
 }
@@ -48,11 +48,11 @@ pub const fn needs_torque(kind: FaultName) -> bool {
 /// When faults may come, s since power-up, and how the machine turns then.
 #[derive(Clone, Copy, Debug)]
 pub struct Window {
-    /// In *align*: from here,
-    pub align_s: f64,
+    /// In *homing*: from here,
+    pub homing_s: f64,
     /// and in *run* from about here,
     pub run_s: f64,
-    /// to here, with time left for what was done to be seen.
+    /// to here, with time left for what was done to be detected.
     pub end_s: f64,
     /// Speed of the highest level, rev/s.
     pub level_hz: f64,
@@ -61,8 +61,8 @@ pub struct Window {
 /// So many standard deviations of what two readings differ by are no chance.
 const NOISES: f64 = 5.0;
 
-/// One in so many hundred comes during align.
-const IN_ALIGN_PERCENT: u32 = 10;
+/// One in so many hundred comes during homing.
+const IN_HOMING_PERCENT: u32 = 10;
 
 /// Draws a fault of a kind for a machine.
 pub fn draw(
@@ -74,7 +74,7 @@ pub fn draw(
 ) -> FaultAt {
     let axes = scene.axes.count;
     let axis = one_of(stream, axes_for(scene, kind).as_slice());
-    // How far a crank goes until it is seen by its platform, degrees.
+    // How far a crank goes until it is detected by its platform, degrees.
     let limit_deg = geometry.map_or(scene.drift.warp_limit_deg, |geometry| {
         geometry.single_limit_turns() * 360.0
     });
@@ -126,7 +126,7 @@ pub fn draw(
             // From what no reading is off by (four tolerances, each of two steps besides), and no tick goes, to half a turn.
             let per_turn = f64::from(scene.axes.steps_per_turn);
             let tick_turns = window.level_hz / f64::from(scene.control.tick_hz);
-            let tolerance = scene.drift.reading_deg / 360.0 + 2.0 / per_turn;
+            let tolerance = scene.drift.reading_error_deg / 360.0 + 2.0 / per_turn;
             let noise = NOISES * 2.0_f64.sqrt() * scene.noise.encoder_counts / per_turn;
             let least = (4.0 * tolerance + noise + 2.0 * tick_turns).min(0.25);
             let counts = stream.log_between(least * per_turn, 0.5 * per_turn);
@@ -140,19 +140,19 @@ pub fn draw(
             fault.axis = None;
             fault.count = Some(stream.one_of(&[3, 4, 5, 6]));
         }
-        FaultName::RunDry => {}
+        FaultName::StepFifoUnderrun => {}
         FaultName::EnableLoss | FaultName::StopInput => {
             fault.axis = None;
             fault.for_s = seldom_for(stream, 0.01, 0.5);
         }
         FaultName::LoadStep => {
             // Up to half as much again as the motor is asked for at most; what is left of its torque is as much.
-            let asked_nm = geometry.map_or(1.0, |geometry| {
+            let required_nm = geometry.map_or(1.0, |geometry| {
                 let omega = std::f64::consts::TAU * window.level_hz;
                 geometry.most_torque_nm(omega, 0.0) / axes as f64
             });
             fault.torque_nm = Some(rounded(
-                stream.sign() * stream.between(0.05, 0.5) * asked_nm,
+                stream.sign() * stream.between(0.05, 0.5) * required_nm,
                 4,
             ));
             fault.for_s = seldom_for(stream, 0.02, 0.5);
@@ -168,8 +168,8 @@ fn seldom_for(stream: &mut Stream, low_s: f64, high_s: f64) -> Option<f64> {
 }
 
 fn at_s(stream: &mut Stream, window: &Window) -> f64 {
-    let at_s = if stream.percent(IN_ALIGN_PERCENT) {
-        stream.between(window.align_s, window.run_s)
+    let at_s = if stream.percent(IN_HOMING_PERCENT) {
+        stream.between(window.homing_s, window.run_s)
     } else {
         stream.between(window.run_s, window.end_s)
     };
@@ -178,7 +178,7 @@ fn at_s(stream: &mut Stream, window: &Window) -> f64 {
 
 /// How an axis is driven and watched.
 pub fn driven(scene: &Scene, axis: usize) -> Driven {
-    let drive = scene.apart(axis).and_then(|apart| apart.drive);
+    let drive = scene.overrides(axis).and_then(|own| own.drive);
     match drive.unwrap_or(scene.axes.drive) {
         Drive::Servo => Driven::Servo,
         Drive::Stepper if scene.axes.encoder => Driven::WatchedStepper,

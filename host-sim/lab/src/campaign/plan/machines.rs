@@ -10,7 +10,7 @@ use crate::campaign::geometry::Geometry;
 use host_sim::design::STANDARD_GRAVITY_MPS2;
 use host_sim::scene::Scene;
 use host_sim::scene::file::{
-    AxisApart, Correction, Drive, Fidelity, Index, Noise, Questions, Segment, ServoDrive,
+    AxisOverrides, Correction, Drive, Fidelity, Index, Noise, Questions, Segment, ServoDrive,
 };
 use host_sim::scene::library;
 
@@ -47,7 +47,7 @@ impl Driven {
     }
 }
 
-/// A motor gives so many times what is asked of it: at 3, a stepper's rotor is 20° of its electrical cycle behind at most, and
+/// A motor gives so many times what is required of it: at 3, a stepper's rotor is 20° of its electrical cycle behind at most, and
 /// may swing by three times as much.
 const PLENTY: f64 = 3.0;
 
@@ -63,7 +63,7 @@ const CYCLES: f64 = 50.0;
 /// A servo's velocity loop follows so many radians a second; its position loop a quarter of that, which is critical.
 const VELOCITY_RAD_S: f64 = 500.0;
 
-/// Draws a machine with a program of one level: align, ramp, hold; and which mechanism it is.
+/// Draws a machine with a program of one level: homing, ramp, hold; and which mechanism it is.
 pub fn draw(
     stream: &mut Stream,
     driven: Driven,
@@ -95,7 +95,7 @@ pub fn draw(
     let level_hz = rounded(scene.limits.speed_hz * stream.between(0.25, 1.0), 3);
     program(stream, &mut scene, level_hz);
     scene.correction = Correction {
-        part: 0.5,
+        gain: 0.5,
         prove_wiring: prove,
         ..Correction::default()
     };
@@ -107,8 +107,8 @@ pub fn draw(
             0.0
         },
         load_nm: if on_rotors {
-            // A twentieth of what a motor is asked for at most.
-            rounded(stream.between(0.0, 0.05) * asked_nm(&scene), 4)
+            // A twentieth of the torque required of a motor at most.
+            rounded(stream.between(0.0, 0.05) * required_nm(&scene), 4)
         } else {
             0.0
         },
@@ -117,8 +117,8 @@ pub fn draw(
     (name, scene)
 }
 
-fn apart(number: usize, reversed: bool) -> AxisApart {
-    AxisApart {
+fn apart(number: usize, reversed: bool) -> AxisOverrides {
+    AxisOverrides {
         number,
         reversed,
         drive: None,
@@ -134,13 +134,13 @@ fn apart(number: usize, reversed: bool) -> AxisApart {
     }
 }
 
-/// The loop, how fast it creeps and stops, and where index flags and cranks stand.
+/// The loop, how fast it turns at homing speed and stops, and where index flags and cranks stand.
 fn control(stream: &mut Stream, scene: &mut Scene) {
     scene.control.tick_hz = stream.one_of(&[1000, 2000, 2000, 4000]);
     scene.control.settle_s = 0.02;
     scene.control.park_deg = rounded(stream.between(0.0, 360.0), 1);
     let limits = &mut scene.limits;
-    limits.creep_hz = rounded(stream.between(1.5, 3.0), 2);
+    limits.homing_speed_hz = rounded(stream.between(1.5, 3.0), 2);
     // A stop that motors of such plenty can make; twice the acceleration in half the time is eight times the jerk.
     let factor = stream.one_of(&[1.0, 2.0, 3.0]);
     limits.stop_acceleration_hz_per_s = Some(limits.acceleration_hz_per_s * factor);
@@ -153,7 +153,7 @@ fn control(stream: &mut Stream, scene: &mut Scene) {
         let own_deg = rounded(stream.between(-170.0, 170.0), 1);
         apart.index_deg = Some(if together { common_deg } else { own_deg });
     }
-    limits_of_drift(stream, scene);
+    draw_limits(stream, scene);
     // After power-up cranks stand a little apart: a quarter of the way to the limits, at most.
     if stream.percent(50) {
         let most_deg = Geometry::new(scene)
@@ -165,12 +165,12 @@ fn control(stream: &mut Stream, scene: &mut Scene) {
     scene.axes.trim_rate_deg_per_s = 10.0;
 }
 
-/// How far one crank alone may be off, degrees: from half an electrical cycle, so that the first that is lost is past it, to nearly
+/// How far one crank alone may be off, degrees: from half an electrical cycle, so that the first that is lost is beyond it, to nearly
 /// two.
 const ALONE_DEG: (f64, f64) = (4.0, 12.0);
 
 /// Limits on tilt and warp: one of them as tight as a drawn error of one crank makes it, the other up to twice as wide.
-fn limits_of_drift(stream: &mut Stream, scene: &mut Scene) {
+fn draw_limits(stream: &mut Stream, scene: &mut Scene) {
     let alone_deg = stream.between(ALONE_DEG.0, ALONE_DEG.1);
     let wider = stream.between(1.0, 2.0);
     let tilt_is_wider = scene.axes.count > 3 && stream.percent(50);
@@ -191,7 +191,7 @@ fn limits_of_drift(stream: &mut Stream, scene: &mut Scene) {
 
 /// Motors that give [`PLENTY`] times what the machine asks at its greatest speed.
 fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven) {
-    let asked_nm = asked_nm(scene);
+    let required_nm = required_nm(scene);
     let load = Geometry::new(scene).map_or(0.0, |geometry| geometry.most_inertia_kgm2());
     let (inertia, friction) = (scene.axes.rotor_inertia_kgm2 + load, scene.axes.friction_nm);
     let axes = &mut scene.axes;
@@ -205,13 +205,13 @@ fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven) {
             position_gain_per_s: VELOCITY_RAD_S / 4.0,
             velocity_gain_nms: rounded(VELOCITY_RAD_S * inertia, 6),
             integral_s: None,
-            limit_nm: Some(rounded(PLENTY * asked_nm + friction, 3)),
+            limit_nm: Some(rounded(PLENTY * required_nm + friction, 3)),
         });
         return;
     }
     axes.drive = Drive::Stepper;
     axes.steps_per_turn = stream.one_of(&[3200, 6400]);
-    let most_nm = rounded(PLENTY * asked_nm, 3);
+    let most_nm = rounded(PLENTY * required_nm, 3);
     // A rotor that swings is faster than its field for a while: the torque must not end at the field's greatest speed.
     let most_hz = PULL_OUT_SPEEDS * scene.limits.speed_hz;
     axes.pull_out = vec![(0.0, most_nm), (most_hz, most_nm)];
@@ -225,20 +225,20 @@ const BENDS: f64 = 0.25;
 /// Rods that the motors of four and more cranks can bend as far as the limits let them be apart: with stiffer ones no motor could
 /// move its crank to there, whatever it was told. A crank that is off by e pulls on its rod with at most k R e, a lever R away.
 fn rods(scene: &mut Scene) {
-    let asked_nm = PLENTY * asked_nm(scene);
+    let required_nm = PLENTY * required_nm(scene);
     let Some(geometry) = Geometry::new(scene).filter(|_| scene.axes.count > 3) else {
         return;
     };
     let error_rad = geometry.single_limit_turns() * TAU;
-    let way_m = geometry.most_way_m();
-    let n_per_m = BENDS * asked_nm / (way_m * way_m * error_rad);
+    let travel_m = geometry.longest_travel_m();
+    let n_per_m = BENDS * required_nm / (travel_m * travel_m * error_rad);
     if let Some(machine) = &mut scene.machine {
         machine.rod_n_per_um = rounded((n_per_m * 1e-6).clamp(0.01, machine.rod_n_per_um), 4);
     }
 }
 
 /// The most that the machine asks of one motor: at full speed and at rest, at any crank angle.
-fn asked_nm(scene: &Scene) -> f64 {
+fn required_nm(scene: &Scene) -> f64 {
     let limits = &scene.limits;
     let usual = limits.acceleration_hz_per_s;
     let acceleration = limits.stop_acceleration_hz_per_s.unwrap_or(usual) * TAU;
@@ -249,7 +249,7 @@ fn asked_nm(scene: &Scene) -> f64 {
     most_nm / axes.count as f64 + axes.friction_nm + axes.rotor_inertia_kgm2 * acceleration
 }
 
-/// One level, held for as long as what may go wrong takes to be seen.
+/// One level, held for as long as what may go wrong takes to be detected.
 fn program(stream: &mut Stream, scene: &mut Scene, level_hz: f64) {
     let amax_mps2 = Geometry::new(scene).map_or(0.0, |geometry| {
         geometry.mechanism().amax_mps2(level_hz * TAU)

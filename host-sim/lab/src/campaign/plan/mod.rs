@@ -18,7 +18,7 @@ use super::geometry::Geometry;
 /// Of the way in which cases are drawn: the same seed draws the same cases as long as this is the same.
 pub const VERSION: u32 = 2;
 
-/// One in so many hundred machines is on the phased rung, where torque moves the cranks.
+/// One in so many hundred machines is on the phased model level, where torque moves the cranks.
 const ON_ROTORS_PERCENT: u32 = 10;
 
 /// One case.
@@ -78,7 +78,7 @@ impl Plan {
         if kinds.is_empty() {
             return Err(SceneError::at(
                 "",
-                "has nothing that could go wrong on its rung; give axes with index sensors or encoders",
+                "has nothing that could go wrong on its model level; give axes with index sensors or encoders",
             ));
         }
         Ok(Self { seed, scene, kinds })
@@ -161,13 +161,13 @@ fn given(stream: &mut Stream, checked: &Checked) -> (String, Scene) {
         };
     }
     scene.noise.seed = stream.seed();
-    // A replay's file is run as this was: on the rung that was chosen, and chosen once.
+    // A replay's file is run as this was: on the model level that was chosen, and chosen once.
     scene.fidelity = checked.fidelity;
     scene.questions = Default::default();
     (checked.scene.name.clone(), scene)
 }
 
-/// What can go wrong with a scene: what makes sense for its axes, can be seen, and is not refused by its check.
+/// What can go wrong with a scene: what makes sense for its axes, can be detected, and is not refused by its check.
 fn kinds_of(checked: &Checked) -> Vec<FaultName> {
     let scene = &checked.scene;
     let geometry = Geometry::new(scene);
@@ -200,21 +200,21 @@ fn kinds_of(checked: &Checked) -> Vec<FaultName> {
 fn window(scene: &Scene, geometry: Option<&Geometry>) -> Window {
     let amax_mps2 =
         scene.program[0].amax_g.unwrap_or_default() * host_sim::design::STANDARD_GRAVITY_MPS2;
-    let level_hz = geometry.map_or(scene.limits.creep_hz, |geometry| {
+    let level_hz = geometry.map_or(scene.limits.homing_speed_hz, |geometry| {
         geometry.mechanism().speed_for_amax_rad_s(amax_mps2) / std::f64::consts::TAU
     });
     let proof_s = if scene.correction.prove_wiring {
-        2.0 / scene.limits.creep_hz
+        2.0 / scene.limits.homing_speed_hz
     } else {
         0.0
     };
-    let run_s = scene.control.settle_s + 1.2 / scene.limits.creep_hz + proof_s;
+    let run_s = scene.control.settle_s + 1.2 / scene.limits.homing_speed_hz + proof_s;
     let program_s = |part: f64| {
         let segment = &scene.program[0];
         segment.ramp_s.unwrap_or_default() + part * segment.hold_s.unwrap_or_default()
     };
     Window {
-        align_s: scene.control.settle_s + 0.05,
+        homing_s: scene.control.settle_s + 0.05,
         run_s,
         end_s: run_s + program_s(0.5),
         level_hz,
@@ -227,9 +227,9 @@ fn window_of_given(checked: &Checked) -> Window {
     let controller = checked.controller();
     let ticks = controller.map_or(0, |controller| controller.program().0.duration());
     let program_s = ticks as f64 / f64::from(scene.control.tick_hz);
-    let run_s = scene.control.settle_s + 1.5 / scene.limits.creep_hz;
+    let run_s = scene.control.settle_s + 1.5 / scene.limits.homing_speed_hz;
     Window {
-        align_s: scene.control.settle_s + 0.05,
+        homing_s: scene.control.settle_s + 0.05,
         run_s,
         end_s: run_s + 0.95 * program_s,
         level_hz: checked.top_speed_hz(),

@@ -9,7 +9,7 @@ use crate::chart::axis::Axis;
 use crate::chart::picture::{At, Level};
 use crate::chart::{ChartError, Size};
 use host_sim::sim::Outcome;
-use host_sim::sim::events::Happening;
+use host_sim::sim::events::EventKind;
 
 const SCENE: &str = r#"
 name = "band"
@@ -29,7 +29,7 @@ settle_s = 0.02
 speed_hz = 40
 acceleration_hz_per_s = ACCELERATION
 jerk_hz_per_s2 = JERK
-creep_hz = 5
+homing_speed_hz = 5
 BAND
 [axes]
 count = 3
@@ -103,7 +103,7 @@ pub struct Facts {
 ///
 /// # Errors
 /// A scene does not run.
-pub fn look(size: Size) -> Result<Facts, ChartError> {
+pub fn measure(size: Size) -> Result<Facts, ChartError> {
     let accelerations: &[f64] = match size {
         Size::Small => &[5.0, 20.0, 80.0],
         Size::Full => &[
@@ -118,7 +118,7 @@ pub fn look(size: Size) -> Result<Facts, ChartError> {
             .events
             .iter()
             .find_map(|event| match event.what {
-                Happening::BandCrossed {
+                EventKind::BandCrossed {
                     in_s,
                     upwards: true,
                 } => Some(in_s),
@@ -137,7 +137,7 @@ pub fn look(size: Size) -> Result<Facts, ChartError> {
         .events
         .iter()
         .find_map(|event| match event.what {
-            Happening::HeldAtBand { for_s } => Some(for_s),
+            EventKind::HeldAtBand { for_s } => Some(for_s),
             _ => None,
         });
     Ok(Facts {
@@ -153,11 +153,11 @@ fn frame_um(outcome: &Outcome) -> f64 {
 }
 
 pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
-    let facts = look(size)?;
+    let facts = measure(size)?;
     let crossings = facts.crossings.iter();
     let mut crossed = failing(
         crossings
-            .map(|seen| (seen.hz_per_s, seen.frame_um))
+            .map(|measured| (measured.hz_per_s, measured.frame_um))
             .collect(),
     );
     crossed.marked = true;
@@ -182,7 +182,7 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
             },
             Level {
                 at: At::Y(facts.held_um),
-                label: "the same asked, held at the band's edge".to_owned(),
+                label: "the same request,  held at the band's edge".to_owned(),
             },
         ],
         says: format!(

@@ -1,6 +1,6 @@
 //! The stiff chain of a cam follower, with the step doubled until it diverges.
 //!
-//! Failure: past its limit an explicit method blows up within a turn of the cam, at steps at which the motion itself is
+//! Failure: beyond its limit an explicit method blows up within a turn of the cam, at steps at which the motion itself is
 //! smooth. Guards: a scene with such a step is refused and told the limit, and `auto` takes a method that has none.
 
 use cophase_methods::problems::{Cam, Chain, Law, Shaft};
@@ -29,7 +29,7 @@ dampers_ns_per_m = [402, 175, 2030]
 speed_hz = 8
 acceleration_hz_per_s = 20
 jerk_hz_per_s2 = 400
-creep_hz = 5
+homing_speed_hz = 5
 [axes]
 count = 3
 drive = "servo"
@@ -108,7 +108,7 @@ fn peak_m(
 ///
 /// # Errors
 /// A method that does not suit; none does not.
-pub fn look(size: Size) -> Result<Facts, ChartError> {
+pub fn measure(size: Size) -> Result<Facts, ChartError> {
     let chain = Chain::wrapper(Cam::wrapper(Law::ModifiedSine), Shaft::DampedToCam);
     let (true_m, _) = peak_m(&chain, Scheme::Exact, 1 << TRUE)?;
     let finest = match size {
@@ -142,7 +142,7 @@ pub fn look(size: Size) -> Result<Facts, ChartError> {
 const TOP: f64 = 1000.0;
 
 pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
-    let facts = look(size)?;
+    let facts = measure(size)?;
     let limited = facts
         .methods
         .iter()

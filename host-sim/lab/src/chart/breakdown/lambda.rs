@@ -31,7 +31,7 @@ pub struct Facts {
 ///
 /// # Errors
 /// There is none.
-pub fn look(lambda: f64) -> Result<Facts, ChartError> {
+pub fn measure(lambda: f64) -> Result<Facts, ChartError> {
     let mechanism =
         SliderCrank::new(0.010, 0.010 / lambda).map_err(|error| ChartError(error.to_string()))?;
     let worst = mechanism.two_term_error();
@@ -44,7 +44,7 @@ pub fn look(lambda: f64) -> Result<Facts, ChartError> {
 }
 
 pub(super) fn shown() -> Result<Shown, ChartError> {
-    let ends = [look(0.1)?, look(0.6)?];
+    let ends = [measure(0.1)?, measure(0.6)?];
     let mut curves = Vec::new();
     for facts in &ends {
         let over_a_turn = |of: fn(&SliderCrank, f64) -> f64| -> Vec<(f64, f64)> {

@@ -1,6 +1,6 @@
 //! Five-fold overload: of the motors, and of the loop.
 //!
-//! Failure: motors under five times the load that they were sized for slip, all together, so that no tilt tells of it.
+//! Failure: motors under five times the load that they were sized for slip, all together, so that no tilt reports it.
 //! Guard: their common lag is watched too; it latches a fault, and all stop together. A loop whose ticks take five times
 //! as long as they may ends in a fault likewise: an overrun, with all cranks in phase.
 
@@ -20,10 +20,10 @@ pub const SLOW_FROM_S: f64 = 0.9;
 /// A tick, µs.
 const TICK_US: u32 = 500;
 
-/// The scene on a rung, with a load.
-pub fn scene(rung: &str, load_kg: f64) -> String {
+/// The scene on a model level, with a load.
+pub fn scene(model_level: &str, load_kg: f64) -> String {
     three_steppers(
-        rung,
+        model_level,
         &[
             ("load_kg = 8", &format!("load_kg = {load_kg}")),
             ("damping_nms = 0.2", "damping_nms = 0.1"),
@@ -55,7 +55,7 @@ pub struct Facts {
 ///
 /// # Errors
 /// It does not run.
-pub fn look(load_kg: f64) -> Result<Facts, ChartError> {
+pub fn measure(load_kg: f64) -> Result<Facts, ChartError> {
     let mut ahead_deg = Vec::new();
     let outcome = run(&scene("phased", load_kg), &mut |now| {
         ahead_deg.push((now.t_s, now.ahead_turns[0] * 360.0));
@@ -63,7 +63,7 @@ pub fn look(load_kg: f64) -> Result<Facts, ChartError> {
     Ok(Facts { ahead_deg, outcome })
 }
 
-/// The largest part of their pull-out torque that motors are asked for, as the quasi-static rung has it.
+/// The largest part of their pull-out torque that motors are requested, as the quasi-static model level has it.
 ///
 /// # Errors
 /// The scene does not run.
@@ -74,7 +74,7 @@ pub fn torque_used(load_kg: f64) -> Result<f64, ChartError> {
 }
 
 pub(super) fn shown() -> Result<Shown, ChartError> {
-    let (sized, over) = (look(SIZED_KG)?, look(5.0 * SIZED_KG)?);
+    let (sized, over) = (measure(SIZED_KG)?, measure(5.0 * SIZED_KG)?);
     let slow = run(&slow_loop(), &mut |_| {})?;
     let thin = |facts: &Facts| facts.ahead_deg.iter().copied().step_by(4).collect();
     let slip_s = first_slip_s(&over.outcome).unwrap_or(f64::NAN);

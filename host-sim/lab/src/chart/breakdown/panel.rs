@@ -45,8 +45,8 @@ impl Curve {
     }
 }
 
-/// What was asked for.
-pub(super) fn asked(points: Vec<(f64, f64)>) -> Line {
+/// What was requested.
+pub(super) fn requested(points: Vec<(f64, f64)>) -> Line {
     Line {
         stroke: Stroke::Dashed,
         marked: false,

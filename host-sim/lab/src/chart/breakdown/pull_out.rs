@@ -1,7 +1,7 @@
 //! Pull-out: one stepper of three is too weak for its stiff bearing.
 //!
 //! Failure: past a quarter of an electrical cycle its spring gives less and not more, and the crank slips by whole cycles.
-//! Guards: the drift monitor hears it at the next index pulse, latches a fault and stops all; and the rung that compares torques
+//! Guards: the drift monitor detects it at the next index pulse, latches a fault and stops all; and the model level that compares torques
 //! says beforehand that more is asked than there is.
 
 use super::panel::{Curve, Shown, failing, guarded};
@@ -20,10 +20,10 @@ pub const TICK_S: f64 = 500e-6;
 /// Electrical cycles to a turn of [`scene`].
 const CYCLES: f64 = 50.0;
 
-/// The scene on a rung, its third motor scaled.
-pub fn scene(rung: &str, scale: f64) -> String {
+/// The scene on a model level, its third motor scaled.
+pub fn scene(model_level: &str, scale: f64) -> String {
     let settling = ("[limits]", "[control]\nsettle_s = 0.02\n[limits]");
-    let text = three_steppers(rung, &[settling]);
+    let text = three_steppers(model_level, &[settling]);
     format!("{text}[[axis]]\nnumber = {WEAK_AXIS}\nfriction_nm = 3\npull_out_scale = {scale}\n")
 }
 
@@ -55,7 +55,7 @@ impl Facts {
 ///
 /// # Errors
 /// It does not run.
-pub fn look(scale: f64) -> Result<Facts, ChartError> {
+pub fn measure(scale: f64) -> Result<Facts, ChartError> {
     let (mut ahead, mut speeds) = (Vec::new(), Vec::new());
     let outcome = run(&scene("phased", scale), &mut |now| {
         ahead.push((now.t_s, now.ahead_turns[WEAK_AXIS] * CYCLES));
@@ -68,7 +68,7 @@ pub fn look(scale: f64) -> Result<Facts, ChartError> {
     })
 }
 
-/// The part of its pull-out torque that the third motor is asked for, as the quasi-static rung has it.
+/// The part of its pull-out torque that the third motor is asked for, as the quasi-static model level has it.
 ///
 /// # Errors
 /// The scene does not run.
@@ -79,7 +79,7 @@ pub fn torque_used(scale: f64) -> Result<f64, ChartError> {
 }
 
 pub(super) fn shown() -> Result<Shown, ChartError> {
-    let (weak, strong) = (look(WEAK)?, look(1.0)?);
+    let (weak, strong) = (measure(WEAK)?, measure(1.0)?);
     let thin = |facts: &Facts| facts.ahead.iter().copied().step_by(4).collect();
     let slip_s = first_slip_s(&weak.outcome).unwrap_or(f64::NAN);
     let fault_s = fault_s(&weak.outcome).unwrap_or(f64::NAN);
@@ -98,7 +98,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
             label: "fault: all stop".to_owned(),
         }],
         says: format!(
-            "(3) A motor that is asked for {:.1} times what it has ({:.2} if it is as strong as the others) loses {} electrical cycles; the \
+            "(3) A motor that is requested {:.1} times what it has ({:.2} if it is as strong as the others) loses {} electrical cycles; the \
              drift monitor stops all cranks {:.0} ms after the first.",
             torque_used(WEAK)?,
             torque_used(1.0)?,

@@ -26,7 +26,7 @@ rod_n_per_um = ROD
 speed_hz = 30
 acceleration_hz_per_s = 60
 jerk_hz_per_s2 = 1200
-creep_hz = 5
+homing_speed_hz = 5
 [axes]
 count = 4
 drive = "stepper"
@@ -59,7 +59,7 @@ pub fn scene(rod_n_per_um: f64, off_deg: f64, warp_limit_deg: f64, method: &str)
 
 /// What a stiffness does.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen {
+pub struct Measured {
     /// Stiffness of a rod, N/µm.
     pub rod_n_per_um: f64,
     /// Steps a tick that are taken for it.
@@ -67,7 +67,7 @@ pub struct Seen {
     /// Greatest torque of the motor of the crank that stands off 1°, N·m.
     pub off_nm: f64,
     /// The same where none stands off, N·m.
-    pub aligned_nm: f64,
+    pub in_phase_nm: f64,
     /// Cycles that motors slipped, all together.
     pub slipped: i64,
 }
@@ -76,7 +76,7 @@ pub struct Seen {
 #[derive(Clone, Debug)]
 pub struct Facts {
     /// By stiffness.
-    pub seen: Vec<Seen>,
+    pub measured: Vec<Measured>,
     /// Stiffness above which one step a tick is refused, N/µm.
     pub refused_from_n_per_um: f64,
 }
@@ -85,20 +85,20 @@ pub struct Facts {
 ///
 /// # Errors
 /// A scene does not run.
-pub fn look(size: Size) -> Result<Facts, ChartError> {
+pub fn measure(size: Size) -> Result<Facts, ChartError> {
     let stiffnesses: &[f64] = match size {
         Size::Small => &[5.0, 50.0, 500.0],
         Size::Full => &[5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0],
     };
-    let mut seen = Vec::new();
+    let mut measured = Vec::new();
     for &rod_n_per_um in stiffnesses {
         let off = run(&scene(rod_n_per_um, 1.0, 3.0, ""), &mut |_| {})?;
-        let aligned = run(&scene(rod_n_per_um, 0.0, 3.0, ""), &mut |_| {})?;
-        seen.push(Seen {
+        let in_phase = run(&scene(rod_n_per_um, 0.0, 3.0, ""), &mut |_| {})?;
+        measured.push(Measured {
             rod_n_per_um,
             steps: off.method.map_or(0, |(_, steps)| steps),
             off_nm: off.statistics.worst_torque_nm[0],
-            aligned_nm: aligned.statistics.worst_torque_nm[0],
+            in_phase_nm: in_phase.statistics.worst_torque_nm[0],
             slipped: off
                 .statistics
                 .slipped_cycles
@@ -108,7 +108,7 @@ pub fn look(size: Size) -> Result<Facts, ChartError> {
         });
     }
     Ok(Facts {
-        seen,
+        measured,
         refused_from_n_per_um: edge(),
     })
 }
@@ -129,12 +129,12 @@ fn edge() -> f64 {
 }
 
 pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
-    let facts = look(size)?;
-    let points = |of: fn(&Seen) -> f64| -> Vec<(f64, f64)> {
+    let facts = measure(size)?;
+    let points = |of: fn(&Measured) -> f64| -> Vec<(f64, f64)> {
         facts
-            .seen
+            .measured
             .iter()
-            .map(|seen| (seen.rod_n_per_um, of(seen)))
+            .map(|measured| (measured.rod_n_per_um, of(measured)))
             .collect()
     };
     let steps = Line {
@@ -142,14 +142,14 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
         ..Line::new(
             "5: steps a tick",
             Ink::Black,
-            points(|seen| f64::from(seen.steps)),
+            points(|measured| f64::from(measured.steps)),
         )
     };
     let of = |stiffness: f64| {
         let found = facts
-            .seen
+            .measured
             .iter()
-            .find(|seen| seen.rod_n_per_um == stiffness);
+            .find(|measured| measured.rod_n_per_um == stiffness);
         found
             .copied()
             .ok_or_else(|| ChartError(format!("no rods of {stiffness} N/µm")))
@@ -167,11 +167,11 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
         curves: vec![
             Curve::new(
                 "torque, 1° off, N·m",
-                marked(failing(points(|seen| seen.off_nm))),
+                marked(failing(points(|measured| measured.off_nm))),
             ),
             Curve::new(
                 "torque, none off, N·m",
-                marked(guarded(points(|seen| seen.aligned_nm))),
+                marked(guarded(points(|measured| measured.in_phase_nm))),
             ),
             Curve::new("steps a tick", steps),
         ],
@@ -184,7 +184,7 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
              and the steps a tick from {} to {}; one step a tick is refused from {:.1} N/µm on.",
             soft.off_nm,
             stiff.off_nm,
-            stiff.aligned_nm,
+            stiff.in_phase_nm,
             soft.steps,
             stiff.steps,
             facts.refused_from_n_per_um

@@ -5,13 +5,13 @@
 
 use cophase_core::supervisor::State;
 
-use super::panel::{Curve, Shown, asked, guarded};
+use super::panel::{Curve, Shown, guarded, requested};
 use super::runs::{began_s, run, speed_for_hz};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use crate::chart::picture::{At, Level};
 use host_sim::sim::Outcome;
-use host_sim::sim::events::Happening;
+use host_sim::sim::events::EventKind;
 
 /// An even ramp from rest.
 pub const SCENE: &str = r#"
@@ -57,7 +57,7 @@ pub struct Facts {
 
 impl Facts {
     /// Greatest acceleration that the root asks for, from tick to tick, rev/s².
-    pub fn asked_hz_per_s(&self) -> f64 {
+    pub fn requested_hz_per_s(&self) -> f64 {
         self.steepest(|speeds| speeds.1)
     }
 
@@ -79,7 +79,7 @@ impl Facts {
             .events
             .iter()
             .find_map(|event| match event.what {
-                Happening::Lagged { for_s, .. } => Some(for_s),
+                EventKind::Lagged { for_s, .. } => Some(for_s),
                 _ => None,
             })
     }
@@ -89,26 +89,26 @@ impl Facts {
 ///
 /// # Errors
 /// The scene does not run.
-pub fn look() -> Result<Facts, ChartError> {
-    let mut seen = Vec::new();
+pub fn measure() -> Result<Facts, ChartError> {
+    let mut samples = Vec::new();
     let outcome = run(SCENE, &mut |now| {
         if now.state == State::Run {
-            let asked_hz = speed_for_hz(now.asked_mps2, 0.010, 0.25);
-            seen.push((now.t_s, asked_hz, now.speed_hz));
+            let requested_hz = speed_for_hz(now.requested_mps2, 0.010, 0.25);
+            samples.push((now.t_s, requested_hz, now.speed_hz));
         }
     })?;
     let began_s = began_s(&outcome).unwrap_or(0.0);
     // What is asked in a tick is reached at its end; the program begins at rest.
-    let after = seen
+    let after = samples
         .into_iter()
-        .map(|(t_s, asked, got)| (t_s + TICK_S - began_s, asked, got));
+        .map(|(t_s, requested, actual)| (t_s + TICK_S - began_s, requested, actual));
     let speeds = std::iter::once((0.0, 0.0, 0.0)).chain(after);
     let speeds = speeds.filter(|(t_s, ..)| *t_s < 1.0).collect();
     Ok(Facts { speeds, outcome })
 }
 
 pub(super) fn shown() -> Result<Shown, ChartError> {
-    let facts = look()?;
+    let facts = measure()?;
     let points = |of: fn(&(f64, f64, f64)) -> f64| -> Vec<(f64, f64)> {
         let first = facts.speeds.iter().filter(|speeds| speeds.0 < SHOWN_S);
         first
@@ -123,7 +123,10 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
         x: Axis::linear("time since the program began, s", 0.0, SHOWN_S),
         y: Axis::linear("speed of the shaft, rev/s", 0.0, 20.0),
         curves: vec![
-            Curve::new("asked by the root, rev/s", asked(points(|speeds| speeds.1))),
+            Curve::new(
+                "requested by the root, rev/s",
+                requested(points(|speeds| speeds.1)),
+            ),
             Curve::new("commanded, rev/s", guarded(points(|speeds| speeds.2))),
         ],
         levels: vec![Level {
@@ -133,7 +136,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
         says: format!(
             "(1) The root asks for {:.0} times the acceleration that is allowed; the shaft keeps its limit and has caught up \
              after {caught_s:.2} s.",
-            facts.asked_hz_per_s() / LIMIT_HZ_PER_S
+            facts.requested_hz_per_s() / LIMIT_HZ_PER_S
         ),
     })
 }

@@ -7,7 +7,7 @@ use cophase_core::units::MAX_AXES;
 
 use crate::chart::ChartError;
 use host_sim::scene::{Checked, SceneError, load};
-use host_sim::sim::events::Happening;
+use host_sim::sim::events::EventKind;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
 use host_sim::units::turns;
 
@@ -24,7 +24,7 @@ mount_radius_mm = 200
 speed_hz = 30
 acceleration_hz_per_s = 60
 jerk_hz_per_s2 = 1200
-creep_hz = 5
+homing_speed_hz = 5
 [axes]
 count = 3
 drive = "stepper"
@@ -38,10 +38,10 @@ ramp_s = 0.5
 hold_s = 0.5
 "#;
 
-/// The scene that several panels begin with, three steppers on a rung; each thing in it replaced by another.
-pub fn three_steppers(rung: &str, changes: &[(&str, &str)]) -> String {
-    let on_rung = THREE_STEPPERS.replace("\"phased\"", &format!("\"{rung}\""));
-    changes.iter().fold(on_rung, |text, (from, to)| {
+/// The scene that several panels begin with, three steppers on a model level; each thing in it replaced by another.
+pub fn three_steppers(model_level: &str, changes: &[(&str, &str)]) -> String {
+    let on_level = THREE_STEPPERS.replace("\"phased\"", &format!("\"{model_level}\""));
+    changes.iter().fold(on_level, |text, (from, to)| {
         debug_assert!(text.contains(from), "{from} is not in the scene");
         text.replace(from, to)
     })
@@ -55,7 +55,7 @@ pub struct Now {
     /// The supervisor's state.
     pub state: State,
     /// What the program asks for, m/s².
-    pub asked_mps2: f64,
+    pub requested_mps2: f64,
     /// What the shaft is commanded, rev/s.
     pub speed_hz: f64,
     /// What each crank is ahead of its command, turns; 0 of axes that are not there.
@@ -77,7 +77,7 @@ impl Observer for Eyes<'_> {
         (self.0)(&Now {
             t_s: moment.start_ns as f64 * 1e-9,
             state: telemetry.state,
-            asked_mps2: telemetry.amax_program.to_num(),
+            requested_mps2: telemetry.amax_requested.to_num(),
             speed_hz: turns(telemetry.motion.speed) / tick_s,
             ahead_turns,
         });
@@ -109,21 +109,21 @@ pub fn run(text: &str, see: &mut dyn FnMut(&Now)) -> Result<Outcome, ChartError>
 
 /// When a motor first lost a cycle, s.
 pub fn first_slip_s(outcome: &Outcome) -> Option<f64> {
-    let slip = |what: &Happening| matches!(what, Happening::Slipped { .. });
+    let slip = |what: &EventKind| matches!(what, EventKind::Slipped { .. });
     first(outcome, slip)
 }
 
 /// When the fault latched, s.
 pub fn fault_s(outcome: &Outcome) -> Option<f64> {
-    first(outcome, |what| matches!(what, Happening::Fault { .. }))
+    first(outcome, |what| matches!(what, EventKind::Fault { .. }))
 }
 
 /// When the program began, s.
 pub fn began_s(outcome: &Outcome) -> Option<f64> {
-    first(outcome, |what| matches!(what, Happening::Running { .. }))
+    first(outcome, |what| matches!(what, EventKind::Running { .. }))
 }
 
-fn first(outcome: &Outcome, is: impl Fn(&Happening) -> bool) -> Option<f64> {
+fn first(outcome: &Outcome, is: impl Fn(&EventKind) -> bool) -> Option<f64> {
     let events = &outcome.statistics.events;
     events
         .iter()

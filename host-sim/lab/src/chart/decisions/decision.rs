@@ -11,7 +11,7 @@ pub(super) trait Decision {
     /// The reference's threshold, in the drive's unit.
     fn reference(&self) -> f64;
     /// How far the reference may itself be off, relative.
-    fn doubt(&self) -> f64;
+    fn uncertainty(&self) -> f64;
     /// The frequency that steps are compared with, rad/s.
     fn omega_rad_s(&self) -> f64;
     /// Steps that are tried, s, at the reference's threshold.

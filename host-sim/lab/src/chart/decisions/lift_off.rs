@@ -75,8 +75,8 @@ impl Decision for LiftOff {
         REFERENCE_HZ
     }
 
-    fn doubt(&self) -> f64 {
-        DOUBT
+    fn uncertainty(&self) -> f64 {
+        UNCERTAINTY
     }
 
     /// Of the slowest mode, which rings.
@@ -100,19 +100,19 @@ impl Decision for LiftOff {
             .prepare(&counted, step_s)
             .map_err(|_| NoOutcome::Unsuited)?;
         let mut state = [0.0; 6];
-        let mut seen = Vec::with_capacity(steps as usize + 2);
+        let mut samples = Vec::with_capacity(steps as usize + 2);
         for step in 0..(SETTLING + 1) * steps + 2 {
             let t_s = f64::from(step) * step_s;
             if step >= SETTLING * steps {
-                seen.push(contact_n(&chain, t_s, &state));
+                samples.push(contact_n(&chain, t_s, &state));
             }
             method.step(&counted, t_s, &mut state)?;
         }
-        Ok((least(seen.into_iter()) < 0.0, counted.asked()))
+        Ok((least(samples.into_iter()) < 0.0, counted.evaluations()))
     }
 }
 
 /// What DOP853 has for the threshold, turns a second; `super::reference` computes it again, and by another method.
 pub const REFERENCE_HZ: f64 = 7.127_260_152_34;
 /// How far the two differ.
-pub const DOUBT: f64 = 1e-10;
+pub const UNCERTAINTY: f64 = 1e-10;

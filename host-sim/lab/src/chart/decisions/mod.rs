@@ -67,8 +67,8 @@ fn threshold(
     };
     let (mut same, mut other) = (NEAREST / 10.0, NEAREST);
     loop {
-        let (beyond, asked) = outcome(at(other))?;
-        evaluations = asked;
+        let (beyond, evaluated) = outcome(at(other))?;
+        evaluations = evaluated;
         if beyond != is_lower {
             break;
         }
@@ -80,8 +80,8 @@ fn threshold(
     }
     for _ in 0..HALVINGS {
         let middle = (same * other).sqrt();
-        let (beyond, asked) = outcome(at(middle))?;
-        evaluations = asked;
+        let (beyond, evaluated) = outcome(at(middle))?;
+        evaluations = evaluated;
         if beyond == is_lower {
             same = middle;
         } else {
@@ -164,7 +164,7 @@ fn measure(decision: &dyn Decision, csv: &mut String) -> (Panel, Worst) {
                 Ok(found) => found,
             };
             let h_omega = step_s * omega;
-            let told = found.map_or_else(
+            let result = found.map_or_else(
                 || "none,inf,".to_owned(),
                 |found| {
                     format!(
@@ -176,7 +176,7 @@ fn measure(decision: &dyn Decision, csv: &mut String) -> (Panel, Worst) {
             // Writing to a string does not fail.
             let _ = writeln!(
                 csv,
-                "\"{}\",{},{step_s:.6e},{h_omega:.4},{told}",
+                "\"{}\",{},{step_s:.6e},{h_omega:.4},{result}",
                 decision.name(),
                 scheme.facts().name
             );
@@ -205,7 +205,7 @@ fn measure(decision: &dyn Decision, csv: &mut String) -> (Panel, Worst) {
         // What the reference is not good for is not shown.
         y: Axis::log(
             "error of the threshold, relative",
-            10.0 * decision.doubt(),
+            10.0 * decision.uncertainty(),
             1.0,
         ),
         lines,

@@ -97,10 +97,10 @@ impl Led<'_> {
         let u = (t_s / RAMP_S).clamp(0.0, 1.0);
         // x³ (10 − 15x + 6x²), and its integral.
         let part = u.powi(3) * (10.0 + u * (6.0 * u - 15.0));
-        let way = u.powi(4) * (2.5 + u * (u - 3.0)) * RAMP_S + (t_s - RAMP_S).max(0.0);
+        let turns = u.powi(4) * (2.5 + u * (u - 3.0)) * RAMP_S + (t_s - RAMP_S).max(0.0);
         let by_hz = self.speed_hz - FROM_HZ;
         Field {
-            alpha_rad: TAU * (FROM_HZ * t_s + by_hz * way),
+            alpha_rad: TAU * (FROM_HZ * t_s + by_hz * turns),
             omega_rad_s: TAU * (FROM_HZ + by_hz * part),
             torque_nm: 0.0,
         }
@@ -146,8 +146,8 @@ impl Decision for PullsOut {
         REFERENCE_HZ
     }
 
-    fn doubt(&self) -> f64 {
-        DOUBT
+    fn uncertainty(&self) -> f64 {
+        UNCERTAINTY
     }
 
     /// Of the rotors on the spring of their fields, at rest.
@@ -172,11 +172,11 @@ impl Decision for PullsOut {
         for step in 0..steps {
             method.step(&counted, f64::from(step) * step_s, &mut state)?;
         }
-        Ok((led.is_out(END_S, &state), counted.asked()))
+        Ok((led.is_out(END_S, &state), counted.evaluations()))
     }
 }
 
 /// What DOP853 has for the threshold, rev/s; `super::reference` computes it again, and by another method.
 pub const REFERENCE_HZ: f64 = 21.316_965_607_630_66;
 /// How far the two differ.
-pub const DOUBT: f64 = 1e-11;
+pub const UNCERTAINTY: f64 = 1e-11;

@@ -106,17 +106,17 @@ fn least_contact_n(drive: f64, library: Library) -> f64 {
     let cycle_s = chain.cam.cycle_s();
     let start_s = f64::from(lift_off::SETTLING) * cycle_s;
     let start = end(&chain, [0.0; 6], start_s, library, ABSOLUTE_OF_CHAIN);
-    let look_s = cycle_s / f64::from(LOOKS);
+    let sample_s = cycle_s / f64::from(LOOKS);
     let times: Vec<f64> = (0..=LOOKS + 1)
-        .map(|i| start_s + f64::from(i) * look_s)
+        .map(|i| start_s + f64::from(i) * sample_s)
         .collect();
     let adapter = Adapter(&chain);
-    let until_s = start_s + cycle_s + 2.0 * look_s;
+    let until_s = start_s + cycle_s + 2.0 * sample_s;
     let states = solved!(
         IVP::ode(&adapter, start_s, until_s, start).t_eval(&times),
         library,
         ABSOLUTE_OF_CHAIN,
-        16.0 * look_s
+        16.0 * sample_s
     );
     assert_eq!(states.len(), times.len());
     let contact = times
@@ -157,18 +157,26 @@ fn lift_off_hz(low: f64, high: f64, library: Library) -> f64 {
 
 /// The constant is what DOP853 has, and the other is no farther from it than it says.
 fn assert_reference(decision: &dyn Decision, found: [f64; 2]) {
-    let doubt = (found[1] / found[0] - 1.0).abs();
+    let uncertainty = (found[1] / found[0] - 1.0).abs();
     println!(
-        "{}: DOP853 {:.14}, RKV 9(8) {:.14}, {doubt:.1e} apart; stated {:.14} ± {:.0e}",
+        "{}: DOP853 {:.14}, RKV 9(8) {:.14}, {uncertainty:.1e} apart; stated {:.14} ± {:.0e}",
         decision.name(),
         found[0],
         found[1],
         decision.reference(),
-        decision.doubt()
+        decision.uncertainty()
     );
-    assert!(doubt <= decision.doubt(), "{}: {doubt:e}", decision.name());
+    assert!(
+        uncertainty <= decision.uncertainty(),
+        "{}: {uncertainty:e}",
+        decision.name()
+    );
     let off = (found[0] / decision.reference() - 1.0).abs();
-    assert!(off <= decision.doubt(), "{}: {off:e}", decision.name());
+    assert!(
+        off <= decision.uncertainty(),
+        "{}: {off:e}",
+        decision.name()
+    );
 }
 
 /// Were it wrong, errors would be told of a threshold that is none. (Each was found between far wider bounds.)
@@ -203,7 +211,7 @@ fn rk4_comes_to_the_reference() {
             .collect();
         println!("{}: {errors:?}", decision.name());
         for pair in errors.windows(2) {
-            let fell = pair[1] < 0.5 * pair[0] || pair[1] < 10.0 * decision.doubt();
+            let fell = pair[1] < 0.5 * pair[0] || pair[1] < 10.0 * decision.uncertainty();
             assert!(fell, "{}: {errors:?}", decision.name());
         }
     }
@@ -240,8 +248,8 @@ fn the_screen_does_what_is_published_of_it() {
 /// Looks for brackets of the thresholds from far away; run by hand after a change of a machine:
 /// `cargo test -p host-sim --lib decisions -- --ignored --nocapture`.
 #[test]
-#[ignore = "tells the constants anew; asserts nothing"]
-fn tell_the_thresholds() {
+#[ignore = "shows the constants anew; asserts nothing"]
+fn print_the_thresholds() {
     for library in LIBRARY {
         let speed = lift_off_hz(6.0, 8.0, library);
         println!("{library:?}: lift-off {speed:.14}");

@@ -33,8 +33,8 @@ impl Decision for Resonance {
         REFERENCE
     }
 
-    fn doubt(&self) -> f64 {
-        DOUBT
+    fn uncertainty(&self) -> f64 {
+        UNCERTAINTY
     }
 
     fn omega_rad_s(&self) -> f64 {
@@ -60,14 +60,14 @@ impl Decision for Resonance {
         for step in 0..steps {
             method.step(&counted, f64::from(step) * step_s, &mut state)?;
             if state[5] > PASSED_RAD_S {
-                return Ok((true, counted.asked()));
+                return Ok((true, counted.evaluations()));
             }
         }
-        Ok((false, counted.asked()))
+        Ok((false, counted.evaluations()))
     }
 }
 
 /// What DOP853 has for the threshold; `super::reference` computes it again, and by another method.
 pub const REFERENCE: f64 = 1.075_202_385_583_13;
 /// How far the two differ.
-pub const DOUBT: f64 = 1e-11;
+pub const UNCERTAINTY: f64 = 1e-11;

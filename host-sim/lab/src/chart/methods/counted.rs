@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 /// Equations that count how often they are asked.
 pub struct Counted<'a> {
     equations: &'a dyn Equations,
-    asked: Cell<u64>,
+    evaluations: Cell<u64>,
 }
 
 impl<'a> Counted<'a> {
@@ -17,17 +17,17 @@ impl<'a> Counted<'a> {
     pub fn new(equations: &'a dyn Equations) -> Self {
         Self {
             equations,
-            asked: Cell::new(0),
+            evaluations: Cell::new(0),
         }
     }
 
-    /// How often they were asked for their rates; a Jacobian counts as if it were taken by differences.
-    pub fn asked(&self) -> u64 {
-        self.asked.get()
+    /// How often they were requested their rates; a Jacobian counts as if it were taken by differences.
+    pub fn evaluations(&self) -> u64 {
+        self.evaluations.get()
     }
 
     fn count(&self, times: u64) {
-        self.asked.set(self.asked.get() + times);
+        self.evaluations.set(self.evaluations.get() + times);
     }
 }
 

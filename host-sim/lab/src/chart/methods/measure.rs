@@ -48,8 +48,8 @@ impl Curve {
         let mut runs: Vec<Run> = Vec::new();
         for doubling in 0..=doublings {
             // One error below what is shown may be a curve that passes zero; two are its end.
-            let unseen = |run: &Run| run.error < problem.shown().0;
-            let is_over = runs.len() >= 2 && runs[runs.len() - 2..].iter().all(unseen);
+            let unresolved = |run: &Run| run.error < problem.shown().0;
+            let is_over = runs.len() >= 2 && runs[runs.len() - 2..].iter().all(unresolved);
             if runs.len() >= FEWEST && is_over || size == Size::Small && runs.len() >= SMALL {
                 break;
             }
@@ -101,12 +101,12 @@ fn run(
     let off = y.iter().zip(&problem.answer).map(|(y, a)| (y - a).abs());
     Ok(Run {
         steps,
-        evaluations: counted.asked(),
+        evaluations: counted.evaluations(),
         error: match done {
             Ok(()) => off.fold(0.0, f64::max),
             Err(_) => f64::INFINITY,
         },
-        sines_an_evaluation: yardstick.sines(took) / counted.asked().max(1) as f64,
+        sines_an_evaluation: yardstick.sines(took) / counted.evaluations().max(1) as f64,
     })
 }
 

@@ -25,14 +25,14 @@ const LEAST: f64 = 1e-5;
 /// Nor above this multiple.
 const MOST: f64 = 1e4;
 /// Two references differ by at most a tenth of the smallest error shown.
-const DOUBTS: f64 = 10.0;
+const UNCERTAINTY_MARGIN: f64 = 10.0;
 
 impl Problem {
     /// The smallest and the largest error that is shown.
     pub fn shown(&self) -> (f64, f64) {
         (
-            (DOUBTS * self.doubt).max(LEAST * self.wanted),
-            MOST * self.wanted,
+            (UNCERTAINTY_MARGIN * self.uncertainty).max(LEAST * self.required_error),
+            MOST * self.required_error,
         )
     }
 }
@@ -43,7 +43,8 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
     let of = (problems.len() * Scheme::ALL.len()) as u64;
     let mut done = 0;
     let mut csv =
-        "problem,method,default,steps,evaluations,error,unit,reference_doubt,timing\n".to_owned();
+        "problem,method,default,steps,evaluations,error,unit,reference_uncertainty,timing\n"
+            .to_owned();
     let mut panels = Vec::new();
     let mut cheapest = Cheapest::default();
     for problem in &problems {
@@ -58,7 +59,7 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
             done += 1;
             progress(done, of);
         }
-        cheapest.look_at(problem, &curves);
+        cheapest.inspect(problem, &curves);
         panels.push(panel(problem, &curves));
     }
     let says = cheapest.says();
@@ -85,7 +86,7 @@ fn write_rows(csv: &mut String, problem: &Problem, curve: &Curve) {
             run.evaluations,
             run.error,
             problem.unit,
-            problem.doubt,
+            problem.uncertainty,
             run.sines_an_evaluation,
         );
     }
@@ -119,7 +120,7 @@ fn panel(problem: &Problem, curves: &[Curve]) -> Panel {
         ),
         lines: curves.iter().map(line).collect(),
         levels: vec![Level {
-            at: At::Y(problem.wanted),
+            at: At::Y(problem.required_error),
             label: "good enough".to_owned(),
         }],
     }
@@ -135,8 +136,8 @@ struct Cheapest {
 }
 
 impl Cheapest {
-    fn look_at(&mut self, problem: &Problem, curves: &[Curve]) {
-        let cost = |curve: &Curve| curve.cost_of(problem.wanted);
+    fn inspect(&mut self, problem: &Problem, curves: &[Curve]) {
+        let cost = |curve: &Curve| curve.cost_of(problem.required_error);
         let costs = curves
             .iter()
             .filter_map(|curve| Some((curve.scheme, cost(curve)?)));

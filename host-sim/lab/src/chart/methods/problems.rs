@@ -1,13 +1,13 @@
 //! What methods are put to: this project's machines over a short manoeuvre, and public problems.
 //!
-//! Each has an answer and says how well it is known, its *doubt*: the most by which DOP853, a Verner method of order 9 and
+//! Each has an answer and says how well it is known, its *uncertainty*: the most by which DOP853, a Verner method of order 9 and
 //! the answer given here differ. `tests/references.rs` of the workspace solves all of them again with both.
 
 use cophase_methods::problems::{Andrews, Cam, Chain, Hires, Law, Oscillator, Shaft};
 use cophase_methods::{Equations, Scheme};
 
 use host_sim::dynamics::{Body, Driven, Field, Freedom, Motor, Phased, Rigid, Stepper};
-use host_sim::machine::{Chosen, PullOut, Rotors, Told};
+use host_sim::machine::{Chosen, DriveCommand, PullOut, Rotors};
 use host_sim::mechanism::slider_crank::{Load, Platform, SliderCrank};
 
 use crate::chart::ChartError;
@@ -27,9 +27,9 @@ pub struct Problem {
     /// What the first components are then; the others are not compared.
     pub answer: Vec<f64>,
     /// Largest difference between two references, and between either and the answer.
-    pub doubt: f64,
+    pub uncertainty: f64,
     /// An error that is good enough for what the machine is used for.
-    pub wanted: f64,
+    pub required_error: f64,
     /// Steps to the end: the fewest, and how often they are doubled.
     pub steps: (u32, u32),
     /// What a scene takes for such a machine unless told otherwise.
@@ -112,8 +112,8 @@ fn led(freedom: Freedom) -> Result<Driven, ChartError> {
 /// # Errors
 /// What the machine says that refuses it.
 pub fn default_of(driven: &Driven) -> Result<Scheme, ChartError> {
-    let told = vec![Told::default(); driven.body().axes()];
-    Rotors::new(driven.clone(), told, 5e-4, Chosen::default())
+    let commanded = vec![DriveCommand::default(); driven.body().axes()];
+    Rotors::new(driven.clone(), commanded, 5e-4, Chosen::default())
         .map(|rotors| rotors.method().0)
         .map_err(ChartError)
 }
@@ -128,8 +128,8 @@ fn rigid() -> Result<Problem, ChartError> {
         start: vec![0.0, SPEED_RAD_S],
         end_s: TURN_S,
         answer: vec![6.906_729_890_485_487],
-        doubt: 1e-14,
-        wanted: 1e-5,
+        uncertainty: 1e-14,
+        required_error: 1e-5,
         steps: (16, 10),
     })
 }
@@ -151,8 +151,8 @@ fn phased() -> Result<Problem, ChartError> {
             6.906_709_201_862_057,
             6.905_357_171_209_73,
         ],
-        doubt: 1e-13,
-        wanted: 1e-5,
+        uncertainty: 1e-13,
+        required_error: 1e-5,
         steps: (32, 10),
     })
 }
@@ -174,8 +174,8 @@ fn chain() -> Problem {
             0.083_515_374_558_918_88,
             0.083_516_938_026_240_33,
         ],
-        doubt: 1e-14,
-        wanted: 1e-6,
+        uncertainty: 1e-14,
+        required_error: 1e-6,
         steps: (32, 10),
     }
 }
@@ -195,8 +195,8 @@ fn oscillator() -> Problem {
         answer: oscillator.exact(1.0, [1e-3, 0.0])[..1].to_vec(),
         equations: Box::new(oscillator),
         end_s: 1.0,
-        doubt: 2e-15,
-        wanted: 1e-7,
+        uncertainty: 2e-15,
+        required_error: 1e-7,
         steps: (64, 10),
     }
 }
@@ -213,8 +213,8 @@ fn andrews() -> Problem {
         start,
         end_s: Andrews::END_S,
         answer: Andrews::PUBLISHED.to_vec(),
-        doubt: 1.5e-9,
-        wanted: 1e-5,
+        uncertainty: 1.5e-9,
+        required_error: 1e-5,
         steps: (256, 9),
     }
 }
@@ -228,8 +228,8 @@ fn hires() -> Problem {
         start: Hires::START.to_vec(),
         end_s: Hires::END,
         answer: Hires::PUBLISHED.to_vec(),
-        doubt: 1e-14,
-        wanted: 1e-6,
+        uncertainty: 1e-14,
+        required_error: 1e-6,
         steps: (128, 11),
     }
 }

@@ -58,7 +58,7 @@ fn legend(picture: &Picture) -> Vec<LegendEntry> {
             .filter(|other| other.label == line.label)
             .partition(|other| other.chosen);
         let what = picture.chosen_is;
-        let looks = if line.stroke == Stroke::None {
+        let appearance = if line.stroke == Stroke::None {
             "large"
         } else {
             "thick"
@@ -67,7 +67,7 @@ fn legend(picture: &Picture) -> Vec<LegendEntry> {
             label: match (chosen.is_empty(), not.is_empty()) {
                 (true, _) => line.label.clone(),
                 (false, true) => format!("{} ({what})", line.label),
-                (false, false) => format!("{} ({what} where {looks})", line.label),
+                (false, false) => format!("{} ({what} where {appearance})", line.label),
             },
             color: line.ink.hex().to_owned(),
             shape: match line.stroke {

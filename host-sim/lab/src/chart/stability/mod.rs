@@ -59,9 +59,9 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
                 .collect();
             for &(h_omega, growth) in &points {
                 let (measured, by_theory) = (
-                    told(edge),
+                    edge_label(edge),
                     match theory(scheme, zeta) {
-                        Some(edge) => told(edge),
+                        Some(edge) => edge_label(edge),
                         None => String::new(),
                     },
                 );
@@ -157,6 +157,6 @@ fn trims(csv: &mut String, progress: &mut dyn FnMut(u64)) -> Panel {
     }
 }
 
-fn told(edge: Option<f64>) -> String {
+fn edge_label(edge: Option<f64>) -> String {
     edge.map_or_else(|| "none".to_owned(), |edge| format!("{edge:.6}"))
 }

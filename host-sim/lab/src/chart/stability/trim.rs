@@ -1,6 +1,6 @@
 //! How hard a trim may correct drift: the edge in gain × delay.
 //!
-//! Once a turn an index tells an axis's drift e; the trim then goes on by −g e, of a drift that was measured d turns ago:
+//! Once a turn an index shows an axis's drift e; the trim then goes on by −g e, of a drift that was measured d turns ago:
 //! e[k+1] = e[k] − g e[k−d]. That integrator is not in the controller yet, which leaves trims where a scene set them; the
 //! axis and the trim that carry it out are, and here the loop is closed around them, in the tick's own fixed point.
 //!
@@ -74,13 +74,13 @@ fn dies_out(gain: f64, delay_turns: u32) -> bool {
             axis.advance(a_tick, Turns::ZERO);
             master = master.advanced(a_tick);
         }
-        let drift_turns = SLIP_TURNS + axis.phase().since(master).to_num::<f64>();
+        let phase_error_turns = SLIP_TURNS + axis.phase().since(master).to_num::<f64>();
         if (SETTLED..SETTLED + COMPARED).contains(&turn) {
-            early += drift_turns * drift_turns;
+            early += phase_error_turns * phase_error_turns;
         } else if turn >= PLAYED - COMPARED {
-            late += drift_turns * drift_turns;
+            late += phase_error_turns * phase_error_turns;
         }
-        measured.push_back(drift_turns);
+        measured.push_back(phase_error_turns);
         let known = measured.pop_front().unwrap_or_default();
         target = target.wrapping_sub(Turns::from_num((gain * known).clamp(-0.1, 0.1)));
         if !axis.trim_mut().set(target) {

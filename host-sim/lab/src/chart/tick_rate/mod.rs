@@ -1,10 +1,10 @@
 //! What a faster control tick buys, and what it costs on the board.
 //!
 //! Scenes are run at every rate. What is looked at is the motion that is *played*: the amplitude that the shaft's speed
-//! amounts to, against what the program says at that very time, counted from the deadline at which the loop was told to
+//! amounts to, against what the program says at that very time, counted from the deadline at which the loop was commanded to
 //! start. So a lag of the loop counts too: a tick is planned at one deadline and played from the next.
 //!
-//! What each rate costs is reckoned from the cycles of a tick as the emulator counts them (`docs/emulated.csv`).
+//! What each rate costs is computed from the cycles of a tick as the emulator counts them (`docs/emulated.csv`).
 
 mod ramp;
 
@@ -24,7 +24,7 @@ use ramp::{ProgramLevels, Ramp};
 const RATES_HZ: [u32; 10] = [500, 800, 1000, 1600, 2000, 2500, 4000, 5000, 8000, 10_000];
 /// What a scene has unless it says otherwise.
 const DEFAULT_HZ: u32 = 2000;
-/// Steppers and servos that are where they are told to be; and steppers that torque moves, without which no crank would ever
+/// Steppers and servos that are where commanded; and steppers that torque moves, without which no crank would ever
 /// be out of phase.
 const SCENES: [(&str, Ink); 3] = [
     ("default", Ink::Blue),

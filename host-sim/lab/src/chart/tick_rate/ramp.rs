@@ -83,8 +83,8 @@ impl Ramp {
 impl Observer for Ramp {
     fn tick(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
-        let changes =
-            std::mem::replace(&mut self.before, telemetry.amax_program) != telemetry.amax_program;
+        let changes = std::mem::replace(&mut self.before, telemetry.amax_requested)
+            != telemetry.amax_requested;
         let motion = &telemetry.motion;
         let kept_back = motion.lagging || motion.held_at_band || motion.crossing_band;
         if telemetry.state != State::Run || !changes || kept_back {

@@ -14,7 +14,7 @@ use serde::Deserialize;
 
 use super::flow::Callee;
 use crate::error::{self, Error};
-use crate::image::Image;
+use crate::firmware::Firmware;
 use crate::name;
 
 /// The entries, and which of them were met.
@@ -50,7 +50,7 @@ impl Allowed {
     ///
     /// # Errors
     /// A file that cannot be read, an entry without a reason, or one whose `calls` match nothing.
-    pub fn read(path: &Path, image: &Image) -> Result<Self, Error> {
+    pub fn read(path: &Path, firmware: &Firmware) -> Result<Self, Error> {
         let text = error::read_text(path)?;
         let file: File = toml::from_str(&text).map_err(|error| Error::content(path, error))?;
         let mut entries = Vec::new();
@@ -61,7 +61,7 @@ impl Allowed {
             }
             let mut instead = Vec::new();
             for pattern in &entry.calls {
-                let found = super::find(image, pattern);
+                let found = super::find(firmware, pattern);
                 if found.is_empty() {
                     let problem = format!("no function's name matches `{pattern}` in calls");
                     return Err(Error::content(path, problem));
@@ -74,9 +74,14 @@ impl Allowed {
     }
 
     /// If a call is allowed, what is called instead; and the entry is noted as met.
-    pub fn take(&mut self, image: &Image, from: usize, callee: Callee) -> Option<Vec<Callee>> {
+    pub fn take(
+        &mut self,
+        firmware: &Firmware,
+        from: usize,
+        callee: Callee,
+    ) -> Option<Vec<Callee>> {
         let is = |pattern: &str, function: usize| {
-            let names = &image.functions[function].names;
+            let names = &firmware.functions[function].names;
             names.iter().any(|name| name::matches(pattern, name))
         };
         let (_, instead, met) = self.entries.iter_mut().find(|(entry, ..)| {

@@ -8,12 +8,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::thumb::{self, Flow, Instruction, Stack};
-use crate::image::{Function, Image};
+use crate::firmware::{Firmware, Function};
 
 /// Callee of a function, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Callee {
-    /// Another, or itself, by its place in [`Image::functions`].
+    /// Another, or itself, by its place in [`Firmware::functions`].
     Function(usize),
     /// Code at an address at which there is no function.
     Nowhere(u32),
@@ -40,8 +40,8 @@ const TABLE_WINDOW: usize = 12;
 
 impl Body {
     /// Reads a function.
-    pub fn new(image: &Image, function: &Function) -> Self {
-        let code = Code::read(image, function);
+    pub fn new(firmware: &Firmware, function: &Function) -> Self {
+        let code = Code::read(firmware, function);
         let (depths, depth) = code.depths();
         let mut body = Self {
             calls: BTreeMap::new(),
@@ -50,12 +50,12 @@ impl Body {
         let deepest = depths.values().copied().max().unwrap_or(0);
         for (&at, place) in &code.places {
             let depth = depths.get(&at).copied().unwrap_or(deepest);
-            for callee in code.callees(image, at, place) {
+            for callee in code.callees(firmware, at, place) {
                 body.add(callee, depth);
             }
         }
         // A function whose address it holds may be called by it, or by whom it gives that to.
-        for callee in code.held(image) {
+        for callee in code.held(firmware) {
             body.add(callee, deepest);
         }
         body
@@ -87,8 +87,8 @@ struct Code<'a> {
 }
 
 impl<'a> Code<'a> {
-    fn read(image: &Image, function: &'a Function) -> Self {
-        let section = &image.sections[function.section];
+    fn read(firmware: &Firmware, function: &'a Function) -> Self {
+        let section = &firmware.sections[function.section];
         let mut instructions = BTreeMap::new();
         let mut words = BTreeSet::new();
         let mut at = function.address;
@@ -129,9 +129,9 @@ impl<'a> Code<'a> {
     }
 
     /// Callees and traps of one instruction.
-    fn callees(&self, image: &Image, at: u32, place: &Place) -> Vec<Callee> {
+    fn callees(&self, firmware: &Firmware, at: u32, place: &Place) -> Vec<Callee> {
         let to = |address: u32| {
-            image
+            firmware
                 .function_around(address)
                 .map_or(Callee::Nowhere(address), Callee::Function)
         };
@@ -165,11 +165,11 @@ impl<'a> Code<'a> {
     }
 
     /// Functions whose addresses are among the data.
-    fn held<'b>(&'b self, image: &'b Image) -> impl Iterator<Item = Callee> + 'b {
+    fn held<'b>(&'b self, firmware: &'b Firmware) -> impl Iterator<Item = Callee> + 'b {
         self.words
             .iter()
             .filter(|&&word| word & 1 == 1)
-            .filter_map(|&word| image.function_at(word & !1).map(Callee::Function))
+            .filter_map(|&word| firmware.function_at(word & !1).map(Callee::Function))
     }
 
     /// The depth of the stack before each instruction, and the greatest; none if that is not known.

@@ -4,12 +4,12 @@ use std::collections::{BTreeMap, VecDeque};
 
 use super::allow::Allowed;
 use super::flow::{Body, Callee};
-use crate::image::Image;
+use crate::firmware::Firmware;
 use crate::name;
 
 /// The call graph of a firmware, read as far as it is walked.
 pub struct Graph<'a> {
-    image: &'a Image,
+    firmware: &'a Firmware,
     allowed: &'a mut Allowed,
     /// Calls of each function less the allowed ones, with the depth of its own stack then.
     bodies: BTreeMap<usize, Calls>,
@@ -44,9 +44,9 @@ pub enum Stack {
 
 impl<'a> Graph<'a> {
     /// Makes the graph of a firmware, less the edges that are allowed.
-    pub fn new(image: &'a Image, allowed: &'a mut Allowed) -> Self {
+    pub fn new(firmware: &'a Firmware, allowed: &'a mut Allowed) -> Self {
         Self {
-            image,
+            firmware,
             allowed,
             bodies: BTreeMap::new(),
         }
@@ -89,16 +89,16 @@ impl<'a> Graph<'a> {
         let Callee::Function(thunk) = callee else {
             return callee;
         };
-        let thunk = &self.image.functions[thunk];
+        let thunk = &self.firmware.functions[thunk];
         if !thunk.names.iter().any(|name| name::is_thunk(name)) {
             return callee;
         }
-        let body = Body::new(self.image, thunk);
+        let body = Body::new(self.firmware, thunk);
         body.calls.into_keys().next().unwrap_or(Callee::Unknown)
     }
 
     fn is_panic(&self, function: usize) -> bool {
-        let names = &self.image.functions[function].names;
+        let names = &self.firmware.functions[function].names;
         names.iter().any(|name| name::is_panic(name))
     }
 
@@ -106,11 +106,11 @@ impl<'a> Graph<'a> {
         if let Some(calls) = self.bodies.get(&function) {
             return calls.clone();
         }
-        let body = Body::new(self.image, &self.image.functions[function]);
+        let body = Body::new(self.firmware, &self.firmware.functions[function]);
         let mut calls = Vec::new();
         for (callee, depth) in body.calls {
             let callee = self.through(callee);
-            match self.allowed.take(self.image, function, callee) {
+            match self.allowed.take(self.firmware, function, callee) {
                 None => calls.push((callee, depth)),
                 Some(instead) => calls.extend(instead.into_iter().map(|callee| (callee, depth))),
             }
@@ -132,7 +132,7 @@ impl<'a> Graph<'a> {
         if let Some(&(bytes, ..)) = known.get(&function) {
             return Ok(bytes);
         }
-        let name = self.image.functions[function].name();
+        let name = self.firmware.functions[function].name();
         if above.contains(&function) {
             return Err(format!(
                 "{name} may call itself, directly or through others"

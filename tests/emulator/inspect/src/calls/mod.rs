@@ -12,14 +12,14 @@ pub mod graph;
 mod thumb;
 
 use crate::error::Error;
-use crate::image::Image;
+use crate::firmware::Firmware;
 use crate::name;
 
 /// Functions whose names a pattern matches.
-pub fn find(image: &Image, pattern: &str) -> Vec<usize> {
+pub fn find(firmware: &Firmware, pattern: &str) -> Vec<usize> {
     let is = |names: &[String]| names.iter().any(|name| name::matches(pattern, name));
-    (0..image.functions.len())
-        .filter(|&function| is(&image.functions[function].names))
+    (0..firmware.functions.len())
+        .filter(|&function| is(&firmware.functions[function].names))
         .collect()
 }
 
@@ -27,12 +27,12 @@ pub fn find(image: &Image, pattern: &str) -> Vec<usize> {
 ///
 /// # Errors
 /// A pattern that matches nothing; none at all.
-pub fn roots(image: &Image, patterns: &[String]) -> Result<Vec<usize>, Error> {
+pub fn roots(firmware: &Firmware, patterns: &[String]) -> Result<Vec<usize>, Error> {
     let mut roots = Vec::new();
     for pattern in patterns {
-        let found = find(image, pattern);
+        let found = find(firmware, pattern);
         if found.is_empty() {
-            return Err(Error::NoRoot(pattern.clone(), near(image, pattern)));
+            return Err(Error::NoRoot(pattern.clone(), near(firmware, pattern)));
         }
         for root in found {
             if !roots.contains(&root) {
@@ -47,12 +47,12 @@ pub fn roots(image: &Image, patterns: &[String]) -> Result<Vec<usize>, Error> {
 }
 
 /// Names that share a pattern's last segment, for the message about a wrong root.
-fn near(image: &Image, pattern: &str) -> String {
+fn near(firmware: &Firmware, pattern: &str) -> String {
     let plain = name::plain(pattern);
     let last = plain.rsplit("::").next().unwrap_or(&plain);
-    let mut found: Vec<&str> = find(image, last)
+    let mut found: Vec<&str> = find(firmware, last)
         .into_iter()
-        .map(|function| image.functions[function].names[0].as_str())
+        .map(|function| firmware.functions[function].names[0].as_str())
         .collect();
     found.truncate(3);
     if found.is_empty() {

@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn registers_that_change_are_told() {
+    fn registers_that_change_are_reported() {
         for (first, register) in [
             (0x2001, 0), // movs r0, #1
             (0x1c4d, 5), // adds r5, r1, #1

@@ -93,7 +93,7 @@ pub fn print(
         .ok_or_else(|| Error::content(elf_path, "has no .defmt section, so it logs nothing"))?;
     // Without debug information there are no locations; the lines are still of use.
     let locations = table.get_locations(&elf).unwrap_or_else(|error| {
-        eprintln!("image-inspect: no locations: {error}");
+        eprintln!("firmware-inspect: no locations: {error}");
         Locations::new()
     });
     let bytes = error::read(bytes_path)?;
@@ -115,19 +115,19 @@ pub fn print(
     out.flush()?;
     if found.malformed > 0 {
         eprintln!(
-            "image-inspect: {} malformed frames were skipped",
+            "firmware-inspect: {} malformed frames were skipped",
             found.malformed
         );
     }
     if found.left_over > 0 {
         eprintln!(
-            "image-inspect: the last {} bytes are no whole frame",
+            "firmware-inspect: the last {} bytes are no whole frame",
             found.left_over
         );
     }
     if found.frames == 0 && !bytes.is_empty() {
         eprintln!(
-            "image-inspect: none of {} bytes could be decoded",
+            "firmware-inspect: none of {} bytes could be decoded",
             bytes.len()
         );
         return Ok(false);

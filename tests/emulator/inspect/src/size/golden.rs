@@ -52,7 +52,7 @@ impl Golden {
             .0
             .extend(figures.iter().map(|&(name, is)| (name.to_owned(), is)));
         let mut text = String::from(
-            "# Size of the firmware, bytes, and with how many axes the stack is deepest. Written by `image-inspect size --bless`.\n",
+            "# Size of the firmware, bytes, and with how many axes the stack is deepest. Written by `firmware-inspect size --bless`.\n",
         );
         for (name, figure) in &golden.0 {
             let _ = writeln!(text, "{name} = {figure}"); // a string takes everything
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_figure_differs_past_its_margins_only() {
+    fn a_figure_differs_beyond_its_margins_only() {
         for (was, is, expected) in [
             (10_000, 10_500, false),
             (10_000, 10_501, true),

@@ -10,7 +10,7 @@ use std::io::Write;
 use std::path::Path;
 
 use crate::error::Error;
-use crate::image::{Image, Kind};
+use crate::firmware::{Firmware, Kind};
 use golden::Golden;
 
 /// Number of functions and variables that are named.
@@ -40,9 +40,12 @@ pub struct Stack {
 }
 
 impl Size {
-    fn new(image: &Image, stack: Option<Stack>) -> Self {
+    fn new(firmware: &Firmware, stack: Option<Stack>) -> Self {
         let sum = |kind| {
-            let sections = image.sections.iter().filter(|section| section.kind == kind);
+            let sections = firmware
+                .sections
+                .iter()
+                .filter(|section| section.kind == kind);
             sections.map(|section| u64::from(section.size)).sum()
         };
         Self {
@@ -91,10 +94,10 @@ pub fn check(
     bless: bool,
     stack: Option<Stack>,
 ) -> Result<bool, Error> {
-    let image = Image::read(elf)?;
-    let size = Size::new(&image, stack);
+    let firmware = Firmware::read(elf)?;
+    let size = Size::new(&firmware, stack);
     let mut out = std::io::stdout().lock();
-    print(&mut out, &image, &size)?;
+    print(&mut out, &firmware, &size)?;
     let Some(path) = golden else {
         return Ok(true);
     };
@@ -118,7 +121,7 @@ pub fn check(
     Ok(changes.is_empty())
 }
 
-fn print(out: &mut impl Write, image: &Image, size: &Size) -> Result<(), Error> {
+fn print(out: &mut impl Write, firmware: &Firmware, size: &Size) -> Result<(), Error> {
     let Size {
         text,
         rodata,
@@ -142,12 +145,12 @@ fn print(out: &mut impl Write, image: &Image, size: &Size) -> Result<(), Error> 
             stack.bytes
         )?;
     }
-    let functions = image
+    let functions = firmware
         .functions
         .iter()
         .map(|f| (f.end - f.address, f.name()));
     list(out, "largest functions", functions.collect())?;
-    let buffers = image.variables.iter().filter(|v| v.size >= LEAST_BUFFER);
+    let buffers = firmware.variables.iter().filter(|v| v.size >= LEAST_BUFFER);
     list(
         out,
         "largest variables in RAM",

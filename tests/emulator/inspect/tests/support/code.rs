@@ -1,4 +1,4 @@
-//! Small images of Thumb code, put together of halfwords.
+//! Small firmware of Thumb code, put together of halfwords.
 
 use std::path::PathBuf;
 
@@ -59,7 +59,7 @@ pub fn with_data(name: &'static str, code: &[Part], data: &[Word]) -> Function {
 const BASE: u32 = 0x100;
 
 /// Writes the functions one after the other, each at a multiple of four, with their mapping symbols.
-pub fn image(functions: &[Function]) -> (TempDir, PathBuf) {
+pub fn firmware(functions: &[Function]) -> (TempDir, PathBuf) {
     let mut addresses = Vec::new();
     let mut at = BASE;
     for function in functions {

@@ -66,9 +66,9 @@ impl Elf {
     }
 }
 
-/// `image-inspect` with these arguments and this input.
+/// `firmware-inspect` with these arguments and this input.
 pub fn inspect(arguments: &[&str], input: &[u8]) -> Output {
-    assert_cmd::Command::new(env!("CARGO_BIN_EXE_image-inspect"))
+    assert_cmd::Command::new(env!("CARGO_BIN_EXE_firmware-inspect"))
         .args(arguments)
         .write_stdin(input)
         .output()

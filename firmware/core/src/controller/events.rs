@@ -1,0 +1,83 @@
+//! What is reported of all that happened in a tick, and which of it comes first.
+
+use super::Controller;
+use crate::drift::{Finding, is_better};
+use crate::signals::Feedback;
+use crate::supervisor::{Fault, FaultKind, Reaction, Supervisor, SupervisorInput, reaction};
+
+impl Controller {
+    /// Shows what has happened, one thing a tick: a fault that latched or has a better name, what else was detected, the stop input.
+    #[inline(never)]
+    pub(super) fn publish(&mut self, is_new: bool, reported: Option<Fault>, stop: bool) {
+        let (tick, phase) = (self.ticks, self.crank_phase());
+        let new_faults = [
+            self.supervisor.fault().filter(|_| is_new),
+            self.unpublished.take(),
+            reported.map(|fault| fault.at(tick, phase)),
+            stop.then(|| Fault::new(FaultKind::StopInput).at(tick, phase)),
+        ];
+        let (first, second, count) = first_two(&new_faults);
+        let telemetry = &mut self.output.telemetry;
+        // More than two at once are counted, and no more.
+        let known = u32::from(second.is_some());
+        telemetry.event_count = telemetry.event_count.wrapping_add(count - known);
+        telemetry.event = first.copied();
+        self.unpublished = second.copied();
+    }
+
+    /// Which of all that is wrong comes first.
+    #[inline(never)] // a fault has 48 bytes, to be moved about only where there is one
+    pub(super) fn highest_priority_fault(
+        &mut self,
+        feedback: &Feedback,
+        input: &mut SupervisorInput,
+    ) {
+        let dry = feedback
+            .fifo_underrun
+            .map(|axis| Fault::new(FaultKind::StepFifoUnderrun).on_axis(axis));
+        let alarm = feedback.alarm.iter().position(|&alarm| alarm);
+        let alarm = alarm.map(|axis| Fault::new(FaultKind::DriveAlarm).on_axis(axis));
+        // What disables the drives comes before all that stops them; and a better name is for what latched before.
+        if input.fault.is_some() && (input.reaction == Reaction::Disable || input.supersedes) {
+            return;
+        }
+        if let Some(fault) = dry.or_else(|| self.overrun.take()).or(alarm) {
+            input.fault = Some(fault);
+            input.reaction = reaction(fault.kind, false);
+            input.supersedes = false;
+        }
+    }
+}
+
+/// Of what there is to tell, what is reported now, what next, and how much there is.
+#[inline(never)]
+fn first_two(new_faults: &[Option<Fault>]) -> (Option<&Fault>, Option<&Fault>, u32) {
+    let mut all = new_faults.iter().flatten();
+    let (first, second) = (all.next(), all.next());
+    let count = new_faults.iter().flatten().count() as u32;
+    (first, second, count)
+}
+
+/// What is to be done about what was found: what is detected of it, or else what is reported.
+#[inline(never)]
+pub(super) fn select_reaction(
+    found: Finding,
+    supervisor: &Supervisor,
+    input: &mut SupervisorInput,
+) -> Option<Fault> {
+    let Finding { fault, .. } = found;
+    let reaction = reaction(fault.kind, found.within_limits);
+    if found.supersedes {
+        // What latched may be something else, which no sensor of a crank has a better name for.
+        let latched = supervisor.fault();
+        if latched.is_none_or(|old| !is_better(fault.kind, old.kind)) {
+            return None;
+        }
+        input.supersedes = true;
+    } else if reaction < Reaction::Stop {
+        return Some(fault);
+    }
+    input.fault = Some(fault);
+    input.reaction = reaction;
+    None
+}

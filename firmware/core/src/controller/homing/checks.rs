@@ -1,0 +1,103 @@
+//! What cranks did when they were moved, next to what they were commanded to do: which of them deviates, and whether it does what another was commanded to do.
+
+use crate::controller::wiring_proof::APART;
+use crate::drift::AxisSet;
+use crate::units::{Turns, nearest};
+
+/// When cranks are looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum When {
+    /// While they move: one may be anywhere between.
+    InTransit,
+    /// In homing, when all have been detected since.
+    Moved,
+    /// In run, before the next correction. A swap makes each half as large again as the one before: it must be detected before it looks like
+    /// something else, so that less is allowed; and it shows in both cranks, where one that slips is alone.
+    Corrected,
+}
+
+/// Cranks that were moved, or are on their way: a place for each in every slice.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moves<'a> {
+    pub when: When,
+    /// Drifts before, and now.
+    pub before: &'a [Turns],
+    pub phase_error: &'a [Turns],
+    /// Trims before, and those that they were told.
+    pub from: &'a [Turns],
+    pub to: &'a [Turns],
+    /// What a reading may be off by.
+    pub tolerance: &'a [Turns],
+    /// How many axes there are.
+    pub count: usize,
+}
+
+/// A crank that did not do what it was commanded to do.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Deviation {
+    pub axis: usize,
+    /// By how much it is off.
+    pub off: Turns,
+    /// It does what another was commanded to do.
+    pub is_swapped: bool,
+}
+
+impl Moves<'_> {
+    /// Of a set of axes, the one that deviates most.
+    #[inline(never)]
+    pub(super) fn deviation(&self, set: AxisSet) -> Option<Deviation> {
+        let mut worst: Option<Deviation> = None;
+        for axis in 0..self.count {
+            let off = nearest(difference(self.phase_error, self.before, axis));
+            let most = worst.map_or(self.allowed(axis), |worst| worst.off.abs());
+            if set & 1 << axis != 0 && off.abs() > most {
+                worst = Some(Deviation {
+                    axis,
+                    off,
+                    is_swapped: false,
+                });
+            }
+        }
+        let mut worst = worst?;
+        worst.is_swapped = (0..self.count).any(|other| self.follows(&worst, other));
+        Some(worst)
+    }
+
+    /// Whether a crank is as far off as another was moved further.
+    fn follows(&self, deviation: &Deviation, other: usize) -> bool {
+        let moved = |axis| difference(self.to, self.from, axis);
+        let between = moved(other).wrapping_sub(moved(deviation.axis));
+        let allowed = self.allowed(deviation.axis);
+        if other == deviation.axis || between.abs() <= allowed {
+            return false;
+        }
+        let is_by = |off: Turns, by: Turns| nearest(by.wrapping_sub(off)).abs() <= allowed;
+        let is_there = is_by(deviation.off, between);
+        match self.when {
+            When::InTransit => {
+                let rest = nearest(between.wrapping_sub(deviation.off));
+                let same_sense = |turns: Turns| (turns < 0) == (between < 0);
+                is_there || same_sense(deviation.off) && same_sense(rest)
+            }
+            When::Moved => is_there,
+            When::Corrected => {
+                let back = nearest(difference(self.phase_error, self.before, other));
+                is_there && back.abs() > allowed && is_by(back, between.wrapping_neg())
+            }
+        }
+    }
+
+    fn allowed(&self, axis: usize) -> Turns {
+        let tolerance = self.tolerance.get(axis).copied().unwrap_or_default();
+        match self.when {
+            When::Corrected => tolerance,
+            // Half way to what a swap would make of a tilt.
+            When::InTransit | When::Moved => Turns::from_bits(tolerance.to_bits() * APART / 2),
+        }
+    }
+}
+
+fn difference(now: &[Turns], before: &[Turns], axis: usize) -> Turns {
+    let at = |turns: &[Turns]| turns.get(axis).copied().unwrap_or_default();
+    at(now).wrapping_sub(at(before))
+}

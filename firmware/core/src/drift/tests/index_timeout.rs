@@ -1,0 +1,130 @@
+//! When a pulse that stays away is known to: as soon as it can be, and not before the line and its filter could report it.
+
+use super::*;
+
+/// Cycles into a tick, and the tick, in which a place is reached at an even speed.
+fn tick_of(place: f64, speed: f64) -> (u32, f64) {
+    let ticks = place / speed;
+    (ticks as u32, ticks.fract() * f64::from(TICK_CYCLES))
+}
+
+/// Were it wrong, a crank that stands would be a tick longer on its way: at 200 rev/s and 2 kHz that is 36°. It is overdue when it
+/// may have been beyond its limit for a turn: as soon as it is late by its limit; of a stepper that is beyond it with a cycle lost, as soon as
+/// it is out of place.
+#[test]
+fn an_overdue_pulse_is_reported_in_the_tick_in_which_it_is_overdue() {
+    let filter_cycles = 3.0 * 2e-6 * f64::from(crate::settings::CLOCK_HZ);
+    for speed in [0.0013, 0.01, 0.031, 0.0997] {
+        for cycle_steps in [0, 64] {
+            let mut settings = settings(4, 3.0, 5.0, 15.0);
+            settings.axes[3].cycle_steps = cycle_steps;
+            let mut monitor = configured(&settings);
+            monitor.reset(&[Phase::ZERO; MAX_AXES]);
+            let alone = monitor.axes[3].alone().to_num::<f64>();
+            assert!((0.006..0.018).contains(&alone), "{alone}");
+            let gate = 4.0 * monitor.tolerance(3).to_num::<f64>();
+            let overdue = if cycle_steps == 0 { alone } else { gate };
+            let mut cranks = Cranks::new(monitor, speed).homed();
+            let ticks = (2.2 / speed) as u32;
+            let found = cranks.turn_with(ticks, |_, _| 0.0, |i, _, pulse| pulse.filter(|_| i != 3));
+            let (mut due, cycle) = tick_of(2.0 + overdue, speed);
+            // A pulse in the filter's time before the tick's end may be told of in the next.
+            due += u32::from(cycle > f64::from(TICK_CYCLES) - filter_cycles);
+            assert_eq!(
+                (found[0].0, found[0].1.fault.kind),
+                (due, FaultKind::IndexTimeout),
+                "{speed} turns a tick, {cycle_steps} steps a cycle"
+            );
+        }
+    }
+}
+
+/// Were it wrong, a line that is late by more than a tick would be missing in every turn, as soon as the machine is fast.
+#[test]
+fn a_line_that_is_late_is_waited_for() {
+    let (speed, late_ticks) = (0.02, 2.5);
+    let mut settings = settings(3, 3.0, 5.0, 15.0);
+    for axis in &mut settings.axes {
+        axis.index_delay_s = late_ticks / f64::from(settings.tick_hz);
+    }
+    let mut monitor = configured(&settings);
+    monitor.reset(&[Phase::ZERO; MAX_AXES]);
+    let overdue = 4.0 * monitor.tolerance(1).to_num::<f64>();
+    let dead_after = 5.5;
+    let mut reported = None;
+    for tick in 0..350_u32 {
+        let start = f64::from(tick) * speed;
+        let phase = TickPhase {
+            start: Phase::from_turns(Turns::wrapping_from_num(start)),
+            turns: Turns::from_num(speed),
+        };
+        // Where the flags were when the line that is now at the loop left them.
+        let flags = |t: f64| (t - late_ticks * speed).max(0.0).floor();
+        let passes = flags(start + speed) > flags(start);
+        let edge = flags(start + speed) + late_ticks * speed;
+        let pulse = passes.then(|| IndexPulse {
+            cycle: ((edge - start) / speed * f64::from(TICK_CYCLES)) as i32,
+        });
+        let of_the_second = pulse.filter(|_| start < dead_after);
+        let detected = [pulse, of_the_second, pulse, None, None, None];
+        if let Some(finding) = detect(&mut monitor, &detected, &[0; MAX_AXES], &[phase; MAX_AXES]) {
+            reported = Some((tick, finding.fault.kind, finding.fault.axis));
+            break;
+        }
+        if tick == 60 {
+            assert!(monitor.is_homed());
+            monitor.settle();
+        }
+    }
+    // Due at 6 turns, told of two and a half ticks later, and overdue after the way that is allowed.
+    let (due, _) = tick_of(6.0 + overdue + late_ticks * speed, speed);
+    assert_eq!(reported, Some((due, FaultKind::IndexTimeout, Some(1))));
+}
+
+/// Were it wrong, steps lost right after the index passed, and detected by the encoder at once, would be named a turn and a margin
+/// later, with the crank beyond its limit for all that time.
+#[test]
+fn steps_lost_beside_an_index_are_known_within_a_turn() {
+    for after in [1, 2, 5, 80] {
+        for speed in [0.0007, 0.0031, 0.0103] {
+            let mut cranks = encoders_at(speed, 3.0);
+            let last_pulse = tick_of(2.0, speed).0 + after;
+            let lost = move |i: usize, t: f64| {
+                let gone = i == 1 && t > (f64::from(last_pulse) + 0.5) * speed;
+                if gone { -0.02 } else { 0.0 }
+            };
+            let found = cranks.turn((3.5 / speed) as u32, lost);
+            let (tick, finding) = found[0];
+            assert_eq!(finding.fault.kind, FaultKind::LostSteps, "{found:?}");
+            // The tick in which the crank was beyond its limit is over at most a turn before the one begins that shows.
+            assert!(
+                f64::from(tick - last_pulse - 1) * speed <= 1.0,
+                "{after} ticks after the index, {speed} turns a tick: told {} ticks later",
+                tick - last_pulse
+            );
+        }
+    }
+}
+
+/// Were it wrong, a crank that was left at the end of its flag, and swings there before the machine turns, would be taken for one at its
+/// beginning, and a sound machine be refused.
+#[test]
+fn a_crank_that_swings_where_it_was_left_says_nothing() {
+    let mut monitor = monitor(2, 3.0, 5.0, 15.0);
+    let pulses = [Some(IndexPulse { cycle: 7 }); MAX_AXES];
+    let still = TickPhase::still(Phase::ZERO);
+    assert_eq!(
+        detect(&mut monitor, &pulses, &[0; MAX_AXES], &[still; MAX_AXES]),
+        None
+    );
+    assert!(!monitor.is_homed());
+    let turning = TickPhase {
+        start: Phase::ZERO,
+        turns: Turns::from_num(0.01),
+    };
+    assert_eq!(
+        detect(&mut monitor, &pulses, &[0; MAX_AXES], &[turning; MAX_AXES]),
+        None
+    );
+    assert!(monitor.is_homed());
+}

@@ -1,0 +1,191 @@
+//! A settings file's first page.
+//!
+//! All numbers are little-endian. The last four bytes of the page are the CRC-32 of all before them; bytes that
+//! no field uses are 0xFF, as erased flash has them, and under the CRC too.
+//!
+//! In flash the header is written after its payload, in one page write: it is the commit. A page that was
+//! written in part, or erased in part, has another CRC than its own.
+
+use crate::{CRC, SettingsFileError};
+
+/// Length of the header, bytes: a write page of serial NOR flash.
+pub const HEADER_BYTES: usize = 256;
+
+/// What every settings file begins with.
+pub const MAGIC: [u8; 8] = *b"COPHASE\0";
+
+/// The `origin` of a settings file that was placed from outside.
+pub const OUTSIDE: u32 = 0;
+
+/// The sequence number of a settings file that was not yet stored.
+pub const FIRST_SEQUENCE: u32 = 1;
+
+const VERSION_AT: usize = 8;
+const LENGTH_AT: usize = 12;
+const SEQUENCE_AT: usize = 16;
+const ORIGIN_AT: usize = 20;
+const PAYLOAD_CRC_AT: usize = 24;
+const HEADER_CRC_AT: usize = HEADER_BYTES - 4;
+
+/// What a settings file's header says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Header {
+    /// Format of the payload.
+    pub version: u16,
+    /// Bytes of payload.
+    pub length: u32,
+    /// Which of two stored settings files is the newer; see [`Header::is_newer_than`].
+    pub sequence: u32,
+    /// [`OUTSIDE`], or the [`Header::mark`] of what was built into the firmware that stored it.
+    pub origin: u32,
+    /// CRC-32 of the payload.
+    pub payload_crc: u32,
+}
+
+impl Header {
+    /// Reads the header of a settings file; what follows it is not looked at.
+    ///
+    /// # Errors
+    /// There are too few bytes, they are no settings file's, or not as they were written. A version that cannot be
+    /// decoded is none: the header reads the same in all.
+    pub fn read(bytes: &[u8]) -> Result<Self, SettingsFileError> {
+        if !bytes.starts_with(&MAGIC[..MAGIC.len().min(bytes.len())]) {
+            return Err(SettingsFileError::NotASettingsFile);
+        }
+        let Some(page) = bytes.first_chunk::<HEADER_BYTES>() else {
+            let bytes = u32::try_from(bytes.len()).unwrap_or(u32::MAX);
+            return Err(SettingsFileError::TooShort { bytes });
+        };
+        let (said, found) = (number(page, HEADER_CRC_AT), crc_of(page));
+        if said != found {
+            return Err(SettingsFileError::HeaderCrc { said, found });
+        }
+        Ok(Self {
+            version: u16::from_le_bytes([page[VERSION_AT], page[VERSION_AT + 1]]),
+            length: number(page, LENGTH_AT),
+            sequence: number(page, SEQUENCE_AT),
+            origin: number(page, ORIGIN_AT),
+            payload_crc: number(page, PAYLOAD_CRC_AT),
+        })
+    }
+
+    /// The header as a page.
+    pub fn page(&self) -> [u8; HEADER_BYTES] {
+        let mut page = [0xFF; HEADER_BYTES];
+        let mut put = |at: usize, bytes: &[u8]| page[at..at + bytes.len()].copy_from_slice(bytes);
+        put(0, &MAGIC);
+        put(VERSION_AT, &self.version.to_le_bytes());
+        put(LENGTH_AT, &self.length.to_le_bytes());
+        put(SEQUENCE_AT, &self.sequence.to_le_bytes());
+        put(ORIGIN_AT, &self.origin.to_le_bytes());
+        put(PAYLOAD_CRC_AT, &self.payload_crc.to_le_bytes());
+        let crc = crc_of(&page);
+        page[HEADER_CRC_AT..].copy_from_slice(&crc.to_le_bytes());
+        page
+    }
+
+    /// Bytes of header and payload together; saturates where a header lies.
+    pub const fn file_bytes(&self) -> u32 {
+        self.length.saturating_add(HEADER_BYTES as u32)
+    }
+
+    /// The `origin` that the firmware with this settings file built in gives to what it stores. Never [`OUTSIDE`].
+    pub const fn mark(&self) -> u32 {
+        match self.payload_crc {
+            OUTSIDE => 1,
+            crc => crc,
+        }
+    }
+
+    /// Whether this settings file was stored after the other, provided that fewer than 2³¹ were stored between the
+    /// two: sequence numbers wrap. Of settings files 2³¹ apart neither is newer.
+    pub const fn is_newer_than(&self, other: &Self) -> bool {
+        self.sequence.wrapping_sub(other.sequence).cast_signed() > 0
+    }
+}
+
+fn number(page: &[u8; HEADER_BYTES], at: usize) -> u32 {
+    u32::from_le_bytes([page[at], page[at + 1], page[at + 2], page[at + 3]])
+}
+
+fn crc_of(page: &[u8; HEADER_BYTES]) -> u32 {
+    CRC.checksum(&page[..HEADER_CRC_AT])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEADER: Header = Header {
+        version: 0x0102,
+        length: 0x0304_0506,
+        sequence: 0x0708_090A,
+        origin: 0x0B0C_0D0E,
+        payload_crc: 0x0F10_1112,
+    };
+
+    /// Were it wrong, the firmware would not find what another wrote, or what `docs/settings-file.md` says.
+    #[test]
+    fn fields_lie_where_they_are_said_to_lie() {
+        let page = HEADER.page();
+        assert_eq!(page[..12], *b"COPHASE\0\x02\x01\xFF\xFF");
+        assert_eq!(page[12..16], [0x06, 0x05, 0x04, 0x03]);
+        assert_eq!(page[16..20], [0x0A, 0x09, 0x08, 0x07]);
+        assert_eq!(page[20..24], [0x0E, 0x0D, 0x0C, 0x0B]);
+        assert_eq!(page[24..28], [0x12, 0x11, 0x10, 0x0F]);
+        assert!(page[28..252].iter().all(|&byte| byte == 0xFF));
+        assert_eq!(Header::read(&page), Ok(HEADER));
+    }
+
+    /// The catalogue's own check value of this CRC.
+    #[test]
+    fn the_crc_is_the_one_that_zip_has() {
+        assert_eq!(CRC.checksum(b"123456789"), 0xCBF4_3926);
+    }
+
+    #[test]
+    fn any_beginning_of_a_page_is_too_short() {
+        let page = HEADER.page();
+        for bytes in 0..HEADER_BYTES {
+            let error = Header::read(&page[..bytes]).unwrap_err();
+            let bytes = bytes as u32;
+            assert_eq!(error, SettingsFileError::TooShort { bytes });
+        }
+        assert_eq!(
+            Header::read(b"COPHASF"),
+            Err(SettingsFileError::NotASettingsFile)
+        );
+        assert_eq!(
+            Header::read(&[0xFF; 4096]),
+            Err(SettingsFileError::NotASettingsFile),
+            "erased flash"
+        );
+    }
+
+    #[test]
+    fn newer_goes_round_the_wrap() {
+        let at = |sequence| Header { sequence, ..HEADER };
+        for (newer, older) in [(2, 1), (0, u32::MAX), (5, u32::MAX - 5), (1 << 31, 1)] {
+            assert!(at(newer).is_newer_than(&at(older)), "{newer} {older}");
+            assert!(!at(older).is_newer_than(&at(newer)), "{newer} {older}");
+        }
+        for other in [7, 7 + (1 << 31)] {
+            assert!(!at(7).is_newer_than(&at(other)) && !at(other).is_newer_than(&at(7)));
+        }
+    }
+
+    #[test]
+    fn no_built_in_file_passes_for_one_from_outside() {
+        for payload_crc in [0, 1, 0xFFFF_FFFF] {
+            assert_ne!(
+                Header {
+                    payload_crc,
+                    ..HEADER
+                }
+                .mark(),
+                OUTSIDE
+            );
+        }
+    }
+}

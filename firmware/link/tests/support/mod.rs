@@ -1,0 +1,109 @@
+//! Settings to be encoded, and two slots in a flash whose power can be cut.
+#![allow(dead_code, reason = "each test uses its part")]
+
+pub mod nor;
+pub mod slots;
+
+use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
+use cophase_core::program::{CAPACITY, EntrySettings, SegmentSettings, Shape};
+use cophase_core::settings::Settings;
+use cophase_core::settings::{
+    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, IndexSettings,
+    LimitSettings, MAX_BANDS, MachineSettings, NAME_BYTES, Platform, PulseSettings, short_name,
+};
+use cophase_core::units::MAX_AXES;
+
+/// settings that runs, with `entries` in its program.
+pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
+    Settings {
+        index: IndexSettings { width_us: 2.0 },
+        name: short_name("bench"),
+        tick_hz: 2000,
+        machine: MachineSettings {
+            crank_radius_m: 0.02,
+            mechanism: MechanismSettings::SliderCrank(SliderCrankSettings { lambda: 0.3 }),
+            load_kg: 5.0,
+            platform: Platform::Above,
+            gravity_mps2: 9.80665,
+            mount_radius_m: 0.25,
+        },
+        limits: LimitSettings {
+            speed_hz: 20.0,
+            acceleration_hz_per_s: 20.0,
+            jerk_hz_per_s2: 200.0,
+            stop_acceleration_hz_per_s: 40.0,
+            stop_jerk_hz_per_s2: 400.0,
+            homing_speed_hz: 1.0,
+            bands: (0..bands)
+                .map(|i| BandSettings {
+                    from_hz: 3.0 + i as f64,
+                    to_hz: 3.5 + i as f64,
+                })
+                .collect(),
+        },
+        pulse: PulseSettings {
+            width_ns: 400.0,
+            dir_setup_ns: 500.0,
+            dir_hold_ns: 500.0,
+        },
+        axes: (0..axes)
+            .map(|i| AxisSettings {
+                drive: [DriveKind::Stepper, DriveKind::Servo][i % 2],
+                steps_per_turn: 3200,
+                reversed: i % 2 == 1,
+                ratio: (1, 1),
+                offset_turns: 0.1,
+                index_turns: Some(-0.25),
+                index_width_turns: 0.0,
+                index_delay_s: 0.0,
+                encoder: false,
+                cycle_steps: 0,
+                trim_limit_turns: 5.0 / 360.0,
+                trim_rate_hz: 1.0 / 360.0,
+                rotor_inertia_kgm2: 1e-4,
+            })
+            .collect(),
+        trims_turns: (0..axes).map(|i| 1e-3 * i as f64).collect(),
+        drift: DriftSettings {
+            tilt_limit_mrad: 3.0,
+            warp_limit_deg: 3.0,
+            common_limit_deg: 15.0,
+            reading_error_deg: 0.25,
+            lag_s: 0.0,
+        },
+        correction: CorrectionSettings::NONE,
+        park_turns: 0.5,
+        settle_s: 0.1,
+        program: (0..entries)
+            .map(|i| {
+                EntrySettings::Segment(SegmentSettings {
+                    amax_mps2: 10.0 + i as f64,
+                    ramp_s: 1.0,
+                    hold_s: 1.0 / 3.0,
+                    shape: Shape::Smooth,
+                })
+            })
+            .collect(),
+    }
+}
+
+/// The settings with the longest encoding: everything full, every number of variable length as great as can be.
+pub fn longest() -> Settings {
+    let mut longest = settings(MAX_AXES, MAX_BANDS, CAPACITY);
+    longest.name = short_name(&"x".repeat(NAME_BYTES));
+    longest.tick_hz = u32::MAX;
+    for axis in &mut longest.axes {
+        axis.steps_per_turn = u32::MAX;
+        axis.cycle_steps = u32::MAX;
+        axis.ratio = (u32::MAX, u32::MAX);
+    }
+    longest
+}
+
+/// Makes a controller of settings, and says what is wrong with them.
+pub fn check(settings: &Settings) -> Result<(), String> {
+    settings
+        .controller()
+        .map(drop)
+        .map_err(|error| error.to_string())
+}

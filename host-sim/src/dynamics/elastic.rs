@@ -1,0 +1,167 @@
+//! Every crank a rotor of its own, rods as springs, the platform free to heave and tilt on them.
+//!
+//! Corner i is pushed up with k (hᵢ + fᵢ − cᵢ) + c (h′ᵢ + f′ᵢ − c′ᵢ), where hᵢ is where its crank would have it over
+//! the frame, fᵢ where the frame has the crank's axis, and cᵢ where the platform has the corner; its crank feels that
+//! times −dhᵢ/dα, the frame the opposite. What [`super::Phased`] takes as settled oscillates here, at √(N k / m) in
+//! heave, and √(N k ρ² / 2I) in tilt.
+
+use super::corners::{Corners, FREEDOMS, MOST};
+use super::{Body, Frame, PlaneMotion};
+
+/// A machine of N angles and a free platform, and of a frame's plane if it has one. Positions are in that order.
+#[derive(Clone, Debug)]
+pub struct Elastic {
+    body: Body,
+    corners: Corners,
+    frame: Option<Frame>,
+    /// Damping of each rod, N·s/m.
+    damper_ns_per_m: f64,
+    /// Rotors that stand whatever pushes them.
+    held: [bool; MOST],
+}
+
+impl Elastic {
+    /// Of a body, and of rods that are damped so much, as a part of critical damping in heave.
+    pub fn new(body: Body, damping_ratio: f64) -> Self {
+        let corners = Corners::new(body.axes(), body.mount_radius_m);
+        let rods_n_per_m = body.axes() as f64 * body.rod_n_per_m;
+        let critical = 2.0 * (rods_n_per_m * body.load.mass_kg).sqrt();
+        Self {
+            damper_ns_per_m: damping_ratio * critical / body.axes() as f64,
+            corners,
+            body,
+            frame: None,
+            held: [false; MOST],
+        }
+    }
+
+    /// The same on a frame.
+    #[must_use]
+    pub fn on(mut self, frame: Frame) -> Self {
+        self.frame = Some(frame);
+        self
+    }
+
+    /// Has rotor `i` stand, or lets it go.
+    pub fn hold(&mut self, i: usize, held: bool) {
+        self.held[i] = held;
+    }
+
+    /// The body.
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// The frame.
+    pub fn frame(&self) -> Option<&Frame> {
+        self.frame.as_ref()
+    }
+
+    /// Damping of each rod, N·s/m.
+    pub fn damper_ns_per_m(&self) -> f64 {
+        self.damper_ns_per_m
+    }
+
+    /// How many positions it has.
+    pub fn positions(&self) -> usize {
+        self.body.axes() + FREEDOMS + self.frame.as_ref().map_or(0, Frame::freedoms)
+    }
+
+    /// Frequency of the platform's heave on its rods with all cranks held, rad/s.
+    pub fn heave_rad_s(&self) -> f64 {
+        (self.body.axes() as f64 * self.body.rod_n_per_m / self.body.load.mass_kg).sqrt()
+    }
+
+    /// Where the platform comes to rest on cranks that stand at these angles.
+    pub fn rest(&self, alpha: &[f64]) -> [f64; FREEDOMS] {
+        let mut plane = [0.0; FREEDOMS];
+        for (i, &alpha) in alpha.iter().enumerate() {
+            let height = self.body.crank(alpha).height_m;
+            for (plane, share) in plane.iter_mut().zip(self.corners.share(i)) {
+                *plane += share * height;
+            }
+        }
+        plane[0] -= self.body.weight_n() / (self.body.axes() as f64 * self.body.rod_n_per_m);
+        plane
+    }
+
+    /// The second rate of each position under each motor's torque, N·m.
+    pub fn accelerations(&self, q: &[f64], v: &[f64], torque: &[f64], out: &mut [f64]) {
+        let body = &self.body;
+        let n = body.axes();
+        let (place, rate) = (self.over_frame(q), self.over_frame(v));
+        let mut forces = [0.0; FREEDOMS];
+        for i in 0..n {
+            let crank = body.crank(q[i]);
+            let short = crank.height_m - self.corners.height(&place, i);
+            let short_rate = crank.lever_m * v[i] - self.corners.height(&rate, i);
+            let push_n = body.rod_n_per_m * short + self.damper_ns_per_m * short_rate;
+            for (force, share) in forces.iter_mut().zip(self.corners.force(i)) {
+                *force += share * push_n;
+            }
+            let net_nm = torque[i] + body.drag_nm(i, v[i]) - push_n * crank.lever_m;
+            out[i] = if self.held[i] {
+                0.0
+            } else {
+                net_nm / body.rotors_kgm2[i]
+            };
+        }
+        for (f, mass) in body.masses().into_iter().enumerate() {
+            out[n + f] = forces[f] / mass;
+        }
+        out[n] -= body.load.gravity_mps2;
+        if let Some(frame) = &self.frame {
+            let from = n + FREEDOMS;
+            let pull = frame.pull(&q[from..], &v[from..]);
+            // What the springs hold of the platform's weight at rest.
+            let cranks = [body.weight_n() - forces[0], -forces[1], -forces[2]];
+            frame.accelerations(&q[from..], &v[from..], &pull, &cranks, &mut out[from..]);
+        }
+    }
+
+    /// The platform's plane against the frame's.
+    fn over_frame(&self, q: &[f64]) -> [f64; FREEDOMS] {
+        let n = self.body.axes();
+        let under = |f: usize| {
+            if self.frame.is_some() {
+                q[n + FREEDOMS + f]
+            } else {
+                0.0
+            }
+        };
+        std::array::from_fn(|f| q[n + f] - under(f))
+    }
+
+    /// Where the platform is and how it moves, at these positions and their rates.
+    pub fn plane(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion {
+        let n = self.body.axes();
+        let of = |values: &[f64]| std::array::from_fn(|f| values[n + f]);
+        PlaneMotion {
+            place: of(q),
+            rate: of(v),
+            acceleration: of(a),
+        }
+    }
+
+    /// Kinetic and potential energy, J; without damping, friction and motors it stays.
+    pub fn energy_j(&self, q: &[f64], v: &[f64]) -> f64 {
+        let body = &self.body;
+        let n = body.axes();
+        let rotors: f64 = (0..n).map(|i| body.rotors_kgm2[i] * v[i] * v[i]).sum();
+        let masses = body.masses();
+        let platform: f64 = (0..FREEDOMS).map(|f| masses[f] * v[n + f] * v[n + f]).sum();
+        let place = self.over_frame(q);
+        let rods: f64 = (0..n)
+            .map(|i| body.crank(q[i]).height_m - self.corners.height(&place, i))
+            .map(|short| short * short)
+            .sum();
+        let mut energy =
+            0.5 * (rotors + platform + body.rod_n_per_m * rods) + body.weight_n() * q[n];
+        if let Some(frame) = &self.frame {
+            let from = n + FREEDOMS;
+            // The springs hold the platform's weight at rest.
+            energy += frame.energy_j(&q[from..], &v[from..]) - body.weight_n() * q[from];
+        }
+        energy
+    }
+}

@@ -1,0 +1,189 @@
+//! Drives and cranks that do not do as commanded: what a machine makes of an [`Disturbance`].
+//!
+//! Every drive is told a way to go in each tick; what is wrong with it makes another way of that. From these ways follows
+//! where its *field* is: where the motor would have its rotor. The crank is behind its motor by what it has slipped on the
+//! shaft. Where torque moves cranks the field leads them; elsewhere the crank is where the field has it, and turns evenly
+//! within the tick. A crank that stands, or whose motor has lost its field to the load, drops its way; a stepper is caught
+//! again whole electrical cycles off, and a servo goes on from where it stands.
+
+use super::axis::Overload;
+use super::index::Passages;
+use super::{DriveCommand, Rotors, SimulatedAxis};
+use crate::axes::{Axes, per_axis};
+use crate::faults::Disturbance;
+
+/// What has become of the fields and cranks of a machine.
+#[derive(Clone, Debug)]
+pub struct FaultedDrives {
+    tick_s: f64,
+    cycles: u32,
+    /// What each drive's lines told last, turns.
+    commanded: Axes<f64>,
+    /// Where each field is, turns since power-up, and what of its way the rotor has dropped.
+    field: Axes<f64>,
+    dropped: Axes<f64>,
+    /// What each crank has slipped on its motor's shaft, turns: positive behind.
+    slipped: Axes<f64>,
+    stuck: Axes<bool>,
+}
+
+impl FaultedDrives {
+    /// Of axes at power-up, in ticks of so many seconds and cycles.
+    pub fn new(axes: &[SimulatedAxis], tick_s: f64, cycles: u32) -> Self {
+        let turns: Axes<f64> = axes.iter().map(SimulatedAxis::turns).collect();
+        let count = axes.len();
+        Self {
+            tick_s,
+            cycles,
+            commanded: turns.clone(),
+            field: turns,
+            dropped: per_axis(count, |_| 0.0),
+            slipped: per_axis(count, |_| 0.0),
+            stuck: per_axis(count, |_| false),
+        }
+    }
+
+    /// What crank `i` has slipped on its motor's shaft, turns: positive behind.
+    pub fn slipped_turns(&self, i: usize) -> f64 {
+        self.slipped[i]
+    }
+
+    /// Plays a tick in which lines tell `commanded`, on cranks that torque moves.
+    pub fn turn(
+        &mut self,
+        axes: &mut [SimulatedAxis],
+        rotors: &mut Rotors,
+        commanded: &[DriveCommand],
+        disturbance: &[Disturbance],
+        energised: bool,
+        passages: &mut Passages,
+    ) {
+        let drive_commands = self.drive_commands(axes, commanded, disturbance, energised);
+        let lead = per_axis(axes.len(), |i| {
+            let lost = self.lose(&axes[i], i, &disturbance[i], energised);
+            rotors.fall_back(i, lost);
+            if lost > 0.0 {
+                axes[i].fall_back(lost);
+            }
+            rotors.load(i, disturbance[i].load_nm);
+            if disturbance[i].stuck || self.stuck[i] {
+                rotors.hold(i, disturbance[i].stuck);
+                self.stuck[i] = disturbance[i].stuck;
+            }
+            self.field[i] += drive_commands[i].turns;
+            self.slipped[i] += disturbance[i].slip_turns;
+            DriveCommand {
+                turns: self.field[i] - self.slipped[i],
+                torque_nm: drive_commands[i].torque_nm,
+            }
+        });
+        rotors.play(&lead, energised);
+        for (i, axis) in axes.iter_mut().enumerate() {
+            let origin = axis.turns() - axis.travelled_turns();
+            let passed = axis.moved_under(rotors.turns(i), lead[i].turns - origin, self.cycles);
+            passages.put(i, passed);
+        }
+    }
+
+    /// Plays a tick in which lines tell `commanded`, on cranks that are where their motors have them.
+    pub fn place(
+        &mut self,
+        axes: &mut [SimulatedAxis],
+        commanded: &[DriveCommand],
+        disturbance: &[Disturbance],
+        energised: bool,
+        passages: &mut Passages,
+    ) {
+        let drive_commands = self.drive_commands(axes, commanded, disturbance, energised);
+        for (i, axis) in axes.iter_mut().enumerate() {
+            let lost = self.lose(axis, i, &disturbance[i], energised);
+            if lost > 0.0 {
+                axis.fall_back(lost);
+            }
+            // A drive that is off has no field to lead with: its crank stands, and what it was commanded to do is forgotten.
+            let moved = if energised {
+                drive_commands[i].turns
+            } else {
+                0.0
+            };
+            self.field[i] += moved;
+            match axis.overload() {
+                _ if disturbance[i].stuck => self.dropped[i] += moved,
+                Overload::Driving => self.dropped[i] += moved,
+                Overload::Driven => self.dropped[i] -= moved,
+                Overload::None => self.catch(axis, i),
+            }
+            if !disturbance[i].stuck {
+                self.slipped[i] += disturbance[i].slip_turns;
+            }
+            let field = self.field[i] - self.slipped[i];
+            let origin = axis.turns() - axis.travelled_turns();
+            let passed = axis.moved_under(field - self.dropped[i], field - origin, self.cycles);
+            passages.put(i, passed);
+        }
+    }
+
+    /// The way that each motor goes, and the torque that it is commanded to add.
+    fn drive_commands(
+        &mut self,
+        axes: &[SimulatedAxis],
+        commanded: &[DriveCommand],
+        disturbance: &[Disturbance],
+        energised: bool,
+    ) -> Axes<DriveCommand> {
+        let by = per_axis(axes.len(), |i| commanded[i].turns - self.commanded[i]);
+        self.commanded = commanded.iter().map(|commanded| commanded.turns).collect();
+        per_axis(axes.len(), |i| {
+            let disturbance = &disturbance[i];
+            if let Some(speed_hz) = disturbance.runaway_hz.filter(|_| energised) {
+                return DriveCommand {
+                    turns: speed_hz * self.tick_s,
+                    torque_nm: 0.0,
+                };
+            }
+            let (own, lines) = (&axes[i], &axes[disturbance.from]);
+            // Pulses are counted by whoever detects them, and turned by whoever is mounted the other way round.
+            let scale = if own.cycle_turns().is_some() && disturbance.from != i {
+                lines.steps_per_turn() / own.steps_per_turn()
+            } else {
+                1.0
+            };
+            let turned = own.is_reversed() ^ lines.is_reversed() ^ disturbance.reversed;
+            let sign = if turned { -1.0 } else { 1.0 };
+            DriveCommand {
+                turns: sign * scale * disturbance.travel_share * by[disturbance.from],
+                torque_nm: sign * commanded[disturbance.from].torque_nm,
+            }
+        })
+    }
+
+    /// By how much field and rotor fall back as the tick begins, turns; a drive that is off has no field to lose.
+    fn lose(
+        &mut self,
+        axis: &SimulatedAxis,
+        i: usize,
+        disturbance: &Disturbance,
+        energised: bool,
+    ) -> f64 {
+        let cycle_turns = axis.cycle_turns().filter(|_| energised).unwrap_or(0.0);
+        let lost = disturbance.lost_cycles as f64 * cycle_turns;
+        self.field[i] -= lost;
+        lost
+    }
+
+    /// The field takes hold of a rotor that has dropped some of its way.
+    fn catch(&mut self, axis: &SimulatedAxis, i: usize) {
+        let dropped = self.dropped[i];
+        if dropped == 0.0 {
+            return;
+        }
+        match axis.cycle_turns() {
+            // Of a stepper it is the next field of its kind: those are cycles apart.
+            Some(cycle) => self.dropped[i] = (dropped / cycle).round() * cycle,
+            None => {
+                self.field[i] -= dropped;
+                self.dropped[i] = 0.0;
+            }
+        }
+    }
+}

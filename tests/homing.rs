@@ -1,0 +1,266 @@
+//! Align on whole machines: where cranks were left, what they are off from each other, and whose lines are whose.
+
+use cophase_core::supervisor::{FaultKind, State};
+use cophase_tests::scene;
+use host_sim::sim::{Moment, Observer, Outcome, simulate};
+
+const HOMING_SPEED_HZ: f64 = 2.0;
+
+/// A machine of `count` cranks that stand where `starts_deg` has them, as it begins.
+fn text(count: usize, drive: &str, starts_deg: &[f64], more: &str) -> String {
+    let axes: String = starts_deg
+        .iter()
+        .enumerate()
+        .map(|(i, start_deg)| format!("[[axis]]\nnumber = {i}\nstart_deg = {start_deg}\n"))
+        .collect();
+    format!(
+        "name = \"homing\"\nfidelity = \"kinematic\"\n\
+         [machine]\ncrank_radius_mm = 10\nlambda = 0.25\nload_kg = 5\nmount_radius_mm = 200\n\
+         [control]\nsettle_s = 0.05\n\
+         [limits]\nspeed_hz = 20\nacceleration_hz_per_s = 60\njerk_hz_per_s2 = 2000\ncreep_hz = {HOMING_SPEED_HZ}\n\
+         [drift]\ntilt_limit_mrad = 4.5\nwarp_limit_deg = 5\n\
+         [axes]\ncount = {count}\n{drive}\nindex_deg = 40\ntrim_rate_deg_per_s = 20\n{axes}\
+         [noise]\nseed = 3\nindex_deg = 0.05\nindex_us = 1\n\
+         [[program]]\namax_g = 8\nramp_s = 0.5\nhold_s = 0.2\n{more}"
+    )
+}
+
+const STEPPERS: &str = "drive = \"stepper\"\nsteps_per_turn = 3200";
+const SERVOS: &str = "drive = \"servo\"\nsteps_per_turn = 8192\nencoder = true";
+
+/// What is detected of a run: how far apart the cranks are as it begins to run and at most after it, where they stand at the end, and how
+/// far the trims' sum was from zero.
+#[derive(Default)]
+struct Recorded {
+    spread_deg: Option<f64>,
+    turns: f64,
+    end_turns: Vec<f64>,
+    worst_sum: i64,
+    largest_deg: f64,
+    /// Time and master's turns at the end of each tick, and the number of the first that is played with a fault.
+    ticks: Vec<(f64, f64)>,
+    reported: Option<usize>,
+}
+
+impl Observer for Recorded {
+    fn tick(&mut self, moment: &Moment<'_>) {
+        let correction = &moment.telemetry.correction;
+        let sum: i64 = correction.iter().map(|turns| turns.to_bits()).sum();
+        self.worst_sum = self.worst_sum.max(sum.abs());
+        for turns in correction {
+            self.largest_deg = self.largest_deg.max(turns.to_num::<f64>().abs() * 360.0);
+        }
+        if moment.telemetry.state == State::Run && self.spread_deg.is_none() {
+            let most = moment.errors().fold(f64::NEG_INFINITY, f64::max);
+            let least = moment.errors().fold(f64::INFINITY, f64::min);
+            self.spread_deg = Some((most - least) * 360.0);
+            self.turns = moment.master_turns;
+        }
+        self.end_turns = moment.actual_turns.to_vec();
+        if moment.telemetry.fault.is_some() && self.reported.is_none() {
+            self.reported = Some(self.ticks.len());
+        }
+        self.ticks
+            .push((moment.end_ns as f64 * 1e-9, moment.master_turns));
+    }
+}
+
+fn run(text: &str) -> (Recorded, Outcome) {
+    let checked = scene(text);
+    let mut recorded = Recorded::default();
+    let outcome = simulate(&checked, &mut recorded, |_, _| {}).unwrap();
+    assert_eq!(
+        recorded.worst_sum, 0,
+        "the sum of all trims is zero at all times"
+    );
+    (recorded, outcome)
+}
+
+fn starts(count: usize, of: impl Fn(usize) -> f64) -> Vec<f64> {
+    (0..count).map(of).collect()
+}
+
+/// Were it wrong, cranks that stand a little apart would run so, or be moved further apart, or homing would take its time.
+#[test]
+fn small_differences_are_trimmed_away_before_it_runs() {
+    for count in 2..=6 {
+        for drive in [STEPPERS, SERVOS] {
+            let apart = starts(count, |i| [1.5, -1.0, 0.4, -0.7, 1.1, -1.3][i]);
+            let text = text(count, drive, &apart, "[correction]\ngain =  0.5\n");
+            let (recorded, outcome) = run(&text);
+            assert_eq!(
+                (outcome.state, outcome.fault),
+                (State::Parked, None),
+                "{count}"
+            );
+            let spread = recorded.spread_deg.expect("it runs");
+            // What two readings are off, by 0.05° of noise each and a step.
+            assert!(spread < 0.5, "{count} cranks {spread}° apart");
+            // A turn to find them and one to look again, each with its margin, and the time that trims need.
+            let most = 2.0 * 1.1 + HOMING_SPEED_HZ * (2.0 * 1.5 / 20.0 + 0.2);
+            assert!(recorded.turns < most, "{count}: {} turns", recorded.turns);
+            assert!(recorded.largest_deg < 3.0);
+            // And the report reports it.
+            let reported = &outcome.statistics;
+            assert!(
+                reported.correction_deg.iter().any(|deg| deg.abs() > 0.5),
+                "{reported:?}"
+            );
+            assert!(
+                reported
+                    .phase_error_peak_deg
+                    .iter()
+                    .all(|deg| (0.1..3.5).contains(deg))
+            );
+        }
+    }
+}
+
+/// Were it wrong, a machine that was switched off where it was parked would not start, or park elsewhere from then on.
+#[test]
+fn wherever_the_cranks_were_left_they_park_at_the_parking_phase() {
+    for drive in [STEPPERS, SERVOS] {
+        for left_deg in [-179.0, -90.0, 20.0, 135.0, 180.0] {
+            let text = text(3, drive, &[left_deg; 3], "[correction]\ngain =  0.5\n");
+            let (recorded, outcome) = run(&text);
+            assert_eq!(
+                (outcome.state, outcome.fault),
+                (State::Parked, None),
+                "{left_deg}"
+            );
+            for turns in &recorded.end_turns {
+                let off_deg = (turns - 0.5 - (turns - 0.5).round()) * 360.0;
+                assert!(
+                    off_deg.abs() < 0.5,
+                    "left at {left_deg}°, parked {off_deg}° off"
+                );
+            }
+        }
+    }
+}
+
+/// Were it wrong, a platform would be bent straight by its motors, or a crank that is far out be driven along with the others.
+#[test]
+fn exceeded_homing_range_is_refused_by_axis() {
+    for count in 2..=6 {
+        let out = count - 1;
+        let apart = starts(count, |i| if i == out { 25.0 } else { 0.0 });
+        let text = text(count, STEPPERS, &apart, "[correction]\ngain =  0.5\n");
+        let (recorded, outcome) = run(&text);
+        let fault = outcome.fault.expect("it is refused");
+        assert_eq!(fault.kind, FaultKind::HomingRangeExceeded, "{count}");
+        // Of two cranks nobody knows which is out.
+        assert!(count == 2 || fault.axis == Some(out), "{count}: {fault:?}");
+        assert_eq!(outcome.state, State::Fault);
+        assert!(recorded.spread_deg.is_none(), "it ran");
+        assert!(recorded.largest_deg < 1e-9, "it was moved");
+    }
+}
+
+/// Were it wrong, lines that are swapped would be found out by a wrong correction, at speed; or right ones refused.
+#[test]
+fn swapped_wiring_is_refused_for_every_pair_and_right_wiring_is_not() {
+    const PROVES: &str = "[correction]\ngain =  0.5\nprove_wiring = true\n";
+    for count in 2..=6 {
+        for drive in [STEPPERS, SERVOS] {
+            let apart = starts(count, |i| [0.3, -0.2, 0.4, -0.3, 0.2, -0.4][i]);
+            let (_, right) = run(&text(count, drive, &apart, PROVES));
+            assert_eq!((right.state, right.fault), (State::Parked, None), "{count}");
+            for (a, b) in (0..count).flat_map(|b| (0..b).map(move |a| (a, b))) {
+                for lines in ["sensors", "drive"] {
+                    let swapped = format!(
+                        "{PROVES}[[fault]]\nat_s = 0\nkind = \"swapped-wiring\"\naxis = {a}\nwith = {b}\nlines = \"{lines}\"\n"
+                    );
+                    let (_, outcome) = run(&text(count, drive, &apart, &swapped));
+                    let Some(fault) = outcome.fault else {
+                        panic!("{count} {drive}: {a}, {b}, {lines}: not refused");
+                    };
+                    assert_eq!(
+                        fault.kind,
+                        FaultKind::SwappedWiring,
+                        "{count}: {a}, {b}, {lines}"
+                    );
+                    assert!(
+                        [Some(a), Some(b)].contains(&fault.axis),
+                        "{fault:?}, not {a} or {b}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Were it wrong, a correction that reads two cranks' sensors the wrong way round would drive them apart, up to its limit, faster and
+/// faster; or one that only fixes what it should would be taken for such.
+#[test]
+fn a_correction_that_drives_cranks_apart_is_stopped_as_swapped_wiring() {
+    for count in 2..=6 {
+        let apart = starts(count, |i| [0.3, -0.2, 0.4, -0.3, 0.2, -0.4][i]);
+        let long =
+            "[correction]\ngain =  0.5\n\n[[program]]\namax_g = 8\nramp_s = 0.5\nhold_s = 6\n";
+        let (_, right) = run(&text(count, STEPPERS, &apart, long));
+        assert_eq!((right.state, right.fault), (State::Parked, None), "{count}");
+        for (a, b) in (0..count).flat_map(|b| (0..b).map(move |a| (a, b))) {
+            let swapped = format!(
+                "{long}[[fault]]\nat_s = 0\nkind = \"swapped-wiring\"\naxis = {a}\nwith = {b}\nlines = \"sensors\"\n"
+            );
+            let (recorded, outcome) = run(&text(count, STEPPERS, &apart, &swapped));
+            let Some(fault) = outcome.fault else {
+                panic!("{count}: {a}, {b}: not stopped");
+            };
+            assert_eq!(fault.kind, FaultKind::SwappedWiring, "{count}: {a}, {b}");
+            assert!(
+                [Some(a), Some(b)].contains(&fault.axis),
+                "{fault:?}, not {a} or {b}"
+            );
+            // The trims' limit is 5°.
+            assert!(
+                recorded.largest_deg < 4.0,
+                "{}° of trim",
+                recorded.largest_deg
+            );
+        }
+    }
+}
+
+/// Were it wrong, a crank that lost its steps in homing would be corrected with what it was before, be looked at for three turns more,
+/// or be driven up to speed. In whatever step of homing they are lost, from the first pulse on to the last look.
+#[test]
+fn steps_lost_in_homing_are_reported_within_a_turn() {
+    const WATCHED: &str = "drive = \"stepper\"\nsteps_per_turn = 3200\nencoder = true";
+    let apart = [0.9, 1.1, -0.8, 0.4];
+    for drive in [STEPPERS, WATCHED] {
+        for prove in [false, true] {
+            let correction = format!("[correction]\ngain =  0.5\nprove_wiring = {prove}\n");
+            let (homed, _) = run(&text(4, drive, &apart, &correction));
+            let homing_turns = homed.turns;
+            let until = homed.ticks.iter().find(|tick| tick.1 >= homing_turns);
+            let (until_s, _) = *until.expect("it runs");
+            // All have been detected at a place of 40°.
+            for part in [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9] {
+                let at_s = 0.25 + part * (until_s - 0.25);
+                let lost = format!(
+                    "{correction}[[fault]]\nat_s = {at_s}\nkind = \"lost-steps\"\naxis = 1\ncycles = 2\n"
+                );
+                let (recorded, outcome) = run(&text(4, drive, &apart, &lost));
+                let fault = outcome.fault.expect("it is told");
+                let reported = recorded.reported.expect("it is told");
+                let was = recorded.ticks.iter().position(|tick| tick.0 > at_s);
+                let was = recorded.ticks[was.expect("it was on its way")].1;
+                // What is played in a tick was made of the one two before.
+                let turns = recorded.ticks[reported - 3].1 - was;
+                assert!(
+                    turns <= 1.0,
+                    "{drive}, {prove}: lost at {at_s} s, told {turns} turns later"
+                );
+                // Where an index alone watches, a machine that turns at homing speed may stand before the crank is detected again.
+                let is_named = fault.kind == FaultKind::LostSteps
+                    || drive == STEPPERS && fault.kind == FaultKind::IndexTimeout;
+                assert!(
+                    is_named && fault.axis == Some(1),
+                    "{drive}, {prove}, at {at_s} s: {fault:?}"
+                );
+            }
+        }
+    }
+}

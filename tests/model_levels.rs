@@ -1,0 +1,285 @@
+//! The loop on cranks that torque moves: where they settle, when they slip, and what the model levels say of each other.
+
+use cophase_tests::{Run, record, scene};
+use host_sim::scene::{Checked, load};
+use host_sim::trace::{Every, Window};
+
+/// Four steppers. Electrical cycles a turn: 50. Parked at 90°, where the load pulls on every crank.
+const SCENE: &str = r#"
+name = "torque"
+fidelity = "phased"
+[machine]
+crank_radius_mm = 10
+lambda = 0.25
+load_kg = 8
+mount_radius_mm = 200
+[control]
+park_deg = 90
+[limits]
+speed_hz = 30
+acceleration_hz_per_s = 60
+jerk_hz_per_s2 = 600
+homing_speed_hz = 5
+[axes]
+count = 4
+drive = "stepper"
+steps_per_turn = 12800
+rotor_inertia_kgm2 = 1e-3
+damping_nms = 0.2
+pull_out = [[0, 20.0], [60, 20.0]]
+[[program]]
+amax_g = 15
+ramp_s = 0.5
+hold_s = 0.5
+"#;
+
+fn run(text: &str) -> Run {
+    record(&scene(text), Every::Ticks(1), Window::FirstMotion)
+}
+
+fn last(run: &Run, column: &str) -> f64 {
+    *run.trace().column(column).last().expect("a run has rows")
+}
+
+/// What a crank is ahead of its command at the end, turns.
+fn ahead(run: &Run, axis: usize) -> f64 {
+    last(run, &format!("actual_turns_{axis}")) - last(run, &format!("command_turns_{axis}"))
+}
+
+/// Were it wrong, a motor's spring would not carry what gravity puts on its crank.
+///
+/// At 90° the load of m g pushes on N cranks with levers of R each (s = 1), so that T sin(p δ) = m g R / N. A platform
+/// above its cranks leads them on, one below holds them back.
+#[test]
+fn a_parked_crank_hangs_in_its_motors_spring() {
+    for (platform, sign) in [("above", 1.0), ("below", -1.0)] {
+        let text = SCENE.replace(
+            "load_kg = 8\n",
+            &format!("load_kg = 8\nplatform = \"{platform}\"\n"),
+        );
+        // What a run goes on for at rest, 50 ms, is then twenty of its time constants.
+        let text = text.replace("damping_nms = 0.2", "damping_nms = 1");
+        let run = run(&text);
+        let torque_nm: f64 = 8.0 * 9.80665 * 0.010 / 4.0;
+        let lag_turns = (torque_nm / 20.0).asin() / 50.0 / std::f64::consts::TAU;
+        for axis in 0..4 {
+            let found = ahead(&run, axis);
+            // The crank is not quite at 90° then, but its lever there has its maximum nearly: 1e-3 of the lag.
+            assert!(
+                (found - sign * lag_turns).abs() < 1e-3 * lag_turns,
+                "{platform}, axis {axis}: {found}, not {}",
+                sign * lag_turns
+            );
+        }
+    }
+}
+
+/// Were it wrong, the one model level would say another thing than the other where both know all there is to know.
+#[test]
+fn equal_cranks_move_as_one_shaft() {
+    let phased = run(SCENE);
+    let rigid = run(&SCENE.replace("\"phased\"", "\"rigid\""));
+    assert_eq!(rigid.report["fidelity"]["model_level"], "rigid");
+    let (one, other) = (rigid.trace(), phased.trace());
+    let pairs = one
+        .column("actual_turns_3")
+        .iter()
+        .zip(other.column("actual_turns_3"))
+        .map(|(a, b)| (a - b).abs());
+    // Steps of both resolve the fastest mode of each; their errors differ, and are of the order of 1e-3 of the lag, which is
+    // at most some 1e-4 turns.
+    let worst = pairs.fold(0.0, f64::max);
+    assert!(worst < 1e-6, "{worst} turns apart");
+    assert!(phased.outcome.statistics.worst_spread_deg < 1e-6);
+}
+
+/// Were it wrong, a motor that is too weak would lag a little more, for ever, and never lose a step.
+#[test]
+fn a_weak_motor_slips_by_whole_cycles() {
+    // Three: a fourth would have rods bend, and no motor holds against that.
+    let three = SCENE.replace("count = 4", "count = 3");
+    let weak = format!("{three}[[axis]]\nnumber = 2\nfriction_nm = 6\npull_out_scale = 0.2\n");
+    let run = run(&weak);
+    let slipped = &run.outcome.statistics.slipped_cycles;
+    assert!(slipped[2] < 0, "{slipped:?}");
+    for axis in [0, 1] {
+        assert_eq!(slipped[axis], 0, "axis {axis}");
+    }
+    // A cycle is 1/50 of a turn; at rest the crank is within a quarter of one of where the field holds it, as long as there is one:
+    // in the last ticks before the drives go off.
+    let trace = run.trace();
+    let row = trace.first("fault").start - 2;
+    let [actual, command] =
+        ["actual_turns_2", "command_turns_2"].map(|name| trace.column(name)[row]);
+    let off_cycles = (actual - command) * 50.0 - slipped[2] as f64;
+    assert!(off_cycles.abs() <= 0.25, "{off_cycles} cycles");
+}
+
+/// Were it wrong, a servo would leave its load to its position loop, though it is told what torque to give.
+#[test]
+fn a_servo_with_torque_feed_forward_lags_less() {
+    let servo = SCENE
+        .replace("\"stepper\"", "\"servo\"")
+        .replace(
+            "pull_out = [[0, 20.0], [60, 20.0]]\n",
+            "servo = { position_gain_per_s = 500, velocity_gain_nms = 2 }\n",
+        )
+        .replace("damping_nms = 0.2\n", "");
+    let run = run(&servo);
+    let trace = run.trace();
+    let (actual, command) = (
+        trace.column("actual_turns_1"),
+        trace.column("command_turns_1"),
+    );
+    let lags = actual.iter().zip(command).map(|(a, c)| (a - c).abs());
+    let worst = lags.fold(0.0, f64::max);
+    // Its share of the load at 15 g, by the stiffness alone: m (a + g) R max(s) / N / k.
+    let alone = 8.0 * 16.0 * 9.80665 * 0.010 * 1.03 / 4.0 / 1000.0 / std::f64::consts::TAU;
+    assert!(
+        worst < 0.5 * alone,
+        "{worst} turns; by stiffness alone {alone}"
+    );
+}
+
+fn refused(text: &str) -> String {
+    let scene = load::parse(text).expect("its form is right");
+    let error = Checked::new(scene).expect_err("a scene that lacks something");
+    error.to_string()
+}
+
+/// Were it wrong, a model level that knows no torque would be run with none.
+#[test]
+fn what_torque_needs_is_required() {
+    for model_level in ["rigid", "phased"] {
+        let text = SCENE.replace("phased", model_level);
+        for (line, key) in [
+            ("rotor_inertia_kgm2 = 1e-3\n", "axes.rotor_inertia_kgm2"),
+            ("pull_out = [[0, 20.0], [60, 20.0]]\n", "axes.pull_out"),
+        ] {
+            let said = refused(&text.replace(line, ""));
+            assert!(said.contains(key) && said.contains(model_level), "{said}");
+        }
+        let said = refused(&text.replace("1e-3", "1e-12"));
+        assert!(
+            said.contains("method") && said.contains("steps a tick"),
+            "{said}"
+        );
+    }
+}
+
+/// Were it wrong, a method would be run where it is unstable, and its rubbish be looked at as the machine's.
+#[test]
+fn a_method_is_not_run_where_it_is_unstable() {
+    let with = |method: &str| SCENE.replace("[machine]", &format!("[method]\n{method}\n[machine]"));
+    // The fastest mode, a rotor between its motor (1000 N·m/rad) and a rod (50e6 · 0.0125² N·m/rad), turns at 2966 rad/s: 1.48
+    // rad a tick of 0.5 ms, at a damping ratio of 0.034.
+    for (method, name) in [
+        ("explicit-euler\"\nsteps_per_tick = 2", "explicit Euler"),
+        ("velocity-verlet\"\nsteps_per_tick = 1", "velocity Verlet"),
+    ] {
+        let soft = with(&format!("name = \"{method}"));
+        let stiff = soft.replace(
+            "mount_radius_mm = 200",
+            "mount_radius_mm = 200\nrod_n_per_um = 500",
+        );
+        let said = refused(&stiff);
+        assert!(said.contains(name) && said.contains("limit"), "{said}");
+    }
+    let usual = last(&run(SCENE), "actual_turns_0");
+    for name in ["rk4", "velocity-verlet", "implicit-midpoint", "sdirk4"] {
+        let run = run(&with(&format!("name = \"{name}\"\nsteps_per_tick = 8")));
+        assert_eq!(run.report["method"]["steps_per_tick"], 8, "{name}");
+        assert_eq!(run.report["method"]["why"], "the scene asks for it");
+        assert_eq!(run.outcome.diverged, None);
+        let off = (last(&run, "actual_turns_0") - usual).abs();
+        assert!(off < 1e-6, "{name}: {off} turns from the usual method");
+    }
+}
+
+/// Were it wrong, a method that no linear machine makes unstable would be believed on motors whose torque is a sine: with a rotor
+/// as light as this, whose mode turns 5 rad a step, cranks fly off, and the run would go on with them.
+#[test]
+fn what_runs_away_is_ended() {
+    let light = SCENE
+        .replace("count = 4", "count = 3")
+        .replace("rotor_inertia_kgm2 = 1e-3", "rotor_inertia_kgm2 = 1e-5")
+        .replace("damping_nms = 0.2", "damping_nms = 0.02")
+        .replace(
+            "[machine]",
+            "[method]\nname = \"implicit-midpoint\"\nsteps_per_tick = 1\n[machine]",
+        );
+    let run = run(&light);
+    let why = run
+        .outcome
+        .diverged
+        .as_deref()
+        .expect("no machine does that");
+    assert!(why.contains("beyond any speed of this machine"), "{why}");
+    // Ended at once: at its end no crank is farther than ten times the greatest speed, 30 rev/s, takes it in a tick.
+    for axis in 0..3 {
+        let column = run.trace().column(&format!("actual_turns_{axis}")).to_vec();
+        let steps = column.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        assert!(steps.fold(0.0, f64::max) < 10.0, "axis {axis}");
+    }
+}
+
+/// Were it wrong, cranks that stand apart would be put at one angle on one shaft, and be taken to have slipped there.
+#[test]
+fn cranks_apart_are_not_put_on_one_shaft() {
+    let rigid = SCENE.replace("phased", "rigid");
+    for (key, line) in [
+        ("offset_deg", "offset_deg = 90"),
+        ("ratio", "ratio = [2, 1]"),
+        ("start_deg", "start_deg = 1"),
+        ("trim_deg", "trim_deg = 1"),
+    ] {
+        let said = refused(&format!("{rigid}[[axis]]\nnumber = 1\n{line}\n"));
+        assert!(
+            said.contains(key) && said.contains("let it be \"phased\""),
+            "{said}"
+        );
+    }
+}
+
+/// Were it wrong, a motor that is stronger at speed than at rest would be stepped as if it were soft.
+#[test]
+fn steps_are_for_where_a_motor_is_stiffest() {
+    let rising = SCENE
+        .replace("count = 4", "count = 3")
+        .replace(
+            "[[0, 20.0], [60, 20.0]]",
+            "[[0, 2.0], [1, 60.0], [60, 60.0]]",
+        )
+        .replace("rotor_inertia_kgm2 = 1e-3", "rotor_inertia_kgm2 = 1e-4")
+        .replace(
+            "[machine]",
+            "[method]\nname = \"velocity-verlet\"\nsteps_per_tick = 1\n[machine]",
+        );
+    let said = refused(&rising);
+    assert!(
+        said.contains("velocity Verlet") && said.contains("method.steps_per_tick = 2 or more"),
+        "{said}"
+    );
+}
+
+/// Were it wrong, cranks apart by design would shake the platform as if they were in phase: three, a third of a turn apart, hardly
+/// lift it.
+#[test]
+fn a_platform_on_cranks_apart_hardly_heaves() {
+    let apart = SCENE
+        .replace("phased", "kinematic")
+        .replace("count = 4", "count = 3")
+        + "[[axis]]\nnumber = 1\noffset_deg = 120\n[[axis]]\nnumber = 2\noffset_deg = -120\n[drift]\ntilt_limit_mrad = 100\n";
+    let run = run(&apart);
+    let trace = run.trace();
+    let most = |column: &str| {
+        trace
+            .column(column)
+            .iter()
+            .fold(0.0_f64, |most, a| most.max(a.abs()))
+    };
+    // Of the harmonics of h only those in threes are left: at λ = 0.25 the sixth, below 1e-3 of the first.
+    let amax = 15.0 * 9.80665;
+    assert!(most("accel_mps2") < 2e-3 * amax, "{}", most("accel_mps2"));
+    assert!(most("tilt_x_mrad") > 1.0);
+}

@@ -1,0 +1,50 @@
+//! What the desk compiles is what a board reads, and stays so.
+
+use std::path::Path;
+
+use clap::Parser;
+use cophase::{Command, Status};
+use cophase_link::codec::VERSION;
+use cophase_link::{Header, decode};
+use cophase_tests::built_in;
+use host_sim::scene::library::SCENES;
+
+/// The default scene as a settings file, as it was when its format got its version.
+const GOLDEN: &[u8] = include_bytes!("../firmware/link/golden/default.settings");
+
+/// What `cophase settings SCENE` writes.
+fn settings(scene: &str) -> Vec<u8> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("it.settings");
+    let path = Path::new(&file).to_str().expect("UTF-8");
+    let command = Command::try_parse_from(["cophase", "settings", scene, "-o", path]);
+    let status = command.expect("arguments").carry_out(&mut Vec::new());
+    assert_eq!(status, Status::Done);
+    std::fs::read(file).expect("a file")
+}
+
+/// Were it wrong, a board would take a settings file of another format for one of its own: both have its version.
+#[test]
+fn the_format_changes_only_with_its_version() {
+    let header = Header::read(GOLDEN).expect("a settings file");
+    assert_eq!(
+        header.version, VERSION,
+        "the golden settings file is of another version: {RENEW}"
+    );
+    assert!(
+        settings("default") == GOLDEN,
+        "the default scene is no longer compiled to the golden settings file. If the bytes of settings changed, raise \
+         cophase_link::codec::VERSION. Then, or if only the scene changed, {RENEW}"
+    );
+}
+
+const RENEW: &str = "renew it: cargo sim settings default -o firmware/link/golden/default.settings";
+
+/// Were it wrong, the loop on a board would be another than the one that was simulated.
+#[test]
+fn a_board_gets_the_settings_of_the_simulation() {
+    for scene in SCENES {
+        let settings = decode(&settings(scene.name)).expect("a settings file of this version");
+        assert_eq!(settings, built_in(scene.name).settings, "{}", scene.name);
+    }
+}

@@ -1,0 +1,116 @@
+//! One machine to which things happen, for what the supervisor makes of them.
+
+use cophase_core::supervisor::State;
+use cophase_core::units::Amax;
+
+use crate::{Tick, Watched, scene, watch};
+
+/// Four mixed axes; a band is crossed on the way up and on the way down.
+pub const SCENE: &str = r#"
+name = "stops"
+[machine]
+crank_radius_mm = 10
+lambda = 0.25
+load_kg = 5
+[control]
+park_deg = 33.3
+settle_s = 0.02
+[limits]
+speed_hz = 20
+acceleration_hz_per_s = 40
+jerk_hz_per_s2 = 800
+homing_speed_hz = 4
+band = [{ from_hz = 9, to_hz = 11 }]
+[axes]
+count = 4
+drive = "stepper"
+steps_per_turn = 3200
+[[axis]]
+number = 1
+reversed = true
+[[axis]]
+number = 3
+drive = "servo"
+reversed = true
+[[program]]
+amax_g = 13
+ramp_s = 1.5
+hold_s = 0.5
+[[program]]
+amax_g = 1.8
+ramp_s = 1
+hold_s = 0.3
+"#;
+
+/// Its control ticks a second.
+pub const HZ: f64 = 2000.0;
+/// A turn in the units of [`Tick::speed`].
+pub const ONE_TURN: f64 = (1_u64 << 48) as f64;
+
+/// Plays the scene with what happens in it, and checks every tick against the limits.
+///
+/// # Panics
+/// If the axes are apart, or a limit is broken while the drives are on.
+pub fn scripted(happens: &str) -> Watched {
+    let watched = watch(&scene(&format!("{SCENE}{happens}")));
+    let acceleration_most = (40.0 / HZ.powi(2) * ONE_TURN) as u64;
+    let jerk_most = (800.0 / HZ.powi(3) * ONE_TURN) as u64;
+    let mut last = (0, 0);
+    for tick in &watched.ticks {
+        let acceleration = tick.speed - last.0;
+        // Without drives nothing moves, and limits mean nothing.
+        if tick.drives_enabled {
+            let at = tick.start_ns;
+            assert!(
+                acceleration.unsigned_abs() <= acceleration_most,
+                "acceleration at {at} ns"
+            );
+            assert!(
+                (acceleration - last.1).unsigned_abs() <= jerk_most,
+                "jerk at {at} ns"
+            );
+            assert!(tick.speed >= 0, "the shaft turns back at {at} ns");
+            last = (tick.speed, acceleration);
+        } else {
+            last = (0, 0);
+        }
+    }
+    watched
+}
+
+/// A command at a time, for [`scripted`]. Without a start among them the scene starts at once.
+pub fn command(at_s: f64, what: &str) -> String {
+    format!("[[command]]\nat_s = {at_s}\ndo = \"{what}\"\n")
+}
+
+/// A change of a safety input.
+pub fn input(at_s: f64, line: &str, active: bool) -> String {
+    format!("[[input]]\nat_s = {at_s}\nline = \"{line}\"\nactive = {active}\n")
+}
+
+/// The phase at which the scene parks: 33.3°, to the nearest unit.
+fn park_bits() -> i64 {
+    (33.3 / 360.0 * ONE_TURN).round() as i64
+}
+
+/// Asserts that the machine is parked exactly where the scene says.
+///
+/// # Panics
+/// If it is not.
+pub fn stands_at_park_phase(tick: &Tick) {
+    assert_eq!((tick.state, tick.speed), (State::Parked, 0));
+    assert_eq!(
+        tick.phase.within_turn().to_bits(),
+        park_bits(),
+        "not at the phase to park at"
+    );
+}
+
+/// What the program asked for, tick by tick, while its time went on.
+pub fn program(watched: &Watched) -> Vec<Amax> {
+    let playing = watched
+        .ticks
+        .iter()
+        .filter(|tick| tick.state == State::Run && !tick.holding);
+    playing.map(|tick| tick.program).collect()
+}
