@@ -10,6 +10,8 @@ unsafe extern "C" {
 }
 
 /// Copies the code to RAM. None of it may be called before. So it is copied word by word, as `memcpy` is part of it.
+#[cold]
+#[inline(never)]
 pub fn place() {
     // SAFETY: the addresses are the linker's and aligned to words; nothing else uses that part of RAM.
     unsafe {

@@ -56,6 +56,8 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     cortex_m::asm::udf();
 }
 
+// Cold, so that it is in the flash: it runs before the code that belongs in RAM is there.
+#[cold]
 #[entry]
 fn main() -> ! {
     from_ram::place();
