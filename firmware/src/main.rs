@@ -11,7 +11,7 @@
 //! | `machine` | loop and world, set up for as many axes as the settings have |
 //! | `from_ram` | code that is copied to RAM before all else |
 //! | `control` | the loop's world, as this board has it |
-//! | `report` | what happened, told over the debug probe |
+//! | `report` | events, reported over the debug probe |
 //!
 //! Built for a host, as every member of this workspace can be, it has no hardware to drive and says so. The
 //! loop itself runs on a host through `host-sim`.

@@ -1,7 +1,7 @@
-//! What happened, told over the debug probe: `probe-rs run`, and any other reader of defmt's log.
+//! Events, reported over the debug probe: `probe-rs run`, and any other reader of defmt's log.
 //!
 //! The loop only notes what changed, in a queue; the words are made in what time it leaves, a few milliseconds
-//! later. More than the queue holds is lost, and it is told how much.
+//! later. More than the queue holds is lost, and the number of lost notes is reported.
 
 use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::{Fault, FaultKind, State};
@@ -10,7 +10,7 @@ use embassy_time::{Duration, Timer};
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::ConstStaticCell;
 
-/// Notes that wait to be told.
+/// Notes that wait to be reported.
 const WAITING: usize = 32;
 
 /// From one look at the queue to the next.
@@ -37,7 +37,7 @@ enum What {
         phase_error: PerAxis<Turns>,
         axes: usize,
     },
-    /// What was detected: a fault that latched, or something that is told, whatever is done about it.
+    /// What was detected: a fault that latched, or something that is reported, whatever is done about it.
     Event {
         fault: Fault,
         latched: bool,

@@ -53,7 +53,7 @@ fn read(flash: Peri<'static, FLASH>, settings: &mut Settings) -> Result<(), Sett
     }
 }
 
-/// Stores the built-in settings file. That it could not be is told; it can be run all the same.
+/// Stores the built-in settings file. If that fails, it is reported; the file can be run all the same.
 #[cold]
 #[inline(never)]
 fn store(flash: Peri<'static, FLASH>, mark: u32) {

@@ -110,7 +110,7 @@ pub struct Telemetry {
     pub correction: PerAxis<Turns>,
     /// Where the master's phase is zero, detected from the cranks': homing found them so far ahead of where they were believed.
     pub home_offset: Turns,
-    /// What was detected in this tick and is told, whatever is done about it.
+    /// Event that was detected in this tick and is published, whatever is done about it.
     pub event: Option<Fault>,
     /// How many there have been.
     pub event_count: u32,

@@ -92,7 +92,7 @@ pub fn permit(on: bool) {
     });
 }
 
-/// Whether the enable input went, or is gone. A loss that is over is told once, and DRIVE ENABLE held low with it.
+/// Whether the enable input went, or is gone. A loss that is over is reported once, and DRIVE ENABLE held low with it.
 pub fn take_loss() -> bool {
     let flags = pac::PIO1.irq();
     if flags.read().irq() & 1 == 0 {

@@ -124,7 +124,7 @@ pub fn read() -> Levels {
     Levels(pac::SIO.gpio_in(0).read())
 }
 
-/// What the loop is given of the enable and stop inputs. A loss of enable that is over is told once.
+/// What the loop is given of the enable and stop inputs. A loss of enable that is over is reported once.
 pub fn safety_inputs(levels: Levels) -> SafetyInputs {
     SafetyInputs {
         enable: !guard::take_loss(),

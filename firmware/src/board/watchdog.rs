@@ -2,7 +2,7 @@
 //!
 //! It is fed for each output that was handed over in time, and by nothing else. A restart lets go of all
 //! pins, and the drives' enable line with them: it is pulled down. What the loop was doing is kept over the
-//! restart, in registers that it leaves alone, and told.
+//! restart, in registers that it leaves alone, and reported.
 
 use cophase_core::supervisor::State;
 use embassy_rp::Peri;
@@ -21,7 +21,7 @@ const LEFT: u32 = 0xC0F4_5E00;
 /// In place of a state, before the loop's first tick.
 const NOT_BEGUN: u32 = 0xFF;
 
-/// What was going on when the watchdog restarted the controller.
+/// State of the loop when the watchdog reset the controller.
 #[derive(Clone, Copy, Debug, defmt::Format)]
 pub struct LastState {
     /// What the machine was doing; nothing if the loop had not begun.

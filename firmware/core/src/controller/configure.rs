@@ -96,7 +96,7 @@ impl Controller {
         self.fill_channels(settings)?;
         self.drift.configure(settings);
         self.correction.configure(settings);
-        self.fill_align(settings)?;
+        self.fill_homing(settings)?;
         self.coupling = coupling(settings)?;
         self.tick_hz = settings.tick_hz;
         self.mechanism = settings.mechanism();
@@ -147,7 +147,7 @@ impl Controller {
     }
 
     #[cold]
-    fn fill_align(&mut self, settings: &Settings) -> Result<(), SettingsError> {
+    fn fill_homing(&mut self, settings: &Settings) -> Result<(), SettingsError> {
         let count = settings.axes.len();
         let patterns = if settings.correction.prove_wiring {
             wiring_patterns(count, &self.drift, &self.correction)?

@@ -10,7 +10,7 @@ use crate::units::Turns;
 /// How a motor moves, against what it is commanded to do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Tracking {
-    /// About as told.
+    /// About as commanded.
     #[default]
     Ok,
     /// Not at all.
@@ -71,7 +71,7 @@ struct Window {
 
 const WINDOW_TICKS: u8 = 4;
 
-/// Each tick's reading counts for this part of the calm drift, as a power of two: 16 ticks take away three quarters of the noise.
+/// Weight of each tick's reading in the filtered error, as a power of two: 16 ticks take away three quarters of the noise.
 const FILTER_SHIFT: u32 = 4;
 
 impl EncoderWatch {

@@ -23,7 +23,7 @@ pub(super) struct Moves<'a> {
     /// Drifts before, and now.
     pub before: &'a [Turns],
     pub phase_error: &'a [Turns],
-    /// Trims before, and those that they were told.
+    /// Trims before, and those that were commanded.
     pub from: &'a [Turns],
     pub to: &'a [Turns],
     /// What a reading may be off by.
