@@ -1,4 +1,4 @@
-//! One axis of the loop: its phase, its pulses or setpoints, and what it was commanded to do in the last two ticks.
+//! One axis of the loop: its phase, its pulses or setpoints, and its commands of the last two ticks.
 
 use crate::axes::Axis;
 use crate::drift::TickPhase;

@@ -7,9 +7,9 @@
 //!
 //! To *prove the wiring* the platform is then tilted, about one axis and about the other: any two cranks are moved differently once.
 //! A crank that follows its own lines keeps its phase error, as that is relative to its command; where the lines of two are swapped,
-//! each shows what the other was commanded to do. A plane bends nothing, however stiff the rods. Then all is taken back.
+//! each shows the command of the other. A plane bends nothing, however stiff the rods. Then all is taken back.
 //!
-//! A crank *deviates* that did not do what it was commanded to do in three looks, turn after turn: a rotor swings in its field when it is
+//! A crank *deviates* that did not follow its command in three checks, turn after turn: a rotor swings in its field when it is
 //! moved slowly, and one look alone may catch it so.
 
 mod checks;
@@ -344,7 +344,7 @@ impl Homing {
         if !matches!(self.step, Step::Level | Step::Verify) {
             return None;
         }
-        // While they are on their way, each may show part of what the other was commanded to do.
+        // While they are on their way, each may show part of the other's command.
         let deviation = self.in_transit(monitor.watched(), monitor, correction)?;
         let fault = Fault::new(FaultKind::SwappedWiring).on_axis(deviation.axis);
         deviation
@@ -372,8 +372,8 @@ impl Homing {
         Some(Fault::new(kind).on_axis(axis).with_size(by))
     }
 
-    /// The cranks are about to be corrected once more, in run: whether they did what they were commanded to do the last time. One that shows
-    /// in two corrections, one after the other, what another was commanded to do has its lines swapped with that one's, and the more is
+    /// The cranks are about to be corrected once more, in run: checks whether they followed their commands the last time. One that shows
+    /// in two corrections, one after the other, the command of another has its lines swapped with that one's, and the more is
     /// corrected the further they go.
     #[inline(never)]
     pub(super) fn corrected(

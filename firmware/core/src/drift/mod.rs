@@ -73,7 +73,7 @@ pub struct DriftMonitor {
     before_is_known: bool,
     /// Where the cranks stand is not known yet: what they are off by is nobody's fault.
     finding_out: bool,
-    /// Meanwhile a crank was detected to be elsewhere than in the turn before, by so much.
+    /// Meanwhile a crank was detected elsewhere than in the turn before, by so much.
     moved: Option<(usize, Turns)>,
     phase_error: PerAxis<Turns>,
     peak: PerAxis<Turns>,

@@ -44,7 +44,7 @@ impl Sorted {
         }
     }
 
-    /// The index was detected of a crank that is elsewhere, by so much.
+    /// The index was detected, and shows that the crank is elsewhere, by so much.
     const fn moved(by: Turns) -> Self {
         Self {
             is_detected: true,

@@ -127,7 +127,7 @@ fn a_correction_counts_where_it_was_enough() {
         Verdict::Missed
     );
 
-    // It walks on, and is stopped for after all: that is when it was detected to be beyond its limit.
+    // It walks on, and is stopped for after all: that is when it was detected beyond its limit.
     let stopped = fault_event(FaultKind::Slip, Some(1), Reaction::Stop, 12.0);
     observation.fault_events.push(stopped);
     observation.fault = Some(stopped.reported);
