@@ -82,7 +82,7 @@ fn last_steps(trace: &Trace, axis: usize) -> i64 {
     *trace.axis("steps", axis).last().expect("a trace has rows") as i64
 }
 
-/// The whole of a run's edges, its last row and its report tell one number of steps.
+/// The whole of a run's edges, its last row and its report give one number of steps.
 fn totals_agree(checked: &Checked, run: &Run) {
     let (trace, edges) = (run.trace(), run.edges());
     assert_eq!(edges.from_ns, 0, "the window is all of the run");
@@ -206,7 +206,7 @@ fn steps_are_the_integral_of_the_program() {
     }
     assert!(
         !run.spans("behind the program").is_empty(),
-        "the start, at the least, is told"
+        "the start, at the least, is reported"
     );
 
     let machine = &checked.settings.machine;

@@ -100,7 +100,7 @@ fn the_coupling_swings_where_its_margin_ends() {
     assert!((0.9..1.4).contains(&part), "{part} of the margin");
 }
 
-/// Were the others not told to wait, a crank that is held up would be left alone until its own drive has brought it back, and
+/// Were the others not commanded to wait, a crank that is held up would be left alone until its own drive has brought it back, and
 /// under a lasting load it would stay behind.
 #[test]
 fn the_others_wait_for_one_that_is_held_up() {

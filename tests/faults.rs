@@ -24,7 +24,7 @@ use cophase_tests::scene;
 use host_sim::sim::events::EventKind;
 use samples::{Samples, observe};
 
-/// Three steppers, 50 electrical cycles to a turn. They align from 0.02 s on at 5 rev/s, and a turn is 400 ticks of 0.5 ms.
+/// Three steppers, 50 electrical cycles to a turn. Homing starts at 0.02 s, at 5 rev/s, and a turn is 400 ticks of 0.5 ms.
 const KINEMATIC: &str = r#"
 name = "faults"
 fidelity = "kinematic"
@@ -95,7 +95,7 @@ fn latched_in(samples: &Samples) -> Option<u64> {
     Some(played - 1)
 }
 
-/// Whether the loop was told what it can be told at once.
+/// Whether the loop latched a fault that can be reported to it at once.
 fn latched(samples: &Samples, kind: FaultKind) -> bool {
     let mut events = samples.outcome.statistics.events.iter();
     let first = events.find_map(|event| match event.what {

@@ -60,8 +60,8 @@ fn holds(trace: &Trace) -> Vec<std::ops::Range<usize>> {
     holds
 }
 
-/// Were it wrong, a machine built by the patent's tables would shake its load harder or softer than it
-/// was asked to.
+/// Were it wrong, a machine built by the patent's tables would shake its load harder or softer than
+/// required.
 #[test]
 fn the_patent_machines_hold_their_amax() {
     for name in ["patent-1", "patent-2", "patent-3", "patent-4"] {
@@ -107,7 +107,7 @@ fn the_patent_machines_hold_their_amax() {
     }
 }
 
-/// Were it wrong, a motor would be told at the start of a ramp to turn faster than it can: the root asks for an angular
+/// Were it wrong, a motor would be commanded at the start of a ramp to turn faster than it can: the root requires an angular
 /// acceleration without limit there, and for more than the machine's until well after it has begun (`docs/reproduced.md`;
 /// `host-sim/tests/published.rs` has the times).
 #[test]

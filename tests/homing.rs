@@ -243,15 +243,15 @@ fn steps_lost_in_homing_are_reported_within_a_turn() {
                     "{correction}[[fault]]\nat_s = {at_s}\nkind = \"lost-steps\"\naxis = 1\ncycles = 2\n"
                 );
                 let (recorded, outcome) = run(&text(4, drive, &apart, &lost));
-                let fault = outcome.fault.expect("it is told");
-                let reported = recorded.reported.expect("it is told");
+                let fault = outcome.fault.expect("it is reported");
+                let reported = recorded.reported.expect("it is reported");
                 let was = recorded.ticks.iter().position(|tick| tick.0 > at_s);
                 let was = recorded.ticks[was.expect("it was on its way")].1;
                 // What is played in a tick was made of the one two before.
                 let turns = recorded.ticks[reported - 3].1 - was;
                 assert!(
                     turns <= 1.0,
-                    "{drive}, {prove}: lost at {at_s} s, told {turns} turns later"
+                    "{drive}, {prove}: lost at {at_s} s, reported {turns} turns later"
                 );
                 // Where an index alone watches, a machine that turns at homing speed may stand before the crank is detected again.
                 let is_named = fault.kind == FaultKind::LostSteps

@@ -186,7 +186,7 @@ fn missing_one_in(ticks: u32, times: u32) -> Watched {
 }
 
 /// Were it wrong, a loop with more to do than a tick has time for would go on for ever, at a fraction of its
-/// speed, all axes in phase and nobody told but by a counter.
+/// speed, all axes in phase and nothing but a counter to report it.
 #[test]
 fn a_loop_that_misses_again_and_again_is_a_fault() {
     for (ticks, misses_before_the_fault) in [(2, 3), (3, 3), (5, 4)] {

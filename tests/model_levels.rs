@@ -115,7 +115,7 @@ fn a_weak_motor_slips_by_whole_cycles() {
     assert!(off_cycles.abs() <= 0.25, "{off_cycles} cycles");
 }
 
-/// Were it wrong, a servo would leave its load to its position loop, though it is told what torque to give.
+/// Were it wrong, a servo would leave its load to its position loop, though the torque to give is commanded to it.
 #[test]
 fn a_servo_with_torque_feed_forward_lags_less() {
     let servo = SCENE

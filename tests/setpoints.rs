@@ -1,4 +1,4 @@
-//! What servo drives are told, against the phase that it comes from and the mechanics of the machine.
+//! Setpoints of servo drives, against the phase that they come from and the mechanics of the machine.
 
 use cophase_core::units::{Phase, Turns};
 use cophase_tests::scene;
@@ -82,8 +82,8 @@ fn torque_position_and_speed_are_those_of_the_machine() {
     );
 }
 
-/// Were it wrong, a servo would be told the torque of a gentler stop, or one whose number had run over, just when a fault
-/// asks for the hardest: it may be ten times as hard as any other ramp.
+/// Were it wrong, a servo would be given the torque of a gentler stop, or one whose number had overflowed, just when a fault
+/// requires the hardest: it may be ten times as hard as any other ramp.
 #[test]
 fn torque_in_a_faults_stop_is_that_of_the_machine() {
     let text = r#"

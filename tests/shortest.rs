@@ -159,7 +159,7 @@ fn a_fault_during_homing_stops_in_the_least_time() {
 }
 
 /// Were it wrong, a machine that is parking would finish that first; and of two faults at once the second would restart
-/// the stop, or be told instead of the first.
+/// the stop, or be reported instead of the first.
 #[test]
 fn a_fault_during_another_stop_and_two_at_once_stop_in_the_least_time() {
     each_machine(|axes, drive| {
@@ -174,7 +174,7 @@ fn a_fault_during_another_stop_and_two_at_once_stop_in_the_least_time() {
         let two = machine(axes, drive, &twice);
         assert_shortest(&two, &format!("{axes} {drive}s twice"));
         let reported = |watched: &Watched| watched.outcome.fault.expect("a fault");
-        assert_eq!(reported(&one), reported(&two), "the first is told");
+        assert_eq!(reported(&one), reported(&two), "the first is reported");
         let speeds = |watched: &Watched| -> Vec<i64> {
             let stopping = watched.ticks.iter().filter(|tick| tick.state == Stop);
             stopping.map(|tick| tick.speed).collect()
@@ -187,7 +187,7 @@ fn a_fault_during_another_stop_and_two_at_once_stop_in_the_least_time() {
     });
 }
 
-/// Were it wrong, a machine told to park would pass the phase at which all its cranks could already stand.
+/// Were it wrong, a machine commanded to park would pass the phase at which all its cranks could already stand.
 #[test]
 fn a_stop_at_a_phase_is_at_the_first_passage() {
     let park = (33.3 / 360.0 * ONE_TURN).round();

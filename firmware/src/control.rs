@@ -37,7 +37,7 @@ pub struct Board {
     pub reporter: Reporter,
     /// The trigger's level while the output that was handed over last is played.
     pub sync: bool,
-    /// An axis that underran, until the loop has been told.
+    /// An axis that underran, until it has been reported to the loop.
     pub fifo_underrun: Option<usize>,
     /// The deadline that ends the tick whose index pulses are read next; none before the machines were let go.
     pub read_to: Option<Instant>,

@@ -2,7 +2,7 @@
 //!
 //! `peer MACHINE.json AXES METHOD STEPS_PER_TICK REPEATS` plays it so many times, for whoever measures the process, and
 //! prints one JSON object: the crank angles in rad at every sample, or why it stopped. Methods are named as the library
-//! names them, such as `RK4`. Below one step a tick (0.5, 0.25), drives are told as much less often.
+//! names them, such as `RK4`. Below one step a tick (0.5, 0.25), drives are commanded as much less often.
 //!
 //! The fields go evenly within a tick, as drives lead rotors: [`Driven`] as a scene has it.
 

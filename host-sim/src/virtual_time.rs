@@ -92,7 +92,7 @@ impl Wake for Ready {
 
 /// Runs a future from time 0 until it is done, on this thread's clock.
 ///
-/// `lateness` is requested each time that the clock is about to jump to an alarm, and says by how
+/// `lateness` is called each time that the clock is about to jump to an alarm, and says by how
 /// many clock ticks (µs) it is to overshoot: that is how a busy processor looks from inside.
 ///
 /// # Panics

@@ -45,7 +45,7 @@ impl Climbed {
 }
 
 /// Were it wrong, a report would promise what the machine does not keep: every model level of every built-in scene is off the top
-/// by no more than its bound, in each output that there is, asked for or not.
+/// by no more than its bound, in each output that there is, requested or not.
 ///
 /// And were `auto` careless, or wasteful: what it takes is within each tolerance, and at most one model level above the lowest that is.
 fn judge(name: &'static str) {
@@ -205,7 +205,7 @@ fn motors_that_may_slip_are_not_bounded_on_one_shaft() {
     assert_eq!(weak.fidelity, Fidelity::Phased);
 }
 
-/// Were it wrong, what the ground feels could be asked of a machine that stands on nothing, or be answered without its frame.
+/// Were it wrong, the force on the ground could be requested of a machine that stands on nothing, or be answered without its frame.
 #[test]
 fn the_ground_question_needs_a_frame() {
     let suspended = library::find("suspended").unwrap().text;

@@ -78,7 +78,7 @@ fn what_turns_on_for_ever_is_ended_and_said() {
     assert!(summary(&checked, &samples.outcome, None, 1.0).contains("turned on for 5.0"));
 }
 
-/// Were what happens with the drives off mixed into what happens with them on, nobody could tell what the loop let happen. One
+/// Were what happens with the drives off mixed into what happens with them on, nobody could see what the loop let happen. One
 /// crank of the three is stuck as its drives are cut: the platform tilts by what the others go on.
 #[test]
 fn tilts_with_drives_on_and_off_are_apart() {

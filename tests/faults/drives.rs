@@ -77,7 +77,7 @@ fn a_stuck_crank_stands_and_a_stepper_is_caught_again_cycles_off() {
             assert!(moved.abs() < 1e-12, "{moved} at {tick}");
             assert!(samples.distance(1, tick) > 0.0);
         }
-        // It was told 0.15 turns meanwhile: seven and a half cycles.
+        // It was commanded to make 0.15 turns meanwhile: seven and a half cycles.
         let cycles = samples.ahead(0, AT_TICK + 100) / CYCLE;
         assert!((cycles - cycles.round()).abs() * CYCLE < off, "{cycles}");
         assert!((-8.6..=-6.4).contains(&cycles), "{cycles}");
@@ -124,7 +124,7 @@ fn a_reversed_motor_turns_backward_from_the_start() {
     }
 }
 
-/// Were it wrong, drives would detect their own lines still. Two axes that are told other ways show it: one turns half as fast.
+/// Were it wrong, drives would detect their own lines still. Two axes with different commands show it: one turns half as fast.
 #[test]
 fn swapped_drive_lines_move_the_other_crank() {
     let apart = "[[axis]]\nnumber = 1\nratio = [1, 2]\n[[axis]]\nnumber = 2\nreversed = true\n";
@@ -147,7 +147,7 @@ fn swapped_drive_lines_move_the_other_crank() {
     }
 }
 
-/// Were it wrong, step hardware that underruns would cost nothing, or not be told.
+/// Were it wrong, step hardware that underruns would cost nothing, or not be reported.
 #[test]
 fn a_fifo_underrun_costs_half_a_tick_of_steps() {
     let samples = with(KINEMATIC, "kind = \"step-fifo-underrun\"\naxis = 1\n");
@@ -196,7 +196,7 @@ fn before_a_fault_begins_cranks_are_where_they_would_be() {
     }
 }
 
-/// Were it wrong, one shaft would be asked to have a crank of its own, or a torque be given where none moves anything.
+/// Were it wrong, one shaft would need a crank of its own, or a torque be given where none moves anything.
 #[test]
 fn levels_that_cannot_show_a_fault_are_not_run() {
     let refused = |text: String| {

@@ -23,7 +23,7 @@ fn spread(values: &[f64]) -> (f64, f64) {
     (mean, square.sqrt())
 }
 
-/// That values have that deviation about 0. Of n draws a mean is off by σ/√n and a deviation by σ/√2n: four of those are past
+/// That values have that deviation about 0. Of n draws a mean is off by σ/√n and a deviation by σ/√2n: four of those are exceeded
 /// once in 10,000 seeds.
 #[track_caller]
 fn assert_normal(values: &[f64], sigma: f64) {

@@ -1,4 +1,4 @@
-//! Faults of servos, which are told where to be instead of how far to go.
+//! Faults of servos, whose command is a position instead of a distance.
 
 use cophase_tests::{built_in, scene};
 use host_sim::scene::{Checked, load};
@@ -59,7 +59,7 @@ fn a_servo_that_was_stuck_goes_on() {
     assert!(samples.ahead(2, AT_TICK + 140).abs() < LAG);
 }
 
-/// Were it wrong, a servo would be asked to lose steps, or a cam shaft to stand where it is not told to.
+/// Were it wrong, a servo would have to lose steps, or a cam shaft to stand where it is not commanded to.
 #[test]
 fn what_a_scene_has_not_is_not_broken_in_it() {
     let refused = |text: &str| {

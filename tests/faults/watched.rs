@@ -87,7 +87,7 @@ fn what_cranks_do_without_drives_is_ignored() {
 /// Were it wrong, an axis that is left running while another stands would go unseen, or one be detected where all stop.
 #[test]
 fn who_is_left_running_is_known() {
-    // The machine is asked to stop, and does; but one motor runs on, and its drive is on.
+    // The machine is commanded to stop, and does; but one motor runs on, and its drive is on.
     let alone = format!(
         "kind = \"stop-input\"\n[[fault]]\nat_s = {}\nkind = \"runaway\"\naxis = 1\nspeed_hz = 9\nfor_s = 0.5\n",
         AT_S + 0.01

@@ -32,7 +32,7 @@ LEVELS_RAD = [1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6]
 PEERS = [("Euler", 1.3), ("implicitfast", 1.3), ("discrete", 1e-3), ("RK4", 0.5), ("RK4", 0.6), ("RK4", 0.8), ("RK4", 1.0)]
 
 OURS = ["symplectic Euler", "velocity Verlet", "RK4", "implicit midpoint", "SDIRK4"]
-# Steps a tick; below one, drives are told as much less often, on both sides.
+# Steps a tick; below one, drives are commanded as much less often, on both sides.
 STEPS = [1 / 4, 1 / 2, 1, 2, 4, 8, 16]
 
 

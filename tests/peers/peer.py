@@ -110,7 +110,7 @@ class Peer:
     def play(self, integrator, steps_per_tick, stiffness_steps, repeats=1):
         """Least CPU time of the repeats, s, and coordinates at every sample; none if it went off its command.
 
-        Below one step a tick (1/2, 1/4), drives are told as much less often. `stiffness_steps` is the constraints' time
+        Below one step a tick (1/2, 1/4), drives are commanded as much less often. `stiffness_steps` is the constraints' time
         constant in steps."""
         step_s = self.machine["tick_s"] / steps_per_tick
         ticks_a_step = max(1, round(1 / steps_per_tick))

@@ -22,7 +22,7 @@ RAM_BYTES = 264 << 10
 VECTORS = FLASH + 0x100
 
 ROM_BYTES = 16 << 10
-ROM_ANY, ROM_LOOK_UP, ROM_COPY = 0x100, 0x104, 0x110
+ROM_ANY, ROM_LOOKUP, ROM_COPY = 0x100, 0x104, 0x110
 
 PIO_BLOCKS = (0x5020_0000, 0x5030_0000)
 INSTR_MEM = 0x48
@@ -114,9 +114,9 @@ class Board:
         The start-up copies the second boot stage to RAM and calls it after a write: 'C4' copies a return.
         """
         rom = bytearray(ROM_BYTES)
-        struct.pack_into("<3H", rom, 0x14, 0x200, 0x200, ROM_LOOK_UP | 1)
+        struct.pack_into("<3H", rom, 0x14, 0x200, 0x200, ROM_LOOKUP | 1)
         # ldr r2, code; cmp r1, r2; ldr r0, any; bne; ldr r0, copy; bx lr
-        struct.pack_into("<6H", rom, ROM_LOOK_UP, 0x4A05, 0x4291, 0x4805, 0xD100, 0x4805, 0x4770)
+        struct.pack_into("<6H", rom, ROM_LOOKUP, 0x4A05, 0x4291, 0x4805, 0xD100, 0x4805, 0x4770)
         # ldr r3, return; strh r3, [r0]; bx lr
         struct.pack_into("<3H", rom, ROM_COPY, 0x4B05, 0x8003, 0x4770)
         struct.pack_into("<H", rom, ROM_ANY, 0x4770)

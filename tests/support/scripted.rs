@@ -106,7 +106,7 @@ pub fn stands_at_park_phase(tick: &Tick) {
     );
 }
 
-/// What the program asked for, tick by tick, while its time went on.
+/// Amplitude that the program requested, tick by tick, while its time went on.
 pub fn program(watched: &Watched) -> Vec<Amax> {
     let playing = watched
         .ticks

@@ -55,7 +55,7 @@ pub struct Controller {
     turned: Turns,
     coupling: Option<Coupling>,
     supervisor: Supervisor,
-    /// What is reported a tick later, as there was something else to tell.
+    /// Event that is published a tick later, as another was published in this one.
     unpublished: Option<Fault>,
     /// The stop input's level in the last tick.
     stop_input: bool,
@@ -239,7 +239,7 @@ impl Controller {
         (input, reported)
     }
 
-    /// Hears the sensors.
+    /// Reads the sensors.
     #[inline(never)]
     fn measure(&mut self, feedback: &Feedback) -> Option<Finding> {
         let sensed = Sensed {
@@ -268,7 +268,7 @@ impl Controller {
         found
     }
 
-    /// Goes on with finding out where the cranks are.
+    /// Continues homing.
     fn find_out(&mut self) -> Option<Finding> {
         let found = self
             .homing
@@ -315,7 +315,7 @@ impl Controller {
     #[inline(never)]
     fn enter(&mut self, before: State, now: State) {
         match now {
-            // Whatever the cranks did while the drives were off, only their index pulses tell.
+            // Only their index pulses show where the cranks are after the drives were off.
             State::Homing if before == State::Idle => {
                 self.drift.reset(&self.output.telemetry.axis_phase);
                 self.homing.begin();

@@ -77,7 +77,7 @@ fn input(place: &str, error: &dyn std::fmt::Display) -> CommandError {
     CommandError::Input(format!("{place}: {error}"))
 }
 
-/// Which cases are requested.
+/// The cases that are requested.
 fn numbers(args: &CampaignArgs) -> Result<Range<u64>, CommandError> {
     let to = args.to.unwrap_or(args.runs);
     if args.runs == 0 {
@@ -85,7 +85,7 @@ fn numbers(args: &CampaignArgs) -> Result<Range<u64>, CommandError> {
     }
     if to > args.runs {
         let problem = format!(
-            "{to} is past --runs {}; cases are 0 to {}",
+            "{to} is more than --runs {}; cases are 0 to {}",
             args.runs,
             args.runs - 1
         );

@@ -21,7 +21,7 @@ pub enum Refused {
     /// The exponential of the system's matrix over one step has no finite value.
     #[error("step {step_s} s: the system grows beyond f64 within it; take a shorter step")]
     Exponential {
-        /// The step asked for.
+        /// The requested step.
         step_s: f64,
     },
 }

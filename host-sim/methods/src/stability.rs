@@ -67,7 +67,7 @@ pub enum Unstable {
     Step {
         /// The method.
         scheme: Scheme,
-        /// Step asked for, s.
+        /// Requested step, s.
         step_s: f64,
         /// Longest stable step, s; 0 if there is none.
         limit_s: f64,

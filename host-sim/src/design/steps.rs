@@ -18,7 +18,7 @@ pub enum DesignError {
     /// A frequency so near 0 that the crank has no length `f64` can hold.
     #[error("--freq-hz {freq_hz:e}: too slow for any crank ({source}); try 20")]
     NoCrank {
-        /// The frequency asked for, Hz.
+        /// The requested frequency, Hz.
         freq_hz: f64,
         /// What is wrong with the crank.
         source: SliderCrankError,

@@ -1,6 +1,6 @@
 //! A machine with its motors, as equations that a method can advance.
 //!
-//! What the drives tell the motors goes on evenly within a control tick: a field at an angle, turning at a speed.
+//! The command of the drives to the motors advances evenly within a control tick: a field at an angle, turning at a speed.
 //! Microsteps, which are smaller than anything here resolves, are not modelled.
 
 use cophase_methods::Equations;

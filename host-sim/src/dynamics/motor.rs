@@ -36,11 +36,11 @@ pub struct Stepper {
     pub damping_nms: f64,
 }
 
-/// A drive with a position loop around a velocity loop, each told ahead, up to its current limit.
+/// A drive with a position loop around a velocity loop, each with feed-forward, up to its current limit.
 ///
-/// The position loop asks for the velocity φ′ + g (φ − α); the velocity loop answers an error e of that with the torque
-/// k e + z, and the torque that it is told ahead is added. The current limit caps the sum. z′ = k e / Tᵢ, less what was
-/// capped, over Tᵢ (*back-calculation*): altogether z′ = (torque − told ahead − z) / Tᵢ, so that z + told ahead follows
+/// The position loop commands the velocity φ′ + g (φ − α); the velocity loop answers an error e of that with the torque
+/// k e + z, and the feed-forward torque is added. The current limit caps the sum. z′ = k e / Tᵢ, less what was
+/// capped, over Tᵢ (*back-calculation*): altogether z′ = (torque − feed-forward − z) / Tᵢ, so that z + feed-forward follows
 /// the torque that is given, and cannot wind up beyond it. The current loop is far faster than all this, and is not modelled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Servo {

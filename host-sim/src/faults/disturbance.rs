@@ -1,13 +1,13 @@
 //! What is wrong with a drive and its crank in one tick.
 
-/// What a machine is told beside the loop's output.
+/// Input of a machine beside the loop's output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disturbance {
     /// The axis whose lines its drive detects.
     pub from: usize,
     /// Its motor turns the other way round.
     pub reversed: bool,
-    /// It turns at this speed, whatever it is told, rev/s.
+    /// It turns at this speed, whatever its command is, rev/s.
     pub runaway_hz: Option<f64>,
     /// Part of what it is commanded to do that it makes: less than 1 where its pulses underran.
     pub travel_share: f64,

@@ -166,7 +166,7 @@ impl Faults {
         extra
     }
 
-    /// Whether a flag that comes before the sensor of an axis is not to be detected; asked once a flag.
+    /// Whether a flag that comes before the sensor of an axis is not to be detected; called once a flag.
     pub fn misses(&mut self, axis: usize) -> bool {
         match &mut self.missing[axis] {
             Some(0) | None => false,

@@ -1,4 +1,4 @@
-//! Noise that is the same on every run and host: a number of a normal distribution for each number that is requested.
+//! Noise that is the same on every run and host: a number of a normal distribution for each number that is given.
 //!
 //! Each sensor of each axis has a stream of its own, and within it each draw its own place. So one sensor that is read more
 //! often, or a fault that keeps it from being read, shifts the noise of no other. ChaCha is made for that: any place of any

@@ -21,8 +21,8 @@ impl Answers {
     }
 }
 
-/// Looks on while cranks move as commanded: in running and stopping. What drives do as they are switched on is not
-/// asked for.
+/// Observes the cranks while they move as commanded: in running and stopping. What drives do as they are switched on is not
+/// requested.
 impl Observer for Answers {
     fn tick(&mut self, moment: &Moment<'_>) {
         let axes = moment.machine.axes.iter().enumerate();

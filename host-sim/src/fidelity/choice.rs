@@ -10,13 +10,13 @@ pub struct Choice {
     pub model_level: Fidelity,
     /// Why, in a sentence.
     pub why: String,
-    /// What it leaves out of each output that is requested.
+    /// Part that it leaves out of each requested output.
     pub judged: Vec<Judged>,
     /// By how much what swings may be off by the method's step, of itself.
     pub resolution: f64,
 }
 
-/// An output that is requested, and how well a model level answers it.
+/// A requested output, and how well a model level answers it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Judged {
     /// Which.

@@ -11,13 +11,13 @@ pub enum Output {
     Spread,
     /// Largest tilt of the platform, mrad.
     Tilt,
-    /// Largest acceleration of the platform, m/s²; asked for in percent of itself.
+    /// Largest acceleration of the platform, m/s²; requested in percent of itself.
     Amax,
-    /// Largest torque of a motor, N·m; asked for in percent of itself.
+    /// Largest torque of a motor, N·m; requested in percent of itself.
     Torque,
-    /// Which motors fell out of step, a bit each; asked for exactly.
+    /// Which motors fell out of step, a bit each; requested exactly.
     Slips,
-    /// Largest force on the ground beyond the weight, N; asked for in percent of itself.
+    /// Largest force on the ground beyond the weight, N; requested in percent of itself.
     Ground,
 }
 

@@ -135,7 +135,7 @@ impl SimulatedAxis {
         self.lost_cycles
     }
 
-    /// The largest part of its pull-out torque that the motor was asked for, and at which speed, rev/s.
+    /// The largest part of its pull-out torque that was required of the motor, and at which speed, rev/s.
     pub fn torque_used(&self) -> Option<(f64, f64)> {
         self.torque_used
     }
@@ -168,7 +168,7 @@ impl SimulatedAxis {
         needed
     }
 
-    /// Takes what the drive is told in a tick: for machines whose cranks move by torque, and not as commanded.
+    /// Takes the command of the drive in a tick: for machines whose cranks move by torque, and not as commanded.
     ///
     /// A stepper's field is where its steps have it, and in between where the phase is that they are made of,
     /// `command_turns`: seen at ticks alone, steps would beat with these, and shake the rotor at frequencies that
@@ -210,7 +210,7 @@ impl SimulatedAxis {
         self.moved_under(turns, self.commanded_turns, cycles)
     }
 
-    /// The same, where the field went `field_turns` from where it was at power-up, whatever the drive was told.
+    /// The same, where the field went `field_turns` from where it was at power-up, whatever the drive's command was.
     pub fn moved_under(&mut self, turns: f64, field_turns: f64, cycles: u32) -> Option<Passed> {
         let before = self.turns();
         self.travelled_turns = turns - self.origin_turns;

@@ -1,6 +1,6 @@
-//! Drives and cranks that do not do as commanded: what a machine makes of an [`Disturbance`].
+//! Drives and cranks that do not do as commanded: what a machine makes of a [`Disturbance`].
 //!
-//! Every drive is told a way to go in each tick; what is wrong with it makes another way of that. From these ways follows
+//! Every drive is given a travel in each tick; its disturbance makes another travel of that. From these follows
 //! where its *field* is: where the motor would have its rotor. The crank is behind its motor by what it has slipped on the
 //! shaft. Where torque moves cranks the field leads them; elsewhere the crank is where the field has it, and turns evenly
 //! within the tick. A crank that stands, or whose motor has lost its field to the load, drops its way; a stepper is caught
@@ -17,7 +17,7 @@ use crate::faults::Disturbance;
 pub struct FaultedDrives {
     tick_s: f64,
     cycles: u32,
-    /// What each drive's lines told last, turns.
+    /// Last command on each drive's lines, turns.
     commanded: Axes<f64>,
     /// Where each field is, turns since power-up, and what of its way the rotor has dropped.
     field: Axes<f64>,
@@ -48,7 +48,7 @@ impl FaultedDrives {
         self.slipped[i]
     }
 
-    /// Plays a tick in which lines tell `commanded`, on cranks that torque moves.
+    /// Plays a tick in which lines give `commanded`, on cranks that torque moves.
     pub fn turn(
         &mut self,
         axes: &mut [SimulatedAxis],
@@ -85,7 +85,7 @@ impl FaultedDrives {
         }
     }
 
-    /// Plays a tick in which lines tell `commanded`, on cranks that are where their motors have them.
+    /// Plays a tick in which lines give `commanded`, on cranks that are where their motors have them.
     pub fn place(
         &mut self,
         axes: &mut [SimulatedAxis],
@@ -100,7 +100,7 @@ impl FaultedDrives {
             if lost > 0.0 {
                 axis.fall_back(lost);
             }
-            // A drive that is off has no field to lead with: its crank stands, and what it was commanded to do is forgotten.
+            // A drive that is off has no field to lead with: its crank stands, and its command is forgotten.
             let moved = if energised {
                 drive_commands[i].turns
             } else {

@@ -191,7 +191,7 @@ impl IndexSensor {
         self.changes.push_back((at.max(last), level));
     }
 
-    /// When the line follows. No line of a sensor is ahead of its flag by more than the tick before can still be told of.
+    /// When the line follows. No line of a sensor is ahead of its flag by more than what can still be reported of the tick before.
     fn late(&mut self, cycle: u32, cycles: u32) -> i64 {
         let noise = self.time.as_ref().map_or(0.0, |time| time.draw(self.edges));
         self.edges += 1;
@@ -212,7 +212,7 @@ mod tests {
         Some(IndexPulse { cycle })
     }
 
-    /// Were a passage told twice, or not at its edge, drift would be wrong where a tick ends.
+    /// Were a passage reported twice, or not at its edge, the phase error would be wrong where a tick ends.
     #[test]
     fn a_passage_is_reported_once_wherever_the_tick_ends() {
         for rise in 0..=1000 {
@@ -229,7 +229,7 @@ mod tests {
         }
     }
 
-    /// Were it wrong, a late line would be told at its flag's time, or not at all where that is a tick later.
+    /// Were it wrong, a late line would be reported at its flag's time, or not at all where that is a tick later.
     #[test]
     fn a_late_line_is_late_across_ticks() {
         for delay in [0, 300, 1700] {

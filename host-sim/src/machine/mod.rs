@@ -1,7 +1,7 @@
 //! Simulated machines: what the drives, the cranks and the platform make of the loop's output.
 //!
 //! On the ladder's *kinematic* model level every crank is where commanded. On the *quasi-static* model level the torque
-//! that the motion needs is compared with the torque that each motor has, and a stepper that is requested more slips.
+//! that the motion needs is compared with the torque that each motor has, and a stepper slips if more is required of it.
 //! On the *rigid*, *phased* and *elastic* model levels ([`Rotors`]) torque moves the cranks. The platform follows from the
 //! cranks' phases by geometry, but on the last two: there it is what its equations make of it. Where a scene has
 //! cams instead, [`Followers`] hang on them, one an axis.
@@ -90,7 +90,7 @@ pub struct Machine {
     tick_s: f64,
     torques: bool,
     omega_before: f64,
-    /// What each motor is asked for, where torques are compared.
+    /// Required torque of each motor, N·m, where torques are compared.
     required_nm: Option<Axes<f64>>,
     /// Where torque moves the cranks.
     rotors: Option<Rotors>,
@@ -345,7 +345,7 @@ impl Machine {
     }
 }
 
-/// What drives are told in a tick.
+/// Commands of the drives in a tick.
 fn command(
     axes: &mut [SimulatedAxis],
     played: &Played,

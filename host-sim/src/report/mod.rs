@@ -62,7 +62,7 @@ pub struct Report<'a> {
     /// What the scene put in, in the order in which it began.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     injected: Vec<InjectedReport>,
-    /// What the loop told, whatever it did about it.
+    /// What the loop reported, whatever it did about it.
     reported_faults: Vec<FaultReport>,
     faults: Vec<FaultReport>,
     events: Vec<EventReport>,

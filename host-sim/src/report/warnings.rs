@@ -1,5 +1,5 @@
 //! What a reader should not overlook: where the simulated machine and its controller disagree, or where
-//! the run does not show what was asked.
+//! the run does not show what was requested.
 
 use cophase_core::drift::{Knowledge, Mount};
 use cophase_core::supervisor::State;
@@ -79,9 +79,9 @@ fn unwatched(checked: &Checked) -> Option<String> {
         Knowledge::Nothing => "nothing reports the platform's tilt",
         Knowledge::Common => "one axis stands for all, and nothing reports the platform's tilt",
         Knowledge::OneTilt => {
-            "of the platform two axes tell the least tilt that explains their difference"
+            "of the platform two axes show the least tilt that explains their difference"
         }
-        Knowledge::Plane => "of the platform three axes tell a plane, and nothing checks it",
+        Knowledge::Plane => "of the platform three axes show a plane, and nothing checks it",
         Knowledge::All => "the platform's plane is the best through the others",
     };
     let axes: Vec<_> = unwatched.iter().map(usize::to_string).collect();

@@ -64,7 +64,7 @@ pub fn describe(what: &EventKind) -> String {
     }
 }
 
-/// Whether people want to be told: what lasts only as long as a band takes to cross is not news.
+/// Returns whether an event is worth printing: one that lasts only as long as a band takes to cross is not.
 pub fn is_notable(what: &EventKind) -> bool {
     const SHORT_S: f64 = 0.3;
     match what {

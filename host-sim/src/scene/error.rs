@@ -53,7 +53,7 @@ impl SceneError {
     }
 }
 
-/// What the values inside a range have in common, where the numbers alone would not tell.
+/// Reason of a range, where the numbers alone would not show what the values have in common.
 fn reason(key: &str) -> Option<&'static str> {
     let (_, name) = key.rsplit_once('.')?;
     Some(match name {

@@ -39,7 +39,7 @@ pub enum EventKind {
         /// Whether the shaft came out faster than it went in.
         upwards: bool,
     },
-    /// The program asked for a speed in a forbidden band, for that many seconds, and got an edge.
+    /// The program requested a speed in a forbidden band, for that many seconds, and an edge of the band was commanded.
     HeldAtBand {
         /// For how long, s.
         for_s: f64,

@@ -148,7 +148,7 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
         }
     }
 
-    /// Hears the sensors over ticks in which nothing was played, up to the time `until_us`.
+    /// Reads the sensors over ticks in which nothing was played, up to the time `until_us`.
     fn stand(&mut self, until_us: u64, detected: &mut PerAxis<Option<IndexPulse>>) {
         while self.sensed_us < until_us {
             self.now.passages = Passages::default();
@@ -156,8 +156,8 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
         }
     }
 
-    /// Hears the sensors over one tick, and when their lines rose. Of what is read at one deadline the latest counts: the
-    /// loop asks for no more than one tick, unless it was late.
+    /// Reads the sensors over one tick, and when their lines rose. Of what is read at one deadline the latest counts: the
+    /// loop needs no more than one tick, unless it was late.
     fn detect(&mut self, detected: &mut PerAxis<Option<IndexPulse>>) {
         for (i, (sensor, rose)) in self.sensors.iter_mut().zip(&mut self.now.index).enumerate() {
             *rose = None;

@@ -80,7 +80,7 @@ pub struct Statistics {
     pub followers: Vec<Peaks>,
     /// What cranks did that drives had let go.
     pub coast: Coast,
-    /// How often the loop told something.
+    /// How often the loop reported something.
     pub reported: u32,
     /// What made the machine stop last.
     pub stopped_by: Option<StoppedBy>,

@@ -56,7 +56,7 @@ pub struct RunFiles {
     dir: PathBuf,
     /// Folders made here, innermost first.
     made: Vec<PathBuf>,
-    /// Names whose temporaries are not yet in place, in the order asked for.
+    /// Names whose temporaries are not yet in place, in the order requested.
     names: Vec<String>,
 }
 

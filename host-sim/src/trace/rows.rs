@@ -4,7 +4,7 @@ use std::io::Write;
 
 use super::{Row, TraceCsv, TraceError};
 
-/// Most rows that a trace gets unless it is requested more.
+/// Most rows that a trace gets unless more are requested.
 pub const MOST_ROWS: usize = 20_000;
 
 /// Which ticks become rows.

@@ -55,7 +55,7 @@ pub enum VcdError {
     /// There is no such axis.
     #[error("{signal:?} is not a wire of a file with {axes} axes")]
     Wire {
-        /// The wire asked for.
+        /// The requested wire.
         signal: Signal,
         /// The file's axes.
         axes: usize,

@@ -20,7 +20,7 @@ export class Stimulus {
 
   /** Sets `pin` to `level` (0, 1 or null to release it) at `cycle`. */
   at(cycle, pin, level) {
-    if (!Number.isInteger(cycle) || cycle < this.now) throw new Error(`cycle ${cycle} is past or not whole`);
+    if (!Number.isInteger(cycle) || cycle < this.now) throw new Error(`cycle ${cycle} is over already or not whole`);
     if (!Number.isInteger(pin) || pin < 0 || pin > 29) throw new Error(`there is no pin ${pin}`);
     const entry = { cycle, pin, level: level === null ? RELEASED : Number(Boolean(level)) };
     let low = this.position;

@@ -162,9 +162,9 @@ function losesEnableInATick(machine) {
 const restarts = (mostS) => (machine, must) => {
   machine.run(0.5);
   const fall = drivesFell(machine, must, mostS);
-  must(machine.board.events.some(({ kind, text }) => kind === 'reset' && text === 'watchdog'), 'the watchdog restarts it');
+  must(machine.board.events.some(({ kind, text }) => kind === 'reset' && text === 'watchdog'), 'the watchdog resets it');
   must(logs(machine, /reset by the watchdog.*Run/), 'the log says what the machine was doing');
-  must(logs(machine, /fault: watchdog-reset/), 'the log says restarted');
+  must(logs(machine, /fault: watchdog-reset/), 'the log says watchdog-reset');
   must(machine.level('enable') === 0, 'the drives stay off');
   resets(machine, must);
   return `${fall}, reset by the watchdog; stays off until reset`;

@@ -8,7 +8,7 @@ import { scene, settingsOf } from '../bench/host.mjs';
 import { log } from '../bench/log.mjs';
 import { flashWith, Machine } from '../bench/machine.mjs';
 
-/** Offsets in a settings file's header (docs/blob.md). */
+/** Offsets in a settings file's header (docs/settings-file.md). */
 const HEADER_BYTES = 256;
 const VERSION_AT = 8;
 const SEQUENCE_AT = 16;
@@ -75,7 +75,7 @@ function quick(settings) {
   const payload = changed.subarray(HEADER_BYTES);
   const crcAt = changed.indexOf(Buffer.from(Uint32Array.of(crc32(payload)).buffer));
   const at = payload.indexOf(level);
-  if (at < 0 || crcAt < 0 || crcAt > HEADER_BYTES) throw new Error('the settings file is not as it was: docs/blob.md');
+  if (at < 0 || crcAt < 0 || crcAt > HEADER_BYTES) throw new Error('the settings file is not as it was: docs/settings-file.md');
   payload.writeDoubleLE(20_000, at);
   return withHeader(changed, (header) => header.writeUInt32LE(crc32(payload), crcAt));
 }

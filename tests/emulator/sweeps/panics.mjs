@@ -9,7 +9,7 @@ const PANICS = 4;
 
 /** Drives are off within this, cycles. */
 const MOST = 250;
-/** Until the watchdog has restarted the controller, and that is in the log. */
+/** Until the watchdog has reset the controller, and that is in the log. */
 const RESET_S = 0.15;
 
 /** RAM that nothing uses: the place of the panic's arguments. */
@@ -44,7 +44,7 @@ export function panics(outcome, running) {
       name: `${u.toFixed(4)} ticks after a deadline${isFull ? ', the log full' : ''}`,
       wrong,
       worst: (falls[0] - began) / 125,
-      ended: isFull ? 'restarted, the message lost' : 'logged and restarted',
+      ended: isFull ? 'reset, the message lost' : 'logged and reset',
       log: () => lines,
     };
   });

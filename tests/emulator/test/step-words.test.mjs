@@ -80,7 +80,7 @@ function setUp(options = {}) {
 const feed = (board, { block, machine }, word) => board.poke(pio.PIO_BASE[block] + pio.TXF + 4 * machine, word);
 const level = (board, { block, machine }) => (board.peek(pio.PIO_BASE[block] + pio.FLEVEL) >>> (8 * machine)) & 0xf;
 
-/** Plays lists of words on all axes, keeping each FIFO from running dry; gives the cycle of the first pull. */
+/** Plays lists of words on all axes, keeping each FIFO from underrunning; gives the cycle of the first pull. */
 function play(board, lists, length) {
   const queues = lists.map((list) => [...list]);
   const fill = () => {

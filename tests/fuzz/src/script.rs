@@ -1,7 +1,7 @@
-//! Bytes as a story.
+//! Bytes as a sequence of numbers.
 
-/// Reads numbers from bytes, and from the beginning again when they end, each time as other ones: few bytes tell a long
-/// story too, in which nothing repeats.
+/// Reads numbers from bytes, and from the beginning again when they end, each time as other ones: few bytes make a long
+/// sequence too, in which nothing repeats.
 #[derive(Clone, Debug)]
 pub struct Script<'a> {
     bytes: &'a [u8],

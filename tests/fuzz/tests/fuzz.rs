@@ -1,10 +1,10 @@
-//! Arbitrary feedback, as much of it as asked for. `COPHASE_FUZZ_INPUTS` says how many ticks in all; without it there
+//! Arbitrary feedback, as much of it as requested. `COPHASE_FUZZ_INPUTS` says how many ticks in all; without it there
 //! are few:
 //!
 //!     COPHASE_FUZZ_INPUTS=10000000 cargo test -p cophase-fuzz -- --nocapture
 //!
 //! With overflow checks on, so not in release mode; ten million take some seconds. Every run plays
-//! other cases. One that fails is made smaller, and told with the seed that brings it back (`BOLERO_RANDOM_SEED`).
+//! other cases. One that fails is made smaller, and reported with the seed that brings it back (`BOLERO_RANDOM_SEED`).
 
 use std::sync::Mutex;
 

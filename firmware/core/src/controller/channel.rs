@@ -1,4 +1,4 @@
-//! One axis of the loop: its phase, its pulses or setpoints, and what it was commanded to do in the last two ticks.
+//! One axis of the loop: its phase, its pulses or setpoints, and its commands of the last two ticks.
 
 use crate::axes::Axis;
 use crate::drift::TickPhase;
@@ -6,7 +6,7 @@ use crate::pulse::{Planner, Runs, StepRates};
 use crate::servo::{FeedForward, Setpoint};
 use crate::units::Turns;
 
-/// One axis, from the master's turns to what its drive is told.
+/// One axis, from the master's turns to the command of its drive.
 #[derive(Clone, Debug)]
 pub(super) struct Channel {
     pub(super) axis: Axis,
@@ -40,7 +40,7 @@ impl Channel {
         }
     }
 
-    /// What a servo is told at the end of a tick in which the master accelerated, in the axis's own sense. Its crank stands
+    /// Setpoint of a servo at the end of a tick in which the master accelerated, in the axis's own sense. Its crank stands
     /// `home_offset` further than its phase says.
     #[inline(never)]
     pub(super) fn setpoint(

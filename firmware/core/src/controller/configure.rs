@@ -229,7 +229,7 @@ fn feed_forward(
     }
 }
 
-/// The cross-coupling of servos, if it is requested and every axis is a servo with an encoder.
+/// The cross-coupling of servos, if the settings have it and every axis is a servo with an encoder.
 #[cold]
 fn coupling(settings: &Settings) -> Result<Option<Coupling>, SettingsError> {
     let measured = |axis: &AxisSettings| axis.drive == DriveKind::Servo && axis.encoder;

@@ -50,7 +50,7 @@ impl Controller {
     }
 }
 
-/// Of what there is to tell, what is reported now, what next, and how much there is.
+/// The event that is published now, the one that is published next, and the number of events.
 #[inline(never)]
 fn first_two(new_faults: &[Option<Fault>]) -> (Option<&Fault>, Option<&Fault>, u32) {
     let mut all = new_faults.iter().flatten();
@@ -59,7 +59,7 @@ fn first_two(new_faults: &[Option<Fault>]) -> (Option<&Fault>, Option<&Fault>, u
     (first, second, count)
 }
 
-/// What is to be done about what was found: what is detected of it, or else what is reported.
+/// Selects the reaction to a finding; returns the fault if it is only to be published.
 #[inline(never)]
 pub(super) fn select_reaction(
     found: Finding,

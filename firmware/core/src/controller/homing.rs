@@ -3,13 +3,13 @@
 //! After power-up phases are unknown, and the cranks are joined by the platform: none may be turned alone. So all turn at homing speed together
 //! until every index has been detected, within a turn and what may be overdue. What all are off by in common is taken for the
 //! machine's own zero, the *home offset*; what they are off from each other is trimmed away, all at once and within the limits,
-//! and looked at for a turn more. A crank that is too far out for that is refused.
+//! and looked at for a turn more. A crank that exceeds the range for that is refused.
 //!
 //! To *prove the wiring* the platform is then tilted, about one axis and about the other: any two cranks are moved differently once.
-//! A crank that follows its own lines keeps its drift, as that is against what it is commanded to do; where the lines of two are swapped,
-//! each shows what the other was commanded to do. A plane bends nothing, however stiff the rods. Then all is taken back.
+//! A crank that follows its own lines keeps its phase error, as that is relative to its command; where the lines of two are swapped,
+//! each shows the command of the other. A plane bends nothing, however stiff the rods. Then all is taken back.
 //!
-//! A crank *deviates* that did not do what it was commanded to do in three looks, turn after turn: a rotor swings in its field when it is
+//! A crank *deviates* that did not follow its command in three checks, turn after turn: a rotor swings in its field when it is
 //! moved slowly, and one look alone may catch it so.
 
 mod checks;
@@ -23,7 +23,7 @@ use checks::{Deviation, Moves, When};
 /// How far homing has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Step {
-    /// Not asked for.
+    /// Not requested.
     #[default]
     Off,
     /// Not every index has been detected.
@@ -60,7 +60,8 @@ pub(super) struct Homing {
     before: PerAxis<Turns>,
     before_now: PerAxis<Turns>,
     from: PerAxis<Turns>,
-    /// Looks in which some crank strayed, and by how much each was off in all of them; in run, corrections in a row that look like a swap.
+    /// Checks in which some crank deviated, and how far each was off in all of them; in run, corrections in a row that look like a
+    /// swap.
     checks: u8,
     off: PerAxis<Turns>,
     home_offset: Turns,
@@ -337,13 +338,13 @@ impl Homing {
             .deviation(set)
     }
 
-    /// Why cranks that were moved seem too far out, if it is that two are swapped.
+    /// Fault of swapped wiring, if that is why cranks that were moved seem to exceed the homing range.
     #[inline(never)]
     pub(super) fn explain(&self, monitor: &DriftMonitor, correction: &Correction) -> Option<Fault> {
         if !matches!(self.step, Step::Level | Step::Verify) {
             return None;
         }
-        // While they are on their way, each may show part of what the other was commanded to do.
+        // While they are on their way, each may show part of the other's command.
         let deviation = self.in_transit(monitor.watched(), monitor, correction)?;
         let fault = Fault::new(FaultKind::SwappedWiring).on_axis(deviation.axis);
         deviation
@@ -351,8 +352,8 @@ impl Homing {
             .then_some(fault.with_size(deviation.off))
     }
 
-    /// A crank was detected elsewhere than in the turn before, by so much: that is told at once, unless it is no further than a rotor
-    /// swings, or another was commanded to go there, so that the looks have to tell.
+    /// A crank was detected elsewhere than in the turn before, by so much: that is reported at once, unless it is no further than a rotor
+    /// swings, or another was commanded to go there, so that the checks have to decide.
     #[inline(never)]
     fn moved(
         &self,
@@ -371,8 +372,8 @@ impl Homing {
         Some(Fault::new(kind).on_axis(axis).with_size(by))
     }
 
-    /// The cranks are about to be corrected once more, in run: whether they did what they were commanded to do the last time. One that shows
-    /// in two corrections, one after the other, what another was commanded to do has its lines swapped with that one's, and the more is
+    /// The cranks are about to be corrected once more, in run: checks whether they followed their commands the last time. One that shows
+    /// in two corrections, one after the other, the command of another has its lines swapped with that one's, and the more is
     /// corrected the further they go.
     #[inline(never)]
     pub(super) fn corrected(

@@ -6,7 +6,7 @@ const MOST_AT_ONCE: u32 = 2;
 /// Ticks after which a missed deadline is forgiven.
 const FORGIVEN_AFTER: u32 = 8;
 
-/// Keeps account of missed deadlines: each weighs as much as [`FORGIVEN_AFTER`] ticks take off again.
+/// Counts missed deadlines: each counts as much as [`FORGIVEN_AFTER`] ticks take off again.
 ///
 /// So two at once are no fault and three are; and a loop that has too much to do, and misses one deadline
 /// after every few that it meets, is one as well, as soon as it misses more than one in nine for long.

@@ -36,7 +36,7 @@ fn gate(tolerance: Turns, cycle: Turns) -> Turns {
         return widest;
     }
     let (half, tolerance) = (cycle.to_bits() / 2, tolerance.to_bits());
-    // Where steps are so coarse that this is less than what readings differ by, half a cycle is all that can be told.
+    // Where steps are so coarse that this is less than what readings differ by, only half a cycle can be distinguished.
     let sure = half - tolerance;
     let most = if sure < 2 * tolerance { half } else { sure };
     widest.min(Turns::from_bits(most))
@@ -73,7 +73,7 @@ pub(super) struct AxisWatch {
     last: i32,
     home: i32,
     history: History,
-    /// Named in this tick, and not told yet.
+    /// Named in this tick, and not reported yet.
     fresh: Option<(FaultKind, Turns)>,
     /// What it was called last, and for how many rounds more that counts.
     name: Option<FaultKind>,
@@ -163,7 +163,7 @@ impl AxisWatch {
         }
     }
 
-    /// Takes in a tick; whether there is news.
+    /// Processes a tick; returns whether anything was updated.
     #[inline(never)]
     pub(super) fn observe(
         &mut self,
@@ -186,12 +186,12 @@ impl AxisWatch {
         let start = commanded.start.advanced(encoder.phase_error());
         let (read, turns) = encoder.observe(count, commanded);
         self.read = read;
-        // A jump is told a tick later.
+        // A jump is reported a tick later.
         self.jumped_at = core::mem::replace(&mut self.began, start);
         self.detection = match &mut self.index {
             Some(index) => {
                 let measured = TickPhase { start, turns };
-                // A motor's noise turns it back for a tick; its flag is met by the way that it is told.
+                // A motor's noise turns it back for a tick; its flag is met by the commanded travel.
                 let commanded_turns = commanded.turns;
                 index.observe(pulse, &measured, commanded_turns, before_is_known, clock)
             }
@@ -211,7 +211,7 @@ impl AxisWatch {
         }
     }
 
-    /// Gives what happened a name: that of its story unless it is known.
+    /// Gives what happened a name: that of its history unless it is known.
     fn named(&mut self, by: Turns, kind: Option<FaultKind>) {
         let kind = kind.unwrap_or_else(|| self.history.jumped(by));
         self.fresh = Some((kind, by));

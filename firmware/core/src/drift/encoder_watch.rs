@@ -7,10 +7,10 @@
 use super::tick_phase::TickPhase;
 use crate::units::Turns;
 
-/// How a motor moves, against what it is commanded to do.
+/// Motion of a motor compared with its command.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Tracking {
-    /// About as told.
+    /// About as commanded.
     #[default]
     Ok,
     /// Not at all.
@@ -46,7 +46,7 @@ pub(super) struct EncoderWatch {
     /// What a count is more than that, 16 fraction bits; and what of it is left over.
     rest_a_count: i64,
     rest: i64,
-    /// More than this in a tick, against what was reported, is no crank's doing.
+    /// More than this in a tick, against the command, is no crank's doing.
     jump: Turns,
     last: Option<i32>,
     /// Measured minus commanded turns since the reset; and the same without most of its noise, some ticks later.
@@ -71,7 +71,7 @@ struct Window {
 
 const WINDOW_TICKS: u8 = 4;
 
-/// Each tick's reading counts for this part of the calm drift, as a power of two: 16 ticks take away three quarters of the noise.
+/// Weight of each tick's reading in the filtered error, as a power of two: 16 ticks take away three quarters of the noise.
 const FILTER_SHIFT: u32 = 4;
 
 impl EncoderWatch {

@@ -1,4 +1,5 @@
-//! What the monitor has found and not told yet, one thing a tick; and what a stop was requested, which may get a better name.
+//! Findings of the monitor that are not reported yet, one a tick; and the one that a stop was requested for, which may get a
+//! better name.
 
 use super::naming;
 use crate::supervisor::{Fault, FaultKind};
@@ -17,7 +18,7 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// Of what is no longer safe, and was not told before.
+    /// A finding that is outside the limits, and was not reported before.
     pub(crate) const fn of(fault: Fault) -> Self {
         Self {
             fault,
@@ -30,10 +31,10 @@ impl Finding {
 /// Turns after which what a machine was stopped for gets no better name: a crank at the end of a stop does other things.
 const NAMED_WITHIN: Turns = Turns::lit("4");
 
-/// Findings that may wait to be told, one a tick.
+/// Findings that may wait to be reported, one a tick.
 const WAITING: usize = 8;
 
-/// Findings, in the order in which they are told.
+/// Findings, in the order in which they are reported.
 #[derive(Clone, Debug)]
 pub(super) struct Findings {
     waiting: Deque<Finding, WAITING>,
@@ -77,7 +78,7 @@ impl Findings {
         self.open = None;
     }
 
-    /// To be told. What is no longer safe goes first, and once; after that only better names for it.
+    /// Queues a finding. One that is outside the limits goes first, and once; after that only better names for it.
     #[inline(never)]
     pub(super) fn push(&mut self, fault: Fault, within_limits: bool) {
         let mut supersedes = false;

@@ -66,7 +66,7 @@ impl IndexFilter {
     }
 
     /// Takes note that the line has been at `level` from `cycle` of the present tick on, negative for
-    /// the time before it. Changes come in the order of their times; one that is told too late counts
+    /// the time before it. Changes come in the order of their times; one that is reported too late counts
     /// from the change before it on, and a level that the line has already is no change.
     pub fn change(&mut self, cycle: i32, level: bool) {
         if level == self.level {
@@ -98,7 +98,7 @@ impl IndexFilter {
         self.pulse.take()
     }
 
-    /// Whether nothing is under way, and has been for a tick of `cycles`. Then [`Self::end_tick`] has nothing to tell, and
+    /// Whether nothing is under way, and has been for a tick of `cycles`. Then [`Self::end_tick`] has nothing to report, and
     /// need not be called until the next change: all that a change looks back for, [`BRIDGE_WIDTHS`] widths and one, is
     /// less than a tick.
     pub fn is_quiet(&self, cycles: u32) -> bool {

@@ -2,11 +2,11 @@
 //!
 //! A pulse is *in place* if it shows about the same offset as the one before. Any other is an *outlier*: noise, or a crank that
 //! has moved. Which of the two, the place shows where the next pulse was expected: a pulse there clears the outlier as an extra
-//! one; silence there, or the same again a turn later, shows that the crank has moved. So an extra pulse never counts as
+//! one; no pulse there, or the same again a turn later, shows that the crank has moved. So an extra pulse never counts as
 //! drift, and a crank that has moved is known to have within a turn and the width of a place.
 //!
 //! The *offset* that a pulse shows is the sensor's place minus the axis's phase at that moment: of an axis without an encoder
-//! its commanded phase, so that the offset is its drift; of one with an encoder the measured, so that it is what crank and
+//! its commanded phase, so that the offset is its phase error; of one with an encoder the measured, so that it is what crank and
 //! encoder differ by.
 
 use super::tick_phase::{IndexPulse, TickClock, TickPhase};
@@ -32,7 +32,7 @@ pub(super) struct Place {
     pub flag: Turns,
     /// Ticks by which its line is late, 16 fraction bits.
     pub delay: u32,
-    /// Of a tick that is over, the part in which no flag can have come that is not told of yet, 16 fraction bits: the line is late,
+    /// Of a tick that is over, the part in which no flag can have come that is not reported yet, 16 fraction bits: the line is late,
     /// and its filter waits. Below zero where that takes longer than a tick.
     pub covered: i32,
     /// A pulse further than this from the last is out of place.
@@ -41,7 +41,7 @@ pub(super) struct Place {
     pub tolerance: Turns,
     /// A pulse that is late by more does not come where it was.
     pub sure: Turns,
-    /// A pulse that is late by more stands for a crank beyond its limit: while cranks are found out, and from then on.
+    /// A pulse that is late by more stands for a crank beyond its limit: during homing, and from then on.
     pub overdue: Turns,
     pub overdue_settled: Turns,
     /// Of what a pulse in place shows anew, 1/2^`filtered` is believed: where an encoder has the crank anyway, the index need not
@@ -80,7 +80,7 @@ pub(super) enum Detection {
     },
     /// Nothing came where the next pulse was expected.
     Undetected,
-    /// A pulse stays away: told once, until one comes.
+    /// A pulse stays away: reported once, until one comes.
     Overdue,
 }
 
@@ -379,14 +379,14 @@ impl IndexWatch {
         self.alert = ONE.wrapping_add(self.place.gate);
     }
 
-    /// A pulse came out of place: silence at the very place of the next decides.
+    /// A pulse came out of place: whether one is missing at the very place of the next decides.
     fn decide_soon(&mut self) {
         if !self.undetected {
             self.alert = self.alert.min(ONE.wrapping_add(self.place.sure));
         }
     }
 
-    /// The crank may have moved at `phase`: silence at the place of the next pulse decides, and within a turn from then.
+    /// The crank may have moved at `phase`: a missing pulse at the place of the next decides, and within a turn from then.
     pub(super) fn decide_within_a_turn_of(&mut self, phase: Phase) {
         if self.known && !self.undetected {
             let went = phase.since(self.detected_at).max(Turns::ZERO);

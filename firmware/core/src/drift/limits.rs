@@ -16,7 +16,7 @@ struct Limits {
 }
 
 impl Limits {
-    /// Which of them the platform is past, if it is.
+    /// The limit that the platform exceeds, if it does.
     fn exceeded(&self, modes: &Modes) -> Option<FaultKind> {
         if square(modes.tilt_x) + square(modes.tilt_y) > self.tilt_squared {
             Some(FaultKind::Tilt)
@@ -95,7 +95,7 @@ impl DriftLimits {
         }
     }
 
-    /// Which limit the platform is past, if it is: of the modes that make it tilt and bend.
+    /// The limit that the platform exceeds, if it does: of the modes that make it tilt and bend.
     pub(super) fn of_platform(&self, modes: &Modes) -> Option<FaultKind> {
         self.true_limits.exceeded(modes)
     }

@@ -69,11 +69,11 @@ pub struct DriftMonitor {
     by_index: AxisSet,
     by_encoder: AxisSet,
     clock: TickClock,
-    /// The last call of [`Self::observe`] told of the tick before the one that is over.
+    /// The last call of [`Self::observe`] covered the tick before the one that is over.
     before_is_known: bool,
     /// Where the cranks stand is not known yet: what they are off by is nobody's fault.
     finding_out: bool,
-    /// Meanwhile a crank was detected to be elsewhere than in the turn before, by so much.
+    /// Meanwhile a crank was detected elsewhere than in the turn before, by so much.
     moved: Option<(usize, Turns)>,
     phase_error: PerAxis<Turns>,
     peak: PerAxis<Turns>,
@@ -86,7 +86,7 @@ pub struct DriftMonitor {
     rounds: u32,
     /// In the last round, axes by index were off by about what they were in the one before: all but those that moved of themselves.
     is_even: bool,
-    /// They have been compared since, so that at its end this round does not tell.
+    /// They have been compared since, so that the end of this round shows nothing.
     is_compared: bool,
     modes: Modes,
     findings: Findings,
@@ -155,7 +155,7 @@ impl DriftMonitor {
         self.reset(&[Phase::ZERO; MAX_AXES]);
     }
 
-    /// Takes in what came during a tick that is over; the next thing to tell, if there is one.
+    /// Takes in what came during a tick that is over; returns the next finding to report, if there is one.
     #[inline(never)]
     pub fn observe(&mut self, sensed: &Sensed<'_>) -> Option<Finding> {
         let before_is_known = core::mem::replace(&mut self.before_is_known, true);
@@ -223,12 +223,12 @@ impl DriftMonitor {
             } else {
                 watch.far()
             };
-            // One that was late, and comes while all are stopped for that, is told what it did before they stand.
+            // One that was late, and comes while all are stopped for that, is reported with what it did before they stand.
             let is_waited_for = has_moved.is_some() && self.findings.has_requested_stop();
             if sorted.is_detected && (off > most || is_waited_for) {
                 moved |= 1 << axis;
             }
-            // While it was being found out a crank was lost sight of; where it shows again shows what it did.
+            // A crank was not detected for a time during homing; the place where it shows again shows what it did.
             if let Some(by) = has_moved
                 && self.finding_out
                 && self.findings.has_requested_stop()
@@ -324,7 +324,7 @@ impl DriftMonitor {
         let exceeded = self.exceeded(sensed.speed);
         for axis in 0..self.axes.len().min(MAX_AXES) {
             let fresh = self.axes.get_mut(axis).and_then(AxisWatch::take_fresh);
-            // While cranks are found out, and brought together, what they do is looked at by whoever does that.
+            // During homing and levelling the homing itself evaluates what the cranks do.
             if let Some((kind, by)) = fresh.filter(|_| !self.finding_out) {
                 self.find(axis, kind, by, exceeded.is_none());
             }
@@ -334,7 +334,7 @@ impl DriftMonitor {
         }
     }
 
-    /// Which limit the cranks are past, if they are: of the platform, or of what all may lag.
+    /// The limit that the cranks exceed, if they do: of the platform, or of the common lag.
     fn exceeded(&self, speed: Turns) -> Option<FaultKind> {
         // Where cranks were left, or tilted to prove their wiring, they stay; one that has moved goes on, and may be past already.
         let goes_on = || !self.finding_out && self.axes.iter().any(AxisWatch::has_moved);
@@ -426,7 +426,7 @@ impl DriftMonitor {
         self.rounds
     }
 
-    /// Forgets what was measured: the cranks may have been turned while the drives were off. From now on they are found out.
+    /// Forgets what was measured: the cranks may have been turned while the drives were off. From now on they are homed.
     pub fn reset(&mut self, phase: &PerAxis<Phase>) {
         self.detected = 0;
         self.known = 0;
@@ -442,12 +442,12 @@ impl DriftMonitor {
         self.modes = Modes::default();
     }
 
-    /// A crank that was detected to be elsewhere than in the turn before while cranks are found out, and by how much.
+    /// Takes the crank that was detected elsewhere than in the turn before during homing, and the distance.
     pub const fn take_moved(&mut self) -> Option<(usize, Turns)> {
         self.moved.take()
     }
 
-    /// The drift of each axis as it is known now, round or not, with little of the readings' noise and some ticks late.
+    /// Phase error of each axis as it is known now, round or not, with little of the readings' noise and some ticks late.
     pub fn filtered_error(&self) -> PerAxis<Turns> {
         let mut errors = self.phase_error;
         fill(&mut errors, &self.axes, AxisWatch::filtered_error);
@@ -527,7 +527,7 @@ impl DriftMonitor {
         self.by_encoder != 0
     }
 
-    /// The drift of each axis, as last measured: turns, −½ to ½.
+    /// Phase error of each axis, as last measured: turns, −½ to ½.
     pub const fn phase_error(&self) -> &PerAxis<Turns> {
         &self.phase_error
     }
@@ -566,7 +566,7 @@ fn pending(
     set
 }
 
-/// A drift of each axis.
+/// A phase error of each axis.
 #[inline(never)]
 fn fill(errors: &mut [Turns], axes: &[AxisWatch], of: impl Fn(&AxisWatch) -> Turns) {
     for (phase_error, watch) in errors.iter_mut().zip(axes) {

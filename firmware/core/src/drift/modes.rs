@@ -64,7 +64,8 @@ pub struct Mount {
     count: usize,
 }
 
-/// Fraction bits that are dropped of a drift: ±½ turn then has 30 bits, and so has a sum of six, each below its drift.
+/// Fraction bits that are dropped of a phase error: ±½ turn then has 30 bits, and so has a sum of six, each below its phase
+/// error.
 const DROPPED_BITS: u32 = 19;
 
 /// Fraction bits of a product of a drift and a weight, less those of a drift.
@@ -159,7 +160,7 @@ impl Mount {
         self.count
     }
 
-    /// What these axes tell.
+    /// Knowledge that these axes give.
     pub const fn knowledge(&self) -> Knowledge {
         match self.detected.count_ones() {
             0 => Knowledge::Nothing,
@@ -297,7 +298,7 @@ mod tests {
         }
     }
 
-    /// Every subset of sensors gives back what it can tell: a plane from three, a tilt and the mean from two, the mean from one.
+    /// Every subset of sensors gives back what it can show: a plane from three, a tilt and the mean from two, the mean from one.
     #[test]
     fn missing_sensors_leave_fewer_equations() {
         for count in 2..=MAX_AXES {

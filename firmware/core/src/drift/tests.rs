@@ -129,8 +129,8 @@ impl Cranks {
     }
 }
 
-/// The first thing found, where cranks that are off by `errors` from the start are found out.
-fn found_out(
+/// The first thing found, where cranks that are off by `errors` from the start are homed.
+fn found_in_homing(
     monitor: DriftMonitor,
     errors: PerAxis<f64>,
     ticks: u32,
@@ -175,7 +175,7 @@ fn tilt_trips_at_its_limit() {
     let amplitude = limit_mrad * 1e-3 * 0.25 / 0.02 / largest_travel / core::f64::consts::TAU;
     for (part, trips) in [(0.99, false), (1.01, true)] {
         let error = -1.5 * amplitude * part;
-        let fault = found_out(
+        let fault = found_in_homing(
             monitor(3, limit_mrad, 90.0, 180.0),
             [0.0, 0.0, error, 0.0, 0.0, 0.0],
             300,
@@ -259,7 +259,7 @@ fn an_index_timeout_is_reported_within_its_turn() {
     );
 }
 
-/// What was silent and comes back in its place was the sensor, not the crank.
+/// An index that stayed away and comes back in its place was the sensor's fault, not the crank's.
 #[test]
 fn one_pulse_that_stays_away_gets_its_name_when_the_next_comes() {
     let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), 0.01).homed();
@@ -278,7 +278,7 @@ fn one_pulse_that_stays_away_gets_its_name_when_the_next_comes() {
     );
 }
 
-/// A pulse where no flag is: told once the true one has come, and nothing is thought to have moved. Where a crank at twice its speed would
+/// A pulse where no flag is: reported once the true one has come, and nothing is thought to have moved. Where a crank at twice its speed would
 /// have made both, nobody can be sure.
 #[test]
 fn an_extra_pulse_is_reported_and_changes_nothing() {
@@ -412,7 +412,7 @@ fn encoders_show_how_an_axis_moves() {
     }
 }
 
-/// A reading that is off for some ticks is a glitch; counts that stay lost are told by the index; a crank that slips on its shaft
+/// A reading that is off for some ticks is a glitch; counts that stay lost are shown by the index; a crank that slips on its shaft
 /// is detected by the index alone.
 #[test]
 fn encoder_and_index_check_each_other() {

@@ -96,7 +96,7 @@ pub fn flag_underrun(axis: usize) {
     LATE.store(LATE.load(Ordering::Relaxed) | 1 << axis, Ordering::Relaxed);
 }
 
-/// An axis that is behind, told once. To be called with interrupts shut off.
+/// An axis that is behind, returned once. To be called with interrupts shut off.
 pub fn take_late() -> Option<usize> {
     let late = LATE.load(Ordering::Relaxed);
     if late == 0 {

@@ -14,7 +14,7 @@
 //! time for others is impossible: [`Steps::submit`] hands over all axes at once or none, and none in the last
 //! [`LEAST_LEAD_US`] before the deadline: twice what all axes take. If a machine nevertheless underran inside a tick that
 //! it had been given whole (a channel that stood still, interrupts that were shut off), its axis is behind the others:
-//! the hardware's own flag shows it, and it is told as a fault.
+//! the hardware's own flag shows it, and it is reported as a fault.
 
 mod feed;
 mod program;
@@ -207,7 +207,7 @@ impl Steps {
         );
         if !in_time {
             // Whatever held it up, the machines' ticks are not the timer's now, or one block's not the other's: the
-            // next offer shows.
+            // next submission shows.
             feed::flag_underrun(0);
         }
         for (pio, machines) in BLOCKS.into_iter().zip([first, second]) {
@@ -219,7 +219,7 @@ impl Steps {
 
     /// An axis whose machine has waited for words since it was let go.
     fn underrun_axis(&self) -> Option<usize> {
-        // Most often none has, which two registers tell.
+        // Most often none has, which two registers show.
         let stalled = |block: usize, pio: Pio| {
             pio.fdebug().read().txstall() & machines(block, self.axes) != 0
         };

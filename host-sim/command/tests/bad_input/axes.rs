@@ -179,7 +179,7 @@ fn pull_out_torque() {
             "0 to 10000",
         ),
         case(
-            "torque asked for and not given",
+            "torque requested and not given",
             without("axes.pull_out").replace("\"auto\"", "\"quasi-static\""),
             "axes.pull_out",
             "missing; fidelity = \"quasi-static\" compares torques",

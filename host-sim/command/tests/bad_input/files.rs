@@ -174,7 +174,7 @@ fn nowhere_to_write() {
     assert_eq!(fs::read(dir.path().join("taken")).unwrap(), b"a file");
 }
 
-/// The argument reader words these itself, in lines of its own; the status and the silence are the same.
+/// The argument reader words these itself, in lines of its own; the status is the same, and standard output is empty too.
 #[test]
 fn arguments() {
     let dir = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Motors that are requested more than they have, cranks that bend the rods, and a loop that has no time.
+//! Motors from which more torque is required than they have, cranks that bend the rods, and a loop that has no time.
 
 use cophase_core::supervisor::{FaultKind, State};
 use cophase_lab::chart::breakdown::{overload, pull_out, rods, runs};
@@ -46,7 +46,7 @@ fn a_motor_that_pulls_out() {
     failed(&pull_out::scene("phased", pull_out::WEAK));
 }
 
-/// Were it wrong, a machine that bends its rods would go on, and nobody be told that it is over-constrained.
+/// Were it wrong, a machine that bends its rods would go on, and no report would say that it is over-constrained.
 #[test]
 fn a_crank_that_bends_the_rods_is_stopped() {
     // One of four that is 1° off is 0.25° off the plane of all.

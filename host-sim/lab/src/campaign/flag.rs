@@ -52,7 +52,7 @@ mod tests {
     use super::*;
     use host_sim::scene::library;
 
-    /// Were the place too wide, pulses that the loop must report would be let pass; were it too narrow, it would be blamed for what no
+    /// Were the place too wide, pulses that the loop must report would be let pass; were it too narrow, it would be faulted for what no
     /// line shows. Of 3200 steps and 0.25° a gate is 4 (0.25 + 0.225) = 1.9°, of 200 full steps no more than 3.6 - 0.475 = 3.125°.
     #[test]
     fn a_place_is_a_gate_wide_and_as_long_as_its_flag() {

@@ -1,7 +1,7 @@
 //! Holds a run against what the campaign claims.
 //!
 //! A crank beyond a limit is *detected* when the machine is brought to where it does no harm, for a reason that has to do with that
-//! crank ([`detection`]). That something else was told before, which the loop goes on from, is no detection: nobody need be there
+//! crank ([`detection`]). That something else was reported before, which the loop goes on from, is no detection: nobody need be there
 //! to read it. Nor is a stop for another crank's sake, as the next machine would not stop for that; unless torque dragged that one along.
 
 use cophase_core::supervisor::reaction::Reaction;
@@ -28,7 +28,7 @@ pub enum Verdict {
     Right,
     /// reported, and wrongly.
     Misnamed,
-    /// Not told, though the kind is one that must be; or neither stopped for nor fixed, though a crank was beyond its limit.
+    /// Not reported, though the kind is one that must be; or neither stopped for nor fixed, though a crank was beyond its limit.
     Missed,
     /// Nothing was reported, and nothing had to be: no crank was beyond its limit.
     Within,
@@ -37,7 +37,7 @@ pub enum Verdict {
     Moot,
     /// A clean run in which nothing was reported.
     Clean,
-    /// Something was told before anything was wrong.
+    /// Something was reported before anything was wrong.
     FalseTrip,
     /// The machine's equations came to an end.
     Diverged,
@@ -46,7 +46,7 @@ pub enum Verdict {
 /// The judgement of one run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Judgement {
-    /// Rightly told or not.
+    /// Whether the report was right.
     pub verdict: Verdict,
     /// Whether it was detected within one turn and two ticks of a crank passing its limit; none where no crank did, or where the
     /// machine stood before the turn was over, and not for another crank's sake.
@@ -92,7 +92,7 @@ pub fn judge(
     }
 }
 
-/// What the loop told of a fault that counts as its detection: the first that made it stop, or disable the drives, on the axis that
+/// The report of a fault that counts as its detection: the first that made it stop, or disable the drives, on the axis that
 /// it befell, on one whose crank it moved as well, or on none. If cranks that had been beyond their limits were within them again by then,
 /// or at the end where nothing did, and never beyond them for longer than a turn, the first that had it trim that axis: what is trimmed
 /// away in time need not stop a machine, and what goes on beyond its limit must.
@@ -193,7 +193,7 @@ fn verdict(scene: &Scene, fault: &FaultAt, observation: &Observation) -> Verdict
     let is_right = |reported: &ReportedFault| {
         accepted.contains(&reported.kind) && is_of(scene, fault, reported)
     };
-    // What latched is what counts, as it was called at last; where nothing did, all that was told.
+    // What latched is what counts, as it was called at last; where nothing did, all that was reported.
     let right = match &observation.fault {
         Some(reported) => is_right(reported),
         None => {
@@ -214,7 +214,7 @@ fn differs(scene: &Scene, fault: &FaultAt, what: fn(&AxisOverrides) -> f64) -> b
     of(fault.axis) != of(fault.with)
 }
 
-/// Of which axes the cranks must stop, and not only the commands: those that their drives move as told. A crank that slips is not
+/// Axes whose cranks must stop, and not only the commands: those that their drives move as commanded. A crank that slips is not
 /// moved by its drive, one that stands for a while is not either, and one that torque moves swings on.
 pub fn cranks_that_count(scene: &Scene) -> Axes<bool> {
     let is_faulted = |axis: usize| {

@@ -1,7 +1,7 @@
-//! What counts as named rightly: one table, from what was put in to what may be told of it.
+//! Names that count as right: one table, from the fault that was injected to what may be reported of it.
 //!
-//! An index sensor is detected once a turn, and an encoder all the time; so what can be told of a crank depends on which of them it
-//! has. What cannot be distinguished by what there is, is not asked to be.
+//! An index sensor is detected once a turn, and an encoder all the time; so what can be reported of a crank depends on which of them it
+//! has. What the sensors cannot distinguish need not be distinguished.
 
 use cophase_core::supervisor::FaultKind;
 
@@ -14,7 +14,7 @@ pub struct Circumstances {
     pub has_encoder: bool,
     /// It is a stepper's.
     pub is_stepper: bool,
-    /// The fault came before homing was over: what was before it is not known, so that a jump is a place too far out.
+    /// The fault came before homing was over: what was before it is not known, so that a jump is a place beyond the homing range.
     pub in_homing: bool,
     /// The crank was beyond its limit.
     pub is_beyond_limit: bool,
@@ -26,7 +26,7 @@ pub struct Circumstances {
     pub stood_first: bool,
 }
 
-/// What may be told of a fault: any of these kinds.
+/// Kinds that may be reported of a fault: any of them.
 pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
     use FaultKind as Kind;
     let mut names = match fault.kind {
@@ -51,7 +51,7 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         FaultName::Runaway if at.has_encoder => vec![Kind::Runaway],
         // Seen once a turn, a crank that gains on its command walks ahead of it.
         FaultName::Runaway => vec![Kind::Runaway, Kind::Slip],
-        // Where nothing else watches, a pulse that is overdue stops the machine, mostly before the next could tell.
+        // Where nothing else watches, a pulse that is overdue stops the machine, mostly before the next could show it.
         FaultName::IndexMissing if at.has_encoder && !at.in_homing => vec![Kind::IndexMissing],
         FaultName::IndexMissing => match fault.count {
             None if !at.in_homing => vec![Kind::IndexTimeout],
@@ -104,7 +104,7 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
     names
 }
 
-/// Whether a kind must be told even though no crank moves beyond a limit.
+/// Returns whether a kind must be reported even though no crank moves beyond a limit.
 pub const fn must_be_reported(kind: FaultName) -> bool {
     !matches!(
         kind,
@@ -116,7 +116,7 @@ pub const fn must_be_reported(kind: FaultName) -> bool {
     )
 }
 
-/// Whether the axis that is told must be the one that it befell.
+/// Returns whether the reported axis must be the one that the fault befell.
 pub const fn has_axis(kind: FaultName) -> bool {
     !matches!(
         kind,
@@ -124,7 +124,7 @@ pub const fn has_axis(kind: FaultName) -> bool {
     )
 }
 
-/// Turns of the master, of a machine that moves, after which a kind must have been told: of index pulses, one until the next is
+/// Turns of the master, of a machine that moves, after which a kind must have been reported: of index pulses, one until the next is
 /// due, and one until that is overdue by a margin.
 pub fn turns_to_report(fault: &FaultAt) -> f64 {
     match fault.kind {

@@ -48,7 +48,7 @@ pub struct Row {
     pub beyond_limit_s: Option<f64>,
     /// When anything was first reported, s: from then on what the loop made of it was played.
     pub reported_s: Option<f64>,
-    /// When what counts was told: what stopped the machine for it, or had the crank trimmed back.
+    /// When what counts was reported: what stopped the machine for it, or had the crank trimmed back.
     pub detected_s: Option<f64>,
     /// Turns of the master from the fault to two ticks before anything was reported.
     pub turns_from_fault: Option<f64>,
@@ -60,7 +60,7 @@ pub struct Row {
     pub fault: String,
     /// Of which axis.
     pub fault_axis: Option<usize>,
-    /// All reported_faults that were told, as kind@axis.
+    /// All faults that were reported, as kind@axis.
     pub reported_faults: String,
     /// How it is judged.
     pub verdict: Verdict,

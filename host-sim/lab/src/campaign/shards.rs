@@ -167,7 +167,7 @@ impl Shard {
     }
 }
 
-/// What the reader says, without the place in the file, which is told in lines of the file.
+/// What the reader says, without the place in the file, which is given in lines of the file.
 fn brief(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::Deserialize { err, .. } => err.to_string(),

@@ -11,7 +11,7 @@ use host_sim::scene::file::FaultName;
 /// Faulty runs of one kind.
 #[derive(Clone, Debug, Default)]
 pub struct Group {
-    /// How many there were, all told.
+    /// How many there were in all.
     pub runs: u64,
     /// In how many a crank was beyond its limit.
     pub beyond_limit: u64,
@@ -33,14 +33,14 @@ pub struct Group {
     pub failed: BTreeMap<&'static str, Vec<u64>>,
 }
 
-/// Of what is not as claimed, in the order in which it is told.
+/// Names of what is not as claimed, in the order in which it is listed.
 mod failed {
     pub const LATE: &str = "late";
     pub const LEFT_RUNNING: &str = "left running";
     pub const TILTED: &str = "tilted beyond its bound";
     pub const MISNAMED: &str = "misnamed";
     pub const MISSED: &str = "missed";
-    pub const EARLY: &str = "told before it";
+    pub const EARLY: &str = "reported before it";
     pub const DIVERGED: &str = "diverged";
 }
 

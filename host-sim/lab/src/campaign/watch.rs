@@ -1,4 +1,4 @@
-//! Looks on while a case runs, and keeps what it is judged by: where the cranks truly were, and what the loop told of it when.
+//! Observer of a case: records what the case is judged by, which is where the cranks truly were, and what the loop reported when.
 //!
 //! A *moment* is a tick that was played. What the loop made of a tick is played from the second moment after it on: one until the
 //! loop reads, and one until what it then writes is played. So a *fault event* counts from the beginning of the moment in which it is
@@ -102,7 +102,7 @@ pub struct Observation {
 }
 
 impl Observation {
-    /// The first thing that was told since the fault.
+    /// The first thing that was reported since the fault.
     pub fn first_reported(&self) -> Option<&FaultEvent> {
         self.fault_events.first()
     }
@@ -168,7 +168,7 @@ impl<'a> Watch<'a> {
         self.observation
     }
 
-    /// What is reported in a moment that was not told before it.
+    /// Records what is reported in a moment and was not reported before it.
     fn fault_events(&mut self, telemetry: &Telemetry, place: Place) {
         let Some(NewEvents { reported, latched }) = self.event_watch.tick(telemetry) else {
             return;
@@ -185,7 +185,7 @@ impl<'a> Watch<'a> {
         if let Some(fault) = latched {
             observation.fault = Some(fault.into());
         }
-        // What latches is told as well: once is enough.
+        // What latches is reported as well: once is enough.
         let reported = reported.filter(|reported| telemetry.fault != Some(*reported));
         let latched = latched.map(|fault| (fault, reaction(fault.kind, false).max(Reaction::Stop)));
         let reported =

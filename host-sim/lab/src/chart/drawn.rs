@@ -1,4 +1,4 @@
-//! What every chart is requested, and gives.
+//! Input and output of every chart.
 
 /// A chart that was made.
 #[derive(Clone, Debug)]
@@ -21,7 +21,7 @@ pub enum Size {
     Full,
 }
 
-/// Told how much is done, of how much.
+/// Called with how much is done, of how much.
 pub type Progress<'a> = &'a mut dyn FnMut(u64, u64);
 
 /// Why a chart could not be made.

@@ -1,4 +1,4 @@
-//! Which methods keep the energy of a machine that nothing drives or brakes: its drift over 10,000 turns.
+//! Conservation of energy by each method: how far the energy of a machine that nothing drives or brakes drifts over 10,000 turns.
 //!
 //! The energy that a method keeps ripples around the true one within each turn; what must not happen is that it wanders off.
 //! So it is averaged over the first and the last hundredth of the run ([`Ends`]).

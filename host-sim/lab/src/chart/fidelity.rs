@@ -230,7 +230,7 @@ fn says(ladders: &[Ladder]) -> String {
         found == Some(taken(ladder))
     });
     format!(
-        "Of {} scenes auto answers {} within their tolerances, {} of these on the lowest model level that does. Errors are of the worst output asked for; \
+        "Of {} scenes auto answers {} within their tolerances, {} of these on the lowest model level that does. Errors are of the worst output requested; \
          what is below {:.0e} of its tolerance, or not off at all, stands at the bottom.",
         ladders.len(),
         within.count(),

@@ -50,7 +50,7 @@ pub struct Line {
     pub stroke: Stroke,
     /// Whether each point is marked.
     pub marked: bool,
-    /// Whether it is the one that is taken unless told otherwise: it is drawn thicker, and the legend says so.
+    /// Whether it is the one that is taken by default: it is drawn thicker, and the legend says so.
     pub chosen: bool,
     /// Points, by x.
     pub points: Vec<(f64, f64)>,

@@ -93,8 +93,8 @@ fn drift(scheme: Scheme, steps_a_turn: f64, coasting: Coasting) -> f64 {
     (last / first - 1.0).abs()
 }
 
-/// Were it wrong, a machine that coasts would run down or up by itself, and what friction and motors do to it could not be told
-/// from that.
+/// Were it wrong, a machine that coasts would run down or up by itself, and what friction and motors do to it could not be
+/// distinguished from that.
 #[test]
 fn implicit_midpoint_keeps_it() {
     for coasting in REGULAR {

@@ -27,7 +27,7 @@ fn shaft(servo: Servo) -> Driven {
     driven
 }
 
-/// The shaft, told to stand at an angle, from a state on, for a time.
+/// Advances the shaft, commanded to stand at an angle, from a state on, for a time.
 fn settle(driven: &mut Driven, alpha_rad: f64, state: &mut [f64], time_s: f64) {
     for field in &mut driven.fields {
         field.alpha_rad = alpha_rad;
@@ -41,7 +41,7 @@ fn load_nm(driven: &Driven, alpha_rad: f64) -> f64 {
     WEIGHT_N * driven.body().crank(alpha_rad).lever_m
 }
 
-/// Were it wrong, a servo under load would stand where it is not told to, with its integral or for want of it.
+/// Were it wrong, a servo under load would stand where it is not commanded to, with its integral or for want of it.
 #[test]
 fn an_integral_leaves_no_error_under_load() {
     let mut driven = shaft(servo(None));

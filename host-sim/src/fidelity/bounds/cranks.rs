@@ -102,7 +102,7 @@ impl Cranks {
         self.quasi_static_m
     }
 
-    /// Whether every motor surely gives what it is requested, oscillation and margin included.
+    /// Whether every motor surely gives the torque that is required of it, oscillation and margin included.
     pub fn keeps_step(&self) -> bool {
         self.worst
             .torque_ratio
@@ -211,7 +211,7 @@ impl Cranks {
         (0..worst.len()).filter(may_slip).count() as f64
     }
 
-    /// Whether the torque that is requested alone shows who slips: each motor is asked for far more than it has, or far less
+    /// Whether the required torque alone shows who slips: far more than each motor has is required of it, or far less
     /// even if those carry nothing any more.
     fn is_decided(&self) -> bool {
         let worst = &self.worst;

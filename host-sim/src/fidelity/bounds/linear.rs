@@ -13,7 +13,7 @@
 //! the |xₙ| is an upper bound of a linear machine at any steady speed; that its coefficients change within the
 //! turn, and speeds within seconds, is left to the factor that [`super::Bounds`] has.
 //!
-//! A servo that is told its torque is left with what a tick's hold leaves of it: a part nω·tick of harmonic n.
+//! A servo with torque feed-forward is left with what a tick's hold leaves of it: a part nω·tick of harmonic n.
 
 use std::f64::consts::TAU;
 
@@ -73,7 +73,7 @@ struct Crank {
     has_feed_forward: bool,
     /// What moves it: constant, then harmonics.
     torque_nm: [f64; HARMONICS + 1],
-    /// What the load asks, told or not: at most the sum of its harmonics.
+    /// Torque that the load requires, with feed-forward or without: at most the sum of its harmonics.
     required_nm: f64,
     most_nm: f64,
 }
@@ -178,7 +178,7 @@ fn at_speed(cranks: &[Crank], driven: &Driven, drive: &Drive, worst: &mut Worst)
         worst.amax = worst.amax.max(amax * at_top);
         worst.torque = worst.torque.max(torque);
         worst.spring_per_rad = worst.spring_per_rad.max(crank.stiffness.1);
-        // A servo gives what it was commanded to do besides what its lag makes it give.
+        // A servo gives its commanded torque besides what its lag makes it give.
         let feed_forward_nm = if crank.has_feed_forward {
             crank.required_nm
         } else {
@@ -246,7 +246,7 @@ fn crank(
     let rotor = body.rotors_kgm2[i];
     let has_feed_forward = matches!(motor, Motor::Servo(_));
     let mut torque_nm = [0.0; HARMONICS + 1];
-    // Friction is not told; while the speed changes, rotor and load ask for more, twice at worst, as it comes at once.
+    // Friction is not in the feed-forward; while the speed changes, rotor and load require more, twice at worst, as it comes at once.
     torque_nm[0] = body.friction_nm[i];
     if !has_feed_forward {
         torque_nm[0] += 2.0 * (rotor + load) * drive.acceleration_rad_s2 * drive.ratios[i];

@@ -74,7 +74,7 @@ impl Bounds {
             Of::Followers(followers) => followers.of(model_level, output),
         };
         let off = match output {
-            // What is left out is a part of what the model level has; what is requested, of what is right: less by as much.
+            // What is left out is a part of what the model level has; what is requested is a part of what is right: less by as much.
             Output::Amax | Output::Torque if left_out < 100.0 => left_out / (1.0 - 0.01 * left_out),
             Output::Amax | Output::Torque => f64::INFINITY,
             _ => left_out,

@@ -71,7 +71,7 @@ fn heave_rad_s(body: &Body) -> f64 {
 mod tests {
     use super::*;
 
-    /// Were it wrong, what is replaced by a static response would be farther from it than is told. For f = cos Ωt the difference is
+    /// Were it wrong, what is replaced by a static response would be farther from it than is stated. For f = cos Ωt the difference is
     /// known: |1/(ω² − Ω² + 2iζωΩ) − 1/ω²|.
     #[test]
     fn a_driven_mode_is_as_near_to_its_static_response_as_bounded() {

@@ -59,7 +59,7 @@ pub struct Axes {
     pub servo: Option<ServoDrive>,
 }
 
-/// A servo's drive: a position loop around a velocity loop, with torque told ahead.
+/// A servo's drive: a position loop around a velocity loop, with torque feed-forward.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ServoDrive {

@@ -52,7 +52,7 @@ pub enum FaultName {
     Slip,
     /// A crank stands, and nothing moves it, `for_s`.
     Stuck,
-    /// A drive turns at `speed_hz`, whatever it is told, `for_s`.
+    /// A drive turns at `speed_hz`, whatever its command is, `for_s`.
     Runaway,
     /// `count` index pulses stay away; without it, all.
     IndexMissing,

@@ -1,7 +1,7 @@
 //! The panels: what each one shows, in which colours, with which legend.
 //!
 //! Colours are those of Okabe and Ito, which the colour-blind distinguish; vermilion is kept for limits and
-//! faults. Where two curves are meant to coincide, the one asked for is thick and pale, the one commanded
+//! faults. Where two curves are meant to coincide, the requested one is thick and pale, the one commanded
 //! thin and dark, so that both are seen.
 
 use std::f64::consts::TAU;
@@ -28,7 +28,7 @@ const FROM_REST: Extent = Extent {
 };
 const STANDARD_GRAVITY_MPS2: f64 = 9.80665;
 
-/// Acceleration asked for and commanded, in g.
+/// Requested and commanded acceleration, in g.
 pub fn acceleration(scope: &ScopeData, time: TimeAxis) -> Panel {
     let per_mps2 = in_g(scope);
     let requested = scope.envelope.total(channel::PROGRAM).times(per_mps2);

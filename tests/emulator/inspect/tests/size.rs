@@ -14,7 +14,7 @@ fn firmware(text: usize) -> (TempDir, PathBuf) {
     let code = elf.section(".text", SectionKind::Text, &vec![0; text]);
     elf.symbol(
         code,
-        "_ZN5image4main17h0123456789abcdefE",
+        "_ZN8firmware4main17h0123456789abcdefE",
         SymbolKind::Text,
         1,
         300,
@@ -23,8 +23,8 @@ fn firmware(text: usize) -> (TempDir, PathBuf) {
     elf.section(".rodata", SectionKind::ReadOnlyData, &[0; 600]);
     elf.section(".data", SectionKind::Data, &[0; 200]);
     let bss = elf.empty_section(".bss", 3000);
-    elf.symbol(bss, "image::DMA_WORDS", SymbolKind::Data, 0, 2048);
-    elf.symbol(bss, "image::FLAG", SymbolKind::Data, 2048, 4);
+    elf.symbol(bss, "firmware::DMA_WORDS", SymbolKind::Data, 0, 2048);
+    elf.symbol(bss, "firmware::FLAG", SymbolKind::Data, 2048, 4);
     elf.section(".debug_info", SectionKind::Debug, &[0; 5000]); // takes nothing of the chip
     let dir = tempfile::tempdir().unwrap();
     let path = elf.write(dir.path());
@@ -52,10 +52,10 @@ fn sections_functions_and_buffers_are_listed() {
         "{out}"
     );
     assert!(
-        out.contains("     300 image::main\n      20 small\n"),
+        out.contains("     300 firmware::main\n      20 small\n"),
         "{out}"
     );
-    assert!(out.contains("    2048 image::DMA_WORDS\n"), "{out}");
+    assert!(out.contains("    2048 firmware::DMA_WORDS\n"), "{out}");
     assert!(!out.contains("FLAG"), "{out}");
 }
 

@@ -1,4 +1,5 @@
-//! What cranks did when they were moved, next to what they were commanded to do: which of them deviates, and whether it does what another was commanded to do.
+//! Comparison of what cranks did when they were moved with their commands: which of them deviates, and whether it follows the
+//! command of another.
 
 use crate::controller::wiring_proof::APART;
 use crate::drift::AxisSet;
@@ -23,7 +24,7 @@ pub(super) struct Moves<'a> {
     /// Drifts before, and now.
     pub before: &'a [Turns],
     pub phase_error: &'a [Turns],
-    /// Trims before, and those that they were told.
+    /// Trims before, and those that were commanded.
     pub from: &'a [Turns],
     pub to: &'a [Turns],
     /// What a reading may be off by.
@@ -32,13 +33,13 @@ pub(super) struct Moves<'a> {
     pub count: usize,
 }
 
-/// A crank that did not do what it was commanded to do.
+/// A crank that did not follow its command.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Deviation {
     pub axis: usize,
     /// By how much it is off.
     pub off: Turns,
-    /// It does what another was commanded to do.
+    /// It follows the command of another.
     pub is_swapped: bool,
 }
 

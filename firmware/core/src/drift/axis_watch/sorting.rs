@@ -1,7 +1,7 @@
-//! What the news of a tick comes to: index and encoder held against each other.
+//! Evaluation of a tick's detections: index and encoder are compared with each other.
 //!
-//! An encoder that jumped is *unconfirmed* until the index shows: a pulse where it was due shows that counts were lost, silence
-//! there that the crank moved. An index that is out of place, with an encoder that saw nothing, is a crank that slipped on its shaft.
+//! An encoder that jumped is *unconfirmed* until the index shows: a pulse where it was due shows that counts were lost; no pulse
+//! there shows that the crank moved. An index that is out of place, with an encoder that measured nothing, is a crank that slipped on its shaft.
 
 use super::{AxisWatch, FORGOTTEN_AFTER};
 use crate::drift::angles::{angle, of_angle};
@@ -13,14 +13,14 @@ use crate::units::Turns;
 /// Index pulses that may stay away in a row, where an encoder watches.
 const MOST_MISSED: u8 = 2;
 
-/// Extra pulses: each weighs so much, a turn without one takes one off, and so many are no sensor any more.
+/// Weight of an extra pulse in the count of them. A turn without one takes one off; at the limit the sensor has failed.
 const EXTRA_WEIGHT: u8 = 4;
 const MOST_EXTRA: u8 = 12;
 
 /// Pulses out of place, one after the other: a crank passes its flag more often than it should.
 const RUNAWAY_OUTLIERS: u8 = 2;
 
-/// What there is to tell: what it is, its size, and whether the crank is still detected.
+/// Fault that is to be reported: its kind, its size, and whether the crank is still detected.
 type Report = (FaultKind, Turns, bool);
 
 /// What was sorted out of a tick.
@@ -30,12 +30,12 @@ pub(in crate::drift) struct Sorted {
     pub is_detected: bool,
     /// It is elsewhere, by so much.
     pub has_moved: Option<Turns>,
-    /// What there is to tell.
+    /// Fault that is to be reported.
     pub reported: Option<Report>,
 }
 
 impl Sorted {
-    /// The index was detected, and with it there may be something to tell.
+    /// The index was detected, and with it perhaps a fault.
     const fn detected(reported: Option<Report>) -> Self {
         Self {
             is_detected: true,
@@ -44,7 +44,7 @@ impl Sorted {
         }
     }
 
-    /// The index was detected of a crank that is elsewhere, by so much.
+    /// The index was detected, and shows that the crank is elsewhere, by so much.
     const fn moved(by: Turns) -> Self {
         Self {
             is_detected: true,
@@ -53,7 +53,7 @@ impl Sorted {
         }
     }
 
-    /// Where the crank is was not detected, but there may be something to tell.
+    /// The place of the crank was not detected, but there may be a fault to report.
     const fn undetected(reported: Option<Report>) -> Self {
         Self {
             is_detected: false,
@@ -108,7 +108,7 @@ impl AxisWatch {
         (unconfirmed_jump != 0).then_some(unconfirmed_jump)
     }
 
-    /// The first pulse of all: whatever moved before, here the crank is. That the encoder jumped is told all the same.
+    /// The first pulse of all: whatever moved before, here the crank is. A jump of the encoder is reported all the same.
     fn first(&mut self) -> Option<Report> {
         self.home = angle(self.offset());
         let by = self.take_unconfirmed_jump()?;

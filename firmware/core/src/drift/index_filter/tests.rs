@@ -10,9 +10,9 @@ use std::vec::Vec;
 type Stretches = Vec<i64>;
 
 /// Plays a line through a filter, cut into ticks whose lengths repeat, until long after its end. Each
-/// pulse as the time of its edge and that of the tick's end at which it was told.
+/// pulse as the time of its edge and that of the tick's end at which it was reported.
 ///
-/// A change on a border is told before or after the border, as `late_border` says in turn.
+/// A change on a border is reported before or after the border, as `late_border` says in turn.
 fn play(
     mut filter: IndexFilter,
     stretches: &[i64],
@@ -41,7 +41,7 @@ fn play(
         {
             filter.change((at - start) as i32, level);
         }
-        // A filter that was passed over while it was quiet must tell the same.
+        // A filter that was skipped while it was quiet must report the same.
         let passed_over = is_quiet && filter.is_quiet(longest);
         if !passed_over && let Some(pulse) = filter.end_tick(tick) {
             pulses.push((start + i64::from(pulse.cycle), end));
@@ -131,7 +131,7 @@ proptest! {
         let most_tick = i64::from(*ticks.iter().max().unwrap());
         for (&(first, confirmed), &(_, end)) in truth.iter().zip(&reported) {
             // Neither before it could be known, nor later than the end of the tick in which it could.
-            prop_assert!(confirmed <= end && end < confirmed + most_tick, "{first}, {confirmed}: told at {end}");
+            prop_assert!(confirmed <= end && end < confirmed + most_tick, "{first}, {confirmed}: reported at {end}");
         }
         let short = stretches.iter().filter(|&&stretch| stretch < w).count();
         prop_assert_eq!(filter.glitches() as usize, short);
@@ -170,7 +170,7 @@ proptest! {
         }
     }
 
-    /// Whatever the line does: a pulse for each high stretch that counts after a low one that did, told
+    /// Whatever the line does: a pulse for each high stretch that counts after a low one that did, reported
     /// with a rise after that low one, at most two widths before the stretch.
     #[test]
     fn noise_moves_a_pulse_by_two_widths_at_most(
@@ -219,7 +219,7 @@ proptest! {
     }
 }
 
-/// Two pulses in one tick: the first is told, the other is on record.
+/// Two pulses in one tick: the first is reported, the other is on record.
 #[test]
 fn of_two_pulses_in_a_tick_the_first_is_reported() {
     let mut filter = IndexFilter::new(10, false);

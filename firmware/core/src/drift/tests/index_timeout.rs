@@ -28,7 +28,7 @@ fn an_overdue_pulse_is_reported_in_the_tick_in_which_it_is_overdue() {
             let ticks = (2.2 / speed) as u32;
             let found = cranks.turn_with(ticks, |_, _| 0.0, |i, _, pulse| pulse.filter(|_| i != 3));
             let (mut due, cycle) = tick_of(2.0 + overdue, speed);
-            // A pulse in the filter's time before the tick's end may be told of in the next.
+            // A pulse in the filter's time before the tick's end may be reported in the next.
             due += u32::from(cycle > f64::from(TICK_CYCLES) - filter_cycles);
             assert_eq!(
                 (found[0].0, found[0].1.fault.kind),
@@ -76,7 +76,7 @@ fn a_line_that_is_late_is_waited_for() {
             monitor.settle();
         }
     }
-    // Due at 6 turns, told of two and a half ticks later, and overdue after the way that is allowed.
+    // Due at 6 turns, reported two and a half ticks later, and overdue after the travel that is allowed.
     let (due, _) = tick_of(6.0 + overdue + late_ticks * speed, speed);
     assert_eq!(reported, Some((due, FaultKind::IndexTimeout, Some(1))));
 }
@@ -99,7 +99,7 @@ fn steps_lost_beside_an_index_are_known_within_a_turn() {
             // The tick in which the crank was beyond its limit is over at most a turn before the one begins that shows.
             assert!(
                 f64::from(tick - last_pulse - 1) * speed <= 1.0,
-                "{after} ticks after the index, {speed} turns a tick: told {} ticks later",
+                "{after} ticks after the index, {speed} turns a tick: reported {} ticks later",
                 tick - last_pulse
             );
         }

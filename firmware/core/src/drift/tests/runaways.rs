@@ -22,7 +22,7 @@ fn an_index_detects_a_runaway_at_any_speed_within_a_turn() {
             };
             let found = cranks.turn(400, off);
             let stop = found.iter().find(|(_, finding)| !finding.within_limits);
-            let (tick, finding) = stop.expect("told");
+            let (tick, finding) = stop.expect("reported");
             assert_eq!(finding.fault.axis, Some(2), "ratio {ratio}, from {place}");
             let beyond = from + true_alone(4, 2) / (ratio - 1.0);
             let late = f64::from(*tick + 1) * speed - beyond;

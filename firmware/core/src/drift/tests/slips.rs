@@ -127,7 +127,7 @@ fn late_by_index(count: usize, rate: f64, from: f64) -> f64 {
         }
     });
     let stop = found.iter().find(|(_, finding)| !finding.within_limits);
-    let (tick, finding) = stop.expect("told");
+    let (tick, finding) = stop.expect("reported");
     assert_eq!(finding.fault.axis, Some(slips));
     f64::from(tick + 1) * speed - (from + true_alone(count, slips) / rate.abs())
 }

@@ -28,7 +28,7 @@ fn fault_event(kind: FaultKind, axis: Option<usize>, done: Reaction, turns: f64)
     }
 }
 
-/// The default scene, axis 1 of which slips, and what was detected of it: beyond its limit at [`BEYOND_TURNS`], and told so.
+/// The default scene, axis 1 of which slips, and what was detected of it: beyond its limit at [`BEYOND_TURNS`], and reported as such.
 fn slipped(fault_events: &[FaultEvent]) -> (Scene, Observation) {
     let mut scene = library::find("default").unwrap().scene();
     scene.correction.gain = 0.5;
@@ -70,7 +70,7 @@ fn judged((scene, observation): &(Scene, Observation)) -> (Verdict, Option<f64>)
     (judgement.verdict, judgement.turns)
 }
 
-/// Were anything that is told a detection, a loop would be praised for seeing a glitch while a crank walks off; were a stop for
+/// Were anything that is reported a detection, a loop would be praised for seeing a glitch while a crank walks off; were a stop for
 /// another crank one, it would be for stopping by chance.
 #[test]
 fn what_is_detected_is_stopped_for() {
@@ -127,7 +127,7 @@ fn a_correction_counts_where_it_was_enough() {
         Verdict::Missed
     );
 
-    // It walks on, and is stopped for after all: that is when it was detected to be beyond its limit.
+    // It walks on, and is stopped for after all: that is when it was detected beyond its limit.
     let stopped = fault_event(FaultKind::Slip, Some(1), Reaction::Stop, 12.0);
     observation.fault_events.push(stopped);
     observation.fault = Some(stopped.reported);
@@ -141,7 +141,7 @@ fn a_correction_counts_where_it_was_enough() {
     assert_eq!(judged(&(scene, observation)).1, Some(2.0));
 }
 
-/// Were it counted late, a loop would be asked to detect an index that does not come any more; were it in time, a crank that stays out
+/// Were it counted late, a loop would have to detect an index that does not come any more; were it in time, a crank that stays out
 /// for turns would pass for detected.
 #[test]
 fn a_turn_that_is_not_made_is_not_waited_for() {

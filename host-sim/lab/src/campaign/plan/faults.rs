@@ -146,7 +146,7 @@ pub fn draw(
             fault.for_s = seldom_for(stream, 0.01, 0.5);
         }
         FaultName::LoadStep => {
-            // Up to half as much again as the motor is asked for at most; what is left of its torque is as much.
+            // Up to half as much again as the most that is required of the motor; what is left of its torque is as much.
             let required_nm = geometry.map_or(1.0, |geometry| {
                 let omega = std::f64::consts::TAU * window.level_hz;
                 geometry.most_torque_nm(omega, 0.0) / axes as f64

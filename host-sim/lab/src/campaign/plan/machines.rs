@@ -223,7 +223,7 @@ fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven) {
 const BENDS: f64 = 0.25;
 
 /// Rods that the motors of four and more cranks can bend as far as the limits let them be apart: with stiffer ones no motor could
-/// move its crank to there, whatever it was told. A crank that is off by e pulls on its rod with at most k R e, a lever R away.
+/// move its crank to there, whatever its command was. A crank that is off by e pulls on its rod with at most k R e, a lever R away.
 fn rods(scene: &mut Scene) {
     let required_nm = PLENTY * required_nm(scene);
     let Some(geometry) = Geometry::new(scene).filter(|_| scene.axes.count > 3) else {

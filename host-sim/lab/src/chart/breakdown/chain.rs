@@ -1,7 +1,7 @@
 //! The stiff chain of a cam follower, with the step doubled until it diverges.
 //!
 //! Failure: beyond its limit an explicit method blows up within a turn of the cam, at steps at which the motion itself is
-//! smooth. Guards: a scene with such a step is refused and told the limit, and `auto` takes a method that has none.
+//! smooth. Guards: a scene with such a step is refused with the limit in the message, and `auto` takes a method that has none.
 
 use cophase_methods::problems::{Cam, Chain, Law, Shaft};
 use cophase_methods::{Scheme, StepError};
@@ -178,7 +178,7 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
         curves: facts.methods.iter().map(curve).collect(),
         levels: levels.collect(),
         says: format!(
-            "(4) The chain diverges past {} µs; a scene with such a step is refused and told the limit. What has no limit does not \
+            "(4) The chain diverges beyond {} µs; a scene with such a step is refused, and the message gives the limit. What has no limit does not \
              diverge, and may be wrong all the same: at {step_ms:.1} ms it makes of the peak of {:.3} mm, in parts of it, {}.",
             limits.join(", "),
             facts.true_m * 1e3,

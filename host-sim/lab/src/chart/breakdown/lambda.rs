@@ -1,7 +1,7 @@
 //! λ at both ends of what is built: what the two-term formula is off.
 //!
 //! Failure: at λ = 0.6 its acceleration is off by 9.4 % of amax, at 90°. Guards: the simulator has the exact mechanism, and
-//! a λ outside 0.1 to 0.6 is refused and told the range.
+//! a λ outside 0.1 to 0.6 is refused with the range in the message.
 
 use super::panel::{Curve, Shown, failing, guarded};
 use crate::chart::ChartError;

@@ -63,7 +63,7 @@ pub fn measure(load_kg: f64) -> Result<Facts, ChartError> {
     Ok(Facts { ahead_deg, outcome })
 }
 
-/// The largest part of their pull-out torque that motors are requested, as the quasi-static model level has it.
+/// The largest part of their pull-out torque that is required of motors, as the quasi-static model level has it.
 ///
 /// # Errors
 /// The scene does not run.

@@ -50,7 +50,7 @@ pub(super) fn requested(points: Vec<(f64, f64)>) -> Line {
     Line {
         stroke: Stroke::Dashed,
         marked: false,
-        ..Line::new("asked for", Ink::Grey, points)
+        ..Line::new("requested", Ink::Grey, points)
     }
 }
 

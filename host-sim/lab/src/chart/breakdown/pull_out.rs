@@ -68,7 +68,7 @@ pub fn measure(scale: f64) -> Result<Facts, ChartError> {
     })
 }
 
-/// The part of its pull-out torque that the third motor is asked for, as the quasi-static model level has it.
+/// The part of its pull-out torque that is required of the third motor, as the quasi-static model level has it.
 ///
 /// # Errors
 /// The scene does not run.
@@ -98,7 +98,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
             label: "fault: all stop".to_owned(),
         }],
         says: format!(
-            "(3) A motor that is requested {:.1} times what it has ({:.2} if it is as strong as the others) loses {} electrical cycles; the \
+            "(3) A motor of which {:.1} times the torque that it has is required ({:.2} if it is as strong as the others) loses {} electrical cycles; the \
              drift monitor stops all cranks {:.0} ms after the first.",
             torque_used(WEAK)?,
             torque_used(1.0)?,

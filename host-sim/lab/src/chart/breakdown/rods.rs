@@ -2,7 +2,7 @@
 //!
 //! Failure: torque on the crank that stands off grows with the rods, and so does the frequency of the fastest mode, until the
 //! step that did for soft rods is unstable. Guards: the step is chosen for the rods; one that the scene insists on is
-//! refused and told the limit; and `drift.warp_limit_deg` stops a machine that bends its rods.
+//! refused with the limit in the message; and `drift.warp_limit_deg` stops a machine that bends its rods.
 
 use super::panel::{Curve, Shown, failing, guarded};
 use super::runs::{refusal, run};

@@ -98,16 +98,16 @@ fn is_out(machine: &PullsOut, drive: f64, library: Library) -> bool {
     led.is_out(pull_out::END_S, &state)
 }
 
-/// The last turn is solved in steps of at most a 4096th of it, and looked at 16 times in each: between those a parabola
+/// The last turn is solved in steps of at most a 4096th of it, and sampled 16 times in each: between those a parabola
 /// is off by less than 1e-12 of what the fastest mode that takes part, 5610 rad/s, contributes.
 fn least_contact_n(drive: f64, library: Library) -> f64 {
-    const LOOKS: u32 = 65_536;
+    const SAMPLES: u32 = 65_536;
     let chain = lift_off::chain(drive);
     let cycle_s = chain.cam.cycle_s();
     let start_s = f64::from(lift_off::SETTLING) * cycle_s;
     let start = end(&chain, [0.0; 6], start_s, library, ABSOLUTE_OF_CHAIN);
-    let sample_s = cycle_s / f64::from(LOOKS);
-    let times: Vec<f64> = (0..=LOOKS + 1)
+    let sample_s = cycle_s / f64::from(SAMPLES);
+    let times: Vec<f64> = (0..=SAMPLES + 1)
         .map(|i| start_s + f64::from(i) * sample_s)
         .collect();
     let adapter = Adapter(&chain);
@@ -179,7 +179,7 @@ fn assert_reference(decision: &dyn Decision, found: [f64; 2]) {
     );
 }
 
-/// Were it wrong, errors would be told of a threshold that is none. (Each was found between far wider bounds.)
+/// Were it wrong, errors would be given for a threshold that is none. (Each was found between far wider bounds.)
 #[test]
 fn thresholds_are_the_librarys() {
     let near = |at: f64| (at * (1.0 - 1e-5), at * (1.0 + 1e-5));

@@ -66,7 +66,7 @@ impl Linear for Counted<'_> {
     fn matrix(&self) -> DMatrix<f64> {
         match self.equations.linear() {
             Some(linear) => linear.matrix(),
-            None => DMatrix::zeros(0, 0), // not asked for: `linear` says that there is none
+            None => DMatrix::zeros(0, 0), // not called: `linear` says that there is none
         }
     }
 

@@ -170,7 +170,7 @@ impl Cheapest {
             )
         };
         format!(
-            "The cheapest to an error that is good enough: {}. What a scene takes unless told otherwise {default}. What diverged \
+            "The cheapest to an error that is good enough: {}. What a scene takes unless it says otherwise {default}. What diverged \
              has a row in the data and no point here.",
             of.join(", "),
         )

@@ -32,7 +32,7 @@ pub struct Problem {
     pub required_error: f64,
     /// Steps to the end: the fewest, and how often they are doubled.
     pub steps: (u32, u32),
-    /// What a scene takes for such a machine unless told otherwise.
+    /// Method that a scene takes for such a machine unless it says otherwise.
     pub default: Option<Scheme>,
 }
 

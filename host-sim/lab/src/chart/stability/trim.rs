@@ -1,6 +1,6 @@
 //! How hard a trim may correct drift: the edge in gain × delay.
 //!
-//! Once a turn an index shows an axis's drift e; the trim then goes on by −g e, of a drift that was measured d turns ago:
+//! Once a turn an index shows an axis's phase error e; the trim then goes on by −g e, of an error that was measured d turns ago:
 //! e[k+1] = e[k] − g e[k−d]. That integrator is not in the controller yet, which leaves trims where a scene set them; the
 //! axis and the trim that carry it out are, and here the loop is closed around them, in the tick's own fixed point.
 //!

@@ -181,7 +181,7 @@ fn panels(runs: &[Vec<Run>], cycles: &[Cycles; 2], rates: &[u32]) -> Vec<Panel> 
             lines(|run| run.ramp),
         ),
         panel(
-            "cranks out of phase, worst (0 where they are where told)",
+            "cranks out of phase, worst (0 where they are as commanded)",
             Axis::linear("spread, deg", 0.0, 1.3 * most_deg),
             lines(|run| run.spread_deg),
         ),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::error::Error;
 
-/// The pieces of a stream. Bytes are requested in rising order.
+/// The pieces of a stream. Bytes are read in rising order.
 #[derive(Clone, Debug)]
 pub struct Stamps {
     /// Cycle of each piece, and the offset past its last byte.
