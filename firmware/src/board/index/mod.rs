@@ -119,7 +119,7 @@ impl Index {
         }
     }
 
-    /// Lines, a bit each, that have changed since they were [cleared](Self::calmed).
+    /// Lines, a bit each, that have changed since they were [cleared](Self::clear_pending).
     pub const fn pending(&self) -> u8 {
         self.pending
     }

@@ -17,7 +17,7 @@ const RING_BITS: u32 = (CHANGES * size_of::<u32>()).trailing_zeros();
 /// DMA channel; those before it belong to the axes.
 const CHANNEL: usize = crate::board::pins::AXES;
 
-/// Number of words that the channel moves before it must be restarted: as many whole rounds of the ring as fit, so that
+/// Number of words that the channel moves before it must be set up again: as many whole rounds of the ring as fit, so that
 /// it continues at the place where it began.
 const WORDS: u32 = u32::MAX - (CHANGES as u32 - 1);
 
