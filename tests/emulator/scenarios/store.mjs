@@ -19,6 +19,9 @@ const QUICK = { flashTimes: { eraseSector: 2000, programPage: 500 } };
 
 export const title = 'Store: settings found, refused, stored, and torn by power cuts';
 
+/** A format version that the firmware does not read. */
+const ANOTHER_VERSION = 999;
+
 export function run(outcome) {
   const settings = settingsOf(scene('hold'));
   refusals(outcome, settings);
@@ -34,16 +37,16 @@ const powered = (flash) => new Machine({ axes: 6, tickHz: 2000, flash, options: 
 function refusals(outcome, settings) {
   const flipped = Buffer.from(settings);
   flipped[HEADER_BYTES + 37] ^= 0x10;
-  const newer = withHeader(settings, (header) => header.writeUInt16LE(3, VERSION_AT));
+  const newer = withHeader(settings, (header) => header.writeUInt16LE(ANOTHER_VERSION, VERSION_AT));
   const servo = settingsOf(scene('hold', (toml) => (toml.axis[0].drive = 'servo')));
   const counting = settingsOf(scene('hold', (toml) => (toml.axes.encoder = true)));
   const hasty = settingsOf(scene('hold', (toml) => (toml.control.tick_hz = 10_000)));
   for (const [name, bytes, reason] of [
     ['a bit of the payload', flipped, /settings-rejected: PayloadCrc/],
-    ['another version', newer, /settings-rejected: Version.*3/],
+    ['another version', newer, new RegExp(`settings-rejected: Version.*${ANOTHER_VERSION}`)],
     ['a servo axis', servo, /settings-rejected: Unfit\(Servo\(2\)\)/],
     ['an encoder', counting, /settings-rejected: Unfit\(Encoder\(0\)\)/],
-    ['a program too quick', quick(settings), /program-rejected: Settings\(program.*amax/],
+    ['a program too quick', quick(settings), /program-rejected: Settings\(SettingsError.*program\.amax_mps2/],
     ['a tick too short', hasty, /settings-rejected: Unfit\(TickTooShort.*tick_hz: 10000/],
   ]) {
     const machine = powered(flashWith(bytes));
