@@ -211,7 +211,7 @@ fn mark(scope: &mut ScopeData, outcome: &Outcome) {
                 scope.mark(event.t_s, &format!("fault: {}", fault.kind));
             }
             EventKind::Reported(fault) => {
-                scope.mark(event.t_s, &format!("reported: {}", fault.kind))
+                scope.mark(event.t_s, &format!("reported: {}", fault.kind));
             }
             EventKind::Commanded(_) | EventKind::Input { .. } | EventKind::Injected(_) => {
                 scope.mark(event.t_s, &report::describe(&event.what));
