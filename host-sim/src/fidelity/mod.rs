@@ -1,7 +1,7 @@
 //! How much model a scene needs: the lowest model level of the ladder that answers what it asks, as well as it asks.
 //!
 //! Words:
-//! - a **model level** is a [`Fidelity`]; each knows all that those below it know, and more;
+//! - a **model level** is a [`Fidelity`](crate::scene::file::Fidelity); each knows all that those below it know, and more;
 //! - an **output** is a number that a run comes to ([`Output`]): the largest lag, the largest tilt …;
 //! - a **question** is an output with a tolerance, from a scene's `[questions]`;
 //! - a **bound** says by how much a model level's output may be off what the top model level has, for what the model level leaves out.

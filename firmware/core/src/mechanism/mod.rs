@@ -4,7 +4,7 @@
 //! the crank angle, from which the torque of servos and the limit on tilt follow.
 //!
 //! To add a mechanism, write its file here, with its settings as they are in [`MechanismSettings`], and add one line to
-//! [`mechanisms!`]. The tests in `conformance` then cover it, too. The program before it and the master shaft behind it do
+//! the list `mechanisms!`. The tests in `conformance` then cover it, too. The program before it and the master shaft behind it do
 //! not change.
 
 #[cfg(test)]
