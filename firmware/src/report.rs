@@ -22,7 +22,7 @@ pub fn queue() -> (Producer<'static, Note>, Consumer<'static, Note>) {
     NOTES.take().split()
 }
 
-/// Something worth fault event, and when.
+/// Something worth reporting, and when.
 pub struct Note {
     /// Control ticks since power-up.
     tick: u32,

@@ -1,4 +1,4 @@
-//! Power-up: from the reset vector to a running loop, or to a LED that says why there is none.
+//! Power-up: from the reset vector to a running loop, or to an LED that says why there is none.
 
 use core::panic::PanicInfo;
 use core::sync::atomic::{AtomicBool, Ordering};

@@ -1,7 +1,7 @@
 //! What a state machine does to time the changes of six lines.
 //!
-//! It looks at them once in 7 cycles, and counts these looks down. When a poll differs from the one before,
-//! both the levels and the count go out, and the next look comes 14 cycles after: the count is lowered by two
+//! It looks at them once in 7 cycles, and counts these polls down. When a poll differs from the one before,
+//! both the levels and the count go out, and the next poll comes 14 cycles after: the count is lowered by two
 //! for it, so that it stays a clock. A FIFO that is full loses a change, not the clock.
 
 use pio::{Program, RP2040_MAX_PROGRAM_SIZE};
