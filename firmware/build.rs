@@ -1,11 +1,11 @@
-//! Hands the linker its map, and the firmware the settings that are built into it.
+//! Gives the linker its map, and the firmware its built-in settings.
 //!
 //! A build for a host needs neither.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-/// Names a settings file, as `cophase settings` writes it, to be built in instead of the default scene's.
+/// Variable that names a settings file, as `cophase settings` writes it, to build in instead of the default scene's.
 const SETTINGS: &str = "COPHASE_SETTINGS";
 
 fn main() {
@@ -22,7 +22,7 @@ fn main() {
     fs::copy(&map, out.join("memory.x")).expect("memory.x lies at the top of the workspace");
     println!("cargo:rerun-if-changed={}", map.display());
     println!("cargo:rustc-link-search={}", out.display());
-    // Flash is what is flashed: no gap between sections for the sake of pages that nobody maps.
+    // Sections in flash need no gaps, as no pages are mapped.
     println!("cargo:rustc-link-arg-bins=--nmagic");
     let from_ram = here.join("from-ram.x");
     println!("cargo:rerun-if-changed={}", from_ram.display());
@@ -32,7 +32,7 @@ fn main() {
     }
 
     let settings_file = match env::var_os(SETTINGS) {
-        // Cargo runs this in the package's folder; whoever gave the path was most often at the top.
+        // Cargo runs this in the package's folder, but users give the path from the top of the workspace.
         Some(path) if !path.is_empty() => here.join("..").join(path),
         _ => here.join("link/golden/default.settings"),
     };
@@ -55,7 +55,7 @@ fn main() {
     }
 }
 
-/// A settings file that the firmware will be able to read, and what is in it.
+/// Checks that the firmware can read a settings file; returns its bytes and a summary.
 fn check(path: &Path) -> Result<(Vec<u8>, String), String> {
     let bytes = fs::read(path).map_err(|error| error.to_string())?;
     let settings = cophase_link::decode(&bytes).map_err(|error| error.to_string())?;

@@ -1,17 +1,19 @@
-//! What runs from RAM, so that it never waits for the flash: `from-ram.x`, beside this folder, has the list.
+//! Copies the code that runs from RAM, so that it never waits for the flash. `from-ram.x`, beside this folder, lists it.
 
 use core::sync::atomic::{Ordering, compiler_fence};
 
 unsafe extern "C" {
-    /// Where it belongs, and where in the flash it lies: the linker's, in words.
+    /// Addresses of the code in RAM and in flash, from the linker, in words.
     static mut __from_ram_start: u32;
     static mut __from_ram_end: u32;
     static __from_ram_load: u32;
 }
 
-/// Puts it there. Nothing of it may be called before; hence word by word, and not by `memcpy`, which is among it.
+/// Copies the code to RAM. None of it may be called before. So it is copied word by word, as `memcpy` is part of it.
+#[cold]
+#[inline(never)]
 pub fn place() {
-    // SAFETY: the linker's addresses, of words; nothing else knows that part of RAM.
+    // SAFETY: the addresses are the linker's and aligned to words; nothing else uses that part of RAM.
     unsafe {
         let (mut to, end) = (&raw mut __from_ram_start, &raw mut __from_ram_end);
         let mut from = &raw const __from_ram_load;

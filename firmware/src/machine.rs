@@ -1,4 +1,4 @@
-//! Sets the machine up: the loop's state and its world, each in a place of its own.
+//! Sets up the machine: the state of the loop and the board around it, each in a static of its own.
 
 use cophase_core::controller::Controller;
 use cophase_core::drift::IndexFilter;
@@ -19,17 +19,17 @@ use crate::board::{CYCLES_PER_US, lines};
 use crate::control::Board;
 use crate::report::Reporter;
 
-/// Why there is no machine.
+/// Reason why the machine cannot run.
 #[derive(Debug, defmt::Format)]
 pub enum Refusal {
     /// A setting is wrong.
     Settings(SettingsError),
-    /// The board cannot run them.
+    /// The board cannot run the settings.
     Unfit(Unfit),
 }
 
 impl Refusal {
-    /// The kind of fault that it is: settings whose key is under `program` are the program's.
+    /// Kind of fault: a key under `program` is a fault of the program, any other one of the settings.
     #[cold]
     pub fn kind(&self) -> FaultKind {
         match self {
@@ -39,12 +39,13 @@ impl Refusal {
     }
 }
 
-/// Sets up the controller, its world and the watchdog. After a restart the controller begins in the fault state. To be called once.
+/// Sets up the controller, the board and the watchdog. After a watchdog reset the controller begins in the fault state.
+/// To be called once.
 ///
 /// # Errors
-/// The settings are for a machine that cannot be, or not with this board. The watchdog was not started, and nothing moves.
+/// The settings are wrong, or this board cannot run them. The watchdog was not started, and nothing moves.
 #[cold]
-#[inline(never)] // in a frame of its own
+#[inline(never)] // It has a stack frame of its own.
 pub fn make(
     settings: &Settings,
     watchdog: Peri<'static, WATCHDOG>,

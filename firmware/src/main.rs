@@ -1,20 +1,21 @@
-//! The Cophase firmware: `cophase_core`'s control loop on an RP2040.
+//! Cophase firmware: the control loop of `cophase_core` on an RP2040.
 //!
-//! Two things run on the one core: the *control loop*, and in what time it leaves, the log. Step edges are made by
-//! neither of them (`board::steps`), and neither cuts the drives when the enable input goes (`board::guard`).
+//! Two tasks run on the one core: the *control loop*, and the log in the time that the loop leaves. Neither makes step
+//! edges: hardware does (`board::steps`). Neither switches off the drives when the enable input opens: hardware does
+//! (`board::guard`).
 //!
-//! | module | is |
+//! | module | contents |
 //! | --- | --- |
-//! | `board` | pins, step output, index capture, guard, safety lines, watchdog: what is soldered |
+//! | `board` | hardware: pins, step output, index capture, guard, safety lines, watchdog |
 //! | `start` | from power-up to a running loop, and the tasks |
-//! | `settings` | which settings the firmware runs on, and where they are kept |
-//! | `machine` | loop and world, set up for as many axes as the settings have |
+//! | `settings` | choice and storage of the settings |
+//! | `machine` | loop and board, set up for the axes of the settings |
 //! | `from_ram` | code that is copied to RAM before all else |
-//! | `control` | the loop's world, as this board has it |
+//! | `control` | input and output of the loop on this board |
 //! | `report` | events, reported over the debug probe |
 //!
-//! Built for a host, as every member of this workspace can be, it has no hardware to drive and says so. The
-//! loop itself runs on a host through `host-sim`.
+//! Every member of this workspace builds for a host. There this binary has no hardware to drive and prints a message.
+//! The loop itself runs on a host through `host-sim`.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]

@@ -1,7 +1,7 @@
-//! Events, reported over the debug probe: `probe-rs run`, and any other reader of defmt's log.
+//! Event log over the debug probe: `probe-rs run`, or any other reader of defmt's log.
 //!
-//! The loop only notes what changed, in a queue; the words are made in what time it leaves, a few milliseconds
-//! later. More than the queue holds is lost, and the number of lost notes is reported.
+//! The loop only puts changes in a queue. The text is made in the time that the loop leaves, a few milliseconds later.
+//! Notes that do not fit in the queue are lost, and their number is logged.
 
 use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::{Fault, FaultKind, State};
@@ -10,34 +10,34 @@ use embassy_time::{Duration, Timer};
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::ConstStaticCell;
 
-/// Notes that wait to be reported.
+/// Capacity of the queue, in notes.
 const WAITING: usize = 32;
 
-/// From one look at the queue to the next.
+/// Time between two polls of the queue.
 const POLL: Duration = Duration::from_millis(5);
 
-/// The two ends of the queue: the loop's, and the log's. To be called once.
+/// Returns the two ends of the queue: the loop's, and the log's. To be called once.
 pub fn queue() -> (Producer<'static, Note>, Consumer<'static, Note>) {
     static NOTES: ConstStaticCell<Queue<Note, WAITING>> = ConstStaticCell::new(Queue::new());
     NOTES.take().split()
 }
 
-/// Something worth reporting, and when.
+/// A change to log, and its time.
 pub struct Note {
     /// Control ticks since power-up.
     tick: u32,
     what: What,
 }
 
-#[repr(u32)] // a tag of a byte would have the rest copied byte by byte: 1,300 cycles a note
+#[repr(u32)] // With a tag of a byte the rest would be copied byte by byte: 1,300 cycles a note.
 enum What {
-    /// What the machine does from now on, and how far its cranks were off when that began.
+    /// New state of the machine, and the phase errors at its start.
     State {
         state: State,
         phase_error: PerAxis<Turns>,
         axes: usize,
     },
-    /// What was detected: a fault that latched, or something that is reported, whatever is done about it.
+    /// An event: a fault that latched, or one that is only reported.
     Event {
         fault: Fault,
         latched: bool,
@@ -59,7 +59,7 @@ pub struct Reporter {
 }
 
 impl Reporter {
-    /// Of a loop that is idle and has missed nothing.
+    /// Reporter of a loop that is idle and has missed no deadline.
     pub const fn new(notes: Producer<'static, Note>, axes: usize) -> Self {
         Self {
             notes,
@@ -72,9 +72,9 @@ impl Reporter {
         }
     }
 
-    /// Takes in what a tick came to.
+    /// Compares the telemetry of a tick with the one before.
     pub fn observe(&mut self, tick: u32, telemetry: &Telemetry) {
-        // What latched before the first tick was no event of any.
+        // A fault that latched before the first tick was not an event of any tick.
         let is_new = telemetry.fault.is_some() && !self.faulty;
         self.faulty = telemetry.fault.is_some();
         if telemetry.event.is_some() || is_new {
@@ -103,7 +103,7 @@ impl Reporter {
         }
     }
 
-    /// An event, or what latched without being one.
+    /// Notes an event, or a fault that latched without an event.
     #[inline(never)]
     fn note_event(&mut self, tick: u32, event: Option<Fault>, latched: Option<Fault>) {
         if let Some(fault) = event.or(latched) {
@@ -112,7 +112,7 @@ impl Reporter {
         }
     }
 
-    #[inline(never)] // the firmware's check for panics knows it by name
+    #[inline(never)] // The check of the linked firmware for panics knows it by name.
     fn note(&mut self, tick: u32, what: What) {
         if self.lost > 0 {
             let what = What::Lost(self.lost);
@@ -126,7 +126,7 @@ impl Reporter {
     }
 }
 
-/// Shows what is noted, for ever.
+/// Task that logs all notes.
 #[embassy_executor::task]
 pub async fn publish(mut notes: Consumer<'static, Note>) -> ! {
     loop {
@@ -161,7 +161,7 @@ pub async fn publish(mut notes: Consumer<'static, Note>) -> ! {
     }
 }
 
-/// A line of words, and the same as the bytes that go over a wire.
+/// Logs a fault as text, followed by the bytes of its wire format.
 #[cold]
 fn log_fault(tick: u32, fault: &Fault, latched: bool) {
     let name = fault.kind.name();
@@ -191,7 +191,7 @@ fn log_fault(tick: u32, fault: &Fault, latched: bool) {
     }
 }
 
-/// The axis that shows a fault, if one does.
+/// Formats the axis of a fault, if it has one.
 struct OnAxis(Option<usize>);
 
 impl defmt::Format for OnAxis {
@@ -202,13 +202,13 @@ impl defmt::Format for OnAxis {
     }
 }
 
-/// What was handed over at power-up is not run: under the name that it has among faults, and why.
+/// Logs why the settings at power-up are refused, under the name of the fault.
 #[cold]
 pub fn refused(kind: FaultKind, why: impl defmt::Format) {
     defmt::error!("{=str}: {}", kind.name(), why);
 }
 
-/// For the eye: floats are for what is reported, and never for what is done.
+/// Converts turns to degrees, for the log only; the loop itself uses no floats.
 fn degrees(turns: Turns) -> f32 {
     turns.to_num::<f32>() * 360.0
 }

@@ -1,7 +1,8 @@
-//! Which settings the firmware runs on, and where they are kept.
+//! Settings of the firmware: their choice and their storage.
 //!
-//! A settings file is built in, and two slots at the end of the flash keep what was stored or placed there: see
-//! `docs/settings-file.md` and the crate `cophase-link`, where all of this is decided and tested. Here it meets the flash.
+//! A settings file is built in. Two slots at the end of the flash keep files that were stored or placed there. See
+//! `docs/settings-file.md` and the crate `cophase-link`, which decides and is tested. This module connects it to the
+//! flash.
 
 use cophase_core::settings::Settings;
 use cophase_core::supervisor::FaultKind;
@@ -16,9 +17,9 @@ use crate::report;
 
 static BUILT_IN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/built-in.settings"));
 
-/// Reads the settings to run on into `settings`; false if those that should be run cannot be read, which is logged.
+/// Reads the chosen settings into `settings`; returns false if they cannot be read, which is logged.
 #[cold]
-#[inline(never)] // what decodes them is off the stack when a machine is made of them
+#[inline(never)] // Its stack frame is released before the machine is made.
 pub fn load(flash: Peri<'static, FLASH>, settings: &mut Settings) -> bool {
     if let Err(error) = read(flash, settings) {
         report::refused(FaultKind::SettingsRejected, error);
@@ -53,7 +54,7 @@ fn read(flash: Peri<'static, FLASH>, settings: &mut Settings) -> Result<(), Sett
     }
 }
 
-/// Stores the built-in settings file. If that fails, it is reported; the file can be run all the same.
+/// Stores the built-in settings. A failure is logged, and the settings run all the same.
 #[cold]
 #[inline(never)]
 fn store(flash: Peri<'static, FLASH>, mark: u32) {
@@ -66,7 +67,7 @@ fn store(flash: Peri<'static, FLASH>, mark: u32) {
     }
 }
 
-/// A slot as the chip shows it, among its other memory.
+/// Returns a slot as memory-mapped flash.
 #[cold]
 fn slot(slot: Slot) -> &'static [u8] {
     let offset = match slot {
@@ -74,7 +75,7 @@ fn slot(slot: Slot) -> &'static [u8] {
         Slot::B => SLOT_B_OFFSET,
     };
     let start = (FLASH_ADDRESS + offset) as *const u8;
-    // SAFETY: all of it is flash, which nothing writes while such a slice is in use: `store` is the only one
-    // that does, and it has what was read before copied, or built in.
+    // SAFETY: all of it is flash, which nothing writes while such a slice is in use. Only `store` writes, and it uses
+    // the built-in settings and no slice of a slot.
     unsafe { core::slice::from_raw_parts(start, SLOT_BYTES as usize) }
 }

@@ -1,4 +1,4 @@
-//! Power-up: from the reset vector to a running loop, or to an LED that says why there is none.
+//! Power-up: from the reset vector to a running loop, or to an LED that shows that there are no settings to run.
 
 use core::panic::PanicInfo;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -24,16 +24,16 @@ use crate::machine;
 use crate::report::{self, Note, Reporter};
 use crate::settings;
 
-/// Runs the loop: above all that may wait.
+/// Executor of the loop, at a higher priority than everything that may wait.
 static LOOP: InterruptExecutor = InterruptExecutor::new();
 
 #[interrupt]
 fn SWI_IRQ_0() {
-    // SAFETY: called from the interrupt that it was started with, and from nowhere else.
+    // SAFETY: it is called only from the interrupt with which it was started.
     unsafe { LOOP.on_interrupt() }
 }
 
-/// A fault of the core: drives off, and the watchdog does the rest.
+/// Handles a fault of the core: switches the drives off; the watchdog then resets the controller.
 #[exception]
 unsafe fn HardFault(_frame: &ExceptionFrame) -> ! {
     lines::drives(false);
@@ -42,13 +42,13 @@ unsafe fn HardFault(_frame: &ExceptionFrame) -> ! {
     }
 }
 
-/// A panic: drives off before anything else, then what it has to say, then as a fault of the core.
+/// Handles a panic: switches the drives off first, logs the message, then continues as a fault of the core.
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
     static IS_SECOND: AtomicBool = AtomicBool::new(false);
     cortex_m::interrupt::disable();
     lines::drives(false);
-    // Another, from within the message, has nothing to say.
+    // A second panic, from within the message, is not logged.
     if !IS_SECOND.load(Ordering::Relaxed) {
         IS_SECOND.store(true, Ordering::Relaxed);
         defmt::error!("{}", defmt::Display2Format(info));
@@ -56,6 +56,8 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     cortex_m::asm::udf();
 }
 
+// Cold, so that it is in the flash: it runs before the code that belongs in RAM is there.
+#[cold]
 #[entry]
 fn main() -> ! {
     from_ram::place();
@@ -82,9 +84,9 @@ fn main() -> ! {
     })
 }
 
-/// The machine of the settings that are to be run; none if there are no such settings, which is logged.
+/// Makes the machine from the chosen settings; returns none if there are no valid settings, which is logged.
 #[cold]
-#[inline(never)] // settings have kilobytes, which the stack holds no longer than needed
+#[inline(never)] // Settings take kilobytes, which the stack holds no longer than needed.
 fn machine(
     flash: Peri<'static, FLASH>,
     watchdog: Peri<'static, WATCHDOG>,
@@ -101,7 +103,7 @@ fn machine(
         .ok()
 }
 
-/// Says with the LED that there is nothing to run on: two short flashes a second. The drives are off.
+/// Task that shows that there are no settings to run: two short flashes of the LED a second. The drives are off.
 #[embassy_executor::task]
 async fn refuse() -> ! {
     loop {

@@ -3,7 +3,6 @@
 import fs from 'node:fs';
 import path from 'node:path';
 import { Outcome } from './bench/outcome.mjs';
-import { ENFORCED } from './bench/goals.mjs';
 import { worse, write } from './bench/figures.mjs';
 
 const SCENARIOS = ['firmware', 'parity', 'rate', 'cost', 'deadlines', 'index', 'faults', 'safety', 'sweeps', 'store'];
@@ -80,7 +79,7 @@ if (writing) {
 }
 if (goals.length > 0) {
   const missed = goals.filter(({ met }) => !met).length;
-  console.log(`Goals: ${goals.length - missed} met, ${missed} missed; a missed one ${ENFORCED ? 'is a failure' : 'is no failure yet (bench/goals.mjs)'}.`);
+  console.log(`Goals: ${goals.length - missed} met, ${missed} missed; a missed one is a failure if it is enforced (bench/goals.mjs).`);
 }
 console.log(failures === 0 ? 'All of it holds.' : `${failures} of it do not hold.`);
 process.exit(failures === 0 ? 0 : 1);

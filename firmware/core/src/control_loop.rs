@@ -1,38 +1,37 @@
-//! The control loop: wait for a deadline, read, think, write.
+//! Control loop: wait for a deadline, read, compute, write.
 //!
-//! This is the one function that both worlds run: a task on the controller, and a future in virtual
-//! time on the host. Between it and the world stands [`Io`], and nothing else.
+//! Board and host run this same function: as a task on the controller, and as a future in virtual time on the host.
+//! [`Io`] is its only interface to the world outside.
 //!
-//! Deadlines are absolute, a whole number of ticks apart. A loop that wakes after the next deadline
-//! has already passed does not catch up with a burst: it goes on at the next deadline to come, and
-//! says how many it missed. What was computed too late to be handed over in time is not thrown away
-//! either: it is played a tick later, and counted as a deadline missed.
+//! Deadlines are absolute, a whole number of ticks apart. A loop that wakes after the next deadline does not catch up
+//! with a burst. It continues at the next deadline to come, and reports how many it missed. Output that is submitted too
+//! late is not discarded. It is played a tick later, and counts as a missed deadline.
 
 use embassy_time::{Duration, Instant, Timer};
 
 use crate::controller::Controller;
 use crate::signals::{Feedback, Output};
 
-/// The world outside the loop: sensors and safety lines in, pulses, setpoints and safety lines out.
+/// Interface to the world outside the loop: sensors and safety lines in; pulses, setpoints and safety lines out.
 pub trait Io {
-    /// What came in since the last call.
+    /// Reads the feedback since the last call.
     fn read(&mut self) -> Feedback;
 
-    /// Hands over what is to be played from `start` on, for one tick.
+    /// Submits the output to be played from `start` on, for one tick.
     ///
     /// The safety lines are set at once.
     fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult;
 }
 
-/// What became of an output.
+/// Result of submitting an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SubmissionResult {
-    /// It will be played in its tick.
+    /// The output will be played in its tick.
     InTime,
-    /// It came too late for that: the step hardware was about to underrun, or has, and all axes stand from
-    /// `start` on. The same output is to be submitted again a tick later.
+    /// The output came too late: the step FIFO has underrun or was about to. All axes stand still from `start` on. The
+    /// same output must be submitted again a tick later.
     TooLate,
-    /// There is nothing more to control; a board never says that.
+    /// The run is over; a board never returns this.
     Over,
 }
 
@@ -43,7 +42,7 @@ pub async fn run(controller: &mut Controller, io: &mut impl Io) {
     loop {
         Timer::at(deadline).await;
         let late = Instant::now().saturating_duration_since(deadline);
-        // Hardly ever is there anything to divide, which takes the board 150 cycles.
+        // A division takes 150 cycles on the board and is hardly ever needed.
         let (missed, rest) = if late < tick {
             (0, late.as_ticks())
         } else {

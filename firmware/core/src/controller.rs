@@ -228,7 +228,11 @@ impl Controller {
             ..SupervisorInput::default()
         };
         let reported = found.and_then(|found| select_reaction(found, &self.supervisor, &mut input));
-        let alarm = feedback.alarm.iter().fold(false, |any, alarm| any | alarm);
+        let alarm = feedback
+            .alarm
+            .iter()
+            .take(self.channels.len())
+            .fold(false, |any, alarm| any | alarm);
         if alarm || feedback.fifo_underrun.is_some() || self.overrun.is_some() {
             self.highest_priority_fault(feedback, &mut input);
         }

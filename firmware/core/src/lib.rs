@@ -1,7 +1,7 @@
-//! The control loop of Cophase, without hardware.
+//! Control loop of Cophase, without hardware.
 //!
-//! `N` crank motors under one platform turn in phase while a program amax(t) says how hard to shake
-//! it. Data goes one way, and the modules follow it:
+//! `N` crank motors under one platform turn in phase while a program amax(t) sets how hard the platform is shaken. Data
+//! flows one way, and the modules follow it:
 //!
 //! ```text
 //! program ─► mechanism ─► shaft ──► axes ──► pulse, servo ──► drives
@@ -9,11 +9,10 @@
 //!                       supervisor ◄─ drift ◄─ index pulses ◄────┘
 //! ```
 //!
-//! [`controller`] is one tick of that path, [`signals`] what goes in and out of it, and [`control_loop`] waits
-//! for the next. Everything on the
-//! way is whole numbers ([`units`]): the same input gives the same bits on a board and on a desk.
-//! Floats are in [`settings`] and in the modules' constructors, which check what a user set and turn it
-//! into coefficients. Nothing allocates, and the tick path cannot fail.
+//! [`controller`] runs one tick of that path, [`signals`] are its input and output, and [`control_loop`] waits for the
+//! next tick. All numbers on the path are integers ([`units`]): the same input gives the same bits on a board and on a
+//! desk. Floats are only in [`settings`] and in the modules' constructors, which check settings and convert them to
+//! coefficients. Nothing allocates, and the tick path cannot fail.
 #![no_std]
 #![forbid(unsafe_code)]
 

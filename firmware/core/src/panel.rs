@@ -1,12 +1,12 @@
-//! The operator's one push button: start, and reset after a fault.
+//! Push button of the operator: start, and reset after a fault.
 //!
-//! The button's level is read once a tick. Contacts bounce for some milliseconds, and a long wire picks up
-//! pulses; so a level counts once it has lasted [`STEADY_S`]. A press is the *change* to pressed: a button
-//! that is held, or stuck, asks once.
+//! The level of the button is read once a tick. Contacts bounce for some milliseconds, and a long wire picks up pulses.
+//! So a level counts once it has lasted [`STEADY_S`]. A press is the *change* to pressed: a button that is held, or
+//! stuck, gives one command.
 
 use crate::supervisor::{Command, State};
 
-/// How long a level must have lasted to count, in seconds.
+/// Time for which a level must last to count, in seconds.
 pub const STEADY_S: f64 = 0.01;
 
 /// A push button, debounced.
@@ -14,13 +14,14 @@ pub const STEADY_S: f64 = 0.01;
 pub struct Button {
     /// Ticks in [`STEADY_S`].
     steady_ticks: u32,
-    /// Ticks for which the level has differed from the one that counts.
+    /// Ticks for which the level has differed from the debounced one.
     changing: u32,
     pressed: bool,
 }
 
 impl Button {
-    /// A button that counts as pressed: one that is stuck at power-up must be let go before it asks.
+    /// Creates a button that counts as pressed. A button that is stuck at power-up must be released before it gives a
+    /// command.
     #[cold]
     pub fn new(tick_hz: u32) -> Self {
         Self {
@@ -30,7 +31,7 @@ impl Button {
         }
     }
 
-    /// Takes in the level of one tick; says whether the button has just been pressed.
+    /// Reads the level of one tick; returns true if the button has just been pressed.
     pub const fn read(&mut self, down: bool) -> bool {
         if down == self.pressed {
             self.changing = 0;
@@ -46,7 +47,7 @@ impl Button {
     }
 }
 
-/// What a press asks for: a reset where there is something to reset, else a start.
+/// Command of a press: a reset in the fault state, otherwise a start.
 pub const fn command(state: State) -> Command {
     match state {
         State::Fault => Command::Reset,
@@ -86,7 +87,7 @@ mod tests {
     }
 
     proptest! {
-        /// Bouncing, however it goes, neither asks nor delays by more than the time that counts.
+        /// Bouncing in any pattern gives no command, and delays a press by at most [`STEADY_S`].
         #[test]
         fn bouncing_is_not_pressing(bounces in prop::collection::vec(1..STEADY, 0..40)) {
             let mut levels = std::vec![false; STEADY];

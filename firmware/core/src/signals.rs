@@ -1,4 +1,4 @@
-//! What goes into the loop at a deadline, and what comes out of it.
+//! Input and output of the control loop at a deadline.
 
 use crate::drift::{IndexPulse, Modes};
 use crate::pulse::Runs;
@@ -7,26 +7,26 @@ use crate::shaft::Motion;
 use crate::supervisor::{Command, Fault, SafetyInputs, State};
 use crate::units::{Amax, MAX_AXES, PerAxis, Phase, Turns};
 
-/// What the loop reads from outside at a deadline.
+/// Feedback that the loop reads at a deadline.
 #[derive(Clone, Debug)]
 pub struct Feedback {
     /// Index pulses of the tick that is over.
     pub index: PerAxis<Option<IndexPulse>>,
-    /// Counts of the motors' encoders at the deadline, in the motors' own sense, wrapping, from wherever they were at
-    /// power-up. Of an axis without an encoder it is not looked at.
+    /// Counts of the motors' encoders at the deadline, in the motors' own sense, wrapping. They start at any value at
+    /// power-up. The entry of an axis without an encoder is ignored.
     pub encoder: PerAxis<i32>,
     /// Alarm outputs of the drives.
     pub alarm: PerAxis<bool>,
-    /// An axis whose step hardware ran out of pulses within a tick that it had been given whole.
+    /// Axis whose step FIFO ran empty within a tick that had been submitted in full.
     pub fifo_underrun: Option<usize>,
-    /// The enable and stop inputs.
+    /// Enable and stop inputs.
     pub inputs: SafetyInputs,
-    /// A command, if one came.
+    /// Command, if one arrived.
     pub command: Option<Command>,
 }
 
 impl Feedback {
-    /// Nothing but, perhaps, a command: no pulse, no alarm, and inputs that let the machine run.
+    /// Feedback with at most a command: no pulse, no alarm, and inputs that let the machine run.
     pub const fn of(command: Option<Command>) -> Self {
         Self {
             index: [None; MAX_AXES],
@@ -42,23 +42,23 @@ impl Feedback {
     }
 }
 
-/// What the loop writes to the outside, to be played from the next deadline on.
+/// Output of the loop, to be played from the next deadline on.
 #[derive(Clone, Debug)]
 pub struct Output {
     /// Pulses of stepper axes; a servo axis has one pause.
     pub runs: PerAxis<Runs>,
     /// Setpoints of servo axes; those of stepper axes are zero.
     pub setpoints: PerAxis<Setpoint>,
-    /// The drives are to be on.
+    /// True if the drives must be on.
     pub drives_enabled: bool,
-    /// High in the first half of each turn of the master: an oscilloscope's trigger.
+    /// Sync output, high in the first half of each turn of the master: a trigger for an oscilloscope.
     pub sync: bool,
-    /// What the loop knows, for traces and logs.
+    /// State of the loop, for traces and logs.
     pub telemetry: Telemetry,
 }
 
 impl Output {
-    /// Of a loop that has not begun, its axes at these phases.
+    /// Output of a loop that has not begun, with its axes at these phases.
     pub(crate) const fn idle(axis_phase: PerAxis<Phase>) -> Self {
         Self {
             runs: [const { Runs::new() }; MAX_AXES],
@@ -69,7 +69,7 @@ impl Output {
         }
     }
 
-    /// Sets back what the loop has not begun to write, for axes at these phases.
+    /// Resets the output to that of a loop that has not begun, with its axes at these phases.
     pub(crate) fn reset(&mut self, axis_phase: PerAxis<Phase>) {
         for runs in &mut self.runs {
             runs.clear();
@@ -81,42 +81,42 @@ impl Output {
     }
 }
 
-/// What the loop knows at the end of a tick.
+/// State of the loop at the end of a tick.
 #[derive(Clone, Debug)]
 pub struct Telemetry {
-    /// What the machine is doing.
+    /// State of the machine.
     pub state: State,
-    /// The fault that latched.
+    /// Fault that latched.
     pub fault: Option<Fault>,
-    /// What the program asks for.
+    /// Amplitude that the program requests.
     pub amax_requested: Amax,
     /// Ticks of the program that are over.
     pub program_ticks: u64,
-    /// The master's motion in this tick.
+    /// Motion of the master in this tick.
     pub motion: Motion,
-    /// The master's phase at the tick's end.
+    /// Phase of the master at the end of the tick.
     pub phase: Phase,
-    /// Commanded phases at the tick's end.
+    /// Commanded phases at the end of the tick.
     pub axis_phase: PerAxis<Phase>,
     /// Steps (or encoder counts) commanded since the start, in each axis's own sense.
     pub steps: PerAxis<i64>,
-    /// Drift as last measured.
+    /// Phase errors as last measured.
     pub phase_error: PerAxis<Turns>,
-    /// The largest of it, without sign, since power-up or [`Command::ResetPeak`].
+    /// Largest phase error, without sign, since power-up or [`Command::ResetPeak`].
     pub peak: PerAxis<Turns>,
-    /// Its modes.
+    /// Spatial modes of the phase errors.
     pub modes: Modes,
-    /// What corrects it: trims, the sum of which is zero.
+    /// Trims that correct the phase errors; their sum is zero.
     pub correction: PerAxis<Turns>,
-    /// Where the master's phase is zero, detected from the cranks': homing found them so far ahead of where they were believed.
+    /// Home offset: crank phase minus master phase, as found by homing.
     pub home_offset: Turns,
-    /// Event that was detected in this tick and is published, whatever is done about it.
+    /// Event of this tick, which is reported whatever the reaction to it.
     pub event: Option<Fault>,
-    /// How many there have been.
+    /// Number of events so far.
     pub event_count: u32,
-    /// Whether the program's time stands still on command.
+    /// True while a hold command stops the program's time.
     pub holding: bool,
-    /// What is out of the ordinary but no fault.
+    /// Deviations that are not faults.
     pub limits: Limits,
 }
 
@@ -147,11 +147,11 @@ impl Telemetry {
     }
 }
 
-/// Limits that bit: reported, and gone on from.
+/// Counters of exceeded limits, which are reported and do not stop the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
-    /// Deadlines missed altogether since the start.
+    /// Number of deadlines missed since the start.
     pub missed_deadlines: u32,
-    /// Deadlines met late by over half a tick since the start.
+    /// Number of deadlines met late by over half a tick since the start.
     pub late_deadlines: u32,
 }

@@ -1,57 +1,56 @@
-//! What the board that settings files are for can run: an RP2040 at 125 MHz, with STEP and DIR outputs.
+//! Capabilities of the board: an RP2040 at 125 MHz, with STEP and DIR outputs.
 //!
-//! Settings that a simulated machine runs on may be too much for it. That is said when the settings file is made, and
-//! refused by the firmware, before a deadline is missed.
+//! Settings of a simulated machine may exceed them. This is reported when the settings file is made. The firmware
+//! refuses such settings too, before a deadline is missed.
 
 use cophase_core::settings::{AxisSettings, CLOCK_HZ, DriveKind, Settings};
 
-/// What the loop hands over must be there so long before it is due, µs.
+/// Time by which the loop must submit its output before it is due, µs.
 pub const LEAST_LEAD_US: u32 = 20;
 
-/// Cycles that a tick takes at most, one in which a round of all index pulses ends, whatever the axes: found by
-/// `tests/emulator/run cost`, with all
-/// interrupts and something to spare.
-const TICK_CYCLES: u32 = 9000;
-/// What each axis adds,
-const AXIS_CYCLES: u32 = 1800;
-/// and each piece of its step pulses that the planner takes at once.
+/// Greatest cycles of a tick without its axes, measured by `tests/emulator/run cost` (scene `alike`), with a margin for other
+/// interrupts. In the longest tick the index pulses of all axes are confirmed at once, while corrections move.
+const TICK_CYCLES: u32 = 14_500;
+/// Cycles that each axis adds then.
+const AXIS_CYCLES: u32 = 3950;
+/// Cycles that each chunk of an axis's step pulses adds; the planner processes a chunk at once.
 const CHUNK_CYCLES: u32 = 90;
 const CHUNK_EDGES: f64 = 64.0;
 
-/// Why a board will not run settings that is sound in itself.
+/// Reason why the board cannot run settings that are valid in themselves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unfit {
-    /// There is no fieldbus for setpoints.
+    /// The board has no fieldbus for setpoints.
     #[error(
         "axis {0} is a servo that takes setpoints over a fieldbus, which the board does not have; give drive = \"pulse-servo\" for a drive \
          that takes STEP and DIR"
     )]
     Servo(usize),
-    /// There are no inputs for encoders.
+    /// The board has no inputs for encoders.
     #[error(
-        "axis {0} has an encoder, and the board has no pins left to count with; take `encoder` away, or run it on the host"
+        "axis {0} has an encoder, and the board has no pins left to count with; remove `encoder`, or run it on the host"
     )]
     Encoder(usize),
-    /// The loop cannot do its work in a tick.
+    /// The loop cannot finish its work within a tick.
     #[error(
-        "control.tick_hz: at {tick_hz} Hz a tick is too short for {axes} axes with so many steps; \
+        "control.tick_hz: at {tick_hz} Hz a tick is too short for {axes} axes at this step rate; \
          give at most {most_hz} Hz"
     )]
     TickTooShort {
-        /// As set.
+        /// Tick rate of the settings, Hz.
         tick_hz: u32,
-        /// How many axes there are.
+        /// Number of axes.
         axes: usize,
-        /// The highest rate that will do.
+        /// Highest tick rate that the board can run, Hz.
         most_hz: u32,
     },
 }
 
-/// Whether the board can run settings, whose numbers are taken to be sound otherwise.
+/// Checks that the board can run settings. Their numbers must be valid otherwise.
 ///
 /// # Errors
-/// What it lacks for that.
+/// The first reason why the board cannot run them.
 pub fn check(settings: &Settings) -> Result<(), Unfit> {
     let servo = |axis: &AxisSettings| axis.drive == DriveKind::Servo;
     if let Some(axis) = settings.axes.iter().position(servo) {
@@ -79,7 +78,7 @@ fn has_time(settings: &Settings, tick_hz: u32) -> bool {
     let axis_cycles = |axis: &AxisSettings| {
         let ratio = f64::from(axis.ratio.0) / f64::from(axis.ratio.1);
         let steps_hz = settings.limits.speed_hz * ratio * f64::from(axis.steps_per_turn);
-        // One piece more than fits: they do not begin with the tick.
+        // One chunk more, as chunks do not begin with the tick.
         let chunks = 1.0 + 2.0 * steps_hz / f64::from(tick_hz) / CHUNK_EDGES;
         f64::from(AXIS_CYCLES) + f64::from(CHUNK_CYCLES) * chunks
     };

@@ -1,4 +1,4 @@
-//! From settings to a settings file and back.
+//! Converts settings to a settings file and back.
 
 use cophase_core::program::CAPACITY;
 use cophase_core::settings::{MAX_BANDS, NAME_BYTES, Settings};
@@ -8,14 +8,14 @@ use serde::Deserialize;
 use crate::header::{HEADER_BYTES, Header};
 use crate::{CRC, SettingsFileError};
 
-/// Format of the payload that is written and read here. Whatever changes the bytes of a [`Settings`] changes it.
+/// Format version of the payload that is written and read here. Every change to the bytes of a [`Settings`] changes it.
 pub const VERSION: u16 = 3;
 
-/// Longest payload, bytes: the name as long, lists as full, and numbers of variable length as great as can be.
+/// Length of the longest payload, bytes: the longest name, full lists, and the greatest numbers of variable length.
 pub const MAX_PAYLOAD_BYTES: usize = {
     const F64: usize = 8;
-    const U32: usize = 5; // seven bits a byte
-    const SMALL: usize = 1; // a flag, a variant, a length below 128
+    const U32: usize = 5; // Seven bits a byte.
+    const SMALL: usize = 1; // A flag, a variant, or a length below 128.
     let name = SMALL + NAME_BYTES;
     let machine = 5 * F64 + 2 * SMALL;
     let limits = 6 * F64 + SMALL + MAX_BANDS * 2 * F64;
@@ -43,10 +43,10 @@ pub const MAX_PAYLOAD_BYTES: usize = {
         + program
 };
 
-/// Longest settings file, bytes.
+/// Length of the longest settings file, bytes.
 pub const MAX_FILE_BYTES: usize = HEADER_BYTES + MAX_PAYLOAD_BYTES;
 
-/// Writes settings as a settings file into the beginning of `buffer`, and gives that part of it.
+/// Encodes settings as a settings file at the beginning of `buffer`, and returns that part of it.
 ///
 /// `origin` is [`OUTSIDE`](crate::header::OUTSIDE) or a [`Header::mark`].
 ///
@@ -77,10 +77,11 @@ pub fn encode<'a>(
     Ok(&buffer[..bytes])
 }
 
-/// That `settings_file` is a whole settings file of this version, and nothing else; its settings has not been looked at.
+/// Checks that the bytes are exactly one intact settings file of this version, and returns its header. The settings in
+/// it are not checked.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The first deviation from the format.
 pub fn verify(settings_file: &[u8]) -> Result<Header, SettingsFileError> {
     let header = Header::read(settings_file)?;
     if header.version != VERSION {
@@ -100,7 +101,7 @@ pub fn verify(settings_file: &[u8]) -> Result<Header, SettingsFileError> {
     }
 }
 
-/// That the payload behind a header that has been read is whole; bytes after it are not looked at.
+/// Checks that the payload behind a header is intact; bytes after it are ignored.
 pub(crate) fn verify_payload(
     header: &Header,
     settings_file: &[u8],
@@ -122,29 +123,30 @@ pub(crate) fn verify_payload(
     Ok(())
 }
 
-/// The settings in a settings file. See [`decode_into`].
+/// Decodes the settings in a settings file. See [`decode_into`].
 ///
 /// # Errors
-/// Anything but exactly one whole settings file of this version. Never panics, whatever the bytes.
+/// The bytes are not exactly one intact settings file of this version. No bytes cause a panic.
 pub fn decode(settings_file: &[u8]) -> Result<Settings, SettingsFileError> {
     let mut settings = Settings::new();
     decode_into(settings_file, &mut settings)?;
     Ok(settings)
 }
 
-/// Reads the settings in a settings file into a place for them.
+/// Decodes the settings in a settings file in place.
 ///
-/// The numbers are whatever was written; `Controller::configure` checks them. Settings have 5 KiB, of which the program is the
-/// greatest part. So they are read field by field, and the program entry by entry: a board's stack need not hold them twice.
+/// The numbers are returned as written; `Controller::configure` checks them. Settings have 5 KiB, most of it the
+/// program. So they are read field by field, and the program entry by entry. A board's stack then need not hold them
+/// twice.
 ///
 /// # Errors
-/// Anything but exactly one whole settings file of this version. The settings are then a mixture of old and new. Never panics, whatever the
-/// bytes.
+/// The bytes are not exactly one intact settings file of this version. The settings are then a mixture of old and new.
+/// No bytes cause a panic.
 #[inline(never)]
 pub fn decode_into(settings_file: &[u8], settings: &mut Settings) -> Result<(), SettingsFileError> {
     verify(settings_file)?;
     let mut payload = Payload(&settings_file[HEADER_BYTES..]);
-    // In the order of the fields, which is that in which `encode` writes them.
+    // `encode` writes the fields in their order, which is the order here.
     let Settings {
         name,
         tick_hz,
@@ -179,7 +181,7 @@ pub fn decode_into(settings_file: &[u8], settings: &mut Settings) -> Result<(), 
     }
 }
 
-/// The rest of a payload.
+/// Remaining bytes of a payload.
 struct Payload<'a>(&'a [u8]);
 
 impl<'a> Payload<'a> {
@@ -190,7 +192,7 @@ impl<'a> Payload<'a> {
         Ok(value)
     }
 
-    /// A list: its length, and so many values.
+    /// Reads a list: its length, then its values.
     fn take_list<T: Deserialize<'a>, const N: usize>(
         &mut self,
         list: &mut heapless::Vec<T, N>,
@@ -204,7 +206,7 @@ impl<'a> Payload<'a> {
     }
 }
 
-/// For messages: no settings file, and no flash, is near 4 GiB.
+/// Converts a length for messages; no settings file, and no flash, is near 4 GiB.
 fn count(bytes: usize) -> u32 {
     u32::try_from(bytes).unwrap_or(u32::MAX)
 }

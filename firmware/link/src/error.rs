@@ -1,9 +1,9 @@
-//! Why bytes are not a settings file.
+//! Errors of bytes that are not a settings file.
 
 use crate::codec::{MAX_FILE_BYTES, MAX_PAYLOAD_BYTES, VERSION};
 use crate::header::HEADER_BYTES;
 
-/// What is wrong with a settings file, and what would be right.
+/// Problem with a settings file, and how to solve it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[allow(
@@ -12,12 +12,12 @@ use crate::header::HEADER_BYTES;
 )]
 pub enum SettingsFileError {
     #[error(
-        "{bytes} bytes are fewer than the {} of a settings file's header; give all that `cophase settings` wrote",
+        "{bytes} bytes are fewer than the {} of a settings file's header; give the whole file that `cophase settings` wrote",
         HEADER_BYTES
     )]
     TooShort { bytes: u32 },
     #[error(
-        "this is no settings file: it does not begin with COPHASE and a zero; give what `cophase settings` wrote"
+        "this is not a settings file: it does not begin with COPHASE and a zero; give a file that `cophase settings` wrote"
     )]
     NotASettingsFile,
     #[error(
@@ -30,7 +30,7 @@ pub enum SettingsFileError {
     )]
     Version { found: u16 },
     #[error(
-        "a payload of {said} bytes is longer than any of this version, {} bytes; make the settings file again",
+        "a payload of {said} bytes is longer than the longest of this version, {} bytes; make the settings file again",
         MAX_PAYLOAD_BYTES
     )]
     TooLong { said: u32 },
@@ -41,14 +41,16 @@ pub enum SettingsFileError {
     )]
     PayloadCrc { said: u32, found: u32 },
     #[error(
-        "the payload is whole, but not settings of format version {}; make the settings file again",
+        "the payload is intact, but not settings of format version {}; make the settings file again",
         VERSION
     )]
     Unreadable,
-    #[error("{bytes} bytes too many follow the settings; give only what `cophase settings` wrote")]
+    #[error(
+        "{bytes} extra bytes follow the settings; give only the file that `cophase settings` wrote"
+    )]
     Trailing { bytes: u32 },
     #[error(
-        "a buffer of {bytes} bytes is too small for this settings file; {} bytes hold any",
+        "a buffer of {bytes} bytes is too small for these settings; {} bytes are always enough",
         MAX_FILE_BYTES
     )]
     NoRoom { bytes: u32 },

@@ -1,23 +1,23 @@
-//! A settings file's first page.
+//! Header: the first page of a settings file.
 //!
-//! All numbers are little-endian. The last four bytes of the page are the CRC-32 of all before them; bytes that
-//! no field uses are 0xFF, as erased flash has them, and under the CRC too.
+//! All numbers are little-endian. The last four bytes of the page are the CRC-32 of all before them. Unused bytes are
+//! 0xFF, as in erased flash, and are under the CRC too.
 //!
-//! In flash the header is written after its payload, in one page write: it is the commit. A page that was
-//! written in part, or erased in part, has another CRC than its own.
+//! In flash the header is written after its payload, in one page write. That write is the commit. The CRC does not
+//! match in a page that was written or erased in part.
 
 use crate::{CRC, SettingsFileError};
 
 /// Length of the header, bytes: a write page of serial NOR flash.
 pub const HEADER_BYTES: usize = 256;
 
-/// What every settings file begins with.
+/// First bytes of every settings file.
 pub const MAGIC: [u8; 8] = *b"COPHASE\0";
 
-/// The `origin` of a settings file that was placed from outside.
+/// Value of `origin` in a settings file that was placed from outside.
 pub const OUTSIDE: u32 = 0;
 
-/// The sequence number of a settings file that was not yet stored.
+/// Sequence number of a settings file that has not been stored yet.
 pub const FIRST_SEQUENCE: u32 = 1;
 
 const VERSION_AT: usize = 8;
@@ -27,28 +27,28 @@ const ORIGIN_AT: usize = 20;
 const PAYLOAD_CRC_AT: usize = 24;
 const HEADER_CRC_AT: usize = HEADER_BYTES - 4;
 
-/// What a settings file's header says.
+/// Contents of a settings file's header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Header {
-    /// Format of the payload.
+    /// Format version of the payload.
     pub version: u16,
-    /// Bytes of payload.
+    /// Length of the payload, bytes.
     pub length: u32,
-    /// Which of two stored settings files is the newer; see [`Header::is_newer_than`].
+    /// Sequence number, which shows the newer of two stored files; see [`Header::is_newer_than`].
     pub sequence: u32,
-    /// [`OUTSIDE`], or the [`Header::mark`] of what was built into the firmware that stored it.
+    /// [`OUTSIDE`], or the [`Header::mark`] of the settings built into the firmware that stored the file.
     pub origin: u32,
     /// CRC-32 of the payload.
     pub payload_crc: u32,
 }
 
 impl Header {
-    /// Reads the header of a settings file; what follows it is not looked at.
+    /// Reads the header of a settings file; later bytes are ignored.
     ///
     /// # Errors
-    /// There are too few bytes, they are no settings file's, or not as they were written. A version that cannot be
-    /// decoded is none: the header reads the same in all.
+    /// The bytes are too few, do not begin a settings file, or do not match their CRC. An unknown version is no error, as
+    /// the header is the same in all versions.
     pub fn read(bytes: &[u8]) -> Result<Self, SettingsFileError> {
         if !bytes.starts_with(&MAGIC[..MAGIC.len().min(bytes.len())]) {
             return Err(SettingsFileError::NotASettingsFile);
@@ -70,7 +70,7 @@ impl Header {
         })
     }
 
-    /// The header as a page.
+    /// Encodes the header as a page.
     pub fn page(&self) -> [u8; HEADER_BYTES] {
         let mut page = [0xFF; HEADER_BYTES];
         let mut put = |at: usize, bytes: &[u8]| page[at..at + bytes.len()].copy_from_slice(bytes);
@@ -85,12 +85,12 @@ impl Header {
         page
     }
 
-    /// Bytes of header and payload together; saturates where a header lies.
+    /// Length of header and payload together, bytes; saturates for an absurd length.
     pub const fn file_bytes(&self) -> u32 {
         self.length.saturating_add(HEADER_BYTES as u32)
     }
 
-    /// The `origin` that the firmware with this settings file built in gives to what it stores. Never [`OUTSIDE`].
+    /// Value of `origin` in files that firmware with these built-in settings stores. Never [`OUTSIDE`].
     pub const fn mark(&self) -> u32 {
         match self.payload_crc {
             OUTSIDE => 1,
@@ -98,8 +98,9 @@ impl Header {
         }
     }
 
-    /// Whether this settings file was stored after the other, provided that fewer than 2³¹ were stored between the
-    /// two: sequence numbers wrap. Of settings files 2³¹ apart neither is newer.
+    /// True if this file was stored after the other, provided that fewer than 2³¹ were stored between the two.
+    ///
+    /// Sequence numbers wrap. Of two files with numbers 2³¹ apart neither is newer.
     pub const fn is_newer_than(&self, other: &Self) -> bool {
         self.sequence.wrapping_sub(other.sequence).cast_signed() > 0
     }
@@ -125,9 +126,9 @@ mod tests {
         payload_crc: 0x0F10_1112,
     };
 
-    /// Were it wrong, the firmware would not find what another wrote, or what `docs/settings-file.md` says.
+    /// If this were wrong, firmware could not read files of another version, or files as in `docs/settings-file.md`.
     #[test]
-    fn fields_lie_where_they_are_said_to_lie() {
+    fn fields_lie_where_documented() {
         let page = HEADER.page();
         assert_eq!(page[..12], *b"COPHASE\0\x02\x01\xFF\xFF");
         assert_eq!(page[12..16], [0x06, 0x05, 0x04, 0x03]);
@@ -138,7 +139,7 @@ mod tests {
         assert_eq!(Header::read(&page), Ok(HEADER));
     }
 
-    /// The catalogue's own check value of this CRC.
+    /// Check value of this CRC in the catalogue of CRCs.
     #[test]
     fn the_crc_is_the_one_that_zip_has() {
         assert_eq!(CRC.checksum(b"123456789"), 0xCBF4_3926);

@@ -1,19 +1,19 @@
-//! What a Cophase firmware is given, as bytes: a *settings file*.
+//! Settings of the Cophase firmware as bytes: the *settings file*.
 //!
-//! A settings file is a [`Settings`] behind a header. `cophase settings` makes one of a scene; the firmware has one built in, and
-//! keeps one in its flash.
+//! A settings file is a [`Settings`] behind a header. `cophase settings` makes one from a scene. The firmware has one built
+//! in, and keeps one in its flash.
 //!
-//! - *Header*: one page that says what follows and how to find out whether it is whole ([`header`]). Its layout
-//!   is for ever, so that any firmware can tell a settings file of any version from rubbish.
-//! - *Payload*: the settings, in [postcard](https://postcard.jamesmunns.com/)'s wire format ([`codec`]). This is what
-//!   has a version.
-//! - *Slot*: one of two places in flash that hold a settings file each ([`store`], at [`layout`]'s offsets).
-//! - *Origin*: who is responsible for a stored settings file: somebody outside, or the firmware with a certain built-in one.
+//! - *Header*: one page that describes the payload and lets a reader check that it is intact ([`header`]). Its layout
+//!   never changes, so that any firmware can distinguish a settings file of any version from other bytes.
+//! - *Payload*: the settings, in [postcard](https://postcard.jamesmunns.com/)'s wire format ([`codec`]). Its format has
+//!   a version.
+//! - *Slot*: one of two places in flash that hold a settings file each ([`store`], at the offsets of [`layout`]).
+//! - *Origin*: source of a stored settings file: somebody outside, or firmware with certain built-in settings.
 //!
-//! That a settings file is whole says nothing about its numbers. They are checked like a scene's, when the controller is
-//! made ([`Settings::controller`]).
+//! An intact settings file may still hold invalid numbers. They are checked like those of a scene, when the controller
+//! is made ([`Settings::controller`]).
 //!
-//! What the board is able to run is in [`board`].
+//! [`board`] checks whether the board can run the settings.
 //!
 //! `docs/settings-file.md` has the format as a table.
 #![no_std]
@@ -35,5 +35,5 @@ pub use error::SettingsFileError;
 pub use header::Header;
 pub use store::{Choice, Newest, Slot, Store, StoreError, choose, inspect};
 
-/// CRC-32 as zip and Ethernet have it. Without a table: a settings file is read once, and the table would be 1 KiB.
+/// CRC-32 of zip and Ethernet. It has no table: a settings file is read once, and the table would take 1 KiB.
 const CRC: crc::Crc<u32, crc::NoTable> = crc::Crc::<u32, crc::NoTable>::new(&crc::CRC_32_ISO_HDLC);

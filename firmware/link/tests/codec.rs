@@ -1,4 +1,4 @@
-//! Blobs: there and back, and everything that is not one.
+//! Encoding and decoding of settings files, and refusal of everything that is not one.
 
 mod support;
 
@@ -14,7 +14,7 @@ fn settings_file(settings: &Settings) -> Vec<u8> {
     encode(settings, 7, OUTSIDE, &mut buffer).unwrap().to_vec()
 }
 
-/// A settings file whose header is right for whatever payload it has.
+/// Makes a settings file of any payload, with a matching header.
 fn settings_file_of(payload: &[u8], version: u16) -> Vec<u8> {
     let header = Header {
         version,
@@ -26,9 +26,9 @@ fn settings_file_of(payload: &[u8], version: u16) -> Vec<u8> {
     [&header.page()[..], payload].concat()
 }
 
-/// Were it wrong, a board would run other numbers than the desk. NaN, infinities and -0.0 have bits too.
+/// Every bit must survive, or a board would run other numbers than the desk. NaN, infinities and -0.0 have bits too.
 #[test]
-fn what_goes_in_comes_out_to_the_bit() {
+fn settings_survive_to_the_bit() {
     for (axes, bands, entries) in [(0, 0, 0), (2, 1, 1), (4, 2, 9), (6, 4, 128)] {
         let mut given = settings(axes, bands, entries);
         given.settle_s = 0.1 + 0.2;
@@ -45,9 +45,9 @@ fn what_goes_in_comes_out_to_the_bit() {
     }
 }
 
-/// Were it wrong, a scene that runs on the desk would not fit the board's buffers.
+/// If this were wrong, a scene that runs on the desk would not fit the board's buffers.
 #[test]
-fn the_longest_setup_is_as_long_as_said() {
+fn the_longest_settings_are_as_long_as_documented() {
     let longest = longest();
     let settings_file = settings_file(&longest);
     assert_eq!(settings_file.len(), MAX_FILE_BYTES);
@@ -109,7 +109,7 @@ fn another_version_and_what_follows_are_distinguished_from_damage() {
         refused(&[&whole[..], &[0xFF; 3]].concat()),
         SettingsFileError::Trailing { bytes: 3 }
     );
-    // Inside of what the CRC covers.
+    // The extra bytes are under the CRC.
     assert_eq!(
         refused(&settings_file_of(&[payload, &[0; 5]].concat(), VERSION)),
         SettingsFileError::Trailing { bytes: 5 }
@@ -130,17 +130,17 @@ fn another_version_and_what_follows_are_distinguished_from_damage() {
     );
 }
 
-/// Each says what is wrong, and what to do.
+/// Messages name the problem and how to solve it.
 #[test]
 fn messages() {
     for (error, said) in [
         (
             SettingsFileError::TooShort { bytes: 9 },
-            "9 bytes are fewer than the 256 of a settings file's header; give all that `cophase settings` wrote",
+            "9 bytes are fewer than the 256 of a settings file's header; give the whole file that `cophase settings` wrote",
         ),
         (
             SettingsFileError::Version { found: 1 },
-            "the settings file has format version 1, and version 2 is read here; make it again with the `cophase` of the \
+            "the settings file has format version 1, and version 3 is read here; make it again with the `cophase` of the \
              same version as the firmware",
         ),
         (
@@ -152,7 +152,7 @@ fn messages() {
     }
 }
 
-/// In flash a settings file is followed by whatever was there.
+/// In flash arbitrary bytes follow a settings file.
 #[test]
 fn a_settings_file_is_found_at_the_beginning_of_its_slot() {
     let settings_file = settings_file(&settings(3, 1, 4));
@@ -162,7 +162,7 @@ fn a_settings_file_is_found_at_the_beginning_of_its_slot() {
     assert!(settings_file_in(&[0xFF; 4096]).is_err());
 }
 
-/// Were it wrong, a settings file from another hand could drive a machine past what any scene may ask.
+/// If this were wrong, a foreign settings file could drive a machine beyond the limits of any scene.
 #[test]
 fn numbers_out_of_range_are_refused_when_the_controller_is_made() {
     let mut given = settings(3, 1, 4);
@@ -187,18 +187,18 @@ fn numbers_out_of_range_are_refused_when_the_controller_is_made() {
 }
 
 proptest! {
-    /// Whatever the bytes, they are decoded or refused.
+    /// All bytes are decoded or refused.
     #[test]
     fn no_bytes_panic(bytes in prop::collection::vec(any::<u8>(), 0..600)) {
         prop_assert!(decode(&bytes).is_err());
         prop_assert!(settings_file_in(&bytes).is_err());
-        // With a header that fits, all of it gets to the decoder behind.
+        // With a matching header all bytes reach the decoder behind it.
         if let Ok(settings) = decode(&settings_file_of(&bytes, VERSION)) {
             let _ = check(&settings);
         }
     }
 
-    /// The same of bytes that are nearly settings: few are refused before a controller is made of them.
+    /// The same for bytes that are nearly settings: few are refused before a controller is made.
     #[test]
     fn no_nearly_right_payload_panics(
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),

@@ -1,6 +1,6 @@
 //! The two slots, on a flash whose power is cut at every byte.
 //!
-//! What must hold after any cut: the newest settings file is the one before or the one being stored, whole.
+//! After any cut the newest settings file is the one before or the one being stored, and it is intact.
 
 mod support;
 
@@ -18,7 +18,7 @@ fn cost(flash: &Nor, settings_file: &[u8]) -> usize {
     copy.done
 }
 
-/// That the newest settings file is one of two, the second if storing it was said to be done; gives which.
+/// Checks that the newest file is one of two, and the second if its storage was reported as done; returns it.
 #[track_caller]
 fn one_of<'a>(flash: &Nor, old: &'a [u8], new: &'a [u8], done: bool) -> &'a [u8] {
     let found = payload(flash).expect("there was one, and now there is none");
@@ -30,10 +30,10 @@ fn one_of<'a>(flash: &Nor, old: &'a [u8], new: &'a [u8], done: bool) -> &'a [u8]
     old
 }
 
-/// Were it wrong, a power cut at the wrong moment would leave a machine without settings, or with half of them.
+/// If this were wrong, a power cut at the wrong moment would leave a machine without settings, or with half of them.
 #[test]
 fn a_power_cut_at_any_byte_leaves_the_old_or_the_new() {
-    // Longer than a sector, so that it matters in which order sectors are erased.
+    // The files are longer than a sector, so that the order in which sectors are erased matters.
     let (oldest, old, new, next) = (
         settings_file(1, 3900),
         settings_file(2, 300),
@@ -54,7 +54,7 @@ fn a_power_cut_at_any_byte_leaves_the_old_or_the_new() {
             let done = save(&mut flash, &new, Some(power)).is_ok();
             assert!(!done || power == cost);
             found_new += usize::from(one_of(&flash, &old, &new, done) == new);
-            // And nothing is in the way of the next.
+            // The next file can be stored.
             save(&mut flash, &next, None).unwrap();
             assert_eq!(payload(&flash), Some(&next[HEADER_BYTES..]));
         }
@@ -65,13 +65,13 @@ fn a_power_cut_at_any_byte_leaves_the_old_or_the_new() {
     }
 }
 
-/// The first settings file of all: none or it, never half of it.
+/// After a cut during the very first storage there is no file or the whole file, never half of it.
 #[test]
 fn a_power_cut_at_any_byte_of_the_first_leaves_none_or_it() {
     let new = settings_file(3, 600);
     for cut in CUTS {
         for power in 0..cost(&empty(), &new) {
-            // Whatever the slots held when the board was new.
+            // The slots of a new board may hold any bytes.
             let mut flash = empty();
             flash.bytes.fill_with({
                 let mut i = power as u32;
@@ -88,7 +88,7 @@ fn a_power_cut_at_any_byte_of_the_first_leaves_none_or_it() {
     }
 }
 
-/// Every first cut, each with nine second ones; over all of them, every second cut too.
+/// Every first cut, each with nine second ones; together they cover every second cut too.
 #[test]
 fn two_power_cuts_in_a_row_leave_the_old_or_the_new() {
     const STRIDE: usize = 521;
@@ -118,7 +118,7 @@ fn two_power_cuts_in_a_row_leave_the_old_or_the_new() {
 }
 
 proptest! {
-    /// Any number of savings and cuts.
+    /// Any sequence of storing and cuts.
     #[test]
     fn the_newest_is_always_one_that_was_meant(
         steps in prop::collection::vec(

@@ -1,4 +1,4 @@
-//! What the two slots hold, what is stored in them, and which is run.
+//! Contents of the two slots, storing in them, and the choice of the settings to run.
 
 mod support;
 
@@ -26,7 +26,7 @@ fn settings_files_take_turns_and_the_last_is_newest() {
     }
 }
 
-/// Sequence numbers come round after 2³² savings; the newest must stay the newest.
+/// Sequence numbers wrap after 2³² files; the newest must remain the newest.
 #[test]
 fn the_sequence_wraps() {
     let mut flash = empty();
@@ -47,7 +47,7 @@ fn the_sequence_wraps() {
     }
 }
 
-/// Were it wrong, a machine would go on with settings that were replaced long ago, and nobody would know.
+/// If this were wrong, a machine would run settings that were replaced long ago, and nobody would know.
 #[test]
 fn damage_to_the_newest_payload_is_corruption_and_nothing_else_is() {
     let mut whole = empty();
@@ -65,13 +65,13 @@ fn damage_to_the_newest_payload_is_corruption_and_nothing_else_is() {
             matches!(error, SettingsFileError::PayloadCrc { .. }),
             "{error}"
         );
-        // Storing another fixes it.
+        // Storing another file repairs it.
         save(&mut flash, &settings_file(3, 40), None).unwrap();
         assert_eq!(payload(&flash), Some(&settings_file(3, 40)[HEADER_BYTES..]));
     }
     let mut older = whole.clone();
     older.bytes[A + HEADER_BYTES] ^= 1;
-    assert_eq!(newest(&older), newest(&whole), "the older one is not asked");
+    assert_eq!(newest(&older), newest(&whole), "the older one is ignored");
     let mut longer = whole.clone();
     let header = Header {
         length: SLOT as u32,
@@ -87,7 +87,7 @@ fn damage_to_the_newest_payload_is_corruption_and_nothing_else_is() {
     ));
 }
 
-/// A settings file of another version is whole; whether it is run is not the store's to say.
+/// A settings file of another version is intact; the store does not decide whether it is run.
 #[test]
 fn another_version_is_not_corruption() {
     let mut flash = empty();
@@ -112,7 +112,7 @@ fn another_version_is_not_corruption() {
     );
 }
 
-/// What the firmware runs: every case of the rule.
+/// Settings that the firmware runs: every case of the rule.
 #[test]
 fn choice() {
     let built_in = Header::read(&settings_file(1, 300)).unwrap();
@@ -156,7 +156,7 @@ fn choice() {
     }
 }
 
-/// A board's first two starts, the second with another firmware, and a third with the first firmware again.
+/// Three starts of a board: with one firmware, with another, and with the first again.
 #[test]
 fn firmware_stores_its_built_in_settings_once() {
     let mut flash = empty();
@@ -180,7 +180,7 @@ fn a_worn_page_is_found_and_the_old_file_stays() {
         let mut flash = empty();
         save(&mut flash, &settings_file(1, 300), None).unwrap();
         flash.worn = Some(worn);
-        // Bit 4 is to become 0 there.
+        // Bit 4 must become 0 there.
         let new = (2..99)
             .map(|i| settings_file(i, 300))
             .find(|settings_file| {
@@ -239,7 +239,7 @@ fn slots_that_cannot_be_are_refused() {
     for (what, a, b, length) in [
         ("the same", 0.0, 0.0, 2.0),
         ("overlapping", 0.0, 1.0, 2.0),
-        ("past the end", 0.0, 7.0, 2.0),
+        ("beyond the end", 0.0, 7.0, 2.0),
         ("between sectors", 0.5, 4.0, 2.0),
         ("half sectors", 0.0, 4.0, 1.5),
         ("empty", 0.0, 4.0, 0.0),

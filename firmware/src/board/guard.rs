@@ -1,13 +1,13 @@
-//! The guard: cuts the drives when the enable input goes, without the processor.
+//! Guard: switches off the drives when the enable input opens, without the processor (stop category 0).
 //!
-//! The second block's fourth machine looks at the enable input and drives DRIVE ENABLE. A loss that lasts is a loss,
-//! whatever the processor is doing, be it nothing at all: the line falls, stays low, and a flag says so until the loop
-//! has taken note. What is shorter is noise, and nothing comes of it ([`program`] says how long is which).
+//! The fourth machine of the second block polls the enable input and drives DRIVE ENABLE. When a loss of the enable input
+//! lasts, the line falls and stays low, even if the processor hangs. A flag reports the loss until the loop has read it.
+//! A shorter pulse is noise and has no effect ([`program`] states the times).
 //!
-//! The processor can not make the line high, only let it be: it *holds* it low by the pin's own override, or *permits*
-//! what the guard makes of it. So the two need not agree on who was first.
+//! The processor cannot make the line high. It *holds* it low by the pin's own override, or *permits* the level of the
+//! guard. So the order of the two does not matter.
 //!
-//! The guard begins with a loss, so that nothing is on before the loop has looked.
+//! The guard starts with a loss, so that no drive is on before the first tick of the loop.
 
 use embassy_rp::pac;
 use embassy_rp::pac::io::vals::Outover;
@@ -15,20 +15,20 @@ use pio::{Program, RP2040_MAX_PROGRAM_SIZE};
 
 use super::{GUARD_MACHINE, lines, pins, relocated, steps};
 
-/// The block of the guard's machine.
+/// Block of the guard's machine.
 const BLOCK: usize = 1;
 
-/// Where its program lies, behind that of the steps.
+/// Address of its program, behind that of the steps.
 const ORIGIN: usize = steps::PROGRAM_LENGTH;
 
-/// The instruction with which a loss begins, counted from the program's first.
+/// Number of the instruction that begins a loss, counted from the first of the program.
 const LOST: u16 = 6;
 
-/// The program. Both JMP PIN and `wait` look at the enable input; SET sets DRIVE ENABLE.
+/// Program of the guard. Both JMP PIN and `wait` read the enable input; SET sets DRIVE ENABLE.
 ///
-/// The line is looked at 32 times, 36 cycles apart, and is lost if it is high each time: from 4 cycles after it
-/// went (with the pins' synchroniser) that is 1,117 cycles, or 8.9 µs. One look at a low level, and it all begins anew.
-/// Two more instructions, and the line has fallen after 1,157 cycles, 9.3 µs.
+/// The program polls the line 32 times, 36 cycles apart, and detects a loss if it is high each time. From 4 cycles after
+/// the line opens (with the pins' synchroniser) this takes 1,117 cycles, or 8.9 µs. A single poll of a low level restarts
+/// the count. After two more instructions DRIVE ENABLE has fallen: after 1,157 cycles, 9.3 µs.
 fn program() -> Program<{ RP2040_MAX_PROGRAM_SIZE }> {
     pio::pio_asm!(
         ".wrap_target",
@@ -43,14 +43,14 @@ fn program() -> Program<{ RP2040_MAX_PROGRAM_SIZE }> {
         "    jmp x-- look [17]",
         "lost:",
         "    set pins, 0",
-        "    irq wait 0", // until the loop has taken note
+        "    irq wait 0", // until the loop has read the flag
         "    jmp pin lost",
         ".wrap",
     )
     .program
 }
 
-/// Lets the guard begin. DRIVE ENABLE is held low from here on, until it is permitted to be high.
+/// Starts the guard. DRIVE ENABLE is held low from here on, until it is permitted to be high.
 #[cold]
 pub fn set_up() {
     let program = program();
@@ -83,7 +83,7 @@ pub fn set_up() {
         .modify(|w| w.set_sm_enable(w.sm_enable() | 1 << GUARD_MACHINE));
 }
 
-/// Lets DRIVE ENABLE be what the guard makes of it, or holds it low.
+/// Permits the guard's level on DRIVE ENABLE, or holds the line low.
 pub fn permit(on: bool) {
     let ctrl = pac::IO_BANK0.gpio(pins::DRIVE_ENABLE.into()).ctrl();
     ctrl.write(|w| {
@@ -92,13 +92,14 @@ pub fn permit(on: bool) {
     });
 }
 
-/// Whether the enable input went, or is gone. A loss that is over is reported once, and DRIVE ENABLE held low with it.
+/// Returns true if the enable input opened or is open. A loss that is over is reported once, and DRIVE ENABLE is then
+/// held low.
 pub fn take_loss() -> bool {
     let flags = pac::PIO1.irq();
     if flags.read().irq() & 1 == 0 {
         return false;
     }
     permit(false);
-    flags.write(|w| w.set_irq(1)); // is raised again, within a few cycles, if the line is still high
+    flags.write(|w| w.set_irq(1)); // The flag rises again within a few cycles if the line is still high.
     true
 }

@@ -1,18 +1,18 @@
-//! The safety lines, the sync output and the LED: levels that are read and set by the CPU.
+//! Safety lines, sync output and LED: levels that the CPU reads and sets.
 //!
-//! Inputs are pulled up and read low when all is well, so that a broken wire reads as what stops the
-//! machine. All inputs are read in one instant, and all drives are switched by one write: but on only as far as the
-//! [`guard`] lets them, which looks after the enable input.
+//! Inputs are pulled up and read low in normal operation, so that a broken wire stops the machine. All inputs are read at
+//! one instant, and one write switches all drives. They are on only if the [`guard`], which polls the enable input,
+//! permits it.
 
 use cophase_core::supervisor::{SafetyInputs, State};
 use embassy_rp::pac;
 
 use super::{guard, now_us, pins};
 
-/// Function of a pin that is driven, and read, by the CPU.
+/// Function of a pin that the CPU drives and reads.
 const SIO: u8 = 5;
 
-/// What the inputs said at one instant.
+/// Levels of all inputs at one instant.
 #[derive(Clone, Copy)]
 pub struct Levels(u32);
 
@@ -26,7 +26,7 @@ impl Levels {
         pins::ALARM.get(axis).is_some_and(|&pin| self.is_high(pin))
     }
 
-    /// Whether any drive's alarm is on, or would be if there were one.
+    /// True if any alarm input is active, also of axes that the machine does not have.
     pub const fn any_alarm(self) -> bool {
         const ALARMS: u32 = {
             let (mut mask, mut axis) = (0, 0);
@@ -44,16 +44,16 @@ impl Levels {
         axis < pins::AXES && self.is_high(pins::INDEX + axis as u8)
     }
 
-    /// Whether the button is held down.
+    /// True while the button is held down.
     pub const fn start(self) -> bool {
         !self.is_high(pins::START)
     }
 }
 
-/// Function of a pin that the first block's machines drive; the second's is the next.
+/// Function of a pin that the machines of the first block drive; the next number is the second block's.
 pub(super) const PIO0: u8 = 6;
 
-/// Sets the lines up: drives off before anything else, and the guard before any may be on.
+/// Sets up the lines: first switches the drives off, and starts the guard before any drive may be on.
 #[cold]
 pub fn set_up() {
     for pin in [pins::DRIVE_ENABLE, pins::SYNC, pins::LED] {
@@ -75,12 +75,12 @@ fn output(pin: u8) {
         .write(|w| w.set_funcsel(SIO));
 }
 
-/// What a pin reads that nothing drives.
+/// Level of a pin that nothing drives.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Pull {
-    /// High.
+    /// Pulled high.
     Up,
-    /// Low.
+    /// Pulled low.
     Down,
 }
 
@@ -97,7 +97,7 @@ pub fn input(pin: u8, pull: Pull) {
     ctrl.write(|w| w.set_funcsel(SIO));
 }
 
-/// Makes a pin one that machines of a PIO block drive.
+/// Makes a pin an output of a PIO block.
 #[cold]
 pub fn give_to_block(pin: u8, block: usize) {
     pac::PADS_BANK0.gpio(pin.into()).modify(|w| {
@@ -119,12 +119,12 @@ fn set(pin: u8, high: bool) {
     }
 }
 
-/// Reads all inputs in one instant.
+/// Reads all inputs at one instant.
 pub fn read() -> Levels {
     Levels(pac::SIO.gpio_in(0).read())
 }
 
-/// What the loop is given of the enable and stop inputs. A loss of enable that is over is reported once.
+/// Enable and stop inputs for the loop. A loss of the enable input that is over is reported once.
 pub fn safety_inputs(levels: Levels) -> SafetyInputs {
     SafetyInputs {
         enable: !guard::take_loss(),
@@ -132,18 +132,18 @@ pub fn safety_inputs(levels: Levels) -> SafetyInputs {
     }
 }
 
-/// Switches all drives on or off; on only if the enable input has not gone meanwhile.
+/// Switches all drives on or off; on only if the enable input has not opened meanwhile.
 pub fn drives(on: bool) {
     guard::permit(on);
 }
 
-/// Sets the oscilloscope's trigger.
+/// Sets the trigger output for an oscilloscope.
 pub fn sync(high: bool) {
     set(pins::SYNC, high);
 }
 
-/// Shows the state on the LED: a short flash a second in idle, quick blinking in a fault, steady light while
-/// drives are on.
+/// Shows the state on the LED: a short flash a second in idle, quick blinking in a fault, steady light while drives are
+/// on.
 pub fn led(state: State) {
     let now_us = now_us();
     let on = match state {
@@ -154,7 +154,7 @@ pub fn led(state: State) {
     set(pins::LED, on);
 }
 
-/// Lights the LED, or not: for the firmware that has no settings to run on, and no state.
+/// Switches the LED on or off, for firmware without settings, which has no state.
 pub fn light(on: bool) {
     set(pins::LED, on);
 }

@@ -1,9 +1,9 @@
-//! Where everything is wired. `docs/wiring.md` shows this table as a diagram, and a test compares the two.
+//! Pin assignment. `docs/wiring.md` shows this table as a diagram, and a test compares the two.
 //!
-//! Five axes fit the 26 pins that a Raspberry Pi Pico brings out. The sixth axis's STEP, DIR and alarm are on
-//! the three that it does not; boards of the same class that bring out all 30 have them.
+//! Five axes fit the 26 pins that a Raspberry Pi Pico brings out. STEP, DIR and alarm of the sixth axis are on three
+//! pins that it does not bring out. Boards of the same class with all 30 pins have them.
 
-/// Most axes.
+/// Greatest number of axes.
 pub const AXES: usize = cophase_core::units::MAX_AXES;
 
 /// STEP of each axis.
@@ -12,20 +12,20 @@ pub const STEP: [u8; AXES] = [0, 2, 4, 6, 8, 23];
 /// DIR of each axis.
 pub const DIR: [u8; AXES] = [1, 3, 5, 7, 9, 24];
 
-/// Index sensor of axis 0; those of the others follow. One machine samples them together, so they have
-/// to be neighbours.
+/// Index sensor of axis 0; those of the other axes follow. One machine samples them together, so they must be
+/// neighbours.
 pub const INDEX: u8 = 10;
 
-/// Alarm input of each axis's drive. Low: all is well. High, or a broken wire: alarm.
+/// Alarm input of each axis's drive. Low: no alarm. High, or a broken wire: alarm.
 pub const ALARM: [u8; AXES] = [16, 17, 18, 19, 20, 29];
 
 /// Switches all drives on. Low, or a controller without power: off.
 pub const DRIVE_ENABLE: u8 = 21;
 
-/// High in the first half of each turn of the master: an oscilloscope's trigger.
+/// Sync output, high in the first half of each turn of the master: a trigger for an oscilloscope.
 pub const SYNC: u8 = 22;
 
-/// The LED on the board.
+/// LED on the board.
 pub const LED: u8 = 25;
 
 /// Enable input. Low: drives may be on. High, or a broken wire: they may not.

@@ -1,8 +1,7 @@
-//! The watchdog: restarts a controller whose loop hangs or does not meet its deadlines.
+//! Watchdog: resets a controller whose loop hangs or does not meet its deadlines.
 //!
-//! It is fed for each output that was handed over in time, and by nothing else. A restart lets go of all
-//! pins, and the drives' enable line with them: it is pulled down. What the loop was doing is kept over the
-//! restart, in registers that it leaves alone, and reported.
+//! Only output that was submitted in time feeds it. A reset releases all pins, and with them the drives' enable line,
+//! which is pulled down. Registers that survive the reset keep the state of the loop, which is then reported.
 
 use cophase_core::supervisor::State;
 use embassy_rp::Peri;
@@ -11,35 +10,36 @@ use embassy_rp::peripherals::WATCHDOG;
 use embassy_rp::watchdog::Watchdog;
 use embassy_time::Duration;
 
-/// The loop may miss this many deadlines before the controller restarts. It faults by itself, and stops
-/// the machine in order, after three: the watchdog is for when it can not.
+/// Number of deadlines that the loop may miss before a watchdog reset.
+///
+/// After three the loop itself faults and makes a coordinated stop. The watchdog is for a loop that cannot.
 const TICKS: u32 = 20;
 
-/// Says that the registers hold what this firmware left there. Its last byte is the state.
+/// Mark of registers that this firmware has written. The last byte is the state.
 const LEFT: u32 = 0xC0F4_5E00;
 
-/// In place of a state, before the loop's first tick.
+/// Value in place of a state, before the loop's first tick.
 const NOT_BEGUN: u32 = 0xFF;
 
-/// State of the loop when the watchdog reset the controller.
+/// State of the loop before a watchdog reset.
 #[derive(Clone, Copy, Debug, defmt::Format)]
 pub struct LastState {
-    /// What the machine was doing; nothing if the loop had not begun.
+    /// State of the machine; none if the loop had not begun.
     pub state: Option<State>,
-    /// Control ticks since that power-up.
+    /// Control ticks from that power-up to the reset.
     pub tick: u32,
 }
 
-/// Whether it was the watchdog that started the controller, and what it was doing before.
+/// Reads the state before a watchdog reset; none after any other reset.
 pub fn last_state() -> Option<LastState> {
     let reason = pac::WATCHDOG.reason().read();
     let left = pac::WATCHDOG.scratch0().read();
     pac::WATCHDOG.scratch0().write_value(0);
-    // The boot ROM restarts through the watchdog too, after a download.
+    // The boot ROM also resets through the watchdog, after a download.
     if !(reason.timer() || reason.force()) || left & !0xFF != LEFT {
         return None;
     }
-    let number = (left ^ LEFT) as usize; // beyond all states, if the loop had not begun
+    let number = (left ^ LEFT) as usize; // It is beyond all states if the loop had not begun.
     Some(LastState {
         state: State::ALL.get(number).copied(),
         tick: pac::WATCHDOG.scratch1().read(),
@@ -48,7 +48,7 @@ pub fn last_state() -> Option<LastState> {
 
 /// A running watchdog.
 pub struct Fed {
-    /// The register's value for [`TICKS`] ticks: it counts down twice a microsecond (erratum RP2040-E1).
+    /// Register value for [`TICKS`] ticks; the register counts down twice a microsecond (erratum RP2040-E1).
     load: u32,
 }
 
@@ -58,7 +58,7 @@ impl Fed {
     pub fn start(watchdog: Peri<'static, WATCHDOG>, tick_us: u32) -> Self {
         pac::WATCHDOG.scratch0().write_value(LEFT | NOT_BEGUN);
         let mut watchdog = Watchdog::new(watchdog);
-        // A core that a debugger has halted is a loop that hangs: the motors do not know the difference.
+        // A core that a debugger has halted is a loop that hangs: for the motors there is no difference.
         watchdog.pause_on_debug(false);
         let timeout_us = TICKS * tick_us;
         watchdog.start(Duration::from_micros(timeout_us.into()));
@@ -67,7 +67,7 @@ impl Fed {
         }
     }
 
-    /// Feeds it, and leaves word of what is going on.
+    /// Feeds the watchdog, and stores state and tick for after a reset.
     pub fn feed(&self, state: State, tick: u32) {
         pac::WATCHDOG.scratch0().write_value(LEFT | state as u32);
         pac::WATCHDOG.scratch1().write_value(tick);

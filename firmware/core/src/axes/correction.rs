@@ -1,33 +1,33 @@
-//! Trims of all axes together, against what drives their cranks apart.
+//! Correction: trims of all axes together, against differences between their cranks.
 //!
-//! The sum of these trims is zero at any time, exactly: what all cranks have in common is not corrected, or the machine would
-//! walk away from its program. They go to their targets together, each by its share of the way in every tick, none faster than
-//! its rate, and no axis further than its limit.
+//! The sum of these trims is always exactly zero. The common error of all cranks is not corrected, or the machine would
+//! move away from its program. All trims go to their targets together, each by its share in every tick. None is faster
+//! than its rate, and no axis exceeds its limit.
 
 use crate::settings::{Settings, turns_at_most};
 use crate::units::{MAX_AXES, PerAxis, Turns};
 
-/// 1, ½, ⅓ … with 16 fraction bits: nothing is divided in a tick.
+/// Reciprocals 1, ½, ⅓ … with 16 fraction bits, so that a tick needs no division.
 const SHARES: PerAxis<u32> = [65_536, 32_768, 21_845, 16_384, 13_107, 10_922];
 
-/// The trims of all axes.
+/// Trims of all axes.
 #[derive(Clone, Debug)]
 pub struct Correction {
     now: PerAxis<Turns>,
     target: PerAxis<Turns>,
-    /// What changes in a tick, and for how many more.
+    /// Change in a tick, and the number of remaining ticks.
     change: PerAxis<Turns>,
     left: u32,
     count: usize,
     limit: PerAxis<Turns>,
-    /// The slowest axis's rate, turns a tick.
+    /// Rate of the slowest axis, turns a tick.
     rate: u64,
-    /// Part of a difference that is corrected at once, 16 fraction bits.
+    /// Fraction of a difference that is corrected at once, 16 fraction bits.
     gain: i64,
 }
 
 impl Correction {
-    /// The trims of no axes.
+    /// Correction without axes.
     pub const fn new() -> Self {
         Self {
             now: [Turns::ZERO; MAX_AXES],
@@ -41,7 +41,7 @@ impl Correction {
         }
     }
 
-    /// Begins anew, without trims, with settings that have been checked.
+    /// Resets all trims and takes over checked settings.
     #[cold]
     pub fn configure(&mut self, settings: &Settings) {
         *self = Self::new();
@@ -56,17 +56,17 @@ impl Correction {
         self.gain = libm::round(settings.correction.gain * 65_536.0) as i64;
     }
 
-    /// Whether anything is to be corrected at all.
+    /// True if the settings request a correction.
     pub const fn is_on(&self) -> bool {
         self.gain > 0
     }
 
-    /// The trims that are in force.
+    /// Present trims.
     pub const fn now(&self) -> &PerAxis<Turns> {
         &self.now
     }
 
-    /// Where the trims are going, or are.
+    /// Target of the trims, or their present values at rest.
     pub const fn target(&self) -> &PerAxis<Turns> {
         if self.left > 0 {
             &self.target
@@ -75,18 +75,20 @@ impl Correction {
         }
     }
 
-    /// Stays where the trims are.
+    /// Keeps the present trims.
     pub const fn hold(&mut self) {
         self.left = 0;
     }
 
-    /// Whether trims are on their way.
+    /// True while trims change.
     pub const fn is_moving(&self) -> bool {
         self.left > 0
     }
 
-    /// Trims that would take away all of the differences between `error`s, what cranks are off with the trims in force; or
-    /// the part that is taken away at once. Axes that are not `watched` keep theirs.
+    /// Trims that remove the differences between the `error`s of the cranks with the present trims.
+    ///
+    /// With `all` they remove the whole difference, otherwise the fraction that is corrected at once. Axes that are not
+    /// `watched` keep their trims.
     pub fn against(&self, error: &PerAxis<Turns>, watched: u8, all: bool) -> PerAxis<Turns> {
         let mut target = self.now;
         if watched.count_ones() > 1 {
@@ -102,14 +104,14 @@ impl Correction {
         target
     }
 
-    /// The mean of what some axes are off by, to a part in 10,000; zero of none.
+    /// Mean error of the `watched` axes, to a part in 10,000; zero without axes.
     pub fn mean(&self, error: &PerAxis<Turns>, watched: u8) -> Turns {
         let axes = (watched.count_ones() as usize).wrapping_sub(1);
         let share = SHARES.get(axes).copied();
         Turns::from_bits(sum(error, watched) * i64::from(share.unwrap_or(0)))
     }
 
-    /// The axis, if any, whose limit a target is past.
+    /// Axis, if any, whose limit a target exceeds.
     pub fn beyond_limit(&self, target: &PerAxis<Turns>) -> Option<usize> {
         let axes = target.iter().zip(&self.limit);
         axes.enumerate()
@@ -117,14 +119,14 @@ impl Correction {
             .map(|(axis, _)| axis)
     }
 
-    /// Goes to `target`, whose sum is that of the trims in force, from where the trims are.
+    /// Starts a move from the present trims to `target`, which must have the same sum.
     pub fn go_to(&mut self, target: PerAxis<Turns>) {
         let doublings = share_out(&mut self.change, &self.now, &target, self.count, self.rate);
         self.target = target;
         self.left = 1 << doublings;
     }
 
-    /// Plays one tick; what changes in it.
+    /// Advances by one tick; returns the changes in it.
     pub fn advance(&mut self) -> Option<&PerAxis<Turns>> {
         match self.left {
             0 => return None,
@@ -144,7 +146,7 @@ impl Correction {
     }
 }
 
-/// The sum of what some axes are off by, less 16 fraction bits.
+/// Sum of the errors of the `watched` axes, with 16 fraction bits fewer.
 #[inline(never)]
 fn sum(error: &[Turns], watched: u8) -> i64 {
     let axes = error.iter().enumerate();
@@ -153,8 +155,8 @@ fn sum(error: &[Turns], watched: u8) -> i64 {
         .sum()
 }
 
-/// Takes away from trims what some axes are off from the mean, or a part of that. The last of them makes up for the rest, so that their
-/// sum stays.
+/// Subtracts from trims the deviations of the `watched` axes from the mean, or a fraction of them. The last of these axes
+/// takes the remainder, so that the sum does not change.
 #[inline(never)]
 fn take_away(trims: &mut [Turns], error: &[Turns], watched: u8, mean: Turns, gain: Option<i64>) {
     let mut rest = Turns::ZERO;
@@ -176,8 +178,9 @@ fn take_away(trims: &mut [Turns], error: &[Turns], watched: u8, mean: Turns, gai
     }
 }
 
-/// What changes in a tick, of the way from trims to where they are to be: the way over a power of two of ticks, so that nothing has
-/// to be divided. Which power.
+/// Computes the change per tick from the present trims to their targets; returns the binary logarithm of the ticks.
+///
+/// The number of ticks is a power of two, so that no division is needed.
 #[inline(never)]
 fn share_out(
     change: &mut PerAxis<Turns>,
@@ -197,7 +200,7 @@ fn share_out(
         most >>= 1;
         doublings += 1;
     }
-    // The last axis takes what rounding leaves over, so that the sum is zero.
+    // The last axis takes the remainder of rounding, so that the sum is zero.
     let mut rest = Turns::ZERO;
     for (axis, change) in change.iter_mut().enumerate().take(count) {
         if axis + 1 == count {

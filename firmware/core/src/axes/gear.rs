@@ -1,20 +1,20 @@
-//! An electronic gear with an exact ratio.
+//! Electronic gear with an exact ratio.
 
 use crate::functions::{Divisor, multiply_long};
 use crate::units::Turns;
 
-/// Turns of the axis per turn of the master, as a ratio of two whole numbers; nothing is lost.
+/// Gear ratio, turns of the axis per turn of the master, as a ratio of two integers. No fraction is lost.
 #[derive(Clone, Debug)]
 pub struct Gear {
     numerator: u32,
     denominator: u32,
     divisor: Divisor,
-    /// What division has left over, 0 ≤ rest < denominator.
+    /// Remainder of the division, 0 ≤ rest < denominator.
     rest: u32,
 }
 
 impl Gear {
-    /// `numerator / denominator`, each 1 to 1000.
+    /// Gear with the ratio `numerator / denominator`, each 1 to 1000.
     pub const fn new(numerator: u32, denominator: u32) -> Self {
         Self {
             numerator,
@@ -24,11 +24,11 @@ impl Gear {
         }
     }
 
-    /// The axis's share of the master's turns, which must be within ±1 turn.
+    /// Turns of the axis for turns of the master, which must be within ±1 turn.
     #[inline]
     pub fn advance(&mut self, master: Turns) -> Turns {
         if self.numerator == self.denominator {
-            return master; // the usual case, and no division
+            return master; // The usual case needs no division.
         }
         let all = multiply_long(master.to_bits().unsigned_abs(), self.numerator);
         if master >= 0 {
@@ -36,14 +36,15 @@ impl Gear {
             self.rest = rest;
             return Turns::from_bits(turns as i64);
         }
-        // Backwards what is left over is missing from the next whole.
+        // In reverse the remainder is missing from the next unit.
         let missing = self.denominator - 1 - self.rest;
         let (turns, missing) = self.divisor.divide(all + u64::from(missing));
         self.rest = self.denominator - 1 - missing;
         Turns::from_bits(-(turns as i64))
     }
 
-    /// The same share of an acceleration, below 1 turn a tick², rounded towards zero; it leaves nothing for the next.
+    /// Acceleration of the axis for one of the master, below 1 turn a tick², rounded towards zero; the remainder is
+    /// dropped.
     pub fn share(&self, acceleration: Turns) -> Turns {
         if self.numerator == self.denominator {
             return acceleration;
@@ -61,7 +62,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// After any number of ticks the axis is where the ratio says, to less than one unit.
+        /// After any number of ticks the axis is at the exact ratio, to less than one unit.
         #[test]
         fn nothing_is_lost(
             numerator in 1_u32..=1000,

@@ -1,10 +1,9 @@
-//! From the master's phase to each crank's: ratio, offset, trim.
+//! Axes: conversion of the master's phase to the phase of each crank by ratio, offset and trim.
 //!
-//! An axis never has a speed of its own. Each tick it is handed the turns that the master made, and
-//! makes of them its own, exactly: what a ratio leaves over is kept for the next tick. Its sense of
-//! rotation is not part of its phase either. A *reversed* axis counts its phase in its own sense,
-//! and only the outputs (DIR, and the signs of a servo's setpoints) are turned round, so that the
-//! phases of axes of equal ratio are equal exactly, whichever way round they are mounted.
+//! An axis never has a speed of its own. Each tick it converts the turns of the master to its own, exactly: the remainder
+//! of a ratio is kept for the next tick. The sense of rotation is not part of the phase either. A *reversed* axis counts
+//! its phase in its own sense, and only the outputs (DIR, and the signs of a servo's setpoints) are inverted. So the
+//! phases of axes of equal ratio are exactly equal, whatever their sense of rotation.
 
 mod correction;
 mod gear;
@@ -17,7 +16,7 @@ pub use trim::Trim;
 use crate::settings::{AxisSettings, turns};
 use crate::units::{Phase, Turns};
 
-/// One axis: its place behind the master.
+/// One axis: a follower of the master.
 #[derive(Clone, Debug)]
 pub struct Axis {
     gear: Gear,
@@ -26,7 +25,7 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// At its offset, untrimmed. The settings must have passed [`crate::settings::Settings::check`].
+    /// Axis at its offset, without trim. The settings must have passed [`crate::settings::Settings::check`].
     #[cold]
     pub fn new(settings: &AxisSettings, tick_hz: u32) -> Self {
         Self {
@@ -36,27 +35,27 @@ impl Axis {
         }
     }
 
-    /// Where the crank is to be, in its own sense of rotation.
+    /// Commanded phase of the crank, in its own sense of rotation.
     pub const fn phase(&self) -> Phase {
         self.phase
     }
 
-    /// How the axis hangs behind the master.
+    /// Gear between master and axis.
     pub const fn gear(&self) -> &Gear {
         &self.gear
     }
 
-    /// Its correction.
+    /// Trim of the axis.
     pub const fn trim(&self) -> &Trim {
         &self.trim
     }
 
-    /// Its correction, to be set.
+    /// Trim of the axis, for changes.
     pub const fn trim_mut(&mut self) -> &mut Trim {
         &mut self.trim
     }
 
-    /// Moves on with the master, and by a correction, and returns the axis's own turns in this tick.
+    /// Advances with the master and by a correction; returns the axis's own turns in this tick.
     pub fn advance(&mut self, master: Turns, correction: Turns) -> Turns {
         let trims = self.trim.advance().wrapping_add(correction);
         let turns = self.gear.advance(master).wrapping_add(trims);

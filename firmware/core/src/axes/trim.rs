@@ -1,9 +1,9 @@
-//! A bounded, slow correction of one axis's phase.
+//! Trim: a bounded, slow correction of one axis's phase.
 
 use crate::settings::{AxisSettings, turns_at_most};
 use crate::units::Turns;
 
-/// The trim of one axis: what is added to its phase, now and in the end.
+/// Trim of one axis: the present addition to its phase, and its target.
 #[derive(Clone, Debug)]
 pub struct Trim {
     now: i64,
@@ -23,18 +23,18 @@ impl Trim {
         }
     }
 
-    /// The trim that is in force.
+    /// Present trim.
     pub const fn now(&self) -> Turns {
         Turns::from_bits(self.now)
     }
 
-    /// Sets where the trim is to go; says whether the limit allowed all of it.
+    /// Sets the target of the trim; returns false if the limit cut it.
     pub fn set(&mut self, target: Turns) -> bool {
         self.target = target.to_bits().max(-self.limit).min(self.limit);
         self.target == target.to_bits()
     }
 
-    /// The change of trim in the coming tick.
+    /// Change of the trim in the coming tick.
     #[inline]
     pub(super) fn advance(&mut self) -> Turns {
         if self.now == self.target {
@@ -71,7 +71,7 @@ mod tests {
         let mut trim = Trim::new(&settings, 1000);
         assert!(
             !trim.set(Turns::from_num(-0.02)),
-            "a limit that bites must be told"
+            "a limit that cuts must be reported"
         );
         let mut sum = Turns::ZERO;
         for _ in 0..500 {

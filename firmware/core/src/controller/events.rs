@@ -35,7 +35,8 @@ impl Controller {
         let dry = feedback
             .fifo_underrun
             .map(|axis| Fault::new(FaultKind::StepFifoUnderrun).on_axis(axis));
-        let alarm = feedback.alarm.iter().position(|&alarm| alarm);
+        let mut alarms = feedback.alarm.iter().take(self.channels.len());
+        let alarm = alarms.position(|&alarm| alarm);
         let alarm = alarm.map(|axis| Fault::new(FaultKind::DriveAlarm).on_axis(axis));
         // What disables the drives comes before all that stops them; and a better name is for what latched before.
         if input.fault.is_some() && (input.reaction == Reaction::Disable || input.supersedes) {

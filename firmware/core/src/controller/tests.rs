@@ -87,6 +87,16 @@ fn a_drive_alarm_stops_the_machine_and_names_its_axis() {
     assert_eq!((telemetry.state, fault.tick), (State::Stop, 1000));
 }
 
+/// Were it regarded, a board whose inputs for further axes are open would stop a machine that does not have them.
+#[test]
+fn an_alarm_of_an_axis_that_is_not_there_is_ignored() {
+    let mut controller = running(100.0);
+    let mut feedback = Feedback::of(None);
+    feedback.alarm[2..].fill(true);
+    let telemetry = controller.tick(&feedback).telemetry.clone();
+    assert_eq!((telemetry.state, telemetry.fault), (State::Run, None));
+}
+
 /// A level inside the band is held at the nearer edge, and that is reported, and only then.
 #[test]
 fn a_level_in_a_band_is_held_at_its_nearer_edge_and_reported() {

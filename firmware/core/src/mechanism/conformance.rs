@@ -1,4 +1,4 @@
-//! What every mechanism must keep, held against nothing but numerical derivatives of what it says itself.
+//! Conformance tests of every mechanism, against numerical derivatives of its own kinematics.
 
 use super::*;
 use std::vec::Vec;
@@ -33,7 +33,7 @@ fn at(mechanism: &AnyMechanism, turns: f64) -> (f64, f64) {
     (f64::from(slope) / ONE, f64::from(curvature) / ONE)
 }
 
-/// Were it wrong, a servo's torque would lack inertia, or have some that is not there.
+/// If this were wrong, a servo's torque would have too little inertia, or too much.
 #[test]
 fn curvature_is_the_derivative_of_slope() {
     for (name, mechanism) in all() {
@@ -45,13 +45,13 @@ fn curvature_is_the_derivative_of_slope() {
             );
             let derivative = (after - before) / (2.0 * step * core::f64::consts::TAU);
             let error = derivative - at(&mechanism, turns).1;
-            // The central difference errs by a sixth of the third derivative, below 30, times the squared step.
+            // The error of the central difference is a sixth of the third derivative, below 30, times the squared step.
             assert!(error.abs() < 3e-4, "{name} at {degree}°: {error:e}");
         }
     }
 }
 
-/// Were it wrong, the platform would turn at homing speed away over a turn.
+/// If this were wrong, the platform would not return to its position after a turn.
 #[test]
 fn the_platform_comes_back_after_a_turn() {
     for (name, mechanism) in all() {
@@ -62,7 +62,7 @@ fn the_platform_comes_back_after_a_turn() {
     }
 }
 
-/// Were it wrong, the machine would shake the platform harder, or less, than its program says.
+/// If this were wrong, the machine would shake the platform harder, or less, than its program requests.
 #[test]
 fn amplitude_is_the_greatest_acceleration_at_steady_speed() {
     for (name, mechanism) in all() {
@@ -86,7 +86,7 @@ fn amplitude_is_the_greatest_acceleration_at_steady_speed() {
     }
 }
 
-/// Were it wrong, a machine would be stopped too late for its tilt, or too early.
+/// If this were wrong, a machine would stop too late for its tilt, or too early.
 #[test]
 fn the_greatest_slope_is_that_of_a_fine_search() {
     for (name, mechanism) in all() {

@@ -1,20 +1,20 @@
-//! The Scotch yoke: a pin on the crank slides in a slot of the platform, which moves as the cosine of the crank angle.
+//! Scotch yoke: a pin on the crank slides in a slot of the platform, which moves as the cosine of the crank angle.
 //!
-//! With R the crank radius, amax = R ω², reached at crank phases 0 and ½. Per unit radius the slope is sin α and the curvature
-//! cos α. It is the limit of a slider-crank with an endless rod, and has no second harmonic.
+//! With R the crank radius, amax = R ω², reached at crank phases 0 and ½. Per unit radius the slope is sin α and the
+//! curvature cos α. It is the limit of a slider-crank with an endless rod, and has no second harmonic.
 
 use super::{Kinematics, Mechanism, SquareLaw};
 use crate::functions::sine_cosine;
 use crate::settings::SettingsError;
 use crate::units::{Amax, Turns};
 
-/// Settings of the Scotch yoke: its crank radius says everything.
+/// Settings of the Scotch yoke. It has none beside its crank radius.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ScotchYokeSettings {}
 
 impl ScotchYokeSettings {
-    /// Nothing can be wrong with them.
+    /// Accepts all settings.
     ///
     /// # Errors
     /// None.
@@ -23,7 +23,7 @@ impl ScotchYokeSettings {
     }
 }
 
-/// The coefficients of one Scotch yoke at one tick rate.
+/// Coefficients of one Scotch yoke at one tick rate.
 #[derive(Clone, Copy, Debug)]
 pub struct ScotchYoke {
     law: SquareLaw,
@@ -34,7 +34,7 @@ impl ScotchYoke {
         law: SquareLaw::STANDSTILL,
     };
 
-    /// For a crank radius of 0.1 mm to 0.5 m and a tick rate of 500 to 10,000 Hz.
+    /// Coefficients for a crank radius of 0.1 mm to 0.5 m and a tick rate of 500 to 10,000 Hz.
     #[cold]
     pub fn new(_: &ScotchYokeSettings, crank_radius_m: f64, tick_hz: u32) -> Self {
         Self {

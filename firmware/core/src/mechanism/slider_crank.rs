@@ -1,7 +1,8 @@
-//! The in-line slider-crank: amax = R ω² (1 + λ), reached at crank phase 0.
+//! In-line slider-crank: amax = R ω² (1 + λ), reached at crank phase 0.
 //!
-//! R is the crank radius, λ crank radius over rod length. The formula is the patent's (two terms of the kinematics), and exact at
-//! phase 0, where the greatest acceleration is. With α the crank phase and β the rod's angle (sin β = λ sin α), per unit radius
+//! R is the crank radius, λ the crank radius over the rod length. The formula is the patent's (two terms of the
+//! kinematics). It is exact at phase 0, where the acceleration is greatest. With α the crank phase and β the angle of the
+//! rod (sin β = λ sin α), per unit radius
 //!
 //! - slope s(α) = sin α + λ sin α cos α / cos β,
 //! - curvature h(α) = cos α + λ (cos 2α + λ² sin⁴ α) / cos³ β.
@@ -33,7 +34,7 @@ impl SliderCrankSettings {
     }
 }
 
-/// The coefficients of one slider-crank at one tick rate.
+/// Coefficients of one slider-crank at one tick rate.
 #[derive(Clone, Copy, Debug)]
 pub struct SliderCrank {
     law: SquareLaw,
@@ -43,7 +44,7 @@ pub struct SliderCrank {
 }
 
 impl SliderCrank {
-    /// For a crank radius of 0.1 mm to 0.5 m and a tick rate of 500 to 10,000 Hz.
+    /// Coefficients for a crank radius of 0.1 mm to 0.5 m and a tick rate of 500 to 10,000 Hz.
     #[cold]
     pub fn new(settings: &SliderCrankSettings, crank_radius_m: f64, tick_hz: u32) -> Self {
         let lambda = settings.lambda;

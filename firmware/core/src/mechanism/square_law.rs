@@ -1,27 +1,28 @@
-//! amax = L ω²: the amplitude of every mechanism whose platform follows the crank angle alone.
+//! Square law amax = L ω²: the amplitude of every mechanism whose platform follows the crank angle alone.
 //!
-//! L is a length, metres: the crank radius times the greatest curvature of the mechanism. The inverse, ω = sqrt(amax / L), has an
-//! infinite slope at rest: the master shaft's limits, not this root, decide how a machine starts.
+//! L is a length in metres: the crank radius times the greatest curvature of the mechanism. The inverse,
+//! ω = sqrt(amax / L), has an infinite slope at rest. The limits of the master shaft, not this root, decide how a machine
+//! starts.
 
 use crate::functions::{Root, multiply, root};
 use crate::units::{Amax, Turns};
 
-/// The coefficients of one length at one tick rate.
+/// Coefficients of one length at one tick rate.
 #[derive(Clone, Copy, Debug)]
 pub struct SquareLaw {
-    /// Turns a tick at 1 m/s² are `mantissa / 2^shift`; the mantissa has its top bit set.
+    /// Mantissa of the speed at 1 m/s², `mantissa / 2^shift` turns a tick; its top bit is set.
     mantissa: u32,
     shift: u32,
 }
 
 impl SquareLaw {
-    /// Coefficients for where there is no machine yet.
+    /// Placeholder for a machine that is not set up yet.
     pub const STANDSTILL: Self = Self {
         mantissa: 1 << 31,
         shift: 48,
     };
 
-    /// For a length of 0.1 mm to 1 m and a tick rate of 500 to 10,000 Hz.
+    /// Coefficients for a length of 0.1 mm to 1 m and a tick rate of 500 to 10,000 Hz.
     #[cold]
     pub fn new(length_m: f64, tick_hz: u32) -> Self {
         let speed_at_one =
@@ -31,18 +32,19 @@ impl SquareLaw {
         let mantissa = libm::round(fraction * 4294967296.0) as u64;
         let (mantissa, exponent) = match u32::try_from(mantissa) {
             Ok(mantissa) => (mantissa, exponent),
-            Err(_) => (1 << 31, exponent + 1), // rounded up to a whole power of two
+            Err(_) => (1 << 31, exponent + 1), // It was rounded up to a whole power of two.
         };
-        // Over the ranges the speed is from 1e-5 to 0.04 turns a tick: the shift is 36 to 48.
+        // Over these ranges the speed is from 1e-5 to 0.04 turns a tick, so the shift is 36 to 48.
         Self {
             mantissa,
             shift: (32 - exponent).unsigned_abs(),
         }
     }
 
-    /// Turns a tick for an amplitude; relative error below 2⁻³⁰ and 2⁻⁴⁸ turns a tick.
+    /// Speed for an amplitude, in turns a tick.
     ///
-    /// Saturates beyond 2 turns a tick, four times the greatest speed of a shaft.
+    /// The error is below 2⁻³⁰ of the result plus 2⁻⁴⁸ turns a tick. The result saturates beyond 2 turns a tick, four
+    /// times the greatest speed of a shaft.
     #[inline(never)]
     pub fn speed(&self, amax: Amax) -> Turns {
         let Root { mantissa, shift } = root(amax.to_bits());
@@ -53,13 +55,13 @@ impl SquareLaw {
         Turns::from_bits(bits.min(2 << Turns::FRAC_NBITS) as i64)
     }
 
-    /// The amplitude at a speed of either sign; relative error below 2⁻²⁸ and 2⁻⁴⁸ m/s².
+    /// Amplitude at a speed of either sign, in m/s². The error is below 2⁻²⁸ of the result plus 2⁻⁴⁸ m/s².
     pub fn amax(&self, speed: Turns) -> Amax {
         let bits = speed.to_bits().unsigned_abs();
         if bits == 0 {
             return Amax::ZERO;
         }
-        // Both normalised to 32 bits: speed = s · 2^(16 − zeros), with 48 fraction bits.
+        // Both are normalised to 32 bits: speed = s · 2^(16 − zeros), with 48 fraction bits.
         let zeros = bits.leading_zeros();
         let s = (bits << zeros) >> 32;
         // speed / speed_at_one = s/mantissa · 2^(32 − zeros − 48 + shift); the quotient is 0.5 to 2.
@@ -84,7 +86,7 @@ impl SquareLaw {
 mod tests {
     use super::*;
 
-    /// Both directions against f64, over the documented ranges of length and tick rate.
+    /// Errors of both directions against f64, over the documented ranges of length and tick rate.
     #[test]
     fn errors_are_within_their_bounds() {
         let mut worst = (0.0_f64, 0.0_f64);

@@ -1,40 +1,40 @@
-//! From a list of segments and repeats in seconds to a checked [`Program`].
+//! Builder of a checked [`Program`] from segments and repeats in seconds.
 
 use super::{CAPACITY, Entry, Program, Segment, Shape};
 use crate::mechanism::{AnyMechanism, Mechanism};
 use crate::settings::{Problem, SettingsError, inside};
 use crate::units::{Amax, Turns};
 
-/// A segment in the units of the outside world.
+/// Segment in physical units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SegmentSettings {
-    /// Level to reach, m/s², from 0 up to what the shaft's greatest speed gives.
+    /// Level, m/s², from 0 up to the amplitude at the greatest speed of the shaft.
     pub amax_mps2: f64,
-    /// Time to get there, seconds, 0 to 100,000.
+    /// Length of the ramp, seconds, 0 to 100,000.
     pub ramp_s: f64,
-    /// Time to stay there, seconds, 0 to 1,000,000.
+    /// Time at the level, seconds, 0 to 1,000,000.
     pub hold_s: f64,
-    /// Shape of the way.
+    /// Shape of the ramp.
     pub shape: Shape,
 }
 
-/// An entry of a program in the units of the outside world.
+/// Entry of a program in physical units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum EntrySettings {
-    /// Go to a level and stay there.
+    /// Ramp to a level and hold it.
     Segment(SegmentSettings),
-    /// Play what stands from entry `first` up to here `times` times in all, 1 to 65,535.
+    /// Play the entries from `first` up to here `times` times in total.
     Repeat {
-        /// The block's first entry, counted from 0; it stands before this one.
+        /// Index of the block's first entry, counted from 0; it is an earlier entry.
         first: u8,
-        /// How often.
+        /// Number of passes, 1 to 65,535.
         times: u32,
     },
 }
 
-/// Puts a program together, in the order in which it is to be played.
+/// Builder of a program; entries are appended in the order of play.
 ///
 /// ```
 /// # use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
@@ -59,11 +59,11 @@ pub struct ProgramBuilder<'a> {
     program: &'a mut Program,
 }
 
-/// Longest program: 10 years at 10 kHz, far inside 64 bits of ticks.
+/// Length of the longest program: 10 years at 10 kHz, far below 64 bits of ticks.
 const MOST_TICKS: u64 = 10_000 * 86_400 * 3_653;
 
 impl<'a> ProgramBuilder<'a> {
-    /// Empties a program and builds it anew, for a machine with this tick, mechanism and greatest speed (rev/s).
+    /// Empties a program and rebuilds it, for a machine with this tick rate (Hz), mechanism and greatest speed (rev/s).
     pub fn new(
         tick_hz: u32,
         mechanism: AnyMechanism,
@@ -79,7 +79,7 @@ impl<'a> ProgramBuilder<'a> {
         }
     }
 
-    /// Where the next entry will stand; remember it to repeat from there.
+    /// Index of the next entry; [`Self::repeat`] takes it as the start of a block.
     pub fn here(&self) -> usize {
         self.program.entries.len()
     }
@@ -87,7 +87,7 @@ impl<'a> ProgramBuilder<'a> {
     /// Appends an entry.
     ///
     /// # Errors
-    /// Those of [`Self::segment`] and [`Self::repeat`].
+    /// The errors of [`Self::segment`] and [`Self::repeat`].
     #[cold]
     pub fn entry(&mut self, entry: &EntrySettings) -> Result<(), SettingsError> {
         match *entry {
@@ -99,8 +99,8 @@ impl<'a> ProgramBuilder<'a> {
     /// Appends a segment.
     ///
     /// # Errors
-    /// A number out of range, a level that the greatest speed does not reach, no duration, or more
-    /// than [`CAPACITY`] entries. The program is as before.
+    /// A number is out of range, the greatest speed does not reach the level, the segment has no duration, or there are
+    /// more than [`CAPACITY`] entries. The program is then unchanged.
     #[cold]
     pub fn segment(&mut self, settings: SegmentSettings) -> Result<(), SettingsError> {
         let amax_mps2 = inside("program.amax_mps2", settings.amax_mps2, 0.0, 10_000.0)?;
@@ -130,11 +130,11 @@ impl<'a> ProgramBuilder<'a> {
         self.push(Entry::Segment(segment), segment.ticks())
     }
 
-    /// Plays everything from entry `first` (see [`Self::here`]) up to here `times` times in all.
+    /// Appends a repeat: the entries from `first` (see [`Self::here`]) up to here play `times` times in total.
     ///
     /// # Errors
-    /// An empty block, a count that is not 1 to 65,535, a program longer than ten years, or more than
-    /// [`CAPACITY`] entries. The program is as before.
+    /// The block is empty, the count is not 1 to 65,535, the program is longer than ten years, or there are more than
+    /// [`CAPACITY`] entries. The program is then unchanged.
     #[cold]
     pub fn repeat(&mut self, first: usize, times: u32) -> Result<(), SettingsError> {
         inside("program.repeat", f64::from(times), 1.0, 65_535.0)?;
@@ -169,10 +169,10 @@ impl<'a> ProgramBuilder<'a> {
         self.program.ends.push(end).map_err(|_| full)
     }
 
-    /// Ends the program.
+    /// Finishes the program.
     ///
     /// # Errors
-    /// There is nothing in it.
+    /// The program has no entries.
     pub fn finish(self) -> Result<(), SettingsError> {
         if self.program.entries.is_empty() {
             return Err(SettingsError::new("program", Problem::ProgramEmpty));

@@ -1,34 +1,34 @@
-//! Reading a program tick by tick, and from any tick on.
+//! Cursor: reads a program tick by tick, from any tick on.
 
 use super::{CAPACITY, Entry, Program, Segment};
 use crate::units::Amax;
 
-/// What a program says for one tick.
+/// Levels of a program for one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// The level at the tick's end.
+    /// Level at the end of the tick.
     pub level: Amax,
-    /// The level at which the present segment ends: until then amax stays between the two.
+    /// Level at the end of the present segment; until then amax stays between the two.
     pub end_level: Amax,
 }
 
-/// A place in a program. It does not borrow the program: the two are kept side by side.
+/// Position in a program. It does not borrow the program: the two are kept side by side.
 #[derive(Clone, Debug)]
 pub struct Cursor {
-    /// The entry being played; one past the last when done.
+    /// Index of the entry being played; the number of entries when done.
     index: usize,
     /// Ticks of the present segment that are over.
     tick: u64,
-    /// The level from which the present segment started.
+    /// Level from which the present segment started.
     from: Amax,
-    /// Passes done of each repeat.
+    /// Finished passes of each repeat.
     passes: [u16; CAPACITY],
     /// Ticks of the program that are over.
     elapsed: u64,
 }
 
 impl Cursor {
-    /// Before a program's first tick, at level 0.
+    /// Cursor before the first tick of a program, at level 0.
     pub const fn new() -> Self {
         Self {
             index: 0,
@@ -39,10 +39,10 @@ impl Cursor {
         }
     }
 
-    /// Plays one tick. After the end the last level stands.
+    /// Plays one tick. After the end it returns the last level.
     ///
-    /// Costs the same at any time: it looks at one segment, and where one ends, at no more repeats
-    /// than are nested there.
+    /// The cost is the same at any time: it reads one segment, and at the end of one only the repeats that are nested
+    /// there.
     pub fn next(&mut self, program: &Program) -> Reading {
         let Some(segment) = self.segment(program) else {
             return Reading {
@@ -62,13 +62,13 @@ impl Cursor {
         }
     }
 
-    /// Goes to where the program is after `elapsed` ticks; beyond its end, to the end.
+    /// Moves to the position after `elapsed` ticks, or to the end if that is earlier.
     ///
-    /// Costs one look at each entry for each nesting of repeats, not for each pass.
+    /// The cost is one access to each entry for each level of nesting, not for each pass.
     pub fn seek(&mut self, program: &Program, elapsed: u64) {
         *self = Self::new();
         self.elapsed = elapsed.min(program.duration());
-        // Time left, counted from the start of the block being searched in its first pass.
+        // Remaining time, counted from the start of the searched block in its first pass.
         let mut until = self.elapsed;
         let mut index = 0;
         while let (Some(entry), Some(&end)) = (program.entries.get(index), program.ends.get(index))
@@ -88,7 +88,7 @@ impl Cursor {
                     return;
                 }
                 Entry::Repeat { first, .. } => {
-                    // Inside a later pass: fold the time back into the block's first.
+                    // The time is inside a later pass; fold it back into the first pass of the block.
                     let block_start = program.start(usize::from(first));
                     let once = start - block_start;
                     let into = until - start;
@@ -108,12 +108,12 @@ impl Cursor {
         self.elapsed
     }
 
-    /// Ticks that are left, repeats included.
+    /// Remaining ticks, repeats included.
     pub fn remaining(&self, program: &Program) -> u64 {
         program.duration().saturating_sub(self.elapsed)
     }
 
-    /// Whether the program is over.
+    /// True when the program is over.
     pub fn is_done(&self, program: &Program) -> bool {
         self.index >= program.entries.len()
     }
@@ -125,7 +125,7 @@ impl Cursor {
         }
     }
 
-    /// Comes to entry `index` and follows repeats until a segment stands there, or the end.
+    /// Moves to entry `index` and follows repeats up to a segment or the end.
     fn enter(&mut self, program: &Program, mut index: usize, from: Amax) {
         self.from = from;
         self.tick = 0;
@@ -137,7 +137,7 @@ impl Cursor {
             if *passes < times {
                 index = usize::from(first);
             } else {
-                *passes = 0; // an outer repeat will come by again
+                *passes = 0; // An outer repeat may play it again.
                 index += 1;
             }
         }
@@ -173,7 +173,7 @@ mod tests {
         }
     }
 
-    /// A program with repeats, and the same written out by hand.
+    /// A program with repeats plays as the same program written out by hand.
     #[test]
     fn repeats_play_as_if_written_out() {
         let (a, b, c) = (segment(10, 3, 2), segment(20, 2, 0), segment(5, 0, 4));
@@ -216,7 +216,7 @@ mod tests {
     }
 
     proptest! {
-        /// Seeking to a tick is the same as playing up to it, wherever repeats nest.
+        /// Seeking to a tick is the same as playing up to it, for any nesting of repeats.
         #[test]
         fn seek_agrees_with_playing(
             entries in prop::collection::vec((0_u32..4, 0_u32..100, 0_u32..6, 0_u32..6, any::<u8>()), 1..24),
@@ -253,7 +253,7 @@ mod tests {
         }
     }
 
-    /// 64 segments are the least that was promised; repeats and all, 128 entries fit.
+    /// The documented minimum is 64 segments; 128 entries fit, repeats included.
     #[test]
     fn holds_what_it_promises_and_refuses_more() {
         let mut program = Program::new();

@@ -1,9 +1,8 @@
-//! The mixing program: amax(t), the acceleration amplitude that the platform is to have.
+//! Mixing program: amax(t), the acceleration amplitude requested of the platform.
 //!
-//! A program is a list of *segments* (a level, the time to get there, the shape of the way, a time
-//! to hold it) and of *repeats* that send the reading back over what stands before them. It is read
-//! by a [`Cursor`], one control tick at a time; a tick costs the same at the end of a month as at
-//! the beginning.
+//! A program is a list of *segments* (level, ramp time, ramp shape, hold time) and of *repeats*, which play a block of
+//! earlier entries again. A [`Cursor`] reads it, one control tick at a time. A tick costs the same at the end of a month
+//! as at the beginning.
 
 mod builder;
 mod cursor;
@@ -13,15 +12,15 @@ pub use builder::{EntrySettings, ProgramBuilder, SegmentSettings};
 pub use cursor::{Cursor, Reading};
 pub use segment::{Segment, Shape};
 
-/// How many entries (segments and repeats) a program holds.
+/// Greatest number of entries (segments and repeats) in a program.
 pub const CAPACITY: usize = 128;
 
 /// An entry of a program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Entry {
-    /// Go to a level and stay there.
+    /// Ramp to a level and hold it.
     Segment(Segment),
-    /// Play what stands from entry `first` up to here `times` times in all.
+    /// Play the entries from `first` up to here `times` times in total.
     Repeat { first: u8, times: u16 },
 }
 
@@ -29,13 +28,13 @@ pub(crate) enum Entry {
 #[derive(Clone, Debug, Default)]
 pub struct Program {
     entries: heapless::Vec<Entry, CAPACITY>,
-    /// For each entry, the ticks from the program's start to the entry's end, in its first pass and
-    /// with the repeats up to it done.
+    /// Ticks from the start of the program to the end of each entry, in its first pass and with the repeats up to it
+    /// done.
     ends: heapless::Vec<u64, CAPACITY>,
 }
 
 impl Program {
-    /// A program without entries, which is over at once.
+    /// Creates a program without entries, which is over at once.
     pub const fn new() -> Self {
         Self {
             entries: heapless::Vec::new(),
@@ -49,12 +48,12 @@ impl Program {
         self.ends.clear();
     }
 
-    /// How long the whole program lasts, in ticks.
+    /// Duration of the whole program, in ticks.
     pub fn duration(&self) -> u64 {
         self.ends.last().copied().unwrap_or(0)
     }
 
-    /// The ticks before entry `index`, in its first pass.
+    /// Ticks before entry `index`, in its first pass.
     fn start(&self, index: usize) -> u64 {
         match index.checked_sub(1) {
             Some(before) => self.ends.get(before).copied().unwrap_or(0),

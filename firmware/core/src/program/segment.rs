@@ -1,40 +1,40 @@
-//! One segment: the way to a level, and the time at it.
+//! One segment: the ramp to a level, and the time at it.
 
 use crate::functions::{multiply, multiply_high, multiply_long};
 use crate::units::Amax;
 
-/// How the level changes over a segment's ramp.
+/// Shape of a segment's ramp.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Shape {
-    /// In proportion to time.
+    /// Linear in time.
     Linear,
-    /// x³ (10 − 15 x + 6 x²): first and second derivative are zero at both ends, so that the level,
-    /// its rate and its rate of rate are continuous through the program.
+    /// Polynomial x³ (10 − 15 x + 6 x²). Its first and second derivatives are zero at both ends, so that the level and
+    /// its first two derivatives are continuous through the program.
     #[default]
     Smooth,
 }
 
-/// A level, the way to it, and the time at it.
+/// Level with its ramp and its hold time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
-    /// The level reached.
+    /// Level at the end of the ramp.
     pub level: Amax,
-    /// Ticks to get there.
+    /// Length of the ramp, ticks.
     pub ramp_ticks: u32,
-    /// Ticks to stay there.
+    /// Time at the level, ticks.
     pub hold_ticks: u64,
-    /// Shape of the way.
+    /// Shape of the ramp.
     pub shape: Shape,
-    /// 2⁶⁴ / `ramp_ticks`: spares the tick a division.
+    /// Reciprocal 2⁶⁴ / `ramp_ticks`, which avoids a division in the tick.
     per_ramp_tick: u64,
 }
 
 impl Segment {
-    /// A segment; its duration is `ramp_ticks + hold_ticks`.
+    /// Creates a segment; its duration is `ramp_ticks + hold_ticks`.
     pub const fn new(level: Amax, ramp_ticks: u32, hold_ticks: u64, shape: Shape) -> Self {
         let per_ramp_tick = match ramp_ticks {
-            0 | 1 => u64::MAX, // a ramp of one tick is at its end after that tick: never read
+            0 | 1 => u64::MAX, // A ramp of one tick ends with that tick, so this is never read.
             n => u64::MAX / n as u64,
         };
         Self {
@@ -46,19 +46,19 @@ impl Segment {
         }
     }
 
-    /// Ramp and hold, in ticks.
+    /// Duration of ramp and hold, in ticks.
     pub const fn ticks(&self) -> u64 {
         self.ramp_ticks as u64 + self.hold_ticks
     }
 
-    /// The level `tick` ticks into the segment, coming from level `from`.
+    /// Level after `tick` ticks of the segment, which starts from level `from`.
     ///
-    /// Exact at both ends of the ramp; between them within 2⁻²⁶ of the difference of the levels.
+    /// It is exact at both ends of the ramp, and between them within 2⁻²⁶ of the difference of the levels.
     pub fn level_at(&self, tick: u64, from: Amax) -> Amax {
         if tick >= u64::from(self.ramp_ticks) {
             return self.level;
         }
-        // Way done, 32 fraction bits. No overflow: tick < ramp_ticks, so the product is below 2⁶⁴.
+        // The part of the ramp that is over, 32 fraction bits. As tick < ramp_ticks, the product is below 2⁶⁴.
         let x = (multiply_long(self.per_ramp_tick, tick as u32) >> 32) as u32;
         let part = match self.shape {
             Shape::Linear => u64::from(x),
@@ -72,24 +72,24 @@ impl Segment {
     }
 }
 
-/// x³ (10 − 15 x + 6 x²), all with 32 fraction bits, for x from 0 up to, not including, 1.
+/// Polynomial x³ (10 − 15 x + 6 x²), all with 32 fraction bits, for x from 0 up to, not including, 1.
 const fn smooth(x: u32) -> u64 {
-    // Power by power, so that each product fits 64 bits.
+    // Powers are computed one by one, so that each product fits 64 bits.
     let cube = multiply_high(multiply_high(x, x), x);
     let fourth = multiply_high(cube, x);
     let fifth = multiply_high(fourth, x);
     let sum = multiply(cube, 10) + multiply(fifth, 6);
     let part = sum.saturating_sub(multiply(fourth, 15));
-    // The powers are rounded down by up to 2, 3 and 4 units: near the end the sum may pass 1.
+    // The powers are rounded down by up to 2, 3 and 4 units, so near the end the sum may exceed 1.
     if part > 1 << 32 { 1 << 32 } else { part }
 }
 
-/// `difference * part`, `part` with 32 fraction bits, up to 1.
+/// Product `difference * part`, `part` with 32 fraction bits, up to 1.
 const fn scale(difference: Amax, part: u64) -> Amax {
     if part >> 32 != 0 {
         return difference;
     }
-    // Upper and lower half apart: the whole product has 96 bits.
+    // Upper and lower half are multiplied separately, as the whole product has 96 bits.
     let (bits, part) = (difference.to_bits(), part as u32);
     let high = multiply((bits >> 32) as u32, part);
     let low = multiply_high(bits as u32, part);
@@ -104,8 +104,7 @@ mod tests {
         x * x * x * (10.0 - 15.0 * x + 6.0 * x * x)
     }
 
-    /// The roundings of the powers, 10 · 2 + 6 · 4 or 15 · 3 units of 2⁻³² at most, against the
-    /// polynomial itself.
+    /// The powers are rounded by at most 10 · 2 + 6 · 4 or 15 · 3 units of 2⁻³², relative to the polynomial itself.
     #[test]
     fn smooth_follows_its_polynomial() {
         let mut worst = 0.0_f64;

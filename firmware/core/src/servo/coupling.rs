@@ -1,16 +1,17 @@
-//! Cross-coupling of servos: an axis that is held up is waited for by the others.
+//! Cross-coupling of servos: the other axes wait for one that is held up.
 //!
-//! Each servo's position setpoint is moved against what its crank is off from the mean of all, in proportion and integrated. The
-//! one that lags is commanded to go on, the others are commanded to hold back, by as much in all: the sum of what is added is zero, so
-//! that mode 0, which the program decides, is not touched. All other modes are fed back with the same gains.
+//! The position setpoint of each servo is moved against the deviation of its crank from the mean of all cranks, by a
+//! proportional and an integral part. The lagging servo is advanced and the others are held back. The sum of all
+//! additions is zero, so that mode 0, which follows the program, does not change. All other modes are fed back with the
+//! same gains.
 
 use crate::settings::Settings;
 use crate::units::{MAX_AXES, PerAxis, Turns};
 
-/// The coupling of all servos.
+/// Cross-coupling of all servos.
 #[derive(Clone, Debug)]
 pub struct Coupling {
-    /// Gains: in proportion, and of the integral a tick; 16 and 24 fraction bits.
+    /// Proportional gain (16 fraction bits), and integral gain per tick (24 fraction bits).
     gain: i64,
     gain_a_tick: i64,
     integral: PerAxis<i64>,
@@ -18,12 +19,12 @@ pub struct Coupling {
     change: PerAxis<Turns>,
     limit: i64,
     count: usize,
-    /// One over the number of axes, 28 fraction bits: what the mean is off, 2⁻²⁸ of it, is the last axis's.
+    /// Reciprocal of the number of axes, 28 fraction bits. The last axis takes the rounding of the mean, 2⁻²⁸ of it.
     share: i64,
 }
 
 impl Coupling {
-    /// Of settings that have been checked; none if they ask for none.
+    /// Creates the coupling of checked settings; none if both gains are zero.
     #[cold]
     pub fn new(settings: &Settings) -> Option<Self> {
         let correction = &settings.correction;
@@ -45,10 +46,10 @@ impl Coupling {
         })
     }
 
-    /// Takes in the phase errors at a tick's end.
-    #[inline(never)] // of boards without servos it is not to be in the way
+    /// Updates the coupling with the phase errors at the end of a tick.
+    #[inline(never)] // On boards without servos it must not cost anything.
     pub fn advance(&mut self, phase_error: &PerAxis<Turns>) {
-        // Below half a turn each: 31 bits, and room for gains of up to 20 and a sum of six.
+        // Each is below half a turn: 31 bits, which leaves room for gains of up to 20 and a sum of six.
         let phase_error = phase_error.map(|e| e.to_bits() >> 16);
         let mean = (phase_error.iter().sum::<i64>() * self.share) >> 28;
         let mut integral = self.integral;
@@ -60,14 +61,14 @@ impl Coupling {
                 let of_integral = integral[axis] - ((off * self.gain_a_tick) >> 8);
                 (of_integral, of_integral - off * self.gain)
             } else {
-                (-rest_integral, -rest) // whatever rounding has left over
+                (-rest_integral, -rest) // The last axis takes the remainder of rounding.
             };
             rest_integral += of_integral;
             rest += all;
             integral[axis] = of_integral;
             added[axis] = Turns::from_bits(all);
         }
-        // What would take an axis beyond its limit is not begun: all stay where they are, and their sum zero.
+        // A change that would exceed an axis's limit is not made: all axes keep their values, and the sum stays zero.
         if integral.iter().all(|integral| integral.abs() <= self.limit) {
             self.integral = integral;
         }
@@ -84,14 +85,14 @@ impl Coupling {
         }
     }
 
-    /// Lets go: the drives are off.
+    /// Resets the coupling when the drives are off.
     pub fn reset(&mut self) {
         self.integral = [0; MAX_AXES];
         self.added = [Turns::ZERO; MAX_AXES];
         self.change = [Turns::ZERO; MAX_AXES];
     }
 
-    /// What is added to an axis's position and to its speed.
+    /// Additions to the position and to the speed of an axis.
     pub fn of(&self, axis: usize) -> (Turns, Turns) {
         let at = |turns: &PerAxis<Turns>| turns.get(axis).copied().unwrap_or_default();
         (at(&self.added), at(&self.change))

@@ -1,24 +1,25 @@
-//! Inverse dynamics of the platform, in whole numbers.
+//! Inverse dynamics of the platform, in integer arithmetic.
 //!
-//! With s(α) and h(α) the mechanism's slope and curvature over the crank phase α, per unit crank radius R ([`crate::mechanism`]), a
-//! platform of mass m accelerates with R (h ω² + s α″). It needs, of all cranks together, the torque m R s (R (h ω² + s α″) ± g): plus
-//! for a platform below the cranks, as the patent's formula for M has it, minus for one above. An N-th of that, and what the motor's
-//! own rotor takes (J α″), is the axis's feed-forward.
+//! Let s(α) and h(α) be the mechanism's slope and curvature over the crank phase α, per unit crank radius R
+//! ([`crate::mechanism`]). A platform of mass m then accelerates with R (h ω² + s α″). From all cranks together it needs
+//! the torque m R s (R (h ω² + s α″) ± g). The sign is plus for a platform below the cranks, as in the patent's formula
+//! for M, and minus for one above. The feed-forward of an axis is an N-th of that plus the torque for the motor's own
+//! rotor, J α″.
 //!
-//! Error: below 2e-5 of the greatest torque (tested), from 30-bit factors and the sine's 3e-7.
+//! The error is below 2e-5 of the greatest torque (tested), from 30-bit factors and the sine's 3e-7.
 
 use crate::functions::multiply_q30;
 use crate::mechanism::{AnyMechanism, Kinematics, Mechanism};
 use crate::settings::{MachineSettings, Problem, SettingsError};
 use crate::units::{FRACTION_BITS, ONE_TURN, Phase, Torque, Turns};
 
-/// The coefficients of one machine at one tick rate, for one motor of `N`.
+/// Coefficients of one machine at one tick rate, for one motor of `N`.
 #[derive(Clone, Copy, Debug)]
 pub struct FeedForward {
     mechanism: AnyMechanism,
-    /// Speeds are shifted right by this much, to fit 30 bits at the limit.
+    /// Right shift of speeds, so that they fit 30 bits at the limit.
     speed_shift: u32,
-    /// Accelerations likewise.
+    /// Right shift of accelerations, likewise.
     acceleration_shift: u32,
     /// Torque (2⁻¹⁶ N·m) of h ω² at a scaled speed of 1.
     centripetal: i32,
@@ -30,15 +31,15 @@ pub struct FeedForward {
     rotor: i32,
 }
 
-/// Greatest torque that a setpoint holds, with room for the sum of its parts, N·m.
+/// Greatest torque of a setpoint, N·m, which leaves room for the sum of its parts.
 const MOST_NM: f64 = 30_000.0;
 
 impl FeedForward {
-    /// For one of `motors` motors, whose rotor has `rotor_inertia_kgm2`; `speed` and `acceleration`
-    /// are the greatest that will be asked, in turns a tick and a tick².
+    /// Coefficients for one of `motors` motors, whose rotor has `rotor_inertia_kgm2`. `speed` and `acceleration` are the
+    /// greatest that occur, in turns a tick and a tick².
     ///
     /// # Errors
-    /// A machine whose torques do not fit a setpoint.
+    /// The torques of the machine do not fit in a setpoint.
     #[cold]
     pub fn new(
         machine: &MachineSettings,
@@ -53,7 +54,7 @@ impl FeedForward {
         let one_turn = ONE_TURN as f64;
         let speed_shift = shift_to_30_bits(speed);
         let acceleration_shift = shift_to_30_bits(acceleration);
-        // What a scaled value of 2^30 means, in rad/s and rad/s².
+        // Speed and acceleration of a scaled value of 2^30, in rad/s and rad/s².
         let hz = f64::from(tick_hz);
         let radians = core::f64::consts::TAU / one_turn;
         let full_speed = one_q30 * f64::from(1_u32 << speed_shift) * radians * hz;
@@ -84,8 +85,8 @@ impl FeedForward {
         })
     }
 
-    /// The torque at a phase of the crank, with its speed (turns a tick) and acceleration (turns a
-    /// tick²), in its own sense of rotation.
+    /// Torque at a phase of the crank, with its speed (turns a tick) and acceleration (turns a tick²), in its own sense
+    /// of rotation.
     pub fn torque(&self, phase: Phase, speed: Turns, acceleration: Turns) -> Torque {
         let angle = (phase.within_turn().to_bits() >> (FRACTION_BITS - 32)) as u32;
         let Kinematics {
@@ -95,7 +96,7 @@ impl FeedForward {
         let speed = (speed.to_bits() >> self.speed_shift) as i32;
         let acceleration = (acceleration.to_bits() >> self.acceleration_shift) as i32;
         let speed_squared = multiply_q30(speed, speed);
-        // All of it, and each part, is below MOST_NM, which is below 2^31.
+        // The sum and each part are below MOST_NM, which is below 2^31.
         let force = multiply_q30(self.centripetal, multiply_q30(h, speed_squared))
             + multiply_q30(self.tangential, multiply_q30(s, acceleration))
             + self.gravity;
@@ -103,7 +104,7 @@ impl FeedForward {
     }
 }
 
-/// How far a number must be shifted right so that it, and anything smaller, fits 30 bits.
+/// Right shift with which a number, and all smaller ones, fit 30 bits.
 fn shift_to_30_bits(most: Turns) -> u32 {
     let bits = i64::BITS - most.to_bits().unsigned_abs().leading_zeros();
     bits.saturating_sub(30)
@@ -115,7 +116,7 @@ mod tests {
     use crate::mechanism::{MechanismSettings, SliderCrankSettings};
     use crate::settings::Platform;
 
-    /// The formulas of this module's head in f64, at every degree, several speeds and accelerations.
+    /// The formulas of this module's documentation in f64, at every degree, several speeds and accelerations.
     #[test]
     fn torque_agrees_with_f64() {
         let tick_hz = 2000_u32;

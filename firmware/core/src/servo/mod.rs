@@ -1,6 +1,6 @@
 //! Setpoints for servo axes: position, speed and the torque that the motion needs.
 //!
-//! They are made from the same phase, in the same tick, as the pulses of stepper axes.
+//! They derive from the same phase, in the same tick, as the pulses of stepper axes.
 
 mod coupling;
 mod feed_forward;
@@ -10,28 +10,28 @@ pub use feed_forward::FeedForward;
 
 use crate::units::{Phase, Torque, Turns};
 
-/// What a servo drive is told each tick, for the tick's end.
+/// Setpoint of a servo drive, sent each tick for the end of the tick.
 ///
-/// Signs are the motor's own: for a reversed axis they are turned round.
+/// Signs are the motor's own: for a reversed axis they are inverted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Setpoint {
-    /// Where the crank is to be.
+    /// Commanded phase of the crank.
     pub position: Phase,
-    /// How fast it is to turn, turns a tick.
+    /// Commanded speed, turns a tick.
     pub velocity: Turns,
     /// Torque that the motion needs of this motor, N·m.
     pub torque: Torque,
 }
 
 impl Setpoint {
-    /// At phase zero, at rest, without torque.
+    /// Setpoint at phase zero, at rest, without torque.
     pub const ZERO: Self = Self {
         position: Phase::ZERO,
         velocity: Turns::ZERO,
         torque: Torque::ZERO,
     };
 
-    /// The same for a motor that is mounted the other way round.
+    /// Inverts all signs, for a motor that turns in the opposite sense.
     #[must_use]
     pub const fn reversed(self) -> Self {
         Self {

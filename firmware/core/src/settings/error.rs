@@ -1,24 +1,24 @@
-//! What can be wrong with a setting.
+//! Errors in settings, and their messages.
 
 use core::fmt;
 
 use cophase_motion::settings::{self as motion, Number};
 
-/// A setting that cannot be used: its key, and why.
+/// A setting that cannot be used: its key, and the reason.
 ///
-/// Keys are spelled as scene files spell them, in the same units.
+/// Keys are spelled as in scene files, and numbers have the same units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SettingsError {
-    /// The setting, as a scene names it.
+    /// Key of the setting, as in a scene.
     pub key: &'static str,
-    /// Which entry of the list of axes, bands or program entries, counted from 0.
+    /// Index of the entry in a list of axes, bands or program entries, counted from 0.
     pub entry: Option<usize>,
-    /// What is wrong, and what would be right.
+    /// Problem, and how to solve it.
     pub problem: Problem,
 }
 
-/// What is wrong with a setting.
+/// Problem with a setting.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[allow(
@@ -101,7 +101,7 @@ impl Problem {
         motion::Problem::unit(key)
     }
 
-    /// The message for a setting: as [`Problem`] alone has it, but numbers carry the unit of `key`.
+    /// Message for a setting: the text of the [`Problem`], with the unit of `key` behind its numbers.
     pub fn of(self, key: &str) -> impl fmt::Display + use<> {
         Sentence {
             problem: self,
@@ -145,7 +145,7 @@ impl SettingsError {
         }
     }
 
-    /// The same, said of one entry of a list.
+    /// Names the entry of a list to which this error belongs.
     #[must_use]
     pub const fn on_entry(mut self, entry: usize) -> Self {
         self.entry = Some(entry);

@@ -1,7 +1,7 @@
-//! What a user sets, in the units of the outside world; checked once, here, into coefficients.
+//! Settings of the user, in physical units. They are checked once, here, and converted to coefficients.
 //!
-//! This is the only place where the core has floats. The tick works on what [`Settings::check`] and
-//! the modules' own builders make of them, and cannot meet a bad setting because none gets through.
+//! This is the only place where the core has floats. The tick works on the coefficients that the modules' own builders
+//! make from settings that passed [`Settings::check`]. So it never has to handle a bad setting.
 
 mod error;
 #[cfg(test)]
@@ -22,41 +22,42 @@ use crate::units::MAX_AXES;
 /// Longest name of a machine, bytes of UTF-8.
 pub const NAME_BYTES: usize = 32;
 
-/// Everything that a user sets for one machine's control loop: limits, axes and program.
+/// Settings of one machine's control loop: limits, axes and program.
 ///
-/// Nothing in it has been checked: it may come from a memory chip. [`crate::controller::Controller::configure`] finds what is wrong with it.
+/// The values are unchecked, as they may come from a memory chip. [`crate::controller::Controller::configure`] checks
+/// them.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings {
     /// Name of the machine, for logs; see [`short_name`].
     pub name: heapless::String<NAME_BYTES>,
-    /// Control ticks a second, 500 to 10,000; a whole number of microseconds each.
+    /// Tick rate, Hz, 500 to 10,000; a tick is a whole number of microseconds.
     pub tick_hz: u32,
-    /// The mechanism and what it carries.
+    /// Mechanism and load.
     pub machine: MachineSettings,
-    /// What the master shaft may do.
+    /// Limits of the master shaft.
     pub limits: LimitSettings,
-    /// The step lines' timing.
+    /// Timing of the STEP and DIR lines.
     pub pulse: PulseSettings,
-    /// What counts as a pulse of an index line.
+    /// Filter of the index lines.
     pub index: IndexSettings,
-    /// One entry an axis, 1 to [`MAX_AXES`] of them.
+    /// Axes, 1 to [`MAX_AXES`] entries.
     pub axes: heapless::Vec<AxisSettings, MAX_AXES>,
     /// Trims that are set at start, turns, axis by axis; an axis without an entry has none.
     pub trims_turns: heapless::Vec<f64, MAX_AXES>,
-    /// How far the cranks may be apart.
+    /// Limits of the phase-drift monitor.
     pub drift: DriftSettings,
-    /// What is done against what drives them apart.
+    /// Correction of phase errors.
     pub correction: CorrectionSettings,
     /// Crank phase at which the machine parks, turns, 0 to 1.
     pub park_turns: f64,
-    /// Time that energised drives get to settle before anything moves, seconds, 0 to 10.
+    /// Time for which energised drives settle before anything moves, seconds, 0 to 10.
     pub settle_s: f64,
-    /// amax(t): segments, and repeats of what stands before them.
+    /// Program amax(t): segments, and repeats of earlier entries.
     pub program: heapless::Vec<EntrySettings, CAPACITY>,
 }
 
-/// Which way up the platform is.
+/// Side of the cranks on which the platform is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Platform {
@@ -67,8 +68,7 @@ pub enum Platform {
 }
 
 impl Platform {
-    /// The sign of gravity next to the platform's acceleration in the force on the rods: +1 below,
-    /// −1 above.
+    /// Sign of gravity relative to the platform's acceleration in the force on the rods: +1 below, −1 above.
     pub const fn gravity_sign(self) -> f64 {
         match self {
             Self::Below => 1.0,
@@ -77,17 +77,17 @@ impl Platform {
     }
 }
 
-/// The mechanism, and what it carries.
+/// Mechanism and load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MachineSettings {
     /// Crank radius, metres, 0.1 mm to 0.5 m.
     pub crank_radius_m: f64,
-    /// What the crank moves the platform by.
+    /// Mechanism between crank and platform.
     pub mechanism: MechanismSettings,
     /// Mass on the platform, kg, above 0, up to 50.
     pub load_kg: f64,
-    /// Which way up.
+    /// Side of the platform.
     pub platform: Platform,
     /// Gravity, m/s², 0 to 20.
     pub gravity_mps2: f64,
@@ -95,16 +95,16 @@ pub struct MachineSettings {
     pub mount_radius_m: f64,
 }
 
-/// What counts as a pulse of an index line.
+/// Filter of the index lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct IndexSettings {
-    /// Shortest time that a level must last to be no glitch, microseconds, 0.1 to 100, at most a quarter
-    /// of a tick.
+    /// Shortest time that a level must last to count, microseconds, 0.1 to 100, at most a quarter of a tick. Shorter
+    /// ones are glitches.
     pub width_us: f64,
 }
 
-/// What an axis is driven by.
+/// Kind of drive of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum DriveKind {
@@ -112,7 +112,8 @@ pub enum DriveKind {
     Stepper,
     /// Position, velocity and torque setpoints each tick.
     Servo,
-    /// Step and direction pulses to a servo drive, which closes its position loop by itself: it loses no steps, and has an alarm.
+    /// Step and direction pulses to a servo drive, which closes its own position loop: it loses no steps, and has an
+    /// alarm.
     PulseServo,
 }
 
@@ -120,11 +121,11 @@ pub enum DriveKind {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AxisSettings {
-    /// How it is driven.
+    /// Kind of drive.
     pub drive: DriveKind,
-    /// Steps (or encoder counts) to one turn of the crank, 4 to 65,536.
+    /// Steps (or encoder counts) per turn of the crank, 4 to 65,536.
     pub steps_per_turn: u32,
-    /// Whether the crank turns the other way round than axis 0's sense.
+    /// True if the crank turns in the opposite sense of axis 0.
     pub reversed: bool,
     /// Crank turns per master turn, as an exact ratio: numerator (not 0) and denominator, 1 to 1000.
     pub ratio: (u32, u32),
@@ -132,19 +133,19 @@ pub struct AxisSettings {
     pub offset_turns: f64,
     /// Crank phase at which its index flag begins, going forward, turns, −½ to ½; none if it has no sensor.
     pub index_turns: Option<f64>,
-    /// Length of that flag, turns of the crank, 0 to ¼: going backward, a crank meets its other end first.
+    /// Length of the index flag, turns of the crank, 0 to ¼. In reverse a crank reaches the other end first.
     pub index_width_turns: f64,
-    /// Time from the flag's edge to the line's, seconds, 0 to 1 ms.
+    /// Delay from the edge of the flag to that of the line, seconds, 0 to 1 ms.
     pub index_delay_s: f64,
-    /// Whether its motor's encoder is read, at `steps_per_turn` counts to a turn of the crank.
+    /// True if the encoder of the motor is read, with `steps_per_turn` counts per turn of the crank.
     pub encoder: bool,
-    /// Steps of one electrical cycle of its stepper; 0 if it has none.
+    /// Steps of one electrical cycle of the stepper; 0 if the axis has none.
     pub cycle_steps: u32,
-    /// Greatest trim either way, turns, 0 to 0.1.
+    /// Greatest trim in either direction, turns, 0 to 0.1.
     pub trim_limit_turns: f64,
-    /// Speed at which trim changes, turns/s, above 0, up to 1.
+    /// Rate at which the trim changes, turns/s, above 0, up to 1.
     pub trim_rate_hz: f64,
-    /// Inertia of the rotor and all that turns with it, kg·m², 0 to 10.
+    /// Inertia of the rotor and of all parts that turn with it, kg·m², 0 to 10.
     pub rotor_inertia_kgm2: f64,
 }
 
@@ -154,29 +155,29 @@ pub struct AxisSettings {
 pub struct DriftSettings {
     /// Platform tilt, mrad, above 0, up to 100.
     pub tilt_limit_mrad: f64,
-    /// Deviation of a crank from the plane through all, degrees of crank angle, above 0, up to 90.
+    /// Deviation of a crank from the plane through all cranks, degrees of crank angle, above 0, up to 90.
     pub warp_limit_deg: f64,
     /// Mean lag of all cranks, degrees, above 0, up to 180.
     pub common_limit_deg: f64,
-    /// What a reading of a crank's phase may be off by, from noise alone, degrees, 0.01 to 5. What is within this, and two
-    /// steps, is not distinguished from nothing.
+    /// Error of a measured crank phase from noise alone, degrees, 0.01 to 5. A phase error within this and two steps is
+    /// not distinguished from zero.
     pub reading_error_deg: f64,
-    /// Time by which all cranks follow late by their nature, seconds, 0 to 0.1: as much of the common lag as belongs to the
-    /// speed is not held against its limit.
+    /// Time by which all cranks normally lag, seconds, 0 to 0.1. The common lag that it causes at the present speed does
+    /// not count against the limit.
     pub lag_s: f64,
 }
 
-/// What is done against drift.
+/// Correction of phase errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CorrectionSettings {
-    /// Part of a difference between cranks that is trimmed away in a turn, 0 (never) to 1.
+    /// Gain of the correction: the fraction of a difference between cranks that is trimmed in a turn, 0 (never) to 1.
     pub gain: f64,
-    /// Whether *homing* trims each crank by an amount of its own and asks to see that crank, and no other, follow.
+    /// True if homing proves the wiring: it trims each crank by an amount of its own, and only that crank may follow.
     pub prove_wiring: bool,
-    /// Cross-coupling of servos: setpoint against what an axis is off from the mean of all, 0 to 20.
+    /// Proportional gain of the servos' cross-coupling, from the deviation from the mean of all axes, 0 to 20.
     pub coupling: f64,
-    /// … and against that integrated, 1/s, 0 to 10,000.
+    /// Integral gain of the cross-coupling, 1/s, 0 to 10,000.
     pub coupling_per_s: f64,
 }
 
@@ -187,7 +188,7 @@ impl Default for Settings {
 }
 
 impl CorrectionSettings {
-    /// Drift is watched, and nothing done about it within the limits.
+    /// No correction: within the limits phase errors are only monitored.
     pub const NONE: Self = Self {
         gain: 0.0,
         prove_wiring: false,
@@ -197,7 +198,7 @@ impl CorrectionSettings {
 }
 
 impl Settings {
-    /// Settings without axes or program, to be filled in.
+    /// Creates settings without axes or program, for a caller to fill in.
     pub const fn new() -> Self {
         Self {
             name: heapless::String::new(),
@@ -241,10 +242,10 @@ impl Settings {
         }
     }
 
-    /// Checks every number by itself and against the others.
+    /// Checks every number alone and against the others.
     ///
     /// # Errors
-    /// The first setting that is wrong, with its key, what it is and what it may be.
+    /// The first setting that is wrong, with its key, its value and the allowed range.
     #[cold]
     pub fn check(&self) -> Result<(), SettingsError> {
         inside("axes.count", self.axes.len() as f64, 1.0, MAX_AXES as f64)?;
@@ -293,7 +294,7 @@ impl Settings {
         Ok(())
     }
 
-    /// The mechanism of these settings' machine, for this tick rate.
+    /// Mechanism of the machine, for this tick rate.
     #[cold]
     pub fn mechanism(&self) -> AnyMechanism {
         let MachineSettings {
@@ -304,7 +305,7 @@ impl Settings {
         mechanism.mechanism(crank_radius_m, self.tick_hz)
     }
 
-    /// A builder of programs for these settings' machine, which empties `program` first.
+    /// Creates a builder of programs for this machine, which empties `program` first.
     #[cold]
     pub fn program_builder<'a>(&self, program: &'a mut Program) -> ProgramBuilder<'a> {
         ProgramBuilder::new(
@@ -315,7 +316,7 @@ impl Settings {
         )
     }
 
-    /// Replaces a program with that of these settings.
+    /// Replaces a program by that of these settings.
     #[cold]
     pub(crate) fn fill_program(&self, program: &mut Program) -> Result<(), SettingsError> {
         let mut builder = self.program_builder(program);
@@ -354,7 +355,7 @@ impl IndexSettings {
         Ok(())
     }
 
-    /// The width in cycles of the step clock, to the nearest.
+    /// Width in cycles of the step clock, rounded to the nearest.
     pub fn width_cycles(&self) -> u32 {
         libm::round(self.width_us * 1e-6 * f64::from(CLOCK_HZ)) as u32
     }
@@ -431,7 +432,7 @@ impl AxisSettings {
     }
 }
 
-/// The longest beginning of a name that [`Settings`] hold, in whole characters.
+/// Cuts a name to [`NAME_BYTES`], between characters.
 #[cold]
 pub fn short_name(name: &str) -> heapless::String<NAME_BYTES> {
     let mut short = heapless::String::new();

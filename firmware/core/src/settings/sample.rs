@@ -1,10 +1,10 @@
-//! Settings of an ordinary machine, for tests to change.
+//! Settings of a typical machine, which tests modify.
 
 use super::*;
 use crate::mechanism::SliderCrankSettings;
 use crate::program::{SegmentSettings, Shape};
 
-/// A level that lasts 3 s in all.
+/// A segment that lasts 3 s in total.
 pub(crate) const LEVEL: SegmentSettings = SegmentSettings {
     amax_mps2: 100.0,
     ramp_s: 1.0,

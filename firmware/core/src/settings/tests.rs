@@ -1,4 +1,4 @@
-//! What is refused, and that what is accepted is what was set.
+//! Refusal of bad settings, and use of accepted ones.
 
 use super::sample::{LEVEL, settings};
 use super::*;
@@ -10,7 +10,7 @@ fn refused(settings: &Settings) -> std::string::String {
     settings.controller().unwrap_err().to_string()
 }
 
-/// Were it wrong, the firmware would run another program than the one it was given.
+/// If this were wrong, firmware would run another program than the given one.
 #[test]
 fn the_program_is_the_given_one() {
     let controller = settings(3).controller().unwrap();
@@ -18,7 +18,7 @@ fn the_program_is_the_given_one() {
 }
 
 #[test]
-fn only_so_many_axes_are_accepted() {
+fn a_number_of_axes_out_of_range_is_refused() {
     let mut none = settings(1);
     assert_eq!(none.controller().unwrap().axis_count(), 1);
     none.axes.clear();
@@ -26,7 +26,7 @@ fn only_so_many_axes_are_accepted() {
 }
 
 #[test]
-fn what_is_wrong_is_said_of_its_entry() {
+fn errors_name_their_entry() {
     let mut broken = settings(2);
     broken.limits.speed_hz = f64::NAN;
     assert!(refused(&broken).starts_with("limits.speed_hz: NaN"));

@@ -1,84 +1,85 @@
-//! What can go wrong, and what was detected when it did.
+//! Faults and events: their kinds and their data.
 //!
-//! One list for all of it, faults and what is merely told, under the same names in the log, in reports and as bytes.
+//! One list has all kinds, those that stop the machine and those that are only reported. The log, reports and the byte
+//! format use the same names.
 
 use crate::units::{FRACTION_BITS, Phase, Turns};
 
-/// What went wrong. What is done about it is in [`mod@super::reaction`].
+/// Kind of a fault or event. [`mod@super::reaction`] has the reactions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum FaultKind {
-    /// The platform tilts further than it may, and nothing shows why.
+    /// The platform tilts beyond its limit, and the cause is unknown.
     #[error("platform tilt beyond its limit")]
     Tilt = 0,
-    /// The cranks bend the platform further than they may, and nothing shows why.
+    /// The cranks warp the platform beyond its limit, and the cause is unknown.
     #[error("platform warp beyond its limit")]
     Warp = 1,
-    /// All cranks together lag, or lead, further than they may.
+    /// All cranks together lag, or lead, beyond their limit.
     #[error("common lag beyond its limit")]
     CommonLag = 2,
     /// A stepper fell behind, or was driven ahead, by whole electrical cycles.
     #[error("lost steps")]
     LostSteps = 3,
-    /// A crank walks away from where its motor has it.
+    /// A crank moves away from the phase of its motor.
     #[error("slip")]
     Slip = 4,
-    /// A crank stands while its motor is commanded to turn; detected by its encoder.
+    /// A crank stands still while its motor is commanded to turn; detected by its encoder.
     #[error("axis stuck")]
     Stuck = 5,
     /// An axis turns faster than commanded.
     #[error("axis runs away")]
     Runaway = 6,
-    /// No index pulse comes any more from an axis that nothing else watches: it is stuck, or its sensor dead.
+    /// No index pulse comes any more from an axis without another sensor: it is stuck, or its sensor is dead.
     #[error("index timeout: axis stuck, or its index sensor dead")]
     IndexTimeout = 7,
-    /// An index pulse stayed away, and the crank is where it should be.
+    /// An index pulse is missing, and the crank is at its commanded phase.
     #[error("index pulse missing")]
     IndexMissing = 8,
-    /// An index pulse came where no flag is.
+    /// An index pulse came at a phase without a flag.
     #[error("extra index pulse")]
     IndexExtra = 9,
-    /// Lines of two axes are swapped: one is moved, and the other is detected to follow.
+    /// Lines of two axes are swapped: one axis is moved, and the other follows.
     #[error("wiring of two axes swapped")]
     SwappedWiring = 10,
-    /// An axis turns the other way round than commanded; detected by its encoder.
+    /// An axis turns opposite to its command; detected by its encoder.
     #[error("axis turns the wrong way")]
     Reversed = 11,
-    /// An encoder reads what its crank cannot have done.
+    /// An encoder reads a motion that its crank cannot have made.
     #[error("encoder glitch")]
     EncoderGlitch = 12,
     /// A drive reports an alarm.
     #[error("drive alarm")]
     DriveAlarm = 13,
-    /// The loop missed so many deadlines in a row that the drives saw a standstill.
+    /// The loop missed several deadlines in a row, so that the drives stood still.
     #[error("control loop overrun")]
     Overrun = 14,
-    /// The step hardware of an axis ran out of pulses within a tick: that axis is behind the others.
+    /// The step FIFO of an axis ran empty within a tick, so that this axis lags the others.
     #[error("step FIFO underrun")]
     StepFifoUnderrun = 15,
-    /// The enable input was taken away while the machine moved.
+    /// The enable input opened while the machine moved.
     #[error("enable input lost while moving")]
     EnableLost = 16,
-    /// The stop input came on.
+    /// The stop input became active.
     #[error("stop input")]
     StopInput = 17,
-    /// A crank is too far from the others for homing to bring it back.
+    /// A crank is farther from the others than homing can correct.
     #[error("homing range exceeded")]
     HomingRangeExceeded = 18,
-    /// The program that was handed over cannot be run.
+    /// The given program cannot be run.
     #[error("program rejected")]
     ProgramRejected = 19,
-    /// The settings that were handed over cannot be run.
+    /// The given settings cannot be run.
     #[error("settings rejected")]
     SettingsRejected = 20,
-    /// The controller restarted by itself, out of a state in which the machine may have been moving.
+    /// The watchdog reset the controller, in a state in which the machine may have been moving.
     #[error("watchdog reset")]
     WatchdogReset = 21,
 }
 
 impl FaultKind {
-    /// All of them, each at the place that it has as a number.
+    /// All kinds, each at the index of its number.
     pub const ALL: [Self; 22] = [
         Self::Tilt,
         Self::Warp,
@@ -104,7 +105,7 @@ impl FaultKind {
         Self::WatchdogReset,
     ];
 
-    /// Its name in reports and tables.
+    /// Name of the kind in reports and tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Tilt => "tilt",
@@ -133,29 +134,29 @@ impl FaultKind {
     }
 }
 
-/// A fault or a limit, and what was detected.
+/// Fault or event with its data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// What went wrong.
+    /// Kind of the fault.
     pub kind: FaultKind,
-    /// The axis that shows it most, where one does.
+    /// Axis that shows the fault most, if any.
     pub axis: Option<usize>,
-    /// Its drift, or whatever the kind measures, in turns of crank angle.
+    /// Phase error of the axis, or another size that the kind measures, in turns of crank angle.
     pub size: Turns,
     /// Control ticks since power-up.
     pub tick: u64,
-    /// The master's phase.
+    /// Phase of the master.
     pub phase: Phase,
 }
 
-/// Length of a fault as bytes.
+/// Length of an encoded fault, bytes.
 pub const FAULT_BYTES: usize = 20;
 
-/// What stands for no axis in these.
+/// Byte for no axis.
 const NO_AXIS: u8 = 0xFF;
 
 impl Fault {
-    /// A fault of a kind; what is not known yet is zero.
+    /// Creates a fault of a kind; all other data are zero or none.
     pub const fn new(kind: FaultKind) -> Self {
         Self {
             kind,
@@ -166,21 +167,21 @@ impl Fault {
         }
     }
 
-    /// The same, detected on an axis.
+    /// Sets the axis.
     #[must_use]
     pub const fn on_axis(mut self, axis: usize) -> Self {
         self.axis = Some(axis);
         self
     }
 
-    /// The same, of a size.
+    /// Sets the size.
     #[must_use]
     pub const fn with_size(mut self, size: Turns) -> Self {
         self.size = size;
         self
     }
 
-    /// The same, at a time and place.
+    /// Sets time and phase.
     #[must_use]
     pub const fn at(mut self, tick: u64, phase: Phase) -> Self {
         self.tick = tick;
@@ -188,8 +189,8 @@ impl Fault {
         self
     }
 
-    /// As bytes, little-endian: kind, axis (255: none), two zeros, then the size and the phase within the turn, in 2⁻³² turn, and
-    /// the tick. A size of half a turn and more is cut to that.
+    /// Encodes the fault as bytes, little-endian: kind, axis (255: none), two zeros, then the size and the phase within
+    /// the turn, in 2⁻³² turn, and the tick. A size is limited to ±½ turn.
     pub fn to_bytes(&self) -> [u8; FAULT_BYTES] {
         const CUT: u32 = FRACTION_BITS - 32;
         let size = (self.size.to_bits() >> CUT).clamp(i32::MIN.into(), i32::MAX.into()) as i32;
@@ -210,7 +211,7 @@ impl Fault {
         })
     }
 
-    /// What [`Self::to_bytes`] made, its size and phase to 2⁻³² turn; none if no such kind is known.
+    /// Decodes the bytes of [`Self::to_bytes`], with size and phase to 2⁻³² turn; none for an unknown kind.
     pub fn from_bytes(bytes: &[u8; FAULT_BYTES]) -> Option<Self> {
         const CUT: u32 = FRACTION_BITS - 32;
         let four = |from: usize| core::array::from_fn(|i| bytes[from + i]);
@@ -229,7 +230,7 @@ impl Fault {
 mod tests {
     use super::*;
 
-    /// A kind is sent as its number, and told by it.
+    /// A kind is sent as its number, and decoded from it.
     #[test]
     fn every_kind_is_at_its_number_and_has_a_name_of_its_own() {
         for (number, kind) in FaultKind::ALL.into_iter().enumerate() {
@@ -239,7 +240,7 @@ mod tests {
         }
     }
 
-    /// Were a field cut or at another's place, a board's log and a report would differ.
+    /// If a field were cut or misplaced, a board's log and a report would differ.
     #[test]
     fn bytes_bring_a_fault_back() {
         for axis in [None, Some(0), Some(5)] {

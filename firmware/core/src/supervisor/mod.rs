@@ -1,7 +1,7 @@
-//! The supervisor: which state the machine is in, and what that means for shaft and drives.
+//! Supervisor: the state of the machine, and its meaning for shaft and drives.
 //!
 //! ```text
-//!            start             all indices detected          program done, stop
+//!            start             all indices found         program done, stop
 //!   idle ───────────► homing ──────────────────► run ───────────────────────► stop ──► parked
 //!    ▲                  │                         │ ▲                           │        │ │
 //!    │                  │ stop, fault             │ └───────────── start ───────┼────────┘ │
@@ -9,15 +9,15 @@
 //!    ├───────────────────────── reset ◄──────────────────────────────────── fault ◄── any ─┤
 //!    │                                                        enable lost while moving,    │
 //!    │                                                        fault that disables          │
-//!    └──────────────────────────────────────── enable taken away ◄─────────────────────────┘
+//!    └──────────────────────────────────────── enable opened ◄─────────────────────────────┘
 //! ```
 //!
-//! Every stop is coordinated: the shaft stops, and with it all axes, in phase. There are two exceptions: where the
-//! enable input is taken away while anything moves, and where the table of reactions says so, the drives are off the
-//! same tick. A parked machine whose enable is taken away is idle, as nothing is wrong with it.
+//! Every stop is coordinated: the shaft stops, and with it all axes, in phase (stop category 1 or 2). There are two
+//! exceptions, in which the drives are off in the same tick (stop category 0). The enable input opens while anything
+//! moves, or the table of reactions requires it. A parked machine whose enable input opens is idle, as this is no fault.
 //!
-//! A fault *latches*: the first is kept, with what was detected, until a reset. What is learnt about it later may give it a
-//! better name, never another time. The drives are on in homing, run, stop and parked, and in no other state.
+//! A fault *latches*: the first is kept, with its data, until a reset. A later diagnosis may give it a better name, but
+//! never another time. The drives are on in homing, run, stop and parked, and in no other state.
 
 mod fault;
 pub mod reaction;
@@ -27,18 +27,18 @@ pub use reaction::{Reaction, reaction};
 
 use crate::units::Phase;
 
-/// What the machine is doing.
+/// State of the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
     /// Drives off, waiting for a start.
     #[default]
     Idle,
-    /// Drives on, turning slowly until every index has been detected.
+    /// Drives on, turning at homing speed until every index has been found.
     Homing,
     /// Following the program.
     Run,
-    /// Coming to rest, all axes together.
+    /// Stopping, all axes together.
     Stop,
     /// At rest, drives on.
     Parked,
@@ -47,7 +47,7 @@ pub enum State {
 }
 
 impl State {
-    /// All of them; each at the place that it has as a number.
+    /// All states, each at the index of its number.
     pub const ALL: [Self; 6] = [
         Self::Idle,
         Self::Homing,
@@ -57,7 +57,7 @@ impl State {
         Self::Fault,
     ];
 
-    /// The state's name, in lower case.
+    /// Name of the state, in lower case.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Idle => "idle",
@@ -70,56 +70,56 @@ impl State {
     }
 }
 
-/// The digital inputs that decide whether the machine may move.
+/// Digital inputs that permit the machine to move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SafetyInputs {
-    /// The drives may be on. A broken wire reads false.
+    /// True if the drives may be on. A broken wire reads false.
     pub enable: bool,
-    /// The machine shall stop. A broken wire reads true.
+    /// True if the machine must stop. A broken wire reads true.
     pub stop: bool,
 }
 
-/// What an operator, or a host, may ask for.
+/// Command of an operator or a host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Command {
-    /// Run the program: from idle, homing first; when parked, go on (or from the start, if it was over).
+    /// Run the program. From idle the machine homes first. When parked it continues, or starts again if it was over.
     Start,
     /// Stop at the parking phase.
     Stop,
-    /// Let the program's time stand still; the shaft keeps its speed.
+    /// Stop the program's time; the shaft keeps its speed.
     Hold,
-    /// Let it go on.
+    /// Resume the program's time.
     Resume,
     /// Leave the fault state.
     Reset,
-    /// Forget the largest phase errors so far.
+    /// Reset the largest phase errors.
     ResetPeak,
 }
 
-/// What the rest of the loop reports, of the tick that is over.
+/// Input of the supervisor from the rest of the loop, for the tick that is over.
 #[derive(Clone, Copy, Debug)]
 pub struct SupervisorInput {
-    /// Something is wrong that the machine must not go on with.
+    /// Fault with which the machine must not continue.
     pub fault: Option<Fault>,
-    /// What is to be done about it: to stop, or to disable. What is milder is reported, and no fault.
+    /// Reaction to the fault: to stop, or to disable. An event with a milder reaction is reported and is no fault.
     pub reaction: Reaction,
-    /// The fault is the one that latched, better named.
+    /// True if the fault is the latched one under a better name.
     pub supersedes: bool,
-    /// The shaft stands where it was to stop.
+    /// The shaft is at rest, at the end of its stop.
     pub at_rest: bool,
-    /// Homing is over: every index has been detected, and the cranks are together as far as that is requested.
+    /// Homing is over: every index has been detected, and the cranks are levelled as far as the settings require.
     pub homed: bool,
     /// The program is over.
     pub program_done: bool,
     /// Control ticks since power-up.
     pub tick: u64,
-    /// The master's phase.
+    /// Phase of the master.
     pub phase: Phase,
 }
 
 impl Default for SupervisorInput {
-    /// Nothing; and were it a fault, it would stop the machine.
+    /// Input without a fault; the reaction to one would be to stop.
     fn default() -> Self {
         Self {
             fault: None,
@@ -134,16 +134,16 @@ impl Default for SupervisorInput {
     }
 }
 
-/// What the shaft is to do.
+/// Action of the shaft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
-    /// Stand; the drives are off or have just been switched on.
+    /// Stand still; the drives are off or have just been switched on.
     Stand,
-    /// Turn slowly.
+    /// Turn at homing speed.
     Home,
     /// Follow the program.
     Play,
-    /// Keep the speed, the program's time standing still.
+    /// Keep the speed while the program's time stands still.
     Hold,
     /// Stop at the parking phase.
     Park,
@@ -151,19 +151,19 @@ pub enum Action {
     StopFast,
 }
 
-/// The state machine.
+/// State machine of the supervisor.
 #[derive(Clone, Debug)]
 pub struct Supervisor {
     state: State,
     fault: Option<Fault>,
     holding: bool,
-    /// Ticks for which drives that were just switched on are given time.
+    /// Ticks for which the drives settle after they were switched on.
     settle_ticks: u32,
     settling: u32,
 }
 
 impl Supervisor {
-    /// Idle. `settle_ticks` is how long drives need from being switched on.
+    /// Supervisor in the idle state. The drives need `settle_ticks` after they are switched on.
     pub const fn new(settle_ticks: u32) -> Self {
         Self {
             state: State::Idle,
@@ -174,22 +174,22 @@ impl Supervisor {
         }
     }
 
-    /// What the machine is doing.
+    /// State of the machine.
     pub const fn state(&self) -> State {
         self.state
     }
 
-    /// The fault that latched.
+    /// Latched fault.
     pub const fn fault(&self) -> Option<Fault> {
         self.fault
     }
 
-    /// Whether one has.
+    /// True if a fault has latched.
     pub const fn has_fault(&self) -> bool {
         self.fault.is_some()
     }
 
-    /// Whether the drives are to be on.
+    /// True if the drives must be on.
     pub const fn drives_enabled(&self) -> bool {
         matches!(
             self.state,
@@ -197,13 +197,13 @@ impl Supervisor {
         )
     }
 
-    /// Goes to the fault state, whatever the state was: for what is known before the first tick.
+    /// Goes to the fault state from any state, for faults that are known before the first tick.
     pub const fn begin_with(&mut self, fault: Fault) {
         self.state = State::Fault;
         self.fault = Some(fault);
     }
 
-    /// Decides on one tick.
+    /// Updates the state for one tick, and returns the action of the shaft.
     pub fn step(
         &mut self,
         inputs: SafetyInputs,
@@ -215,7 +215,7 @@ impl Supervisor {
         self.action()
     }
 
-    /// Keeps the first fault; what follows from it is not what began it, unless it is a better name for that.
+    /// Keeps the first fault, as later ones may be its consequences. Only a better name replaces it.
     fn latch(&mut self, input: SupervisorInput) {
         let Some(fault) = input.fault else {
             return;
@@ -247,7 +247,7 @@ impl Supervisor {
             self.fault.get_or_insert(lost);
             return State::Fault;
         }
-        // Whichever fault is the first, a later one may be what must not go on for another tick.
+        // A later fault may require the drives to be off in this tick, whichever fault was the first.
         let disable = input.fault.is_some() && input.reaction == Reaction::Disable;
         if disable && self.drives_enabled() {
             return State::Fault;
@@ -282,7 +282,7 @@ impl Supervisor {
             State::Parked if !inputs.enable => State::Idle,
             State::Parked if !inputs.stop && command == Some(Command::Start) => {
                 self.holding = false;
-                // It may have been stopped before it was homed.
+                // The machine may have been stopped before homing was over.
                 if input.homed {
                     State::Run
                 } else {

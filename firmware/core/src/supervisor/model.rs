@@ -1,12 +1,12 @@
-//! The supervisor's whole graph: every state that any sequence of ticks can reach, under every input.
+//! Complete graph of the supervisor: every state that any sequence of ticks can reach, under every input.
 //!
-//! What decides about the next tick is the state, whether a fault is latched, whether the program is held, and how long
-//! the drives still settle; which fault it is decides nothing. That is a finite set, so it is searched until nothing new
-//! is found, which covers sequences of every length. Beside it goes what an onlooker knows who sees only inputs and drives:
-//! whether the machine owes a reset, or a start after it.
+//! Four things decide the next tick: the state, whether a fault is latched, whether the program is held, and the
+//! remaining settling time of the drives. The kind of the fault decides nothing. This set is finite, so it is searched
+//! until nothing new is found, which covers sequences of every length. The model also keeps the knowledge of an observer
+//! of inputs and drives: whether the machine needs a reset, or a start after it.
 //!
-//! That the set is complete is checked the other way round: all sequences of [`DEPTH`] single events are played on the
-//! supervisor itself, merging nothing, under the same demands.
+//! A second test checks that the set is complete. It plays all sequences of [`DEPTH`] single events on the supervisor
+//! itself, without merging states, under the same demands.
 
 mod demands;
 
@@ -15,13 +15,13 @@ use demands::{Owed, check};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::vec::Vec;
 
-/// Ticks for which the drives settle: more than one, so that what happens amid settling is met too.
+/// Ticks for which the drives settle: more than one, so that events during settling are covered.
 const SETTLE: u32 = 2;
 
 /// Length of the sequences that are played one by one.
 const DEPTH: u32 = 6;
 
-/// What one tick brings.
+/// Input of one tick.
 #[derive(Clone, Copy, Debug)]
 struct Input {
     inputs: SafetyInputs,
@@ -49,7 +49,7 @@ const COMMANDS: [Option<Command>; 7] = [
     Some(Command::ResetPeak),
 ];
 
-/// All that one tick can bring: 1,120 of them.
+/// All possible inputs of one tick: 1,120 of them.
 fn all_inputs() -> Vec<Input> {
     let faults = [
         (None, false),
@@ -85,7 +85,7 @@ fn all_inputs() -> Vec<Input> {
     all
 }
 
-/// All that decides about the next tick.
+/// Everything that decides the next tick.
 type Key = (u8, bool, bool, u32, Owed);
 
 fn key(supervisor: &Supervisor, owed: Owed) -> Key {
@@ -99,7 +99,7 @@ fn key(supervisor: &Supervisor, owed: Owed) -> Key {
     (state as u8, fault.is_some(), holding, settling, owed)
 }
 
-/// The reachable set: what is reached in one tick from each, having checked every tick.
+/// Explores the reachable set and checks every tick; returns the successors of each state.
 fn explore(inputs: &[Input]) -> BTreeMap<Key, BTreeSet<Key>> {
     let mut graph = BTreeMap::new();
     let mut open = VecDeque::from([(Supervisor::new(SETTLE), Owed::Nothing)]);
@@ -125,7 +125,7 @@ fn explore(inputs: &[Input]) -> BTreeMap<Key, BTreeSet<Key>> {
     graph
 }
 
-/// In how many ticks, at most, a state of the machine can be reached from each that is reachable.
+/// Greatest number of ticks from any reachable state to a given state of the machine.
 fn ticks_to(graph: &BTreeMap<Key, BTreeSet<Key>>, goal: State) -> usize {
     let mut reached: BTreeSet<Key> = graph
         .keys()
@@ -146,8 +146,8 @@ fn ticks_to(graph: &BTreeMap<Key, BTreeSet<Key>>, goal: State) -> usize {
     ticks
 }
 
-/// Were it wrong, there would be some sequence of ticks, however long, after which the machine runs on with a fault, drives
-/// are on that should not be, or the machine can be got nowhere any more but by taking its power away.
+/// If this were wrong, some sequence of ticks would end in one of three bad ways. The machine would run on with a fault,
+/// drives would be on that must be off, or only a power cycle could leave the state.
 #[test]
 fn no_sequence_of_any_length_breaks_a_demand_or_ends_in_a_dead_state() {
     let inputs = all_inputs();
@@ -162,13 +162,13 @@ fn no_sequence_of_any_length_breaks_a_demand_or_ends_in_a_dead_state() {
         );
     }
     std::println!(
-        "{} states, {} ticks looked at",
+        "{} states, {} ticks checked",
         graph.len(),
         graph.len() * inputs.len()
     );
 }
 
-/// One thing that happens in a tick; safety inputs and what is detected of the machine stay as they are until they change.
+/// Single events in a tick; safety inputs and observations of the machine stay as they are until they change.
 const EVENTS: [fn(&mut Input); 16] = [
     |_| {},
     |input| input.command = Some(Command::Start),
@@ -190,7 +190,7 @@ const EVENTS: [fn(&mut Input); 16] = [
         input.observed.fault = Some(Fault::new(FaultKind::Stuck));
         input.observed.supersedes = true;
     },
-    // The usual course of things, so that six events are a long story.
+    // Usual combinations, so that six events make a long sequence.
     |input| {
         input.command = Some(Command::Start);
         input.observed.homed = true;
@@ -201,8 +201,8 @@ const EVENTS: [fn(&mut Input); 16] = [
     },
 ];
 
-/// The same demands on every sequence of single events, on the supervisor itself: what it keeps is in the model, or there
-/// would be a state here that is not there.
+/// The same demands on every sequence of single events, on the supervisor itself. If the model lacked part of its state,
+/// a state would occur here that is not in the graph.
 #[test]
 fn all_sequences_of_six_events_stay_within_the_graph() {
     let graph = explore(&all_inputs());

@@ -1,33 +1,34 @@
-//! What is done about what goes wrong: one table.
+//! Reactions to faults: one table.
 //!
-//! A fault is met in *safety* as long as all cranks that can be detected are within their limits, and the crank it befell is
-//! still detected by some sensor that can be believed. Out of safety there is always a stop.
+//! The machine is *within limits* as long as all measured cranks are within their limits, and a plausible sensor still
+//! measures the crank with the fault. Outside limits the reaction is always a stop.
 
 use super::FaultKind;
 
-/// What is done.
+/// Reaction to a fault or event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reaction {
-    /// It is reported, and the machine goes on.
+    /// Report the event; the machine continues.
     Report,
-    /// It is reported, and trimmed away; where trims are not allowed to, told only.
+    /// Report the event, and correct it by trims where the settings allow that.
     Correct,
-    /// All axes stop together, as fast as the motors' torque allows; then the drives are off until a reset.
+    /// Stop all axes together, as fast as the motors' torque allows; then switch the drives off until a reset (stop
+    /// category 1).
     Stop,
-    /// The drives are off the same tick, until a reset: what is wrong would make a stop of some axes alone, or there is no
-    /// machine to stop.
+    /// Switch the drives off in the same tick, until a reset (stop category 0). A stop would stop only some axes, or there
+    /// is no machine to stop.
     Disable,
 }
 
-/// One line of the table.
+/// Row of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Row {
-    /// What is wrong.
+    /// Kind of the fault.
     pub kind: FaultKind,
-    /// What is done within limits.
+    /// Reaction within limits.
     pub safe: Reaction,
-    /// What is done out of it.
+    /// Reaction outside limits.
     pub unsafe_: Reaction,
 }
 
@@ -39,7 +40,7 @@ const fn row(kind: FaultKind, safe: Reaction, unsafe_: Reaction) -> Row {
     }
 }
 
-/// The table; each kind at the place that it has as a number.
+/// Table of reactions; each kind is at the index of its number.
 pub const REACTIONS: [Row; FaultKind::ALL.len()] = {
     use FaultKind as Kind;
     use Reaction::{Correct, Disable, Report, Stop};
@@ -61,21 +62,21 @@ pub const REACTIONS: [Row; FaultKind::ALL.len()] = {
         row(Kind::Overrun, Stop, Stop),
         row(Kind::StepFifoUnderrun, Stop, Stop),
         row(Kind::EnableLost, Disable, Disable),
-        // Not a fault: it parks the machine, as the stop command does, and the drives hold.
+        // This is no fault: it parks the machine, as the stop command does, and the drives hold (stop category 2).
         row(Kind::StopInput, Report, Report),
         row(Kind::HomingRangeExceeded, Stop, Stop),
-        // Nothing turns yet: what is rejected is not run, and what was there before goes on.
+        // Nothing turns yet: rejected input is not used, and the previous one remains.
         row(Kind::ProgramRejected, Report, Report),
         row(Kind::SettingsRejected, Report, Report),
         row(Kind::WatchdogReset, Disable, Disable),
     ]
 };
 
-/// What is done about a kind.
+/// Reaction to a kind of fault.
 pub const fn reaction(kind: FaultKind, within_limits: bool) -> Reaction {
     let place = kind as usize;
     if place >= REACTIONS.len() {
-        return Reaction::Disable; // there is no such kind: a compiler is not always told
+        return Reaction::Disable; // There is no such kind, but the compiler does not always know.
     }
     let row = REACTIONS[place];
     if within_limits { row.safe } else { row.unsafe_ }
@@ -85,7 +86,7 @@ pub const fn reaction(kind: FaultKind, within_limits: bool) -> Reaction {
 mod tests {
     use super::*;
 
-    /// Were a row at another's place, a fault would get another's reaction.
+    /// If a row were misplaced, a fault would get the reaction to another.
     #[test]
     fn every_kind_has_its_row_and_is_no_milder_outside_limits() {
         for (row, kind) in REACTIONS.iter().zip(FaultKind::ALL) {

@@ -1,4 +1,4 @@
-//! Every state against every input: where it goes, and what that lets the drives do.
+//! Every state with every input: the next state, and the state of the drives.
 
 use super::*;
 
@@ -58,7 +58,7 @@ fn in_state(state: State) -> Supervisor {
 
 const STATES: [State; 6] = State::ALL;
 
-/// A state is kept as its number over a restart, and told by it.
+/// A state is kept as its number over a reset, and decoded from it.
 #[test]
 fn every_state_is_at_its_number() {
     for (number, state) in State::ALL.into_iter().enumerate() {
@@ -74,7 +74,7 @@ const COMMANDS: [Option<Command>; 6] = [
     Some(Command::Reset),
 ];
 
-/// One step from every state under every combination of inputs.
+/// Makes one step from every state under every combination of inputs.
 fn for_every_step(
     mut check: impl FnMut(State, SafetyInputs, Option<Command>, SupervisorInput, &Supervisor, Action),
 ) {
@@ -175,7 +175,7 @@ fn a_stop_is_obeyed_in_every_moving_state() {
     });
 }
 
-/// The first fault is the cause; later ones follow from it.
+/// The first fault is the cause; later ones are consequences.
 #[test]
 fn the_first_fault_is_kept() {
     let mut supervisor = in_state(State::Run);
@@ -188,7 +188,7 @@ fn the_first_fault_is_kept() {
     assert_eq!(supervisor.fault().unwrap().kind, FaultKind::Tilt);
 }
 
-/// Were it wrong, a report would keep the first guess, or lose when it all began.
+/// If this were wrong, a report would keep the first guess, or lose the time of the fault.
 #[test]
 fn a_better_name_replaces_what_latched_and_not_when() {
     let mut supervisor = in_state(State::Run);
@@ -211,7 +211,7 @@ fn a_better_name_replaces_what_latched_and_not_when() {
         (reported.kind, reported.axis, reported.tick),
         (FaultKind::Stuck, Some(2), 7)
     );
-    // At rest with the drives off it may still be learnt; without a fault there is nothing to name.
+    // The diagnosis may still come at rest with the drives off; without a fault there is nothing to name.
     supervisor.step(
         SAFE,
         None,
@@ -228,7 +228,7 @@ fn a_better_name_replaces_what_latched_and_not_when() {
     assert_eq!(supervisor.fault(), None);
 }
 
-/// Were it wrong, a runaway would be waited for: it does not come to rest with the others.
+/// If this were wrong, the stop would wait for a runaway, which does not come to rest with the others.
 #[test]
 fn a_fault_that_disables_switches_off_at_once_and_during_another_stop_too() {
     let disables = SupervisorInput {
@@ -256,16 +256,16 @@ fn a_fault_that_disables_switches_off_at_once_and_during_another_stop_too() {
     );
 }
 
-/// Whatever comes, in whatever order: the machine does not run before every index has been detected.
+/// In no sequence of inputs does the machine run before every index has been detected.
 #[test]
-fn nothing_runs_unaligned() {
+fn nothing_runs_before_homing() {
     let commands = [
         None,
         Some(Command::Start),
         Some(Command::Stop),
         Some(Command::Reset),
     ];
-    // All sequences of five ticks: a command, and whether the shaft has come to rest.
+    // All sequences of five ticks, each with a command and a shaft that is at rest or not.
     for sequence in 0..8_u32.pow(5) {
         let mut supervisor = Supervisor::new(0);
         for tick in 0..5 {
@@ -280,7 +280,7 @@ fn nothing_runs_unaligned() {
     }
 }
 
-/// A hold ends with the run that it was asked in: the next start plays.
+/// A hold ends with its run: the next start plays.
 #[test]
 fn a_hold_does_not_outlive_its_run() {
     let mut supervisor = in_state(State::Run);

@@ -1,25 +1,25 @@
-//! Which settings file the firmware runs.
+//! Choice of the settings file that the firmware runs.
 
 use super::{Newest, Slot};
 use crate::header::OUTSIDE;
 use crate::{Header, SettingsFileError};
 
-/// What the firmware is to do when it starts.
+/// Settings to run at power-up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Choice {
-    /// Run what is built in, and store it.
+    /// Run the built-in settings, and store them.
     BuiltIn,
-    /// Run what is stored here.
+    /// Run the settings stored in this slot.
     Stored(Slot),
-    /// Run nothing: what is stored here is corrupt.
+    /// Run nothing, as the settings in this slot are corrupt.
     Refuse(Slot, SettingsFileError),
 }
 
-/// Chooses between what is built into the firmware and what is stored.
+/// Chooses between the built-in and the stored settings.
 ///
-/// What was placed from outside is run until it is taken away. What the firmware stored is run by firmware with the
-/// same built-in settings file; one with another was flashed since, and brings its own.
+/// A file that was placed from outside runs until it is removed. A file that firmware stored runs on firmware with the
+/// same built-in settings. Firmware with other built-in settings was flashed later, and runs its own.
 pub fn choose(built_in: &Header, newest: &Newest) -> Choice {
     match *newest {
         Newest::None => Choice::BuiltIn,

@@ -1,4 +1,4 @@
-//! What the two slots hold.
+//! Contents of the two slots.
 
 use crate::codec::verify_payload;
 use crate::{Header, SettingsFileError};
@@ -7,14 +7,14 @@ use crate::{Header, SettingsFileError};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Slot {
-    /// The first.
+    /// The first slot.
     A,
-    /// The second.
+    /// The second slot.
     B,
 }
 
 impl Slot {
-    /// The one that this is not.
+    /// Returns the other slot.
     #[must_use]
     pub const fn other(self) -> Self {
         match self {
@@ -30,23 +30,23 @@ impl Slot {
 pub enum Newest {
     /// No slot holds one.
     None,
-    /// It is whole. Whether its version can be decoded has not been asked.
+    /// The file is intact. Its version may still be unknown.
     Stored {
-        /// Where it is.
+        /// Slot of the file.
         slot: Slot,
-        /// What it says of itself.
+        /// Header of the file.
         header: Header,
     },
-    /// Its header is whole, and its payload is not.
+    /// The header is intact, and the payload is not.
     Corrupt {
-        /// Where it is.
+        /// Slot of the file.
         slot: Slot,
-        /// What is wrong.
+        /// Problem with the payload.
         error: SettingsFileError,
     },
 }
 
-/// Looks at both slots, each as a slice of its whole length.
+/// Finds the newest settings file in both slots, each given as a slice of its whole length.
 pub fn inspect(slot_a: &[u8], slot_b: &[u8]) -> Newest {
     let header = |slot| Header::read(slot).ok();
     let Some((slot, header)) = newer(header(slot_a), header(slot_b)) else {
@@ -62,7 +62,7 @@ pub fn inspect(slot_a: &[u8], slot_b: &[u8]) -> Newest {
     }
 }
 
-/// The newer of two committed slots.
+/// Selects the newer of two committed slots.
 pub(super) fn newer(a: Option<Header>, b: Option<Header>) -> Option<(Slot, Header)> {
     match (a, b) {
         (Some(a), Some(b)) if b.is_newer_than(&a) => Some((Slot::B, b)),
@@ -71,10 +71,10 @@ pub(super) fn newer(a: Option<Header>, b: Option<Header>) -> Option<(Slot, Heade
     }
 }
 
-/// The settings file at the beginning of a slot, without what lies behind it: what [`crate::decode`] takes.
+/// Returns the settings file at the beginning of a slot, without the bytes behind it, as [`crate::decode`] takes it.
 ///
 /// # Errors
-/// The header cannot be read, or says more than the slot holds.
+/// The header cannot be read, or the payload is not intact within the slot.
 pub fn settings_file_in(slot: &[u8]) -> Result<&[u8], SettingsFileError> {
     let header = Header::read(slot)?;
     verify_payload(&header, slot)?;

@@ -1,12 +1,12 @@
-//! Two slots in flash, of which one always holds a whole settings file, once one has been stored.
+//! Two slots in flash, of which one always holds an intact settings file, once one has been stored.
 //!
-//! - *Committed*: a slot with a whole header. What has none, because it is empty or power was cut, is nothing.
+//! - *Committed*: a slot with an intact header. A slot without one, because it is empty or power was cut, is ignored.
 //! - *Newest*: of the committed slots the one with the later sequence number; of equals, slot A.
-//! - *Corrupt*: committed, but its payload is not as it was written. A power cut cannot do that to the newest
-//!   slot, so something else has; an older settings file is not run instead, as nobody would notice.
+//! - *Corrupt*: committed, but with a damaged payload. A power cut cannot do that to the newest slot, so the cause is
+//!   another one. The older file is not run instead, as nobody would notice.
 //!
-//! Reading goes over slices ([`inspect`]), which flash that is mapped into memory is; writing over the traits of
-//! `embedded-storage` ([`Store`]).
+//! Memory-mapped flash is read as slices ([`inspect`]). It is written through the traits of `embedded-storage`
+//! ([`Store`]).
 
 mod choose;
 mod inspect;

@@ -1,8 +1,8 @@
-//! Storing a settings file so that no power cut can lose the one before it.
+//! Storage of a settings file so that no power cut can lose the one before it.
 //!
-//! The slot that is not newest is erased, the payload is written and read back, and then the header, which
-//! commits it. Until that page is whole, the newest settings file is the one it was. Each page is written once between two
-//! erases, as the traits of `embedded-storage` ask.
+//! The slot that is not newest is erased. The payload is written and read back, and then the header, which commits it.
+//! Until that page is complete, the newest file does not change. Each page is written once between two erases, as the
+//! traits of `embedded-storage` require.
 
 use embedded_storage::nor_flash::{NorFlash, NorFlashError, NorFlashErrorKind};
 
@@ -14,7 +14,7 @@ use crate::{Header, SettingsFileError};
 
 const PAGE_BYTES: usize = HEADER_BYTES;
 
-/// Two slots of a flash, to be written. For reading them see [`inspect`](super::inspect()).
+/// Writer of two slots in a flash. [`inspect`](super::inspect()) reads them.
 #[derive(Debug)]
 pub struct Store<F> {
     flash: F,
@@ -22,42 +22,40 @@ pub struct Store<F> {
     slot_bytes: u32,
 }
 
-/// Why a settings file was not stored. The newest settings file is the one it was.
+/// Reason why a settings file was not stored. The newest file is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum StoreError {
-    /// The slots cannot be where they are said to be.
+    /// The locations of the slots are not usable.
     #[error("the slots overlap, are not whole sectors, or not inside the flash")]
     Layout,
-    /// What is to be stored is no settings file.
+    /// The bytes to be stored are not a settings file.
     #[error("not stored: {0}")]
     SettingsFile(#[from] SettingsFileError),
-    /// It is longer than a slot.
+    /// The settings file is longer than a slot.
     #[error("not stored: a settings file of {bytes} bytes does not fit a slot of {slot_bytes}")]
     SlotTooSmall {
-        /// Of the settings file.
+        /// Length of the file.
         bytes: u32,
-        /// Of the slot.
+        /// Length of the slot.
         slot_bytes: u32,
     },
-    /// The flash refused.
+    /// The flash reported an error.
     #[error("not stored: {0}")]
     Flash(NorFlashErrorKind),
-    /// What was written does not read back.
-    #[error(
-        "not stored: flash at {offset:#x} reads otherwise than it was written; it may be worn out"
-    )]
+    /// A page does not read back as written.
+    #[error("not stored: flash at {offset:#x} does not read back as written; it may be worn out")]
     ReadBack {
-        /// The page, from the flash's beginning.
+        /// Offset of the page from the beginning of the flash.
         offset: u32,
     },
 }
 
 impl<F: NorFlash> Store<F> {
-    /// Slots of `slot_bytes` at two offsets from the flash's beginning.
+    /// Writer of slots of `slot_bytes` at two offsets from the beginning of the flash.
     ///
     /// # Errors
-    /// [`StoreError::Layout`].
+    /// [`StoreError::Layout`] if the slots overlap, are not whole sectors, or do not lie inside the flash.
     pub fn new(flash: F, slot_a: u32, slot_b: u32, slot_bytes: u32) -> Result<Self, StoreError> {
         const {
             assert!(
@@ -89,13 +87,13 @@ impl<F: NorFlash> Store<F> {
         })
     }
 
-    /// Stores a settings file as the newest, with this `origin` (see [`Header::origin`]) and the next sequence number;
-    /// those in `settings_file` do not matter. Gives where it is, and its header there.
+    /// Stores a settings file as the newest, and returns its slot and its header there.
     ///
-    /// On a board this takes some tenths of a second, in which nothing can be read from the flash.
+    /// The header gets this `origin` (see [`Header::origin`]) and the next sequence number; those in the given file are
+    /// ignored. On a board this takes some tenths of a second, in which nothing can be read from the flash.
     ///
     /// # Errors
-    /// Nothing was stored, and why.
+    /// Nothing was stored, for the given reason.
     pub fn save(
         &mut self,
         settings_file: &[u8],
@@ -118,7 +116,7 @@ impl<F: NorFlash> Store<F> {
             ..given
         };
         let start = self.offset(slot);
-        // Whatever a power cut leaves of the older slot, at most its own header: it stays the older.
+        // A power cut may leave the old header of this slot, at most. The slot then remains the older one.
         let end = start + bytes.next_multiple_of(F::ERASE_SIZE as u32);
         self.flash.erase(start, end).map_err(refused)?;
         let payload = &settings_file[HEADER_BYTES..];
@@ -133,7 +131,7 @@ impl<F: NorFlash> Store<F> {
         Ok((slot, header))
     }
 
-    /// The flash, given back.
+    /// Returns the flash.
     pub fn into_flash(self) -> F {
         self.flash
     }
@@ -142,7 +140,7 @@ impl<F: NorFlash> Store<F> {
         self.offsets[slot as usize]
     }
 
-    /// What a slot has committed.
+    /// Header that a slot has committed, if any.
     fn header(&mut self, slot: Slot) -> Result<Option<Header>, StoreError> {
         let mut page = [0; PAGE_BYTES];
         self.flash
@@ -151,8 +149,10 @@ impl<F: NorFlash> Store<F> {
         Ok(Header::read(&page).ok())
     }
 
-    /// Writes a page, or the beginning of one, and reads it back. By way of RAM: on a board the settings file may lie in
-    /// the flash that is written, and cannot be read from there meanwhile.
+    /// Writes a page, or the beginning of one, and reads it back.
+    ///
+    /// The page goes through RAM. On a board the settings file may lie in the same flash, which cannot be read while it
+    /// is written.
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), StoreError> {
         let mut page = [0xFF; PAGE_BYTES];
         page[..bytes.len()].copy_from_slice(bytes);

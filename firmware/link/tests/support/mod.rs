@@ -1,4 +1,4 @@
-//! Settings to be encoded, and two slots in a flash whose power can be cut.
+//! Settings for encoding, and two slots in a flash whose power can be cut.
 #![allow(dead_code, reason = "each test uses its part")]
 
 pub mod nor;
@@ -13,7 +13,7 @@ use cophase_core::settings::{
 };
 use cophase_core::units::MAX_AXES;
 
-/// settings that runs, with `entries` in its program.
+/// Valid settings, with `entries` in their program.
 pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
     Settings {
         index: IndexSettings { width_us: 2.0 },
@@ -87,7 +87,7 @@ pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
     }
 }
 
-/// The settings with the longest encoding: everything full, every number of variable length as great as can be.
+/// Settings with the longest encoding: full lists, and the greatest numbers of variable length.
 pub fn longest() -> Settings {
     let mut longest = settings(MAX_AXES, MAX_BANDS, CAPACITY);
     longest.name = short_name(&"x".repeat(NAME_BYTES));
@@ -100,7 +100,7 @@ pub fn longest() -> Settings {
     longest
 }
 
-/// Makes a controller of settings, and says what is wrong with them.
+/// Makes a controller of settings, and returns its error text.
 pub fn check(settings: &Settings) -> Result<(), String> {
     settings
         .controller()

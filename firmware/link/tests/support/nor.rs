@@ -1,8 +1,8 @@
 //! NOR flash whose power can be cut.
 //!
-//! Erasing makes all bits of a sector 1, programming makes some of them 0. It is stricter than most chips:
-//! what is programmed must have been erased, and whole pages are programmed. A cut leaves what was being done
-//! half done, and nothing is done after it until the power is back.
+//! Erasing sets all bits of a sector to 1, and programming sets some of them to 0. The model is stricter than most
+//! chips: programmed pages must have been erased, and whole pages are programmed. A cut leaves the current operation
+//! half done, and nothing happens after it until the power is back.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
@@ -11,15 +11,15 @@ use embedded_storage::nor_flash::{
 pub const PAGE: usize = 256;
 pub const SECTOR: usize = 4096;
 
-/// What is left of what a power cut interrupts.
+/// Order in which an interrupted operation has changed bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cut {
-    /// Bytes are done one after the other, from the first.
+    /// Bytes change one after the other, from the first.
     FirstToLast,
     /// Sectors are erased from the last.
     LastToFirst,
-    /// Every byte of the page or sector may be as before, done, or anything between; what is being erased may
-    /// be anything at all.
+    /// Every byte of the page or sector may be as before, done, or anything between. Bytes that are being erased may
+    /// have any value.
     Mixture,
 }
 
@@ -50,12 +50,12 @@ impl Nor {
         }
     }
 
-    /// Another part of the mixtures.
+    /// Selects other random mixtures.
     pub fn seed(&mut self, seed: usize) {
         self.random ^= (seed as u64).wrapping_mul(0xD134_2543_DE82_EF95);
     }
 
-    /// xorshift64: any byte is as likely as any other.
+    /// Random byte by xorshift64: all values are equally likely.
     fn random(&mut self) -> u8 {
         self.random ^= self.random << 13;
         self.random ^= self.random >> 7;
@@ -63,7 +63,7 @@ impl Nor {
         (self.random >> 32) as u8
     }
 
-    /// Takes what `bytes` need from what is left of the power: whether it was enough, and how many got it.
+    /// Takes the power for `bytes` from the rest; returns whether it was enough, and for how many bytes it was.
     fn spend(&mut self, bytes: usize) -> (bool, usize) {
         let written = self.power.map_or(bytes, |left| left.min(bytes));
         self.power = self.power.map(|left| left - written);
@@ -77,7 +77,7 @@ impl Nor {
             let before = self.bytes[at + i];
             self.bytes[at + i] = match self.cut {
                 _ if whole => 0xFF,
-                // Not one byte was begun.
+                // No byte was begun.
                 _ if written == 0 => before,
                 Cut::Mixture => match self.random() % 4 {
                     0 => before,
@@ -150,7 +150,7 @@ impl NorFlash for Nor {
                         _ => self.random(),
                     },
                     _ if i < written => 0,
-                    _ if i == written => self.random(), // the byte at which the power goes
+                    _ if i == written => self.random(), // The byte during which the power fails.
                     _ => 0xFF,
                 };
                 let worn = if self.worn == Some(at + i) { 0x10 } else { 0 };

@@ -1,4 +1,4 @@
-//! Two slots in a simulated flash, and settings files to be stored there.
+//! Two slots in a simulated flash, and settings files to store there.
 
 use cophase_link::codec::VERSION;
 use cophase_link::header::HEADER_BYTES;
@@ -9,11 +9,11 @@ use super::nor::{Nor, SECTOR};
 
 pub const SLOT: usize = 2 * SECTOR;
 
-/// The slots lie apart, and not at the flash's beginning, so that a mistaken offset is detected.
+/// The slots lie apart, and not at the beginning of the flash, so that a wrong offset is detected.
 pub const A: usize = SECTOR;
 pub const B: usize = A + SLOT + SECTOR;
 
-/// A settings file whose payload is `bytes` long and differs with `seed`. What it says is of no interest to a store.
+/// Makes a settings file whose payload is `bytes` long and depends on `seed`. A store ignores its contents.
 pub fn settings_file(seed: usize, bytes: usize) -> Vec<u8> {
     let payload: Vec<u8> = (0..bytes)
         .map(|i| (i * 31 + seed * 7 + i / 256) as u8)
@@ -43,7 +43,7 @@ pub fn slot(flash: &Nor, slot: Slot) -> &[u8] {
     }
 }
 
-/// The payload of the newest settings file.
+/// Payload of the newest settings file.
 #[track_caller]
 pub fn payload(flash: &Nor) -> Option<&[u8]> {
     match newest(flash) {
@@ -55,7 +55,7 @@ pub fn payload(flash: &Nor) -> Option<&[u8]> {
     }
 }
 
-/// Stores a settings file, with the power cut after so many bytes; the power is back afterwards.
+/// Stores a settings file, with the power cut after `power` bytes; the power is back afterwards.
 pub fn save(
     flash: &mut Nor,
     settings_file: &[u8],

@@ -1,11 +1,11 @@
-//! Timing of the index pulses: when each of the six lines changed, to 7 cycles (56 ns).
+//! Timing of the index pulses: the time at which each of the six lines changed, to 7 cycles (56 ns).
 //!
-//! The first block's fourth machine looks at all lines at once, and what changed goes with its time through
-//! a DMA channel into a ring in RAM ([`program`], [`ring`]). The loop reads the ring once a tick. Which of
-//! these changes are pulses is decided in the core (`cophase_core::drift`), where it is tested.
+//! The fourth machine of the first block polls all lines at once. A DMA channel moves changes and their times into a
+//! ring in RAM ([`program`], [`ring`]). The loop reads the ring once a tick. The core decides, and its tests check,
+//! which of these changes are pulses (`cophase_core::drift`).
 //!
-//! Times are on the machines' clock, which is the steps' own: the machine is let go with the first steps
-//! and never held again. A line is sampled through the pins' synchroniser, 2 cycles after it changed.
+//! Times are on the clock of the machines, which is also that of the steps. The machine starts with the first steps and
+//! never stops. A line is sampled through the pins' synchroniser, 2 cycles after it changed.
 
 mod program;
 mod ring;
@@ -17,41 +17,41 @@ use super::{INDEX_MACHINE, lines, pins, relocated, steps};
 use program::{COUNT_BITS, POLL_CYCLES, SAMPLED_AFTER};
 use ring::Ring;
 
-/// The part of a word that counts looks.
+/// Bits of a word that count polls.
 const COUNT: u32 = (1 << COUNT_BITS) - 1;
 
 /// A change of the lines.
 #[derive(Clone, Copy, Debug)]
 pub struct Change {
-    /// All levels after it, a bit an axis.
+    /// All levels after the change, a bit an axis.
     pub levels: u8,
-    /// Those that differ from the change before; of the first one all.
+    /// Lines that differ from the change before; all lines for the first change.
     pub changed: u8,
-    /// When, in cycles from the beginning of the tick that is over; within ±3.5, or ±7 if the change before
-    /// it is less than 14 away.
+    /// Time in cycles from the beginning of the tick that is over; within ±3.5, or ±7 if the change before it is less
+    /// than 14 away.
     pub cycle: i32,
 }
 
-/// The index inputs, and how far the loop has followed their time.
+/// Index inputs, and the time up to which the loop has read them.
 pub struct Index {
     ring: Ring,
     tick_cycles: i32,
-    /// Looks, and cycles beyond, in a tick.
+    /// Polls in a tick, and the remaining cycles.
     tick_polls: u32,
     tick_rest: u32,
-    /// Looks, and cycles beyond, from the machine's beginning to that of the tick that is over. Looks wrap
-    /// with the words' count.
+    /// Polls, and the remaining cycles, from the start of the machine to the start of the tick that is over. The count
+    /// of polls wraps with that in the words.
     polls: u32,
     rest: u32,
-    /// What the lines were after the last change that was read, and which of them are not known.
+    /// Levels of the lines after the last change that was read, and the lines whose levels are unknown.
     levels: u8,
     unknown: u8,
-    /// Lines that changed and have not been said to be quiet again.
+    /// Lines that changed and have not been cleared since.
     pending: u8,
 }
 
 impl Index {
-    /// Sets up pins, machine and channel. `tick_cycles` is a tick's cycles.
+    /// Sets up pins, machine and channel, for ticks of `tick_cycles` cycles.
     #[cold]
     pub fn new(tick_cycles: u32) -> Self {
         let program = program::index_program();
@@ -67,12 +67,12 @@ impl Index {
             w.set_wrap_top(program.wrap.source + origin as u8);
             w.set_status_sel(SmExecctrlStatusSel::TXLEVEL);
         });
-        sm.shiftctrl().write(|w| w.set_fjoin_rx(true)); // both directions to the left
+        sm.shiftctrl().write(|w| w.set_fjoin_rx(true)); // Both shift directions are to the left.
         sm.pinctrl().write(|w| w.set_in_base(pins::INDEX));
         const JMP: u16 = 0;
         sm.instr().write(|w| w.set_instr(JMP | origin as u16));
         for axis in 0..pins::AXES as u8 {
-            // A sensor that is not there, or whose wire is broken, makes no pulse.
+            // A missing sensor, or one with a broken wire, makes no pulse.
             lines::input(pins::INDEX + axis, lines::Pull::Down);
         }
         Self {
@@ -88,8 +88,8 @@ impl Index {
         }
     }
 
-    /// Takes note that the machine has been let go, `cycles` before a tick begins; the tick before that one is
-    /// the next to be read.
+    /// Notes that the machine was started, `cycles` before a tick begins. The tick before that one is the next to be
+    /// read.
     pub const fn begin(&mut self, cycles: u32) {
         let since = cycles as i32 - self.tick_cycles;
         self.polls = since.div_euclid(POLL_CYCLES as i32) as u32;
@@ -103,7 +103,7 @@ impl Index {
             let word = self.ring.peek();
             let cycle = self.cycle(word);
             if cycle >= self.tick_cycles {
-                return; // the next tick's
+                return; // It belongs to the next tick.
             }
             let levels = (word >> COUNT_BITS) as u8;
             let changed = (levels ^ self.levels) | self.unknown;
@@ -119,22 +119,22 @@ impl Index {
         }
     }
 
-    /// Lines, a bit each, that have changed since they were [`Self::clear_pending`].
+    /// Lines, a bit each, that have changed since they were [cleared](Self::clear_pending).
     pub const fn pending(&self) -> u8 {
         self.pending
     }
 
-    /// Takes note that nothing that a line did is of consequence any more, until it changes again.
+    /// Marks a line as processed until it changes again.
     pub const fn clear_pending(&mut self, axis: usize) {
         self.pending &= !(1 << axis);
     }
 
-    /// Cycles of a tick.
+    /// Length of a tick in cycles.
     pub const fn tick_cycles(&self) -> u32 {
         self.tick_cycles as u32
     }
 
-    /// Goes on to the next tick.
+    /// Advances to the next tick.
     pub const fn end_tick(&mut self) {
         self.polls = self.polls.wrapping_add(self.tick_polls);
         self.rest += self.tick_rest;
@@ -144,9 +144,9 @@ impl Index {
         }
     }
 
-    /// When the lines changed, in the middle of when they may have: since the poll before.
+    /// Time at which the lines changed: the middle of the interval since the poll before.
     const fn cycle(&self, word: u32) -> i32 {
-        // The n-th poll's count is −n. Less those before the tick, the difference is small and may be negative.
+        // The count of the n-th poll is −n. Relative to the polls before the tick it is small and may be negative.
         let polls = word.wrapping_neg().wrapping_sub(1).wrapping_sub(self.polls) & COUNT;
         const UNUSED_BITS: u32 = u32::BITS - COUNT_BITS;
         let polls = (polls << UNUSED_BITS) as i32 >> UNUSED_BITS;

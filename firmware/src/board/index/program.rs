@@ -1,21 +1,27 @@
-//! What a state machine does to time the changes of six lines.
+//! Program of the state machine that times the changes of six lines.
 //!
+<<<<<<< HEAD
 //! It looks at them once in 7 cycles, and counts these polls down. When a poll differs from the one before,
 //! both the levels and the count go out, and the next poll comes 14 cycles after: the count is lowered by two
 //! for it, so that it stays a clock. A FIFO that is full loses a change, not the clock.
+=======
+//! It polls them once in 7 cycles and counts these polls down. When a poll differs from the one before, it outputs both
+//! the levels and the count. The next poll then comes 14 cycles later. The count is lowered by two for it, so that it
+//! remains a clock. A full FIFO loses a change, not the clock.
+>>>>>>> 827fab7cd557f8de100c191080a187c66247cffc
 
 use pio::{Program, RP2040_MAX_PROGRAM_SIZE};
 
-/// Cycles from one look to the next.
+/// Cycles from one poll to the next.
 pub const POLL_CYCLES: u32 = 7;
 
 /// Cycles from the beginning of a poll to the sampling of the lines.
 pub const SAMPLED_AFTER: u32 = 4;
 
-/// Bits of the count that go out; the levels are above them.
+/// Number of bits of the count in the output; the levels are above them.
 pub const COUNT_BITS: u32 = 26;
 
-/// The program. IN shifts to the left; x and y are scratch and the last levels, the OSR the count.
+/// Program of the machine. IN shifts to the left; x is scratch, y the last levels, and the OSR the count.
 pub fn index_program() -> Program<{ RP2040_MAX_PROGRAM_SIZE }> {
     pio::pio_asm!(
         ".wrap_target",

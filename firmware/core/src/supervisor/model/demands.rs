@@ -1,19 +1,19 @@
-//! What is required of every tick of the supervisor, by one who sees only what goes in and comes out.
+//! Demands on every tick of the supervisor, stated only on its inputs and outputs.
 
 use super::*;
 
-/// What an onlooker holds against the machine after a fault.
+/// Operator action that the machine needs after a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Owed {
     Nothing,
-    /// A fault was detected: an operator must reset.
+    /// A fault occurred: an operator must reset.
     Reset,
-    /// … has reset: and must start.
+    /// The operator has reset, and must start.
     Start,
 }
 
 impl Owed {
-    /// What is owed after a tick that began with the drives on, or off, and the machine in motion, or not.
+    /// Action needed after a tick that began with the given states of drives and motion.
     fn after(self, drives: bool, moving: bool, input: &Input) -> Self {
         let faulted =
             (drives && input.observed.fault.is_some()) || (moving && !input.inputs.enable);
@@ -30,7 +30,7 @@ const fn moving(state: State) -> bool {
     matches!(state, State::Homing | State::Run | State::Stop)
 }
 
-/// Everything that is required of one tick. `owed` is what was owed before it.
+/// Checks all demands on one tick. `owed` is the action needed before it.
 pub(super) fn check(
     before: &Supervisor,
     owed: Owed,
@@ -43,8 +43,8 @@ pub(super) fn check(
     let drives = after.drives_enabled();
     let say = |what: &str| std::format!("{what}: {from:?} to {to:?}, {action:?}, by {input:?}");
 
-    // Drives. What is detected while they are off is not held against a machine that may be turned by hand: a fault that is
-    // one still is detected in the next tick.
+    // Drives. Faults while they are off do not count, as the machine may be turned by hand. A fault that persists is
+    // detected in the next tick.
     assert!(
         drives != matches!(to, State::Idle | State::Fault),
         "{}",
@@ -123,22 +123,22 @@ pub(super) fn check(
     assert!(
         to != State::Run || ran_on || input.observed.homed,
         "{}",
-        say("runs unaligned")
+        say("runs without homing")
     );
     assert!(
         !ran_on || !input.observed.program_done,
         "{}",
-        say("runs past the program's end")
+        say("runs beyond the program's end")
     );
     assert!(
         to != State::Run || ran_on || action == Action::Play,
         "{}",
-        say("a hold that nobody asked for")
+        say("a hold without a command")
     );
     assert!(
         (action == Action::Home) == (to == State::Homing && after.settling == 0),
         "{}",
-        say("creeps")
+        say("homing speed outside homing")
     );
     owes
 }
