@@ -14,7 +14,7 @@ const TICK_CYCLES: u32 = 14_500;
 /// Cycles that each axis adds then.
 const AXIS_CYCLES: u32 = 3950;
 /// Cycles that each chunk of an axis's step pulses adds; the planner processes a chunk at once.
-const CHUNK_CYCLES: u32 = 90;
+const CHUNK_CYCLES: u32 = 80;
 const CHUNK_EDGES: f64 = 64.0;
 
 /// Reason why the board cannot run settings that are valid in themselves.

@@ -190,7 +190,7 @@ fn write_page(
         };
         writeln!(
             page,
-            "The {axes} stayed in phase to the last count{by_model}."
+            "The {axes} stayed exactly in phase{by_model}."
         )?;
     } else if checked.cam.is_some() {
         writeln!(
