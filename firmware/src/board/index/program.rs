@@ -1,14 +1,8 @@
 //! Program of the state machine that times the changes of six lines.
 //!
-<<<<<<< HEAD
-//! It looks at them once in 7 cycles, and counts these polls down. When a poll differs from the one before,
-//! both the levels and the count go out, and the next poll comes 14 cycles after: the count is lowered by two
-//! for it, so that it stays a clock. A FIFO that is full loses a change, not the clock.
-=======
 //! It polls them once in 7 cycles and counts these polls down. When a poll differs from the one before, it outputs both
 //! the levels and the count. The next poll then comes 14 cycles later. The count is lowered by two for it, so that it
 //! remains a clock. A full FIFO loses a change, not the clock.
->>>>>>> 827fab7cd557f8de100c191080a187c66247cffc
 
 use pio::{Program, RP2040_MAX_PROGRAM_SIZE};
 
