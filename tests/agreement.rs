@@ -105,7 +105,7 @@ fn totals_agree(checked: &Checked, run: &Run) {
     }
 }
 
-/// Were it wrong, at least one of the three files would be fault event a report: each gets its steps another
+/// Were it wrong, at least one of the three files would be wrong about the steps: each gets its steps another
 /// way (the planner's counter, the edges as played, the statistics).
 #[test]
 fn trace_edges_and_report_count_the_same_steps() {

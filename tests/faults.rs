@@ -1,7 +1,7 @@
 //! What a scene's `[[fault]]` and `[noise]` do to drives, cranks and sensors, whatever the controller makes of it.
 //!
 //! Each is looked at on a *kinematic* machine, whose cranks are where their fields are to the last digit, and where that
-//! says another thing on a *phased* one too, whose cranks swing there. The loop is looked past: what it shows, and when it
+//! says another thing on a *phased* one too, whose cranks swing there. The loop is not judged here: what it reports, and when it
 //! stops, are other tests' affair. So faults come early in a long turn at a low speed, and limits are wide.
 
 #[path = "faults/coasting.rs"]
@@ -67,7 +67,7 @@ fn phased() -> String {
     KINEMATIC.replace("kinematic", "phased")
 }
 
-/// The same with nobody reading the encoders: the loop does not see at once that a motor turns as it is not reported, and goes on.
+/// The same with nobody reading the encoders: the loop does not see at once that a motor turns other than commanded, and goes on.
 fn unread(text: &str) -> String {
     text.replace("encoder = true", "encoder = false")
 }

@@ -143,7 +143,7 @@ fn with_the_damper_at_the_cam() {
         assert_within("pusher, m/s²", peaks.pusher_mps2, 340.58, 1e-3);
         assert_within("off, mm", peaks.off_m * 1e3, 0.125, 5e-3);
     }
-    // The whole run, which the report reports, has no greater ones than its greatest speed.
+    // The whole run, which the report covers, has no greater ones than its greatest speed.
     for (whole, steady) in outcome.statistics.followers.iter().zip(&steady.peaks) {
         assert_within(
             "whole run, m/s²",

@@ -101,7 +101,7 @@ fn the_patent_machines_hold_their_amax() {
             let relative = amax / requested - 1.0;
             assert!(
                 relative.abs() < 1e-4,
-                "{name}: {amax} m/s² where {requested} was asked"
+                "{name}: {amax} m/s² where {requested} was requested"
             );
         }
     }

@@ -28,7 +28,7 @@ fn text(count: usize, drive: &str, starts_deg: &[f64], more: &str) -> String {
 const STEPPERS: &str = "drive = \"stepper\"\nsteps_per_turn = 3200";
 const SERVOS: &str = "drive = \"servo\"\nsteps_per_turn = 8192\nencoder = true";
 
-/// What is detected of a run: how far apart the cranks are as it begins to run and at most after it, where they stand at the end, and how
+/// Observations of a run: how far apart the cranks are as it begins to run and at most after it, where they stand at the end, and how
 /// far the trims' sum was from zero.
 #[derive(Default)]
 struct Recorded {
@@ -100,7 +100,7 @@ fn small_differences_are_trimmed_away_before_it_runs() {
             let most = 2.0 * 1.1 + HOMING_SPEED_HZ * (2.0 * 1.5 / 20.0 + 0.2);
             assert!(recorded.turns < most, "{count}: {} turns", recorded.turns);
             assert!(recorded.largest_deg < 3.0);
-            // And the report reports it.
+            // And the report says so.
             let reported = &outcome.statistics;
             assert!(
                 reported.correction_deg.iter().any(|deg| deg.abs() > 0.5),
@@ -223,8 +223,8 @@ fn a_correction_that_drives_cranks_apart_is_stopped_as_swapped_wiring() {
     }
 }
 
-/// Were it wrong, a crank that lost its steps in homing would be corrected with what it was before, be looked at for three turns more,
-/// or be driven up to speed. In whatever step of homing they are lost, from the first pulse on to the last look.
+/// Were it wrong, a crank that lost its steps in homing would be corrected with what it was before, be checked for three turns more,
+/// or be driven up to speed. In whatever step of homing they are lost, from the first pulse on to the last check.
 #[test]
 fn steps_lost_in_homing_are_reported_within_a_turn() {
     const WATCHED: &str = "drive = \"stepper\"\nsteps_per_turn = 3200\nencoder = true";

@@ -105,7 +105,7 @@ fn a_missed_deadline_makes_all_stand_and_loses_nothing() {
             punctual.last().start_ns + u64::from(missed) * TICK_NS
         );
 
-        // Nothing moves meanwhile, on any wire; and the report reports it.
+        // Nothing moves meanwhile, on any wire; and the report says so.
         let run = record(&checked, Every::Ticks(1), Window::All);
         let until_ns = stand_ns + u64::from(missed) * TICK_NS;
         for axis in [0, 1] {

@@ -62,7 +62,7 @@ fn assert_same(one: &Run, other: &Run) {
     );
 }
 
-/// Were it wrong, a golden file would be worth nothing, and a fault seen once might never be detected again.
+/// Were it wrong, a golden file would be worth nothing, and a fault that occurred once might never be reproduced.
 #[test]
 fn twice_the_same() {
     for checked in [scene(SHORT), built_in("lost-steps")] {

@@ -138,7 +138,7 @@ fn the_stop_input_stops_like_the_command_and_keeps_the_machine_stopped() {
     assert_eq!(moving(&held), moving(&commanded));
     assert!(
         held.last().start_ns > 3_000_000_000,
-        "the start was detected, and not obeyed"
+        "the start was received, and not obeyed"
     );
     stands_at_park_phase(held.last());
 

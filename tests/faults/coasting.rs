@@ -1,4 +1,4 @@
-//! Cranks that nothing drives any more: a run is not over before they stand, and what they do then is distinguished.
+//! Cranks that nothing drives any more: a run is not over before they stand, and what they do then is reported apart.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +7,7 @@ use host_sim::trace::{Every, Window};
 
 use super::{AT_S, KINEMATIC, Samples, TICK_S, observe, phased, scene};
 
-/// Drives that are cut while cranks turn at homing speed at 5 rev/s, with so much friction on each.
+/// Drives that are cut while cranks turn at a homing speed of 5 rev/s, with so much friction on each.
 fn cut(text: &str, friction_nm: f64) -> host_sim::scene::Checked {
     let text = text.replace(
         "[axes]\n",

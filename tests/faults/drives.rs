@@ -87,7 +87,7 @@ fn a_stuck_crank_stands_and_a_stepper_is_caught_again_cycles_off() {
     assert_eq!(last.actual[0], for_good.at(AT_TICK).actual[0]);
 }
 
-/// Were it wrong, a drive that runs away would still detect the loop, or run on when it is switched off.
+/// Were it wrong, a drive that runs away would still obey the loop, or run on when it is switched off.
 #[test]
 fn a_runaway_turns_at_its_own_speed() {
     for speed_hz in [9.0, -4.0] {
@@ -124,7 +124,7 @@ fn a_reversed_motor_turns_backward_from_the_start() {
     }
 }
 
-/// Were it wrong, drives would detect their own lines still. Two axes with different commands show it: one turns half as fast.
+/// Were it wrong, drives would still follow their own lines. Two axes with different commands show it: one turns half as fast.
 #[test]
 fn swapped_drive_lines_move_the_other_crank() {
     let apart = "[[axis]]\nnumber = 1\nratio = [1, 2]\n[[axis]]\nnumber = 2\nreversed = true\n";
@@ -136,7 +136,7 @@ fn swapped_drive_lines_move_the_other_crank() {
         let sample = samples.at(AT_TICK);
         assert!((sample.actual[0] - sample.command[1]).abs() < off);
         assert!((sample.actual[1] - sample.command[0]).abs() < off);
-        // One of a pair that is mounted the other way round detects a direction that is turned for it.
+        // One of a pair that is mounted the other way round gets a direction that is reversed for it.
         let turned = with(
             &format!("{text}{apart}"),
             "kind = \"swapped-wiring\"\naxis = 0\nwith = 2\nlines = \"drive\"\n",

@@ -84,7 +84,7 @@ fn what_cranks_do_without_drives_is_ignored() {
     assert_eq!(observation.beyond_limit, None);
 }
 
-/// Were it wrong, an axis that is left running while another stands would go unseen, or one be detected where all stop.
+/// Were it wrong, an axis that is left running while another stands would be overlooked, or one be reported where all stop.
 #[test]
 fn who_is_left_running_is_known() {
     // The machine is commanded to stop, and does; but one motor runs on, and its drive is on.

@@ -88,7 +88,7 @@ def compare(name, given, reports, polls_before, worst):
         sample = sampled(poll, polls_before)
         # The poll before is 7 cycles earlier; if it reported a change, 14.
         window = 2 * POLL if last is not None and sample - last == 2 * POLL else POLL
-        # A change at the end of cycle k is detected from k + 3 on.
+        # A change at the end of cycle k is visible from k + 3 on.
         newest = sample - DETECTED_AFTER
         true = max(((cycle, level) for cycle, level in given if cycle <= newest), default=(0, 0))[1]
         if now != true or now == levels:

@@ -269,7 +269,7 @@ fn a_small_campaign_finds_what_a_large_one_claims() {
     for row in rows.records() {
         let row = row.unwrap();
         assert_eq!(&row[running], "false", "{row:?}");
-        // What counts is never reported before anything is, and there where a crank was beyond its limit.
+        // What counts is never reported before anything is, and where a crank was beyond its limit.
         let at_s = |column: usize| row[column].parse::<f64>().ok();
         assert!(at_s(detected).is_none() || at_s(first) <= at_s(detected));
         if &row[verdict] == "right" && at_s(beyond_limit).is_some() {

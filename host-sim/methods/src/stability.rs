@@ -196,7 +196,7 @@ impl Scheme {
     /// is stable, `Some(0.0)` if the shortest is not.
     ///
     /// Growth below 1e-9 a step counts as rounding, so the shortest should be no shorter than a millionth of the
-    /// fastest mode's period. The equations must be linear: of others it shows the stability at y = 0 only roughly.
+    /// fastest mode's period. The equations must be linear: of others it gives the stability at y = 0 only roughly.
     pub fn longest_stable_step_s(
         self,
         equations: &dyn Equations,

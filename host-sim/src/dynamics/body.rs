@@ -94,7 +94,7 @@ impl Body {
 }
 
 /// Torque of dry friction, N·m. It turns round smoothly, so that methods keep their order: what stands under a load below
-/// it turns at homing speed, by less than a turn in a hundred seconds.
+/// it turns slowly, by less than a turn in a hundred seconds.
 pub(super) fn drag_nm(friction_nm: f64, omega_rad_s: f64) -> f64 {
     if friction_nm == 0.0 {
         return 0.0;

@@ -1,7 +1,7 @@
 //! Equations of motion: what forces make of a machine, where the cranks are not simply where commanded
 //! to be.
 //!
-//! Model level of the ladder, each with more freedom than the one before:
+//! Model levels of the ladder, each with more freedom than the one before:
 //! - [`Rigid`]: all cranks on one shaft, one angle, with the inertia that the platform has at that angle;
 //! - [`Phased`]: every crank a rotor of its own, the platform heaving and tilting as they push it; rods that are
 //!   rigid, or settle where they must give;

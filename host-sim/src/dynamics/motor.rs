@@ -1,4 +1,4 @@
-//! What a motor makes of what its drive shows it: torque.
+//! Torque that a motor makes of its drive's command.
 
 use crate::machine::PullOut;
 

@@ -37,7 +37,7 @@ impl Planned {
 }
 
 impl FaultAt {
-    /// Whether it has a crank be elsewhere than commanded.
+    /// Whether it makes a crank be elsewhere than commanded.
     pub fn moves_crank(&self) -> bool {
         match self.kind {
             FaultName::LostSteps
@@ -58,12 +58,12 @@ impl FaultAt {
 }
 
 impl Scene {
-    /// The first of its faults that has a crank be elsewhere than commanded.
+    /// The first of its faults that makes a crank be elsewhere than commanded.
     pub fn moving_fault(&self) -> Option<usize> {
         self.fault.iter().position(FaultAt::moves_crank)
     }
 
-    /// Whether what drives are commanded to do, or what cranks bear, is another thing than the loop and the machine make of it.
+    /// Whether the commands of the drives, or the loads of the cranks, differ from those that the loop and the machine give.
     pub fn touches_drives(&self) -> bool {
         self.noise.load_nm != 0.0 || self.fault.iter().any(FaultAt::touches_drives)
     }

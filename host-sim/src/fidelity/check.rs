@@ -25,7 +25,7 @@ pub fn answers(checked: &Checked, model_level: Fidelity) -> Result<Answers, Scen
     Ok(answers)
 }
 
-/// A scene on the model level that its sample bears out. It is the same as before if the scene itself asks for a model level, or for nothing.
+/// A scene on the model level that its sample bears out. It is the same as before if the scene itself requires a model level, or nothing.
 ///
 /// # Errors
 /// A model level that cannot be run after all.

@@ -62,7 +62,7 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
     let bounds = Bounds::new(checked);
     let bounds = match bounds {
         Ok(bounds) => bounds,
-        // Nothing was requested in so many words: the torques are compared, and that is said.
+        // Nothing was requested explicitly: the torques are compared, and that is said.
         Err(_) if checked.scene.questions.is_none() => {
             return Ok(Choice {
                 model_level: Fidelity::QuasiStatic,
@@ -117,7 +117,7 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
     })
 }
 
-/// What a model level's complaint says to give, without what it says of the model level.
+/// Part of a model level's error text that says what to give, without what it says of the model level.
 fn what_is_needed(problem: &str) -> &str {
     let given = problem.split("so give ").nth(1).unwrap_or(problem);
     given.split(", or let fidelity").next().unwrap_or(given)
@@ -172,7 +172,7 @@ fn why(bounds: &Bounds, model_level: Fidelity, is_top: bool) -> String {
     }
 }
 
-/// Model level that the scene says enough for, the lowest first.
+/// Model levels that the scene says enough for, the lowest first.
 pub fn available(checked: &Checked) -> Vec<Fidelity> {
     LADDER
         .into_iter()

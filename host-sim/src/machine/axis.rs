@@ -2,7 +2,7 @@
 //!
 //! A stepper counts rising edges, as its drive does, so that its phase is a whole number of steps. Past
 //! its pull-out torque it loses the field: for as long as the load is too large it makes none of the
-//! way that it is reported, and catches the field again whole electrical cycles (four full steps) behind;
+//! commanded travel, and catches the field again whole electrical cycles (four full steps) behind;
 //! or ahead, where the load drives it. That is the slowest way to lose steps there is in reality, and
 //! the smallest number of lost steps.
 //!
@@ -58,7 +58,7 @@ pub struct SimulatedAxis {
     /// What it is slipping right now, in steps, since it lost the field.
     slipping: i64,
     overload: Overload,
-    /// Largest part of the pull-out torque that was requested, and at which speed.
+    /// Largest part of the pull-out torque that was required, and at which speed.
     torque_used: Option<(f64, f64)>,
     /// How far the drive was commanded to go, turns; where torque moves the cranks.
     commanded_turns: f64,

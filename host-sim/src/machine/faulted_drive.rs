@@ -123,7 +123,7 @@ impl FaultedDrives {
         }
     }
 
-    /// The way that each motor goes, and the torque that it is commanded to add.
+    /// Travel of each motor, and the torque that it is commanded to add.
     fn drive_commands(
         &mut self,
         axes: &[SimulatedAxis],
@@ -142,7 +142,7 @@ impl FaultedDrives {
                 };
             }
             let (own, lines) = (&axes[i], &axes[disturbance.from]);
-            // Pulses are counted by whoever detects them, and turned by whoever is mounted the other way round.
+            // Pulses are counted by the drive that receives them, and reversed by one that is mounted the other way round.
             let scale = if own.cycle_turns().is_some() && disturbance.from != i {
                 lines.steps_per_turn() / own.steps_per_turn()
             } else {

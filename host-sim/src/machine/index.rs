@@ -8,7 +8,7 @@ use cophase_core::units::PerAxis;
 
 use crate::faults::Stream;
 
-/// How much of a tick a line may be ahead of its flag, by noise: one in four is as far back as the filter reports.
+/// How much of a tick a line may be ahead of its flag, by noise: one in four is as far back as the filter reports a pulse.
 const MOST_OF_TICK: u32 = 4;
 
 /// What comes before a sensor in a tick, and when: cycles from its beginning.

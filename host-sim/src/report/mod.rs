@@ -103,7 +103,7 @@ struct AxisReport {
     phase_error_peak_deg: f64,
     /// What corrected it at the end.
     correction_deg: f64,
-    /// Largest part of the pull-out torque that was requested.
+    /// Largest part of the pull-out torque that was required.
     #[serde(skip_serializing_if = "Option::is_none")]
     pull_out_used: Option<f64>,
     /// Largest torque that the motor gave.

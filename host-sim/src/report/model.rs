@@ -101,7 +101,7 @@ impl MethodReport {
     }
 }
 
-/// What was requested, and how well it is answered; nothing if the scene itself asks for a model level.
+/// What was requested, and how well it is answered; nothing if the scene itself requires a model level.
 pub fn judged(checked: &Checked) -> &[Judged] {
     checked
         .choice

@@ -76,8 +76,8 @@ fn unwatched(checked: &Checked) -> Option<String> {
     let set = watched.iter().fold(0, |set, axis| set | 1 << axis);
     let coverage = match Mount::with(count, set).knowledge() {
         _ if unwatched.is_empty() => return None,
-        Knowledge::Nothing => "nothing reports the platform's tilt",
-        Knowledge::Common => "one axis stands for all, and nothing reports the platform's tilt",
+        Knowledge::Nothing => "nothing measures the platform's tilt",
+        Knowledge::Common => "one axis stands for all, and nothing measures the platform's tilt",
         Knowledge::OneTilt => {
             "of the platform two axes show the least tilt that explains their difference"
         }
@@ -86,7 +86,7 @@ fn unwatched(checked: &Checked) -> Option<String> {
     };
     let axes: Vec<_> = unwatched.iter().map(usize::to_string).collect();
     Some(format!(
-        "Without a sensor the drift of axis {} is not watched, and phase_error_deg is 0 there for want of a measurement; {coverage}.",
+        "Without a sensor the phase error of axis {} is not monitored, and phase_error_deg is 0 there for want of a measurement; {coverage}.",
         axes.join(", ")
     ))
 }
@@ -117,14 +117,14 @@ mod tests {
         for (without, coverage) in [
             (
                 &[2][..],
-                "axis 2 is not watched, and phase_error_deg is 0 there for want of a measurement; of the platform three axes",
+                "axis 2 is not monitored, and phase_error_deg is 0 there for want of a measurement; of the platform three axes",
             ),
             (
                 &[1, 3],
-                "axis 1, 3 is not watched, and phase_error_deg is 0 there for want of a measurement; of the platform two axes",
+                "axis 1, 3 is not monitored, and phase_error_deg is 0 there for want of a measurement; of the platform two axes",
             ),
             (&[0, 1, 2], "one axis stands for all"),
-            (&[0, 1, 2, 3], "nothing reports"),
+            (&[0, 1, 2, 3], "nothing measures the platform"),
         ] {
             let said = said(4, without, false).expect("some are not watched");
             assert!(said.contains(coverage), "{said}");

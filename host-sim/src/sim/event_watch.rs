@@ -1,4 +1,4 @@
-//! What a loop shows: what of it is new in a tick.
+//! Events of a loop: which of its state is new in a tick.
 
 use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::Fault;
@@ -6,7 +6,7 @@ use cophase_core::supervisor::Fault;
 /// What is new in a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NewEvents {
-    /// What was reported, whatever is done about it.
+    /// Fault that was reported, whatever is done about it.
     pub reported: Option<Fault>,
     /// The fault that latched, or the better name that it has got.
     pub latched: Option<Fault>,

@@ -54,7 +54,7 @@ pub struct SimulatedIo<'a, O, P> {
     tick_cycles: u32,
     machine: Machine,
     sensors: Axes<IndexSensor>,
-    /// Up to when the sensors have been detected: the end of a tick.
+    /// Up to when the sensors have been read: the end of a tick.
     sensed_us: u64,
     schedule: Schedule,
     faults: Faults,
@@ -177,7 +177,7 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
         self.sensed_us += self.tick_us;
     }
 
-    /// Plays one output, detects the sensors, and shows it round.
+    /// Plays one output, reads the sensors, and passes it to the observers.
     fn play(&mut self, waiting: &Waiting, detected: &mut PerAxis<Option<IndexPulse>>) {
         let Waiting {
             start_us,
@@ -243,7 +243,7 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
             && (!self.statistics.coast.is_on() || self.quiet > ticks_in(MOST_TAIL_S, self.tick_hz))
     }
 
-    /// Shows of faults that have begun up to a time.
+    /// Records faults that have begun up to a time.
     fn take_note(&mut self, at_us: u64) {
         for fault in self.faults.new_faults() {
             let t_s = at_us as f64 / TICKS_PER_S as f64;

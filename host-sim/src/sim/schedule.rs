@@ -72,7 +72,7 @@ impl Schedule {
             });
         let late = late.chain(overruns).collect();
         let program_s = program_ticks as f64 / f64::from(scene.control.tick_hz);
-        // Switching on, a turn to homing, a turn to park.
+        // Switching on, a turn of homing, a turn to park.
         let around_s = scene.control.settle_s + 2.5 / scene.limits.homing_speed_hz;
         Self {
             commands,

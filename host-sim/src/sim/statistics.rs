@@ -67,7 +67,7 @@ pub struct Statistics {
     pub correction_deg: Vec<f64>,
     /// Electrical cycles slipped, each axis.
     pub slipped_cycles: Vec<i64>,
-    /// The largest part of its pull-out torque that each axis was requested, and at which speed (rev/s);
+    /// The largest part of its pull-out torque that was required of each axis, and at which speed (rev/s);
     /// empty where torque is not asked.
     pub torque_used: Vec<Option<(f64, f64)>>,
     /// Largest torque that each motor gave, N·m; empty where torque does not move the cranks.

@@ -141,7 +141,7 @@ impl RunFiles {
 
 impl Drop for RunFiles {
     fn drop(&mut self) {
-        // Nobody is left to detect of a failure; whatever cannot be removed stays.
+        // Nobody is left to report a failure to; whatever cannot be removed stays.
         for name in &self.names {
             let _ = fs::remove_file(self.temporary(name));
         }

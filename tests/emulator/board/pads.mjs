@@ -5,7 +5,7 @@
 //   cycle is k, a stimulus at k: all change levels with stamp k;
 // - *outside*: what the bench drives. An undriven pin follows its pulls; with none, or both, it keeps its
 //   level;
-// - *synchroniser*: two flip-flops between pad and inside: a level of stamp k is detected by what happens in cycle k + 3
+// - *synchroniser*: two flip-flops between pad and inside: a level of stamp k is visible to what happens in cycle k + 3
 //   and later (k + 1 where INPUT_SYNC_BYPASS is set). Interrupts of IO_BANK0 are raised with the stamp itself.
 //
 // A chip pin and the outside that drive one pin to different levels are a *contention*: noted, and the chip wins.

@@ -113,7 +113,7 @@ export class Block extends RPPIO {
     return pads.inside(pads.levels);
   }
 
-  /** True if `pins` are detected with other levels in `cycle` than they will be once nothing moves. */
+  /** True if `pins` are read with other levels in `cycle` than they will be once nothing moves. */
   inputsMoving(cycle, pins) {
     return this.host.pads.moving(cycle, pins);
   }

@@ -2,7 +2,7 @@
 //
 // By default the host's side is ideal: the channel is emptied in the cycle in which the firmware moves its write offset,
 // so nothing is ever lost and each piece has its exact cycle. With `interval` it is emptied every so many cycles, as
-// a probe would; then what the firmware does when the channel is full can be detected.
+// a probe would; then what the firmware does when the channel is full can be observed.
 
 const UP_CHANNEL = 24;
 const BUFFER = 4;

@@ -1,9 +1,9 @@
-// Firmware: what can be detected of it without running a machine: no panic in the tick path, nothing of it in the flash, its
+// Firmware: what can be checked of it without running a machine: no panic in the tick path, nothing of it in the flash, its
 // size, its stack.
 //
 // The tick path is what runs at each deadline: the board's reading, the controller's tick, the handing over, and the
 // interrupt that feeds the step machines. The call graph is that of the linked code (firmware-inspect). The stack is the
-// deepest that was detected, for each number of axes: from power-up through a run to a fault; and at the first start on an
+// deepest that was measured, for each number of axes: from power-up through a run to a fault; and at the first start on an
 // empty flash, which is when settings are decoded and stored.
 
 import { spawnSync } from 'node:child_process';
@@ -24,7 +24,7 @@ const BESIDE = [
   'embassy_executor::raw::Executor::poll',
 ];
 
-/** The chip's RAM, and what is to be left of it: an interrupt or two on top of the deepest stack that was detected. */
+/** The chip's RAM, and what is to be left of it: an interrupt or two on top of the deepest stack that was measured. */
 const RAM_BYTES = 264 * 1024;
 const LEAST_LEFT = 4096;
 

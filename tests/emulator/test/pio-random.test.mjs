@@ -2,7 +2,7 @@
 //
 // Each seed makes two machines with programs of random instructions, toggles pins that they read, writes and reads
 // their FIFOs, forces instructions, stops and starts them, and looks at their program counters; once stepping every
-// cycle, once running ahead. Everything that can be detected is compared.
+// cycle, once running ahead. Everything that can be observed is compared.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';

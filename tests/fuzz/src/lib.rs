@@ -1,7 +1,7 @@
 //! The loop under arbitrary feedback.
 //!
 //! An input is one tick of feedback; a *case* is a machine and [`TICKS`] of them in a row, both read from bytes by a
-//! [`Script`]. Feedback that is random throughout never gets past homing, so a script says what goes wrong and for how
+//! [`Script`]. Feedback that is random throughout never completes homing, so a script says what goes wrong and for how
 //! long with an otherwise sound `Machine`, and where feedback is to be random throughout. What must hold
 //! whatever comes is in `Watch`.
 #![forbid(unsafe_code)]
@@ -16,7 +16,7 @@ pub use script::Script;
 use machine::Machine;
 use watch::Watch;
 
-/// Ticks of a case: enough to homing at the slowest, run, stop and start again.
+/// Ticks of a case: enough to home at the slowest, run, stop and start again.
 pub const TICKS: u32 = 5000;
 
 /// How far a case got, so that a test can see that cases get anywhere.

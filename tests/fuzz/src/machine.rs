@@ -223,7 +223,7 @@ impl Machine {
 }
 
 impl Crank {
-    /// On to where it is at this deadline: what was reported two ticks ago has just been played.
+    /// Advances to where it is at this deadline: what was commanded two ticks ago has just been played.
     fn move_on(&mut self) {
         self.was = self.is;
         let step = self.commanded[1] - self.commanded[2];

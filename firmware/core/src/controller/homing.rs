@@ -70,7 +70,7 @@ pub(super) struct Homing {
 /// Turns of the master in one step after which something is wrong that nothing else has a name for.
 const MOST_WAITED: Turns = Turns::lit("8");
 
-/// Looks after which a crank that deviates in each is believed to.
+/// Checks after which a crank that deviates in each is believed to.
 const CHECKS: u8 = 3;
 /// Corrections after which it is believed in run: by the third, what a swap does may pass for a crank that runs away.
 const CONFIRMED: u8 = 2;

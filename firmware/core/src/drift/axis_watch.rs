@@ -1,4 +1,4 @@
-//! All that watches one axis: its index sensor, its encoder, and what they report its crank together.
+//! All that watches one axis: its index sensor, its encoder, and what they show of its crank together.
 
 mod sorting;
 

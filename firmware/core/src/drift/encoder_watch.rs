@@ -55,12 +55,12 @@ pub(super) struct EncoderWatch {
     held: Option<Turns>,
     /// It really moves by more than a jump a tick.
     moving: bool,
-    /// A jump that the index has to report.
+    /// A jump that the index has to confirm.
     pub(super) unconfirmed_jump: Turns,
     window: Window,
 }
 
-/// Over which the tracking is judged: some ticks, and some way.
+/// Window over which the tracking is judged: some ticks, and some travel.
 #[derive(Clone, Copy, Debug, Default)]
 struct Window {
     ticks: u8,

@@ -38,7 +38,7 @@ const WAITING: usize = 8;
 #[derive(Clone, Debug)]
 pub(super) struct Findings {
     waiting: Deque<Finding, WAITING>,
-    /// What a stop was requested, of which axis, and the master's turns since.
+    /// Fault that a stop was requested for, its axis, and the master's turns since.
     open: Option<(Option<usize>, FaultKind)>,
     since_open: Turns,
 }

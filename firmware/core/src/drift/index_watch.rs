@@ -107,7 +107,7 @@ pub(super) struct IndexWatch {
     /// What the last believed pulse showed.
     offset: Turns,
     known: bool,
-    /// Pulses that this is the mean of, up to what `filtered` asks for.
+    /// Pulses that this is the mean of, up to what `filtered` requires.
     meant: u8,
     /// Phase at that pulse; before the first, where the search began.
     detected_at: Phase,

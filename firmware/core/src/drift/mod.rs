@@ -308,7 +308,7 @@ impl DriftMonitor {
         of_angle(compare(&mut self.axes, self.by_index))
     }
 
-    /// Holds what is known against the limits, and shows what was named.
+    /// Compares what is known with the limits, and reports what was named.
     fn check(&mut self, sensed: &Sensed<'_>) {
         if self.finding_out {
             self.check_encoders();
@@ -396,7 +396,7 @@ impl DriftMonitor {
         furthest(error, self.watched())
     }
 
-    /// While nobody knows where the cranks should be, encoders still report an axis that does not turn as commanded; of all that do not,
+    /// While nobody knows where the cranks should be, encoders still show an axis that does not turn as commanded; of all that do not,
     /// too, whose phase errors are alike.
     fn check_encoders(&mut self) {
         for axis in 0..self.axes.len().min(MAX_AXES) {
@@ -523,7 +523,7 @@ impl DriftMonitor {
         self.limits.of_platform(&self.mount.modes(error)).is_none()
     }
 
-    /// Axes of which something is detected.
+    /// Axes that some sensor detects.
     pub const fn watched(&self) -> AxisSet {
         self.sensed | self.by_encoder
     }

@@ -50,7 +50,7 @@ impl Modes {
 /// A set of axes: a bit for each.
 pub type AxisSet = u8;
 
-/// What axes report a platform on which they stand evenly, when some or all of them are detected.
+/// Modes that axes show of a platform on which they stand evenly, when some or all of them are detected.
 #[derive(Clone, Debug)]
 pub struct Mount {
     /// Weights of the phase errors, 28 fraction bits; zero for those that are not detected.
@@ -186,7 +186,7 @@ impl Mount {
         (libm::sqrt(x * x + y * y), warp)
     }
 
-    /// Takes the phase errors, each from −½ to ½ turn, apart; those that are not detected are not looked at.
+    /// Decomposes the phase errors, each from −½ to ½ turn; those of axes that are not detected are ignored.
     ///
     /// Error below 1e-6 of the largest, and 2⁻²⁵ turn: phase errors are taken with 29 fraction bits, and up to twelve
     /// products are rounded down.

@@ -5,7 +5,7 @@
 //! between: no fetch from flash, no handler.
 //!
 //! Should something hold them up all the same (another master of the bus, a debugger), blocks are apart, and all
-//! ticks late. The core's own counter, SysTick, shows: it counts every cycle, and is for nothing else.
+//! ticks late. The core's own counter, SysTick, shows that: it counts every cycle, and is for nothing else.
 
 use core::arch::asm;
 

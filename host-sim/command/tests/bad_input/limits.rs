@@ -23,7 +23,7 @@ fn forbidden_bands() {
             "begin above the one and end below the other",
         ),
         band(
-            "over turn at homing speed",
+            "over the homing speed",
             "{ from_hz = 0.5, to_hz = 3 }",
             "limits.band[0].from_hz",
             "covers the homing speed, limits.homing_speed_hz = 1",
@@ -156,7 +156,7 @@ fn speed_acceleration_jerk() {
             "0.01 to 80000000 rev/s³",
         ),
         key(
-            "turning at homing speed fast",
+            "a homing speed too fast",
             "limits.homing_speed_hz",
             "15",
             "15 rev/s is outside",

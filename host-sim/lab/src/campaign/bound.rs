@@ -94,7 +94,7 @@ fn lag_turns(scene: &Scene) -> f64 {
     }
 }
 
-/// How long the master's next turn takes at most: at the speed that it has, or turns at homing speed at. One that comes to rest before is a stop,
+/// How long the master's next turn takes at most: at the speed that it has, or at homing speed. One that comes to rest before is a stop,
 /// which is computed for itself.
 fn turn_s(limits: &Limits, beyond_limit: &Place) -> f64 {
     1.0 / beyond_limit.speed_hz.max(limits.homing_speed_hz)

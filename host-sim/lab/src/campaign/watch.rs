@@ -133,7 +133,7 @@ pub struct Watch<'a> {
     run_on: Axes<f64>,
 }
 
-/// Most reported_faults that are kept, and most fault events.
+/// Most reported faults that are kept, and most fault events.
 const MOST_EVENTS: usize = 16;
 
 impl<'a> Watch<'a> {

@@ -1,6 +1,6 @@
 //! Van der Pol's oscillator, very stiff: y₁′ = y₂, ε y₂′ = (1 − y₁²) y₂ − y₁ with ε = 1e-6.
 //!
-//! E. Hairer, G. Wanner, *Solving ODEs II*, section IV.1, and the *Test Set for IVP Solvers* (Bari/Geneva). It turns at homing speed along
+//! E. Hairer, G. Wanner, *Solving ODEs II*, section IV.1, and the *Test Set for IVP Solvers* (Bari/Geneva). It moves slowly along
 //! a slow branch, then jumps to the other within some ε, at t = 0.807 and again every 0.807.
 
 use nalgebra::DMatrix;

@@ -174,7 +174,7 @@ fn refuses_what_is_no_mechanism() {
     assert!(SliderCrank::for_amax(100.0, 0.0, 0.3).is_err());
 }
 
-/// Were it wrong, what torque makes of a machine would not move as what is commanded to it does.
+/// Were it wrong, a machine that torque moves would not move as one that follows commands does.
 #[test]
 fn all_at_once_is_one_by_one() {
     for lambda in [0.1, 0.3, 0.6, LAMBDA_MAX] {

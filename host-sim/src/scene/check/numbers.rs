@@ -126,7 +126,7 @@ pub(super) fn check_torque(scene: &Scene) -> Result<(), SceneError> {
     }
 }
 
-/// More than this turns at homing speed back, and is no spring any more.
+/// With more damping than this a rod returns only slowly, and is no spring any more.
 const MOST_ZETA: f64 = 2.0;
 
 fn check_frame(frame: &file::Frame) -> Result<(), SceneError> {

@@ -10,8 +10,8 @@ use cophase_core::units::MAX_AXES;
 
 use crate::scene::file::{AxisOverrides, Drive, Scene};
 
-/// All that a scene shows the core, of the mechanism and drift what was made of them. Of axes, bands and program entries those that there is room for; more have
-/// been refused before.
+/// All settings that a scene gives the core, of the mechanism and drift what was made of them. Of axes, bands and program
+/// entries those that there is room for; more have been refused before.
 pub(super) fn settings(
     scene: &Scene,
     machine: MachineSettings,

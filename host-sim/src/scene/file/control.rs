@@ -117,7 +117,7 @@ pub struct Drift {
 pub struct Correction {
     /// Part of a difference between cranks that is trimmed away in a turn; 0 is never.
     pub gain: f64,
-    /// Whether homing moves each crank by an amount of its own, and asks to see that crank follow.
+    /// Whether homing moves each crank by an amount of its own, and checks that this crank follows.
     pub prove_wiring: bool,
     /// Cross-coupling of servos: its gains are derived from [axes.servo], but for those that are given.
     pub couple: bool,

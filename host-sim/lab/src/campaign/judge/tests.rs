@@ -104,7 +104,7 @@ fn what_is_detected_is_stopped_for() {
         verdict == Verdict::Misnamed && near(turns, 0.3),
         "{turns:?}"
     );
-    // reported, and gone on from, with the crank still out.
+    // Reported, and gone on from, with the crank still out.
     for reported in [&[glitch][..], &[corrected], &[glitch, corrected]] {
         assert_eq!(judged(&slipped(reported)), (Verdict::Missed, None));
     }

@@ -134,7 +134,7 @@ fn apart(number: usize, reversed: bool) -> AxisOverrides {
     }
 }
 
-/// The loop, how fast it turns at homing speed and stops, and where index flags and cranks stand.
+/// The loop, its homing speed, how fast it stops, and where index flags and cranks stand.
 fn control(stream: &mut Stream, scene: &mut Scene) {
     scene.control.tick_hz = stream.one_of(&[1000, 2000, 2000, 4000]);
     scene.control.settle_s = 0.02;

@@ -1,6 +1,6 @@
 //! Five-fold overload: of the motors, and of the loop.
 //!
-//! Failure: motors under five times the load that they were sized for slip, all together, so that no tilt reports it.
+//! Failure: motors under five times the load that they were sized for slip, all together, so that no tilt shows it.
 //! Guard: their common lag is watched too; it latches a fault, and all stop together. A loop whose ticks take five times
 //! as long as they may ends in a fault likewise: an overrun, with all cranks in phase.
 

@@ -21,7 +21,7 @@ impl<'a> Counted<'a> {
         }
     }
 
-    /// How often they were requested their rates; a Jacobian counts as if it were taken by differences.
+    /// How often their rates were computed; a Jacobian counts as if it were taken by differences.
     pub fn evaluations(&self) -> u64 {
         self.evaluations.get()
     }
