@@ -25,6 +25,7 @@ export function worse(figures) {
   return figures.flatMap(({ name, value, better }) => {
     const was = before.get(name);
     if (was === undefined) return [`${name}: ${value} is not kept yet; --write keeps it`];
+    if (better === 'neither') return [];
     const by = better === 'lower' ? value / was - 1 : was / value - 1;
     return by > MOST_WORSE ? [`${name}: ${value}, and was ${was}: worse by ${(by * 100).toFixed(1)} %`] : [];
   });
@@ -34,11 +35,16 @@ export function worse(figures) {
 export function write(figures) {
   const rows = figures.map(({ name, value, better }) => `"${name}",${value},${better}`);
   fs.writeFileSync(CSV, `figure,value,better\n${rows.join('\n')}\n`);
-  const table = ['| figure, emulated | |', '| --- | ---: |', ...figures.map(({ name, value }) => `| ${name} | ${grouped(value)} |`)];
+  const table = ['| figure, emulated | |', '| --- | ---: |', ...figures.filter(({ inDocs }) => inDocs).map(row)];
   const page = fs.readFileSync(PAGE, 'utf8');
   const [head, rest] = page.split(BEGIN);
   const [, tail] = rest.split(END);
   fs.writeFileSync(PAGE, `${head}${BEGIN}\n\n${table.join('\n')}\n\n${END}${tail}`);
+}
+
+function row({ name, value, goal }) {
+  const reached = goal === undefined ? '' : `, goal at most ${grouped(goal)}: ${value <= goal ? 'met' : 'missed'}`;
+  return `| ${name}${reached} | ${grouped(value)} |`;
 }
 
 const grouped = (value) => (Number.isInteger(value) ? value.toLocaleString('en-US') : String(value));

@@ -31,7 +31,16 @@ export function withAxes(count) {
   return (toml) => {
     toml.axes.count = count;
     toml.axis = (toml.axis ?? []).filter(({ number }) => number < count);
+    if (toml.fault) toml.fault = toml.fault.filter(({ axis = 0 }) => axis < count);
   };
+}
+
+/** The same scene with all index sensors at one crank angle, and without user trims: all pulses come in one tick. */
+export function sensorsAlike(toml) {
+  toml.axis = Array.from({ length: toml.axes.count }, (_, number) => {
+    const { trim_deg: _trim, ...own } = toml.axis?.find((axis) => axis.number === number) ?? {};
+    return { ...own, number, index_deg: 15 };
+  });
 }
 
 function cophase(args, statuses) {

@@ -1,11 +1,15 @@
-// What a scenario found: lines to print, figures to keep, and what must hold.
+// What a scenario found: lines to print, figures to keep, goals, and what must hold.
+
+import { ENFORCED } from './goals.mjs';
 
 export class Outcome {
   constructor(name) {
     this.name = name;
     this.failures = [];
-    /** Figures that the docs show and that must not get worse: { name, value, better }. */
+    /** Figures that the docs show: { name, value, better, inDocs, goal }. `better` is 'lower', 'higher' or 'neither'. */
     this.figures = [];
+    /** Goals, met and missed: { name, met }. */
+    this.goals = [];
   }
 
   say(text) {
@@ -19,8 +23,27 @@ export class Outcome {
     console.log(`  FAILED: ${text}`);
   }
 
-  /** A figure, of which the lower is the better, unless it is said to be the other way. */
-  figure(name, value, better = 'lower') {
-    this.figures.push({ name, value: Number(value.toPrecision(6)), better });
+  /**
+   * A figure that must not get worse. `better`: 'lower', 'higher', or 'neither' for one that may change. With `inDocs` false it
+   * is in docs/emulated.csv only.
+   */
+  figure(name, value, better = 'lower', { inDocs = true } = {}) {
+    this.figures.push({ name, value: Number(value.toPrecision(6)), better, inDocs });
+  }
+
+  /** A figure with a goal: it is to be at most `most`. */
+  goal(name, value, most) {
+    this.figure(name, value);
+    this.figures[this.figures.length - 1].goal = most;
+    this.reach(value <= most, `${name}: ${grouped(value)}, goal at most ${grouped(most)}`);
+  }
+
+  /** A goal without a figure: `text` says what was found. */
+  reach(met, text) {
+    this.goals.push({ name: text, met });
+    if (met || !ENFORCED) console.log(`  goal ${met ? 'met' : 'MISSED'}: ${text}`);
+    else this.check(false, `goal missed: ${text}`);
   }
 }
+
+const grouped = (value) => value.toLocaleString('en-US', { maximumFractionDigits: 1 });

@@ -7,8 +7,8 @@ export const HERE = path.resolve(path.dirname(fileURLToPath(import.meta.url)), '
 export const ROOT = path.resolve(HERE, '../..');
 export const TARGET = process.env.CARGO_TARGET_DIR ?? path.join(ROOT, 'target');
 
-/** The image as it is flashed. */
-export const IMAGE = path.join(TARGET, 'thumbv6m-none-eabi/image/cophase-firmware');
+/** The image as it is flashed; another one's ELF file in COPHASE_ELF. */
+export const IMAGE = process.env.COPHASE_ELF ?? path.join(TARGET, 'thumbv6m-none-eabi/image/cophase-firmware');
 
 /** The command, and the tool that reads images and logs. */
 export const COPHASE = path.join(TARGET, 'release/cophase');

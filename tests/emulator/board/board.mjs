@@ -12,9 +12,10 @@ import { BenchCore } from './core.mjs';
 import { Edges } from './edges.mjs';
 import { FLASH_SIZE, loadInto, readElf } from './elf.mjs';
 import { Outside } from './pads.mjs';
+import { CallProfile } from './profile.mjs';
 import { Rtt } from './rtt.mjs';
 import { Stimulus } from './stimulus.mjs';
-import { Profile, Usage } from './usage.mjs';
+import { Usage } from './usage.mjs';
 
 const APB_READ_WAIT = 3;
 const APB_WRITE_WAIT = 4;
@@ -29,7 +30,7 @@ export class Board {
    * changed in place) to use instead, or to load the image over. One of them is needed, save for `bare`.
    * `pins`: { name: GPIO number } to record. `watched`: exceptions whose calls are listed (default SWI_IRQ_0).
    * `rtt`: true, false, or the cycles between two looks of the host (default: true where the ELF has an RTT block).
-   * `fastForward`: false steps every cycle of everything. `profile`: true counts cycles by address.
+   * `fastForward`: false steps every cycle of everything. `profile`: true counts the loop's cycles by call path (profile.mjs).
    * `flashTimes`: see bootrom.mjs. `missCycles`: what a miss of the flash's cache costs (xip-cache.mjs). `bare`: true builds the chip with its processor asleep, for tests of peripherals.
    */
   constructor({
@@ -63,7 +64,7 @@ export class Board {
     this.stimulus.onSchedule = (cycle) => this.onDue(cycle);
     this.edges = new Edges(pins);
     this.usage = new Usage(() => this.cycle, watched);
-    this.profile = profile ? new Profile() : null;
+    this.profile = profile ? new CallProfile(this.elf.functions) : null;
     this.rom = new RomBench(this, flashTimes);
     const block = this.elf?.symbols.get('_SEGGER_RTT');
     this.rtt = block && rtt !== false ? new Rtt(this, block.address, typeof rtt === 'number' ? rtt : 0) : null;
@@ -161,7 +162,7 @@ export class Board {
       } else if (this.profile !== null) {
         const pc = (core.registers[15] & ~1) >>> 0;
         const spent = core.step();
-        this.profile.add(pc, spent);
+        this.profile.book(pc, spent, this.usage.current, core);
         this.cycle += spent;
       } else {
         this.cycle += core.step();

@@ -25,6 +25,11 @@ export class Usage {
     this.sleeping = false;
   }
 
+  /** The call that is under way: { number, entry, own }. */
+  get current() {
+    return this.stack[this.stack.length - 1];
+  }
+
   /** Books the cycles since the last event. */
   settle() {
     const now = this.now();
@@ -70,41 +75,4 @@ export class Usage {
     });
     return { cycles: awake + this.asleep, asleep: this.asleep, awake, own };
   }
-}
-
-/** Own cycles by function, from counts by program address. */
-export class Profile {
-  constructor() {
-    this.counts = new Map();
-  }
-
-  add(pc, cycles) {
-    this.counts.set(pc, (this.counts.get(pc) ?? 0) + cycles);
-  }
-
-  /** [{ name, cycles, share }], the largest first; `functions` from an ELF (see elf.mjs). */
-  byFunction(functions) {
-    const sums = new Map();
-    let total = 0;
-    for (const [pc, cycles] of this.counts) {
-      const name = nameAt(functions, pc);
-      sums.set(name, (sums.get(name) ?? 0) + cycles);
-      total += cycles;
-    }
-    const rows = [...sums].map(([name, cycles]) => ({ name, cycles, share: cycles / total }));
-    return rows.sort((a, b) => b.cycles - a.cycles);
-  }
-}
-
-function nameAt(functions, pc) {
-  let low = 0;
-  let high = functions.length;
-  while (low < high) {
-    const middle = (low + high) >>> 1;
-    if (functions[middle].address <= pc) low = middle + 1;
-    else high = middle;
-  }
-  const found = functions[low - 1];
-  if (found && pc < found.address + found.size) return found.name;
-  return pc < 0x4000 ? '(rom)' : `(0x${pc.toString(16)})`;
 }

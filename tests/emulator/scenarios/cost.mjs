@@ -1,64 +1,64 @@
-// Cost: what a control tick takes of the processor, for 2, 4 and 6 axes, with everything on; and the most ticks a second
-// that the board accepts.
+// Cost: what a control tick takes of the processor.
 //
 // A tick is what the loop's interrupt takes from the moment in which its deadline wakes it to that in which it sleeps
-// again: reading, reckoning and handing over. What the timer's and the channels' interrupts take beside it is counted
-// too, and told apart. Nothing in them waits for the flash: all of it runs from RAM.
+// again: reading, computing and handing over. What the timer's and the channels' interrupts take beside it is counted
+// too, and reported separately. Nothing in them waits for the flash: all of it runs from RAM.
+//
+// Two scenes: `everything`, with index sensors at different crank angles, and `alike`, with all of them at one angle and
+// corrections in motion. In the second all index pulses come in one tick. `--profile` shows the functions that cost.
 
-import { blobOf, predict, refusedBy, scene, withAxes } from '../bench/host.mjs';
-import { log } from '../bench/log.mjs';
-import { Machine } from '../bench/machine.mjs';
-import { act } from '../bench/play.mjs';
+import { MEAN_TICK_CYCLES, WORST_TICK_CYCLES } from '../bench/goals.mjs';
+import { blobOf, predict, scene, withAxes } from '../bench/host.mjs';
+import { run as play, summary } from '../bench/ticks.mjs';
 
-const AXES = [2, 4, 6];
-
-/** What the worst tick of six axes is meant to come to, in cycles: 48 µs. Not reached; figures are kept from rising. */
-const GOAL_CYCLES = 6000;
+const SPREAD_AXES = [2, 4, 6];
+const ALIKE_AXES = [2, 3, 4, 5, 6];
+const GOAL_AXES = 6;
 
 export const title = 'Cost: a control tick with everything on';
 
 export function run(outcome) {
-  for (const axes of AXES) {
-    const played = scene('everything', withAxes(axes));
-    const predicted = predict(played);
-    const machine = new Machine({ ...played, blob: blobOf(played) });
-    machine.boot();
-    const began = machine.start();
-    const before = machine.board.usage.sums();
-    const waited = machine.board.core.waitedInHandlers;
-    act(machine, played, predicted, began);
-    const after = machine.board.usage.sums();
-    const ticks = machine.ticks(began).map(({ own }) => own);
-    const mean = ticks.reduce((sum, own) => sum + own, 0) / ticks.length;
-    const worst = Math.max(...ticks);
-    const all = (after.awake - before.awake) / ticks.length;
-    outcome.say(
-      `${axes} axes: worst ${worst}, mean ${mean.toFixed(0)} cycles a tick of ${machine.tick}; with all interrupts ${all.toFixed(0)}`,
-    );
-    const waits = machine.board.core.waitedInHandlers - waited;
-    outcome.check(waits === 0, `${axes} axes: no interrupt waits for the flash, not for ${waits} cycles in all`);
-    outcome.figure(`tick of ${axes} axes, worst, cycles`, worst);
-    outcome.figure(`tick of ${axes} axes, mean, cycles`, Math.round(mean));
-    if (axes === 6) {
-      outcome.say(`goal for the worst tick of 6 axes: ${GOAL_CYCLES}; it is ${(worst / GOAL_CYCLES).toFixed(1)} times that`);
-      outcome.figure('stack, deepest, bytes', machine.board.stackDepth);
+  for (const axes of SPREAD_AXES) {
+    const played = measure(outcome, 'everything', axes);
+    outcome.figure(`tick of ${axes} axes, worst, cycles`, played.worst);
+    outcome.figure(`tick of ${axes} axes, mean, cycles`, Math.round(played.mean));
+  }
+  for (const axes of ALIKE_AXES) {
+    const name = `tick of ${axes} axes, index sensors at one angle`;
+    const played = measure(outcome, 'alike', axes);
+    if (axes === GOAL_AXES) {
+      outcome.goal(`${name}, worst, cycles`, played.worst, WORST_TICK_CYCLES);
+      outcome.goal(`${name}, mean, cycles`, Math.round(played.mean), MEAN_TICK_CYCLES);
+    } else {
+      outcome.figure(`${name}, worst, cycles`, played.worst);
+      outcome.figure(`${name}, mean, cycles`, Math.round(played.mean));
+    }
+    outcome.figure(`${name}, index pulses confirmed in the worst`, played.pulses, 'neither');
+    for (const { state, worst, mean, pulses } of played.states) {
+      const only = { inDocs: false };
+      outcome.figure(`${name}, ${state}, worst, cycles`, worst, 'lower', only);
+      outcome.figure(`${name}, ${state}, mean, cycles`, Math.round(mean), 'lower', only);
+      outcome.figure(`${name}, ${state}, index pulses confirmed in the worst`, pulses, 'neither', only);
     }
   }
-  for (let axes = 2; axes <= 6; axes += 1) fastest(outcome, axes);
 }
 
-/** The shortest tick that the board accepts, with everything on: every deadline is met. */
-function fastest(outcome, axes) {
-  const at = (tickHz) => scene('everything', (toml) => {
-    withAxes(axes)(toml);
-    toml.control.tick_hz = tickHz;
-  });
-  const [, most] = refusedBy(at(10_000))?.match(/give at most (\d+) Hz/) ?? [undefined, 10_000];
-  const played = at(Number(most));
-  const machine = new Machine({ ...played, blob: blobOf(played) });
-  machine.boot();
-  act(machine, played, predict(played), machine.start());
-  const trouble = log(machine.board).find((line) => /fault|missed|late|lost|rejected/i.test(line))?.trim();
-  outcome.check(trouble === undefined, `${axes} axes at ${most} ticks a second: the log tells of no trouble: ${trouble}`);
-  outcome.say(`${axes} axes: up to ${most} ticks a second, every deadline met`);
+/** The summary of a scene's ticks, with those of its states. */
+function measure(outcome, name, axes) {
+  const played = scene(name, withAxes(axes));
+  const { ticks, period, awake, waited } = play(played, predict(played), blobOf(played));
+  const all = summary(ticks);
+  const states = [...new Set(ticks.map(({ state }) => state))].map((state) => ({
+    state,
+    ...summary(ticks.filter((tick) => tick.state === state)),
+  }));
+  outcome.say(
+    `${name}, ${axes} axes: worst ${all.worst} (${all.pulses} index pulses confirmed), mean ${all.mean.toFixed(0)} cycles a tick of ` +
+      `${period}; with all interrupts ${(awake / ticks.length).toFixed(0)}`,
+  );
+  for (const { state, worst, mean, pulses } of states) {
+    outcome.say(`    ${state.padEnd(6)} worst ${String(worst).padStart(6)} (${pulses} index pulses), mean ${mean.toFixed(0).padStart(6)}`);
+  }
+  outcome.check(waited === 0, `${name}, ${axes} axes: no interrupt waits for the flash, not for ${waited} cycles in all`);
+  return { ...all, states };
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Parser;
 
 use crate::error::Error;
-use crate::{log, panics, places, size};
+use crate::{frames, log, panics, places, size};
 
 /// Looks into the Cophase image.
 #[derive(Debug, Parser)]
@@ -43,6 +43,13 @@ pub enum Command {
         #[arg(long = "root", value_name = "NAME")]
         roots: Vec<String>,
     },
+    /// Name the functions at code addresses, inlined ones too
+    Frames {
+        /// The image
+        elf: PathBuf,
+        /// Hexadecimal addresses, one a line; `-` reads standard input
+        addresses: PathBuf,
+    },
     /// Tell what the image takes of flash and RAM, and compare it with what it took
     Size {
         /// The image
@@ -56,6 +63,9 @@ pub enum Command {
         /// The deepest stack that was measured, kept with the rest
         #[arg(long, value_name = "N")]
         stack_bytes: Option<u64>,
+        /// The number of axes with which that was, kept with the rest
+        #[arg(long, value_name = "N", requires = "stack_bytes")]
+        stack_axes: Option<u64>,
     },
 }
 
@@ -74,12 +84,20 @@ impl Command {
             } => log::print(&elf, &bytes, cycles.as_deref(), json),
             Self::Panics { elf, roots, allow } => panics::check(&elf, &roots, allow.as_deref()),
             Self::Places { elf, roots } => places::check(&elf, &roots),
+            Self::Frames { elf, addresses } => frames::print(&elf, &addresses),
             Self::Size {
                 elf,
                 golden,
                 bless,
                 stack_bytes,
-            } => size::check(&elf, golden.as_deref(), bless, stack_bytes),
+                stack_axes,
+            } => {
+                let stack = stack_bytes.map(|bytes| size::Stack {
+                    bytes,
+                    axes: stack_axes,
+                });
+                size::check(&elf, golden.as_deref(), bless, stack)
+            }
         }
     }
 }

@@ -3,6 +3,7 @@
 //! - `log` decodes what the image logged over RTT;
 //! - `panics` proves that no panic can be reached from given functions, and bounds their stack;
 //! - `places` checks that what functions may call lies in RAM;
+//! - `frames` names the functions at code addresses, those inlined there too;
 //! - `size` tells what the image takes of flash and RAM, and compares with what it took.
 //!
 //! Exit status: 0 all is well; 1 a check failed; 2 the question makes no sense, with a sentence that says
@@ -11,6 +12,7 @@
 mod calls;
 mod command;
 mod error;
+mod frames;
 mod image;
 mod log;
 mod name;

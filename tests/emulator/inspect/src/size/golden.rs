@@ -52,7 +52,7 @@ impl Golden {
             .0
             .extend(figures.iter().map(|&(name, is)| (name.to_owned(), is)));
         let mut text = String::from(
-            "# What the image takes, bytes. Written by `image-inspect size --bless`.\n",
+            "# What the image takes, bytes, and with how many axes the stack is deepest. Written by `image-inspect size --bless`.\n",
         );
         for (name, figure) in &golden.0 {
             let _ = writeln!(text, "{name} = {figure}"); // a string takes everything

@@ -26,12 +26,21 @@ pub struct Size {
     rodata: u64,
     data: u64,
     bss: u64,
-    /// As measured elsewhere; none if it was not.
-    stack: Option<u64>,
+    /// None if it was not measured.
+    stack: Option<Stack>,
+}
+
+/// The deepest stack, as measured elsewhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stack {
+    /// How deep it was, bytes.
+    pub bytes: u64,
+    /// With how many axes that was.
+    pub axes: Option<u64>,
 }
 
 impl Size {
-    fn new(image: &Image, stack: Option<u64>) -> Self {
+    fn new(image: &Image, stack: Option<Stack>) -> Self {
         let sum = |kind| {
             let sections = image.sections.iter().filter(|section| section.kind == kind);
             sections.map(|section| u64::from(section.size)).sum()
@@ -63,7 +72,9 @@ impl Size {
             ("data_bytes", self.data),
             ("bss_bytes", self.bss),
         ];
-        figures.extend(self.stack.map(|stack| ("stack_bytes", stack)));
+        figures.extend(self.stack.map(|stack| ("stack_bytes", stack.bytes)));
+        let axes = self.stack.and_then(|stack| stack.axes);
+        figures.extend(axes.map(|axes| ("stack_axes", axes)));
         figures
     }
 }
@@ -78,7 +89,7 @@ pub fn check(
     elf: &Path,
     golden: Option<&Path>,
     bless: bool,
-    stack: Option<u64>,
+    stack: Option<Stack>,
 ) -> Result<bool, Error> {
     let image = Image::read(elf)?;
     let size = Size::new(&image, stack);
@@ -122,7 +133,14 @@ fn print(out: &mut impl Write, image: &Image, size: &Size) -> Result<(), Error> 
     )?;
     writeln!(out, "RAM   {:>7} bytes: data {data}, bss {bss}", size.ram())?;
     if let Some(stack) = size.stack {
-        writeln!(out, "stack {stack:>7} bytes at most, measured")?;
+        let with = stack
+            .axes
+            .map_or(String::new(), |axes| format!(", with {axes} axes"));
+        writeln!(
+            out,
+            "stack {:>7} bytes at most, measured{with}",
+            stack.bytes
+        )?;
     }
     let functions = image
         .functions
