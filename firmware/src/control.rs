@@ -124,7 +124,7 @@ impl Io for Board {
     #[inline(never)] // as `Controller::tick`
     fn write(&mut self, output: &Output, start: Instant) -> Written {
         lines::drives(output.drives_enabled);
-        match self.steps.offer(&output.runs, start) {
+        match self.steps.offer(output, start) {
             Offer::TooLate => return Written::TooLate,
             Offer::RanDry(axis) => {
                 self.ran_dry = Some(axis);

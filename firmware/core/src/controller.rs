@@ -7,13 +7,14 @@
 
 mod align;
 mod channel;
+mod drive;
 mod preparation;
 mod punctuality;
 mod telling;
 mod wiring_proof;
 
 use crate::axes::Correction;
-use crate::drift::{DriftMonitor, Finding, Sensed, TickPhase};
+use crate::drift::{AxisSet, DriftMonitor, Finding, Sensed, TickPhase};
 use crate::profile::{Profile, SliderCrank};
 use crate::program::{Cursor, Program, ProgramBuilder};
 use crate::pulse::Paces;
@@ -49,6 +50,12 @@ pub struct Controller {
     newest: usize,
     has_servos: bool,
     pace: Paces,
+    /// Axes whose trims may be on their way.
+    trimming: AxisSet,
+    /// Axes that trims and corrections moved in the last tick; not known before the first.
+    own: Option<AxisSet>,
+    /// Axes with a ratio.
+    geared: AxisSet,
     drift: DriftMonitor,
     align: Align,
     correction: Correction,
@@ -141,9 +148,10 @@ impl Controller {
     /// Sets an axis's trim; says whether its limit allowed all of it. An axis that is not there has
     /// no trim: false.
     pub fn set_trim(&mut self, axis: usize, turns: Turns) -> bool {
-        self.channels
-            .get_mut(axis)
-            .is_some_and(|channel| channel.axis.trim_mut().set(turns))
+        self.channels.get_mut(axis).is_some_and(|channel| {
+            self.trimming |= 1 << axis;
+            channel.axis.trim_mut().set(turns)
+        })
     }
 
     /// Takes note of a deadline that was met late, by over half a tick or not, after `missed` deadlines
@@ -390,63 +398,6 @@ impl Controller {
             end: self.end.1,
         };
         self.target
-    }
-
-    /// Moves the axes and makes their pulses and setpoints. While the machine is to stand, trims stand
-    /// too: drives that are off would not follow them.
-    #[inline(never)]
-    fn drive(&mut self, moving: bool) {
-        let trimming = matches!(self.supervisor.state(), State::Align | State::Run);
-        let Output {
-            runs,
-            setpoints,
-            telemetry,
-            ..
-        } = &mut self.output;
-        let master = moving.then_some(self.motion.speed);
-        // A machine that stops is not to be moved by its trims, nor one that is parked.
-        let trims = if moving && trimming {
-            self.correction.advance()
-        } else {
-            None
-        };
-        // The older of the two phases gives way to the one that is planned now.
-        self.newest ^= 1;
-        let [one, other] = &mut self.phases;
-        let phases = if self.newest == 0 { one } else { other };
-        let planned = phases.iter_mut().zip(runs);
-        for (axis, (channel, (phase, runs))) in self.channels.iter_mut().zip(planned).enumerate() {
-            let trim = trims.and_then(|trims| trims.get(axis)).copied();
-            channel.advance(
-                master.as_ref(),
-                trim.unwrap_or_default(),
-                &mut self.pace,
-                phase,
-                runs,
-            );
-        }
-        if self.has_servos {
-            let datum = self.align.datum();
-            let channels = self.channels.iter().zip(phases.iter()).zip(setpoints);
-            for (axis, ((channel, phase), setpoint)) in channels.enumerate() {
-                if let Some(forward) = &channel.feed_forward {
-                    let coupled = self.coupling.as_ref().map(|coupling| coupling.of(axis));
-                    let (position, speed) = coupled.unwrap_or_default();
-                    *setpoint =
-                        channel.setpoint(forward, phase.turns, self.motion.acceleration, datum);
-                    setpoint.position = setpoint.position.advanced(position);
-                    setpoint.velocity = setpoint.velocity.wrapping_add(speed);
-                    if channel.reversed {
-                        *setpoint = setpoint.reversed();
-                    }
-                }
-            }
-        }
-        let told = telemetry.axis_phase.iter_mut().zip(&mut telemetry.steps);
-        for (channel, (phase, steps)) in self.channels.iter().zip(told) {
-            *phase = channel.axis.phase();
-            *steps = channel.planner.steps();
-        }
     }
 
     #[inline(never)]

@@ -1,7 +1,7 @@
 //! What goes into the loop at a deadline, and what comes out of it.
 
 use crate::drift::{IndexPulse, Modes};
-use crate::pulse::Runs;
+use crate::pulse::{Runs, Sharing};
 use crate::servo::Setpoint;
 use crate::shaft::Motion;
 use crate::supervisor::{Command, Fault, SafetyInputs, State};
@@ -45,8 +45,9 @@ impl Feedback {
 /// What the loop writes to the outside, to be played from the next deadline on.
 #[derive(Clone, Debug)]
 pub struct Output {
-    /// Pulses of stepper axes; a servo axis has one pause.
-    pub runs: PerAxis<Runs>,
+    /// Plans, each at the number of the first axis that plays it.
+    pub(crate) plans: PerAxis<Runs>,
+    pub(crate) sharing: Sharing,
     /// Setpoints of servo axes; those of stepper axes are zero.
     pub setpoints: PerAxis<Setpoint>,
     /// The drives are to be on.
@@ -58,11 +59,27 @@ pub struct Output {
 }
 
 impl Output {
+    /// The pulses of an axis; a servo axis has one pause. One that is not there has none.
+    #[inline]
+    pub fn runs(&self, axis: usize) -> &Runs {
+        const NO_RUNS: &Runs = &Runs::new();
+        if axis >= MAX_AXES {
+            return NO_RUNS;
+        }
+        self.plans.get(self.sharing.first(axis)).unwrap_or(NO_RUNS)
+    }
+
+    /// Which axes have the same [`Self::runs`].
+    pub const fn sharing(&self) -> Sharing {
+        self.sharing
+    }
+
     /// Of a loop that has not begun, its axes at these phases.
     #[inline(never)] // with all its room for runs it is large, and would be on the stack once more
     pub(crate) fn idle(axis_phase: PerAxis<Phase>) -> Self {
         Self {
-            runs: [const { Runs::new() }; MAX_AXES],
+            plans: [const { Runs::new() }; MAX_AXES],
+            sharing: Sharing::NONE,
             setpoints: [Setpoint::default(); MAX_AXES],
             drives_enabled: false,
             sync: true,

@@ -24,10 +24,15 @@ impl Gear {
         }
     }
 
+    /// Whether the axis makes the master's own turns.
+    pub const fn is_direct(&self) -> bool {
+        self.numerator == self.denominator
+    }
+
     /// The axis's share of the master's turns, which must be within ±1 turn.
     #[inline]
     pub fn advance(&mut self, master: Turns) -> Turns {
-        if self.numerator == self.denominator {
+        if self.is_direct() {
             return master; // the usual case, and no division
         }
         let all = multiply_long(master.to_bits().unsigned_abs(), self.numerator);
@@ -45,7 +50,7 @@ impl Gear {
 
     /// The same share of an acceleration, below 1 turn a tick², rounded towards zero; it leaves nothing for the next.
     pub fn share(&self, acceleration: Turns) -> Turns {
-        if self.numerator == self.denominator {
+        if self.is_direct() {
             return acceleration;
         }
         let all = multiply_long(acceleration.to_bits().unsigned_abs(), self.numerator);

@@ -55,6 +55,12 @@ impl Axis {
         &mut self.trim
     }
 
+    /// Moves on by what an axis makes that has no ratio, and no trim on its way.
+    #[inline(always)]
+    pub const fn follow(&mut self, turns: Turns) {
+        self.phase = self.phase.advanced(turns);
+    }
+
     /// Moves on with the master, and by a correction, and returns the axis's own turns in this tick.
     pub fn advance(&mut self, master: Turns, correction: Turns) -> Turns {
         let trims = self.trim.advance().wrapping_add(correction);

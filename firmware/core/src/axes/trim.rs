@@ -27,6 +27,11 @@ impl Trim {
         Turns::from_bits(self.now)
     }
 
+    /// Whether the trim is on its way.
+    pub const fn is_moving(&self) -> bool {
+        self.now != self.target
+    }
+
     /// Sets where the trim is to go; says whether the limit allowed all of it.
     pub fn set(&mut self, target: Turns) -> bool {
         self.target = target.to_bits().max(-self.limit).min(self.limit);
@@ -36,7 +41,7 @@ impl Trim {
     /// The change of trim in the coming tick.
     #[inline]
     pub(super) fn advance(&mut self) -> Turns {
-        if self.now == self.target {
+        if !self.is_moving() {
             return Turns::ZERO;
         }
         let change = (self.target - self.now).max(-self.rate).min(self.rate);

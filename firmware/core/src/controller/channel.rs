@@ -1,7 +1,6 @@
 //! One axis of the loop: its phase, its pulses or setpoints, and what it was told in the last two ticks.
 
 use crate::axes::Axis;
-use crate::drift::TickPhase;
 use crate::pulse::{Paces, Planner, Runs};
 use crate::servo::{FeedForward, Setpoint};
 use crate::units::Turns;
@@ -17,26 +16,18 @@ pub(super) struct Channel {
 }
 
 impl Channel {
-    /// Moves on with the master, if it is to move, and fills `runs`; the phase over the tick.
+    /// Whether it may share a plan: one that plays no pulses, or has a ratio, makes edges of its own.
+    pub(super) const fn may_share(&self) -> bool {
+        self.feed_forward.is_none() && self.axis.gear().is_direct()
+    }
+
+    /// Plans a tick in which the axis makes `turns`; the whole steps that these are.
     #[inline(never)]
-    pub(super) fn advance(
-        &mut self,
-        master: Option<&Turns>,
-        trim: Turns,
-        pace: &mut Paces,
-        phase: &mut TickPhase,
-        runs: &mut Runs,
-    ) {
-        phase.start = self.axis.phase();
-        let turns = match master {
-            Some(&speed) => self.axis.advance(speed, trim),
-            None => Turns::ZERO,
-        };
-        phase.turns = turns;
+    pub(super) fn plan(&mut self, turns: Turns, pace: &mut Paces, runs: &mut Runs) -> i32 {
         if self.feed_forward.is_none() {
-            self.planner.plan(turns, pace, runs);
+            self.planner.plan(turns, pace, runs)
         } else {
-            self.planner.count(turns, pace, runs);
+            self.planner.count(turns, pace, runs)
         }
     }
 

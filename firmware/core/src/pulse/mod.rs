@@ -10,12 +10,14 @@ mod pace;
 pub mod planner;
 mod run;
 mod runs;
+mod sharing;
 mod timing;
 
 pub use pace::Paces;
 pub use planner::Planner;
 pub use run::Run;
 pub use runs::{BLOCK, MAX_RUNS, Runs};
+pub use sharing::Sharing;
 pub use timing::PulseTiming;
 
 /// Most edges in a tick of a stepper axis; the settings keep to it.

@@ -39,11 +39,18 @@ pub const GUARD: u32 = Run::LEAST_CYCLES;
 #[derive(Clone, Debug)]
 pub struct Planner {
     timing: PulseTiming,
+    place: Place,
+    /// Whole steps made.
+    steps: i64,
+}
+
+/// Where an axis is within a step, and the levels of its lines: all that the edges of a tick depend on besides its turns and the
+/// lines' timing, which is the same for all axes of a machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
     half_steps_per_turn: u32,
     /// Half-steps past the last whole step, 0 ≤ within < 2 half-steps.
     within: u64,
-    /// Whole steps made.
-    steps: i64,
     /// Level of STEP.
     high: bool,
     /// Level of DIR.
@@ -55,11 +62,13 @@ impl Planner {
     pub const fn new(timing: PulseTiming, steps_per_turn: u32) -> Self {
         Self {
             timing,
-            half_steps_per_turn: 2 * steps_per_turn,
-            within: 0,
+            place: Place {
+                half_steps_per_turn: 2 * steps_per_turn,
+                within: 0,
+                high: false,
+                forward: true,
+            },
             steps: 0,
-            high: false,
-            forward: true,
         }
     }
 
@@ -68,27 +77,45 @@ impl Planner {
         self.steps
     }
 
-    /// Replaces `runs` with those of a tick in which the axis makes `turns`.
+    /// Where the axis is within a step. Not for an axis that [`Self::follow`]s another.
+    pub const fn place(&self) -> &Place {
+        &self.place
+    }
+
+    /// Counts the steps of a tick that another axis planned, from the same place and with the same turns. Whoever shares plans keeps
+    /// the place, and hands it back in [`Self::part`].
+    #[inline(always)]
+    pub fn follow(&mut self, steps: i32) {
+        self.steps += i64::from(steps);
+    }
+
+    /// Goes on by itself from the place of the axis that it followed.
+    pub const fn part(&mut self, place: Place) {
+        self.place = place;
+    }
+
+    /// Replaces `runs` with those of a tick in which the axis makes `turns`; the whole steps that it makes, rounded down.
     ///
     /// `turns` must not ask for more edges than [`PulseTiming::check_rate`] allowed. `pace` is what the axes before left
     /// there, or any other that is for the same tick.
     #[inline]
-    pub fn plan(&mut self, turns: Turns, pace: &mut Paces, runs: &mut Runs) {
+    pub fn plan(&mut self, turns: Turns, pace: &mut Paces, runs: &mut Runs) -> i32 {
         runs.clear();
         let tick_cycles = self.timing.tick;
-        let pace = pace.take(turns.to_bits(), self.half_steps_per_turn);
+        let pace = pace.take(turns.to_bits(), self.place.half_steps_per_turn);
         let way = self.travel(turns, pace);
         let forward = turns >= 0;
         let due_high = way.begins_low == forward;
         if way.crossings == 0 {
-            append(Run::pause(tick_cycles, self.forward), runs);
-        } else if forward == self.forward && self.high == due_high {
+            append(Run::pause(tick_cycles, self.place.forward), runs);
+        } else if forward == self.place.forward && self.place.high == due_high {
             let times = (pace.first(way.to_first), pace.spacing);
-            self.high ^= way.crossings % 2 == 1;
+            self.place.high ^= way.crossings % 2 == 1;
             spread(way.crossings, 0, times, tick_cycles, forward, runs);
         } else {
             self.plan_turning(&way, forward, due_high, pace, runs);
         }
+        way.steps
     }
 
     /// The runs of a tick that does not go on as the one before ended.
@@ -106,10 +133,10 @@ impl Planner {
         runs: &mut Runs,
     ) {
         let tick_cycles = self.timing.tick;
-        let skipped = u32::from(due_high && !self.high);
+        let skipped = u32::from(due_high && !self.place.high);
         let edges = way.crossings - skipped;
         if edges == 0 {
-            append(Run::pause(tick_cycles, self.forward), runs);
+            append(Run::pause(tick_cycles, self.place.forward), runs);
             return;
         }
         let start = self.turn_round(forward, runs);
@@ -119,23 +146,24 @@ impl Planner {
         } else {
             to_first + spacing
         };
-        self.high ^= edges % 2 == 1;
+        self.place.high ^= edges % 2 == 1;
         let times = (first, spacing);
-        spread(edges, start, times, tick_cycles, self.forward, runs);
+        spread(edges, start, times, tick_cycles, self.place.forward, runs);
     }
 
-    /// Counts on without pulses, for a servo axis: `runs` is one pause of a tick.
-    pub fn count(&mut self, turns: Turns, pace: &mut Paces, runs: &mut Runs) {
-        let pace = pace.take(turns.to_bits(), self.half_steps_per_turn);
-        self.travel(turns, pace);
+    /// Counts on without pulses, for a servo axis: `runs` is one pause of a tick. The whole steps, as of [`Self::plan`].
+    pub fn count(&mut self, turns: Turns, pace: &mut Paces, runs: &mut Runs) -> i32 {
+        let pace = pace.take(turns.to_bits(), self.place.half_steps_per_turn);
+        let way = self.travel(turns, pace);
         runs.clear();
-        append(Run::pause(self.timing.tick, self.forward), runs);
+        append(Run::pause(self.timing.tick, self.place.forward), runs);
+        way.steps
     }
 
     /// Moves on, and says over which steps.
     #[inline(always)]
     fn travel(&mut self, turns: Turns, pace: &Pace) -> Way {
-        let begin = self.within;
+        let begin = self.place.within;
         let past = begin & (HALF_STEP - 1);
         let (end, to_first) = if turns >= 0 {
             (begin.wrapping_add(pace.length), HALF_STEP - past)
@@ -145,28 +173,33 @@ impl Planner {
         // Half-steps by number: even in the first half of a step. Below 2^15 of them, so the upper word has room.
         let number = |place: u64| (place >> 32) as i32 >> (FRACTION_BITS - 32);
         let (first, last) = (number(begin), number(end));
-        self.steps += i64::from(last >> 1);
-        self.within = end & (2 * HALF_STEP - 1);
+        let steps = last >> 1;
+        self.steps += i64::from(steps);
+        self.place.within = end & (2 * HALF_STEP - 1);
         Way {
             to_first,
             crossings: last.abs_diff(first),
             begins_low: first == 0,
+            steps,
         }
     }
 
     /// Ends a pulse that is still high, and changes direction if that is needed; says how many cycles that takes.
     fn turn_round(&mut self, forward: bool, runs: &mut Runs) -> u32 {
         let mut end = 0;
-        if self.high {
+        if self.place.high {
             end = self.timing.width.max(GUARD);
-            append(Run::new(1, end, self.forward), runs);
-            self.high = false;
+            append(Run::new(1, end, self.place.forward), runs);
+            self.place.high = false;
         }
-        if forward != self.forward {
-            append(Run::pause(self.timing.before_turn, self.forward), runs);
+        if forward != self.place.forward {
+            append(
+                Run::pause(self.timing.before_turn, self.place.forward),
+                runs,
+            );
             append(Run::pause(self.timing.turn, forward), runs);
             end += self.timing.before_turn + self.timing.turn;
-            self.forward = forward;
+            self.place.forward = forward;
         }
         end
     }
@@ -180,6 +213,8 @@ struct Way {
     crossings: u32,
     /// Whether the tick begins in the first half of a step.
     begins_low: bool,
+    /// Whole steps made, rounded down.
+    steps: i32,
 }
 
 /// Spreads `edges` (at least 1) over what is left of the tick from `start` on, and appends them and the pause after them.
