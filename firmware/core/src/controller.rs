@@ -14,7 +14,7 @@ mod telling;
 mod wiring_proof;
 
 use crate::axes::Correction;
-use crate::drift::{AxisSet, DriftMonitor, Finding, Sensed, TickPhase};
+use crate::drift::{AxisSet, DriftMonitor, Finding, History, Sensed};
 use crate::profile::{Profile, SliderCrank};
 use crate::program::{Cursor, Program, ProgramBuilder};
 use crate::pulse::Paces;
@@ -45,9 +45,8 @@ pub struct Controller {
     park_crank: Turns,
     park: Turns,
     channels: heapless::Vec<Channel, MAX_AXES>,
-    /// Phases of the last two outputs: the one being played, and the one before; `newest` is the one being played.
-    phases: [PerAxis<TickPhase>; 2],
-    newest: usize,
+    /// What the axes were commanded in the last outputs.
+    history: History,
     has_servos: bool,
     pace: Paces,
     /// Axes whose trims may be on their way.
@@ -167,11 +166,7 @@ impl Controller {
             return;
         }
         limits.missed_deadlines = limits.missed_deadlines.saturating_add(missed);
-        let [one, other] = &mut self.phases;
-        for ((channel, one), other) in self.channels.iter().zip(one).zip(other) {
-            *one = TickPhase::still(channel.axis.phase());
-            *other = *one;
-        }
+        self.history = History::new();
         self.stood(missed);
     }
 
@@ -277,10 +272,8 @@ impl Controller {
         let sensed = Sensed {
             index: &feedback.index,
             encoder: &feedback.encoder,
-            commanded: match &self.phases {
-                [_, played] if self.newest == 0 => played,
-                [played, _] => played,
-            },
+            phase: &self.output.telemetry.axis_phase,
+            history: &self.history,
             correction: self.correction.now(),
             speed: self.motion.speed,
         };

@@ -33,10 +33,7 @@ impl Controller {
         } else {
             (Turns::ZERO, 0)
         };
-        // The older of the two phases gives way to the one that is planned now.
-        self.newest ^= 1;
-        let [one, other] = &mut self.phases;
-        let phases = if self.newest == 0 { one } else { other };
+        self.history.plan(master);
         let Output {
             plans,
             sharing,
@@ -45,17 +42,17 @@ impl Controller {
         } = &mut self.output;
         let mut steps_of: PerAxis<i32> = [0; MAX_AXES];
         let told = telemetry.axis_phase.iter_mut().zip(&mut telemetry.steps);
-        let all = self.channels.iter_mut().zip(phases.iter_mut().zip(told));
-        for (axis, (channel, (phase, (told_phase, told_steps)))) in all.enumerate() {
+        for (axis, (channel, (told_phase, told_steps))) in
+            self.channels.iter_mut().zip(told).enumerate()
+        {
             let mut turns = master;
-            phase.start = channel.axis.phase();
             if by_themselves & 1 << axis != 0 {
                 let correction = corrections.as_ref().and_then(|all| all.get(axis)).copied();
                 turns = channel.axis.advance(master, correction.unwrap_or_default());
+                self.history.plan_own(axis, turns);
             } else {
                 channel.axis.follow(master);
             }
-            phase.turns = turns;
             let first = sharing.first(axis);
             if first == axis {
                 if let (Some(runs), Some(steps)) = (plans.get_mut(axis), steps_of.get_mut(axis)) {
@@ -133,19 +130,19 @@ impl Controller {
     /// Makes the setpoints of servo axes.
     #[inline(never)]
     fn set_points(&mut self) {
-        let phases = if self.newest == 0 {
-            &self.phases[0]
-        } else {
-            &self.phases[1]
-        };
         let datum = self.align.datum();
         let setpoints = &mut self.output.setpoints;
-        let channels = self.channels.iter().zip(phases).zip(setpoints);
-        for (axis, ((channel, phase), setpoint)) in channels.enumerate() {
+        let channels = self.channels.iter().zip(setpoints);
+        for (axis, (channel, setpoint)) in channels.enumerate() {
             if let Some(forward) = &channel.feed_forward {
                 let coupled = self.coupling.as_ref().map(|coupling| coupling.of(axis));
                 let (position, speed) = coupled.unwrap_or_default();
-                *setpoint = channel.setpoint(forward, phase.turns, self.motion.acceleration, datum);
+                *setpoint = channel.setpoint(
+                    forward,
+                    self.history.planned(axis),
+                    self.motion.acceleration,
+                    datum,
+                );
                 setpoint.position = setpoint.position.advanced(position);
                 setpoint.velocity = setpoint.velocity.wrapping_add(speed);
                 if channel.reversed {

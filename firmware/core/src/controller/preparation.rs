@@ -9,7 +9,7 @@ use super::channel::Channel;
 use super::punctuality::Punctuality;
 use super::wiring_proof::wiring_patterns;
 use crate::axes::{Axis, Correction};
-use crate::drift::{DriftMonitor, TickPhase};
+use crate::drift::{DriftMonitor, History};
 use crate::program::{Cursor, Program};
 use crate::pulse::{Paces, Planner, PulseTiming};
 use crate::servo::{Coupling, FeedForward};
@@ -159,8 +159,7 @@ impl Controller {
             overrun: None,
             was_late: false,
             output: Output::idle(phase),
-            phases: [phase.map(TickPhase::still); 2],
-            newest: 0,
+            history: History::new(),
             channels,
         }
     }

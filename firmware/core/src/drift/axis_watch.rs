@@ -7,6 +7,7 @@ use super::encoder_watch::{EncoderWatch, Manner, Read};
 use super::index_filter::BRIDGE_WIDTHS;
 use super::index_watch::{Heard, IndexWatch, Place};
 use super::naming::Story;
+use super::queue::Waiting;
 use super::tick_phase::{IndexPulse, TickClock, TickPhase};
 use crate::settings::{AxisSettings, turns};
 use crate::supervisor::FaultKind;
@@ -58,6 +59,8 @@ pub(super) struct AxisWatch {
     /// Where the tick began in which the encoder was read last, and where the one in which it jumped.
     began: Phase,
     jumped_at: Phase,
+    /// Turns that an encoder measured in the tick before the one that is over.
+    before: Turns,
     /// What motor and command differed by as the index was heard last.
     at_flag: Turns,
     tolerance: Turns,
@@ -131,6 +134,7 @@ impl AxisWatch {
             read: Read::Nothing,
             began: Phase::ZERO,
             jumped_at: Phase::ZERO,
+            before: Turns::ZERO,
             at_flag: Turns::ZERO,
             tolerance,
             gate: angle(gate).unsigned_abs(),
@@ -149,16 +153,39 @@ impl AxisWatch {
         }
     }
 
-    /// Whether a tick without a pulse is no news: of an axis by index whose next pulse is not due. Nearly all are so.
-    #[inline(always)]
-    pub(super) fn passes_over(&mut self, commanded: &TickPhase) -> bool {
-        match (&self.encoder, &mut self.index) {
-            (None, Some(index)) => index.passes_over(commanded),
-            _ => false,
-        }
+    /// How much further an axis by index may go before its next pulse is due, from the end of a tick on; below zero if it is.
+    pub(super) fn margin(&self, commanded: &TickPhase) -> Turns {
+        self.index
+            .as_ref()
+            .map_or(Turns::MAX, |index| index.margin(commanded))
     }
 
-    /// Takes in a tick; whether there is news.
+    /// Takes in a pulse of an axis by index; whether that is news.
+    #[inline(never)]
+    pub(super) fn hear(&mut self, waiting: &Waiting, clock: TickClock) -> bool {
+        let Some(index) = &mut self.index else {
+            return false;
+        };
+        let Waiting {
+            pulse,
+            commanded,
+            before,
+        } = waiting;
+        self.heard = index.hear(*pulse, commanded, commanded.turns, *before, clock);
+        self.heard != Heard::Nothing
+    }
+
+    /// Takes in a tick without a pulse of an axis by index; whether there is news.
+    #[inline(never)]
+    pub(super) fn look(&mut self, commanded: &TickPhase) -> bool {
+        let Some(index) = &mut self.index else {
+            return false;
+        };
+        self.heard = index.look(commanded, commanded.turns);
+        self.heard != Heard::Nothing
+    }
+
+    /// Takes in a tick of an axis with an encoder; whether there is news.
     #[inline(never)]
     pub(super) fn observe(
         &mut self,
@@ -169,12 +196,7 @@ impl AxisWatch {
         clock: TickClock,
     ) -> bool {
         let Some(encoder) = &mut self.encoder else {
-            let Some(index) = &mut self.index else {
-                return false;
-            };
-            let told = commanded.turns;
-            self.heard = index.observe(pulse, commanded, told, before_is_known, clock);
-            return self.heard != Heard::Nothing;
+            return false;
         };
         // Where the motor is, not where it was told to be.
         let start = commanded.start.advanced(encoder.drift());
@@ -182,15 +204,20 @@ impl AxisWatch {
         self.read = read;
         // A jump is told a tick later.
         self.jumped_at = core::mem::replace(&mut self.began, start);
-        self.heard = match &mut self.index {
-            Some(index) => {
-                let measured = TickPhase { start, turns };
-                // A motor's noise turns it back for a tick; its flag is met by the way that it is told.
-                let told = commanded.turns;
-                index.observe(pulse, &measured, told, before_is_known, clock)
-            }
-            None => Heard::Nothing,
-        };
+        self.heard = Heard::Nothing;
+        if let Some(index) = &mut self.index {
+            let measured = TickPhase { start, turns };
+            let before = core::mem::replace(&mut self.before, turns);
+            // A motor's noise turns it back for a tick; its flag is met by the way that it is told.
+            let told = commanded.turns;
+            self.heard = match pulse {
+                Some(&pulse) => {
+                    let before = before_is_known.then_some(before);
+                    index.hear(pulse, &measured, told, before, clock)
+                }
+                None => index.look(&measured, told),
+            };
+        }
         self.heard != Heard::Nothing || self.read != Read::Nothing
     }
 

@@ -119,8 +119,6 @@ pub(super) struct IndexWatch {
     missing: bool,
     /// Turns since then at which there is something to say.
     alert: Turns,
-    /// Turns of the tick before the one that is over, which ended where the one that is over began.
-    before: Turns,
 }
 
 impl IndexWatch {
@@ -137,7 +135,6 @@ impl IndexWatch {
             unheard: false,
             missing: false,
             alert: Turns::ZERO,
-            before: Turns::ZERO,
         }
     }
 
@@ -184,13 +181,11 @@ impl IndexWatch {
         self.unheard
     }
 
-    /// Takes in a tick without a pulse, if there is nothing to say of it; whether there was not.
-    #[inline(always)]
-    pub(super) fn passes_over(&mut self, phase: &TickPhase) -> bool {
-        self.before = phase.turns;
-        // Up to its end, which is further than what is sure of it.
+    /// How much further an axis may go, from the end of a tick on, before there is something to say of it if no pulse comes. The end
+    /// is further than what is sure of the tick.
+    pub(super) const fn margin(&self, phase: &TickPhase) -> Turns {
         let end = phase.start.advanced(phase.turns);
-        end.since(self.heard_at) <= self.alert
+        self.alert.saturating_sub(end.since(self.heard_at))
     }
 
     /// Whether it is sure that no flag came where there would be something to say of it.
@@ -200,40 +195,30 @@ impl IndexWatch {
         since.wrapping_add(Turns::from_bits(sure)) > self.alert
     }
 
-    /// Takes in a tick that is over, in which the axis was told to make `commanded` turns: a motor's noise would be
-    /// multiplied by the line's delay. `before_is_known`: so is the tick
-    /// before it.
-    #[inline]
-    pub(super) fn observe(
-        &mut self,
-        pulse: Option<&IndexPulse>,
-        phase: &TickPhase,
-        commanded: Turns,
-        before_is_known: bool,
-        clock: TickClock,
-    ) -> Heard {
-        let heard = match pulse {
-            Some(pulse) => self.hear(*pulse, phase, commanded, before_is_known, clock),
-            None if self.is_silent(phase, commanded) => match self.silence() {
-                // In the same tick it may be so late that it is overdue; where nothing else watches, that is what matters.
-                Heard::Unheard if self.place.calm == 0 && self.is_silent(phase, commanded) => {
-                    self.silence()
-                }
-                heard => heard,
-            },
-            None => Heard::Nothing,
-        };
-        self.before = phase.turns;
-        heard
+    /// Takes in a tick without a pulse, in which the axis was told to make `commanded` turns: a motor's noise would be
+    /// multiplied by the line's delay.
+    pub(super) fn look(&mut self, phase: &TickPhase, commanded: Turns) -> Heard {
+        if !self.is_silent(phase, commanded) {
+            return Heard::Nothing;
+        }
+        match self.silence() {
+            // In the same tick it may be so late that it is overdue; where nothing else watches, that is what matters.
+            Heard::Unheard if self.place.calm == 0 && self.is_silent(phase, commanded) => {
+                self.silence()
+            }
+            heard => heard,
+        }
     }
 
-    #[inline(never)] // seldom, and what it needs of registers the loop over all axes would lack
-    fn hear(
+    /// Takes in a pulse that came in the tick over which the axis had that phase, or in the one before, in which it made `before`
+    /// turns, if that is known.
+    #[inline(never)] // seldom, and what it needs of registers a loop over all axes would lack
+    pub(super) fn hear(
         &mut self,
         pulse: IndexPulse,
         phase: &TickPhase,
         commanded: Turns,
-        before_is_known: bool,
+        before: Option<Turns>,
         clock: TickClock,
     ) -> Heard {
         if commanded == 0 && !self.known {
@@ -243,10 +228,10 @@ impl IndexWatch {
         let back = pulse.cycle.min(0).unsigned_abs();
         let tick = if back == 0 {
             *phase
-        } else if before_is_known {
+        } else if let Some(before) = before {
             TickPhase {
-                start: phase.start.advanced(self.before.wrapping_neg()),
-                turns: self.before,
+                start: phase.start.advanced(before.wrapping_neg()),
+                turns: before,
             }
         } else {
             self.heard_at = phase.start; // it is alive, and more is not known

@@ -20,15 +20,18 @@ mod angles;
 mod axis_watch;
 mod encoder_watch;
 mod findings;
+mod history;
 pub mod index_filter;
 mod index_watch;
 mod limits;
 mod modes;
 mod naming;
+mod queue;
 mod tick_phase;
 
 pub use axis_watch::place_gate;
 pub use findings::Finding;
+pub use history::History;
 pub use index_filter::IndexFilter;
 pub use limits::DriftLimits;
 pub use modes::{AxisSet, Knowledge, Modes, Mount};
@@ -41,6 +44,7 @@ use crate::units::{MAX_AXES, PerAxis, Phase, Turns, nearest};
 use angles::{Angles, furthest, in_common, of_angle};
 use axis_watch::AxisWatch;
 use findings::Findings;
+use queue::Queue;
 use tick_phase::TickClock;
 
 /// What came in during a tick.
@@ -50,12 +54,22 @@ pub struct Sensed<'a> {
     pub index: &'a PerAxis<Option<IndexPulse>>,
     /// Encoder counts at its end, in the motors' own sense.
     pub encoder: &'a PerAxis<i32>,
-    /// Phases that were commanded in it.
-    pub commanded: &'a PerAxis<TickPhase>,
+    /// Phases at which the axes are commanded to be at the end of the tick that was planned last.
+    pub phase: &'a PerAxis<Phase>,
+    /// What was commanded up to there.
+    pub history: &'a History,
     /// What of these was correction.
     pub correction: &'a PerAxis<Turns>,
     /// Turns that the master made in it.
     pub speed: Turns,
+}
+
+impl Sensed<'_> {
+    /// The phase of an axis over the tick that is over.
+    fn over(&self, axis: usize) -> TickPhase {
+        let phase = self.phase.get(axis).copied().unwrap_or(Phase::ZERO);
+        self.history.over(axis, phase)
+    }
 }
 
 /// Watches the drift of all axes.
@@ -90,7 +104,13 @@ pub struct DriftMonitor {
     is_compared: bool,
     modes: Modes,
     findings: Findings,
+    queue: Queue,
+    /// No axis by index is due before axes have made so many turns; below zero if that is not known.
+    margin: Turns,
 }
+
+/// The margin is not known.
+const NO_MARGIN: Turns = Turns::from_bits(-1);
 
 impl DriftMonitor {
     /// Of settings that have been checked.
@@ -140,6 +160,8 @@ impl DriftMonitor {
             is_compared: false,
             modes: Modes::default(),
             findings: Findings::new(),
+            queue: Queue::new(),
+            margin: NO_MARGIN,
         }
     }
 
@@ -147,23 +169,17 @@ impl DriftMonitor {
     #[inline(never)]
     pub fn observe(&mut self, sensed: &Sensed<'_>) -> Option<Finding> {
         let before_is_known = core::mem::replace(&mut self.before_is_known, true);
-        let mut news = 0;
-        let stirred = stirred(&mut self.axes, sensed.index, sensed.commanded);
-        if stirred != 0 {
-            let heard = sensed.index.iter().zip(sensed.encoder);
-            let all = self.axes.iter_mut().zip(heard.zip(sensed.commanded));
-            for (axis, (watch, ((pulse, &count), commanded))) in all.enumerate() {
-                let pulse = pulse.as_ref();
-                if stirred & 1 << axis != 0
-                    && watch.observe(pulse, count, commanded, before_is_known, self.clock)
-                {
-                    news |= 1 << axis;
-                }
-            }
-        }
         self.findings.pass(sensed.speed);
-        if news != 0 || self.by_encoder != 0 {
-            self.consider(news, sensed);
+        if self.by_encoder != 0 {
+            self.observe_encoders(sensed, before_is_known);
+        }
+        self.queue_pulses(sensed, before_is_known);
+        self.margin = self.margin.wrapping_sub(sensed.history.most());
+        if self.margin < 0 {
+            self.seek_silence(sensed);
+        }
+        if self.has_news() {
+            self.sort_queued(sensed);
         }
         self.findings.next()
     }
@@ -171,67 +187,65 @@ impl DriftMonitor {
     /// Takes note of a tick to which no phase belongs: sensors that were heard in it are alive.
     pub fn disregard(&mut self, sensed: &Sensed<'_>) {
         self.before_is_known = false;
+        self.margin = NO_MARGIN;
         for (axis, watch) in self.axes.iter_mut().enumerate() {
-            if let (Some(pulse), Some(&count), Some(commanded)) = (
-                sensed.index.get(axis),
-                sensed.encoder.get(axis),
-                sensed.commanded.get(axis),
-            ) {
-                watch.disregard(pulse.is_some(), count, commanded.start);
+            if let (Some(pulse), Some(&count)) = (sensed.index.get(axis), sensed.encoder.get(axis))
+            {
+                watch.disregard(pulse.is_some(), count, sensed.over(axis).start);
             }
         }
     }
 
-    /// Sorts what was heard, and looks at what has come of it.
+    /// Sorts the news of an axis: of a pulse, or of silence and encoders. Whether it is so far from where it was that the others are
+    /// not waited for.
     #[inline(never)]
-    fn consider(&mut self, news: AxisSet, sensed: &Sensed<'_>) {
-        let all_late = self.axes.iter().all(AxisWatch::is_late);
-        let mut moved = 0;
-        for axis in 0..self.axes.len().min(MAX_AXES) {
-            if news & 1 << axis == 0 {
-                continue;
-            }
-            let tolerance = self.limits.common;
-            let others = self.in_common_but(axis, sensed.correction);
-            let Some(watch) = self.axes.get_mut(axis) else {
-                continue;
-            };
-            let heard = watch.sort(all_late.then_some(tolerance));
-            if heard.is_heard {
-                self.heard |= 1 << axis;
-                self.known |= 1 << axis;
-                self.seen |= 1 << axis;
-            }
-            // A crank may pass a limit by its own pulse, long before the round is over.
-            let own = watch.drift().wrapping_add(sensed.correction[axis]);
-            let off = nearest(own.wrapping_sub(others)).abs();
-            let has_moved = heard.has_moved.filter(|_| watch.is_by_index());
-            let most = if has_moved.is_some() {
-                watch.alone()
-            } else {
-                watch.far()
-            };
-            // One that was late, and comes while all are stopped for that, is told what it did before they stand.
-            let is_waited_for = has_moved.is_some() && self.findings.has_asked_for_a_stop();
-            if heard.is_heard && (off > most || is_waited_for) {
-                moved |= 1 << axis;
-            }
-            // While it was being found out a crank was lost sight of; where it shows again tells what it did.
-            if let Some(by) = has_moved
-                && self.finding_out
-                && self.findings.has_asked_for_a_stop()
-            {
-                let kind = watch.jumped(by);
-                self.find(axis, kind, by, false);
-            } else if let Some(by) = heard.has_moved
-                && self.finding_out
-            {
-                self.moved = Some((axis, by));
-            }
-            if let Some((kind, by, in_safety)) = heard.told {
-                self.find(axis, kind, by, in_safety);
-            }
+    fn sort(&mut self, axis: usize, may_be_silent: bool, sensed: &Sensed<'_>) -> bool {
+        let all_late = may_be_silent && self.axes.iter().all(AxisWatch::is_late);
+        let tolerance = self.limits.common;
+        let others = self.in_common_but(axis, sensed.correction);
+        let Some(watch) = self.axes.get_mut(axis) else {
+            return false;
+        };
+        let heard = watch.sort(all_late.then_some(tolerance));
+        if heard.is_heard {
+            self.heard |= 1 << axis;
+            self.known |= 1 << axis;
+            self.seen |= 1 << axis;
         }
+        // A crank may pass a limit by its own pulse, long before the round is over.
+        let correction = sensed.correction.get(axis).copied().unwrap_or_default();
+        let own = watch.drift().wrapping_add(correction);
+        let off = nearest(own.wrapping_sub(others)).abs();
+        let has_moved = heard.has_moved.filter(|_| watch.is_by_index());
+        let most = if has_moved.is_some() {
+            watch.alone()
+        } else {
+            watch.far()
+        };
+        // One that was late, and comes while all are stopped for that, is told what it did before they stand.
+        let is_waited_for = has_moved.is_some() && self.findings.has_asked_for_a_stop();
+        let is_far = heard.is_heard && (off > most || is_waited_for);
+        // While it was being found out a crank was lost sight of; where it shows again tells what it did.
+        if let Some(by) = has_moved
+            && self.finding_out
+            && self.findings.has_asked_for_a_stop()
+        {
+            let kind = watch.jumped(by);
+            self.find(axis, kind, by, false);
+        } else if let Some(by) = heard.has_moved
+            && self.finding_out
+        {
+            self.moved = Some((axis, by));
+        }
+        if let Some((kind, by, in_safety)) = heard.told {
+            self.find(axis, kind, by, in_safety);
+        }
+        is_far
+    }
+
+    /// Looks at what has come of the news of some axes, of which some have moved far.
+    #[inline(never)]
+    fn conclude(&mut self, news: AxisSet, moved: AxisSet, sensed: &Sensed<'_>) {
         let round = news != 0 && self.heard & self.by_index == self.by_index && self.heard != 0;
         if self.finding_out && self.is_aligned() && news != 0 && !round {
             // All creep alike: what was heard a turn ago is as good.
@@ -419,6 +433,8 @@ impl DriftMonitor {
         self.finding_out = true;
         self.moved = None;
         self.findings.clear();
+        self.queue = Queue::new();
+        self.margin = NO_MARGIN;
         for (watch, &phase) in self.axes.iter_mut().zip(phase) {
             watch.reset(phase);
         }
@@ -530,24 +546,6 @@ impl DriftMonitor {
     pub const fn modes(&self) -> &Modes {
         &self.modes
     }
-}
-
-/// Axes of which there may be news. All others are done with: in nearly all ticks, all.
-#[inline(never)] // in a loop of its own: unrolled, it lacks registers
-fn stirred(
-    axes: &mut [AxisWatch],
-    index: &[Option<IndexPulse>],
-    commanded: &[TickPhase],
-) -> AxisSet {
-    let mut set = 0;
-    let mut own = 1;
-    for (watch, (pulse, commanded)) in axes.iter_mut().zip(index.iter().zip(commanded)) {
-        if pulse.is_some() || !watch.passes_over(commanded) {
-            set |= own;
-        }
-        own <<= 1;
-    }
-    set
 }
 
 /// A drift of each axis.
