@@ -23,7 +23,7 @@ use crate::settings::{Settings, SettingsError};
 use crate::shaft::{Demand, Motion, Shaft, Target};
 use crate::signals::{Feedback, Output};
 use crate::supervisor::{Action, Command, Fault, FaultKind, Seen, State, Supervisor};
-use crate::units::{Amax, MAX_AXES, ONE_TURN, PerAxis, Phase, Turns};
+use crate::units::{Amax, MAX_AXES, ONE_TURN, Phase, Turns};
 use align::Align;
 use channel::Channel;
 pub use preparation::Prepared;
@@ -198,12 +198,13 @@ impl Controller {
         if feedback.command == Some(Command::ResetPeak) {
             self.drift.reset_peak();
         }
-        let (seen, told) = self.observe(feedback);
+        let mut seen = Seen::default();
+        let told = self.observe(feedback, &mut seen);
         let before = self.supervisor.state();
         let was_well = !self.supervisor.has_fault();
         let action = self
             .supervisor
-            .step(feedback.inputs, feedback.command, seen);
+            .step(feedback.inputs, feedback.command, &seen);
         let now = self.supervisor.state();
         if now != before {
             self.enter(before, now);
@@ -224,9 +225,9 @@ impl Controller {
         &self.output
     }
 
-    /// What has been seen since the last tick.
+    /// What has been seen since the last tick; what of it is told, whatever is done about it.
     #[inline(never)]
-    fn observe(&mut self, feedback: &Feedback) -> (Seen, Option<Fault>) {
+    fn observe(&mut self, feedback: &Feedback, seen: &mut Seen) -> Option<Fault> {
         let mut found = self.measure(feedback);
         let drives_on = self.supervisor.drives_enabled();
         if drives_on {
@@ -248,22 +249,21 @@ impl Controller {
         } else if self.correction.is_on() && self.supervisor.state() == State::Run {
             let swapped = self.correct();
             // What is told in safety of cranks that are driven apart comes of that.
-            found = found.filter(|found| !found.in_safety).or(swapped).or(found);
+            if swapped.is_some() {
+                found = found.filter(|found| !found.in_safety).or(swapped);
+            }
         }
-        let mut seen = Seen {
-            at_rest: self.motion.at_rest,
-            aligned: self.align.is_done(),
-            program_done: self.cursor.is_done(&self.program),
-            tick: self.ticks,
-            phase: self.crank_phase(),
-            ..Seen::default()
-        };
-        let told = found.and_then(|found| weigh(found, &self.supervisor, &mut seen));
+        seen.at_rest = self.motion.at_rest;
+        seen.aligned = self.align.is_done();
+        seen.program_done = self.cursor.is_done(&self.program);
+        seen.tick = self.ticks;
+        seen.phase = self.crank_phase();
+        let told = found.and_then(|found| weigh(found, &self.supervisor, seen));
         let alarm = feedback.alarm.iter().fold(false, |any, alarm| any | alarm);
         if alarm || feedback.ran_dry.is_some() || self.overrun.is_some() {
-            self.blame(feedback, &mut seen);
+            self.blame(feedback, seen);
         }
-        (seen, told)
+        told
     }
 
     /// Hears the sensors.
@@ -409,10 +409,11 @@ impl Controller {
         telemetry.holding = action == Action::Hold;
         telemetry.motion = self.motion;
         telemetry.phase = self.shaft.phase();
-        telemetry.drift = *self.drift.drift();
-        telemetry.peak = *self.drift.peak();
-        telemetry.modes = *self.drift.modes();
-        telemetry.correction = *self.correction.now();
+        if self.drift.take_changed() {
+            telemetry.drift = *self.drift.drift();
+            telemetry.peak = *self.drift.peak();
+            telemetry.modes = *self.drift.modes();
+        }
         telemetry.datum = self.align.datum();
     }
 }

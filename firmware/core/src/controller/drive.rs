@@ -28,6 +28,9 @@ impl Controller {
         if self.own != Some(own) {
             self.group_axes(own);
         }
+        if corrections.is_some() {
+            self.output.telemetry.correction = *self.correction.now();
+        }
         let (master, by_themselves) = if moving {
             (self.motion.speed, own | self.geared)
         } else {

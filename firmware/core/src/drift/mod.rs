@@ -103,6 +103,8 @@ pub struct DriftMonitor {
     /// They have been compared since, so that at its end this round does not tell.
     is_compared: bool,
     modes: Modes,
+    /// Drifts, peaks or modes may differ from those that [`Self::take_changed`] was asked for last.
+    changed: bool,
     findings: Findings,
     queue: Queue,
     /// No axis by index is due before axes have made so many turns; below zero if that is not known.
@@ -159,6 +161,7 @@ impl DriftMonitor {
             is_even: false,
             is_compared: false,
             modes: Modes::default(),
+            changed: false,
             findings: Findings::new(),
             queue: Queue::new(),
             margin: NO_MARGIN,
@@ -287,6 +290,7 @@ impl DriftMonitor {
     }
 
     fn update(&mut self) {
+        self.changed = true;
         for ((drift, peak), watch) in self.drift.iter_mut().zip(&mut self.peak).zip(&self.axes) {
             *drift = watch.drift();
             *peak = drift.wrapping_abs().max(*peak);
@@ -317,6 +321,7 @@ impl DriftMonitor {
             *error = nearest(error.wrapping_add(correction).wrapping_sub(base));
         }
         self.modes = self.mount.modes(&error);
+        self.changed = true;
         let past = self.past(sensed.speed);
         for axis in 0..self.axes.len().min(MAX_AXES) {
             let fresh = self.axes.get_mut(axis).and_then(AxisWatch::take_fresh);
@@ -440,6 +445,7 @@ impl DriftMonitor {
         }
         self.drift = [Turns::ZERO; MAX_AXES];
         self.modes = Modes::default();
+        self.changed = true;
     }
 
     /// A crank that was heard to be elsewhere than in the turn before while cranks are found out, and by how much.
@@ -540,6 +546,12 @@ impl DriftMonitor {
     /// Forgets the largest drifts.
     pub fn reset_peak(&mut self) {
         self.peak = [Turns::ZERO; MAX_AXES];
+        self.changed = true;
+    }
+
+    /// Whether drifts, their peaks or their modes may have changed since this was asked last.
+    pub const fn take_changed(&mut self) -> bool {
+        core::mem::replace(&mut self.changed, false)
     }
 
     /// The modes of the drifts and their correction, as last taken.

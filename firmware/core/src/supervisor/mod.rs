@@ -204,14 +204,14 @@ impl Supervisor {
     }
 
     /// Decides on one tick.
-    pub fn step(&mut self, inputs: SafetyInputs, command: Option<Command>, seen: Seen) -> Action {
+    pub fn step(&mut self, inputs: SafetyInputs, command: Option<Command>, seen: &Seen) -> Action {
         self.latch(seen);
         self.state = self.next_state(inputs, command, seen);
         self.action()
     }
 
     /// Keeps the first fault; what follows from it is not what began it, unless it is a better name for that.
-    fn latch(&mut self, seen: Seen) {
+    fn latch(&mut self, seen: &Seen) {
         let Some(fault) = seen.fault else {
             return;
         };
@@ -229,7 +229,7 @@ impl Supervisor {
         }
     }
 
-    fn next_state(&mut self, inputs: SafetyInputs, command: Option<Command>, seen: Seen) -> State {
+    fn next_state(&mut self, inputs: SafetyInputs, command: Option<Command>, seen: &Seen) -> State {
         let stop = inputs.stop || command == Some(Command::Stop);
         let moving = matches!(self.state, State::Align | State::Run | State::Stop);
         if moving && !inputs.enable {

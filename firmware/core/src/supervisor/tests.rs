@@ -10,7 +10,7 @@ const SAFE: SafetyInputs = SafetyInputs {
 fn in_state(state: State) -> Supervisor {
     let mut supervisor = Supervisor::new(0);
     let mut go = |command, seen| {
-        supervisor.step(SAFE, command, seen);
+        supervisor.step(SAFE, command, &seen);
     };
     let aligned = Seen {
         aligned: true,
@@ -91,7 +91,7 @@ fn for_every_step(
                     ..Seen::default()
                 };
                 let mut supervisor = in_state(state);
-                let action = supervisor.step(inputs, command, seen);
+                let action = supervisor.step(inputs, command, &seen);
                 check(state, inputs, command, seen, &supervisor, action);
             }
         }
@@ -180,8 +180,8 @@ fn the_first_fault_is_kept() {
         fault: Some(Fault::new(kind)),
         ..Seen::default()
     };
-    supervisor.step(SAFE, None, seen(FaultKind::Tilt));
-    supervisor.step(SAFE, None, seen(FaultKind::IndexMissing));
+    supervisor.step(SAFE, None, &seen(FaultKind::Tilt));
+    supervisor.step(SAFE, None, &seen(FaultKind::IndexMissing));
     assert_eq!(supervisor.fault().unwrap().kind, FaultKind::Tilt);
 }
 
@@ -196,13 +196,13 @@ fn a_better_name_replaces_what_latched_and_not_when() {
         at_rest: tick == 9,
         ..Seen::default()
     };
-    supervisor.step(SAFE, None, seen(FaultKind::Tilt, false, 7));
+    supervisor.step(SAFE, None, &seen(FaultKind::Tilt, false, 7));
     let better = Fault::new(FaultKind::Stuck).on_axis(2);
     let refined = Seen {
         fault: Some(better),
         ..seen(FaultKind::Stuck, true, 8)
     };
-    supervisor.step(SAFE, None, refined);
+    supervisor.step(SAFE, None, &refined);
     let told = supervisor.fault().unwrap();
     assert_eq!(
         (told.kind, told.axis, told.tick),
@@ -212,16 +212,16 @@ fn a_better_name_replaces_what_latched_and_not_when() {
     supervisor.step(
         SAFE,
         None,
-        Seen {
+        &Seen {
             at_rest: true,
             ..Seen::default()
         },
     );
     assert_eq!(supervisor.state(), State::Fault);
-    supervisor.step(SAFE, None, seen(FaultKind::Slip, true, 9));
+    supervisor.step(SAFE, None, &seen(FaultKind::Slip, true, 9));
     assert_eq!(supervisor.fault().unwrap().kind, FaultKind::Slip);
-    supervisor.step(SAFE, Some(Command::Reset), Seen::default());
-    supervisor.step(SAFE, None, seen(FaultKind::Slip, true, 10));
+    supervisor.step(SAFE, Some(Command::Reset), &Seen::default());
+    supervisor.step(SAFE, None, &seen(FaultKind::Slip, true, 10));
     assert_eq!(supervisor.fault(), None);
 }
 
@@ -235,7 +235,7 @@ fn a_fault_that_disables_switches_off_at_once_and_during_another_stop_too() {
     };
     for state in [State::Align, State::Run, State::Stop, State::Parked] {
         let mut supervisor = in_state(state);
-        assert_eq!(supervisor.step(SAFE, None, disables), Action::Stand);
+        assert_eq!(supervisor.step(SAFE, None, &disables), Action::Stand);
         assert_eq!(supervisor.state(), State::Fault);
         assert_eq!(supervisor.fault().unwrap().kind, FaultKind::Runaway);
     }
@@ -244,8 +244,8 @@ fn a_fault_that_disables_switches_off_at_once_and_during_another_stop_too() {
         fault: Some(Fault::new(FaultKind::Tilt)),
         ..Seen::default()
     };
-    assert_eq!(supervisor.step(SAFE, None, stops), Action::StopFast);
-    assert_eq!(supervisor.step(SAFE, None, disables), Action::Stand);
+    assert_eq!(supervisor.step(SAFE, None, &stops), Action::StopFast);
+    assert_eq!(supervisor.step(SAFE, None, &disables), Action::Stand);
     assert_eq!(
         supervisor.fault().unwrap().kind,
         FaultKind::Tilt,
@@ -271,7 +271,7 @@ fn nothing_runs_unaligned() {
                 at_rest: choice >= 4,
                 ..Seen::default()
             };
-            supervisor.step(SAFE, commands[choice as usize % 4], seen);
+            supervisor.step(SAFE, commands[choice as usize % 4], &seen);
             assert_ne!(supervisor.state(), State::Run, "sequence {sequence:o}");
         }
     }
@@ -286,7 +286,7 @@ fn a_hold_does_not_outlive_its_run() {
         at_rest: true,
         ..Seen::default()
     };
-    let mut step = |command| supervisor.step(SAFE, command, aligned);
+    let mut step = |command| supervisor.step(SAFE, command, &aligned);
     assert_eq!(step(Some(Command::Hold)), Action::Hold);
     step(Some(Command::Stop));
     assert_eq!(step(None), Action::Park);
