@@ -66,7 +66,7 @@ impl Board {
                 }
             });
             // In most ticks no line did anything, and all filters can be passed over: half of what reading costs.
-            let stirred = self.index.stirred();
+            let stirred = self.index.stirred() & ((1 << self.filters.len()) - 1);
             if stirred != 0 {
                 self.end_index_tick(stirred, &mut pulses);
             }

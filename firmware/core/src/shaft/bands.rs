@@ -33,7 +33,7 @@ fn find(bands: &[Band], speed: i64) -> Option<(usize, &Band)> {
 }
 
 /// `speed`, or the nearer edge of the band that it lies in, which is another speed.
-#[inline(never)] // three times a tick, with all that it needs in registers
+#[inline(never)] // up to three times a tick, with all that it needs in registers
 pub(super) fn outside(bands: &[Band], speed: i64) -> i64 {
     match find(bands, speed) {
         Some((_, band)) if band.sends_up(speed) => band.to,
@@ -72,6 +72,12 @@ impl Passage {
         }
     }
 
+    /// The same, of a speed that lies in no band.
+    pub const fn observe_outside(&mut self, speed: i64) {
+        self.inside = None;
+        self.last_speed = speed;
+    }
+
     /// Takes note of the shaft's speed in the tick that was just played.
     pub fn observe(&mut self, bands: &[Band], speed: i64) {
         self.inside = match (find(bands, speed), self.inside) {
@@ -95,7 +101,7 @@ impl Passage {
 }
 
 /// The speeds between which the shaft may move now.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Corridor {
     pub floor: i64,
     pub ceiling: i64,
@@ -126,9 +132,77 @@ impl Corridor {
         corridor
     }
 
+    /// Of no speed at all.
+    pub const NONE: Self = Self {
+        floor: 1,
+        ceiling: 0,
+    };
+
+    /// The speeds around `speed` that lie in no band, both edges included; none if it lies in one.
+    pub fn gap(limits: &ShaftLimits, speed: i64) -> Self {
+        let mut gap = Self {
+            floor: 0,
+            ceiling: limits.speed,
+        };
+        for band in &limits.bands {
+            if speed >= band.to {
+                gap.floor = band.to;
+            } else if speed > band.from {
+                return Self::NONE;
+            } else {
+                gap.ceiling = gap.ceiling.min(band.from);
+            }
+        }
+        gap
+    }
+
+    #[inline(always)]
+    pub const fn holds(&self, speed: i64) -> bool {
+        self.floor <= speed && speed <= self.ceiling
+    }
+
     /// The speed to aim at for a speed, which must lie outside the bands.
     #[inline(always)]
     pub fn clamp(&self, speed: i64) -> i64 {
         speed.min(self.ceiling).max(self.floor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::{BandSettings, sample};
+
+    /// The gap is a short way to what bands make of speeds; both must agree at every edge.
+    #[test]
+    fn in_a_gap_nothing_but_its_edges_bounds_a_speed() {
+        let mut settings = sample::settings(2).limits;
+        settings.bands = [(3.0, 4.0), (9.0, 12.0), (15.0, 16.0)]
+            .map(|(from_hz, to_hz)| BandSettings { from_hz, to_hz })
+            .into_iter()
+            .collect();
+        let limits = ShaftLimits::new(&settings, 2000);
+        let edges = limits.bands.iter().flat_map(|band| [band.from, band.to]);
+        let places: std::vec::Vec<i64> = edges
+            .chain([0, limits.speed])
+            .flat_map(|edge| [edge - 1000, edge - 1, edge, edge + 1, edge + 1000])
+            .filter(|speed| (0..=limits.speed).contains(speed))
+            .collect();
+        let mut held = 0;
+        for &speed in &places {
+            let gap = Corridor::gap(&limits, speed);
+            let is_outside = outside(&limits.bands, speed) == speed;
+            assert_eq!(gap.holds(speed), is_outside, "{speed}");
+            for &asked in places.iter().filter(|&&asked| gap.holds(asked)) {
+                let corridor = Corridor::new(&limits, speed, Passage::new(), asked);
+                assert_eq!(corridor, gap, "{speed}, {asked}");
+                held += 1;
+                for &other in &places {
+                    let by_bands = gap.clamp(outside(&limits.bands, other));
+                    assert_eq!(gap.clamp(other), by_bands, "{other} from {speed}");
+                }
+            }
+        }
+        assert!(held > 100);
     }
 }

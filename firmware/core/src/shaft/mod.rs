@@ -90,6 +90,8 @@ pub struct Shaft {
     acceleration: i64,
     mode: Mode,
     passage: Passage,
+    /// Speeds around the last that lie in no band: as long as the speed and what is asked of it stay there, bands need not be looked at.
+    gap: Corridor,
 }
 
 #[derive(Clone, Debug)]
@@ -112,6 +114,7 @@ impl Shaft {
             acceleration: 0,
             mode: Mode::Rest,
             passage: Passage::new(),
+            gap: Corridor::NONE,
         }
     }
 
@@ -148,7 +151,12 @@ impl Shaft {
         self.acceleration = speed - self.speed;
         self.speed = speed;
         self.phase = self.phase.advanced(motion.speed);
-        self.passage.observe(&self.limits.bands, speed);
+        if self.gap.holds(speed) {
+            self.passage.observe_outside(speed);
+        } else {
+            self.passage.observe(&self.limits.bands, speed);
+            self.gap = Corridor::gap(&self.limits, speed);
+        }
         motion.crossing_band = self.passage.is_inside();
         let arrived = match &self.mode {
             Mode::Rest => true,
@@ -194,13 +202,26 @@ impl Shaft {
     #[inline(never)]
     fn follow(&self, target: Target, motion: &mut Motion) -> i64 {
         let asked = (target.now.to_bits(), target.next.to_bits());
-        let corridor = Corridor::new(&self.limits, self.speed, self.passage, asked.1);
-        let bands = &self.limits.bands;
-        let next = bands::outside(bands, asked.1);
-        motion.held_at_band = next != asked.1;
-        let aim = Aim {
-            now: corridor.clamp(bands::outside(bands, asked.0)),
-            next: corridor.clamp(next),
+        let end = target.end.to_bits();
+        let (corridor, aim, end) = if self.gap.holds(self.speed) && self.gap.holds(asked.1) {
+            if self.acceleration == 0 && asked == (self.speed, self.speed) {
+                return self.speed; // the speed is kept
+            }
+            let aim = Aim {
+                now: self.gap.clamp(asked.0),
+                next: asked.1,
+            };
+            (self.gap, aim, self.gap.clamp(end))
+        } else {
+            let corridor = Corridor::new(&self.limits, self.speed, self.passage, asked.1);
+            let bands = &self.limits.bands;
+            let next = bands::outside(bands, asked.1);
+            motion.held_at_band = next != asked.1;
+            let aim = Aim {
+                now: corridor.clamp(bands::outside(bands, asked.0)),
+                next: corridor.clamp(next),
+            };
+            (corridor, aim, corridor.clamp(bands::outside(bands, end)))
         };
         // Where the two differ by what the corridor cut off, the rest is a jump, not a rate.
         let aim = if (aim.now, aim.next) == asked {
@@ -208,7 +229,6 @@ impl Shaft {
         } else {
             Aim::steady(aim.next)
         };
-        let end = corridor.clamp(bands::outside(bands, target.end.to_bits()));
         let (floor, ceiling) = if end >= aim.next {
             (corridor.floor, corridor.ceiling.min(end))
         } else {
