@@ -3,6 +3,8 @@
 //! The loop is `cophase_core::control_loop::run`, the very function that the host runs. Nothing but short
 //! interrupts comes between a deadline and what it leads to.
 
+use core::future::Future;
+
 use cophase_core::control_loop::{Io, Written};
 use cophase_core::drift::{IndexFilter, IndexPulse};
 use cophase_core::panel::{self, Button};
@@ -11,6 +13,7 @@ use cophase_core::supervisor::State;
 use cophase_core::units::{MAX_AXES, PerAxis};
 use embassy_time::Instant;
 
+use crate::board::alarm::Until;
 use crate::board::index::Index;
 use crate::board::steps::{Offer, Steps};
 use crate::board::watchdog::Fed;
@@ -119,6 +122,10 @@ impl Io for Board {
             inputs: lines::safety_inputs(levels),
             command: pressed.then(|| panel::command(self.state)),
         }
+    }
+
+    fn until(&mut self, deadline: Instant) -> impl Future<Output = ()> {
+        Until(deadline)
     }
 
     #[inline(never)] // as `Controller::tick`

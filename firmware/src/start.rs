@@ -1,31 +1,22 @@
 //! Power-up: from the reset vector to a running loop, or to a lamp that says why there is none.
 
+use core::mem;
 use core::panic::PanicInfo;
+use core::pin::{Pin, pin};
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use cophase_core::control_loop;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use defmt_rtt as _;
-use embassy_rp::executor::{Executor, InterruptExecutor};
-use embassy_rp::interrupt;
-use embassy_rp::interrupt::{InterruptExt, Priority};
+use embassy_rp::executor::Executor;
 use embassy_time::{Duration, Timer};
 use static_cell::StaticCell;
 
-use crate::board::{lines, watchdog};
+use crate::board::{alarm, lines, watchdog};
 use crate::from_ram;
 use crate::machine::Machine;
 use crate::report::{self, Reporter};
 use crate::settings;
-
-/// Runs the loop: above all that may wait.
-static LOOP: InterruptExecutor = InterruptExecutor::new();
-
-#[interrupt]
-fn SWI_IRQ_0() {
-    // SAFETY: called from the interrupt that it was started with, and from nowhere else.
-    unsafe { LOOP.on_interrupt() }
-}
 
 /// A fault of the core: drives off, and the watchdog does the rest.
 #[exception]
@@ -75,16 +66,18 @@ fn main() -> ! {
     });
 
     static EXECUTOR: StaticCell<Executor> = StaticCell::new();
-    EXECUTOR.init(Executor::new()).run(|spawner| {
-        spawner.spawn(defmt::unwrap!(report::tell(told)));
-        let Some(machine) = machine else {
+    let executor = EXECUTOR.init(Executor::new());
+    let Some(machine) = machine else {
+        executor.run(|spawner| {
+            spawner.spawn(defmt::unwrap!(report::tell(told)));
             spawner.spawn(defmt::unwrap!(refuse()));
-            return;
-        };
-        interrupt::SWI_IRQ_0.set_priority(Priority::P2);
-        let loops = LOOP.start(interrupt::SWI_IRQ_0);
-        loops.spawn(defmt::unwrap!(run_loop(machine)));
-    })
+        })
+    };
+    let task: Pin<&mut dyn Future<Output = ()>> =
+        pin!(control_loop::run(&mut machine.controller, &mut machine.board));
+    // SAFETY: this function never returns, and a panic does not unwind: what it has on its stack stays there.
+    alarm::run(unsafe { mem::transmute::<Pin<&mut _>, Pin<&'static mut _>>(task) });
+    executor.run(|spawner| spawner.spawn(defmt::unwrap!(report::tell(told))))
 }
 
 /// Says with the lamp that there is nothing to run on: two short flashes a second. The drives are off.
@@ -98,9 +91,4 @@ async fn refuse() -> ! {
             Timer::after(Duration::from_millis(dark_ms)).await;
         }
     }
-}
-
-#[embassy_executor::task]
-async fn run_loop(machine: &'static mut Machine) {
-    control_loop::run(&mut machine.controller, &mut machine.board).await;
 }

@@ -8,6 +8,8 @@
 //! says how many it missed. What was reckoned too late to be handed over in time is not thrown away
 //! either: it is played a tick later, and counted as a deadline missed.
 
+use core::future::Future;
+
 use embassy_time::{Duration, Instant, Timer};
 
 use crate::controller::Controller;
@@ -22,6 +24,11 @@ pub trait Io {
     ///
     /// The safety lines are set at once.
     fn write(&mut self, output: &Output, start: Instant) -> Written;
+
+    /// Waits for a deadline. A board whose loop has a timer of its own waits for that.
+    fn until(&mut self, deadline: Instant) -> impl Future<Output = ()> {
+        Timer::at(deadline)
+    }
 }
 
 /// What became of an output.
@@ -41,7 +48,7 @@ pub async fn run(controller: &mut Controller, io: &mut impl Io) {
     let tick = Duration::from_micros(1_000_000 / u64::from(controller.tick_hz()));
     let mut deadline = Instant::now();
     loop {
-        Timer::at(deadline).await;
+        io.until(deadline).await;
         let late = Instant::now().saturating_duration_since(deadline);
         // Hardly ever is there anything to divide, which takes the board 150 cycles.
         let (missed, rest) = if late < tick {
@@ -68,7 +75,7 @@ pub async fn run(controller: &mut Controller, io: &mut impl Io) {
                 Written::InTime => break,
                 Written::Over => return,
                 Written::TooLate => {
-                    Timer::at(deadline).await;
+                    io.until(deadline).await;
                     deadline += tick;
                     held_over += 1;
                 }

@@ -2,7 +2,7 @@
 //!
 //! What is soldered is here, and nothing that decides: [`pins`] is the one table of where everything is,
 //! [`steps`] plays step edges, [`index`] times index pulses, [`guard`] cuts the drives when the enable input goes,
-//! [`lines`] are the other safety lines and the lamp, [`watchdog`] restarts a controller that hangs.
+//! [`lines`] are the other safety lines and the lamp, [`alarm`] runs the loop at its deadlines, [`watchdog`] restarts a controller that hangs.
 //!
 //! Words: a *block* is one of the two PIO blocks, a *machine* one of its four state machines. A *cycle* is
 //! one of the core's and of the machines' clock, 8 ns; a microsecond is one of the timer that the loop's
@@ -10,6 +10,7 @@
 //!
 //! All that is unsafe in the image is in this folder, each time with the reason why it is sound.
 
+pub mod alarm;
 pub mod guard;
 pub mod index;
 pub mod lines;

@@ -19,7 +19,7 @@ const ROOTS = ['cophase_core::controller::Controller<_>::tick', 'cophase_firmwar
 /** What runs beside it in interrupts, through pointers that no call graph follows; what wakes the loop's task is seen in `cost`. */
 const BESIDE = [
   'TIMER_IRQ_0',
-  'SWI_IRQ_0',
+  'TIMER_IRQ_1',
   'HardFault',
   'embassy_executor::raw::Executor::poll',
 ];
