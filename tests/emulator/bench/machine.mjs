@@ -15,7 +15,6 @@ export const CYCLES_PER_S = 1e6 * CYCLES_PER_US;
 export const SLOT_A = 0x1f_0000;
 export const SLOT_B = 0x1f_8000;
 
-
 /** The button must be steady this long to count (firmware/core/src/panel.rs), and a little more. */
 const STEADY_S = 0.0105;
 

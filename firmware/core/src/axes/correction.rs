@@ -118,10 +118,15 @@ impl Correction {
         self.left = 1 << doublings;
     }
 
-    /// Plays one tick; what changes in it.
-    pub fn advance(&mut self) -> Option<&PerAxis<Turns>> {
+    /// What changed in the tick that was played last, if trims were on their way in it.
+    pub const fn change(&self) -> &PerAxis<Turns> {
+        &self.change
+    }
+
+    /// Plays one tick; whether trims change in it.
+    pub fn advance(&mut self) -> bool {
         match self.left {
-            0 => return None,
+            0 => return false,
             1 => {
                 let way = self.target.iter().zip(&self.now);
                 for (change, (target, &now)) in self.change.iter_mut().zip(way) {
@@ -134,7 +139,7 @@ impl Correction {
         for (now, &change) in self.now.iter_mut().zip(&self.change) {
             *now = now.wrapping_add(change);
         }
-        Some(&self.change)
+        true
     }
 }
 

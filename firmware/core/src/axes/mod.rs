@@ -22,7 +22,7 @@ use crate::units::{Phase, Turns};
 pub struct Axis {
     gear: Gear,
     trim: Trim,
-    phase: Phase,
+    offset: Phase,
 }
 
 impl Axis {
@@ -31,13 +31,13 @@ impl Axis {
         Self {
             gear: Gear::new(settings.ratio.0, settings.ratio.1),
             trim: Trim::new(settings, tick_hz),
-            phase: Phase::from_turns(turns(settings.offset_turns)),
+            offset: Phase::from_turns(turns(settings.offset_turns)),
         }
     }
 
-    /// Where the crank is to be, in its own sense of rotation.
-    pub const fn phase(&self) -> Phase {
-        self.phase
+    /// Where the crank is to be at power-up, in its own sense of rotation.
+    pub const fn offset(&self) -> Phase {
+        self.offset
     }
 
     /// How the axis hangs behind the master.
@@ -55,17 +55,9 @@ impl Axis {
         &mut self.trim
     }
 
-    /// Moves on by what an axis makes that has no ratio, and no trim on its way.
-    #[inline(always)]
-    pub const fn follow(&mut self, turns: Turns) {
-        self.phase = self.phase.advanced(turns);
-    }
-
-    /// Moves on with the master, and by a correction, and returns the axis's own turns in this tick.
+    /// Moves on with the master, and by a correction, and returns the turns that the axis makes in this tick.
     pub fn advance(&mut self, master: Turns, correction: Turns) -> Turns {
         let trims = self.trim.advance().wrapping_add(correction);
-        let turns = self.gear.advance(master).wrapping_add(trims);
-        self.phase = self.phase.advanced(turns);
-        turns
+        self.gear.advance(master).wrapping_add(trims)
     }
 }

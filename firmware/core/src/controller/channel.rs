@@ -3,7 +3,7 @@
 use crate::axes::Axis;
 use crate::pulse::{Paces, Planner, Runs};
 use crate::servo::{FeedForward, Setpoint};
-use crate::units::Turns;
+use crate::units::{Phase, Turns};
 
 /// One axis, from the master's turns to what its drive is told.
 #[derive(Clone, Debug)]
@@ -32,16 +32,16 @@ impl Channel {
     }
 
     /// What a servo is told at the end of a tick in which the master accelerated, in the axis's own sense. Its crank stands
-    /// `datum` further than its phase says.
+    /// `datum` further than its phase, `position`, says.
     #[inline(never)]
     pub(super) fn setpoint(
         &self,
         forward: &FeedForward,
+        position: Phase,
         velocity: Turns,
         acceleration: Turns,
         datum: Turns,
     ) -> Setpoint {
-        let position = self.axis.phase();
         let acceleration = self.axis.gear().share(acceleration);
         Setpoint {
             position,

@@ -19,81 +19,95 @@ impl Controller {
     pub(super) fn drive(&mut self, moving: bool) {
         let trimming = matches!(self.supervisor.state(), State::Align | State::Run);
         // A machine that stops is not to be moved by its trims, nor one that is parked.
-        let corrections = if moving && trimming {
-            self.correction.advance().copied()
+        let correcting = moving && trimming && self.correction.advance();
+        let own = if moving && (correcting || self.trimming != 0) {
+            self.moved_by_themselves(correcting)
         } else {
-            None
+            0
         };
-        let own = self.moved_by_themselves(moving, corrections.as_ref());
         if self.own != Some(own) {
             self.group_axes(own);
         }
-        if corrections.is_some() {
-            self.output.telemetry.correction = *self.correction.now();
-        }
-        let (master, by_themselves) = if moving {
-            (self.motion.speed, own | self.geared)
+        let master = if moving {
+            self.motion.speed
         } else {
-            (Turns::ZERO, 0)
+            Turns::ZERO
         };
         self.history.plan(master);
-        let Output {
-            plans,
-            sharing,
-            telemetry,
-            ..
-        } = &mut self.output;
-        let mut steps_of: PerAxis<i32> = [0; MAX_AXES];
-        let told = telemetry.axis_phase.iter_mut().zip(&mut telemetry.steps);
-        for (axis, (channel, (told_phase, told_steps))) in
-            self.channels.iter_mut().zip(told).enumerate()
-        {
-            let mut turns = master;
-            if by_themselves & 1 << axis != 0 {
-                let correction = corrections.as_ref().and_then(|all| all.get(axis)).copied();
-                turns = channel.axis.advance(master, correction.unwrap_or_default());
-                self.history.plan_own(axis, turns);
-            } else {
-                channel.axis.follow(master);
-            }
-            let first = sharing.first(axis);
-            if first == axis {
-                if let (Some(runs), Some(steps)) = (plans.get_mut(axis), steps_of.get_mut(axis)) {
-                    *steps = channel.plan(turns, &mut self.pace, runs);
-                }
-            } else {
-                channel
-                    .planner
-                    .follow(steps_of.get(first).copied().unwrap_or(0));
-            }
-            *told_phase = channel.axis.phase();
-            *told_steps = channel.planner.steps();
+        let count = self.channels.len();
+        for phase in self.output.telemetry.axis_phase.iter_mut().take(count) {
+            *phase = phase.advanced(master);
         }
+        let by_themselves = own | self.geared;
+        if moving && by_themselves != 0 {
+            self.move_by_themselves(by_themselves, correcting, master);
+        }
+        self.plan_all();
         if self.has_servos {
             self.set_points();
         }
     }
 
-    /// Axes that trims or corrections move in this tick.
-    #[inline(always)]
-    fn moved_by_themselves(
-        &mut self,
-        moving: bool,
-        corrections: Option<&PerAxis<Turns>>,
-    ) -> AxisSet {
-        if self.trimming == 0 && corrections.is_none() || !moving {
-            return 0;
-        }
-        let mut own = 0;
-        for (axis, channel) in self.channels.iter().enumerate() {
-            let is_trimming = channel.axis.trim().is_moving();
-            let correction = corrections.and_then(|all| all.get(axis)).copied();
-            own |= AxisSet::from(is_trimming || correction.is_some_and(|turns| turns != 0)) << axis;
-            if !is_trimming {
-                self.trimming &= !(1 << axis);
+    /// Plans the pulses: one plan for all axes that share it.
+    #[inline(never)] // of its own, as a loop within a function that has more to keep lacks registers
+    fn plan_all(&mut self) {
+        let sharing = self.output.sharing;
+        let mut steps_of: PerAxis<i32> = [0; MAX_AXES];
+        let plans = self.output.plans.iter_mut().zip(&mut steps_of);
+        for (axis, (channel, (runs, steps))) in self.channels.iter_mut().zip(plans).enumerate() {
+            if sharing.first(axis) == axis {
+                *steps = channel.plan(self.history.planned(axis), &mut self.pace, runs);
             }
         }
+        for (axis, steps) in self.output.telemetry.steps.iter_mut().enumerate() {
+            // Axes that are not there make none.
+            if let Some(&made) = steps_of.get(sharing.first(axis)) {
+                *steps += i64::from(made);
+            }
+        }
+    }
+
+    /// Axes that trims or corrections move in this tick.
+    #[cold]
+    #[inline(never)]
+    fn moved_by_themselves(&mut self, correcting: bool) -> AxisSet {
+        let (mut own, mut axis) = (0, 1);
+        for (channel, change) in self.channels.iter().zip(self.correction.change()) {
+            if channel.axis.trim().is_moving() {
+                own |= axis;
+            } else {
+                self.trimming &= !axis;
+            }
+            if correcting && *change != 0 {
+                own |= axis;
+            }
+            axis <<= 1;
+        }
         own
+    }
+
+    /// Moves axes that make other turns than the master.
+    #[cold]
+    #[inline(never)]
+    fn move_by_themselves(&mut self, axes: AxisSet, correcting: bool, master: Turns) {
+        let telemetry = &mut self.output.telemetry;
+        if correcting {
+            telemetry.correction = *self.correction.now();
+        }
+        let changes = self.correction.change().iter();
+        let all = self
+            .channels
+            .iter_mut()
+            .zip(changes.zip(&mut telemetry.axis_phase));
+        for (axis, (channel, (change, phase))) in all.enumerate() {
+            if axes & 1 << axis != 0 {
+                let correction = if correcting { *change } else { Turns::ZERO };
+                let turns = channel.axis.advance(master, correction);
+                self.history.plan_own(axis, turns);
+                // The master's turns are in it already.
+                *phase = phase.advanced(turns.wrapping_sub(master));
+            }
+        }
     }
 
     /// Finds out which axes share a plan, now that other axes move by themselves.
@@ -110,7 +124,7 @@ impl Controller {
             };
             // One that followed has not kept its place.
             if let Some(followed) = earlier.get(before.first(axis)) {
-                channel.planner.part(*followed.planner.place());
+                channel.planner.go_on_from(*followed.planner.place());
             }
             self.geared |= AxisSet::from(!channel.axis.gear().is_direct()) << axis;
             if own & 1 << axis != 0 || !channel.may_share() {
@@ -134,18 +148,23 @@ impl Controller {
     #[inline(never)]
     fn set_points(&mut self) {
         let datum = self.align.datum();
-        let setpoints = &mut self.output.setpoints;
-        let channels = self.channels.iter().zip(setpoints);
-        for (axis, (channel, setpoint)) in channels.enumerate() {
+        let Output {
+            setpoints,
+            telemetry,
+            ..
+        } = &mut self.output;
+        let all = self
+            .channels
+            .iter()
+            .zip(setpoints)
+            .zip(&telemetry.axis_phase);
+        for (axis, ((channel, setpoint), &phase)) in all.enumerate() {
             if let Some(forward) = &channel.feed_forward {
                 let coupled = self.coupling.as_ref().map(|coupling| coupling.of(axis));
                 let (position, speed) = coupled.unwrap_or_default();
-                *setpoint = channel.setpoint(
-                    forward,
-                    self.history.planned(axis),
-                    self.motion.acceleration,
-                    datum,
-                );
+                let velocity = self.history.planned(axis);
+                *setpoint =
+                    channel.setpoint(forward, phase, velocity, self.motion.acceleration, datum);
                 setpoint.position = setpoint.position.advanced(position);
                 setpoint.velocity = setpoint.velocity.wrapping_add(speed);
                 if channel.reversed {

@@ -115,7 +115,7 @@ impl Controller {
         let phase = core::array::from_fn(|i| {
             channels
                 .get(i)
-                .map_or(Phase::ZERO, |channel| channel.axis.phase())
+                .map_or(Phase::ZERO, |channel| channel.axis.offset())
         });
         let drift = prepared.drift.clone();
         let has_datum = settings

@@ -40,8 +40,6 @@ pub const GUARD: u32 = Run::LEAST_CYCLES;
 pub struct Planner {
     timing: PulseTiming,
     place: Place,
-    /// Whole steps made.
-    steps: i64,
 }
 
 /// Where an axis is within a step, and the levels of its lines: all that the edges of a tick depend on besides its turns and the
@@ -68,33 +66,21 @@ impl Planner {
                 high: false,
                 forward: true,
             },
-            steps: 0,
         }
     }
 
-    /// Steps commanded since the start: the whole steps in the phase travelled, rounded down.
-    pub const fn steps(&self) -> i64 {
-        self.steps
-    }
-
-    /// Where the axis is within a step. Not for an axis that [`Self::follow`]s another.
+    /// Where the axis is within a step.
     pub const fn place(&self) -> &Place {
         &self.place
     }
 
-    /// Counts the steps of a tick that another axis planned, from the same place and with the same turns. Whoever shares plans keeps
-    /// the place, and hands it back in [`Self::part`].
-    #[inline(always)]
-    pub fn follow(&mut self, steps: i32) {
-        self.steps += i64::from(steps);
-    }
-
-    /// Goes on by itself from the place of the axis that it followed.
-    pub const fn part(&mut self, place: Place) {
+    /// Goes on from where another axis came whose plans were this one's as well.
+    pub const fn go_on_from(&mut self, place: Place) {
         self.place = place;
     }
 
-    /// Replaces `runs` with those of a tick in which the axis makes `turns`; the whole steps that it makes, rounded down.
+    /// Replaces `runs` with those of a tick in which the axis makes `turns`; the whole steps that it makes: those
+    /// of all ticks are the steps in the phase travelled, rounded down.
     ///
     /// `turns` must not ask for more edges than [`PulseTiming::check_rate`] allowed. `pace` is what the axes before left
     /// there, or any other that is for the same tick.
@@ -173,14 +159,12 @@ impl Planner {
         // Half-steps by number: even in the first half of a step. Below 2^15 of them, so the upper word has room.
         let number = |place: u64| (place >> 32) as i32 >> (FRACTION_BITS - 32);
         let (first, last) = (number(begin), number(end));
-        let steps = last >> 1;
-        self.steps += i64::from(steps);
         self.place.within = end & (2 * HALF_STEP - 1);
         Way {
             to_first,
             crossings: last.abs_diff(first),
             begins_low: first == 0,
-            steps,
+            steps: last >> 1,
         }
     }
 
