@@ -91,6 +91,8 @@ pub struct DriftMonitor {
     moved: Option<(usize, Turns)>,
     drift: PerAxis<Turns>,
     peak: PerAxis<Turns>,
+    /// Axes whose drift or peak may be another by now.
+    stale: AxisSet,
     /// Axes by index heard in this round.
     heard: AxisSet,
     /// Axes whose index has been heard at all.
@@ -154,6 +156,7 @@ impl DriftMonitor {
             moved: None,
             drift: [Turns::ZERO; MAX_AXES],
             peak: [Turns::ZERO; MAX_AXES],
+            stale: 0,
             heard: 0,
             known: 0,
             seen: 0,
@@ -210,6 +213,7 @@ impl DriftMonitor {
             return false;
         };
         let heard = watch.sort(all_late.then_some(tolerance));
+        self.stale |= 1 << axis;
         if heard.is_heard {
             self.heard |= 1 << axis;
             self.known |= 1 << axis;
@@ -291,9 +295,13 @@ impl DriftMonitor {
 
     fn update(&mut self) {
         self.changed = true;
+        let mut stale = core::mem::take(&mut self.stale) | self.by_encoder;
         for ((drift, peak), watch) in self.drift.iter_mut().zip(&mut self.peak).zip(&self.axes) {
-            *drift = watch.drift();
-            *peak = drift.wrapping_abs().max(*peak);
+            if stale & 1 != 0 {
+                *drift = watch.drift();
+                *peak = drift.wrapping_abs().max(*peak);
+            }
+            stale >>= 1;
         }
     }
 
@@ -445,6 +453,7 @@ impl DriftMonitor {
         }
         self.drift = [Turns::ZERO; MAX_AXES];
         self.modes = Modes::default();
+        self.stale = AxisSet::MAX;
         self.changed = true;
     }
 
@@ -495,6 +504,7 @@ impl DriftMonitor {
         for watch in &mut self.axes {
             watch.shift(by.wrapping_neg());
         }
+        self.stale = AxisSet::MAX;
         self.update();
         self.peak = self.drift.map(Turns::wrapping_abs);
     }
@@ -546,6 +556,8 @@ impl DriftMonitor {
     /// Forgets the largest drifts.
     pub fn reset_peak(&mut self) {
         self.peak = [Turns::ZERO; MAX_AXES];
+        // What an axis is off by now counts again, as soon as drifts are taken over.
+        self.stale = AxisSet::MAX;
         self.changed = true;
     }
 
