@@ -209,7 +209,7 @@ fn steps_are_the_integral_of_the_program() {
         "the start, at the least, is told"
     );
 
-    let machine = &checked.setup.machine;
+    let machine = &checked.settings.machine;
     let stiffness = machine.crank_radius_m * (1.0 + machine.lambda);
     let omega = |t_s: f64| (program.amax_mps2(t_s) / stiffness).sqrt();
     let (a, b) = (time(from), time(to));

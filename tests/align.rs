@@ -3,7 +3,6 @@
 use cophase_core::supervisor::{FaultKind, State};
 use cophase_tests::scene;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
-use host_sim::with_axes;
 
 const CREEP_HZ: f64 = 2.0;
 
@@ -43,8 +42,8 @@ struct Looks {
     told: Option<usize>,
 }
 
-impl<const N: usize> Observer<N> for Looks {
-    fn tick(&mut self, moment: &Moment<'_, N>) {
+impl Observer for Looks {
+    fn tick(&mut self, moment: &Moment<'_>) {
         let correction = &moment.telemetry.correction;
         let sum: i64 = correction.iter().map(|turns| turns.to_bits()).sum();
         self.worst_sum = self.worst_sum.max(sum.abs());
@@ -52,9 +51,9 @@ impl<const N: usize> Observer<N> for Looks {
             self.largest_deg = self.largest_deg.max(turns.to_num::<f64>().abs() * 360.0);
         }
         if moment.telemetry.state == State::Run && self.spread_deg.is_none() {
-            let off = (0..N).map(|i| moment.actual_turns[i] - moment.aim_turns[i]);
-            let most = off.clone().fold(f64::NEG_INFINITY, f64::max);
-            self.spread_deg = Some((most - off.fold(f64::INFINITY, f64::min)) * 360.0);
+            let most = moment.errors().fold(f64::NEG_INFINITY, f64::max);
+            let least = moment.errors().fold(f64::INFINITY, f64::min);
+            self.spread_deg = Some((most - least) * 360.0);
             self.turns = moment.master_turns;
         }
         self.end_turns = moment.actual_turns.to_vec();
@@ -69,9 +68,7 @@ impl<const N: usize> Observer<N> for Looks {
 fn run(text: &str) -> (Looks, Outcome) {
     let checked = scene(text);
     let mut looks = Looks::default();
-    let outcome =
-        with_axes!(checked.scene.axes.count, N => simulate::<N>(&checked, &mut looks, |_, _| {}))
-            .unwrap();
+    let outcome = simulate(&checked, &mut looks, |_, _| {}).unwrap();
     assert_eq!(
         looks.worst_sum, 0,
         "the sum of all trims is zero at all times"

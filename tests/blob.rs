@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use clap::Parser;
+use cophase::{Command, Status};
 use cophase_blob::codec::VERSION;
 use cophase_blob::{Header, decode};
 use cophase_tests::built_in;
-use host_sim::command::{Command, Status};
 use host_sim::scene::library::SCENES;
 
 /// The default scene as a blob, as it was when its format got its version.
@@ -33,7 +33,7 @@ fn the_format_changes_only_with_its_version() {
     );
     assert!(
         image("default") == GOLDEN,
-        "the default scene is no longer compiled to the golden blob. If the bytes of a setup changed, raise \
+        "the default scene is no longer compiled to the golden blob. If the bytes of settings changed, raise \
          cophase_blob::codec::VERSION. Then, or if only the scene changed, {RENEW}"
     );
 }
@@ -44,7 +44,7 @@ const RENEW: &str = "renew it: cargo sim image default -o firmware/blob/golden/d
 #[test]
 fn a_board_is_told_what_the_simulation_is_told() {
     for scene in SCENES {
-        let setup = decode(&image(scene.name)).expect("a blob of this version");
-        assert_eq!(setup, built_in(scene.name).setup, "{}", scene.name);
+        let settings = decode(&image(scene.name)).expect("a blob of this version");
+        assert_eq!(settings, built_in(scene.name).settings, "{}", scene.name);
     }
 }

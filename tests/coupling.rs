@@ -28,8 +28,8 @@ fn text(correction: &str, load: &str) -> String {
 /// Errors of the cranks, degrees, tick by tick from when the load came.
 struct Errors(Vec<[f64; 3]>);
 
-impl Observer<3> for Errors {
-    fn tick(&mut self, moment: &Moment<'_, 3>) {
+impl Observer for Errors {
+    fn tick(&mut self, moment: &Moment<'_>) {
         if moment.start_ns >= 2_200_000_000 && self.0.len() < 2000 {
             let error = |i: usize| (moment.actual_turns[i] - moment.command_turns[i]) * 360.0;
             self.0.push(std::array::from_fn(error));
@@ -39,7 +39,7 @@ impl Observer<3> for Errors {
 
 fn errors(checked: &Checked) -> Vec<[f64; 3]> {
     let mut errors = Errors(Vec::new());
-    let outcome = simulate::<3>(checked, &mut errors, |_, _| {}).unwrap();
+    let outcome = simulate(checked, &mut errors, |_, _| {}).unwrap();
     assert_eq!(outcome.diverged, None);
     errors.0
 }
@@ -52,11 +52,11 @@ fn spread(error: &[f64; 3]) -> f64 {
 /// The gains that the scene derives, and those that the core is told.
 fn derived() -> (Gains, CorrectionSettings) {
     let checked = scene(&text("couple = true", "torque_nm = 1"));
-    let gains = plant(&checked.scene, &checked.setup.machine)
+    let gains = plant(&checked.scene, &checked.settings.machine)
         .unwrap()
         .gains()
         .unwrap();
-    (gains, checked.setup.correction)
+    (gains, checked.settings.correction)
 }
 
 /// Were the derivation wrong, or the loop slower than it says, the coupling would swing at other gains than its margin tells.

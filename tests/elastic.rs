@@ -53,8 +53,8 @@ fn amax_g(speed_hz: f64) -> f64 {
 #[derive(Default)]
 struct Seen(Vec<(f64, f64, f64)>);
 
-impl Observer<3> for Seen {
-    fn tick(&mut self, moment: &Moment<'_, 3>) {
+impl Observer for Seen {
+    fn tick(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
         if telemetry.state == State::Run && telemetry.motion.acceleration == 0 {
             let frame = moment.machine.frame().expect("its frame moves");
@@ -93,7 +93,7 @@ fn a_frame_answers_as_two_masses_do() {
     for speed_hz in [8.0, 12.0, 20.0] {
         let checked = scene(&SCENE.replace("AMAX", &amax_g(speed_hz).to_string()));
         let mut seen = Seen::default();
-        let outcome = simulate::<3>(&checked, &mut seen, |_, _| {}).expect("it runs");
+        let outcome = simulate(&checked, &mut seen, |_, _| {}).expect("it runs");
         let said = summary(&checked, &outcome, None, 1.0);
         assert!(
             said.contains("The frame went at most") && said.contains("Greatest motor torque"),

@@ -64,8 +64,8 @@ struct Steady {
     accel: (f64, f64),
 }
 
-impl Observer<2> for Steady {
-    fn tick(&mut self, moment: &Moment<'_, 2>) {
+impl Observer for Steady {
+    fn tick(&mut self, moment: &Moment<'_>) {
         let motion = &moment.telemetry.motion;
         let holds = moment.telemetry.state == State::Run && motion.acceleration == 0;
         if !holds || moment.master_turns < 1.0 {
@@ -97,7 +97,7 @@ impl Observer<2> for Steady {
 fn steady(text: &str) -> (Steady, Outcome) {
     let checked = scene(text);
     let mut steady = Steady::default();
-    let outcome = simulate::<2>(&checked, &mut steady, |_, _| {}).unwrap();
+    let outcome = simulate(&checked, &mut steady, |_, _| {}).unwrap();
     assert!(outcome.fault.is_none() && outcome.diverged.is_none());
     assert_eq!(outcome.state, State::Parked);
     (steady, outcome)
@@ -199,7 +199,7 @@ fn cams_too_far_apart_are_stopped() {
             "{text}[drift]\nwarp_limit_deg = 2\n[[axis]]\nnumber = 1\ntrim_deg = 0\nstart_deg = {start_deg}\n"
         );
         let checked: Checked = scene(&text.replace("[axes]", "[axes]\ntrim_limit_deg = 0"));
-        simulate::<2>(&checked, &mut (), |_, _| {}).unwrap()
+        simulate(&checked, &mut (), |_, _| {}).unwrap()
     };
     // Of two, each is off their mean by half.
     let lawful = with(-3.8);
@@ -227,8 +227,8 @@ fn steppers_drive_cams_as_well() {
 #[test]
 fn feed_forward_is_the_rotors_alone() {
     struct Torque(f64, f64);
-    impl Observer<2> for Torque {
-        fn tick(&mut self, moment: &Moment<'_, 2>) {
+    impl Observer for Torque {
+        fn tick(&mut self, moment: &Moment<'_>) {
             let acceleration = moment.telemetry.motion.acceleration.to_num::<f64>() * 4e6 * TAU;
             for setpoint in &moment.played.setpoints {
                 let torque: f64 = setpoint.torque.to_num();
@@ -239,7 +239,7 @@ fn feed_forward_is_the_rotors_alone() {
     }
     let text = text("modified-sine", "cam").replace("[axes]", "[axes]\nrotor_inertia_kgm2 = 2e-3");
     let mut torque = Torque(0.0, 0.0);
-    simulate::<2>(&scene(&text), &mut torque, |_, _| {}).unwrap();
+    simulate(&scene(&text), &mut torque, |_, _| {}).unwrap();
     assert!((0.1..0.28).contains(&torque.0), "{} N·m", torque.0);
     assert!(torque.1 < 0.02, "{} N·m", torque.1);
 }

@@ -66,10 +66,10 @@ fn holds(trace: &Trace) -> Vec<std::ops::Range<usize>> {
 fn the_patent_machines_hold_their_amax() {
     for name in ["patent-1", "patent-2", "patent-3", "patent-4"] {
         let checked = built_in(name);
-        let radius_m = checked.setup.machine.crank_radius_m;
+        let radius_m = checked.settings.machine.crank_radius_m;
         let mechanism = Mechanism {
             radius_m,
-            rod_m: radius_m / checked.lambda,
+            rod_m: radius_m / checked.lambda(),
         };
         let trace = record(&checked, Every::Ticks(1), Window::FirstMotion).trace();
         let (turns, z_m) = (trace.axis("actual_turns", 0), trace.column("z_m"));

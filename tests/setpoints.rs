@@ -18,8 +18,8 @@ struct Compare {
     ticks: u64,
 }
 
-impl Observer<AXES> for Compare {
-    fn tick(&mut self, moment: &Moment<'_, AXES>) {
+impl Observer for Compare {
+    fn tick(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
         let omega = speed_hz(telemetry.motion.speed, HZ) * std::f64::consts::TAU;
         let acceleration =
@@ -67,7 +67,7 @@ fn torque_position_and_speed_are_those_of_the_machine() {
         peak_nm: 0.0,
         ticks: 0,
     };
-    simulate::<AXES>(&checked, &mut compare, |_, _| {}).expect("a checked scene runs");
+    simulate(&checked, &mut compare, |_, _| {}).expect("a checked scene runs");
     assert!(compare.ticks > 30_000);
     // The published example: 224 N·m for all six motors, 37 for each.
     assert!(
@@ -123,8 +123,7 @@ axis = 0
         peak_nm: 0.0,
         ticks: 0,
     };
-    let outcome =
-        simulate::<AXES>(&checked, &mut compare, |_, _| {}).expect("a checked scene runs");
+    let outcome = simulate(&checked, &mut compare, |_, _| {}).expect("a checked scene runs");
     assert!(outcome.fault.is_some());
     // The rotor alone takes J α = 0.001 · 2π · 1000 = 6.3 N·m.
     assert!(compare.peak_nm > 6.3, "{} N·m", compare.peak_nm);

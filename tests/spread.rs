@@ -48,8 +48,8 @@ impl Steady {
     }
 }
 
-impl Observer<4> for Steady {
-    fn tick(&mut self, moment: &Moment<'_, 4>) {
+impl Observer for Steady {
+    fn tick(&mut self, moment: &Moment<'_>) {
         // From the moment at which the ramp is over.
         if moment.telemetry.state != State::Run || moment.telemetry.program_ticks < 6_500 {
             return;
@@ -66,7 +66,7 @@ impl Observer<4> for Steady {
 
 fn run(text: &str) -> Steady {
     let mut steady = Steady::default();
-    let outcome = simulate::<4>(&scene(text), &mut steady, |_, _| {}).unwrap();
+    let outcome = simulate(&scene(text), &mut steady, |_, _| {}).unwrap();
     assert_eq!((outcome.fault, outcome.diverged.as_deref()), (None, None));
     let top_hz = outcome.statistics.top_speed_hz;
     assert!((top_hz - 60.0).abs() < 0.1, "{top_hz} rev/s");

@@ -97,7 +97,6 @@ impl Reporter {
     }
 
     /// An incident, or what latched without being one.
-    #[cold]
     #[inline(never)]
     fn tell_of(&mut self, tick: u32, incident: Option<Fault>, latched: Option<Fault>) {
         if let Some(fault) = incident.or(latched) {
@@ -106,7 +105,6 @@ impl Reporter {
         }
     }
 
-    #[cold]
     #[inline(never)] // the image's check for panics knows it by name
     fn note(&mut self, tick: u32, what: What) {
         if self.lost > 0 {
@@ -148,6 +146,7 @@ pub async fn tell(mut notes: Consumer<'static, Note>) -> ! {
 }
 
 /// A line of words, and the same as the bytes that go over a wire.
+#[cold]
 fn tell_fault(tick: u32, fault: &Fault, latched: bool) {
     let name = fault.kind.name();
     let (size_deg, phase_deg) = (degrees(fault.size), degrees(fault.phase.within_turn()));
@@ -188,6 +187,7 @@ impl defmt::Format for OnAxis {
 }
 
 /// What was handed over at power-up is not run: under the name that it has among faults, and why.
+#[cold]
 pub fn refused(kind: FaultKind, why: impl defmt::Format) {
     defmt::error!("{=str}: {}", kind.name(), why);
 }

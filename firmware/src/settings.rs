@@ -1,11 +1,11 @@
 //! Which settings the image runs on, and where they are kept.
 //!
 //! A blob is built in, and two slots at the end of the flash keep what was stored or placed there: see
-//! `docs/blob.md` and the crate `cophase-blob`, where all of this is decided and tested. Here it meets the flash.
+//! `docs/settings-file.md` and the crate `cophase-blob`, where all of this is decided and tested. Here it meets the flash.
 
 use cophase_blob::layout::{FLASH_ADDRESS, FLASH_BYTES, SLOT_A_OFFSET, SLOT_B_OFFSET, SLOT_BYTES};
 use cophase_blob::store::{Choice, Slot, Store, blob_in, choose, inspect};
-use cophase_blob::{BlobError, decode, verify};
+use cophase_blob::{BlobError, decode_into, verify};
 use cophase_core::settings::Settings;
 use cophase_core::supervisor::FaultKind;
 use embassy_rp::Peri;
@@ -16,27 +16,25 @@ use crate::report;
 
 static BUILT_IN: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/built-in.blob"));
 
-/// The settings to run on; none if those that should be run cannot be read, which is told.
+/// Reads the settings to run on into `settings`; false if those that should be run cannot be read, which is logged.
+#[cold]
 #[inline(never)] // what decodes them is off the stack when a machine is made of them
-pub fn load(flash: Peri<'static, FLASH>) -> Option<Settings> {
-    match read(flash) {
-        Ok(settings) => {
-            defmt::info!(
-                "settings: {=str}, {=usize} axes, {=u32} ticks a second",
-                settings.name.as_str(),
-                settings.axes.len(),
-                settings.tick_hz
-            );
-            Some(settings)
-        }
-        Err(error) => {
-            report::refused(FaultKind::SettingsRejected, error);
-            None
-        }
+pub fn load(flash: Peri<'static, FLASH>, settings: &mut Settings) -> bool {
+    if let Err(error) = read(flash, settings) {
+        report::refused(FaultKind::SettingsRejected, error);
+        return false;
     }
+    defmt::info!(
+        "settings: {=str}, {=usize} axes, {=u32} ticks a second",
+        settings.name.as_str(),
+        settings.axes.len(),
+        settings.tick_hz
+    );
+    true
 }
 
-fn read(flash: Peri<'static, FLASH>) -> Result<Settings, BlobError> {
+#[cold]
+fn read(flash: Peri<'static, FLASH>, settings: &mut Settings) -> Result<(), BlobError> {
     let built_in = verify(BUILT_IN)?;
     match choose(&built_in, &inspect(slot(Slot::A), slot(Slot::B))) {
         Choice::Refuse(slot, error) => {
@@ -45,17 +43,19 @@ fn read(flash: Peri<'static, FLASH>) -> Result<Settings, BlobError> {
         }
         Choice::Stored(from) => {
             defmt::info!("settings from slot {}", from);
-            decode(blob_in(slot(from))?)
+            decode_into(blob_in(slot(from))?, settings)
         }
         Choice::BuiltIn => {
             defmt::info!("settings built in");
             store(flash, built_in.mark());
-            decode(BUILT_IN)
+            decode_into(BUILT_IN, settings)
         }
     }
 }
 
 /// Stores the built-in blob. That it could not be is told; it can be run all the same.
+#[cold]
+#[inline(never)]
 fn store(flash: Peri<'static, FLASH>, mark: u32) {
     let flash = Flash::<_, Blocking, { FLASH_BYTES as usize }>::new_blocking(flash);
     let stored = Store::new(flash, SLOT_A_OFFSET, SLOT_B_OFFSET, SLOT_BYTES)
@@ -67,6 +67,7 @@ fn store(flash: Peri<'static, FLASH>, mark: u32) {
 }
 
 /// A slot as the chip shows it, among its other memory.
+#[cold]
 fn slot(slot: Slot) -> &'static [u8] {
     let offset = match slot {
         Slot::A => SLOT_A_OFFSET,

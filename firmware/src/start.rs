@@ -6,16 +6,22 @@ use core::pin::{Pin, pin};
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use cophase_core::control_loop;
+use cophase_core::controller::Controller;
+use cophase_core::settings::Settings;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use defmt_rtt as _;
+use embassy_rp::Peri;
 use embassy_rp::executor::Executor;
+use embassy_rp::peripherals::{FLASH, WATCHDOG};
 use embassy_time::{Duration, Timer};
+use heapless::spsc::Producer;
 use static_cell::StaticCell;
 
 use crate::board::{alarm, lines, watchdog};
+use crate::control::Board;
 use crate::from_ram;
-use crate::machine::Machine;
-use crate::report::{self, Reporter};
+use crate::machine;
+use crate::report::{self, Note, Reporter};
 use crate::settings;
 
 /// A fault of the core: drives off, and the watchdog does the rest.
@@ -51,33 +57,40 @@ fn main() -> ! {
         Some(seen) => defmt::error!("restarted by the watchdog: {}", seen),
         None => defmt::info!("power-up"),
     }
-    let (to_tell, told) = report::queue();
-    // Looked at where it is: kilobytes, which the stack need not hold twice.
-    let settings = settings::load(p.FLASH);
-    let machine = settings.as_ref().and_then(|settings| {
-        let made = Machine::new(
-            settings,
-            p.WATCHDOG,
-            last_seen.is_some(),
-            Reporter::new(to_tell, settings.axes.len()),
-        );
-        made.inspect_err(|refusal| report::refused(refusal.kind(), refusal))
-            .ok()
-    });
+    let (notes, noted) = report::queue();
+    let machine = machine(p.FLASH, p.WATCHDOG, last_seen.is_some(), notes);
 
     static EXECUTOR: StaticCell<Executor> = StaticCell::new();
     let executor = EXECUTOR.init(Executor::new());
-    let Some(machine) = machine else {
+    let Some((controller, board)) = machine else {
         executor.run(|spawner| {
-            spawner.spawn(defmt::unwrap!(report::tell(told)));
+            spawner.spawn(defmt::unwrap!(report::tell(noted)));
             spawner.spawn(defmt::unwrap!(refuse()));
         })
     };
-    let task: Pin<&mut dyn Future<Output = ()>> =
-        pin!(control_loop::run(&mut machine.controller, &mut machine.board));
+    let task: Pin<&mut dyn Future<Output = ()>> = pin!(control_loop::run(controller, board));
     // SAFETY: this function never returns, and a panic does not unwind: what it has on its stack stays there.
     alarm::run(unsafe { mem::transmute::<Pin<&mut _>, Pin<&'static mut _>>(task) });
-    executor.run(|spawner| spawner.spawn(defmt::unwrap!(report::tell(told))))
+    executor.run(|spawner| spawner.spawn(defmt::unwrap!(report::tell(noted))))
+}
+
+/// The machine of the settings that are to be run; none if there are no such settings, which is logged.
+#[cold]
+#[inline(never)] // settings have kilobytes, which the stack holds no longer than needed
+fn machine(
+    flash: Peri<'static, FLASH>,
+    watchdog: Peri<'static, WATCHDOG>,
+    restarted: bool,
+    notes: Producer<'static, Note>,
+) -> Option<(&'static mut Controller, &'static mut Board)> {
+    let mut settings = Settings::new();
+    if !settings::load(flash, &mut settings) {
+        return None;
+    }
+    let reporter = Reporter::new(notes, settings.axes.len());
+    let made = machine::make(&settings, watchdog, restarted, reporter);
+    made.inspect_err(|refusal| report::refused(refusal.kind(), refusal))
+        .ok()
 }
 
 /// Says with the lamp that there is nothing to run on: two short flashes a second. The drives are off.

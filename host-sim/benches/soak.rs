@@ -10,7 +10,6 @@
 
 use std::time::Instant;
 
-use cophase_core::controller::Controller;
 use cophase_core::signals::{Feedback, Output};
 use cophase_core::supervisor::{Command, State};
 use cophase_core::units::{FRACTION_BITS, Phase, Turns};
@@ -44,7 +43,7 @@ segments = [
 fn main() {
     let days = days();
     let checked = Checked::new(load::parse(SCENE).unwrap()).unwrap();
-    let mut controller: Controller<AXES> = checked.controller().unwrap();
+    let mut controller = checked.controller().unwrap();
     let tick_hz = u64::from(controller.tick_hz());
     let ticks = (days * 86_400.0 * tick_hz as f64) as u64;
     let bar = ProgressBar::new(ticks);
@@ -79,7 +78,7 @@ struct Truth {
 }
 
 impl Truth {
-    fn check(&mut self, output: &Output<AXES>) {
+    fn check(&mut self, output: &Output) {
         let telemetry = &output.telemetry;
         assert_eq!(telemetry.state, State::Run, "the machine must be at work");
         for (axis, (numerator, denominator)) in GEARS.into_iter().enumerate() {

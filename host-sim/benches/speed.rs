@@ -1,91 +1,168 @@
-//! How fast the loop is, as ratios to real time.
+//! Speed of the core alone and of whole runs, in control ticks per second and per calibration load (see `measure`).
 //!
-//! - `core`: ticks a second of the core alone, running a program at full speed on `N` stepper axes.
-//! - `run`: simulated seconds to one on the wall, of the default scene with nobody looking on;
-//! - `rung`: the same of four steppers on the rungs where torque moves the cranks, at the method and the steps a tick
-//!   that are chosen when the scene leaves them open.
+//!     cargo bench -p host-sim --bench speed                 # all figures
+//!     cargo bench -p host-sim --bench speed -- core-4 rigid # those with these words in their names
 //!
-//! divan prints the distribution of each; after that the ratios are measured once more, best of five, and
-//! those with a promise are asserted. (The best of five is the least disturbed one; on a shared
-//! machine the mean says more about its other users.)
+//! - `core-N`: [`Controller::tick`] on `N` stepper axes in the middle of a program, all index sensors at one crank angle. The
+//!   index pulses were recorded before, by playing the commanded phases to ideal sensors.
+//! - `run-LEVEL`: a scene at a model level, with nothing written and nobody looking on.
+//!
+//! `tests/baseline/bench` puts these figures beside those of commit 66e71d7.
+
+mod measure;
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use cophase_core::controller::Controller;
+use cophase_core::drift::IndexPulse;
+use cophase_core::settings::CLOCK_HZ;
 use cophase_core::signals::Feedback;
-use cophase_core::supervisor::Command;
-use cophase_methods::Scheme;
-use divan::Bencher;
-use divan::counter::ItemsCount;
-use host_sim::scene::file::Scene;
+use cophase_core::supervisor::{Command, State};
+use cophase_core::units::{MAX_AXES, PerAxis, Phase};
 use host_sim::scene::{Checked, library, load};
 use host_sim::sim::simulate;
+use measure::{Figure, Work};
 
-const LEAST_RATIO: f64 = 1000.0;
+/// The numbers are the least ticks per load: a third of what 66e71d7 does on a shared x86-64 host. They find what became several
+/// times as slow. What became a little slower, `tests/baseline/bench` shows.
+const FIGURES: [Figure; 6] = [
+    figure("core-2", 1700.0, || core(2)),
+    figure("core-4", 1100.0, || core(4)),
+    figure("core-6", 800.0, || core(6)),
+    figure("run-kinematic", 280.0, || run(default_scene())),
+    figure("run-rigid", 90.0, || run(four_motors("rigid"))),
+    figure("run-phased", 35.0, || run(four_motors("phased"))),
+];
 
-/// Rungs where torque moves the cranks, and what is promised of each; of the last, nothing is.
-const RUNGS: [(&str, f64); 3] = [("rigid", 200.0), ("phased", 20.0), ("elastic", 0.0)];
-
-/// Ticks in a sample: ten simulated seconds.
-const TICKS: u32 = 20_000;
+const fn figure(name: &'static str, least_per_load: f64, set_up: fn() -> Work) -> Figure {
+    Figure {
+        name,
+        unit: "ticks",
+        least_per_load,
+        set_up,
+    }
+}
 
 fn main() {
-    divan::main();
-    if std::env::args().any(|argument| argument == "--test" || argument == "--list") {
-        return;
+    measure::run(&FIGURES);
+}
+
+/// Ticks before those that are measured, and these: ten simulated seconds each. The second ten have a ramp, a level inside a
+/// band, and the crossing of that band.
+const TICKS: usize = 20_000;
+
+/// Crank angle of all index sensors.
+const INDEX_DEG: f64 = 15.0;
+
+/// The core alone, with feedback that was recorded.
+fn core(count: usize) -> Work {
+    let mut scene = library::SCENES[0].scene();
+    scene.axes.count = count;
+    scene.axis.retain(|axis| axis.number < count);
+    scene.axes.index_deg = INDEX_DEG;
+    let mut controller = Checked::new(scene).unwrap().controller().unwrap();
+    let mut sensors = Sensors::new(&controller);
+
+    let mut record = |controller: &mut Controller, command| {
+        let feedback = Feedback {
+            index: sensors.index,
+            ..Feedback::of(command)
+        };
+        sensors.follow(controller.tick(&feedback).telemetry.axis_phase);
+        feedback
+    };
+    record(&mut controller, Some(Command::Start));
+    for _ in 1..TICKS {
+        record(&mut controller, None);
     }
-    println!();
-    println!("ratio to real time, 2 kHz ticks, best of five");
-    println!("  core, 2 axes      {:7.0}", best(ratio_of_core::<2>));
-    println!("  core, 4 axes      {:7.0}", best(ratio_of_core::<4>));
-    println!("  core, 6 axes      {:7.0}", best(ratio_of_core::<6>));
-    let run = best(ratio_of_run);
-    println!("  run, default scene{run:7.0}");
-    assert!(
-        run >= LEAST_RATIO,
-        "run is {run:.0} times real time; {LEAST_RATIO} are promised"
-    );
-    for (rung, least) in RUNGS {
-        let checked = on_rung(rung);
-        let mut method = None;
-        let ratio = best(|| {
-            let (ratio, by) = ratio_and_method(&checked);
-            method = by;
-            ratio
-        });
-        let (scheme, steps) = method.expect("torque moves its cranks");
-        println!("  {rung:17} {ratio:7.0}   {scheme}, {steps} steps a tick");
-        assert!(
-            ratio >= least,
-            "{rung} is {ratio:.0} times real time; {least} are promised"
-        );
+    let begun = controller.clone();
+    let recorded: Vec<_> = (0..TICKS).map(|_| record(&mut controller, None)).collect();
+    let pulses = recorded.iter().filter(|one| one.index[count - 1].is_some());
+    assert!(pulses.count() > 200, "the sensors are passed once per turn");
+
+    Box::new(move || {
+        let mut controller = begun.clone();
+        for feedback in &recorded {
+            black_box(controller.tick(feedback));
+        }
+        let telemetry = &controller.tick(&Feedback::of(None)).telemetry;
+        assert_eq!((telemetry.state, telemetry.fault), (State::Run, None));
+        TICKS as u64 + 1
+    })
+}
+
+/// Ideal index sensors of cranks that are where they are commanded to be.
+struct Sensors {
+    count: usize,
+    cycles: f64,
+    /// Pulses that the next call of the tick reads: those of the tick that played what was returned two calls before it.
+    index: PerAxis<Option<IndexPulse>>,
+    /// Commanded phases at the ends of the last two ticks that were planned.
+    phases: Option<[PerAxis<Phase>; 2]>,
+}
+
+impl Sensors {
+    fn new(controller: &Controller) -> Self {
+        Self {
+            count: controller.axis_count(),
+            cycles: f64::from(CLOCK_HZ / controller.tick_hz()),
+            index: [None; MAX_AXES],
+            phases: None,
+        }
+    }
+
+    /// Takes the phases to which a tick was planned, while the tick planned before it plays.
+    fn follow(&mut self, planned: PerAxis<Phase>) {
+        if let Some([from, to]) = self.phases {
+            self.index = std::array::from_fn(|axis| {
+                let exists = axis < self.count;
+                exists.then(|| self.pulse(from[axis], to[axis])).flatten()
+            });
+        }
+        let playing = self.phases.map_or(planned, |[_, playing]| playing);
+        self.phases = Some([playing, planned]);
+    }
+
+    /// The pulse of a crank that moves forwards at constant speed, if its flag comes within a tick.
+    fn pulse(&self, from: Phase, to: Phase) -> Option<IndexPulse> {
+        let turns = to.since(from).to_num::<f64>();
+        let beyond_index = (from.within_turn().to_num::<f64>() - INDEX_DEG / 360.0).rem_euclid(1.0);
+        let part = (1.0 - beyond_index) / turns;
+        (turns > 0.0 && part <= 1.0).then(|| IndexPulse {
+            cycle: (part * self.cycles) as i32,
+        })
     }
 }
 
-#[divan::bench(args = RUNGS.map(|(rung, _)| rung))]
-fn rung(bencher: Bencher<'_, '_>, rung: &str) {
-    let checked = on_rung(rung);
-    bencher.bench_local(|| simulate::<4>(&checked, &mut (), |_, _| {}).unwrap());
+/// A whole run.
+fn run(checked: Checked) -> Work {
+    let outcome = simulate(&checked, &mut (), |_, _| {}).unwrap();
+    assert!(outcome.diverged.is_none() && outcome.fault.is_none());
+    if let Some((scheme, steps)) = outcome.method {
+        println!("# {:?}: {scheme}, {steps} steps a tick", checked.fidelity);
+    }
+    Box::new(move || {
+        let outcome = simulate(&checked, &mut (), |_, _| {}).unwrap();
+        outcome.ticks
+    })
 }
 
-/// Four steppers of NEMA 34 size: 200 full steps, 8 N·m that fall to 2 at 30 rev/s; a platform of 8 kg on a frame of 60.
-fn on_rung(rung: &str) -> Checked {
+/// The default scene, where cranks are where pulses put them.
+fn default_scene() -> Checked {
+    Checked::new(library::SCENES[0].scene()).unwrap()
+}
+
+/// Four steppers of NEMA 34 size: 200 full steps, 8 N·m that fall to 2 at 30 rev/s; a platform of 8 kg.
+fn four_motors(level: &str) -> Checked {
     let text = format!(
         r#"
-        name = "rungs"
-        fidelity = "{rung}"
+        name = "speed"
+        fidelity = "{level}"
         [machine]
         crank_radius_mm = 10
         lambda = 0.25
         load_kg = 8
         mount_radius_mm = 200
-        [frame]
-        mass_kg = 60
-        suspension_n_per_mm = 300
-        [frame.foundation]
-        mass_kg = 400
-        ground_n_per_mm = 50_000
         [limits]
         speed_hz = 25
         acceleration_hz_per_s = 30
@@ -105,66 +182,4 @@ fn on_rung(rung: &str) -> Checked {
         "#
     );
     Checked::new(load::parse(&text).unwrap()).unwrap()
-}
-
-fn ratio_and_method(checked: &Checked) -> (f64, Option<(Scheme, u32)>) {
-    let began = Instant::now();
-    let outcome = simulate::<4>(checked, &mut (), |_, _| {}).unwrap();
-    let ratio = outcome.simulated_s() / began.elapsed().as_secs_f64();
-    assert!(outcome.diverged.is_none() && outcome.fault.is_none());
-    (ratio, outcome.method)
-}
-
-#[divan::bench(consts = [2, 4, 6])]
-fn core<const N: usize>(bencher: Bencher<'_, '_>) {
-    bencher
-        .counter(ItemsCount::new(TICKS))
-        .with_inputs(running::<N>)
-        .bench_local_values(|mut controller| play(&mut controller));
-}
-
-#[divan::bench]
-fn run(bencher: Bencher<'_, '_>) {
-    let checked = Checked::new(default_scene(4)).unwrap();
-    bencher.bench_local(|| simulate::<4>(&checked, &mut (), |_, _| {}).unwrap());
-}
-
-fn default_scene(axes: usize) -> Scene {
-    let mut scene = library::SCENES[0].scene();
-    scene.axes.count = axes;
-    scene.axis.retain(|apart| apart.number < axes);
-    scene
-}
-
-/// A controller that is up to speed, in the middle of the program.
-fn running<const N: usize>() -> Controller<N> {
-    let mut scene = default_scene(N);
-    scene.axes.index = false; // nobody plays the sensors here
-    let mut controller = Checked::new(scene).unwrap().controller().unwrap();
-    controller.tick(&Feedback::of(Some(Command::Start)));
-    for _ in 0..10 * TICKS / 10 {
-        controller.tick(&Feedback::of(None));
-    }
-    controller
-}
-
-fn play<const N: usize>(controller: &mut Controller<N>) {
-    for _ in 0..TICKS {
-        black_box(controller.tick(&Feedback::of(None)));
-    }
-}
-
-fn ratio_of_core<const N: usize>() -> f64 {
-    let mut controller = running::<N>();
-    let began = Instant::now();
-    play(&mut controller);
-    f64::from(TICKS) / f64::from(controller.tick_hz()) / began.elapsed().as_secs_f64()
-}
-
-fn ratio_of_run() -> f64 {
-    ratio_and_method(&Checked::new(default_scene(4)).unwrap()).0
-}
-
-fn best(mut ratio: impl FnMut() -> f64) -> f64 {
-    (0..5).map(|_| ratio()).fold(0.0, f64::max)
 }

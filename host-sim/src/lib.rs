@@ -2,13 +2,11 @@
 //!
 //! The loop itself is [`cophase_core`]'s: the same function, tick for tick and bit for bit, that runs on
 //! the controller. Here are its clock ([`virtual_time`]), its world ([`machine`], [`sim`]), what is asked
-//! of it ([`scene`]), what it leaves behind ([`trace`], [`report`]), and the `cophase` command
-//! ([`command`]). [`design`] and [`mechanism`] are the mathematics of the machines.
+//! of it ([`scene`]), and what it leaves behind ([`trace`], [`report`]). [`design`] and [`mechanism`] are the
+//! mathematics of the machines. Charts and campaigns are in `lab/`, the `cophase` command in `command/`.
 #![forbid(unsafe_code)]
 
-pub mod campaign;
-pub mod chart;
-pub mod command;
+pub mod axes;
 pub mod design;
 pub mod dynamics;
 pub mod faults;

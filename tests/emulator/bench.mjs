@@ -1,4 +1,4 @@
-// The bench: runs scenarios on the image, prints what they found, and fails if anything does not hold.
+// The bench: runs scenarios on the firmware, prints what they found, and fails if anything does not hold.
 
 import fs from 'node:fs';
 import path from 'node:path';
@@ -11,20 +11,20 @@ const SCENARIOS = ['image', 'parity', 'rate', 'cost', 'deadlines', 'index', 'fau
 const HELP = `usage: tests/emulator/run [--write] [--no-figures] [SCENARIO ... | SCENE.toml ...]
        tests/emulator/run --profile SCENE [OPTION ...]
 
-Builds the image, runs it in the emulator, and compares what it does with what it should.
+Builds the firmware, runs it in the emulator, and compares what it does with what it should.
 Scenarios: ${SCENARIOS.join(', ')}; all of them if none is named.
 A scene of your own is run as it is, and every edge compared with what \`cophase run\` predicts: a minute of three axes
 takes about five.
 
   --write       keep the figures: docs/emulated.csv, the table in docs/image.md, and tests/emulator/image-size.toml
   --profile     where the cycles of a tick go, by function; \`--profile --help\` has its options
-  --no-figures  do not compare figures, and the image's size, with those that are kept: for another compiler than theirs
+  --no-figures  do not compare figures, and the firmware's size, with those that are kept: for another compiler than theirs
 
 In the environment, for \`sweeps\`:
   COPHASE_SWEEP=20            twenty times as many cases, the usual ones among them: half an hour
   COPHASE_CASE='freezes 17'   this case alone, with its log
 
-The image is built with the default settings, whatever COPHASE_BLOB says; scenes are placed in its flash.
+The firmware is built with the default settings, whatever COPHASE_BLOB says; scenes are placed in its flash.
 
 Exit status: 0 all holds; 1 something does not, or a figure is worse by over 5 %; 2 a question that makes no sense.`;
 

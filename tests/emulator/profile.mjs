@@ -1,4 +1,4 @@
-// Where the cycles of a control tick go, by function: for a scene, on the firmware or on any other ELF of it.
+// Profile of a control tick: cycles by function, for a scene, on the firmware or on any other ELF of it.
 
 import path from 'node:path';
 import { parseArgs } from 'node:util';
@@ -8,7 +8,7 @@ const HELP = `usage: tests/emulator/run --profile SCENE [OPTION ...]
 
 Counts every cycle of the control loop's interrupt (TIMER_IRQ_1) in a run of SCENE, a name in tests/emulator/scenes or a
 file, and prints two tables as Markdown: functions as they are linked, and as they are written, with inlined functions
-told apart. Each has self and inclusive cycles: the mean over all ticks, and in the worst tick.
+separate. Each has self and inclusive cycles: the mean over all ticks, and in the worst tick.
 
   --axes N          only the first N axes of the scene
   --sensors-alike   all index sensors at one crank angle, and no user trims
@@ -55,7 +55,7 @@ for (const name of ['axes', 'tick-hz', 'tick', 'least']) {
 // The bench reads this when it is loaded.
 if (values.elf) process.env.COPHASE_ELF = path.resolve(values.elf);
 
-const { blobOf, predict, scene, sensorsAlike, withAxes } = await import('./bench/host.mjs');
+const { predict, scene, sensorsAlike, settingsOf, withAxes } = await import('./bench/host.mjs');
 const { run } = await import('./bench/ticks.mjs');
 const { markdown, Named } = await import('./bench/profile.mjs');
 
@@ -65,7 +65,7 @@ const played = scene(name.endsWith('.toml') ? path.resolve(name) : name, (toml) 
   if (values['sensors-alike']) sensorsAlike(toml);
   if (values['tick-hz']) toml.control = { ...toml.control, tick_hz: Number(values['tick-hz']) };
 });
-const { ticks, profile, period } = run(played, predict(played), blobOf(played), { profile: true });
+const { ticks, profile, period } = run(played, predict(played), settingsOf(played), { profile: true });
 const chosen = ticks.filter(({ state }) => values.state === undefined || state === values.state);
 if (chosen.length === 0) fail(`no tick is in state ${values.state}; states: ${[...new Set(ticks.map(({ state }) => state))].join(', ')}`);
 const worst = values.tick === undefined
@@ -78,7 +78,7 @@ const mean = chosen.reduce((sum, { own }) => sum + own, 0) / chosen.length;
 const which = values.state === undefined ? 'all states' : `state ${values.state}`;
 console.log(`Scene ${path.basename(name, '.toml')}, ${played.axes} axes, ${played.tickHz} ticks a second (${period} cycles each): ${chosen.length} ticks, ${which}.`);
 console.log(`Mean ${mean.toFixed(0)} cycles; the worst tick is number ${worst.number}, in state ${worst.state}: ${worst.own} cycles, ${worst.pulses} index pulses confirmed.\n`);
-for (const [how, title] of [['linked', 'Functions as linked'], ['written', 'Functions as written, inlined ones told apart']]) {
+for (const [how, title] of [['linked', 'Functions as linked'], ['written', 'Functions as written, inlined ones separate']]) {
   console.log(`### ${title}\n`);
   const options = { least: Number(values.least), withCalls: how === 'linked' };
   console.log(`${markdown(named.table(callsOf(chosen), how), named.table(callsOf([worst]), how), options)}\n`);

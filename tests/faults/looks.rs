@@ -3,7 +3,6 @@
 use cophase_core::signals::Feedback;
 use host_sim::scene::Checked;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
-use host_sim::with_axes;
 
 /// One tick.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,8 +57,8 @@ impl Looks {
 
 struct Eyes(Vec<Look>);
 
-impl<const N: usize> Observer<N> for Eyes {
-    fn tick(&mut self, moment: &Moment<'_, N>) {
+impl Observer for Eyes {
+    fn tick(&mut self, moment: &Moment<'_>) {
         let tick_ns = moment.end_ns - moment.start_ns;
         let start_us = moment.start_ns as f64 * 1e-3;
         let at_us = |cycle: u32| start_us + f64::from(cycle) * 0.008;
@@ -68,7 +67,9 @@ impl<const N: usize> Observer<N> for Eyes {
             command: moment.command_turns.to_vec(),
             actual: moment.actual_turns.to_vec(),
             rose_us: moment.index.iter().map(|rose| rose.map(at_us)).collect(),
-            encoder: (0..N).map(|i| moment.machine.encoder(i)).collect(),
+            encoder: (0..moment.axis_count())
+                .map(|i| moment.machine.encoder(i))
+                .collect(),
             enabled: moment.drives_enabled,
         });
     }
@@ -77,9 +78,7 @@ impl<const N: usize> Observer<N> for Eyes {
 /// Runs a scene and looks.
 pub fn look(checked: &Checked) -> Looks {
     let mut eyes = Eyes(Vec::new());
-    let outcome =
-        with_axes!(checked.scene.axes.count, N => simulate::<N>(checked, &mut eyes, |_, _| {}))
-            .expect("a checked scene runs");
+    let outcome = simulate(checked, &mut eyes, |_, _| {}).expect("a checked scene runs");
     Looks {
         ticks: eyes.0,
         outcome,
@@ -87,8 +86,8 @@ pub fn look(checked: &Checked) -> Looks {
 }
 
 /// What the layer says at one reading after another, a tick apart, of three axes on which nothing else happens.
-pub fn readings(checked: &Checked, ticks: std::ops::Range<u64>) -> Vec<Feedback<3>> {
-    let mut faults = host_sim::faults::Faults::<3>::new(checked);
+pub fn readings(checked: &Checked, ticks: std::ops::Range<u64>) -> Vec<Feedback> {
+    let mut faults = host_sim::faults::Faults::new(checked);
     let read = |tick: u64| {
         let mut feedback = Feedback::of(None);
         faults.read(tick * 500, &mut feedback);

@@ -28,8 +28,8 @@ fn missing_pulses_are_as_many_as_were_asked_for() {
         assert_eq!(until(first.rises_us(0)), until(all.rises_us(0)));
     }
     // Whether the loop waits for the one after is its affair; the layer has so many stay away, and no more.
-    let mut faults = Faults::<3>::new(&at("kind = \"index-missing\"\naxis = 1\ncount = 2\n"));
-    let passes = |faults: &mut Faults<3>| std::array::from_fn(|_| faults.misses(1));
+    let mut faults = Faults::new(&at("kind = \"index-missing\"\naxis = 1\ncount = 2\n"));
+    let passes = |faults: &mut Faults| std::array::from_fn(|_| faults.misses(1));
     faults.extra((AT_TICK - 1) * 500);
     assert_eq!(passes(&mut faults), [false; 4]);
     faults.extra(AT_TICK * 500);
@@ -89,7 +89,7 @@ fn a_glitch_is_off_by_its_counts_while_it_lasts() {
 #[test]
 fn alarms_and_inputs_are_on_while_they_last() {
     let during = AT_TICK..AT_TICK + 20;
-    let on = |kind: &str, which: fn(&cophase_core::signals::Feedback<3>) -> bool| {
+    let on = |kind: &str, which: fn(&cophase_core::signals::Feedback) -> bool| {
         let said = readings(&at(&format!("kind = \"{kind}\"\nfor_s = 0.01\n")), 0..500);
         for (tick, feedback) in (0..).zip(&said) {
             assert_eq!(which(feedback), during.contains(&tick), "{kind} at {tick}");

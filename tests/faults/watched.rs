@@ -1,9 +1,9 @@
 //! What a campaign judges a run by: when cranks truly passed a limit, what was told of it, and who was moved while another stood.
 
+use cophase_lab::campaign::geometry::Geometry;
+use cophase_lab::campaign::judge::{self, Verdict, judge};
+use cophase_lab::campaign::watch::{Seen, Watch};
 use cophase_tests::scene;
-use host_sim::campaign::geometry::Geometry;
-use host_sim::campaign::judge::{self, Verdict, judge};
-use host_sim::campaign::watch::{Seen, Watch};
 use host_sim::scene::Checked;
 use host_sim::sim::simulate;
 
@@ -24,9 +24,9 @@ fn watched(text: &str, fault: &str) -> (Checked, Seen) {
 fn watched_at(at_s: f64, text: &str, fault: &str) -> (Checked, Seen) {
     let checked = scene(&format!("{text}[[fault]]\nat_s = {at_s}\n{fault}"));
     let geometry = Geometry::new(&checked.scene);
-    let count = judge::cranks_that_count::<3>(&checked.scene);
-    let mut watch = Watch::<3>::new(geometry.as_ref(), &checked, count);
-    simulate::<3>(&checked, &mut watch, |_, _| {}).expect("a checked scene runs");
+    let count = judge::cranks_that_count(&checked.scene);
+    let mut watch = Watch::new(geometry.as_ref(), &checked, count);
+    simulate(&checked, &mut watch, |_, _| {}).expect("a checked scene runs");
     let seen = watch.seen();
     (checked, seen)
 }

@@ -18,7 +18,6 @@ use host_sim::report::Report;
 use host_sim::scene::{Checked, library, load};
 use host_sim::sim::{Outcome, simulate};
 use host_sim::trace::{Every, Recorder, ScopeData, ScopeFrame, Window};
-use host_sim::with_axes;
 
 /// A scene from its text.
 ///
@@ -108,19 +107,15 @@ impl Run {
 /// # Panics
 /// If it cannot be recorded.
 pub fn record(checked: &Checked, every: Every, window: Window) -> Run {
-    with_axes!(checked.scene.axes.count, N => record_axes::<N>(checked, every, window))
-}
-
-fn record_axes<const N: usize>(checked: &Checked, every: Every, window: Window) -> Run {
     let (mut csv, mut vcd) = (Vec::new(), Vec::new());
     let frame = ScopeFrame {
         title: checked.scene.name.clone(),
         ..ScopeFrame::default()
     };
-    let scope = ScopeData::new(N, frame);
+    let scope = ScopeData::new(checked.scene.axes.count, frame);
     let mut recorder = Recorder::new(checked, &mut csv, &mut vcd, every, window, scope)
         .expect("a header can be written to memory");
-    let outcome = simulate::<N>(checked, &mut recorder, |_, _| {}).expect("a checked scene runs");
+    let outcome = simulate(checked, &mut recorder, |_, _| {}).expect("a checked scene runs");
     let (written, scope) = recorder.finish().expect("memory takes it all");
     let report = Report::new(checked, &outcome, Some(written), 1.0);
     let report = serde_json::to_value(report).expect("a report is JSON");

@@ -5,8 +5,6 @@ use cophase_core::units::{Amax, Phase};
 use host_sim::scene::Checked;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
 
-use host_sim::with_axes;
-
 /// One tick of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick {
@@ -78,9 +76,7 @@ impl Watched {
 /// If at any tick the axes' commanded phases or steps differ, from each other or from the master's.
 pub fn watch(checked: &Checked) -> Watched {
     let mut eyes = Eyes(Vec::new());
-    let outcome =
-        with_axes!(checked.scene.axes.count, N => simulate::<N>(checked, &mut eyes, |_, _| {}))
-            .expect("a checked scene runs");
+    let outcome = simulate(checked, &mut eyes, |_, _| {}).expect("a checked scene runs");
     Watched {
         ticks: eyes.0,
         outcome,
@@ -89,19 +85,20 @@ pub fn watch(checked: &Checked) -> Watched {
 
 struct Eyes(Vec<Tick>);
 
-impl<const N: usize> Observer<N> for Eyes {
-    fn tick(&mut self, moment: &Moment<'_, N>) {
+impl Observer for Eyes {
+    fn tick(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
-        assert_eq!(
-            telemetry.axis_phase, [telemetry.phase; N],
-            "at {} ns: axes out of phase",
-            moment.start_ns
-        );
-        assert_eq!(
-            telemetry.steps, [telemetry.steps[0]; N],
-            "at {} ns: axes a step apart",
-            moment.start_ns
-        );
+        for axis in 0..moment.axis_count() {
+            let at = moment.start_ns;
+            assert_eq!(
+                telemetry.axis_phase[axis], telemetry.phase,
+                "at {at} ns: axis {axis} out of phase"
+            );
+            assert_eq!(
+                telemetry.steps[axis], telemetry.steps[0],
+                "at {at} ns: axis {axis} a step apart"
+            );
+        }
         self.0.push(Tick {
             start_ns: moment.start_ns,
             state: telemetry.state,

@@ -1,4 +1,4 @@
-//! What the board that blobs are for can run: an RP2040 at 125 MHz, with outputs for steppers.
+//! What the board that blobs are for can run: an RP2040 at 125 MHz, with STEP and DIR outputs.
 //!
 //! Settings that a simulated machine runs on may be too much for it. That is said when the blob is made, and
 //! refused by the image, before a deadline is missed.
@@ -22,8 +22,11 @@ const CHUNK_EDGES: f64 = 64.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Unfit {
-    /// There are no outputs for servos.
-    #[error("axis {0} is a servo, and the board has outputs for steppers only")]
+    /// There is no fieldbus for setpoints.
+    #[error(
+        "axis {0} is a servo that takes setpoints over a fieldbus, which the board does not have; give drive = \"pulse-servo\" for a drive \
+         that takes STEP and DIR"
+    )]
     Servo(usize),
     /// There are no inputs for encoders.
     #[error(

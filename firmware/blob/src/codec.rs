@@ -3,12 +3,13 @@
 use cophase_core::program::CAPACITY;
 use cophase_core::settings::{MAX_BANDS, NAME_BYTES, Settings};
 use cophase_core::units::MAX_AXES;
+use serde::Deserialize;
 
 use crate::header::{HEADER_BYTES, Header};
 use crate::{BlobError, CRC};
 
 /// Format of the payload that is written and read here. Whatever changes the bytes of a [`Settings`] changes it.
-pub const VERSION: u16 = 2;
+pub const VERSION: u16 = 3;
 
 /// Longest payload, bytes: the name as long, lists as full, and numbers of variable length as great as can be.
 pub const MAX_PAYLOAD_BYTES: usize = {
@@ -16,7 +17,7 @@ pub const MAX_PAYLOAD_BYTES: usize = {
     const U32: usize = 5; // seven bits a byte
     const SMALL: usize = 1; // a flag, a variant, a length below 128
     let name = SMALL + NAME_BYTES;
-    let machine = 5 * F64 + SMALL;
+    let machine = 5 * F64 + 2 * SMALL;
     let limits = 6 * F64 + SMALL + MAX_BANDS * 2 * F64;
     let pulse = 3 * F64;
     let index_width = F64;
@@ -118,20 +119,83 @@ pub(crate) fn verify_payload(header: &Header, blob: &[u8]) -> Result<(), BlobErr
     Ok(())
 }
 
-/// The settings in a blob.
-///
-/// Its numbers are whatever was written; [`Settings::controller`] checks them. On a board this takes up to 36 KiB of
-/// stack: settings has 5 KiB, and passes through several hands.
+/// The settings in a blob. See [`decode_into`].
 ///
 /// # Errors
 /// Anything but exactly one whole blob of this version. Never panics, whatever the bytes.
 pub fn decode(blob: &[u8]) -> Result<Settings, BlobError> {
+    let mut settings = Settings::new();
+    decode_into(blob, &mut settings)?;
+    Ok(settings)
+}
+
+/// Reads the settings in a blob into a place for them.
+///
+/// The numbers are whatever was written; `Controller::configure` checks them. Settings have 5 KiB, of which the program is the
+/// greatest part. So they are read field by field, and the program entry by entry: a board's stack need not hold them twice.
+///
+/// # Errors
+/// Anything but exactly one whole blob of this version. The settings are then a mixture of old and new. Never panics, whatever the
+/// bytes.
+#[inline(never)]
+pub fn decode_into(blob: &[u8], settings: &mut Settings) -> Result<(), BlobError> {
     verify(blob)?;
-    let (settings, rest) =
-        postcard::take_from_bytes(&blob[HEADER_BYTES..]).map_err(|_| BlobError::Unreadable)?;
-    match count(rest.len()) {
-        0 => Ok(settings),
+    let mut payload = Payload(&blob[HEADER_BYTES..]);
+    // In the order of the fields, which is that in which `encode` writes them.
+    let Settings {
+        name,
+        tick_hz,
+        machine,
+        limits,
+        pulse,
+        index,
+        axes,
+        trims_turns,
+        drift,
+        correction,
+        park_turns,
+        settle_s,
+        program,
+    } = settings;
+    *name = payload.take()?;
+    *tick_hz = payload.take()?;
+    *machine = payload.take()?;
+    *limits = payload.take()?;
+    *pulse = payload.take()?;
+    *index = payload.take()?;
+    payload.take_list(axes)?;
+    payload.take_list(trims_turns)?;
+    *drift = payload.take()?;
+    *correction = payload.take()?;
+    *park_turns = payload.take()?;
+    *settle_s = payload.take()?;
+    payload.take_list(program)?;
+    match count(payload.0.len()) {
+        0 => Ok(()),
         bytes => Err(BlobError::Trailing { bytes }),
+    }
+}
+
+/// The rest of a payload.
+struct Payload<'a>(&'a [u8]);
+
+impl<'a> Payload<'a> {
+    fn take<T: Deserialize<'a>>(&mut self) -> Result<T, BlobError> {
+        let (value, rest) = postcard::take_from_bytes(self.0).map_err(|_| BlobError::Unreadable)?;
+        self.0 = rest;
+        Ok(value)
+    }
+
+    /// A list: its length, and so many values.
+    fn take_list<T: Deserialize<'a>, const N: usize>(
+        &mut self,
+        list: &mut heapless::Vec<T, N>,
+    ) -> Result<(), BlobError> {
+        list.clear();
+        for _ in 0..self.take::<u32>()? {
+            list.push(self.take()?).map_err(|_| BlobError::Unreadable)?;
+        }
+        Ok(())
     }
 }
 

@@ -125,7 +125,7 @@ mod tests {
         payload_crc: 0x0F10_1112,
     };
 
-    /// Were it wrong, an image would not find what another wrote, or what `docs/blob.md` says.
+    /// Were it wrong, an image would not find what another wrote, or what `docs/settings-file.md` says.
     #[test]
     fn fields_lie_where_they_are_said_to_lie() {
         let page = HEADER.page();

@@ -1,6 +1,6 @@
 //! Where the two slots lie in the board's flash: the last 64 KiB of 2 MiB.
 //!
-//! The linker map (`memory.x`) ends the program's flash below them, and `docs/blob.md` names the addresses.
+//! The linker map (`memory.x`) ends the program's flash below them, and `docs/settings-file.md` names the addresses.
 
 use crate::codec::MAX_BLOB_BYTES;
 

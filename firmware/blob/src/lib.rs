@@ -15,7 +15,7 @@
 //!
 //! What the board is able to run is in [`board`].
 //!
-//! `docs/blob.md` has the format as a table.
+//! `docs/settings-file.md` has the format as a table.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -29,7 +29,7 @@ pub mod header;
 pub mod layout;
 pub mod store;
 
-pub use codec::{MAX_BLOB_BYTES, decode, encode, verify};
+pub use codec::{MAX_BLOB_BYTES, decode, decode_into, encode, verify};
 pub use cophase_core::settings::Settings;
 pub use error::BlobError;
 pub use header::Header;

@@ -180,7 +180,7 @@ fn numbers_out_of_range_are_refused_when_the_controller_is_made() {
     );
 
     let none = decode(&blob(&settings(0, 0, 1))).unwrap();
-    assert_eq!(check(&none).unwrap_err(), "axes.count: 0 is outside 2 to 6");
+    assert_eq!(check(&none).unwrap_err(), "axes.count: 0 is outside 1 to 6");
 }
 
 proptest! {

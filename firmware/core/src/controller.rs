@@ -1,4 +1,4 @@
-//! One tick of the whole path: program, profile, master shaft, axes, pulses and setpoints; and back
+//! One tick of the whole path: program, mechanism, master shaft, axes, pulses and setpoints; and back
 //! from the index pulses through the drift monitor to the supervisor.
 //!
 //! **Times.** What [`Controller::tick`] returns at one deadline is played from the next deadline on,
@@ -7,26 +7,24 @@
 
 mod align;
 mod channel;
+mod configure;
 mod drive;
-mod preparation;
 mod punctuality;
 mod telling;
 mod wiring_proof;
 
 use crate::axes::Correction;
 use crate::drift::{AxisSet, DriftMonitor, Finding, History, Sensed};
-use crate::profile::{Profile, SliderCrank};
-use crate::program::{Cursor, Program, ProgramBuilder};
+use crate::mechanism::{AnyMechanism, Mechanism};
+use crate::program::{Cursor, Program};
 use crate::pulse::Paces;
 use crate::servo::Coupling;
-use crate::settings::{Settings, SettingsError};
 use crate::shaft::{Demand, Motion, Shaft, Target};
 use crate::signals::{Feedback, Output};
 use crate::supervisor::{Action, Command, Fault, FaultKind, Seen, State, Supervisor};
 use crate::units::{Amax, MAX_AXES, ONE_TURN, Phase, Turns};
 use align::Align;
 use channel::Channel;
-pub use preparation::Prepared;
 use punctuality::Punctuality;
 use telling::weigh;
 
@@ -34,7 +32,7 @@ use telling::weigh;
 #[derive(Clone, Debug)]
 pub struct Controller {
     tick_hz: u32,
-    profile: Profile,
+    mechanism: AnyMechanism,
     program: Program,
     cursor: Cursor,
     target: Target,
@@ -78,39 +76,10 @@ pub struct Controller {
     output: Output,
 }
 
-impl Settings {
-    /// The profile that these settings' machine has.
-    pub fn profile(&self) -> Profile {
-        let machine = &self.machine;
-        Profile::SliderCrank(SliderCrank::new(
-            machine.crank_radius_m,
-            machine.lambda,
-            self.tick_hz,
-        ))
-    }
-
-    /// A builder of programs for these settings' machine.
-    pub fn program_builder(&self) -> ProgramBuilder {
-        ProgramBuilder::new(self.tick_hz, self.profile(), self.limits.speed_hz)
-    }
-}
-
 /// Ticks after a stop in which what its last pulses show is still heard: a tick is read two ticks after it was reckoned.
 const LAST_PULSES: u64 = 4;
 
 impl Controller {
-    /// A controller at power-up: idle, every axis at its offset.
-    ///
-    /// # Errors
-    /// The first setting that is wrong.
-    pub fn new(settings: &Settings, program: Program) -> Result<Self, SettingsError> {
-        Ok(Self::assembled(
-            &Prepared::new(settings)?,
-            settings,
-            program,
-        ))
-    }
-
     /// How many axes there are.
     pub fn axis_count(&self) -> usize {
         self.channels.len()
@@ -139,9 +108,9 @@ impl Controller {
         self.cursor.seek(&self.program, elapsed);
     }
 
-    /// The profile, for converting between speed and amax.
-    pub const fn profile(&self) -> &Profile {
-        &self.profile
+    /// The mechanism, for converting between speed and amax.
+    pub const fn mechanism(&self) -> &AnyMechanism {
+        &self.mechanism
     }
 
     /// Sets an axis's trim; says whether its limit allowed all of it. An axis that is not there has
@@ -337,7 +306,6 @@ impl Controller {
     }
 
     /// Sets up for a state that was just entered.
-    #[cold]
     #[inline(never)]
     fn enter(&mut self, before: State, now: State) {
         match now {
@@ -379,14 +347,14 @@ impl Controller {
         let reading = self.cursor.next(&self.program);
         self.output.telemetry.amax_program = reading.level;
         if self.end.0 != reading.end_level {
-            self.end = (reading.end_level, self.profile.speed(reading.end_level));
+            self.end = (reading.end_level, self.mechanism.speed(reading.end_level));
         }
         self.target = Target {
             now: self.target.next,
             next: if reading.level == reading.end_level {
                 self.end.1
             } else {
-                self.profile.speed(reading.level)
+                self.mechanism.speed(reading.level)
             },
             end: self.end.1,
         };

@@ -4,7 +4,7 @@
 //! it. Data goes one way, and the modules follow it:
 //!
 //! ```text
-//! program ──► profile ──► shaft ──► axes ──► pulse, servo ──► drives
+//! program ─► mechanism ─► shaft ──► axes ──► pulse, servo ──► drives
 //! amax(t)     ω(amax)       ▲         ▲                          │
 //!                       supervisor ◄─ drift ◄─ index pulses ◄────┘
 //! ```
@@ -24,14 +24,12 @@ pub mod axes;
 pub mod control_loop;
 pub mod controller;
 pub mod drift;
-pub mod functions;
+pub mod mechanism;
 pub mod panel;
-pub mod profile;
 pub mod program;
-pub mod pulse;
 pub mod servo;
 pub mod settings;
-pub mod shaft;
 pub mod signals;
 pub mod supervisor;
-pub mod units;
+
+pub use cophase_motion::{functions, pulse, shaft, units};

@@ -21,6 +21,7 @@ pub struct Button {
 
 impl Button {
     /// A button that counts as pressed: one that is stuck at power-up must be let go before it asks.
+    #[cold]
     pub fn new(tick_hz: u32) -> Self {
         Self {
             steady_ticks: libm::ceil(STEADY_S * f64::from(tick_hz)) as u32,

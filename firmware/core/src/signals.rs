@@ -75,34 +75,27 @@ impl Output {
     }
 
     /// Of a loop that has not begun, its axes at these phases.
-    #[inline(never)] // with all its room for runs it is large, and would be on the stack once more
-    pub(crate) fn idle(axis_phase: PerAxis<Phase>) -> Self {
+    pub(crate) const fn idle(axis_phase: PerAxis<Phase>) -> Self {
         Self {
             plans: [const { Runs::new() }; MAX_AXES],
             sharing: Sharing::NONE,
-            setpoints: [Setpoint::default(); MAX_AXES],
+            setpoints: [Setpoint::ZERO; MAX_AXES],
             drives_enabled: false,
             sync: true,
-            telemetry: Telemetry {
-                state: State::Idle,
-                fault: None,
-                amax_program: Amax::ZERO,
-                program_ticks: 0,
-                motion: Motion::default(),
-                phase: Phase::ZERO,
-                axis_phase,
-                steps: [0; MAX_AXES],
-                drift: [Turns::ZERO; MAX_AXES],
-                peak: [Turns::ZERO; MAX_AXES],
-                modes: Modes::default(),
-                correction: [Turns::ZERO; MAX_AXES],
-                datum: Turns::ZERO,
-                incident: None,
-                incidents: 0,
-                holding: false,
-                limits: Limits::default(),
-            },
+            telemetry: Telemetry::idle(axis_phase),
         }
+    }
+
+    /// Sets back what the loop has not begun to write, for axes at these phases.
+    pub(crate) fn reset(&mut self, axis_phase: PerAxis<Phase>) {
+        for runs in &mut self.plans {
+            runs.clear();
+        }
+        self.sharing = Sharing::NONE;
+        self.setpoints = [Setpoint::ZERO; MAX_AXES];
+        self.drives_enabled = false;
+        self.sync = true;
+        self.telemetry = Telemetry::idle(axis_phase);
     }
 }
 
@@ -143,6 +136,33 @@ pub struct Telemetry {
     pub holding: bool,
     /// What is out of the ordinary but no fault.
     pub limits: Limits,
+}
+
+impl Telemetry {
+    const fn idle(axis_phase: PerAxis<Phase>) -> Self {
+        Self {
+            state: State::Idle,
+            fault: None,
+            amax_program: Amax::ZERO,
+            program_ticks: 0,
+            motion: Motion::AT_REST,
+            phase: Phase::ZERO,
+            axis_phase,
+            steps: [0; MAX_AXES],
+            drift: [Turns::ZERO; MAX_AXES],
+            peak: [Turns::ZERO; MAX_AXES],
+            modes: Modes::ZERO,
+            correction: [Turns::ZERO; MAX_AXES],
+            datum: Turns::ZERO,
+            incident: None,
+            incidents: 0,
+            holding: false,
+            limits: Limits {
+                missed_deadlines: 0,
+                late_deadlines: 0,
+            },
+        }
+    }
 }
 
 /// Limits that bit: reported, and gone on from.

@@ -46,7 +46,11 @@ fn TIMER_IRQ_1() {
     let Some(running) = task else {
         return;
     };
-    if running.as_mut().poll(&mut Context::from_waker(Waker::noop())).is_ready() {
+    if running
+        .as_mut()
+        .poll(&mut Context::from_waker(Waker::noop()))
+        .is_ready()
+    {
         *task = None;
     }
 }
@@ -63,7 +67,9 @@ impl Future for Until {
         if is_past(deadline) {
             return Poll::Ready(());
         }
-        pac::TIMER.alarm(ALARM).write_value(deadline.as_ticks() as u32);
+        pac::TIMER
+            .alarm(ALARM)
+            .write_value(deadline.as_ticks() as u32);
         // The alarm goes off when the time becomes its own: it may just have become later. Should it have gone off besides, the
         // task is polled once more, and waits on.
         if is_past(deadline) {

@@ -51,6 +51,7 @@ fn program() -> Program<{ RP2040_MAX_PROGRAM_SIZE }> {
 }
 
 /// Lets the guard begin. DRIVE ENABLE is held low from here on, until it is permitted to be high.
+#[cold]
 pub fn set_up() {
     let program = program();
     let block = pac::PIO1;

@@ -54,6 +54,7 @@ impl Levels {
 pub(super) const PIO0: u8 = 6;
 
 /// Sets the lines up: drives off before anything else, and the guard before any may be on.
+#[cold]
 pub fn set_up() {
     for pin in [pins::DRIVE_ENABLE, pins::SYNC, pins::LAMP] {
         output(pin);
@@ -97,6 +98,7 @@ pub fn input(pin: u8, pull: Pull) {
 }
 
 /// Makes a pin one that machines of a PIO block drive.
+#[cold]
 pub fn give_to_block(pin: u8, block: usize) {
     pac::PADS_BANK0.gpio(pin.into()).modify(|w| {
         w.set_ie(true);

@@ -54,6 +54,7 @@ pub struct Fed {
 
 impl Fed {
     /// Starts the watchdog for a loop of `tick_us` µs.
+    #[cold]
     pub fn start(watchdog: Peri<'static, WATCHDOG>, tick_us: u32) -> Self {
         pac::WATCHDOG.scratch0().write_value(LEFT | NOT_BEGUN);
         let mut watchdog = Watchdog::new(watchdog);

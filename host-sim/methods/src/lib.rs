@@ -59,6 +59,7 @@ pub mod equations;
 mod error;
 pub mod event;
 mod factors;
+mod facts;
 pub mod method;
 pub mod methods;
 pub mod newton;
@@ -68,6 +69,7 @@ pub mod stability;
 
 pub use equations::{Differences, Equations, Linear};
 pub use error::{Refused, StepError};
-pub use method::{Facts, Method, Needs, advance};
+pub use facts::{Facts, Needs};
+pub use method::{Method, advance};
 pub use scheme::Scheme;
 pub use stability::{NotMeasured, Unstable};

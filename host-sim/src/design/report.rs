@@ -16,7 +16,10 @@ const FULL_STEP_DEG: f64 = 1.8;
 const LEAST_AMAX_G: f64 = 10.0;
 
 /// Writes the page.
-pub(super) fn write(design: &Design, out: &mut impl Write) -> io::Result<()> {
+///
+/// # Errors
+/// What `out` says when it cannot be written to.
+pub fn write_page(design: &Design, out: &mut impl Write) -> io::Result<()> {
     let motors = design.requirement.motors;
     writeln!(out, "Vibration platform on {motors} slider-cranks")?;
     writeln!(out)?;

@@ -6,7 +6,6 @@
 //! hanging below its cranks. The source's own curve (two-term, below) sizes the motors, as it does there.
 
 use super::requirement::{OutOfRange, Requirement};
-use super::warning::{self, Warning};
 use crate::mechanism::slider_crank::{Platform, SliderCrank, SliderCrankError};
 use crate::mechanism::turn_search::{TurnPeak, largest_over_turn};
 
@@ -81,11 +80,6 @@ impl Design {
     pub fn peak_power_w(&self) -> f64 {
         // Torque is odd in the angle, so the largest is also the largest in size.
         self.torque_exact_above.value * self.speed_rad_s()
-    }
-
-    /// Where the method or its printed form misleads for this design.
-    pub fn warnings(&self) -> Vec<Warning> {
-        warning::of(self)
     }
 }
 

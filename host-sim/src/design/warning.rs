@@ -63,8 +63,15 @@ pub enum Warning {
     },
 }
 
+impl Design {
+    /// Where the method or its printed form misleads for this design.
+    pub fn warnings(&self) -> Vec<Warning> {
+        of(self)
+    }
+}
+
 /// The warnings that apply to a design, in the order of its steps.
-pub(super) fn of(design: &Design) -> Vec<Warning> {
+fn of(design: &Design) -> Vec<Warning> {
     let omega = design.speed_rad_s();
     let gravity = design.requirement.gravity_mps2;
     let mut all = Vec::new();

@@ -19,6 +19,7 @@
 //! Left out on all of them: forces and motion across the line of travel, and the torque that a motor's housing hands to
 //! what it is bolted to.
 
+mod body;
 mod corners;
 mod driven;
 mod frame;
@@ -28,6 +29,7 @@ mod phased;
 mod rigid;
 mod sprung;
 
+pub use body::{Body, Crank, PlaneMotion};
 pub use corners::{Corners, FREEDOMS, MOST};
 pub use driven::{Driven, Freedom};
 pub use frame::{Frame, FrameMotion, Layer};
@@ -36,107 +38,6 @@ pub use motor::{Field, Motor, Servo, Stepper};
 pub use phased::Phased;
 pub use rigid::Rigid;
 pub use sprung::Sprung;
-
-use crate::mechanism::slider_crank::{Load, SliderCrank};
-
-/// Where a plane is, and how it moves: heave in m, tilts in rad.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PlaneMotion {
-    /// Heave, tilts.
-    pub place: [f64; FREEDOMS],
-    /// Their rates.
-    pub rate: [f64; FREEDOMS],
-    /// The rates of those.
-    pub acceleration: [f64; FREEDOMS],
-}
-
-/// What a crank does at an angle.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Crank {
-    /// Height of its corner over its axis, m, upwards.
-    pub height_m: f64,
-    /// dh/dα, m.
-    pub lever_m: f64,
-    /// d²h/dα², m.
-    pub lever_rate_m: f64,
-}
-
-/// What all rungs share: the mechanism, what it carries, and what turns.
-#[derive(Clone, Debug)]
-pub struct Body {
-    /// Crank and rod, alike on all axes.
-    pub mechanism: SliderCrank,
-    /// Platform and what stands on it, as one mass.
-    pub load: Load,
-    /// Inertia of the platform about either tilt axis, kg·m².
-    pub tilt_inertia_kgm2: f64,
-    /// Inertia of each rotor, kg·m²; its length is the number of axes.
-    pub rotors_kgm2: Vec<f64>,
-    /// Radius of the circle on which the cranks stand, m.
-    pub mount_radius_m: f64,
-    /// Stiffness of a rod with its bearings, along the line of travel, N/m.
-    pub rod_n_per_m: f64,
-    /// Dry friction of each rotor, N·m.
-    pub friction_nm: Vec<f64>,
-}
-
-/// Speed over which dry friction turns round, rad/s: a hundredth of a turn a second is as good as standing.
-const CREEP_RAD_S: f64 = 0.06;
-
-impl Body {
-    /// Number of axes.
-    pub fn axes(&self) -> usize {
-        self.rotors_kgm2.len()
-    }
-
-    /// +1 where a crank at angle 0 holds its corner up, −1 where it lets it down.
-    pub fn upwards(&self) -> f64 {
-        -self.load.platform.gravity_sign()
-    }
-
-    /// What a crank does at an angle.
-    pub fn crank(&self, alpha_rad: f64) -> Crank {
-        let up = self.upwards();
-        let radius_m = up * self.mechanism.crank_radius_m();
-        let at = self.mechanism.at(alpha_rad);
-        Crank {
-            height_m: up * at.x_m,
-            lever_m: -radius_m * at.s,
-            lever_rate_m: -radius_m * at.h,
-        }
-    }
-
-    /// The platform's inertia in each freedom of a plane, kg and kg·m².
-    pub fn masses(&self) -> [f64; FREEDOMS] {
-        let tilt = self.tilt_inertia_kgm2;
-        [self.load.mass_kg, tilt, tilt]
-    }
-
-    /// The longest lever that a crank gets to, m, or a little more.
-    pub fn longest_lever_m(&self) -> f64 {
-        // |s| is at most 1 + λ: at λ ≤ 0.8 its maximum is below that.
-        self.mechanism.crank_radius_m() * (1.0 + self.mechanism.lambda())
-    }
-
-    /// Torque of rotor `i`'s friction, N·m.
-    pub fn drag_nm(&self, i: usize, omega_rad_s: f64) -> f64 {
-        drag_nm(self.friction_nm[i], omega_rad_s)
-    }
-
-    /// Weight of the load, N.
-    pub fn weight_n(&self) -> f64 {
-        self.load.mass_kg * self.load.gravity_mps2
-    }
-}
-
-/// Torque of dry friction, N·m. It turns round smoothly, so that methods keep their order: what stands under a load below
-/// it creeps, by less than a turn in a hundred seconds.
-fn drag_nm(friction_nm: f64, omega_rad_s: f64) -> f64 {
-    if friction_nm == 0.0 {
-        return 0.0;
-    }
-    -friction_nm * (omega_rad_s / CREEP_RAD_S).tanh()
-}
 
 #[cfg(test)]
 mod tests;

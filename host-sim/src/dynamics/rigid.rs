@@ -43,7 +43,7 @@ impl Rigid {
         let inertia = self.rotors_kgm2 + body.load.mass_kg * crank.lever_m * crank.lever_m;
         let push_n =
             body.load.mass_kg * crank.lever_rate_m * omega_rad_s * omega_rad_s + body.weight_n();
-        (torque_nm + super::drag_nm(self.friction_nm, omega_rad_s) - crank.lever_m * push_n)
+        (torque_nm + super::body::drag_nm(self.friction_nm, omega_rad_s) - crank.lever_m * push_n)
             / inertia
     }
 

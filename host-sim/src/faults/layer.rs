@@ -3,13 +3,14 @@
 use cophase_core::signals::Feedback;
 
 use super::{Amiss, Planned, Sensor, Stream};
+use crate::axes::{Axes, per_axis};
 use crate::machine::Extra;
 use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName, Lines};
 
 /// All that goes wrong in a scene.
 #[derive(Clone, Debug)]
-pub struct Faults<const N: usize> {
+pub struct Faults {
     planned: Vec<Planned>,
     /// Nothing is planned, and no reading has noise: ordinary runs, which are not to pay for this.
     is_idle: bool,
@@ -19,17 +20,17 @@ pub struct Faults<const N: usize> {
     tick_us: u64,
     tick_s: f64,
     touches_drives: bool,
-    load: [Option<Stream>; N],
-    encoder: [Option<Stream>; N],
+    load: Axes<Option<Stream>>,
+    encoder: Axes<Option<Stream>>,
     /// Two axes whose sensors are swapped.
     swapped_sensors: Vec<(usize, usize)>,
     /// Axes whose pulses ran dry since the last reading.
     dry: Option<usize>,
     /// Index pulses that are still to stay away, each axis; none: no such fault.
-    missing: [Option<u32>; N],
+    missing: Axes<Option<u32>>,
 }
 
-impl<const N: usize> Faults<N> {
+impl Faults {
     /// Of a scene.
     pub fn new(checked: &Checked) -> Self {
         let scene = &checked.scene;
@@ -41,9 +42,9 @@ impl<const N: usize> Faults<N> {
                 .then_some(())?;
             fault.axis.zip(fault.with)
         };
-        let streams = |sensor, deviation| {
-            std::array::from_fn(|i| Stream::new(noise.seed, sensor, i, deviation))
-        };
+        let count = checked.settings.axes.len();
+        let streams =
+            |sensor, deviation| per_axis(count, |i| Stream::new(noise.seed, sensor, i, deviation));
         let encoder = streams(Sensor::Encoder, noise.encoder_counts);
         Self {
             is_idle: planned.is_empty() && encoder.iter().all(Option::is_none),
@@ -57,7 +58,7 @@ impl<const N: usize> Faults<N> {
             load: streams(Sensor::Load, noise.load_nm),
             encoder,
             dry: None,
-            missing: [None; N],
+            missing: per_axis(count, |_| None),
         }
     }
 
@@ -80,7 +81,7 @@ impl<const N: usize> Faults<N> {
     }
 
     /// What is wrong with each drive in the tick that begins at `start_us`; none in a scene where nothing ever is.
-    pub fn amiss(&mut self, start_us: u64) -> Option<[Amiss; N]> {
+    pub fn amiss(&mut self, start_us: u64) -> Option<Axes<Amiss>> {
         if self.planned.is_empty() && !self.touches_drives {
             return None;
         }
@@ -88,7 +89,7 @@ impl<const N: usize> Faults<N> {
         if !self.touches_drives {
             return None;
         }
-        let mut amiss: [Amiss; N] = std::array::from_fn(Amiss::nothing);
+        let mut amiss = per_axis(self.load.len(), Amiss::nothing);
         for planned in self
             .planned
             .iter()
@@ -96,7 +97,7 @@ impl<const N: usize> Faults<N> {
         {
             let fault = &planned.fault;
             let Some(axis) = fault.axis else { continue };
-            let with = |amiss: &mut [Amiss; N], with: usize| {
+            let with = |amiss: &mut [Amiss], with: usize| {
                 (amiss[axis].from, amiss[with].from) = (amiss[with].from, amiss[axis].from);
             };
             match fault.kind {
@@ -177,7 +178,7 @@ impl<const N: usize> Faults<N> {
     }
 
     /// Puts into what is read at `now_us` what is wrong with it. Safety inputs are as they were set before.
-    pub fn read(&mut self, now_us: u64, feedback: &mut Feedback<N>) {
+    pub fn read(&mut self, now_us: u64, feedback: &mut Feedback) {
         if self.is_idle {
             return;
         }
@@ -209,7 +210,7 @@ impl<const N: usize> Faults<N> {
     }
 
     /// Swaps what comes from sensors whose wires are.
-    pub fn swap<T>(&self, of_each: &mut [T; N]) {
+    pub fn swap<T>(&self, of_each: &mut [T]) {
         for &(one, other) in &self.swapped_sensors {
             of_each.swap(one, other);
         }

@@ -23,21 +23,23 @@ impl Answers {
 
 /// Looks on while cranks move as they are told: in running and stopping. What drives do as they are switched on is not
 /// asked for.
-impl<const N: usize> Observer<N> for Answers {
-    fn tick(&mut self, moment: &Moment<'_, N>) {
-        let slipped = (0..N)
-            .filter(|&i| moment.machine.axes[i].slipped_cycles() != 0)
-            .map(|i| 1_u64 << i)
+impl Observer for Answers {
+    fn tick(&mut self, moment: &Moment<'_>) {
+        let axes = moment.machine.axes.iter().enumerate();
+        let slipped = axes
+            .filter(|(_, axis)| axis.slipped_cycles() != 0)
+            .map(|(i, _)| 1_u64 << i)
             .sum::<u64>();
         let before = self.of(Output::Slips).unwrap_or(0.0) as u64;
         self.0[Output::Slips as usize] = Some((before | slipped) as f64);
         if !matches!(moment.telemetry.state, State::Run | State::Stop) {
             return;
         }
-        let lags: [f64; N] =
-            std::array::from_fn(|i| (moment.actual_turns[i] - moment.aim_turns[i]) * 360.0);
-        let low = lags.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = lags.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for error in moment.errors() {
+            low = low.min(error * 360.0);
+            high = high.max(error * 360.0);
+        }
         self.most(Output::Lag, high.max(-low));
         self.most(Output::Spread, high - low);
         let pose = moment.pose();
@@ -46,7 +48,7 @@ impl<const N: usize> Observer<N> for Answers {
         if let Some(frame) = moment.machine.frame() {
             self.most(Output::Ground, frame.ground_n.abs());
         }
-        let torques = (0..N).filter_map(|i| moment.machine.motor_torque_nm(i));
+        let torques = (0..moment.axis_count()).filter_map(|i| moment.machine.motor_torque_nm(i));
         if let Some(torque) = torques.map(f64::abs).max_by(f64::total_cmp) {
             self.most(Output::Torque, torque);
         }

@@ -1,11 +1,11 @@
 //! Whether the rung that was chosen does, by running a sample of the scene on it and on others.
 
+use super::choice::{Choice, Judged};
 use super::choose::{available, judge, questions};
-use super::{Answers, Bounds, Choice, Judged, Output, sample};
+use super::{Answers, Bounds, Output, sample};
 use crate::scene::file::Fidelity;
 use crate::scene::{Checked, SceneError};
 use crate::sim::simulate;
-use crate::with_axes;
 
 /// A rung below the chosen one is taken if the sample shows no more of a difference than this part of each tolerance: what
 /// the rest of the scene may add has the other part.
@@ -20,11 +20,9 @@ pub fn answers(checked: &Checked, rung: Fidelity) -> Result<Answers, SceneError>
     sample.fidelity = rung;
     let mut sample = Checked::new(sample)?;
     sample.resolution = checked.resolution;
-    with_axes!(sample.scene.axes.count, N => {
-        let mut answers = Answers::default();
-        simulate::<N>(&sample, &mut answers, |_, _| {})?;
-        Ok(answers)
-    })
+    let mut answers = Answers::default();
+    simulate(&sample, &mut answers, |_, _| {})?;
+    Ok(answers)
 }
 
 /// A scene on the rung that its sample bears out. It is the same as before if the scene itself asks for a rung, or for nothing.

@@ -17,6 +17,7 @@
 mod answers;
 mod bounds;
 mod check;
+mod choice;
 mod choose;
 mod output;
 pub mod sample;
@@ -24,16 +25,6 @@ pub mod sample;
 pub use answers::Answers;
 pub use bounds::Bounds;
 pub use check::{answers, check, compare};
-pub use choose::{Choice, Judged, available, choose, judge, questions};
+pub use choice::{Choice, Judged};
+pub use choose::{LADDER, available, choose, judge, questions};
 pub use output::Output;
-
-use crate::scene::file::Fidelity;
-
-/// All rungs, the lowest first.
-pub const LADDER: [Fidelity; 5] = [
-    Fidelity::Kinematic,
-    Fidelity::QuasiStatic,
-    Fidelity::Rigid,
-    Fidelity::Phased,
-    Fidelity::Elastic,
-];

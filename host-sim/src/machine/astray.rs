@@ -7,37 +7,39 @@
 //! again whole electrical cycles off, and a servo goes on from where it stands.
 
 use super::axis::Overload;
-use super::index::Passed;
+use super::index::Passages;
 use super::{Rotors, SimulatedAxis, Told};
+use crate::axes::{Axes, per_axis};
 use crate::faults::Amiss;
 
-/// What has become of the fields and cranks of a machine with `N` axes.
+/// What has become of the fields and cranks of a machine.
 #[derive(Clone, Debug)]
-pub struct Astray<const N: usize> {
+pub struct Astray {
     tick_s: f64,
     cycles: u32,
     /// What each drive's lines told last, turns.
-    told: [f64; N],
+    told: Axes<f64>,
     /// Where each field is, turns since power-up, and what of its way the rotor has dropped.
-    field: [f64; N],
-    dropped: [f64; N],
+    field: Axes<f64>,
+    dropped: Axes<f64>,
     /// What each crank has slipped on its motor's shaft, turns: positive behind.
-    slipped: [f64; N],
-    stuck: [bool; N],
+    slipped: Axes<f64>,
+    stuck: Axes<bool>,
 }
 
-impl<const N: usize> Astray<N> {
+impl Astray {
     /// Of axes at power-up, in ticks of so many seconds and cycles.
-    pub fn new(axes: &[SimulatedAxis; N], tick_s: f64, cycles: u32) -> Self {
-        let turns = axes.each_ref().map(SimulatedAxis::turns);
+    pub fn new(axes: &[SimulatedAxis], tick_s: f64, cycles: u32) -> Self {
+        let turns: Axes<f64> = axes.iter().map(SimulatedAxis::turns).collect();
+        let count = axes.len();
         Self {
             tick_s,
             cycles,
-            told: turns,
+            told: turns.clone(),
             field: turns,
-            dropped: [0.0; N],
-            slipped: [0.0; N],
-            stuck: [false; N],
+            dropped: per_axis(count, |_| 0.0),
+            slipped: per_axis(count, |_| 0.0),
+            stuck: per_axis(count, |_| false),
         }
     }
 
@@ -49,14 +51,15 @@ impl<const N: usize> Astray<N> {
     /// Plays a tick in which lines tell `told`, on cranks that torque moves.
     pub fn turn(
         &mut self,
-        axes: &mut [SimulatedAxis; N],
+        axes: &mut [SimulatedAxis],
         rotors: &mut Rotors,
-        told: &[Told; N],
-        amiss: &[Amiss; N],
+        told: &[Told],
+        amiss: &[Amiss],
         energised: bool,
-    ) -> [Passed; N] {
+        passages: &mut Passages,
+    ) {
         let ways = self.ways(axes, told, amiss, energised);
-        let lead: [Told; N] = std::array::from_fn(|i| {
+        let lead = per_axis(axes.len(), |i| {
             let lost = self.lose(&axes[i], i, &amiss[i], energised);
             rotors.fall_back(i, lost);
             if lost > 0.0 {
@@ -75,23 +78,24 @@ impl<const N: usize> Astray<N> {
             }
         });
         rotors.play(&lead, energised);
-        std::array::from_fn(|i| {
-            let origin = axes[i].turns() - axes[i].travelled_turns();
-            axes[i].moved_under(rotors.turns(i), lead[i].turns - origin, self.cycles)
-        })
+        for (i, axis) in axes.iter_mut().enumerate() {
+            let origin = axis.turns() - axis.travelled_turns();
+            let passed = axis.moved_under(rotors.turns(i), lead[i].turns - origin, self.cycles);
+            passages.put(i, passed);
+        }
     }
 
     /// Plays a tick in which lines tell `told`, on cranks that are where their motors have them.
     pub fn place(
         &mut self,
-        axes: &mut [SimulatedAxis; N],
-        told: &[Told; N],
-        amiss: &[Amiss; N],
+        axes: &mut [SimulatedAxis],
+        told: &[Told],
+        amiss: &[Amiss],
         energised: bool,
-    ) -> [Passed; N] {
+        passages: &mut Passages,
+    ) {
         let ways = self.ways(axes, told, amiss, energised);
-        std::array::from_fn(|i| {
-            let axis = &mut axes[i];
+        for (i, axis) in axes.iter_mut().enumerate() {
             let lost = self.lose(axis, i, &amiss[i], energised);
             if lost > 0.0 {
                 axis.fall_back(lost);
@@ -110,21 +114,22 @@ impl<const N: usize> Astray<N> {
             }
             let field = self.field[i] - self.slipped[i];
             let origin = axis.turns() - axis.travelled_turns();
-            axis.moved_under(field - self.dropped[i], field - origin, self.cycles)
-        })
+            let passed = axis.moved_under(field - self.dropped[i], field - origin, self.cycles);
+            passages.put(i, passed);
+        }
     }
 
     /// The way that each motor goes, and the torque that it is told to add.
     fn ways(
         &mut self,
-        axes: &[SimulatedAxis; N],
-        told: &[Told; N],
-        amiss: &[Amiss; N],
+        axes: &[SimulatedAxis],
+        told: &[Told],
+        amiss: &[Amiss],
         energised: bool,
-    ) -> [Told; N] {
-        let by = std::array::from_fn::<f64, N, _>(|i| told[i].turns - self.told[i]);
-        self.told = told.map(|told| told.turns);
-        std::array::from_fn(|i| {
+    ) -> Axes<Told> {
+        let by = per_axis(axes.len(), |i| told[i].turns - self.told[i]);
+        self.told = told.iter().map(|told| told.turns).collect();
+        per_axis(axes.len(), |i| {
             let amiss = &amiss[i];
             if let Some(speed_hz) = amiss.runaway_hz.filter(|_| energised) {
                 return Told {

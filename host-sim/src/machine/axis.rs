@@ -14,7 +14,7 @@ use cophase_core::settings::AxisSettings;
 use cophase_core::units::{Phase, Turns};
 
 use super::PullOut;
-use super::flag::{Extra, Flag};
+use super::flag::{Extra, Flag, Met};
 use super::index::Passed;
 use super::rotors::Told;
 
@@ -65,6 +65,15 @@ pub struct SimulatedAxis {
     /// Whole electrical cycles slipped.
     lost_cycles: i64,
     travelled_turns: f64,
+}
+
+/// How a crank turns within a tick.
+#[derive(Clone, Copy)]
+enum Turning<'a> {
+    /// Evenly, in so many cycles.
+    Evenly(u32),
+    /// As the runs of the tick have it: by their edges, or evenly where it is a servo's.
+    By(&'a Runs),
 }
 
 /// What the load makes of a motor.
@@ -197,19 +206,19 @@ impl SimulatedAxis {
 
     /// Takes over where the crank has come to in a tick of `cycles`; the cycle at which the index flag came, if it
     /// did, as if it had turned evenly.
-    pub fn moved(&mut self, turns: f64, cycles: u32) -> Passed {
+    pub fn moved(&mut self, turns: f64, cycles: u32) -> Option<Passed> {
         self.moved_under(turns, self.told_turns, cycles)
     }
 
     /// The same, where the field went `field_turns` from where it was at power-up, whatever the drive was told.
-    pub fn moved_under(&mut self, turns: f64, field_turns: f64, cycles: u32) -> Passed {
+    pub fn moved_under(&mut self, turns: f64, field_turns: f64, cycles: u32) -> Option<Passed> {
         let before = self.turns();
         self.travelled_turns = turns - self.origin_turns;
         if let AxisDrive::Stepper { cycle_steps, .. } = self.drive {
             let behind = (self.travelled_turns - field_turns) * self.steps_per_turn;
             self.lost_cycles = (behind / cycle_steps as f64).round() as i64;
         }
-        self.pass(before, cycles, None)
+        self.pass(before, Turning::Evenly(cycles))
     }
 
     /// Puts the crank elsewhere at once: it falls back without its sensor seeing it.
@@ -275,14 +284,14 @@ impl SimulatedAxis {
         }
     }
 
-    /// Plays one tick; the cycle at which the index flag came, if it did.
+    /// Plays one tick; what came before the index sensor in it, if anything did.
     pub fn play(
         &mut self,
         runs: &Runs,
         setpoint: &Setpoint,
         steps: i64,
         drives_enabled: bool,
-    ) -> Passed {
+    ) -> Option<Passed> {
         let before = self.turns();
         match self.drive {
             AxisDrive::Stepper { cycle_steps, .. } => {
@@ -306,19 +315,29 @@ impl SimulatedAxis {
                 }
             }
         }
-        let cycles: u32 = runs.iter().map(|run| run.cycles()).sum();
-        let edges = matches!(self.drive, AxisDrive::Stepper { .. }).then_some(runs);
-        self.pass(before, cycles, edges)
+        self.pass(before, Turning::By(runs))
     }
 
-    /// What the sensor sees of the way from `before` in a tick of `cycles`: as if the crank had turned evenly, or, where
-    /// `edges` took it there, at the very edge that brought the flag.
-    fn pass(&mut self, before: f64, cycles: u32, edges: Option<&Runs>) -> Passed {
+    /// What the sensor sees of the way from `before`, if anything: as if the crank had turned evenly, or, where edges took it
+    /// there, at the very edge that brought the flag.
+    #[inline]
+    fn pass(&mut self, before: f64, turning: Turning<'_>) -> Option<Passed> {
         let after = self.turns();
-        let Some(flag) = &mut self.flag else {
-            return Passed::default();
+        let met = self.flag.as_mut()?.meet(before, after)?;
+        Some(self.passed(&met, before, turning))
+    }
+
+    #[cold]
+    fn passed(&self, met: &Met, before: f64, turning: Turning<'_>) -> Passed {
+        let after = self.turns();
+        let (cycles, edges) = match turning {
+            Turning::Evenly(cycles) => (cycles, None),
+            Turning::By(runs) => {
+                let cycles = runs.iter().map(|run| run.cycles()).sum();
+                let is_stepper = matches!(self.drive, AxisDrive::Stepper { .. });
+                (cycles, is_stepper.then_some(runs))
+            }
         };
-        let met = flag.meet(before, after);
         let evenly = |place: f64| {
             let part = (place - before) / (after - before);
             (part * f64::from(cycles)) as u32
@@ -352,6 +371,7 @@ impl SimulatedAxis {
         match self.overload {
             Overload::Driving => self.slipping -= counted,
             Overload::Driven => self.slipping += counted,
+            Overload::None if self.slipping == 0 => return,
             Overload::None => {
                 // The nearest place where the field holds the rotor again.
                 let rest = self.slipping.rem_euclid(cycle_steps);

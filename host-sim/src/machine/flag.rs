@@ -18,7 +18,7 @@ pub struct Extra {
 
 /// What a sensor meets in a tick, as places in turns since power-up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Met {
+pub(super) struct Met {
     /// Where the flag comes before the sensor.
     pub rise: Option<f64>,
     /// Where it leaves it.
@@ -30,10 +30,8 @@ pub struct Met {
 /// A flag, and the noise of its edges.
 #[derive(Clone, Debug)]
 pub struct Flag {
-    start_turns: f64,
-    width_turns: f64,
-    start_noise: Option<Stream>,
-    end_noise: Option<Stream>,
+    start: Edge,
+    end: Edge,
     /// Pulses to come without it: the first in this tick, and others at a place.
     begins: Option<Extra>,
     again: Option<(f64, u32)>,
@@ -42,14 +40,14 @@ pub struct Flag {
 impl Flag {
     /// Of axis `number` of a scene; none if it has no sensor.
     pub fn new(checked: &Checked, number: usize) -> Option<Self> {
-        let axis = &checked.setup.axes[number];
+        let axis = &checked.settings.axes[number];
         let noise = &checked.scene.noise;
         let stream = |sensor| Stream::new(noise.seed, sensor, number, noise.index_deg / 360.0);
+        let start_turns = axis.index_turns?;
+        let end_turns = start_turns + axis.index_width_turns;
         Some(Self {
-            start_turns: axis.index_turns?,
-            width_turns: axis.index_width_turns,
-            start_noise: stream(Sensor::FlagStart),
-            end_noise: stream(Sensor::FlagEnd),
+            start: Edge::new(start_turns, stream(Sensor::FlagStart)),
+            end: Edge::new(end_turns, stream(Sensor::FlagEnd)),
             begins: None,
             again: None,
         })
@@ -57,20 +55,15 @@ impl Flag {
 
     /// Whether it has a length, and so an end that the sensor sees.
     pub fn has_length(&self) -> bool {
-        self.width_turns > 0.0
+        self.end.nominal > self.start.nominal
     }
 
     /// Whether it is before the sensor of a crank at rest there: by the very edges that the crank meets when it moves on.
     pub fn is_over(&self, turns: f64) -> bool {
-        let place = |nominal: f64, noise: Option<&Stream>, turn: f64| {
-            turn + nominal + noise.map_or(0.0, |noise| noise.draw(turn as i64))
-        };
-        let end_turns = self.start_turns + self.width_turns;
-        let turn = (turns - self.start_turns).floor();
-        [turn - 1.0, turn, turn + 1.0].into_iter().any(|turn| {
-            place(self.start_turns, self.start_noise.as_ref(), turn) <= turns
-                && turns < place(end_turns, self.end_noise.as_ref(), turn)
-        })
+        let turn = (turns - self.start.nominal).floor();
+        [turn - 1.0, turn, turn + 1.0]
+            .into_iter()
+            .any(|turn| self.start.place(turn) <= turns && turns < self.end.place(turn))
     }
 
     /// Has pulses come that no flag makes, from the next tick that is played on.
@@ -78,32 +71,37 @@ impl Flag {
         self.begins = Some(extra);
     }
 
-    /// What a crank meets that goes from `before` to `after`.
-    pub fn meet(&mut self, before: f64, after: f64) -> Met {
+    /// What a crank meets that goes from `before` to `after`, if anything.
+    #[inline]
+    pub(super) fn meet(&mut self, before: f64, after: f64) -> Option<Met> {
+        let is_clear = self.start.is_clear(before, after)
+            && (!self.has_length() || self.end.is_clear(before, after));
+        if is_clear && self.begins.is_none() && self.again.is_none() {
+            return None;
+        }
         let mut met = self.pass(before, after);
         met.extra = self.extra(before, after);
-        met
+        (met != Met::default()).then_some(met)
     }
 
     fn pass(&self, before: f64, after: f64) -> Met {
         let forward = after > before;
-        if !self.has_length() && self.start_noise.is_none() {
-            let passes = (after - self.start_turns).floor();
-            let passed = passes > (before - self.start_turns).floor();
+        if !self.has_length() && self.start.noise.is_none() {
+            let passes = (after - self.start.nominal).floor();
+            let passed = passes > (before - self.start.nominal).floor();
             return Met {
-                rise: passed.then_some(passes + self.start_turns),
+                rise: passed.then_some(passes + self.start.nominal),
                 ..Met::default()
             };
         }
-        let start = edge(self.start_turns, self.start_noise.as_ref(), before, after);
+        let start = self.start.between(before, after);
         if !self.has_length() {
             return Met {
                 rise: start.filter(|_| forward),
                 ..Met::default()
             };
         }
-        let end_turns = self.start_turns + self.width_turns;
-        let end = edge(end_turns, self.end_noise.as_ref(), before, after);
+        let end = self.end.between(before, after);
         let (rise, fall) = if forward { (start, end) } else { (end, start) };
         Met {
             rise,
@@ -124,22 +122,66 @@ impl Flag {
     }
 }
 
-/// The place of an edge, nominally at `nominal` of a turn, that lies between two of a crank.
-fn edge(nominal: f64, noise: Option<&Stream>, before: f64, after: f64) -> Option<f64> {
-    let (low, high) = (before.min(after), before.max(after));
-    let reach = noise.map_or(0.0, Stream::reach);
-    let (mut turn, last) = (
-        (low - nominal - reach).ceil(),
-        (high - nominal + reach).floor(),
-    );
-    while turn <= last {
-        let place = turn + nominal + noise.map_or(0.0, |noise| noise.draw(turn as i64));
-        if low < place && place <= high {
-            return Some(place);
+/// An edge of a flag, which a crank meets once a turn.
+#[derive(Clone, Debug)]
+struct Edge {
+    /// Where it is without noise, turns.
+    nominal: f64,
+    noise: Option<Stream>,
+    /// Distance from there that noise never exceeds, turns.
+    reach: f64,
+    /// The whole turn below the place at which the crank was looked at last.
+    turn: f64,
+}
+
+impl Edge {
+    fn new(nominal: f64, noise: Option<Stream>) -> Self {
+        Self {
+            nominal,
+            reach: noise.as_ref().map_or(0.0, Stream::reach),
+            noise,
+            turn: 0.0,
         }
-        turn += 1.0;
     }
-    None
+
+    /// Where it is in a whole turn.
+    fn place(&self, turn: f64) -> f64 {
+        turn + self.nominal
+            + self
+                .noise
+                .as_ref()
+                .map_or(0.0, |noise| noise.draw(turn as i64))
+    }
+
+    /// Whether it surely does not lie between two places of a crank: most ticks are so, and need no rounding to whole turns,
+    /// which is slow.
+    #[inline]
+    fn is_clear(&mut self, before: f64, after: f64) -> bool {
+        let low = before.min(after) - self.nominal - self.reach;
+        let high = before.max(after) - self.nominal + self.reach;
+        if self.turn < low && high < self.turn + 1.0 {
+            return true;
+        }
+        self.turn = low.floor();
+        false
+    }
+
+    /// The place at which it lies between two of a crank.
+    fn between(&self, before: f64, after: f64) -> Option<f64> {
+        let (low, high) = (before.min(after), before.max(after));
+        let (mut turn, last) = (
+            (low - self.nominal - self.reach).ceil(),
+            (high - self.nominal + self.reach).floor(),
+        );
+        while turn <= last {
+            let place = self.place(turn);
+            if low < place && place <= high {
+                return Some(place);
+            }
+            turn += 1.0;
+        }
+        None
+    }
 }
 
 #[cfg(test)]
@@ -153,10 +195,8 @@ mod tests {
         for seed in 0..50 {
             let noise = |sensor| Stream::new(seed, sensor, 0, 0.05 / 360.0);
             let mut flag = Flag {
-                start_turns: 0.3,
-                width_turns: 6.0 / 360.0,
-                start_noise: noise(Sensor::FlagStart),
-                end_noise: noise(Sensor::FlagEnd),
+                start: Edge::new(0.3, noise(Sensor::FlagStart)),
+                end: Edge::new(0.3 + 6.0 / 360.0, noise(Sensor::FlagEnd)),
                 begins: None,
                 again: None,
             };
@@ -166,7 +206,7 @@ mod tests {
             let there = (0..2000).map(|step| 0.28 + f64::from(step) * 3e-5);
             let places: Vec<f64> = there.clone().chain(there.rev()).collect();
             for pair in places.windows(2) {
-                let met = flag.meet(pair[0], pair[1]);
+                let met = flag.meet(pair[0], pair[1]).unwrap_or_default();
                 is_over = (is_over || met.rise.is_some()) && met.fall.is_none();
                 assert_eq!(is_over, flag.is_over(pair[1]), "seed {seed}, {pair:?}");
             }

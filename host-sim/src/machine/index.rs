@@ -4,6 +4,7 @@
 use std::collections::VecDeque;
 
 use cophase_core::drift::{IndexFilter, IndexPulse};
+use cophase_core::units::PerAxis;
 
 use crate::faults::Stream;
 
@@ -29,6 +30,34 @@ impl Passed {
             fall: None,
             extra: None,
         }
+    }
+}
+
+/// What comes before the sensors of all axes in a tick; most ticks bring nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Passages {
+    /// Axes of which [`Self::passed`] holds something, a bit each.
+    brought: u8,
+    passed: PerAxis<Passed>,
+}
+
+impl Passages {
+    /// Puts down what came before the sensor of an axis.
+    #[inline]
+    pub fn put(&mut self, axis: usize, passed: Option<Passed>) {
+        match passed {
+            None => self.brought &= !(1 << axis),
+            Some(passed) => {
+                self.brought |= 1 << axis;
+                self.passed[axis] = passed;
+            }
+        }
+    }
+
+    /// What came before the sensor of an axis, if anything did.
+    #[inline]
+    pub fn get(&self, axis: usize) -> Option<Passed> {
+        (self.brought >> axis & 1 == 1).then(|| self.passed[axis])
     }
 }
 
@@ -131,6 +160,11 @@ impl IndexSensor {
             rose,
             pulse: self.filter.end_tick(cycles),
         }
+    }
+
+    /// Whether a tick of `cycles` in which nothing comes before it changes nothing, and need not be played.
+    pub fn is_quiet(&self, cycles: u32) -> bool {
+        self.changes.is_empty() && self.filter.is_quiet(cycles)
     }
 
     fn fall(&mut self, fall: Option<u32>, cycles: u32) {

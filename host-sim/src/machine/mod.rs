@@ -23,7 +23,7 @@ mod torque;
 pub use axis::{AxisDrive, Overload, SimulatedAxis};
 pub use cam::{Followers, Peaks, Pusher, Turned};
 pub use flag::{Extra, Flag};
-pub use index::{IndexSensor, Line, Passed};
+pub use index::{IndexSensor, Line, Passages, Passed};
 pub use platform::{Platform, Pose};
 pub use pull_out::PullOut;
 pub use rotors::{Broken, Chosen, MOST_STEPS, RESOLUTION, Rotors, Told};
@@ -34,6 +34,7 @@ use cophase_core::settings::CLOCK_HZ;
 use cophase_core::signals::Output;
 use cophase_methods::Scheme;
 
+use crate::axes::{Axes, per_axis};
 use crate::dynamics::FrameMotion;
 use crate::faults::Amiss;
 use crate::scene::file::{Drive, Fidelity};
@@ -46,79 +47,82 @@ const FLAG_CYCLES: u32 = 2500;
 
 /// What a machine is given to play in one tick.
 #[derive(Clone, Debug)]
-pub struct Played<const N: usize> {
+pub struct Played {
     /// Pulses, for stepper axes.
-    pub runs: [Runs; N],
+    pub runs: Axes<Runs>,
     /// Setpoints, for servo axes.
-    pub setpoints: [Setpoint; N],
+    pub setpoints: Axes<Setpoint>,
     /// Steps that the loop will have commanded at the tick's end.
-    pub steps: [i64; N],
+    pub steps: Axes<i64>,
 }
 
-impl<const N: usize> Default for Played<N> {
-    fn default() -> Self {
+impl Played {
+    /// Nothing, with room for the pulses of `count` axes.
+    pub fn nothing(count: usize) -> Self {
         Self {
-            runs: std::array::from_fn(|_| Runs::new()),
-            setpoints: [Setpoint::default(); N],
-            steps: [0; N],
+            runs: per_axis(count, |_| Runs::new()),
+            setpoints: per_axis(count, |_| Setpoint::default()),
+            steps: per_axis(count, |_| 0),
         }
     }
-}
 
-impl<const N: usize> Played<N> {
     /// Takes over an output, reusing the room there is.
-    pub fn copy_from(&mut self, output: &Output<N>) {
-        for (mine, theirs) in self.runs.iter_mut().zip(&output.runs) {
+    pub fn copy_from(&mut self, output: &Output) {
+        for (i, mine) in self.runs.iter_mut().enumerate() {
             mine.clear();
-            mine.extend(theirs.iter().copied());
+            mine.extend(output.runs(i).iter().copied());
         }
-        self.setpoints = output.setpoints;
-        self.steps = output.telemetry.steps;
+        let count = self.runs.len();
+        self.setpoints.copy_from_slice(&output.setpoints[..count]);
+        self.steps.copy_from_slice(&output.telemetry.steps[..count]);
     }
 }
 
-/// A machine with `N` axes.
+/// A machine.
 #[derive(Debug)]
-pub struct Machine<const N: usize> {
+pub struct Machine {
     /// The motors and their cranks.
-    pub axes: [SimulatedAxis; N],
+    pub axes: Axes<SimulatedAxis>,
     /// What they carry; of cams, what the crank which the core is told would carry.
-    pub platform: Platform<N>,
+    pub platform: Platform,
     /// How long an index line stays high, cycles.
     pub index_cycles: u32,
     tick_s: f64,
     torques: bool,
     omega_before: f64,
     /// What each motor is asked for, where torques are compared.
-    asked_nm: Option<[f64; N]>,
+    asked_nm: Option<Axes<f64>>,
     /// Where torque moves the cranks.
     rotors: Option<Rotors>,
     /// Where axes are cam shafts.
     followers: Option<Followers>,
     /// Which motors have encoders that are read.
-    has_encoder: [bool; N],
+    has_encoder: Axes<bool>,
     /// What has become of drives that do not do as they are told; none where all do.
-    astray: Option<Astray<N>>,
+    astray: Option<Astray>,
 }
 
-impl<const N: usize> Machine<N> {
+impl Machine {
     /// The machine of a scene, at power-up.
     ///
     /// # Errors
     /// Numbers that the machine cannot be made of.
     pub fn new(checked: &Checked) -> Result<Self, SceneError> {
-        let settings = checked.settings::<N>()?;
-        let axes = &checked.scene.axes;
-        let pull_out = PullOut::new(&axes.pull_out)?;
+        let settings = &checked.settings;
+        let in_common = &checked.scene.axes;
+        let pull_out = PullOut::new(&in_common.pull_out)?;
         let make = |i: usize| {
             let apart = checked.apart(i);
             let own = &settings.axes[i];
             let scale = apart.map_or(1.0, |apart| apart.pull_out_scale);
-            let drive = match apart.and_then(|apart| apart.drive).unwrap_or(axes.drive) {
+            let drive = match apart
+                .and_then(|apart| apart.drive)
+                .unwrap_or(in_common.drive)
+            {
                 Drive::Stepper => AxisDrive::Stepper {
                     pull_out: pull_out.scaled(scale),
                     cycle_steps: (4 * i64::from(own.steps_per_turn)
-                        / i64::from(axes.full_steps_per_turn))
+                        / i64::from(in_common.full_steps_per_turn))
                     .max(1),
                 },
                 Drive::Servo => AxisDrive::Servo,
@@ -126,17 +130,17 @@ impl<const N: usize> Machine<N> {
             let start_turns = apart.map_or(0.0, |apart| apart.start_deg / 360.0);
             let friction_nm = apart
                 .and_then(|apart| apart.friction_nm)
-                .unwrap_or(axes.friction_nm);
+                .unwrap_or(in_common.friction_nm);
             let flag = Flag::new(checked, i);
             SimulatedAxis::new(own, drive, start_turns, friction_nm, flag)
         };
-        let mut axes: [SimulatedAxis; N] = std::array::from_fn(make);
-        let rotors = torque::rotors(checked, &settings, &pull_out, &mut axes)?;
-        let turns = axes.each_ref().map(SimulatedAxis::turns);
+        let axes = per_axis(settings.axes.len(), make);
+        let rotors = torque::rotors(checked, &pull_out, &axes)?;
+        let turns: Axes<f64> = axes.iter().map(SimulatedAxis::turns).collect();
         let tick_s = 1.0 / f64::from(settings.tick_hz);
         let cycles = CLOCK_HZ / settings.tick_hz;
         Ok(Self {
-            has_encoder: settings.axes.each_ref().map(|axis| axis.encoder),
+            has_encoder: settings.axes.iter().map(|axis| axis.encoder).collect(),
             astray: checked
                 .scene
                 .touches_drives()
@@ -160,7 +164,7 @@ impl<const N: usize> Machine<N> {
 
     /// What motor `i` gives, or is asked for, N·m; none on rungs that know no torque.
     pub fn motor_torque_nm(&self, i: usize) -> Option<f64> {
-        let asked = self.asked_nm.map(|asked| asked[i]);
+        let asked = self.asked_nm.as_ref().map(|asked| asked[i]);
         asked.or_else(|| self.torques_nm().map(|torques| torques[i]))
     }
 
@@ -187,7 +191,7 @@ impl<const N: usize> Machine<N> {
 
     /// Where the platform is: by its equations if it has any, else by geometry, from where the cranks are and, where torque
     /// does not move them, from the speed and acceleration that are commanded. Of pushers, their means, which do not tilt.
-    pub fn pose(&self, turns: &[f64; N], command_turns: &[f64; N], commanded: (f64, f64)) -> Pose {
+    pub fn pose(&self, turns: &[f64], command_turns: &[f64], commanded: (f64, f64)) -> Pose {
         if let Some(followers) = &self.followers {
             let mean = followers.mean();
             return Pose {
@@ -214,7 +218,7 @@ impl<const N: usize> Machine<N> {
     }
 
     /// Tilt of the platform, mrad, both ways together; pushers have none.
-    pub fn tilt_mrad(&self, turns: &[f64; N]) -> f64 {
+    pub fn tilt_mrad(&self, turns: &[f64]) -> f64 {
         if self.followers.is_some() {
             return 0.0;
         }
@@ -246,83 +250,103 @@ impl<const N: usize> Machine<N> {
         rotors.or_else(|| Some(self.followers.as_ref()?.broken()?.into()))
     }
 
-    /// Plays one tick and returns what came before the index sensors in it. `master_turns` is what the master makes,
+    /// Plays one tick; `passages` then has what came before the index sensors in it. `master_turns` is what the master makes,
     /// `command_turns` where the axes are told to be at its end; `amiss` is what is wrong with each drive, in a scene where
     /// any ever is.
     ///
     /// Drives that are off do not follow: their cranks stand, or run on where torque moves them.
     pub fn play(
         &mut self,
-        played: &Played<N>,
+        played: &Played,
         drives_enabled: bool,
         master_turns: f64,
-        command_turns: &[f64; N],
-        amiss: Option<&[Amiss; N]>,
-    ) -> [Passed; N] {
+        command_turns: &[f64],
+        amiss: Option<&[Amiss]>,
+        passages: &mut Passages,
+    ) {
         if let Some(rotors) = &mut self.rotors {
             let told = tell(&mut self.axes, played, command_turns);
             if let (Some(astray), Some(amiss)) = (&mut self.astray, amiss) {
-                return astray.turn(&mut self.axes, rotors, &told, amiss, drives_enabled);
+                astray.turn(
+                    &mut self.axes,
+                    rotors,
+                    &told,
+                    amiss,
+                    drives_enabled,
+                    passages,
+                );
+                return;
             }
             rotors.play(&told, drives_enabled);
             let cycles = (self.tick_s * f64::from(CLOCK_HZ)).round() as u32;
-            return std::array::from_fn(|i| self.axes[i].moved(rotors.turns(i), cycles));
+            for (i, axis) in self.axes.iter_mut().enumerate() {
+                passages.put(i, axis.moved(rotors.turns(i), cycles));
+            }
+            return;
         }
         let omega = master_turns * std::f64::consts::TAU / self.tick_s;
         let acceleration = (omega - self.omega_before) / self.tick_s;
-        if self.torques {
-            let torques = self.axes.iter().map(|axis| {
-                let alpha = axis.turns() * std::f64::consts::TAU;
-                self.platform.torque_nm(alpha, omega, acceleration)
-            });
-            // Each would have to give so much were all where it is: the mean, a share of it.
-            let share_nm = torques.sum::<f64>() / (N * N) as f64;
-            let hz = omega / std::f64::consts::TAU;
-            self.asked_nm = Some(std::array::from_fn(|i| {
-                self.axes[i].load(share_nm, acceleration, hz)
-            }));
-        }
         self.omega_before = omega;
+        if self.torques {
+            self.compare_torques(omega, acceleration);
+        }
         if let (Some(astray), Some(amiss)) = (&mut self.astray, amiss) {
             let told = tell(&mut self.axes, played, command_turns);
-            return astray.place(&mut self.axes, &told, amiss, drives_enabled);
+            astray.place(&mut self.axes, &told, amiss, drives_enabled, passages);
+            return;
         }
-        let before = self.axes.each_ref().map(SimulatedAxis::turns);
-        let index = std::array::from_fn(|i| {
-            self.axes[i].play(
-                &played.runs[i],
-                &played.setpoints[i],
-                played.steps[i],
-                drives_enabled,
-            )
+        let Some(followers) = &mut self.followers else {
+            for (i, axis) in self.axes.iter_mut().enumerate() {
+                let (runs, setpoint) = (&played.runs[i], &played.setpoints[i]);
+                let passed = axis.play(runs, setpoint, played.steps[i], drives_enabled);
+                passages.put(i, passed);
+            }
+            return;
+        };
+        // Cams whose drives are off stand.
+        let on = f64::from(u8::from(drives_enabled));
+        let turned = per_axis(self.axes.len(), |i| {
+            let axis = &mut self.axes[i];
+            let from = axis.turns();
+            let (runs, setpoint) = (&played.runs[i], &played.setpoints[i]);
+            let passed = axis.play(runs, setpoint, played.steps[i], drives_enabled);
+            passages.put(i, passed);
+            Turned {
+                from,
+                to: axis.turns(),
+                omega_rad_s: omega * axis.ratio() * on,
+                acceleration_rad_s2: acceleration * axis.ratio() * on,
+            }
         });
-        if let Some(followers) = &mut self.followers {
-            // Cams whose drives are off stand.
-            let on = f64::from(u8::from(drives_enabled));
-            let turned: [Turned; N] = std::array::from_fn(|i| Turned {
-                from: before[i],
-                to: self.axes[i].turns(),
-                omega_rad_s: omega * self.axes[i].ratio() * on,
-                acceleration_rad_s2: acceleration * self.axes[i].ratio() * on,
-            });
-            followers.play(&turned);
-        }
-        index
+        followers.play(&turned);
+    }
+
+    /// Compares what this tick's motion needs with what each motor has.
+    fn compare_torques(&mut self, omega: f64, acceleration: f64) {
+        let torques = self.axes.iter().map(|axis| {
+            let alpha = axis.turns() * std::f64::consts::TAU;
+            self.platform.torque_nm(alpha, omega, acceleration)
+        });
+        // Each would have to give so much were all where it is: the mean, a share of it.
+        let count = self.axes.len();
+        let share_nm = torques.sum::<f64>() / (count * count) as f64;
+        let hz = omega / std::f64::consts::TAU;
+        let cranks = self.axes.iter_mut();
+        let asked = cranks.map(|axis| axis.load(share_nm, acceleration, hz));
+        self.asked_nm = Some(asked.collect());
     }
 }
 
 /// What drives are told in a tick.
-fn tell<const N: usize>(
-    axes: &mut [SimulatedAxis; N],
-    played: &Played<N>,
-    command_turns: &[f64; N],
-) -> [Told; N] {
-    std::array::from_fn(|i| {
-        axes[i].tell(
+fn tell(axes: &mut [SimulatedAxis], played: &Played, command_turns: &[f64]) -> Axes<Told> {
+    let drives = axes.iter_mut().enumerate();
+    let told = drives.map(|(i, axis)| {
+        axis.tell(
             &played.runs[i],
             &played.setpoints[i],
             played.steps[i],
             command_turns[i],
         )
-    })
+    });
+    told.collect()
 }

@@ -5,13 +5,14 @@
 //! phases shows as tilt; what no plane can follow is warp, given in degrees of crank angle as that is
 //! what bends rods and platform.
 
+use crate::axes::Axes;
 use crate::dynamics::Corners;
 use crate::mechanism::slider_crank::{Load, SliderCrank};
 use crate::scene::{Checked, SceneError};
 
 /// A platform, its mechanism and its load.
 #[derive(Clone, Debug)]
-pub struct Platform<const N: usize> {
+pub struct Platform {
     mechanism: SliderCrank,
     load: Load,
     corners: Corners,
@@ -33,15 +34,14 @@ pub struct Pose {
     pub warp_deg: f64,
 }
 
-impl<const N: usize> Platform<N> {
+impl Platform {
     /// The platform of a scene; of cams, the one that the crank which the core is told would carry.
     ///
     /// # Errors
     /// A crank and rod that do not go together.
     pub fn new(checked: &Checked) -> Result<Self, SceneError> {
-        let machine = &checked.setup.machine;
-        let radius_m = machine.crank_radius_m;
-        let mechanism = SliderCrank::new(radius_m, radius_m / machine.lambda)
+        let machine = &checked.settings.machine;
+        let mechanism = SliderCrank::of(machine)
             .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
         Ok(Self {
             mechanism,
@@ -50,7 +50,7 @@ impl<const N: usize> Platform<N> {
                 gravity_mps2: machine.gravity_mps2,
                 platform: machine.platform,
             },
-            corners: Corners::new(N, machine.mount_radius_m),
+            corners: Corners::new(checked.settings.axes.len(), machine.mount_radius_m),
             mount_radius_m: machine.mount_radius_m,
         })
     }
@@ -79,18 +79,22 @@ impl<const N: usize> Platform<N> {
     /// Where the platform is when the cranks have gone `turns`, at the master's speed and acceleration.
     pub fn pose(
         &self,
-        turns: &[f64; N],
-        command_turns: &[f64; N],
+        turns: &[f64],
+        command_turns: &[f64],
         omega_rad_s: f64,
         acceleration_rad_s2: f64,
     ) -> Pose {
-        let heights =
-            turns.map(|turns| self.upwards() * self.mechanism.x_m(turns * std::f64::consts::TAU));
-        let accelerations = turns.map(|turns| {
-            let alpha = turns * std::f64::consts::TAU;
-            self.mechanism
-                .x_ddot_mps2(alpha, omega_rad_s, acceleration_rad_s2)
-        });
+        let alphas = turns.iter().map(|turns| turns * std::f64::consts::TAU);
+        let heights: Axes<f64> = alphas
+            .clone()
+            .map(|alpha| self.upwards() * self.mechanism.x_m(alpha))
+            .collect();
+        let accelerations: Axes<f64> = alphas
+            .map(|alpha| {
+                self.mechanism
+                    .x_ddot_mps2(alpha, omega_rad_s, acceleration_rad_s2)
+            })
+            .collect();
         let [accel_mps2, _, _] = self.corners.plane(&accelerations);
         let [z_m, tilt_x, tilt_y] = self.corners.plane(&heights);
         Pose {
@@ -103,20 +107,24 @@ impl<const N: usize> Platform<N> {
     }
 
     /// Tilt of the plane closest to the corners, mrad, both ways together.
-    pub fn tilt_mrad(&self, turns: &[f64; N]) -> f64 {
-        let heights = turns.map(|turns| self.mechanism.x_m(turns * std::f64::consts::TAU));
+    pub fn tilt_mrad(&self, turns: &[f64]) -> f64 {
+        let heights: Axes<f64> = turns
+            .iter()
+            .map(|turns| self.mechanism.x_m(turns * std::f64::consts::TAU))
+            .collect();
         let [_, x, y] = self.corners.plane(&heights);
         x.hypot(y) * 1e3
     }
 
     /// Largest deviation of a crank's error from the plane of all errors, degrees.
-    pub fn warp_deg(&self, turns: &[f64; N], command_turns: &[f64; N]) -> f64 {
-        if N <= 3 {
+    pub fn warp_deg(&self, turns: &[f64], command_turns: &[f64]) -> f64 {
+        if turns.len() <= 3 {
             return 0.0;
         }
-        let errors: [f64; N] = std::array::from_fn(|i| turns[i] - command_turns[i]);
+        let axes = turns.iter().zip(command_turns);
+        let errors: Axes<f64> = axes.map(|(turns, command)| turns - command).collect();
         let plane = self.corners.plane(&errors);
-        let off = |i: usize| (errors[i] - self.corners.height(&plane, i)).abs();
-        (0..N).map(off).fold(0.0, f64::max) * 360.0
+        let off = |(i, error): (usize, &f64)| (error - self.corners.height(&plane, i)).abs();
+        errors.iter().enumerate().map(off).fold(0.0, f64::max) * 360.0
     }
 }

@@ -4,7 +4,7 @@
 //! Drives that have not been on yet hold their cranks, as whoever set them up left them. Once they have been, cranks
 //! whose drives are off run on under load and friction.
 
-use cophase_core::settings::MAX_AXES;
+use cophase_core::units::MAX_AXES;
 use cophase_methods::{Equations, Method, Scheme, StepError, Unstable};
 
 use crate::dynamics::{Driven, Field, FrameMotion, Mode, PlaneMotion};

@@ -1,22 +1,21 @@
 //! What a machine's sensors are, and what its encoders count.
 
 use cophase_core::settings::CLOCK_HZ;
+use cophase_core::units::PerAxis;
 
 use super::{IndexSensor, Machine};
+use crate::axes::{Axes, per_axis};
 use crate::faults::{Sensor, Stream};
-use crate::scene::{Checked, SceneError};
+use crate::scene::Checked;
 
-impl<const N: usize> Machine<N> {
+impl Machine {
     /// The index sensors of its cranks, as they stand now.
-    ///
-    /// # Errors
-    /// `N` is another number than the scene's.
-    pub fn sensors(&self, checked: &Checked) -> Result<[IndexSensor; N], SceneError> {
-        let settings = checked.settings::<N>()?;
+    pub fn sensors(&self, checked: &Checked) -> Axes<IndexSensor> {
+        let settings = &checked.settings;
         let noise = &checked.scene.noise;
         let width = settings.index.width_cycles();
         let cycles = |seconds: f64| seconds * f64::from(CLOCK_HZ);
-        Ok(std::array::from_fn(|i| {
+        per_axis(self.axes.len(), |i| {
             let delay = cycles(settings.axes[i].index_delay_s).round() as u32;
             let deviation = cycles(noise.index_us * 1e-6);
             let time = Stream::new(noise.seed, Sensor::EdgeTime, i, deviation);
@@ -25,7 +24,7 @@ impl<const N: usize> Machine<N> {
                 Some(flag) => sensor.of_length(width, flag.is_over(self.axes[i].turns())),
                 None => sensor,
             }
-        }))
+        })
     }
 
     /// Counts of motor `i`'s encoder since power-up, in the motor's own sense, wrapping. What a crank has slipped on its
@@ -44,13 +43,13 @@ impl<const N: usize> Machine<N> {
     }
 
     /// Counts of all encoders; 0 of those that are not read.
-    pub fn encoders(&self) -> [i32; N] {
-        std::array::from_fn(|i| {
-            if self.has_encoder[i] {
-                self.encoder(i)
-            } else {
-                0
+    pub fn encoders(&self) -> PerAxis<i32> {
+        let mut counts = PerAxis::default();
+        for (i, (counts, &has_encoder)) in counts.iter_mut().zip(&self.has_encoder).enumerate() {
+            if has_encoder {
+                *counts = self.encoder(i);
             }
-        })
+        }
+        counts
     }
 }

@@ -1,6 +1,5 @@
 //! From a scene to cranks that are moved by torque.
 
-use cophase_core::settings::Settings;
 use cophase_methods::{Needs, Scheme};
 
 use super::{PullOut, Rotors, SimulatedAxis, Told};
@@ -23,11 +22,10 @@ const FULL_STEPS: f64 = 4.0;
 ///
 /// # Errors
 /// What the rung needs and the scene does not say.
-pub fn rotors<const N: usize>(
+pub fn rotors(
     checked: &Checked,
-    settings: &Settings<N>,
     pull_out: &PullOut,
-    axes: &mut [SimulatedAxis; N],
+    axes: &[SimulatedAxis],
 ) -> Result<Option<Rotors>, SceneError> {
     if !checked.fidelity.moves_by_torque() {
         return Ok(None);
@@ -35,10 +33,11 @@ pub fn rotors<const N: usize>(
     let Some(machine) = &checked.scene.machine else {
         return Ok(None); // cams have no such rung
     };
-    let motors = (0..N)
+    let settings = &checked.settings;
+    let motors = (0..axes.len())
         .map(|i| motor(checked, pull_out, i))
         .collect::<Result<Vec<_>, _>>()?;
-    let body = body(checked, machine, settings)?;
+    let body = body(checked, machine)?;
     let driven = Driven::new(freedom(checked, machine, body)?, motors);
     let told = axes.iter().map(|axis| Told {
         turns: axis.turns(),
@@ -145,14 +144,10 @@ fn even_disc_kgm2(mass_kg: f64, radius_m: f64) -> f64 {
     mass_kg * radius_m * radius_m / 4.0
 }
 
-fn body<const N: usize>(
-    checked: &Checked,
-    machine: &file::Machine,
-    settings: &Settings<N>,
-) -> Result<Body, SceneError> {
-    let radius_m = machine.crank_radius_mm / 1e3;
+fn body(checked: &Checked, machine: &file::Machine) -> Result<Body, SceneError> {
+    let settings = &checked.settings;
     let mount_m = machine.mount_radius_mm / 1e3;
-    let mechanism = SliderCrank::new(radius_m, radius_m / checked.lambda)
+    let mechanism = SliderCrank::of(&settings.machine)
         .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
     let disc_kgm2 = even_disc_kgm2(machine.load_kg, mount_m);
     let rotors_kgm2: Vec<f64> = settings
@@ -184,7 +179,7 @@ fn body<const N: usize>(
         rotors_kgm2,
         mount_radius_m: mount_m,
         rod_n_per_m: machine.rod_n_per_um * 1e6,
-        friction_nm: (0..N).map(friction).collect(),
+        friction_nm: (0..settings.axes.len()).map(friction).collect(),
     })
 }
 

@@ -21,6 +21,9 @@ mod torque;
 pub use extrema::{Extrema, Extremum};
 pub use torque::{Load, Platform};
 
+use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
+use cophase_core::settings::MachineSettings;
+
 use super::turn_search::{TurnPeak, largest_over_turn};
 
 /// Largest crank/rod ratio accepted. The source builds from 0.1 to 0.6. Somewhat above 0.8 (at 0.85)
@@ -70,6 +73,17 @@ pub struct SliderCrank {
 }
 
 impl SliderCrank {
+    /// The mechanism of a controller's settings.
+    ///
+    /// Refuses what [`SliderCrank::new`] refuses, and mechanisms without a rod.
+    pub fn of(machine: &MachineSettings) -> Result<Self, SliderCrankError> {
+        let MechanismSettings::SliderCrank(SliderCrankSettings { lambda }) = machine.mechanism
+        else {
+            return Err(SliderCrankError::Rod(f64::INFINITY));
+        };
+        Self::new(machine.crank_radius_m, machine.crank_radius_m / lambda)
+    }
+
     /// Makes a mechanism of a crank radius and a rod length, both in m.
     ///
     /// Refuses lengths that are not finite and positive, and ratios above [`LAMBDA_MAX`].

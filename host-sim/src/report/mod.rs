@@ -4,34 +4,23 @@ mod model;
 mod summary;
 mod warnings;
 mod words;
+mod written;
 
 pub use summary::summary;
 pub use warnings::warnings;
 pub use words::{describe, is_news};
+pub use written::Written;
 
 use cophase_core::supervisor::Fault;
 use serde::Serialize;
 
-use model::{FidelityReport, MethodReport, judged};
+use model::{FidelityReport, MethodReport};
 
 use crate::scene::file::FaultName;
 use crate::scene::{Checked, Scene};
 use crate::sim::events::{Event, Happening, StoppedBy};
 use crate::sim::{Outcome, Statistics};
 use crate::units::degrees;
-
-/// How a trace was written.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Written {
-    /// One row of `trace.csv` every so many control ticks.
-    pub every: u64,
-    /// Rows in `trace.csv`.
-    pub rows: usize,
-    /// What `steps.vcd` shows, s since power-up.
-    pub window_from_s: f64,
-    /// To where.
-    pub window_to_s: f64,
-}
 
 /// `report.json`.
 ///

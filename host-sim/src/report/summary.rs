@@ -4,8 +4,10 @@ use std::fmt::Write;
 
 use cophase_core::supervisor::{FaultKind, State};
 
+use super::model::judged;
 use super::words::fault_words;
-use super::{Written, describe, is_news, judged, warnings};
+use super::written::Written;
+use super::{describe, is_news, warnings};
 use crate::design::STANDARD_GRAVITY_MPS2;
 use crate::fidelity::{Judged, Output};
 use crate::machine::Peaks;

@@ -7,7 +7,6 @@ use cophase_core::supervisor::State;
 use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName};
 use crate::sim::Outcome;
-use crate::with_axes;
 
 /// Warnings, a sentence each.
 pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
@@ -75,7 +74,7 @@ fn unwatched(checked: &Checked) -> Option<String> {
     let is_watched = |axis: &usize| checked.has_index(*axis) || checked.scene.axes.encoder;
     let (watched, unwatched): (Vec<usize>, Vec<usize>) = (0..count).partition(is_watched);
     let set = watched.iter().fold(0, |set, axis| set | 1 << axis);
-    let tells = match with_axes!(count, N => Mount::<N>::with(set).knowledge()) {
+    let tells = match Mount::with(count, set).knowledge() {
         _ if unwatched.is_empty() => return None,
         Knowledge::Nothing => "nothing tells of the platform's tilt",
         Knowledge::Common => "one axis stands for all, and nothing tells of the platform's tilt",

@@ -32,8 +32,8 @@ impl SceneError {
     pub fn of(key: impl Into<String>, problem: Problem) -> Self {
         let key = key.into();
         let sentence = problem.of(&key).to_string();
-        match (problem, reason(&key)) {
-            (Problem::OutOfRange { .. }, Some(reason)) => Self::at(key, sentence).because(reason),
+        match (problem.range(), reason(&key)) {
+            (Some(_), Some(reason)) => Self::at(key, sentence).because(reason),
             _ => Self::at(key, sentence),
         }
     }

@@ -1,7 +1,5 @@
 //! The built-in scenes.
 
-use super::{Scene, load};
-
 /// A scene that comes with the command: its name, and its text, to start one's own from.
 #[derive(Clone, Copy, Debug)]
 pub struct BuiltIn {
@@ -29,16 +27,6 @@ pub const SCENES: &[BuiltIn] = scenes![
     "suspended",
     "wrapper",
 ];
-
-impl BuiltIn {
-    /// The scene.
-    ///
-    /// # Panics
-    /// Never: that every built-in scene reads is tested.
-    pub fn scene(&self) -> Scene {
-        load::parse(self.text).expect("built-in scenes are tested to be well-formed")
-    }
-}
 
 /// Finds one by its name.
 pub fn find(name: &str) -> Option<&'static BuiltIn> {

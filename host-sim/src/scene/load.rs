@@ -7,7 +7,7 @@ mod place;
 use std::io::Read;
 use std::path::Path;
 
-use super::library::SCENES;
+use super::library::{BuiltIn, SCENES};
 use super::{Checked, Scene, SceneError};
 use explain::{explain, not_toml};
 pub use nearest::nearest;
@@ -86,6 +86,16 @@ fn instead(path: &Path) -> String {
     match nearest(&stem, &names) {
         Some(name) => format!("did you mean the built-in scene `{name}`? {START_FROM}"),
         None => format!("`cophase scenes` lists the built-in scenes, and {START_FROM}"),
+    }
+}
+
+impl BuiltIn {
+    /// The scene.
+    ///
+    /// # Panics
+    /// Never: that every built-in scene reads is tested.
+    pub fn scene(&self) -> Scene {
+        parse(self.text).expect("built-in scenes are tested to be well-formed")
     }
 }
 

@@ -39,7 +39,7 @@ impl Coast {
     }
 
     /// Looks at one tick.
-    pub fn tick<const N: usize>(&mut self, moment: &Moment<'_, N>) {
+    pub fn tick(&mut self, moment: &Moment<'_>) {
         if moment.drives_enabled {
             self.were_on = true;
             self.off_ticks = 0;
@@ -51,7 +51,7 @@ impl Coast {
     }
 
     #[cold]
-    fn off<const N: usize>(&mut self, moment: &Moment<'_, N>) {
+    fn off(&mut self, moment: &Moment<'_>) {
         let worst_mrad = self.worst_tilt_mrad.unwrap_or(0.0);
         self.worst_tilt_mrad = Some(worst_mrad.max(moment.tilt_mrad()));
         if moment.machine.rotors().is_none() {
@@ -62,7 +62,7 @@ impl Coast {
             self.moved = None;
         }
         self.off_ticks += 1;
-        for (place, &turns) in self.place.iter_mut().zip(&moment.actual_turns) {
+        for (place, &turns) in self.place.iter_mut().zip(moment.actual_turns) {
             if (turns - *place).abs() * 360.0 > STANDS_DEG {
                 *place = turns;
                 self.moved = Some(self.off_ticks);

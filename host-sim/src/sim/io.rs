@@ -11,68 +11,73 @@ use cophase_core::drift::IndexPulse;
 use cophase_core::settings::CLOCK_HZ;
 use cophase_core::signals::{Feedback, Output, Telemetry};
 use cophase_core::supervisor::{Command, Fault, State};
-use cophase_core::units::{Phase, Turns};
+use cophase_core::units::{PerAxis, Phase, Turns};
 use embassy_time::Instant;
 
-use super::Outcome;
 use super::coast::STANDS_S;
 use super::moment::{Moment, Observer};
+use super::outcome::Outcome;
 use super::schedule::Schedule;
 use super::statistics::Statistics;
+use crate::axes::{Axes, per_axis};
 use crate::faults::Faults;
-use crate::machine::{IndexSensor, Machine, Passed, Played};
+use crate::machine::{IndexSensor, Machine, Passages, Played};
 use crate::units::turns;
 use crate::virtual_time::TICKS_PER_S;
 
 /// An output that waits for its time, or plays.
 #[derive(Debug)]
-struct Waiting<const N: usize> {
+struct Waiting {
     start_us: u64,
-    played: Played<N>,
-    telemetry: Telemetry<N>,
+    played: Played,
+    telemetry: Telemetry,
     sync: bool,
 }
 
 /// What the loop stands against.
 #[derive(Debug)]
-pub struct World<const N: usize> {
+pub struct World {
     /// The machine.
-    pub machine: Machine<N>,
+    pub machine: Machine,
     /// Its index sensors.
-    pub sensors: [IndexSensor; N],
+    pub sensors: Axes<IndexSensor>,
     /// What happens from outside.
     pub schedule: Schedule,
     /// What goes wrong.
-    pub faults: Faults<N>,
+    pub faults: Faults,
 }
 
 /// The loop's world, simulated.
-pub struct SimulatedIo<'a, const N: usize, O, P> {
+pub struct SimulatedIo<'a, O, P> {
     tick_us: u64,
     tick_hz: u32,
-    machine: Machine<N>,
-    sensors: [IndexSensor; N],
+    tick_cycles: u32,
+    machine: Machine,
+    sensors: Axes<IndexSensor>,
     /// Up to when the sensors have been heard: the end of a tick.
     sensed_us: u64,
     schedule: Schedule,
-    faults: Faults<N>,
+    faults: Faults,
     statistics: Statistics,
     observer: &'a mut O,
     progress: P,
     /// Boxed, as an output has kilobytes of room for runs, and is passed on every tick.
-    waiting: VecDeque<Box<Waiting<N>>>,
+    waiting: VecDeque<Box<Waiting>>,
     /// Room of outputs that have been played, to be used again.
-    spare: Vec<Box<Waiting<N>>>,
+    spare: Vec<Box<Waiting>>,
     drives_enabled: bool,
     master: Unwrapped,
-    axes: Option<[Unwrapped; N]>,
+    axes: Axes<Unwrapped>,
+    /// Of the tick that is played; kept for their room.
+    now: Now,
     /// Outputs written, and of these the ones played.
     ticks: u64,
     played: u64,
     state: State,
     fault: Option<Fault>,
-    /// Ticks since nothing has happened any more.
+    /// Ticks since nothing has happened any more, and after how many of them a run ends.
     quiet: u64,
+    tail_ticks: u64,
 }
 
 /// So long a run goes on for after the end, so that traces show the machine at rest, s; and so long at most, where cranks turn
@@ -83,11 +88,11 @@ const MOST_TAIL_S: f64 = 5.0;
 /// How many ticks go by between two reports of progress.
 const PROGRESS_TICKS: u64 = 8192;
 
-impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, O, P> {
+impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
     /// A machine at power-up.
     pub fn new(
         tick_hz: u32,
-        world: World<N>,
+        world: World,
         statistics: Statistics,
         observer: &'a mut O,
         progress: P,
@@ -101,6 +106,8 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
         Self {
             tick_us: 1_000_000 / u64::from(tick_hz),
             tick_hz,
+            tick_cycles: CLOCK_HZ / tick_hz,
+            now: Now::new(machine.axes.len()),
             machine,
             sensors,
             sensed_us: 0,
@@ -113,19 +120,20 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             spare: Vec::new(),
             drives_enabled: false,
             master: Unwrapped::default(),
-            axes: None,
+            axes: Axes::new(),
             ticks: 0,
             played: 0,
             state: State::Idle,
             fault: None,
             quiet: 0,
+            tail_ticks: ticks_in(TAIL_S, tick_hz),
         }
     }
 
     /// How the run ended.
     pub fn finish(self) -> Outcome {
         // What spins up cranks that nothing holds any more is no end of their equations: it ends the run.
-        let let_go = self.quiet > self.ticks_in(TAIL_S) && self.statistics.coast.is_on();
+        let let_go = self.quiet > self.tail_ticks && self.statistics.coast.is_on();
         let broken = self.machine.broken().filter(|_| !let_go);
         let mut statistics = self.statistics;
         statistics.finish(&self.machine);
@@ -141,32 +149,32 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
     }
 
     /// Hears the sensors over ticks in which nothing was played, up to the time `until_us`.
-    fn stand(&mut self, until_us: u64, heard: &mut [Option<IndexPulse>; N]) {
+    fn stand(&mut self, until_us: u64, heard: &mut PerAxis<Option<IndexPulse>>) {
         while self.sensed_us < until_us {
-            self.hear(&[Passed::default(); N], heard);
+            self.now.passages = Passages::default();
+            self.hear(heard);
         }
     }
 
-    /// Hears the sensors over one tick in which that came before them; when their lines rose. Of what is read at one
-    /// deadline the latest counts: the loop asks for no more than one tick, unless it was late.
-    fn hear(
-        &mut self,
-        passed: &[Passed; N],
-        heard: &mut [Option<IndexPulse>; N],
-    ) -> [Option<u32>; N] {
-        let cycles = CLOCK_HZ / self.tick_hz;
-        let mut rose = [None; N];
-        for (i, sensor) in self.sensors.iter_mut().enumerate() {
-            let line = sensor.tick(passed[i], cycles, || self.faults.misses(i));
+    /// Hears the sensors over one tick, and when their lines rose. Of what is read at one deadline the latest counts: the
+    /// loop asks for no more than one tick, unless it was late.
+    fn hear(&mut self, heard: &mut PerAxis<Option<IndexPulse>>) {
+        for (i, (sensor, rose)) in self.sensors.iter_mut().zip(&mut self.now.index).enumerate() {
+            *rose = None;
+            let passed = self.now.passages.get(i);
+            if passed.is_none() && sensor.is_quiet(self.tick_cycles) {
+                continue;
+            }
+            let passed = passed.unwrap_or_default();
+            let line = sensor.tick(passed, self.tick_cycles, || self.faults.misses(i));
             heard[i] = line.pulse.or(heard[i]);
-            rose[i] = line.rose;
+            *rose = line.rose;
         }
         self.sensed_us += self.tick_us;
-        rose
     }
 
     /// Plays one output, hears the sensors, and shows it round.
-    fn play(&mut self, waiting: &Waiting<N>, heard: &mut [Option<IndexPulse>; N]) {
+    fn play(&mut self, waiting: &Waiting, heard: &mut PerAxis<Option<IndexPulse>>) {
         let Waiting {
             start_us,
             played,
@@ -174,27 +182,37 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             sync,
         } = waiting;
         let master_turns = self.master.follow(telemetry.phase);
-        let axes = self
-            .axes
-            .get_or_insert_with(|| telemetry.axis_phase.map(Unwrapped::starting_at));
-        let command_turns: [f64; N] =
-            std::array::from_fn(|i| axes[i].follow(telemetry.axis_phase[i]));
-        let correction = telemetry.correction.map(turns);
-        let turns = turns(telemetry.motion.speed);
+        if self.axes.is_empty() {
+            let phase = &telemetry.axis_phase;
+            self.axes = per_axis(self.sensors.len(), |i| Unwrapped::starting_at(phase[i]));
+        }
+        let commands = self
+            .now
+            .command_turns
+            .iter_mut()
+            .zip(&mut self.now.aim_turns);
+        for (i, (axis, (command, aim))) in self.axes.iter_mut().zip(commands).enumerate() {
+            *command = axis.follow(telemetry.axis_phase[i]);
+            *aim = *command - turns(telemetry.correction[i]);
+        }
         for (axis, extra) in self.faults.extra(*start_us) {
             self.machine.axes[axis].add_pulses(extra);
         }
         let amiss = self.faults.amiss(*start_us);
-        let passed = self.machine.play(
+        self.machine.play(
             played,
             self.drives_enabled,
-            turns,
-            &command_turns,
-            amiss.as_ref(),
+            turns(telemetry.motion.speed),
+            &self.now.command_turns,
+            amiss.as_deref(),
+            &mut self.now.passages,
         );
-        let mut index = self.hear(&passed, heard);
-        self.faults.swap(&mut index);
-        self.take_note(*start_us as f64 / TICKS_PER_S as f64);
+        self.hear(heard);
+        self.faults.swap(&mut self.now.index);
+        self.take_note(*start_us);
+        for (actual, axis) in self.now.actual_turns.iter_mut().zip(&self.machine.axes) {
+            *actual = axis.turns();
+        }
         let moment = Moment {
             start_ns: start_us * 1000,
             end_ns: (start_us + self.tick_us) * 1000,
@@ -202,11 +220,11 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
             played,
             drives_enabled: self.drives_enabled,
             sync: *sync,
-            index: &index,
+            index: &self.now.index,
             master_turns,
-            command_turns,
-            aim_turns: std::array::from_fn(|i| command_turns[i] - correction[i]),
-            actual_turns: std::array::from_fn(|i| self.machine.axes[i].turns()),
+            command_turns: &self.now.command_turns,
+            aim_turns: &self.now.aim_turns,
+            actual_turns: &self.now.actual_turns,
             machine: &self.machine,
             tilt_mrad: OnceCell::new(),
         };
@@ -217,26 +235,23 @@ impl<'a, const N: usize, O: Observer<N>, P: FnMut(u64, u64)> SimulatedIo<'a, N, 
 
     /// Whether nothing has happened for long enough, and nothing moves any more.
     fn is_at_rest(&self) -> bool {
-        self.quiet > self.ticks_in(TAIL_S)
-            && (!self.statistics.coast.is_on() || self.quiet > self.ticks_in(MOST_TAIL_S))
+        self.quiet > self.tail_ticks
+            && (!self.statistics.coast.is_on() || self.quiet > ticks_in(MOST_TAIL_S, self.tick_hz))
     }
 
-    fn ticks_in(&self, seconds: f64) -> u64 {
-        (seconds * f64::from(self.tick_hz)) as u64
-    }
-
-    /// Tells of faults that have begun.
-    fn take_note(&mut self, t_s: f64) {
+    /// Tells of faults that have begun up to a time.
+    fn take_note(&mut self, at_us: u64) {
         for fault in self.faults.news() {
+            let t_s = at_us as f64 / TICKS_PER_S as f64;
             self.statistics.injected(t_s, fault);
         }
     }
 }
 
-impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'_, N, O, P> {
-    fn read(&mut self) -> Feedback<N> {
+impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
+    fn read(&mut self) -> Feedback {
         let now = Instant::now().as_micros();
-        let mut heard = [None; N];
+        let mut feedback = Feedback::of(None);
         while self
             .waiting
             .front()
@@ -245,11 +260,13 @@ impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'
             let Some(waiting) = self.waiting.pop_front() else {
                 break;
             };
-            self.stand(waiting.start_us, &mut heard);
-            self.play(&waiting, &mut heard);
+            self.stand(waiting.start_us, &mut feedback.index);
+            self.play(&waiting, &mut feedback.index);
             self.spare.push(waiting);
         }
-        self.stand(now - now % self.tick_us, &mut heard);
+        if self.sensed_us + self.tick_us <= now {
+            self.stand(now - now % self.tick_us, &mut feedback.index);
+        }
         let now_s = now as f64 / TICKS_PER_S as f64;
         while let Some(input) = self.schedule.input(now) {
             self.statistics.input(now_s, input.line, input.active);
@@ -259,25 +276,20 @@ impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'
         if let Some(command) = command.filter(|command| now > 0 || *command != Command::Start) {
             self.statistics.commanded(now_s, command);
         }
-        let mut feedback = Feedback {
-            index: heard,
-            encoder: self.machine.encoders(),
-            alarm: [false; N],
-            ran_dry: None,
-            inputs: self.schedule.lines(),
-            command,
-        };
+        feedback.encoder = self.machine.encoders();
+        feedback.inputs = self.schedule.lines();
+        feedback.command = command;
         self.faults.read(now, &mut feedback);
-        self.take_note(now_s);
+        self.take_note(now);
         feedback
     }
 
-    fn write(&mut self, output: &Output<N>, start: Instant) -> Written {
+    fn write(&mut self, output: &Output, start: Instant) -> Written {
         let start_us = start.as_micros();
         let mut waiting = self.spare.pop().unwrap_or_else(|| {
             Box::new(Waiting {
                 start_us,
-                played: Played::default(),
+                played: Played::nothing(self.machine.axes.len()),
                 telemetry: output.telemetry.clone(),
                 sync: output.sync,
             })
@@ -306,6 +318,33 @@ impl<const N: usize, O: Observer<N>, P: FnMut(u64, u64)> Io<N> for SimulatedIo<'
             return Written::Over;
         }
         Written::InTime
+    }
+}
+
+fn ticks_in(seconds: f64, tick_hz: u32) -> u64 {
+    (seconds * f64::from(tick_hz)) as u64
+}
+
+/// What is so in the tick that is played: see [`Moment`].
+#[derive(Debug)]
+struct Now {
+    passages: Passages,
+    index: Axes<Option<u32>>,
+    command_turns: Axes<f64>,
+    aim_turns: Axes<f64>,
+    actual_turns: Axes<f64>,
+}
+
+impl Now {
+    fn new(count: usize) -> Self {
+        let nowhere = || per_axis(count, |_| 0.0);
+        Self {
+            passages: Passages::default(),
+            index: per_axis(count, |_| None),
+            command_turns: nowhere(),
+            aim_turns: nowhere(),
+            actual_turns: nowhere(),
+        }
     }
 }
 

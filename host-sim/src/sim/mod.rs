@@ -8,16 +8,15 @@ pub mod events;
 mod io;
 mod moment;
 pub mod news;
+mod outcome;
 mod schedule;
 pub mod statistics;
 
 pub use moment::{Moment, Observer};
+pub use outcome::Outcome;
 pub use statistics::Statistics;
 
 use cophase_core::control_loop;
-use cophase_core::controller::Controller;
-use cophase_core::supervisor::{Fault, State};
-use cophase_methods::Scheme;
 
 use crate::faults::Faults;
 use crate::machine::Machine;
@@ -26,43 +25,6 @@ use crate::virtual_time;
 use io::{SimulatedIo, World};
 use schedule::Schedule;
 
-/// How a run ended.
-#[derive(Clone, Debug)]
-pub struct Outcome {
-    /// The last state. Neither parked nor fault: the run was cut off, as nothing more was to happen.
-    pub state: State,
-    /// The fault that latched, if one did at any time.
-    pub fault: Option<Fault>,
-    /// Control ticks simulated.
-    pub ticks: u64,
-    /// Control ticks a second.
-    pub tick_hz: u32,
-    /// What was seen on the way.
-    pub statistics: Statistics,
-    /// How the machine was advanced, and in how many steps a tick; none if nothing was integrated.
-    pub method: Option<(Scheme, u32)>,
-    /// Why the simulated machine went no further, in a sentence: its equations, not the loop, came to an end.
-    pub diverged: Option<String>,
-}
-
-impl Outcome {
-    /// Whether a motor slipped and nothing was told of it: the controller believes the cranks in phase, and they are not.
-    pub fn slipped_unseen(&self) -> bool {
-        self.fault.is_none()
-            && self.statistics.told == 0
-            && self
-                .statistics
-                .slipped_cycles
-                .iter()
-                .any(|&cycles| cycles != 0)
-    }
-
-    /// Simulated time, s.
-    pub fn simulated_s(&self) -> f64 {
-        self.ticks as f64 / f64::from(self.tick_hz)
-    }
-}
-
 /// Runs a scene to its end.
 ///
 /// `progress` is called now and then with the ticks done and about how many there will be.
@@ -70,22 +32,24 @@ impl Outcome {
 /// # Errors
 /// A scene whose machine cannot be made; [`Checked`] has refused those that the core refuses.
 ///
-/// # Panics
-/// If the scene has another number of axes than `N`.
-pub fn simulate<const N: usize>(
+/// ```
+/// use host_sim::scene::{Checked, library};
+/// use host_sim::sim::simulate;
+///
+/// let checked = Checked::new(library::find("patent-4").unwrap().scene()).unwrap();
+/// let outcome = simulate(&checked, &mut (), |_, _| {}).unwrap();
+/// assert!(outcome.fault.is_none());
+/// ```
+pub fn simulate(
     checked: &Checked,
-    observer: &mut impl Observer<N>,
+    observer: &mut impl Observer,
     progress: impl FnMut(u64, u64),
 ) -> Result<Outcome, SceneError> {
-    assert_eq!(
-        checked.scene.axes.count, N,
-        "a scene runs with as many axes as it has"
-    );
-    let mut controller: Controller<N> = checked.controller()?;
+    let mut controller = checked.controller()?;
     let schedule = Schedule::new(checked, controller.program().0.duration());
     let mut lateness = schedule.lateness();
     let machine = Machine::new(checked)?;
-    let sensors = machine.sensors(checked)?;
+    let sensors = machine.sensors(checked);
     let statistics = Statistics::new(checked, machine.platform.mechanism());
     let world = World {
         machine,

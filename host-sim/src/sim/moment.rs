@@ -8,51 +8,57 @@ use crate::machine::{Machine, Played, Pose};
 use crate::units::turns;
 
 /// Looks on while a scene runs.
-pub trait Observer<const N: usize> {
+pub trait Observer {
     /// One tick was played.
-    fn tick(&mut self, moment: &Moment<'_, N>);
+    fn tick(&mut self, moment: &Moment<'_>);
 }
 
 /// Nobody looks.
-impl<const N: usize> Observer<N> for () {
-    fn tick(&mut self, _: &Moment<'_, N>) {}
+impl Observer for () {
+    fn tick(&mut self, _: &Moment<'_>) {}
 }
 
 /// One tick that was just played: what was commanded, and what became of it.
 #[derive(Debug)]
-pub struct Moment<'a, const N: usize> {
+pub struct Moment<'a> {
     /// When the tick began, ns since power-up.
     pub start_ns: u64,
     /// When it ended.
     pub end_ns: u64,
     /// What the loop knew when it planned this tick.
-    pub telemetry: &'a Telemetry<N>,
+    pub telemetry: &'a Telemetry,
     /// What was played.
-    pub played: &'a Played<N>,
+    pub played: &'a Played,
     /// Whether the drives were on.
     pub drives_enabled: bool,
     /// Level of the sync line.
     pub sync: bool,
     /// When index lines rose: cycles from this tick's beginning.
-    pub index: &'a [Option<u32>; N],
+    pub index: &'a [Option<u32>],
     /// Commanded phase of the master at the tick's end, turns since power-up.
     pub master_turns: f64,
     /// Commanded phases, turns since power-up.
-    pub command_turns: [f64; N],
+    pub command_turns: &'a [f64],
     /// Phases at which cranks are to be: as commanded, but for what only corrects that they are elsewhere.
-    pub aim_turns: [f64; N],
+    pub aim_turns: &'a [f64],
     /// True phases of the cranks, turns since power-up.
-    pub actual_turns: [f64; N],
+    pub actual_turns: &'a [f64],
     /// The machine at the tick's end.
-    pub machine: &'a Machine<N>,
+    pub machine: &'a Machine,
     /// Worked out where somebody asks, and once for all that do.
     pub(super) tilt_mrad: OnceCell<f64>,
 }
 
-impl<const N: usize> Moment<'_, N> {
+impl Moment<'_> {
+    /// How many axes the machine has. Entries of the telemetry beyond it mean nothing.
+    pub fn axis_count(&self) -> usize {
+        self.actual_turns.len()
+    }
+
     /// By how much each crank is ahead of where it is to be, turns: the truth, which no controller sees.
-    pub fn errors(&self) -> [f64; N] {
-        std::array::from_fn(|i| self.actual_turns[i] - self.aim_turns[i])
+    pub fn errors(&self) -> impl ExactSizeIterator<Item = f64> {
+        let cranks = self.actual_turns.iter().zip(self.aim_turns);
+        cranks.map(|(actual, aim)| actual - aim)
     }
 
     /// Tilt of the platform at the tick's end, mrad.
@@ -63,7 +69,7 @@ impl<const N: usize> Moment<'_, N> {
             if self.actual_turns.iter().all(|&turns| turns == first) {
                 return 0.0;
             }
-            self.machine.tilt_mrad(&self.actual_turns)
+            self.machine.tilt_mrad(self.actual_turns)
         })
     }
 
@@ -78,6 +84,6 @@ impl<const N: usize> Moment<'_, N> {
             acceleration_turns_s2 * std::f64::consts::TAU,
         );
         self.machine
-            .pose(&self.actual_turns, &self.aim_turns, commanded)
+            .pose(self.actual_turns, self.aim_turns, commanded)
     }
 }

@@ -21,7 +21,7 @@ pub struct Tellings {
 impl Tellings {
     /// What a tick brings; most bring nothing, and are passed over quickly.
     #[inline]
-    pub fn tick<const N: usize>(&mut self, telemetry: &Telemetry<N>) -> Option<News> {
+    pub fn tick(&mut self, telemetry: &Telemetry) -> Option<News> {
         let is_well = telemetry.fault.is_none() && self.latched.is_none();
         if is_well && telemetry.incident.is_none() {
             return None;

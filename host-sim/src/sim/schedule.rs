@@ -21,8 +21,8 @@ pub struct Schedule {
     expected_us: u64,
 }
 
-/// After the last thing that is to happen, a machine that still runs is given this long.
-const PATIENCE_S: f64 = 120.0;
+/// After the last thing that is to happen, a machine that still runs is given this long, µs.
+const PATIENCE_US: u64 = 120 * TICKS_PER_S;
 
 impl Schedule {
     /// Of a scene whose program lasts `program_ticks`. A scene without a start is started at once.
@@ -133,8 +133,8 @@ impl Schedule {
     }
 
     /// When to stop looking, µs.
-    pub fn end_us(&self) -> u64 {
-        self.expected_us + clock(PATIENCE_S)
+    pub const fn end_us(&self) -> u64 {
+        self.expected_us + PATIENCE_US
     }
 
     /// What makes the loop late.

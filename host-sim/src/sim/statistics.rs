@@ -2,7 +2,7 @@
 
 use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::{Command, State};
-use cophase_core::units::{Amax, Turns};
+use cophase_core::units::{Amax, PerAxis, Turns};
 
 use super::Moment;
 use super::coast::Coast;
@@ -89,11 +89,14 @@ pub struct Statistics {
     /// Deadlines missed altogether.
     pub missed_deadlines: u32,
 
-    /// What drifts and corrections were at last: made degrees of once, at the end.
-    peak: Vec<Turns>,
-    correction: Vec<Turns>,
+    /// What was so at the end of the last tick.
+    last: Last,
     /// What makes an amplitude of a speed: of cams, the crank of equal κ.
     mechanism: SliderCrank,
+    /// Speed in the last tick, and what it amounts to: most ticks have that of the one before.
+    speed: Turns,
+    speed_hz: f64,
+    speed_mps2: f64,
     tick_hz: u32,
     tick_s: f64,
     running_ticks: u64,
@@ -105,7 +108,18 @@ pub struct Statistics {
     held: Option<f64>,
     lag: Option<(f64, f64)>,
     level: Amax,
+    level_mps2: f64,
     level_ticks: u64,
+}
+
+/// What only its last value is reported of; made into the report's form once, at the end.
+#[derive(Clone, Copy, Debug, Default)]
+struct Last {
+    steps: PerAxis<i64>,
+    command_turns: PerAxis<f64>,
+    actual_turns: PerAxis<f64>,
+    peak: PerAxis<Turns>,
+    correction: PerAxis<Turns>,
 }
 
 /// Enough for any scene that is looked at; a campaign looks at the numbers.
@@ -126,8 +140,8 @@ impl Statistics {
             top_speed_hz: 0.0,
             top_amax_mps2: 0.0,
             time_in_state_s: [0.0; 6],
-            steps: vec![0; axes],
-            turns: vec![(0.0, 0.0); axes],
+            steps: Vec::new(),
+            turns: Vec::new(),
             drift_peak_deg: Vec::new(),
             correction_deg: Vec::new(),
             slipped_cycles: vec![0; axes],
@@ -141,9 +155,11 @@ impl Statistics {
             stopped_by: None,
             late_deadlines: 0,
             missed_deadlines: 0,
-            peak: vec![Turns::ZERO; axes],
-            correction: vec![Turns::ZERO; axes],
+            last: Last::default(),
             mechanism: *mechanism,
+            speed: Turns::ZERO,
+            speed_hz: 0.0,
+            speed_mps2: mechanism.amax_mps2(0.0),
             tick_hz: checked.scene.control.tick_hz,
             tick_s: 1.0 / f64::from(checked.scene.control.tick_hz),
             running_ticks: 0,
@@ -155,15 +171,24 @@ impl Statistics {
             held: None,
             lag: None,
             level: Amax::ZERO,
+            level_mps2: 0.0,
             level_ticks: 0,
         }
     }
 
     /// Takes in one tick.
-    pub fn tick<const N: usize>(&mut self, moment: &Moment<'_, N>) {
+    pub fn tick(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
         let t_s = moment.start_ns as f64 * 1e-9;
         self.time_in_state_s[telemetry.state as usize] += self.tick_s;
+        if telemetry.motion.speed != self.speed {
+            self.speed = telemetry.motion.speed;
+            self.speed_hz = speed_hz(self.speed, self.tick_hz);
+            let omega_rad_s = std::f64::consts::TAU * self.speed_hz;
+            self.speed_mps2 = self.mechanism.amax_mps2(omega_rad_s);
+            self.top_speed_hz = self.top_speed_hz.max(self.speed_hz);
+            self.top_amax_mps2 = self.top_amax_mps2.max(self.speed_mps2);
+        }
         self.cranks(moment, t_s);
         self.forces(moment.machine);
         self.limits(moment, t_s);
@@ -178,7 +203,7 @@ impl Statistics {
     }
 
     #[cold]
-    fn tell<const N: usize>(&mut self, news: News, telemetry: &Telemetry<N>, t_s: f64) {
+    fn tell(&mut self, news: News, telemetry: &Telemetry, t_s: f64) {
         if let Some(fault) = news.told {
             self.told += 1;
             self.note(t_s, Happening::Told(fault));
@@ -189,7 +214,7 @@ impl Statistics {
         }
     }
 
-    fn enter<const N: usize>(&mut self, state: State, telemetry: &Telemetry<N>, t_s: f64) {
+    fn enter(&mut self, state: State, telemetry: &Telemetry, t_s: f64) {
         if state == State::Stop {
             self.stopped_by = Some(match telemetry.fault {
                 Some(_) => StoppedBy::Fault,
@@ -227,9 +252,9 @@ impl Statistics {
     }
 
     /// Where the cranks are.
-    fn cranks<const N: usize>(&mut self, moment: &Moment<'_, N>, t_s: f64) {
+    fn cranks(&mut self, moment: &Moment<'_>, t_s: f64) {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (i, error) in moment.errors().into_iter().enumerate() {
+        for (i, error) in moment.errors().enumerate() {
             low = low.min(error);
             high = high.max(error);
             let slipped = moment.machine.axes[i].slipped_cycles();
@@ -244,12 +269,13 @@ impl Statistics {
                     },
                 );
             }
-            self.turns[i] = (moment.command_turns[i], moment.actual_turns[i]);
+            self.last.command_turns[i] = moment.command_turns[i];
+            self.last.actual_turns[i] = moment.actual_turns[i];
         }
         let telemetry = moment.telemetry;
-        self.steps.copy_from_slice(&telemetry.steps);
-        self.peak.copy_from_slice(&telemetry.peak);
-        self.correction.copy_from_slice(&telemetry.correction);
+        self.last.steps = telemetry.steps;
+        self.last.peak = telemetry.peak;
+        self.last.correction = telemetry.correction;
         if let Some(followers) = moment.machine.followers() {
             for (worst, peaks) in self.followers.iter_mut().zip(followers.peaks()) {
                 *worst = worst.or(*peaks);
@@ -265,7 +291,7 @@ impl Statistics {
         // Warp is a difference of errors: where they are all alike, there is none.
         if high > low {
             let platform = &moment.machine.platform;
-            let warp_deg = platform.warp_deg(&moment.actual_turns, &moment.aim_turns);
+            let warp_deg = platform.warp_deg(moment.actual_turns, moment.aim_turns);
             self.worst_warp_deg = self.worst_warp_deg.max(warp_deg);
         }
         if moment.telemetry.state == State::Run {
@@ -279,9 +305,9 @@ impl Statistics {
     }
 
     /// What motors gave, and what came of it at the ground.
-    fn forces<const N: usize>(&mut self, machine: &Machine<N>) {
+    fn forces(&mut self, machine: &Machine) {
         if let Some(torques) = machine.torques_nm() {
-            self.worst_torque_nm.resize(N, 0.0);
+            self.worst_torque_nm.resize(torques.len(), 0.0);
             for (worst, torque) in self.worst_torque_nm.iter_mut().zip(torques) {
                 *worst = worst.max(torque.abs());
             }
@@ -297,9 +323,9 @@ impl Statistics {
     }
 
     /// Limits that bit: when each began, and what it came to.
-    fn limits<const N: usize>(&mut self, moment: &Moment<'_, N>, t_s: f64) {
+    fn limits(&mut self, moment: &Moment<'_>, t_s: f64) {
         let (motion, limits) = (&moment.telemetry.motion, &moment.telemetry.limits);
-        let hz = speed_hz(motion.speed, self.tick_hz);
+        let hz = self.speed_hz;
         match (motion.crossing_band, self.band) {
             (true, None) => self.band = Some((t_s, hz)),
             (false, Some((since_s, from_hz))) => {
@@ -327,8 +353,7 @@ impl Statistics {
         }
         // Only in running is there a program to be behind of.
         if motion.lagging && moment.telemetry.state == State::Run {
-            let got = self.mechanism.amax_mps2(std::f64::consts::TAU * hz);
-            let off = (got - moment.telemetry.amax_program.to_num::<f64>()).abs();
+            let off = (self.speed_mps2 - moment.telemetry.amax_program.to_num::<f64>()).abs();
             let (since_s, worst) = self.lag.unwrap_or((t_s, 0.0));
             self.lag = Some((since_s, worst.max(off)));
         } else if let Some((since_s, worst_mps2)) = self.lag.take() {
@@ -349,14 +374,11 @@ impl Statistics {
     }
 
     /// How well the level is held.
-    fn level<const N: usize>(&mut self, moment: &Moment<'_, N>) {
+    fn level(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
-        let hz = speed_hz(telemetry.motion.speed, self.tick_hz);
-        let got = self.mechanism.amax_mps2(std::f64::consts::TAU * hz);
-        self.top_speed_hz = self.top_speed_hz.max(hz);
-        self.top_amax_mps2 = self.top_amax_mps2.max(got);
         if telemetry.state != State::Run || telemetry.amax_program != self.level {
             self.level = telemetry.amax_program;
+            self.level_mps2 = self.level.to_num();
             self.level_ticks = 0;
             return;
         }
@@ -365,23 +387,28 @@ impl Statistics {
             && !telemetry.motion.held_at_band
             && !telemetry.motion.lagging
             && self.level_ticks > 2;
-        let asked: f64 = self.level.to_num();
-        if steady && asked > 0.0 {
+        if steady && self.level_mps2 > 0.0 {
             self.holding.held_s += self.tick_s;
-            self.holding.worst_relative =
-                self.holding.worst_relative.max((got / asked - 1.0).abs());
+            let relative = (self.speed_mps2 / self.level_mps2 - 1.0).abs();
+            self.holding.worst_relative = self.holding.worst_relative.max(relative);
         }
     }
 
     /// Closes what is still open at the end of a run.
-    pub fn finish<const N: usize>(&mut self, machine: &Machine<N>) {
+    pub fn finish(&mut self, machine: &Machine) {
         self.torque_used = machine
             .axes
             .iter()
             .map(SimulatedAxis::torque_used)
             .collect();
-        self.drift_peak_deg = self.peak.iter().copied().map(degrees).collect();
-        self.correction_deg = self.correction.iter().copied().map(degrees).collect();
+        let last = &self.last;
+        let axes = 0..machine.axes.len();
+        self.steps = last.steps[axes.clone()].to_vec();
+        let of = |i| (last.command_turns[i], last.actual_turns[i]);
+        self.turns = axes.clone().map(of).collect();
+        let in_degrees = |angles: &[Turns]| angles.iter().copied().map(degrees).collect();
+        self.drift_peak_deg = in_degrees(&last.peak[axes.clone()]);
+        self.correction_deg = in_degrees(&last.correction[axes]);
         if self.running_ticks > 0 {
             self.rms_spread_deg = (self.spread_squares / self.running_ticks as f64).sqrt();
         }

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use cophase_core::profile::Profile;
+use cophase_core::mechanism::{AnyMechanism, Mechanism};
 
 use super::rows::{Every, Rows};
 use super::window::{StepWindow, Window};
@@ -31,7 +31,7 @@ pub struct Recorder<C: Write, V: Write> {
     reversed: Vec<bool>,
     failed: Option<RecordError>,
     tick_hz: u32,
-    profile: Profile,
+    mechanism: AnyMechanism,
 }
 
 impl<C: Write, V: Write> Recorder<C, V> {
@@ -62,7 +62,7 @@ impl<C: Write, V: Write> Recorder<C, V> {
             reversed,
             failed: None,
             tick_hz: checked.scene.control.tick_hz,
-            profile: checked.profile(),
+            mechanism: checked.settings.mechanism(),
         })
     }
 
@@ -85,7 +85,7 @@ impl<C: Write, V: Write> Recorder<C, V> {
         Ok((written, self.scope))
     }
 
-    fn fill<const N: usize>(&mut self, moment: &Moment<'_, N>) {
+    fn fill(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
         let hz = speed_hz(telemetry.motion.speed, self.tick_hz);
         let omega = hz * std::f64::consts::TAU;
@@ -94,7 +94,7 @@ impl<C: Write, V: Write> Recorder<C, V> {
         row.t_s = moment.end_ns as f64 * 1e-9;
         row.state = telemetry.state.name();
         row.amax_program_mps2 = telemetry.amax_program.to_num();
-        row.amax_command_mps2 = self.profile.amax(telemetry.motion.speed).to_num();
+        row.amax_command_mps2 = self.mechanism.amax(telemetry.motion.speed).to_num();
         row.omega_rad_s = omega;
         row.phase_turns = moment.master_turns;
         for (i, axis) in row.axes.iter_mut().enumerate() {
@@ -111,8 +111,8 @@ impl<C: Write, V: Write> Recorder<C, V> {
     }
 }
 
-impl<const N: usize, C: Write, V: Write> Observer<N> for Recorder<C, V> {
-    fn tick(&mut self, moment: &Moment<'_, N>) {
+impl<C: Write, V: Write> Observer for Recorder<C, V> {
+    fn tick(&mut self, moment: &Moment<'_>) {
         if self.failed.is_some() {
             return;
         }

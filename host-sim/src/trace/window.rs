@@ -90,16 +90,13 @@ impl<V: Write> StepWindow<V> {
         }
     }
 
-    pub fn tick<const N: usize>(
-        &mut self,
-        moment: &Moment<'_, N>,
-        reversed: &[bool],
-    ) -> Result<(), VcdError> {
+    pub fn tick(&mut self, moment: &Moment<'_>, reversed: &[bool]) -> Result<(), VcdError> {
         let (start_ns, end_ns) = (moment.start_ns, moment.end_ns);
+        let axes = moment.axis_count();
         self.last_ns = end_ns;
         if self.levels.step.is_empty() {
-            self.levels.step = vec![false; N];
-            self.levels.index = vec![false; N];
+            self.levels.step = vec![false; axes];
+            self.levels.index = vec![false; axes];
             self.levels.dir = reversed.iter().map(|reversed| !reversed).collect();
         }
         let moves = moment.telemetry.motion.speed != 0;
@@ -127,7 +124,7 @@ impl<V: Write> StepWindow<V> {
                 self.close(to_ns)?;
             }
             if at >= from_ns {
-                self.begin(from_ns, N)?;
+                self.begin(from_ns, axes)?;
                 if let Begun::At(_, vcd) = &mut self.vcd {
                     vcd.change(at, signal, level)?;
                     self.shown += u64::from(matches!(signal, Signal::Step(_)));
@@ -135,7 +132,7 @@ impl<V: Write> StepWindow<V> {
             }
             self.set(signal, level);
         }
-        self.begin(from_ns, N)?;
+        self.begin(from_ns, axes)?;
         if self.shown > MOST_EDGES {
             return Err(VcdError::TooLong {
                 from_ns,
@@ -146,7 +143,7 @@ impl<V: Write> StepWindow<V> {
     }
 
     /// Keeps track of the levels over a tick that is not shown, without looking at each edge.
-    fn pass<const N: usize>(&mut self, moment: &Moment<'_, N>, reversed: &[bool]) {
+    fn pass(&mut self, moment: &Moment<'_>, reversed: &[bool]) {
         self.levels.enable = moment.drives_enabled;
         self.levels.sync = moment.sync;
         let index_ns = u64::from(moment.machine.index_cycles) * CYCLE_NS;
@@ -174,7 +171,7 @@ impl<V: Write> StepWindow<V> {
     }
 
     /// Edges of one tick, in no order.
-    fn gather<const N: usize>(&mut self, moment: &Moment<'_, N>, reversed: &[bool]) {
+    fn gather(&mut self, moment: &Moment<'_>, reversed: &[bool]) {
         let start_ns = moment.start_ns;
         let index_ns = u64::from(moment.machine.index_cycles) * CYCLE_NS;
         self.edges

@@ -1,4 +1,4 @@
-// CRC-32 as of Ethernet and zip (reflected, polynomial 0xEDB88320): for blobs that the bench breaks on purpose.
+// CRC-32 as of Ethernet and zip (reflected, polynomial 0xEDB88320): for settings files that the bench breaks on purpose.
 
 const TABLE = Uint32Array.from({ length: 256 }, (_, i) => {
   let crc = i;

@@ -12,7 +12,7 @@ const END = '<!-- end -->';
 /** A figure may get worse by this part before it is a failure. */
 const MOST_WORSE = 0.05;
 
-/** What was kept: name to number. */
+/** Figures that were kept: name to number. */
 function kept() {
   if (!fs.existsSync(CSV)) return new Map();
   const [, ...rows] = fs.readFileSync(CSV, 'utf8').trimEnd().split('\n');

@@ -1,4 +1,4 @@
-// What the firmware is to reach, and whether missing it fails the bench.
+// Goals of the firmware, and the switch that makes the bench fail when one is missed.
 
 /** Set this to true once the goals are reached: from then on a missed goal is a failure. */
 export const ENFORCED = false;

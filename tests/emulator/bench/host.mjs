@@ -1,4 +1,4 @@
-// What the host has to say of a scene: its blob, and the edges that `cophase run` predicts.
+// The host's part of a scene: its settings file, and the edges that `cophase run` predicts.
 
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -63,12 +63,12 @@ function withScene({ text }, use) {
   }
 }
 
-/** The scene's settings as the image takes them. */
-export function blobOf(played) {
+/** The scene's settings as the firmware takes them. */
+export function settingsOf(played) {
   return withScene(played, (file, folder) => {
-    const blob = path.join(folder, 'scene.blob');
-    cophase(['image', file, '-o', blob], [0]);
-    return fs.readFileSync(blob);
+    const settings = path.join(folder, 'scene.blob');
+    cophase(['image', file, '-o', settings], [0]);
+    return fs.readFileSync(settings);
   });
 }
 

@@ -1,11 +1,11 @@
-// The image's log as text: its raw bytes decoded by defmt's own decoder.
+// The firmware's log as text: its raw bytes decoded by defmt's own decoder.
 
 import { spawnSync } from 'node:child_process';
-import { IMAGE, INSPECT } from './paths.mjs';
+import { FIRMWARE, INSPECT } from './paths.mjs';
 
 /** Lines of the log so far, oldest first. */
 export function log(board) {
-  const done = spawnSync(INSPECT, ['log', IMAGE, '-'], {
+  const done = spawnSync(INSPECT, ['log', FIRMWARE, '-'], {
     input: Buffer.from(board.rtt.bytes),
     encoding: 'utf8',
     maxBuffer: 1 << 24,

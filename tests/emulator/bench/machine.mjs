@@ -1,4 +1,4 @@
-// A board with the image in its flash, settings in a slot, and an operator at its inputs.
+// A board with the firmware in its flash, settings in a slot, and an operator at its inputs.
 
 import fs from 'node:fs';
 import { Board } from '../board/board.mjs';
@@ -7,11 +7,11 @@ import { FLASH_SIZE } from '../board/elf.mjs';
 import { TIMER_IRQ_1 } from '../board/usage.mjs';
 import { MISS_CYCLES } from '../board/xip-cache.mjs';
 import * as pins from './pins.mjs';
-import { IMAGE } from './paths.mjs';
+import { FIRMWARE } from './paths.mjs';
 
 export const CYCLES_PER_S = 1e6 * CYCLES_PER_US;
 
-/** Where the first settings slot lies (firmware/blob/src/layout.rs). */
+/** Offsets of the settings slots in the flash (firmware/blob/src/layout.rs). */
 export const SLOT_A = 0x1f_0000;
 export const SLOT_B = 0x1f_8000;
 
@@ -20,27 +20,27 @@ const STEADY_S = 0.0105;
 
 let elf;
 
-/** The image's bytes. */
-export function image() {
-  elf ??= fs.readFileSync(IMAGE);
+/** The firmware's bytes. */
+export function firmware() {
+  elf ??= fs.readFileSync(FIRMWARE);
   return elf;
 }
 
-/** A flash with a blob placed in the first slot, as `probe-rs download` would. */
-export function flashWith(blob) {
+/** A flash with a settings file placed in the first slot, as `probe-rs download` would. */
+export function flashWith(settings) {
   const flash = new Uint8Array(FLASH_SIZE).fill(0xff);
-  if (blob) flash.set(blob, SLOT_A);
+  if (settings) flash.set(settings, SLOT_A);
   return flash;
 }
 
 export class Machine {
-  /** `scene` and `blob` as of host.mjs; `flash`: what the board has instead; `options` go to the board. */
-  constructor({ axes, tickHz, blob, flash, options = {} }) {
+  /** `scene` and `settings` as of host.mjs; `flash`: what the board has instead; `options` go to the board. */
+  constructor({ axes, tickHz, settings, flash, options = {} }) {
     this.axes = axes;
     this.tick = CYCLES_PER_S / tickHz;
     this.board = new Board({
-      elf: image(),
-      flash: flash ?? flashWith(blob),
+      elf: firmware(),
+      flash: flash ?? flashWith(settings),
       pins: pins.outputs(axes),
       watched: [TIMER_IRQ_1],
       missCycles: MISS_CYCLES,

@@ -1,4 +1,4 @@
-// What a scenario found: lines to print, figures to keep, goals, and what must hold.
+// Outcome of a scenario: lines to print, figures to keep, goals, and checks.
 
 import { ENFORCED } from './goals.mjs';
 
@@ -16,7 +16,7 @@ export class Outcome {
     console.log(`  ${text}`);
   }
 
-  /** What must hold; `text` says it as it should be. */
+  /** Checks that something holds; `text` says it as it should be. */
   check(holds, text) {
     if (holds) return;
     this.failures.push(text);

@@ -1,4 +1,4 @@
-// Where things lie that the bench uses.
+// Paths of files that the bench uses.
 
 import { fileURLToPath } from 'node:url';
 import path from 'node:path';
@@ -7,10 +7,10 @@ export const HERE = path.resolve(path.dirname(fileURLToPath(import.meta.url)), '
 export const ROOT = path.resolve(HERE, '../..');
 export const TARGET = process.env.CARGO_TARGET_DIR ?? path.join(ROOT, 'target');
 
-/** The image as it is flashed; another one's ELF file in COPHASE_ELF. */
-export const IMAGE = process.env.COPHASE_ELF ?? path.join(TARGET, 'thumbv6m-none-eabi/image/cophase-firmware');
+/** The firmware as it is flashed; another one's ELF file in COPHASE_ELF. */
+export const FIRMWARE = process.env.COPHASE_ELF ?? path.join(TARGET, 'thumbv6m-none-eabi/image/cophase-firmware');
 
-/** The command, and the tool that reads images and logs. */
+/** The command, and the tool that reads firmware and logs. */
 export const COPHASE = path.join(TARGET, 'release/cophase');
 export const INSPECT = path.join(TARGET, 'release/image-inspect');
 

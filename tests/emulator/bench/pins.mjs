@@ -1,4 +1,4 @@
-// Where the image has everything wired: read from its own table, so that the two cannot differ.
+// The pins of the firmware, read from its own table, so that the two cannot differ.
 
 import fs from 'node:fs';
 import path from 'node:path';
@@ -18,7 +18,7 @@ export const ALARM = constant('ALARM');
 export const INDEX = STEP.map((_, axis) => constant('INDEX') + axis);
 export const DRIVE_ENABLE = constant('DRIVE_ENABLE');
 export const SYNC = constant('SYNC');
-export const LAMP = constant('LAMP');
+export const LED = constant('LAMP');
 export const ENABLE = constant('ENABLE');
 export const STOP = constant('STOP');
 export const START = constant('START');
@@ -30,7 +30,7 @@ export const blockOf = (axis) => Math.floor(axis / FIRST_BLOCK);
 
 /** The pins to record for a machine of `axes` axes, by name. */
 export function outputs(axes) {
-  const pins = { enable: DRIVE_ENABLE, sync: SYNC, lamp: LAMP };
+  const pins = { enable: DRIVE_ENABLE, sync: SYNC, led: LED };
   for (let axis = 0; axis < axes; axis += 1) {
     pins[`step_${axis}`] = STEP[axis];
     pins[`dir_${axis}`] = DIR[axis];

@@ -1,4 +1,4 @@
-// Acting a scene out on a machine that has been started.
+// Plays a scene on a machine that has been started.
 
 import { CYCLES_PER_S } from './machine.mjs';
 import * as pins from './pins.mjs';

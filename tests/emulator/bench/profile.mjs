@@ -5,13 +5,13 @@
 
 import { spawnSync } from 'node:child_process';
 import { ENTRY } from '../board/profile.mjs';
-import { IMAGE, INSPECT } from './paths.mjs';
+import { FIRMWARE, INSPECT } from './paths.mjs';
 
 const ENTERED = '(exception entry)';
 
 /** The names at each address: the linked function, then those inlined into it there, the outermost first. */
-function namesAt(addresses) {
-  const done = spawnSync(INSPECT, ['frames', IMAGE, '-'], {
+export function namesAt(addresses) {
+  const done = spawnSync(INSPECT, ['frames', FIRMWARE, '-'], {
     input: addresses.map((pc) => pc.toString(16)).join('\n'),
     encoding: 'utf8',
     maxBuffer: 1 << 28,

@@ -13,11 +13,11 @@ const ROOT = 1.324717957244746;
 
 export const spread = (number) => [(0.5 + number / ROOT) % 1, (0.5 + number / ROOT ** 2) % 1];
 
-/** Whether any case of these sweeps is asked for. */
+/** True if any case of these sweeps is selected. */
 export const wanted = (...names) => ONLY === undefined || names.some((name) => ONLY.startsWith(`${name} `));
 
 /**
- * A sweep. Runs `count` cases, or as many times that as are asked for. `play(u, v, number)` plays one and gives { name, wrong: what does
+ * A sweep. Runs `count` cases, or a multiple of that. `play(u, v, number)` plays one and gives { name, wrong: what does
  * not hold, ended: in a word, worst: a figure }; `unit` says of what.
  */
 export function sweep(outcome, name, count, unit, play) {
@@ -32,7 +32,7 @@ export function sweep(outcome, name, count, unit, play) {
     for (const text of done.wrong) outcome.check(false, `${name} ${number} (${done.name}): ${text}`);
     if (ONLY !== undefined) outcome.say(`${name} ${number} (${done.name}): ${done.ended}${done.log ? `; the log:\n    ${done.log().join('\n    ')}` : ''}`);
   }
-  const told = [...ends].sort(([, a], [, b]) => b - a).map(([end, times]) => `${times} ${end}`);
+  const counts = [...ends].sort(([, a], [, b]) => b - a).map(([end, times]) => `${times} ${end}`);
   const ran = [...ends.values()].reduce((sum, times) => sum + times, 0);
-  outcome.say(`${name.padEnd(10)} ${String(ran).padStart(4)} cases: ${told.join(', ')}${worst > -Infinity ? `; at most ${Number(worst.toPrecision(4))} ${unit}` : ''}`);
+  outcome.say(`${name.padEnd(10)} ${String(ran).padStart(4)} cases: ${counts.join(', ')}${worst > -Infinity ? `; at most ${Number(worst.toPrecision(4))} ${unit}` : ''}`);
 }

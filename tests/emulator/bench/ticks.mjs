@@ -1,32 +1,32 @@
 // A scene run on the firmware, tick by tick: what each tick cost, in which state, and how many index pulses it confirmed.
 
 import { CallProfile } from '../board/profile.mjs';
+import { eventsOfLog } from './events.mjs';
 import { log } from './log.mjs';
 import { CYCLES_PER_S, Machine } from './machine.mjs';
 import { act } from './play.mjs';
-import { ofLog } from './told.mjs';
 
 /** The default of `index.width_us` (docs/scene.md): how long a level lasts before it counts. */
 const WIDTH_US = 2;
 
 /**
  * Runs the scene to its end. Gives { machine, lines: the log, period: cycles of a tick, ticks, profile: null unless it is asked
- * for, awake: cycles in which the processor did not sleep, waited: cycles that interrupts waited for the flash }; ticks:
+ * for, awake: cycles in which the processor did not sleep, waits: of interrupts for the flash, [{ pc, address, cycles }] }; ticks:
  * [{ number, own, state, pulses, call: of the profile }], numbered from the deadline at which the start was read.
  */
-export function run(played, predicted, blob, { profile = false } = {}) {
-  const machine = new Machine({ ...played, blob });
+export function run(played, predicted, settings, { profile = false } = {}) {
+  const machine = new Machine({ ...played, settings });
   const { board } = machine;
   machine.boot();
   if (profile) board.profile = new CallProfile(board.elf.functions);
   const began = machine.start();
   const before = board.usage.sums();
-  const waited = board.core.waitedInHandlers;
+  const waited = board.core.handlerWaits.length;
   act(machine, played, predicted, began);
   board.profile?.finish();
   const after = board.usage.sums();
   const lines = log(board);
-  const { states } = ofLog(lines, []);
+  const { states } = eventsOfLog(lines, []);
   const stateAt = (number) => states.findLast(({ tick }) => tick <= number)?.state ?? 'idle';
   const confirmed = confirmations(played, predicted, machine.tick);
   const calls = new Map((board.profile?.calls ?? []).map((call) => [call.entry, call]));
@@ -41,18 +41,18 @@ export function run(played, predicted, blob, { profile = false } = {}) {
     profile: board.profile,
     period: machine.tick,
     awake: after.awake - before.awake,
-    waited: board.core.waitedInHandlers - waited,
+    waits: board.core.handlerWaits.slice(waited),
   };
 }
 
-/** Of ticks: { worst, mean, pulses: index pulses that were confirmed in the worst }, in cycles. */
+/** Summarizes ticks: { worst, mean, pulses: index pulses that were confirmed in the worst }, in cycles. */
 export function summary(ticks) {
   const worst = ticks.reduce((most, tick) => (tick.own > most.own ? tick : most));
   const mean = ticks.reduce((sum, { own }) => sum + own, 0) / ticks.length;
   return { worst: worst.own, mean, pulses: worst.pulses };
 }
 
-/** How many index pulses are confirmed in the tick of each number: pulses whose level has lasted at that deadline. */
+/** Number of index pulses confirmed in each tick, by its number: pulses whose level has lasted at that deadline. */
 function confirmations({ toml, axes }, { edges }, period) {
   const width = ((toml.index?.width_us ?? WIDTH_US) / 1e6) * CYCLES_PER_S;
   const counts = new Map();

@@ -26,8 +26,8 @@ const POWER_UP_PATTERN = 0xa5;
 
 export class Board {
   /**
-   * `elf`: bytes of the image's ELF; its segments go into the flash. `flash`: the flash array (Uint8Array, kept and
-   * changed in place) to use instead, or to load the image over. One of them is needed, save for `bare`.
+   * `elf`: bytes of the firmware's ELF; its segments go into the flash. `flash`: the flash array (Uint8Array, kept and
+   * changed in place) to use instead, or to load the firmware over. One of them is needed, save for `bare`.
    * `pins`: { name: GPIO number } to record. `watched`: exceptions whose calls are listed (default TIMER_IRQ_1).
    * `rtt`: true, false, or the cycles between two looks of the host (default: true where the ELF has an RTT block).
    * `fastForward`: false steps every cycle of everything. `profile`: true counts the loop's cycles by call path (profile.mjs).
@@ -258,7 +258,7 @@ export class Board {
     this.events.push({ cycle: this.cycle, kind, text });
   }
 
-  /** What rp2040js complains about: counted, since it goes on. */
+  /** Counts a complaint of rp2040js, which goes on after it. */
   warn(name, text) {
     const key = `${name}: ${text}`;
     this.warnings.set(key, (this.warnings.get(key) ?? 0) + 1);

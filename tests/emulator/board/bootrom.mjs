@@ -1,6 +1,6 @@
-// A boot ROM of our own: rp2040js has none, and images look up functions in it.
+// A boot ROM of our own: rp2040js has none, and firmware looks up functions in it.
 //
-// The image has the tables where the RP2040 datasheet (2.8) puts them. What moves memory is code (rom-code.mjs). Other
+// Its tables are where the RP2040 datasheet (2.8) puts them. What moves memory is code (rom-code.mjs). Other
 // functions are a BKPT, which the core hands to `call`, and BX LR: bit functions take about the time that the chip's
 // take; flash functions change the board's flash array, and take as long as a flash chip does. Floating point is
 // refused when it is called.
@@ -29,7 +29,7 @@ const MEMSET_AT = 0x0900;
 /** Functions that are code: where. */
 const ROUTINES = { MC: MEMCPY_AT, C4: MEMCPY_AT, MS: MEMSET_AT, S4: MEMSET_AT };
 
-/** What each BKPT calls: the functions above, and whatever is called through the tables of floating point. */
+/** The function that each BKPT calls: those above, and all that the tables of floating point name. */
 const STUBS = [...Object.values(FUNCTIONS), 'floatingPoint'];
 const FLOAT_FUNCTIONS = 32;
 
@@ -73,7 +73,7 @@ function assemble() {
   return words;
 }
 
-/** What a serial flash of this kind typically takes (W25Q16JV, tSE and tPP). */
+/** Typical times of a serial flash of this kind (W25Q16JV, tSE and tPP). */
 export const FLASH_TIMES = {
   eraseSector: 0.045 * CYCLES_PER_SECOND,
   programPage: 0.0007 * CYCLES_PER_SECOND,
@@ -134,7 +134,7 @@ export class RomBench {
   }
 
   resetToUsbBoot() {
-    this.board.stop('usb-boot', 'the image asked for BOOTSEL mode');
+    this.board.stop('usb-boot', 'the firmware asked for BOOTSEL mode');
     return 1;
   }
 

@@ -1,4 +1,4 @@
-// Calls one function of an image, alone on the chip: for measuring routines.
+// Calls one function of a firmware, alone on the chip: for measuring routines.
 //
 // The function runs with interrupts masked, statics initialised as the start-up code would, and nothing else
 // happening. Arguments and results are those of the procedure call standard (AAPCS): r0 to r3, then the stack; r0 and
@@ -26,7 +26,7 @@ export class Caller {
   /** Address of a function by its symbol's name; throws when there is none. */
   addressOf(symbol) {
     const found = this.board.elf.symbols.get(symbol);
-    if (!found) throw new Error(`the image has no symbol ${symbol}`);
+    if (!found) throw new Error(`the firmware has no symbol ${symbol}`);
     return found.address;
   }
 

@@ -1,19 +1,19 @@
-// One RP2040 as it is after a reset: rp2040js's object with every mend of this folder in it.
+// One RP2040 as it is after a reset: rp2040js's object with every correction of this folder in it.
 //
 // A reset builds a new one; what survives (RAM, flash, watchdog scratch, what the bench drives) is handed over by the
 // board. So nothing of the old state can be forgotten.
 
 import { BasePeripheral, RP2040 } from 'rp2040js';
 import { BenchCore } from './core.mjs';
-import { mendDivider } from './divider.mjs';
-import { mendDma } from './dma.mjs';
+import { fixDivider } from './divider.mjs';
+import { fixDma } from './dma.mjs';
 import { Fault } from './core-memory.mjs';
 import { Pads } from './pads.mjs';
 import { Block } from './pio-block.mjs';
-import { mendPpb } from './ppb.mjs';
-import { mendTimer } from './timer.mjs';
+import { fixPpb } from './ppb.mjs';
+import { fixTimer } from './timer.mjs';
 
-/** Where the second-stage boot block would have left off: the image's vector table. */
+/** The firmware's vector table, at which the second-stage boot block would have left off. */
 export const VECTOR_TABLE = 0x1000_0100;
 
 /** Registers that only remember what is written. */
@@ -32,7 +32,7 @@ class Registers extends BasePeripheral {
   }
 }
 
-/** What rp2040js says where the bus would answer with an error, or the core with a fault. */
+/** Messages of rp2040js where the bus would answer with an error, or the core with a fault. */
 const UNMAPPED = /invalid memory address|undefined address|is not implemented yet/;
 const XIP_STAT = 0x08;
 /** Streaming FIFO empty, flush done. */
@@ -41,7 +41,7 @@ const ROSC_STATUS = 0x18;
 const ROSC_RANDOMBIT = 0x1c;
 const CHIP_RESET_HAD_POR = 1 << 8;
 
-/** The boot ROM starts the processor: stack pointer and entry from the image's vector table. */
+/** The boot ROM starts the processor: stack pointer and entry from the firmware's vector table. */
 export function startCore(core) {
   core.VTOR = VECTOR_TABLE;
   const [stack, entry] = [core.readUint32(VECTOR_TABLE), core.readUint32(VECTOR_TABLE + 4)];
@@ -52,7 +52,7 @@ export function startCore(core) {
 }
 
 /**
- * Builds the chip. `board`: what the mends call back; `kept`: { clock, sram, flash, rom, outside, levels, scratch,
+ * Builds the chip. `board`: what the corrected parts call back; `kept`: { clock, sram, flash, rom, outside, levels, scratch,
  * reason }. The processor is not started.
  */
 export function buildChip(board, { clock, sram, flash, rom, outside, levels, scratch, reason }) {
@@ -79,7 +79,7 @@ export function buildChip(board, { clock, sram, flash, rom, outside, levels, scr
 
   const { peripherals } = chip;
   peripherals[0x14000] = new Registers(chip, 'XIP_CTRL', { [XIP_STAT]: XIP_READY });
-  mendSsi(chip);
+  fixSsi(chip);
   peripherals[0x40018] = new Registers(chip, 'IO_QSPI', {});
   peripherals[0x40060] = new Registers(chip, 'ROSC', { [ROSC_STATUS]: 0x8000_1000, [ROSC_RANDOMBIT]: 1 });
   peripherals[0x40064] = new Registers(chip, 'VREG_AND_CHIP_RESET', { 0: 0xb1, 4: 0x91, 8: CHIP_RESET_HAD_POR });
@@ -88,10 +88,10 @@ export function buildChip(board, { clock, sram, flash, rom, outside, levels, scr
     peripherals[index === 0 ? 0x50200 : 0x50300] = block;
     return block;
   });
-  mendDma(chip);
-  mendPpb(chip, () => board.requestReset('system'));
-  mendTimer(chip);
-  mendDivider(chip);
+  fixDma(chip);
+  fixPpb(chip, () => board.requestReset('system'));
+  fixTimer(chip);
+  fixDivider(chip);
 
   const watchdog = peripherals[0x40058];
   watchdog.scratchData = scratch;
@@ -114,7 +114,7 @@ function pinList(mask) {
 }
 
 /** The second-stage boot block, copied to RAM, brings XIP back: it enables the SSI in a mode that reads memory. */
-function mendSsi(chip) {
+function fixSsi(chip) {
   const SSIENR = 0x08;
   const TMOD_EEPROM_READ = 3;
   const ssi = chip.peripherals[0x18000];

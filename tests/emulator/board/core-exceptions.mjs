@@ -61,7 +61,7 @@ export class ExceptionCore extends MemoryCore {
     this.pendingInterrupts &= ~bits | (this.lines & ~this.active);
   }
 
-  /** Priority now, lower numbers first; `masked`: with PRIMASK heeded. */
+  /** Priority now, lower numbers first; `masked`: with PRIMASK obeyed. */
   executionPriority(masked) {
     const own = this.IPSR === 0 ? THREAD_PRIORITY : this.exceptionPriority(this.IPSR);
     return masked && this.PM ? Math.min(own, 0) : own;

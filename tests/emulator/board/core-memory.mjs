@@ -13,6 +13,7 @@ const StockCore = new RP2040().core.constructor;
 const ROM_SIZE = 16 * 1024;
 const SRAM_BASE = 0x2000_0000;
 const SRAM_SIZE = 264 * 1024;
+const XIP_BASE = 0x1000_0000;
 const XIP_END = 0x1400_0000;
 const XIP_MASK = 0x00ff_ffff;
 /** Registers of the XIP controller and of the flash's serial interface. */
@@ -32,8 +33,8 @@ export class MemoryCore extends StockCore {
     /** True while the flash is not readable: between flash_exit_xip and the return to XIP. */
     this.xipOff = false;
     this.cache = new XipCache(board.missCycles);
-    /** Cycles that interrupts' handlers waited for the flash since reset. */
-    this.waitedInHandlers = 0;
+    /** Every wait of an interrupt's handler for the flash since reset: [{ pc, address, cycles }]. */
+    this.handlerWaits = [];
     /** Cycles of the present instruction beyond what its own table gives. */
     this.extra = 0;
   }
@@ -155,7 +156,7 @@ export class MemoryCore extends StockCore {
     write();
   }
 
-  /** Whether `a` is backed by flash; reading it while XIP is off would hang or give garbage, so that is a fault. */
+  /** True if `a` is backed by flash; reading it while XIP is off would hang or give garbage, so that is a fault. */
   inFlash(a) {
     if (a >= XIP_END || (a & XIP_MASK) >= this.flash8.length) return false;
     if (this.xipOff) throw this.fault('flash read while XIP is off', a);
@@ -168,7 +169,7 @@ export class MemoryCore extends StockCore {
     const wait = this.cache.wait(offset);
     if (wait !== 0) {
       this.extra += wait;
-      if (this.IPSR !== 0) this.waitedInHandlers += wait;
+      if (this.IPSR !== 0) this.handlerWaits.push({ pc: this.registers[15] >>> 0, address: XIP_BASE + offset, cycles: wait });
     }
     return offset;
   }

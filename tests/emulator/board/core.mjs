@@ -1,6 +1,6 @@
-// The processor: rp2040js's core, with the instructions mended that it gets wrong or times wrong.
+// The processor: rp2040js's core, with corrections for the instructions that it gets wrong or times wrong.
 //
-// Mended: carry and overflow of ADCS and SBCS with a carry out of the second operand; flags of shifts by register with
+// Corrected: carry and overflow of ADCS and SBCS with a carry out of the second operand; flags of shifts by register with
 // counts 0 and over 32; STM with its base among the registers; the cycles of PUSH and POP with LR or PC; SEV; WFE and
 // WFI; undefined instructions, BKPT, branches to ARM state and SVC where it cannot be taken, which fault. Everything
 // else is rp2040js's own. Cycles are those of the Cortex-M0+ Technical Reference Manual, table 3-1, and what the flash
@@ -9,7 +9,7 @@
 import { ExceptionCore } from './core-exceptions.mjs';
 import { Fault } from './core-memory.mjs';
 
-const MENDS = new Map([
+const CORRECTED = new Map([
   // name: [mask, pattern, method]
   ['ADCS', [0xffc0, 0x4140]],
   ['SBCS', [0xffc0, 0x4180]],
@@ -34,14 +34,14 @@ const MENDS = new Map([
   ['ADDSP', [0xff87, 0x4485]],
 ]);
 
-/** For each first half-word of an instruction: 0, or the number of its mend in MENDS' order, from 1. */
-const MEND_OF = new Uint8Array(0x1_0000);
-[...MENDS.values()].forEach(([mask, pattern], index) => {
+/** For each first half-word of an instruction: 0, or the number of its correction in CORRECTED' order, from 1. */
+const CORRECTION_OF = new Uint8Array(0x1_0000);
+[...CORRECTED.values()].forEach(([mask, pattern], index) => {
   for (let opcode = 0; opcode < 0x1_0000; opcode += 1) {
-    if ((opcode & mask) === pattern) MEND_OF[opcode] = index + 1;
+    if ((opcode & mask) === pattern) CORRECTION_OF[opcode] = index + 1;
   }
 });
-const METHOD_OF = [null, ...[...MENDS.keys()].map((name) => `do${name}`)];
+const METHOD_OF = [null, ...[...CORRECTED.keys()].map((name) => `do${name}`)];
 const ROM_END = 0x4000;
 
 export class BenchCore extends ExceptionCore {
@@ -61,13 +61,13 @@ export class BenchCore extends ExceptionCore {
     const pc = (this.registers[15] & ~1) >>> 0;
     try {
       const opcode = pc >>> 28 === 1 && !this.xipOff ? this.flash16[this.flashOffset(pc) >>> 1] : this.readUint16(pc);
-      const mend = MEND_OF[opcode];
+      const correction = CORRECTION_OF[opcode];
       let cycles;
-      if (mend === 0) {
+      if (correction === 0) {
         cycles = this.executeInstruction();
       } else {
         this.registers[15] = pc + 2;
-        cycles = this.methods[mend].call(this, opcode, pc);
+        cycles = this.methods[correction].call(this, opcode, pc);
       }
       if (this.extra !== 0) {
         cycles += this.extra;

@@ -90,7 +90,7 @@ class Divider {
   }
 }
 
-export function mendDivider(rp2040) {
+export function fixDivider(rp2040) {
   const { sio, clock } = rp2040;
   const divider = new Divider(clock);
   sio.divider = divider;

@@ -5,7 +5,7 @@
 // gives the throughput (2.5.1) but not the latency: it is an assumption, and much shorter than the eight words of a
 // joined FIFO last.
 //
-// Also mended: CHAN_ABORT reads 0 (rp2040js: all ones, so that a read-modify-write aborts every channel); a trigger
+// Also corrected: CHAN_ABORT reads 0 (rp2040js: all ones, so that a read-modify-write aborts every channel); a trigger
 // with a count of zero leaves no channel busy. Pacing timers and the sniffer are not modelled, and refused.
 
 import { Fault } from './core-memory.mjs';
@@ -17,8 +17,8 @@ const TIMERS = [0x420, 0x42c];
 const PERMANENT = 63;
 const BUSY = 1 << 24;
 
-/** A bus error of a channel is a mistake of the image, not a fault of the instruction under way. */
-function moveOrSay(move, index) {
+/** A bus error of a channel is a mistake of the firmware, not a fault of the instruction under way. */
+function moveOrExplain(move, index) {
   try {
     move();
   } catch (error) {
@@ -27,7 +27,7 @@ function moveOrSay(move, index) {
   }
 }
 
-export function mendDma(rp2040) {
+export function fixDma(rp2040) {
   const { dma, clock } = rp2040;
   /** The first cycle in which no channel moves a word yet. */
   dma.freeSlot = 0;
@@ -44,7 +44,7 @@ export function mendDma(rp2040) {
     channel.transferAlarm = clock.createAlarm(() => {
       if (channel.active && requested()) {
         channel.moving = true;
-        moveOrSay(move, channel.index);
+        moveOrExplain(move, channel.index);
         channel.moving = false;
       }
     });

@@ -55,7 +55,7 @@ export function readElf(bytes) {
 export const FLASH_BASE = 0x1000_0000;
 export const FLASH_SIZE = 2 * 1024 * 1024;
 
-/** Loads the image's segments into a flash array, as a programmer would; the rest keeps what it holds. */
+/** Loads the firmware's segments into a flash array, as a programmer would; the rest keeps what it holds. */
 export function loadInto(flash, elf) {
   for (const { physical, bytes } of elf.segments) {
     const offset = physical - FLASH_BASE;

@@ -3,7 +3,7 @@
 // Words:
 // - *stamp*: the cycle at whose end a level changes. An instruction of a state machine in cycle k, a store whose last
 //   cycle is k, a stimulus at k: all change levels with stamp k;
-// - *outside*: what the bench drives. A pin driven by nobody follows its pulls; with none, or both, it keeps its
+// - *outside*: what the bench drives. An undriven pin follows its pulls; with none, or both, it keeps its
 //   level;
 // - *synchroniser*: two flip-flops between pad and inside: a level of stamp k is seen by what happens in cycle k + 3
 //   and later (k + 1 where INPUT_SYNC_BYPASS is set). Interrupts of IO_BANK0 are raised with the stamp itself.
@@ -19,14 +19,14 @@ const LEVEL_HIGH = 2;
 const LEVEL_LOW = 1;
 const SYNC_CYCLES = 3;
 
-/** What the bench drives, on all pins: kept over the chip's resets. */
+/** Levels that the bench drives, on all pins: kept over the chip's resets. */
 export class Outside {
   enable = 0;
   levels = 0;
 }
 
 export class Pads {
-  /** `onChange(stamp, changed, levels)` hears of every change of levels; `onContention(pins)` of contention;
+  /** `onChange(stamp, changed, levels)` is called at every change of levels; `onContention(pins)` at a contention;
    * `onConfigure()` before functions, overrides or pulls change. */
   constructor(rp2040, outside, levels, { onChange, onConfigure, onContention, stampNow }) {
     Object.assign(this, { rp2040, outside, onChange, onConfigure, onContention, stampNow });
@@ -79,7 +79,7 @@ export class Pads {
     this.pullDown = all((p) => p.pulldownEnabled && !p.pullupEnabled);
   }
 
-  /** Works the levels out anew; what changes gets this stamp. */
+  /** Computes the levels again; changes get this stamp. */
   update(stamp) {
     const { rp2040, outside } = this;
     const pio0 = rp2040.pio[0];
@@ -127,7 +127,7 @@ export class Pads {
     this.onChange(stamp, changed, levels);
   }
 
-  /** Tells a pin of rp2040js its level: interrupts, and PWM counting on it. */
+  /** Passes its level to a pin of rp2040js: for interrupts, and for PWM that counts it. */
   feed(pin, level, edge) {
     const watched = pin.irqEnableMask !== 0;
     const before = watched && pin.irqValue;
@@ -140,26 +140,26 @@ export class Pads {
     if (edge && pin.functionSelect === 4) this.rp2040.pwm.gpioOnInput(pin.index);
   }
 
-  /** What the inside sees in `cycle`; `bypass`: mask of pins without synchroniser. */
+  /** Levels that the inside sees in `cycle`; `bypass`: mask of pins without synchroniser. */
   inputs(cycle, bypass = 0) {
     let seen = this.levelsBefore(cycle - SYNC_CYCLES);
     if (bypass !== 0) seen = (seen & ~bypass) | (this.levelsBefore(cycle - 1) & bypass);
     return this.inside(seen);
   }
 
-  /** What the inside makes of levels. */
+  /** Applies input enables and overrides to levels. */
   inside(levels) {
     return (((levels & this.inEnable) ^ this.inInvert) & this.inKeep) | this.inHigh;
   }
 
-  /** Whether in `cycle` the inside sees other levels on `pins` than there are now, synchroniser or not. */
+  /** True if in `cycle` the inside sees other levels on `pins` than there are now, synchroniser or not. */
   moving(cycle, pins) {
     const { levels } = this;
     const seen = (this.levelsBefore(cycle - SYNC_CYCLES) ^ levels) | (this.levelsBefore(cycle - 1) ^ levels);
     return (seen & pins) !== 0;
   }
 
-  /** Whether a level changed with a stamp after `stamp`. */
+  /** True if a level changed with a stamp after `stamp`. */
   changedSince(stamp) {
     return this.stamps[this.stamps.length - 1] > stamp;
   }

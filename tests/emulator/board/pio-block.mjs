@@ -1,5 +1,5 @@
 // A PIO block in cycles: four machines, their registers and what they share. Registers that have to do with time are
-// mended here; the rest stay rp2040js's.
+// corrected here; the rest stay rp2040js's.
 //
 // Convention: machines of one cycle see flags and pins as they were at its start; their own changes show in the next.
 // Machines are executed in order, so that the highest-numbered wins a pin that two write in one cycle (datasheet
@@ -32,7 +32,7 @@ function placed(old, value, base, count) {
 }
 
 export class Block extends RPPIO {
-  /** `host`: the board, asked for the stamp now and told of new due cycles. */
+  /** `host`: the board, it gives the present stamp, and is notified of new due cycles. */
   constructor(rp2040, index, host) {
     super(rp2040, `PIO${index}`, 7 + 2 * index, index);
     this.host = host;
@@ -43,7 +43,7 @@ export class Block extends RPPIO {
     this.seen = 0;
     this.seenIn = -1;
     this.pinsTouched = false;
-    /** A flag was raised or cleared in the present cycle, be it that it came to the same. */
+    /** A flag was raised or cleared in the present cycle, also if that changed nothing. */
     this.flagsTouched = false;
     this.machines = [0, 1, 2, 3].map((i) => new Machine(this, i));
   }
@@ -107,25 +107,25 @@ export class Block extends RPPIO {
     return this.seen;
   }
 
-  /** What the machines see once no level moves. */
+  /** Inputs as the machines see them once no level moves. */
   steadyInputs() {
     const { pads } = this.host;
     return pads.inside(pads.levels);
   }
 
-  /** Whether `pins` are seen with other levels in `cycle` than they will be once nothing moves. */
+  /** True if `pins` are seen with other levels in `cycle` than they will be once nothing moves. */
   inputsMoving(cycle, pins) {
     return this.host.pads.moving(cycle, pins);
   }
 
-  /** What a machine that runs ahead sees in `cycle`. */
+  /** Inputs as a machine that runs ahead sees them in `cycle`. */
   fixInputs(cycle, levels) {
     this.cycle = cycle;
     this.seenIn = cycle;
     this.seen = levels;
   }
 
-  /** Whether changes of pins are under way that the machines have not seen in `cycle`. */
+  /** True if changes of pins are under way that the machines have not seen in `cycle`. */
   inputsUnsettled(cycle) {
     return this.host.pads.changedSince(cycle - 3);
   }

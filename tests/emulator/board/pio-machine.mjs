@@ -61,7 +61,7 @@ export class Machine extends Operations {
     this.stall = NONE;
     /** Cycles left of a delay when the machine was disabled. */
     this.held = 0;
-    /** Where the divided clock's grid begins. */
+    /** The cycle in which the divided clock's grid begins. */
     this.phase = 0;
     /** While ahead: the registers as they were in cycle `from`, the levels of the pins, and which of them are read. */
     this.saved = { ahead: false, from: 0, inputs: 0, x: 0, y: 0, pc: 0, isr: 0, isrCount: 0, osr: 0, osrCount: 0 };
@@ -143,7 +143,7 @@ export class Machine extends Operations {
     this.block.onDue(cycle);
   }
 
-  /** What a stalled instruction waits for may have come: it is tried again in `cycle`, or on the divider's grid. */
+  /** Tries a stalled instruction again in `cycle`, or on the divider's grid: its condition may hold now. */
   retry(kind, cycle = this.block.stampNow() + 1) {
     if (this.stall !== kind || (!this.enabled && this.forced < 0)) return;
     this.setDue(this.onGrid(cycle));
@@ -310,7 +310,7 @@ export class Machine extends Operations {
     this.due = at;
   }
 
-  /** Whether the pins already have what this side-set gives them. */
+  /** True if the pins already have what this side-set gives them. */
   sideHolds(field) {
     const value = (field >>> this.sideShift) & ((1 << this.sidePins) - 1);
     const pins = this.sideToDirections ? this.block.pinDirections : this.block.pinValues;

@@ -1,4 +1,4 @@
-// What the instructions of a PIO state machine do, after chapter 3.4 of the RP2040 datasheet. When they do it is
+// Effects of the instructions of a PIO state machine, after chapter 3.4 of the RP2040 datasheet. Their timing is
 // pio-machine.mjs.
 //
 // All registers are kept as unsigned 32-bit numbers. Autopull is not modelled (it is refused when a machine is
@@ -9,7 +9,7 @@ import { FIFO } from 'rp2040js';
 /** Positions in FDEBUG of machine 0's flags. */
 export const FDEBUG = { txStall: 24, txOver: 16, rxUnder: 8, rxStall: 0 };
 
-/** What a stalled instruction waits for. */
+/** Causes of a stall. */
 export const NONE = 0;
 export const TX = 1;
 export const RX = 2;
@@ -47,7 +47,7 @@ export class Operations {
     this.decode();
   }
 
-  /** Takes the control registers apart. */
+  /** Decodes the control registers. */
   decode() {
     const { execctrl, shiftctrl, pinctrl } = this;
     const sideCount = pinctrl >>> 29;
@@ -272,7 +272,7 @@ export class Operations {
     }
   }
 
-  /** What OUT and MOV have in common: pins, x, y, pin directions, pc. */
+  /** Destinations that OUT and MOV share: pins, x, y, pin directions, pc. */
   write(destination, value) {
     switch (destination) {
       case 0:

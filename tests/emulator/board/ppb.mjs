@@ -1,4 +1,4 @@
-// The processor's own registers: NVIC pending bits, ICSR, AIRCR and SysTick, mended in rp2040js's PPB.
+// The processor's own registers: NVIC pending bits, ICSR, AIRCR and SysTick, corrected in rp2040js's PPB.
 //
 // rp2040js never lets software pend a hardware interrupt for good or for once (it stays pending, or cannot be
 // cleared), knows no system reset, and reloads SysTick wrongly after a write to its current value.
@@ -86,8 +86,8 @@ class SysTick {
   }
 }
 
-/** Mends the PPB of `rp2040`; `onSystemReset` is called when software asks for a reset. */
-export function mendPpb(rp2040, onSystemReset) {
+/** Corrects the PPB of `rp2040`; `onSystemReset` is called when software asks for a reset. */
+export function fixPpb(rp2040, onSystemReset) {
   const { ppb } = rp2040;
   ppb.systickAlarm.enable = false;
   const systick = new SysTick(rp2040);

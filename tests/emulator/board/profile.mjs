@@ -25,7 +25,7 @@ export class CallProfile {
     this.number = number;
     /** The call tree: [{ parent, site, fn }]; `fn` is a place in `functions`, or -1; `site` the calling instruction. */
     this.nodes = [{ parent: -1, site: ENTRY, fn: -1, children: new Map(), keys: new Map() }];
-    /** Where cycles are counted: [{ node, pc }]. */
+    /** The places at which cycles are counted: [{ node, pc }]. */
     this.keys = [];
     /** Complete calls of the exception: [{ entry, own, cycles, calls }], as pairs: a key and its cycles, a node and its times. */
     this.calls = [];
@@ -103,7 +103,7 @@ export class CallProfile {
     return frames[frames.length - 1].node;
   }
 
-  /** What the instruction at `pc` did to the stack of calls. */
+  /** Updates the stack of calls after the instruction at `pc`. */
   follow(pc, node, core) {
     const next = (core.registers[15] & ~1) >>> 0;
     if (next === pc + 2) return;

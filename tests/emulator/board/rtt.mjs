@@ -1,8 +1,8 @@
-// The log: what the image writes into its RTT up channel, as raw bytes with the cycle of each piece.
+// The log: what the firmware writes into its RTT up channel, as raw bytes with the cycle of each piece.
 //
-// By default the host's side is ideal: the channel is emptied in the cycle in which the image moves its write offset,
+// By default the host's side is ideal: the channel is emptied in the cycle in which the firmware moves its write offset,
 // so nothing is ever lost and each piece has its exact cycle. With `interval` it is emptied every so many cycles, as
-// a probe would; then what the image does when the channel is full can be seen.
+// a probe would; then what the firmware does when the channel is full can be seen.
 
 const UP_CHANNEL = 24;
 const BUFFER = 4;
@@ -35,7 +35,7 @@ export class Rtt {
     alarm.at(clock.cycle + this.interval);
   }
 
-  /** The host takes nothing any more, and the channel is full; up to the next reset. */
+  /** Stops the host's reading and fills the channel, up to the next reset. */
   stall() {
     const { core } = this.board;
     core.watch = -1;

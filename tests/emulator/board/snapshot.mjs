@@ -5,11 +5,11 @@
 // the same objects. Objects that came to be since are forgotten with the references to them. What only a function's own
 // variables hold cannot be found; the board keeps its state in properties for that reason.
 
-/** What never changes, or is no state: not walked into. */
+/** Types that never change, or are no state: not walked into. */
 const CONSTANT = new Set(['elf', 'logger', 'methods']);
 
 export class Snapshot {
-  /** Of everything that can be reached from `root`. */
+  /** Takes a snapshot of everything that can be reached from `root`. */
   constructor(root) {
     this.objects = [];
     this.buffers = [];
@@ -73,7 +73,7 @@ export class Snapshot {
     });
   }
 
-  /** Everything is as it was. */
+  /** Restores everything. */
   restore() {
     for (const [bytes, kept] of this.buffers) bytes.set(kept);
     for (const back of this.objects) back();

@@ -1,4 +1,4 @@
-// What the outside does to the pins, and when: a schedule of levels at exact cycles.
+// Inputs of the pins from outside: a schedule of levels at exact cycles.
 //
 // A pin that the schedule does not hold, or has released, is a broken wire: it reads what its pulls make of it.
 

@@ -1,7 +1,7 @@
-// Alarms of the 64-bit microsecond timer, mended: rp2040js counts from the middle of a microsecond and drops the
-// rest, so that an alarm may come up to a microsecond before its time, and the image has to arm it again and again.
+// Alarms of the 64-bit microsecond timer, corrected: rp2040js counts from the middle of a microsecond and drops the
+// rest, so that an alarm may come up to a microsecond before its time, and the firmware has to arm it again and again.
 //
-// Convention: the timer's microseconds begin with the reset. On hardware they begin when the image starts the tick,
+// Convention: the timer's microseconds begin with the reset. On hardware they begin when the firmware starts the tick,
 // and stand in no fixed relation to the system clock.
 
 import { CYCLES_PER_US } from './clock.mjs';
@@ -9,7 +9,7 @@ import { CYCLES_PER_US } from './clock.mjs';
 const ALARM0 = 0x10;
 const ALARM3 = 0x1c;
 
-export function mendTimer(rp2040) {
+export function fixTimer(rp2040) {
   const timer = rp2040.peripherals[0x40054];
   const { clock } = rp2040;
   const stock = timer.writeUint32.bind(timer);

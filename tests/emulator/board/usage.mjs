@@ -1,4 +1,4 @@
-// Where the processor's cycles go: asleep, and by exception; and how deep its stack goes.
+// Account of the processor's cycles: asleep, and by exception; and the depth of its stack.
 //
 // Words: *own* cycles of an exception are those from its entry (stacking included) to its return, less those of
 // exceptions that preempted it. Thread mode is number 0; interrupt n is exception 16 + n (TIMER_IRQ_1 is 1 + 16 = 17).

@@ -2,7 +2,7 @@
 // costs nothing here, a miss what it takes to fetch a line from the flash chip.
 //
 // Not documented, and assumed: of the two ways the one that was used longer ago is replaced. Not modelled: DMA from the
-// flash, and the other aliases of the window; the image uses neither.
+// flash, and the other aliases of the window; the firmware uses neither.
 
 const SETS = 1024;
 const LINE_BITS = 3;
@@ -17,7 +17,7 @@ export const MISS_CYCLES = 56;
 export class XipCache {
   constructor(missCycles = MISS_CYCLES) {
     this.missCycles = missCycles;
-    /** Of each set, the line in either way: first the one that was used last. */
+    /** The lines in both ways of each set: first the one that was used last. */
     this.lines = new Int32Array(2 * SETS);
     this.misses = 0;
     this.flush();

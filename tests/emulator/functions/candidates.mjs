@@ -1,4 +1,4 @@
-// Who computes what, in which format and over which range: how an argument becomes bits, and bits a result.
+// The candidates, with format and range: how an argument becomes bits, and bits a result.
 import { even, floats, logarithmic, pairs, turn } from './arguments.mjs';
 
 const float = new DataView(new ArrayBuffer(8));
@@ -16,9 +16,9 @@ function floorRoot(x) {
   return root;
 }
 
-/** How far a result is from the truth. Roots: relative; others: absolute, the worse of two results. */
-const relative = (got, want) => Math.abs(got - want) / want;
-const off = (got, want) => Math.max(...got.map((g, i) => Math.abs(g - want[i])));
+/** Error of a result. Roots: relative; others: absolute, the worse of two results. */
+const relative = (actual, exact) => Math.abs(actual - exact) / exact;
+const off = (actual, exact) => Math.max(...actual.map((value, i) => Math.abs(value - exact[i])));
 
 const root = (symbol, name, format, range, list, encode, decode, more = {}) => ({
   what: 'root', symbol, name, format, range,

@@ -68,7 +68,7 @@ function measure(board, sizes, candidate) {
   };
 }
 
-/** What became worse than the file says, a sentence each. */
+/** Figures that became worse than the file says, a sentence each. */
 function regressions(rows, before) {
   const old = parsed(before);
   return rows.flatMap((row, i) => {
@@ -87,7 +87,7 @@ function regressions(rows, before) {
 const elf = readElf(ELF);
 const known = new Set(candidates.map((c) => c.symbol));
 for (const { name } of elf.symbols) {
-  if (/^(root|sine|arctangent|inverse_root|product)_/.test(name) && !known.has(name)) throw new Error(`${name} is measured by nobody`);
+  if (/^(root|sine|arctangent|inverse_root|product)_/.test(name) && !known.has(name)) throw new Error(`${name} has no candidate that measures it`);
 }
 const board = new Board(elf);
 const sizes = new Sizes(elf);

@@ -8,7 +8,8 @@
 // corrections in motion. In the second all index pulses come in one tick. `--profile` shows the functions that cost.
 
 import { MEAN_TICK_CYCLES, WORST_TICK_CYCLES } from '../bench/goals.mjs';
-import { blobOf, predict, scene, withAxes } from '../bench/host.mjs';
+import { predict, scene, settingsOf, withAxes } from '../bench/host.mjs';
+import { namesAt } from '../bench/profile.mjs';
 import { run as play, summary } from '../bench/ticks.mjs';
 
 const SPREAD_AXES = [2, 4, 6];
@@ -46,7 +47,7 @@ export function run(outcome) {
 /** The summary of a scene's ticks, with those of its states. */
 function measure(outcome, name, axes) {
   const played = scene(name, withAxes(axes));
-  const { ticks, period, awake, waited } = play(played, predict(played), blobOf(played));
+  const { ticks, period, awake, waits } = play(played, predict(played), settingsOf(played));
   const all = summary(ticks);
   const states = [...new Set(ticks.map(({ state }) => state))].map((state) => ({
     state,
@@ -59,6 +60,16 @@ function measure(outcome, name, axes) {
   for (const { state, worst, mean, pulses } of states) {
     outcome.say(`    ${state.padEnd(6)} worst ${String(worst).padStart(6)} (${pulses} index pulses), mean ${mean.toFixed(0).padStart(6)}`);
   }
-  outcome.check(waited === 0, `${name}, ${axes} axes: no interrupt waits for the flash, not for ${waited} cycles in all`);
+  const waited = `${name}, ${axes} axes: no interrupt waits for the flash${listed(waits)}`;
+  if (name === 'everything') outcome.check(waits.length === 0, waited);
+  else outcome.reach(waits.length === 0, waited);
   return { ...all, states };
+}
+
+/** Waits in words: which function, and what it read. */
+function listed(waits) {
+  if (waits.length === 0) return '';
+  const names = namesAt([...new Set(waits.map(({ pc }) => pc & ~1))]);
+  const all = waits.map(({ pc, address, cycles }) => `${names.get(pc & ~1)[0]} for 0x${address.toString(16)}, ${cycles} cycles`);
+  return `, not ${[...new Set(all)].join('; ')}`;
 }

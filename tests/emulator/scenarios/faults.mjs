@@ -1,43 +1,43 @@
-// Faults: each reaction that this board can have, on host and image alike, from one and the same scene file.
+// Faults: each reaction that this board can have, on host and firmware alike, from one and the same scene file.
 //
-// The host plays the scene with its `[[fault]]`. What its cranks then do before their sensors is given to the image's pins, as are
-// alarms and inputs; the processor is kept from its deadlines, and a channel from its axis, where the fault is that. Host and image
-// must then be in the same state at every tick, tell of the same things in the same tick, and step alike: to the cycle, or, where a
-// correction follows what was measured, to what the image may read a pulse off by.
+// The host plays the scene with its `[[fault]]`. What its cranks then do before their sensors is given to the firmware's pins, as are
+// alarms and inputs; the processor is kept from its deadlines, and a channel from its axis, where the fault is that. Host and firmware
+// must then be in the same state at every tick, report the same events in the same tick, and step alike: to the cycle, or, where a
+// correction follows what was measured, to what the firmware may read a pulse off by.
 //
-// What cannot be put in alike: a channel that stands costs its axis other steps, and at another moment of the tick, than half a tick
-// of a simulated axis; there the states and what is told are compared, a few ticks may lie between, and steps up to then.
+// One fault cannot be put in alike: a channel that stands costs its axis other steps, and at another moment of the tick, than half a tick
+// of a simulated axis; there the states and events are compared, which may be a few ticks apart, and steps up to then.
 
-import { blobOf, predict, scene } from '../bench/host.mjs';
+import { predict, scene, settingsOf } from '../bench/host.mjs';
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
 import { feed } from '../bench/play.mjs';
 import { starve } from '../bench/starve.mjs';
-import { ofHost, ofLog } from '../bench/told.mjs';
+import { eventsOfHost, eventsOfLog } from '../bench/events.mjs';
 import { offsetOf } from './index.mjs';
 
-/** Sizes and phases of what is told, host against image. */
+/** The greatest difference of events' sizes and phases, host against firmware. */
 const MOST_DEG = 0.01;
 
-/** Where trims follow what was measured: the image sees a line every 7 cycles, through three more, on each of two axes that are compared. */
+/** Error of a correction that follows a measurement: the firmware samples a line every 7 cycles, 3 cycles late, on each of two axes. */
 const READING_CYCLES = 2 * (7 + 3);
 
 /** From a deadline to the first cycle of its tick: as in parity.mjs. */
 const MOST_OFFSET = 25;
 
-/** Ticks by which the image may tell later where a fault cannot be put in alike. */
+/** Ticks by which the firmware may report later where a fault cannot be put in alike. */
 const MOST_LATER = 2;
 
-/** Until all is told. */
-const TELLING_S = 0.03;
+/** Until all events are in the log. */
+const REPORTING_S = 0.03;
 
 const stops = ['align', 'run', 'stop', 'fault'];
 const parks = ['align', 'run', 'stop', 'parked'];
 const disables = ['align', 'run', 'fault'];
 const refuses = ['align', 'stop', 'fault'];
 
-/** The scenes, and where each is to end: states in turn, what is told, and what of it is the reaction. */
+/** The scenes, and where each is to end: states in turn, the events, and the reaction to them. */
 const CASES = [
   ['lost-steps', 'correct', parks, ['lost-steps'], { corrects: true }],
   ['lost-steps-past', 'stop', stops, ['silent', 'lost-steps']],
@@ -61,23 +61,23 @@ const CASES = [
   ['stop-input', 'park', parks, ['stop-input']],
 ];
 
-/** What needs what the board has not. */
+/** Faults that need hardware which the board does not have. */
 const NOT_HERE = 'stuck, reversed, encoder-glitch by an encoder; tilt, warp, common-lag of servos: no inputs for encoders, no outputs for servos';
 
-export const title = 'Faults: the same reactions on host and image';
+export const title = 'Faults: the same reactions on host and firmware';
 
 export function run(outcome) {
   let turned;
-  outcome.say(`${'scene'.padEnd(16)} ${'reaction'.padEnd(18)} ${'told'.padEnd(44)} states (ticks after the start)`);
+  outcome.say(`${'scene'.padEnd(16)} ${'reaction'.padEnd(18)} ${'events'.padEnd(44)} states (ticks after the start)`);
   let alike = 0;
   let longest = { own: 0 };
   let worst = 0;
-  for (const [name, reaction, states, told, how = {}] of CASES) {
+  for (const [name, reaction, states, expected, how = {}] of CASES) {
     const played = scene(`faults/${name}`);
     const predicted = predict(played);
-    const blob = blobOf(played);
+    const settings = settingsOf(played);
     const started = () => {
-      const machine = new Machine({ ...played, blob });
+      const machine = new Machine({ ...played, settings });
       machine.boot();
       return [machine, machine.start()];
     };
@@ -85,29 +85,29 @@ export function run(outcome) {
     const [machine, began] = started();
     const wrong = [];
     put(machine, played, predicted, began, turned);
-    const image = ofLog(log(machine.board), wrong);
-    const host = ofHost(predicted);
-    worst = Math.max(worst, compare(image, host, how, wrong));
+    const firmware = eventsOfLog(log(machine.board), wrong);
+    const host = eventsOfHost(predicted);
+    worst = Math.max(worst, compare(firmware, host, how, wrong));
     const inTurn = host.states.map(({ state }) => state);
     if (inTurn.join() !== states.join()) wrong.push(`it goes through ${states.join(', ')}, not ${inTurn.join(', ')}`);
-    const kinds = host.incidents.map(({ kind }) => kind);
-    if (kinds.join() !== told.join()) wrong.push(`it tells of ${told.join(', ') || 'nothing'}, not ${kinds.join(', ')}`);
+    const kinds = host.events.map(({ kind }) => kind);
+    if (kinds.join() !== expected.join()) wrong.push(`it reports ${expected.join(', ') || 'nothing'}, not ${kinds.join(', ')}`);
     for (const { own } of machine.ticks(began)) if (own > longest.own) longest = { own, name };
     const steps = stepsAlike(machine, played, predicted, began, how, wrong);
-    const words = image.incidents.map(({ kind, axis, tick }) => `${kind}${axis === undefined ? '' : ` ${axis}`} @${tick}`).join(', ');
-    const passed = image.states.map(({ tick, state }) => `${state} ${tick}`).join(', ');
+    const words = firmware.events.map(({ kind, axis, tick }) => `${kind}${axis === undefined ? '' : ` ${axis}`} @${tick}`).join(', ');
+    const passed = firmware.states.map(({ tick, state }) => `${state} ${tick}`).join(', ');
     outcome.say(`${name.padEnd(16)} ${reaction.padEnd(18)} ${words.padEnd(44)} ${passed}; ${steps}`);
     for (const text of wrong) outcome.check(false, `${name}: ${text}`);
     if (wrong.length === 0) alike += 1;
   }
   outcome.say(`${alike} of ${CASES.length} alike; sizes and phases at most ${worst.toFixed(4)}° apart. Not on this board: ${NOT_HERE}`);
   outcome.say(`the longest of their ticks is one of ${longest.name}: ${longest.own} cycles`);
-  outcome.figure('faults whose reactions are alike on host and image', alike, 'higher');
+  outcome.figure('faults whose reactions are alike on host and firmware', alike, 'higher');
   outcome.figure('tick of 4 axes with a fault in it, worst, cycles', longest.own);
-  outcome.figure('sizes and phases told, host against image, deg', worst);
+  outcome.figure('sizes and phases of events, host against firmware, deg', worst);
 }
 
-/** Puts into the image what the host was given, and runs it to the end of what the host has. */
+/** Puts into the firmware what the host was given, and runs it to the end of what the host has. */
 function put(machine, played, predicted, began, turned) {
   const last = feed(machine, played, predicted, began, turned);
   const at = (seconds) => began + Math.round(seconds * CYCLES_PER_S);
@@ -131,29 +131,29 @@ function put(machine, played, predicted, began, turned) {
       starve(machine, axis);
     }
   }
-  machine.board.run({ untilCycle: Math.max(last, machine.board.cycle) + Math.round(TELLING_S * CYCLES_PER_S) });
+  machine.board.run({ untilCycle: Math.max(last, machine.board.cycle) + Math.round(REPORTING_S * CYCLES_PER_S) });
 }
 
-/** The same states at the same ticks, the same incidents; how far sizes and phases are apart at most, degrees. */
-function compare(image, host, { differs = false }, wrong) {
+/** The same states at the same ticks, the same events; how far sizes and phases are apart at most, degrees. */
+function compare(firmware, host, { differs = false }, wrong) {
   const later = differs ? MOST_LATER : 0;
   const near = (a, b) => Math.abs(a - b) <= later;
-  const names = (told) => told.map(({ kind, axis = '', latched }) => `${latched ? 'fault' : 'told'}: ${kind} ${axis}`.trim()).join(', ');
+  const names = (events) => events.map(({ kind, axis = '', latched }) => `${latched ? 'fault' : 'told'}: ${kind} ${axis}`.trim()).join(', ');
   const walk = ({ states }) => states.map(({ tick, state }) => `${state} ${tick}`).join(', ');
-  const sameStates = image.states.length === host.states.length
-    && image.states.every(({ tick, state }, i) => state === host.states[i].state && (differs || tick === host.states[i].tick));
-  if (!sameStates) wrong.push(`states and ticks of the host, ${walk(host)}; not ${walk(image)}`);
-  if (names(image.incidents) !== names(host.incidents)) {
-    wrong.push(`what the host tells, ${names(host.incidents)}; not ${names(image.incidents)}`);
+  const sameStates = firmware.states.length === host.states.length
+    && firmware.states.every(({ tick, state }, i) => state === host.states[i].state && (differs || tick === host.states[i].tick));
+  if (!sameStates) wrong.push(`states and ticks of the host, ${walk(host)}; not ${walk(firmware)}`);
+  if (names(firmware.events) !== names(host.events)) {
+    wrong.push(`the host's events, ${names(host.events)}; not ${names(firmware.events)}`);
     return 0;
   }
   let worst = 0;
-  image.incidents.forEach((told, i) => {
-    const other = host.incidents[i];
-    if (!near(told.tick, other.tick)) wrong.push(`${told.kind} at tick ${other.tick}, not ${told.tick}`);
+  firmware.events.forEach((event, i) => {
+    const other = host.events[i];
+    if (!near(event.tick, other.tick)) wrong.push(`${event.kind} at tick ${other.tick}, not ${event.tick}`);
     if (differs) return;
-    const apart = Math.max(Math.abs(told.sizeDeg - other.sizeDeg), nearest(told.phaseDeg - other.phaseDeg));
-    if (apart > MOST_DEG) wrong.push(`${told.kind} of ${other.sizeDeg}° at ${other.phaseDeg}°, not ${told.sizeDeg}° at ${told.phaseDeg}°`);
+    const apart = Math.max(Math.abs(event.sizeDeg - other.sizeDeg), nearest(event.phaseDeg - other.phaseDeg));
+    if (apart > MOST_DEG) wrong.push(`${event.kind} of ${other.sizeDeg}° at ${other.phaseDeg}°, not ${event.sizeDeg}° at ${event.phaseDeg}°`);
     worst = Math.max(worst, apart);
   });
   return worst;
@@ -169,26 +169,26 @@ function stepsAlike(machine, { toml }, predicted, began, { corrects = false, dif
   let compared = Infinity;
   for (let axis = 0; axis < machine.axes; axis += 1) {
     const wire = `step_${axis}`;
-    const want = predicted.edges.get(wire).filter(({ level }) => level === 1).map(({ cycle }) => cycle);
-    const got = machine.board.edges.to(wire, 1).filter((cycle) => cycle >= began);
+    const expected = predicted.edges.get(wire).filter(({ level }) => level === 1).map(({ cycle }) => cycle);
+    const actual = machine.board.edges.to(wire, 1).filter((cycle) => cycle >= began);
     // Where a crank comes to rest on the edge of a step, what a trim is off by decides whether that is made.
-    const fewer = Math.abs(got.length - want.length);
-    if (!differs && fewer > (corrects ? 1 : 0)) wrong.push(`${wire}: ${want.length} steps, not ${got.length}`);
-    const offset = got[0] - began - want[0];
-    for (let i = 0; i < Math.min(got.length, want.length); i += 1) {
-      const off = Math.abs(got[i] - began - want[i] - offset);
+    const fewer = Math.abs(actual.length - expected.length);
+    if (!differs && fewer > (corrects ? 1 : 0)) wrong.push(`${wire}: ${expected.length} steps, not ${actual.length}`);
+    const offset = actual[0] - began - expected[0];
+    for (let i = 0; i < Math.min(actual.length, expected.length); i += 1) {
+      const off = Math.abs(actual[i] - began - expected[i] - offset);
       if (off > 0 && differs) {
-        compared = Math.min(compared, want[i]);
+        compared = Math.min(compared, expected[i]);
         break;
       }
       count += 1;
       // As the crank went to this step and from it: where it comes to rest, a step is any time off.
-      const apart = Math.max((want[i + 1] ?? Infinity) - want[i], want[i] - (want[i - 1] ?? -Infinity));
+      const apart = Math.max((expected[i + 1] ?? Infinity) - expected[i], expected[i] - (expected[i - 1] ?? -Infinity));
       most.cycles = Math.max(most.cycles, off);
       most.deg = Math.max(most.deg, (off / apart) * perStep);
     }
   }
-  // After a standstill all begin anew, some cycles after a deadline, as at the start.
+  // After a standstill all begin again, some cycles after a deadline, as at the start.
   if (stands && most.cycles <= MOST_OFFSET) most.cycles = 0;
   const until = compared < Infinity ? ` up to tick ${Math.floor(compared / machine.tick)}` : '';
   if (!corrects) {

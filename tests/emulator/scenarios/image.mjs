@@ -1,4 +1,4 @@
-// Image: what can be seen of it without running a machine: no panic in the tick path, nothing of it in the flash, its
+// Firmware: what can be seen of it without running a machine: no panic in the tick path, nothing of it in the flash, its
 // size, its stack.
 //
 // The tick path is what runs at each deadline: the board's reading, the controller's tick, the handing over, and the
@@ -9,14 +9,14 @@
 import { spawnSync } from 'node:child_process';
 import path from 'node:path';
 import * as goals from '../bench/goals.mjs';
-import { blobOf, scene, withAxes } from '../bench/host.mjs';
+import { scene, settingsOf, withAxes } from '../bench/host.mjs';
 import { flashWith, Machine } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
-import { HERE, IMAGE, INSPECT } from '../bench/paths.mjs';
+import { FIRMWARE, HERE, INSPECT } from '../bench/paths.mjs';
 
 const ROOTS = ['cophase_core::controller::Controller<_>::tick', 'cophase_firmware::control::Board<_>', 'DMA_IRQ_1'];
 
-/** What runs beside it in interrupts, through pointers that no call graph follows; what wakes the loop's task is seen in `cost`. */
+/** Roots of the interrupts beside it, which pointers call that no call graph follows; `cost` covers what wakes the loop's task. */
 const BESIDE = [
   'TIMER_IRQ_0',
   'TIMER_IRQ_1',
@@ -30,27 +30,27 @@ const LEAST_LEFT = 4096;
 
 const LEAST_AXES = 2;
 const MOST_AXES = 6;
-/** Of the scene `default`, which is built in. */
+/** Axes of the scene `default`, which is built in. */
 const BUILT_IN_AXES = 4;
 
-export const title = 'Image: panics, what runs from RAM, size, stack';
+export const title = 'Firmware: panics, what runs from RAM, size, stack';
 
 export function run(outcome, { write = false, compare = true } = {}) {
   const allowed = path.join(HERE, 'panics-allowed.toml');
   const from = (roots) => roots.flatMap((root) => ['--root', root]);
-  const panics = inspect(['panics', IMAGE, ...from(ROOTS), '--allow', allowed]);
+  const panics = inspect(['panics', FIRMWARE, ...from(ROOTS), '--allow', allowed]);
   outcome.check(panics.status === 0, `no panic is reachable from the tick path:\n${panics.stdout}${panics.stderr}`);
   const reached = [...panics.stdout.matchAll(/functions reached: (\d+)/g)].map(([, count]) => Number(count));
   outcome.say(`${reached.length} roots, up to ${Math.max(...reached)} functions from each: no panic`);
 
-  const places = inspect(['places', IMAGE, ...from([...ROOTS, ...BESIDE])]);
+  const places = inspect(['places', FIRMWARE, ...from([...ROOTS, ...BESIDE])]);
   outcome.check(places.status === 0, `nothing of the tick path is in the flash:\n${places.stdout}${places.stderr}`);
 
   const { stack, axes } = deepestStack(outcome);
   const golden = path.join(HERE, 'image-size.toml');
   const against = compare ? ['--golden', golden, '--stack-bytes', String(stack), '--stack-axes', String(axes), ...(write ? ['--bless'] : [])] : [];
-  const size = inspect(['size', IMAGE, ...against]);
-  outcome.check(size.status === 0, `the image is about as large as it was:\n${size.stdout}${size.stderr}`);
+  const size = inspect(['size', FIRMWARE, ...against]);
+  outcome.check(size.status === 0, `the firmware is about as large as it was:\n${size.stdout}${size.stderr}`);
   const [, ram] = size.stdout.match(/^RAM +(\d+) bytes/m) ?? [];
   const left = RAM_BYTES - Number(ram) - stack;
   outcome.check(left >= LEAST_LEFT, `code, data and the deepest stack leave ${LEAST_LEFT} bytes of the RAM, not ${left}`);
@@ -65,7 +65,7 @@ function deepestStack(outcome) {
   const first = { stack: deepest({ axes: MOST_AXES, flash: flashWith() }), axes: 'the first start' };
   const all = [];
   for (let axes = LEAST_AXES; axes <= MOST_AXES; axes += 1) {
-    all.push({ axes, stack: deepest({ axes, blob: blobOf(scene('everything', withAxes(axes))) }) });
+    all.push({ axes, stack: deepest({ axes, settings: settingsOf(scene('everything', withAxes(axes))) }) });
   }
   const most = all.reduce((deeper, run) => (run.stack > deeper.stack ? run : deeper));
   outcome.say(`deepest stack: ${[...all, first].map(({ stack, axes }) => `${axes}${axes > 0 ? ' axes' : ''} ${stack}`).join(', ')} bytes`);
@@ -81,8 +81,8 @@ function inspect(args) {
 }
 
 /** Bytes of stack from power-up through half a second of running, a fault and the stop that follows. */
-function deepest({ axes, blob, flash }) {
-  const machine = new Machine({ axes, tickHz: 2000, blob, flash, options: { flashTimes: { eraseSector: 2000, programPage: 500 } } });
+function deepest({ axes, settings, flash }) {
+  const machine = new Machine({ axes, tickHz: 2000, settings, flash, options: { flashTimes: { eraseSector: 2000, programPage: 500 } } });
   machine.boot();
   machine.start();
   machine.run(0.5);

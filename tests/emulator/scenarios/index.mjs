@@ -1,10 +1,10 @@
-// Index: what the image makes of pulses that come at known times, from six cranks at 200 rev/s at once.
+// Index: what the firmware makes of pulses that come at known times, from six cranks at 200 rev/s at once.
 //
 // The host says at which cycle each crank passes its sensor, and which phase each axis was commanded at that cycle; what
-// lies between that phase and the sensor's is the drift that the pulse stands for. The image tells what it measured when
+// lies between that phase and the sensor's is the drift that the pulse stands for. The firmware reports what it measured when
 // it is stopped at full speed. Then the same with noise on the lines: glitches shorter than what counts.
 
-import { blobOf, predict, scene } from '../bench/host.mjs';
+import { predict, scene, settingsOf } from '../bench/host.mjs';
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
@@ -12,7 +12,7 @@ import { act } from '../bench/play.mjs';
 
 export const MOST_DEG = 0.01;
 
-/** Of the scene `two-hundred`. */
+/** Speed of the scene `two-hundred`. */
 export const TURN_HZ = 200;
 
 export const title = 'Index: six cranks at 200 rev/s';
@@ -47,11 +47,11 @@ export function standsFor({ toml, inputs, tickHz, axes }, { edges, trace }) {
 
 const nearest = (deg) => deg - 360 * Math.round(deg / 360);
 
-/** The drifts that the image tells of as it is stopped. */
+/** The drifts that the firmware reports as it is stopped. */
 function measure(played, predicted, disturb) {
-  const blob = blobOf(played);
+  const settings = settingsOf(played);
   const started = () => {
-    const machine = new Machine({ ...played, blob });
+    const machine = new Machine({ ...played, settings });
     machine.boot();
     return [machine, machine.start()];
   };
@@ -62,7 +62,7 @@ function measure(played, predicted, disturb) {
   act(machine, played, predicted, began + offset);
   const lines = log(machine.board);
   const line = lines.find((text) => /Stop, drift/.test(text));
-  if (!line) throw new Error(`the log tells of no stop:\n${lines.join('\n')}`);
+  if (!line) throw new Error(`the log reports no stop:\n${lines.join('\n')}`);
   return line.match(/drift \[(.*)\]/)[1].split(',').map(Number);
 }
 
@@ -75,12 +75,12 @@ export function offsetOf(machine, began, predicted) {
 /** Twenty glitches a turn on each line, half a microsecond long, kept clear of the pulses themselves. */
 function glitches(machine, predicted, began) {
   const length = Math.round(0.5e-6 * CYCLES_PER_S);
-  const apart = CYCLES_PER_S / 200 / 20;
+  const spacing = CYCLES_PER_S / 200 / 20;
   const clear = 4000;
   for (let axis = 0; axis < machine.axes; axis += 1) {
     const edges = predicted.edges.get(`index_${axis}`).map(({ cycle }) => cycle);
     let next = 0;
-    for (let at = 1000 + axis * 77; at < edges[edges.length - 1]; at += Math.round(apart * (1 + 0.1 * Math.sin(at)))) {
+    for (let at = 1000 + axis * 77; at < edges[edges.length - 1]; at += Math.round(spacing * (1 + 0.1 * Math.sin(at)))) {
       while (edges[next] < at - clear) next += 1;
       if (edges[next] > at + clear) machine.board.stimulus.pulse(began + at, pins.INDEX[axis], length);
     }

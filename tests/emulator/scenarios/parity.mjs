@@ -1,12 +1,12 @@
 // Parity: every edge of STEP and DIR comes at the cycle that the host predicts.
 //
-// A scene's blob is placed in the flash, the button is pressed, the scene's inputs are acted out and its index pulses
+// A scene's settings file is placed in the flash, the button is pressed, the scene's inputs are played and its index pulses
 // given as the host has them. Then the edges of each pin are compared, one by one: there must be as many, and all must be
 // off by the same number of cycles on a PIO block. That one number is what lies between a deadline of the timer and the
 // first cycle of the tick that begins there.
 
 import path from 'node:path';
-import { blobOf, predict, scene } from '../bench/host.mjs';
+import { predict, scene, settingsOf } from '../bench/host.mjs';
 import { Machine } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
 import { act } from '../bench/play.mjs';
@@ -52,7 +52,7 @@ export function own(outcome, scenes) {
 
 function compare(outcome, played) {
   const predicted = predict(played);
-  const machine = new Machine({ ...played, blob: blobOf(played) });
+  const machine = new Machine({ ...played, settings: settingsOf(played) });
   machine.boot();
   const began = machine.start();
   act(machine, played, predicted, began);
@@ -60,23 +60,23 @@ function compare(outcome, played) {
   let count = 0;
   for (let axis = 0; axis < played.axes; axis += 1) {
     for (const wire of [`step_${axis}`, `dir_${axis}`]) {
-      const want = predicted.edges.get(wire);
-      const got = machine.board.edges.of(wire).filter(({ cycle }) => cycle >= began);
+      const expected = predicted.edges.get(wire);
+      const actual = machine.board.edges.of(wire).filter(({ cycle }) => cycle >= began);
       const where = `${played.name}, ${wire}`;
-      outcome.check(got.length === want.length, `${where}: ${want.length} edges, not ${got.length}`);
+      outcome.check(actual.length === expected.length, `${where}: ${expected.length} edges, not ${actual.length}`);
       const block = pins.blockOf(axis);
       const worst = { at: -1, off: 0 };
-      for (let i = 0; i < Math.min(got.length, want.length); i += 1) {
-        const off = got[i].cycle - began - want[i].cycle;
+      for (let i = 0; i < Math.min(actual.length, expected.length); i += 1) {
+        const off = actual[i].cycle - began - expected[i].cycle;
         offsets[block] ??= off;
-        if (off !== offsets[block] || got[i].level !== want[i].level) {
+        if (off !== offsets[block] || actual[i].level !== expected[i].level) {
           worst.at = i;
           worst.off = off;
           break;
         }
       }
       outcome.check(worst.at < 0, `${where}: edge ${worst.at} is ${worst.off} cycles from its prediction, as are all before it by ${offsets[block]}`);
-      count += got.length;
+      count += actual.length;
     }
   }
   return { edges: count, offsets };

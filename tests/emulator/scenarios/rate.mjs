@@ -1,10 +1,10 @@
-// Rate: how many steps a second the image sustains on six axes, and what they cost the processor.
+// Rate: how many steps a second the firmware sustains on six axes, and what they cost the processor.
 //
 // First the rate that is promised, 1 M steps/s on each axis for 100 ms. Then upwards, with pulses as narrow as each rate
 // needs, up to the last at which every deadline is met. Steps are counted at the pins; that a machine ran dry, or a
-// deadline was missed, the log tells.
+// deadline was missed, is in the log.
 
-import { blobOf, predict, scene } from '../bench/host.mjs';
+import { predict, scene, settingsOf } from '../bench/host.mjs';
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
 
@@ -22,7 +22,7 @@ export function run(outcome) {
   say(outcome, promised);
   outcome.check(promised.slowest >= PROMISED * 0.9999, `every axis makes ${PROMISED} steps/s, not ${promised.slowest}`);
   outcome.check(promised.busy < MOST_BUSY, `the processor is less than half busy, not ${(promised.busy * 100).toFixed(1)} %`);
-  outcome.check(promised.trouble === undefined, `the log tells of no trouble: ${promised.trouble}`);
+  outcome.check(promised.trouble === undefined, `the log reports no trouble: ${promised.trouble}`);
   outcome.figure('six axes at 1 M steps/s: processor busy, %', promised.busy * 100);
   outcome.figure('six axes at 1 M steps/s: processor cycles a step', promised.cyclesPerStep);
   outcome.figure('six axes at 1 M steps/s: worst tick, cycles', promised.worst);
@@ -47,7 +47,7 @@ function say(outcome, { rate, axes, busy, worst, cyclesPerStep }) {
   );
 }
 
-/** Runs the scene `fast` at another rate. `trouble` is what the log tells of, if it is anything bad. */
+/** Runs the scene `fast` at another rate. `trouble` is the first bad line of the log, if there is one. */
 function sustain(rate) {
   const played = scene('fast', (toml) => {
     const hz = rate / toml.axes.steps_per_turn;
@@ -63,7 +63,7 @@ function sustain(rate) {
     toml.pulse.width_ns = 8 * Math.floor((375e6 / rate - 80) / 8 - 2);
   });
   const { report } = predict(played);
-  const machine = new Machine({ ...played, blob: blobOf(played) });
+  const machine = new Machine({ ...played, settings: settingsOf(played) });
   machine.boot();
   const began = machine.start();
   // The hold begins after the ramp, and what the shaft's limits add to that.

@@ -4,7 +4,7 @@
 // docs/image.md states for it, with the reason in the log. "In step" is that all axes have made the same number of steps
 // when they stand. Times of the drives' enable line are from what happened to its fall.
 
-import { blobOf, scene } from '../bench/host.mjs';
+import { scene, settingsOf } from '../bench/host.mjs';
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
@@ -17,18 +17,18 @@ export const title = 'Safety: what goes wrong, and where it ends';
 
 export function run(outcome) {
   const played = scene('hold');
-  const blob = blobOf(played);
+  const settings = settingsOf(played);
   for (const [name, happens, ends] of CASES) {
-    const machine = new Machine({ ...played, blob });
+    const machine = new Machine({ ...played, settings });
     machine.boot();
     machine.start();
     machine.run(0.25);
     machine.happened = machine.board.cycle;
     happens(machine);
     const wrong = [];
-    const tale = ends(machine, (holds, text) => holds || wrong.push(text)) ?? '';
+    const end = ends(machine, (holds, text) => holds || wrong.push(text)) ?? '';
     const lines = log(machine.board);
-    outcome.say(`${name.padEnd(24)} ${tale}`);
+    outcome.say(`${name.padEnd(24)} ${end}`);
     for (const text of wrong) outcome.check(false, `${name}: ${text}; the log:\n    ${lines.slice(-6).join('\n    ')}`);
   }
 }
@@ -45,7 +45,7 @@ const input = (pin, level) => (machine) => {
 
 // ---- where it ends ----
 
-const told = (machine, pattern) => log(machine.board).some((line) => pattern.test(line));
+const logs = (machine, pattern) => log(machine.board).some((line) => pattern.test(line));
 
 function drivesFell(machine, must, mostS) {
   const [fall] = machine.board.edges.to('enable', 0).filter((cycle) => cycle >= machine.happened);
@@ -66,7 +66,7 @@ function inStep(machine, must) {
 /** A coordinated stop on request: at rest, in step, drives on. */
 function parks(machine, must) {
   machine.run(0.5);
-  must(told(machine, /: Parked/), 'the log says Parked');
+  must(logs(machine, /: Parked/), 'the log says Parked');
   must(machine.level('enable') === 1, 'the drives hold');
   inStep(machine, must);
   return 'parked in step, drives on';
@@ -75,8 +75,8 @@ function parks(machine, must) {
 /** A fault that stops all axes together, and only then switches the drives off. */
 const faults = (pattern) => (machine, must) => {
   machine.run(0.5);
-  must(told(machine, pattern), `the log says ${pattern}`);
-  must(told(machine, /: Fault/), 'the log says Fault');
+  must(logs(machine, pattern), `the log says ${pattern}`);
+  must(logs(machine, /: Fault/), 'the log says Fault');
   must(machine.level('enable') === 0, 'the drives are off');
   inStep(machine, must);
   resets(machine, must);
@@ -86,12 +86,12 @@ const faults = (pattern) => (machine, must) => {
 /** Drives off at once, and nothing waits for the shaft. */
 const cuts = (pattern, mostS) => (machine, must) => {
   machine.run(0.1);
-  const tale = drivesFell(machine, must, mostS);
-  must(told(machine, pattern), `the log says ${pattern}`);
+  const fall = drivesFell(machine, must, mostS);
+  must(logs(machine, pattern), `the log says ${pattern}`);
   must(machine.level('enable') === 0, 'the drives stay off');
   machine.set(pins.ENABLE, 0);
   resets(machine, must);
-  return `${tale}: ${pattern.source}`;
+  return `${fall}: ${pattern.source}`;
 };
 
 /** A fault latches: the first press resets, the second starts. */
@@ -103,15 +103,15 @@ function resets(machine, must) {
   must(machine.level('enable') === 1, 'after a reset, a start does');
 }
 
-/** Missed deadlines that are no fault yet: all axes stand alike, go on alike, and it is told. */
+/** Missed deadlines that are no fault yet: all axes stand alike and go on alike, and the log says so. */
 function goesOn(machine, must) {
   machine.run(0.1);
-  must(told(machine, /deadlines missed/), 'the log says so');
+  must(logs(machine, /deadlines missed/), 'the log says so');
   must(machine.level('enable') === 1, 'the drives are on');
   const skew = Math.max(...[1, 2, 3].map((axis) => skewAfter(machine, axis)));
   must(skew === 0, `the axes step together, not ${skew} cycles apart`);
   input(pins.STOP, 1)(machine);
-  return `told, and ${parks(machine, must)}`;
+  return `logged, and ${parks(machine, must)}`;
 }
 
 /** Cycles between the edges of axis 0 and of another, at most, after what happened. */
@@ -122,10 +122,10 @@ function skewAfter(machine, axis) {
   return edges('step_0').reduce((most, cycle, i) => Math.max(most, Math.abs((other[i] ?? cycle) - cycle)), 0);
 }
 
-/** What a channel did not move is lost to its axis; that is what the fault says. */
+/** Checks the stop after a channel stood: its axis has lost steps, and the fault says so. */
 function driesUp(machine, must) {
   machine.run(0.5);
-  must(told(machine, /run-dry on axis 1/), 'the log says run-dry on axis 1');
+  must(logs(machine, /run-dry on axis 1/), 'the log says run-dry on axis 1');
   must(machine.level('enable') === 0, 'the drives are off');
   const before = machine.board.edges.to('step_0', 1).length;
   machine.run(0.05);
@@ -158,16 +158,16 @@ function losesEnableInATick(machine) {
   machine.board.stimulus.pulse(machine.happened, pins.ENABLE, Math.round(20e-6 * CYCLES_PER_S));
 }
 
-/** The watchdog restarts the controller: drives off from then on, until somebody resets and starts it. */
+/** The watchdog restarts the controller: drives off from then on, until it is reset and started. */
 const restarts = (mostS) => (machine, must) => {
   machine.run(0.5);
-  const tale = drivesFell(machine, must, mostS);
+  const fall = drivesFell(machine, must, mostS);
   must(machine.board.events.some(({ kind, text }) => kind === 'reset' && text === 'watchdog'), 'the watchdog restarts it');
-  must(told(machine, /restarted by the watchdog.*Run/), 'the log says what the machine was doing');
-  must(told(machine, /fault: restarted/), 'the log says restarted');
+  must(logs(machine, /restarted by the watchdog.*Run/), 'the log says what the machine was doing');
+  must(logs(machine, /fault: restarted/), 'the log says restarted');
   must(machine.level('enable') === 0, 'the drives stay off');
   resets(machine, must);
-  return `${tale}, restarted by the watchdog; stays off until reset`;
+  return `${fall}, restarted by the watchdog; stays off until reset`;
 };
 
 const CASES = [
@@ -183,7 +183,7 @@ const CASES = [
     },
     cuts(/enable-loss/, 20e-6),
   ],
-  ['… while the loop reckons', losesEnableInATick, cuts(/enable-loss/, 20e-6)],
+  ['… while the loop computes', losesEnableInATick, cuts(/enable-loss/, 20e-6)],
   ['drive alarm', input(pins.ALARM[1], 1), faults(/drive-alarm on axis 1/)],
   ['alarm, broken wire', input(pins.ALARM[3], null), faults(/drive-alarm on axis 3/)],
   ['loop late by a deadline', (machine) => machine.freeze(0.0012), goesOn],

@@ -1,14 +1,14 @@
-// Store: what the image does with blobs that it finds, and what a power cut while it writes one can do.
+// Store: what the firmware does with settings files that it finds, and what a power cut while it writes one can do.
 //
-// Whatever the flash holds, either the image runs on settings that are whole, or it refuses, keeps the drives off whatever
+// Whatever the flash holds, either the firmware runs on settings that are whole, or it refuses, keeps the drives off whatever
 // is pressed, and says why. A cut at any point of storing leaves a flash with which the next start runs.
 
 import { crc32 } from '../bench/crc.mjs';
-import { blobOf, scene } from '../bench/host.mjs';
+import { scene, settingsOf } from '../bench/host.mjs';
 import { log } from '../bench/log.mjs';
 import { flashWith, Machine } from '../bench/machine.mjs';
 
-/** Where things lie in a blob's header (docs/blob.md). */
+/** Offsets in a settings file's header (docs/blob.md). */
 const HEADER_BYTES = 256;
 const VERSION_AT = 8;
 const SEQUENCE_AT = 16;
@@ -20,10 +20,10 @@ const QUICK = { flashTimes: { eraseSector: 2000, programPage: 500 } };
 export const title = 'Store: settings found, refused, stored, and torn by power cuts';
 
 export function run(outcome) {
-  const blob = blobOf(scene('hold'));
-  refusals(outcome, blob);
-  stores(outcome, blob);
-  cuts(outcome, blob);
+  const settings = settingsOf(scene('hold'));
+  refusals(outcome, settings);
+  stores(outcome, settings);
+  cuts(outcome, settings);
 }
 
 /** A machine on a flash, powered up; how many axes it has does not matter to what is asked here. */
@@ -31,19 +31,19 @@ const powered = (flash) => new Machine({ axes: 6, tickHz: 2000, flash, options: 
 
 // ---- what is refused ----
 
-function refusals(outcome, blob) {
-  const flipped = Buffer.from(blob);
+function refusals(outcome, settings) {
+  const flipped = Buffer.from(settings);
   flipped[HEADER_BYTES + 37] ^= 0x10;
-  const newer = withHeader(blob, (header) => header.writeUInt16LE(3, VERSION_AT));
-  const servo = blobOf(scene('hold', (toml) => (toml.axis[0].drive = 'servo')));
-  const counting = blobOf(scene('hold', (toml) => (toml.axes.encoder = true)));
-  const hasty = blobOf(scene('hold', (toml) => (toml.control.tick_hz = 10_000)));
+  const newer = withHeader(settings, (header) => header.writeUInt16LE(3, VERSION_AT));
+  const servo = settingsOf(scene('hold', (toml) => (toml.axis[0].drive = 'servo')));
+  const counting = settingsOf(scene('hold', (toml) => (toml.axes.encoder = true)));
+  const hasty = settingsOf(scene('hold', (toml) => (toml.control.tick_hz = 10_000)));
   for (const [name, bytes, reason] of [
     ['a bit of the payload', flipped, /settings-rejected: PayloadCrc/],
     ['another version', newer, /settings-rejected: Version.*3/],
     ['a servo axis', servo, /settings-rejected: Unfit\(Servo\(2\)\)/],
     ['an encoder', counting, /settings-rejected: Unfit\(Encoder\(0\)\)/],
-    ['a program too quick', quick(blob), /program-rejected: Settings\(program.*amax/],
+    ['a program too quick', quick(settings), /program-rejected: Settings\(program.*amax/],
     ['a tick too short', hasty, /settings-rejected: Unfit\(TickTooShort.*tick_hz: 10000/],
   ]) {
     const machine = powered(flashWith(bytes));
@@ -54,35 +54,35 @@ function refusals(outcome, blob) {
     outcome.check(lines.some((line) => reason.test(line)), `${name}: the log says ${reason}, not\n    ${lines.join('\n    ')}`);
     outcome.check(machine.board.edges.to('enable', 1).length === 0, `${name}: the drives are never on`);
     outcome.check(machine.board.edges.to('step_0', 1).length === 0, `${name}: nothing moves`);
-    outcome.check(machine.board.edges.to('lamp', 1).length > 0, `${name}: the lamp flashes`);
+    outcome.check(machine.board.edges.to('led', 1).length > 0, `${name}: the LED flashes`);
     outcome.say(`${name.padEnd(24)} drives stay off: ${reason.source}`);
   }
 }
 
-/** The blob with its header changed, and the header's own CRC right again. */
-function withHeader(blob, change) {
-  const changed = Buffer.from(blob);
+/** The settings file with its header changed, and the header's own CRC right again. */
+function withHeader(settings, change) {
+  const changed = Buffer.from(settings);
   change(changed);
   changed.writeUInt32LE(crc32(changed.subarray(0, HEADER_BYTES - 4)), HEADER_BYTES - 4);
   return changed;
 }
 
-/** The blob with more asked for in its program than there is, whole otherwise. */
-function quick(blob) {
+/** The settings file with a program that requires more than there is, valid otherwise. */
+function quick(settings) {
   const level = Buffer.alloc(8);
   level.writeDoubleLE(8 * 9.80665);
-  const changed = Buffer.from(blob);
+  const changed = Buffer.from(settings);
   const payload = changed.subarray(HEADER_BYTES);
   const crcAt = changed.indexOf(Buffer.from(Uint32Array.of(crc32(payload)).buffer));
   const at = payload.indexOf(level);
-  if (at < 0 || crcAt < 0 || crcAt > HEADER_BYTES) throw new Error('the blob is not as it was: docs/blob.md');
+  if (at < 0 || crcAt < 0 || crcAt > HEADER_BYTES) throw new Error('the settings file is not as it was: docs/blob.md');
   payload.writeDoubleLE(20_000, at);
   return withHeader(changed, (header) => header.writeUInt32LE(crc32(payload), crcAt));
 }
 
 // ---- what is stored ----
 
-/** Starts the image on a flash; it must come to run the loop. Gives the log and how often the flash was changed. */
+/** Starts the firmware on a flash; it must come to run the loop. Gives the log and how often the flash was changed. */
 function starts(outcome, name, flash) {
   const machine = powered(flash);
   let lines = [];
@@ -99,33 +99,33 @@ function starts(outcome, name, flash) {
   return { lines, operations: machine.board.rom.operations.length };
 }
 
-/** What is noted is told within this time (firmware/src/report.rs). */
+/** Notes are in the log within this time (firmware/src/report.rs). */
 const LOG_S = 0.006;
 
 const says = (lines, pattern) => lines.some((line) => pattern.test(line));
 
-function stores(outcome, blob) {
+function stores(outcome, settings) {
   const flash = flashWith();
   const first = starts(outcome, 'empty flash', flash);
   outcome.check(says(first.lines, /stored in slot A/), 'an empty flash: what is built in is stored');
   const second = starts(outcome, 'second start', flash);
   outcome.check(says(second.lines, /settings from slot A/), 'the second start takes what was stored');
   outcome.check(second.operations === 0, 'and writes nothing');
-  const placed = starts(outcome, 'placed blob', flashWith(blob));
-  outcome.check(says(placed.lines, /settings: hold, 4 axes/), 'a blob that was placed is run');
+  const placed = starts(outcome, 'placed settings file', flashWith(settings));
+  outcome.check(says(placed.lines, /settings: hold, 4 axes/), 'a settings file that was placed is run');
   outcome.check(placed.operations === 0, 'and nothing is written');
   outcome.say('empty flash: built-in settings run and are stored; the next start takes them from there');
-  outcome.say('a blob that was placed from outside is run as it is');
+  outcome.say('a settings file that was placed from outside is run as it is');
 }
 
 // ---- what a power cut does ----
 
 const CUT_AFTER = [0, 1, 97, 255, 2048, 4095];
 
-function cuts(outcome, blob) {
-  const older = withHeader(blob, (header) => {
+function cuts(outcome, settings) {
+  const older = withHeader(settings, (header) => {
     header.writeUInt32LE(7, SEQUENCE_AT);
-    header.writeUInt32LE(0x1234_5678, ORIGIN_AT); // stored by another image
+    header.writeUInt32LE(0x1234_5678, ORIGIN_AT); // stored by another firmware
   });
   let count = 0;
   for (const [name, fresh] of [['empty flash', () => flashWith()], ['older settings', () => flashWith(older)]]) {

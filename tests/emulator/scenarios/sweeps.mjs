@@ -1,10 +1,10 @@
-// Sweeps: the mishaps of scenarios/safety.mjs, and others, at many moments instead of one.
+// Sweeps: the failures of scenarios/safety.mjs, and others, at many moments instead of one.
 //
-// What can go wrong between loop, interrupts, DMA and machines depends on the moment. So each mishap is tried at moments
+// What can go wrong between loop, interrupts, DMA and machines depends on the moment. So each failure is tried at moments
 // spread over a tick, from one and the same state of the machine; bench/sweep.mjs says how to have more of them, and how to run
 // one alone.
 
-import { blobOf, predict, scene } from '../bench/host.mjs';
+import { predict, scene, settingsOf } from '../bench/host.mjs';
 import { CYCLES_PER_S, Machine } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
 import { wanted } from '../bench/sweep.mjs';
@@ -18,14 +18,14 @@ import { releases, starts } from '../sweeps/release.mjs';
 import { stops } from '../sweeps/stops.mjs';
 import { offsetOf, standsFor } from './index.mjs';
 
-export const title = 'Sweeps: mishaps at every moment';
+export const title = 'Sweeps: failures at every moment';
 
 export function run(outcome) {
   if (wanted('freezes', 'releases', 'enable', 'panics', 'starts')) {
     const played = scene('sweep');
-    const blob = blobOf(played);
+    const settings = settingsOf(played);
     const predicted = predict(played);
-    const fresh = () => new Machine({ ...played, blob });
+    const fresh = () => new Machine({ ...played, settings });
     if (wanted('freezes', 'releases', 'enable', 'panics')) {
       const moving = running(played, fresh(), 0.09, predicted);
       freezes(outcome, moving);
@@ -37,7 +37,7 @@ export function run(outcome) {
   }
   if (wanted('stops')) {
     const played = scene('hold', quick);
-    stops(outcome, running(played, new Machine({ ...played, blob: blobOf(played) }), 0.12));
+    stops(outcome, running(played, new Machine({ ...played, settings: settingsOf(played) }), 0.12));
   }
   if (wanted('noise')) noise(outcome, aboutToStop());
 }
@@ -69,7 +69,7 @@ function running(played, machine, seconds, predicted) {
   return { machine, follow, deadline, parkDeg, perTurn, reversed, snapshot: new Snapshot(machine.board) };
 }
 
-/** What is looked at is its end. */
+/** Shortens the scene: only its end matters here. */
 function shorter(toml) {
   toml.program[0].hold_s = 0.15;
   toml.input[0].at_s = 0.30012;
@@ -79,9 +79,9 @@ function shorter(toml) {
 function aboutToStop() {
   const played = scene('two-hundred', shorter);
   const predicted = predict(played);
-  const blob = blobOf(played);
+  const settings = settingsOf(played);
   const started = () => {
-    const machine = new Machine({ ...played, blob });
+    const machine = new Machine({ ...played, settings });
     machine.boot();
     return [machine, machine.start()];
   };

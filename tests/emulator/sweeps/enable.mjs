@@ -1,6 +1,6 @@
 // The enable input goes for a while, at any moment of a tick; in every other case the processor stands meanwhile.
 //
-// What lasts no longer than IGNORED is noise: nothing comes of it. What lasts for SEEN or longer is a loss: the drives are
+// A pulse no longer than IGNORED is noise, without effect. One that lasts for DETECTED or longer is a loss: the drives are
 // off within CUT, stay off, and the log says so. In between either may be.
 
 import { log } from '../bench/log.mjs';
@@ -12,14 +12,14 @@ const PULSES = 42;
 
 const us = (time) => Math.round(time * 1e-6 * CYCLES_PER_S);
 const IGNORED = us(8);
-const SEEN = us(10);
+const DETECTED = us(10);
 const CUT = us(10);
 const LENGTHS = [1, 2, 5, 8, 10, 20, 50].map(us);
 
 /** The processor stands this long before the input goes, and after. */
 const BEFORE = us(30);
 const AFTER_S = 400e-6;
-const TOLD_S = 0.008;
+const LOGGED_S = 0.008;
 
 export function enablePulses(outcome, running) {
   if (!wanted('enable')) return;
@@ -33,19 +33,19 @@ export function enablePulses(outcome, running) {
     board.stimulus.pulse(at, pins.ENABLE, length);
     board.run({ untilCycle: at - BEFORE });
     if (frozen) machine.freeze(AFTER_S);
-    machine.run(TOLD_S);
+    machine.run(LOGGED_S);
     const falls = board.edges.to('enable', 0).filter((cycle) => cycle >= at);
     const lines = log(board);
-    const told = lines.some((line) => /enable-loss/.test(line));
+    const logged = lines.some((line) => /enable-loss/.test(line));
     const wrong = [];
-    if (length >= SEEN) {
+    if (length >= DETECTED) {
       if (!(falls[0] - at <= CUT)) wrong.push(`the drives are off after ${(falls[0] - at) / 125} µs`);
       if (machine.level('enable') !== 0 || falls.length > 1) wrong.push('the drives do not stay off');
-      if (!told) wrong.push('the log tells of no enable-loss');
+      if (!logged) wrong.push('the log reports no enable-loss');
     }
     if (length <= IGNORED) {
       if (falls.length > 0) wrong.push('the drives are off');
-      if (told) wrong.push('the log tells of enable-loss');
+      if (logged) wrong.push('the log reports enable-loss');
       if (!frozen) wrong.push(...follow.compare().wrong);
     }
     return {

@@ -5,18 +5,18 @@
 // tick belong the edges after its first cycle, up to the first of the next.
 //
 // Blocks that were let go together are together to the cycle. Where something came between the two stores that let
-// them go, and is too short to be told (firmware/src/board/steps/release.rs), they are apart by that.
+// them go, and is too short to be detected (firmware/src/board/steps/release.rs), they are apart by that.
 
 import * as pins from '../bench/pins.mjs';
 
-/** From a deadline to the first cycle of its tick, where all machines are begun anew: as in scenarios/parity.mjs. */
+/** From a deadline to the first cycle of its tick, where all machines begin again: as in scenarios/parity.mjs. */
 const MOST_OFFSET = 25;
 
-/** What is too short to be told when machines are let go, cycles. */
+/** The longest delay that is not detected when machines are let go, cycles. */
 const MOST_APART = 31;
 
 export class Follow {
-  /** Of a machine that has made some steps, which are `predicted`, from `began` on. */
+  /** Follows a machine that has made some steps, which are `predicted`, from `began` on. */
   constructor(machine, predicted, began) {
     const { edges } = machine.board;
     this.machine = machine;
@@ -24,12 +24,12 @@ export class Follow {
     this.wires = [];
     for (let axis = 0; axis < machine.axes; axis += 1) {
       for (const name of [`step_${axis}`, `dir_${axis}`]) {
-        const want = Float64Array.from(predicted.edges.get(name), ({ cycle }) => cycle);
+        const expected = Float64Array.from(predicted.edges.get(name), ({ cycle }) => cycle);
         const { cycles } = edges.track(name);
         const before = cycles.findIndex((cycle) => cycle >= began);
         const first = before < 0 ? cycles.length : before;
-        this.wires.push({ name, want, first, block: pins.blockOf(axis) });
-        if (name === 'step_0') this.origin = cycles[first] - want[0];
+        this.wires.push({ name, expected, first, block: pins.blockOf(axis) });
+        if (name === 'step_0') this.origin = cycles[first] - expected[0];
       }
     }
   }
@@ -44,10 +44,10 @@ export class Follow {
     const wrong = [];
     let next = Infinity;
     let apart = 0;
-    for (const { name, want, first, block } of this.wires) {
+    for (const { name, expected, first, block } of this.wires) {
       const { cycles } = this.machine.board.edges.track(name);
       for (let i = first; i < cycles.length; i += 1) {
-        const due = want[i - first];
+        const due = expected[i - first];
         if (due === undefined) {
           wrong.push(`${name} has an edge more than predicted, at ${cycles[i]}`);
           break;
@@ -64,7 +64,7 @@ export class Follow {
         }
       }
       // What is missing at the end: the first edge that has not come, of the wire that is the furthest behind.
-      next = Math.min(next, want[cycles.length - first] ?? Infinity);
+      next = Math.min(next, expected[cycles.length - first] ?? Infinity);
     }
     let stood = 0;
     let last = 0;
@@ -81,10 +81,10 @@ export class Follow {
   }
 }
 
-/** Deadlines missed since power-up, as the log tells. */
+/** Deadlines missed since power-up, by the log. */
 export function missed(lines) {
-  const told = lines.map((line) => line.match(/(\d+) deadlines missed in all/)).filter(Boolean);
-  return told.length === 0 ? 0 : Number(told[told.length - 1][1]);
+  const counts = lines.map((line) => line.match(/(\d+) deadlines missed in all/)).filter(Boolean);
+  return counts.length === 0 ? 0 : Number(counts[counts.length - 1][1]);
 }
 
 /**

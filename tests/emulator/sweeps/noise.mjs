@@ -1,8 +1,8 @@
 // Glitches on the index lines close to the pulses' own edges.
 //
 // A glitch is a stretch shorter than `index.width_us`: high before a pulse, low within it, high after it. In each case the
-// last two pulses of six lines before a stop are disturbed, each line in another place. The drift that the image tells
-// of may then be off by what the filter states (firmware/core/src/drift/index_filter.rs): a glitch up to two widths
+// last two pulses of six lines before a stop are disturbed, each line in another place. The drift that the firmware reports
+// may then be off by what the filter states (firmware/core/src/drift/index_filter.rs): a glitch up to two widths
 // before a pulse is taken for its bouncing; nothing else moves it.
 
 import { log } from '../bench/log.mjs';
@@ -15,7 +15,7 @@ const NOISES = 12;
 
 const WIDTH = 250; // index.width_us, 2 µs
 const BRIDGED = 2;
-/** What a look at the lines takes, and another after a change: a stretch is known to that. */
+/** Resolution of a stretch: one sampling of the lines, and another after a change. */
 const LOOK = 21;
 
 const DEG_PER_CYCLE = (360 * TURN_HZ) / CYCLES_PER_S;
@@ -31,7 +31,7 @@ export function noise(outcome, ready) {
     const lines = log(machine.board);
     const line = lines.find((text) => /Stop, drift/.test(text));
     const drift = line?.match(/drift \[(.*)\]/)[1].split(',').map(Number);
-    const wrong = drift ? [] : ['the log tells of no stop'];
+    const wrong = drift ? [] : ['the log reports no stop'];
     const off = (drift ?? []).map((deg, axis) => deg - stands[axis]);
     off.forEach((deg, axis) => {
       const [{ text, early }] = places[axis].slice(-1);
@@ -49,7 +49,7 @@ export function noise(outcome, ready) {
   });
 }
 
-/** Whether a glitch may be taken for the pulse's own bouncing: close to it, and no stretch that counts between. */
+/** True if a glitch may be taken for the pulse's own bouncing: close to it, and no stretch that counts between. */
 const isBridged = (length, apart) => apart < WIDTH + LOOK && apart + length <= BRIDGED * WIDTH + LOOK;
 
 /** One glitch of up to a width; gives what it is, and by how many cycles it may make the pulse seem early. */

@@ -1,4 +1,4 @@
-// A panic of the image, at any moment of a tick: the linked code's own `panic_bounds_check`, called as an index out of bounds
+// A panic of the firmware, at any moment of a tick: the linked code's own `panic_bounds_check`, called as an index out of bounds
 // would. In every other case the log's buffer is full, and no probe empties it.
 
 import { log } from '../bench/log.mjs';
@@ -9,10 +9,10 @@ const PANICS = 4;
 
 /** Drives are off within this, cycles. */
 const MOST = 250;
-/** Until the watchdog has restarted the controller, and it has told. */
+/** Until the watchdog has restarted the controller, and that is in the log. */
 const RESTARTED_S = 0.15;
 
-/** RAM that nothing uses: the place of what the panic is told. */
+/** RAM that nothing uses: the place of the panic's arguments. */
 const SPARE = 0x2003_e000;
 const FILE = 'the-bench.rs';
 const LINE = 4711;
@@ -44,7 +44,7 @@ export function panics(outcome, running) {
       name: `${u.toFixed(4)} ticks after a deadline${isFull ? ', the log full' : ''}`,
       wrong,
       worst: (falls[0] - began) / 125,
-      ended: isFull ? 'restarted, the message lost' : 'told and restarted',
+      ended: isFull ? 'restarted, the message lost' : 'logged and restarted',
       log: () => lines,
     };
   });

@@ -1,8 +1,8 @@
 // The processor stands for a moment while it lets the machines go: for the first time, and again after a deadline missed.
 //
 // Half of the cases lie around the two stores that let the blocks go, where a cycle matters, most of them between the two;
-// the others are spread over all that leads there. Afterwards both blocks go together, or it is told as a fault, or, of a
-// machine that stands, they are let go anew.
+// the others are spread over all that leads there. Afterwards both blocks go together, or it is a fault, or, of a
+// machine that stands, they are let go again.
 
 import { log } from '../bench/log.mjs';
 import { CYCLES_PER_S } from '../bench/machine.mjs';
@@ -19,7 +19,7 @@ const STARTS = 16;
 const FROZEN_FROM = 0.05;
 const FROZEN_FOR = 1.2;
 
-/** What lies before the stores: reading and reckoning as well; and what lies after them, and still belongs to it. */
+/** Times before the stores, for reading and computing as well, and after them. */
 const BEFORE = 20_000;
 const AFTER = 250;
 /** Around the stores. */
@@ -27,10 +27,10 @@ const NEAR = 32;
 /** The processor stands this long, cycles: from one to a quarter of a tick. */
 const LONGEST = 16_000;
 
-/** From a deadline to the first cycle of its tick: as in scenarios/parity.mjs, and what is too short to be told. */
+/** From a deadline to the first cycle of its tick: as in scenarios/parity.mjs, and what is too short to be detected. */
 const MOST_OFFSET = 25 + 31;
 
-/** Where, and for how long: near the stores short, else any. */
+/** Moment and length of a case: near the stores short, else any. */
 function moment(number) {
   const near = number % 2 === 0;
   const [u, v] = spread(number >> 1);

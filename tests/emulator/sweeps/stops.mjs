@@ -6,7 +6,7 @@ import { sweep, wanted } from '../bench/sweep.mjs';
 
 const STOPS = 10;
 
-/** A turn of the scene, and what it takes to stop, and to tell. */
+/** A turn of the scene, and the time to stop, and to log it. */
 const TURN_S = 1 / 12;
 const PARKED_S = 0.2;
 

@@ -1,4 +1,4 @@
-// A capture program of the image's kind: six pins sampled every 7 cycles, a word pushed at each change, moved to RAM
+// A capture program of the firmware's kind: six pins sampled every 7 cycles, a word pushed at each change, moved to RAM
 // by DMA. It is the one program that never waits, so running ahead must be exact here above all.
 
 import assert from 'node:assert/strict';

@@ -84,10 +84,10 @@ test('arithmetic, logic and shifts: results and flags over corner values, each i
     for (const x of CORNERS) {
       for (const y of CORNERS) {
         for (const carry of [0, 1]) {
-          const got = execute(core, instruction, x, y, carry);
+          const actual = execute(core, instruction, x, y, carry);
           const { result, C = carry === 1, V = false, kept = result } = reference(x, y, carry);
           const expected = { result: kept, flags: { N: result >= 0x8000_0000, Z: result === 0, C, V }, cycles: 1 };
-          assert.deepEqual(got, expected, `${name} with ${x.toString(16)}, ${y.toString(16)}, carry ${carry}`);
+          assert.deepEqual(actual, expected, `${name} with ${x.toString(16)}, ${y.toString(16)}, carry ${carry}`);
         }
       }
     }

@@ -43,7 +43,7 @@ test('a result read eight cycles after the operand is there, one cycle earlier i
   }
 });
 
-test('DIRTY lasts from an operand to the reading of the quotient, READY tells when it may be read', () => {
+test('DIRTY lasts from an operand to the reading of the quotient, READY shows when it may be read', () => {
   const board = new Board({ bare: true });
   assert.equal(board.peek(CSR), 1);
   board.poke(SIO + 0x60, 100);

@@ -101,7 +101,7 @@ test('a handler of lower priority is preempted, and its own cycles leave out the
   assert.equal(low.end - low.entry, low.own + high.own);
 });
 
-test('one of the same priority waits, and follows without stacking anew', () => {
+test('one of the same priority waits, and follows without stacking again', () => {
   const spin = Array(40).fill(t.NOP);
   const board = idle({ [E0]: counted(0, spin), [E1]: counted(1) }, { priorities: [1, 1] });
   pend(board, SWI0);
@@ -182,7 +182,7 @@ test('with PRIMASK set WFI ends without the handler, and WFE sleeps on', () => {
   }
 });
 
-test('sleeping cycles are told from waking ones, and sum up', () => {
+test('sleeping and waking cycles are counted separately, and sum up', () => {
   const board = idle({ [E0]: counted(0) }, { code: SLEEP_LOOP });
   board.run({ cycles: 10_000 });
   pend(board, SWI0);

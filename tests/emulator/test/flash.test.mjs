@@ -1,4 +1,4 @@
-// The boot ROM's functions, found as an image finds them, and flash that behaves as flash: also when power fails.
+// The boot ROM's functions, found as a firmware finds them, and flash that behaves as flash: also when power fails.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';

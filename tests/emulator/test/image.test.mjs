@@ -1,5 +1,5 @@
-// What the bench reads of an image: ELF files, the RTT channel, cycles by function, interrupts of pins. And, where an
-// image is at hand, that the whole of it runs the same with and without skipping.
+// Readers of a firmware: ELF files, the RTT channel, interrupts of pins. And, where an
+// ELF is at hand, that all of it runs the same with and without skipping.
 
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
@@ -8,7 +8,6 @@ import { Board } from '../board/board.mjs';
 import { Caller } from '../board/call.mjs';
 import { readElf } from '../board/elf.mjs';
 import { Rtt } from '../board/rtt.mjs';
-import { Profile } from '../board/usage.mjs';
 import * as t from '../support/thumb.mjs';
 
 /** An ELF file of one segment and the given symbols: [name, address, size, type]. */
@@ -71,31 +70,12 @@ test('segments and symbols of an ELF file; what is none is refused', () => {
   assert.throws(() => readElf(new Uint8Array(100)), /not a 32-bit/);
 });
 
-test('an image is loaded over what the flash holds, and runs from its vector table', () => {
+test('a firmware is loaded over what the flash holds, and runs from its vector table', () => {
   const flash = new Uint8Array(0x10_000).fill(0x77);
   const board = new Board({ elf: elfFile(0x1000_0100, imageBytes(t.movs(3, 9), t.b(0)), []), flash });
   board.run({ cycles: 10 });
   assert.equal(board.core.registers[3], 9);
   assert.equal(flash[0x8000], 0x77);
-});
-
-test('cycles by function', () => {
-  const symbols = [
-    ['spin', 0x1000_0201, 2, 2],
-    ['other', 0x1000_0203, 4, 2],
-  ];
-  const board = new Board({
-    elf: elfFile(0x1000_0100, imageBytes(t.b(2), t.movs(0, 0), t.b(-4)), symbols),
-    profile: true,
-  });
-  board.run({ cycles: 500 });
-  assert.ok(board.profile instanceof Profile);
-  const rows = board.profile.byFunction(board.elf.functions);
-  assert.deepEqual(
-    rows.map(({ name }) => name),
-    ['other', 'spin'],
-  );
-  assert.ok(Math.abs(rows[0].share - 3 / 5) < 0.01, `${rows[0].share}`);
 });
 
 test('one routine is called by its symbol: results, cycles, depth of stack', () => {
@@ -117,7 +97,7 @@ test('one routine is called by its symbol: results, cycles, depth of stack', () 
 const BLOCK = 0x2000_0100;
 const BUFFER = 0x2000_0200;
 
-/** A bare board with an RTT channel of 16 bytes in RAM; `say` does what the image would. */
+/** A bare board with an RTT channel of 16 bytes in RAM; `say` does what the firmware would. */
 function talker(interval) {
   const board = new Board({ bare: true });
   [BUFFER - 4, BUFFER, 16, 0, 0, 1].forEach((value, i) => board.poke(BLOCK + 24 + 4 * i, value));
@@ -177,17 +157,17 @@ test('an interrupt of a pin comes for a level that was there before it was enabl
   assert.equal(line(), 1);
 });
 
-const IMAGE =
+const FIRMWARE =
   process.env.COPHASE_ELF ?? new URL('../../../target/thumbv6m-none-eabi/image/cophase-firmware', import.meta.url);
 
 test(
-  'the image runs the same whether every cycle is stepped or not',
-  { skip: !fs.existsSync(IMAGE) && 'no image built' },
+  'the firmware runs the same whether every cycle is stepped or not',
+  { skip: !fs.existsSync(FIRMWARE) && 'no firmware built' },
   () => {
     const pins = Object.fromEntries([...Array(30).keys()].map((pin) => [`gpio${pin}`, pin]));
     const [plain, skipping] = [false, true].map((fastForward) => {
       const board = new Board({
-        elf: fs.readFileSync(IMAGE),
+        elf: fs.readFileSync(FIRMWARE),
         pins,
         fastForward,
         flashTimes: { eraseSector: 100_000 },

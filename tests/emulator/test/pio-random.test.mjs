@@ -1,4 +1,4 @@
-// Random programs, inputs and meddling: running ahead must not show, whatever a program does.
+// Random programs, inputs and interference: running ahead must not show, whatever a program does.
 //
 // Each seed makes two machines with programs of random instructions, toggles pins that they read, writes and reads
 // their FIFOs, forces instructions, stops and starts them, and looks at their program counters; once stepping every
@@ -48,7 +48,7 @@ function instruction(below) {
   return pick(below, kinds)() | field;
 }
 
-/** What can be seen of one run. */
+/** Everything observable of one run. */
 function play(seed, fastForward) {
   const below = source(seed);
   const board = new Board({ bare: true, fastForward, pins: PINS });
@@ -107,5 +107,5 @@ test('random programs do the same whether every cycle is stepped or not', () => 
     assert.deepEqual(ahead, play(seed, false), `seed ${seed}`);
     edges += ahead.edges.reduce((sum, { cycles }) => sum + cycles.length, 0);
   }
-  assert.ok(edges > 40_000, `too little happens to tell anything: ${edges} edges`);
+  assert.ok(edges > 40_000, `too little happens for a comparison: ${edges} edges`);
 });

@@ -61,7 +61,7 @@ test('the reset clears processor, PIO, pins and timer, and keeps RAM, reason and
   assert.equal(board.edges.of('out').at(-1).level, 0, 'the pin is pulled down again');
   assert.ok(Math.abs(board.edges.of('out').at(-1).cycle - resetAt) <= 1);
   assert.equal(board.peek(0xe000_e100), 0, 'no interrupt enabled');
-  assert.ok(board.peek(TIMER_LOW) <= 100, 'time began anew');
+  assert.ok(board.peek(TIMER_LOW) <= 100, 'time began again');
   assert.equal(board.peek(RAM), 0xcafe_f00d);
   assert.equal(board.peek(REASON), 1, 'the timer, not a forced reset');
   assert.equal(board.peek(SCRATCH0), 0x1234);
@@ -74,14 +74,14 @@ test('a watchdog that has nothing to reset is a mistake', () => {
   assert.throws(() => board.run({ cycles: 200 * CYCLES_PER_US }), /WDSEL/);
 });
 
-test('a forced reset is told from one by time', () => {
+test('a forced reset differs from one by time', () => {
   const board = watched(1000);
   board.poke(CTRL, 0x8000_0000);
   board.run({ cycles: 10 });
   assert.equal(board.peek(REASON), 2);
 });
 
-test('a system reset starts the processor anew and leaves the peripherals alone', () => {
+test('a system reset restarts the processor and leaves the peripherals alone', () => {
   const board = watched(10_000);
   board.run({ cycles: 1000 });
   board.poke(0xe000_ed0c, 0x05fa_0004);
@@ -92,7 +92,7 @@ test('a system reset starts the processor anew and leaves the peripherals alone'
   assert.equal(board.peek(0xe000_e100), 0);
 });
 
-test('levels between edges are told from the recording', () => {
+test('levels between edges come from the recording', () => {
   const board = watched(100);
   board.run({ cycles: 200 * CYCLES_PER_US });
   const [up, down] = board.edges.track('out').cycles;

@@ -7,7 +7,7 @@ import { FLASH_SIZE } from '../board/elf.mjs';
 import { Snapshot } from '../board/snapshot.mjs';
 import * as t from '../support/thumb.mjs';
 
-/** A flash with an image that counts in register 0, for ever. */
+/** A flash with a firmware that counts in register 0, for ever. */
 function counting() {
   const flash = new Uint8Array(FLASH_SIZE).fill(0xff);
   const view = new DataView(flash.buffer);

@@ -1,7 +1,7 @@
 // The program that plays step runs, on three machines of each block, against a model of what it must do.
 //
 // If one of these fails, edges that the bench reports are not those that the hardware would make, and no comparison of
-// the image with the host's prediction is worth anything.
+// the firmware with the host's prediction is valid.
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
@@ -46,7 +46,7 @@ function model(words, start, dirBefore = 0) {
   for (const word of words) {
     const edges = word & 0x1fff;
     const cycles = ((word >>> 13) & 0x3_ffff) + 8;
-    // Three cycles to take the word apart and one to decide, two to turn STEP round and count, two around the wait.
+    // Three cycles to decode the word and one to decide, two to turn STEP round and count, two around the wait.
     for (let i = 1; i <= edges; i += 1) step.push(at + i * cycles - 2);
     if (edges === 0 && word >>> 31 !== level) {
       level ^= 1;

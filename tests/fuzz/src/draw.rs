@@ -1,16 +1,21 @@
 //! Machines and programs: any that settings accept, as fast as cases are short.
 
 use cophase_core::controller::Controller;
-use cophase_core::program::{SegmentSettings, Shape};
+use cophase_core::mechanism::{
+    Mechanism, MechanismSettings, ScotchYokeSettings, SliderCrankSettings,
+};
+use cophase_core::program::{EntrySettings, SegmentSettings, Shape};
 use cophase_core::settings::{
     AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, IndexSettings,
     LimitSettings, MachineSettings, Platform, PulseSettings, Settings,
 };
 
+use cophase_core::units::Turns;
+
 use crate::Script;
 
 /// Settings; a few of them are refused, which is for the caller to see.
-pub fn settings<const N: usize>(script: &mut Script<'_>) -> Settings<N> {
+pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
     let tick_hz = [2000, 1000, 500, 2000, 5000, 10_000, 2000, 1000][script.below(8)];
     let speed_hz = script.between(4.0, 60.0);
     let acceleration_hz_per_s = script.between(20.0, 4000.0);
@@ -31,10 +36,17 @@ pub fn settings<const N: usize>(script: &mut Script<'_>) -> Settings<N> {
     let sensors = script.byte();
     let trim_limit_turns = script.between(1e-3, 0.1);
     Settings {
+        name: heapless::String::new(),
         tick_hz,
         machine: MachineSettings {
             crank_radius_m: 0.01,
-            lambda: script.between(0.1, 0.6),
+            mechanism: if script.one_in(4) {
+                MechanismSettings::ScotchYoke(ScotchYokeSettings {})
+            } else {
+                MechanismSettings::SliderCrank(SliderCrankSettings {
+                    lambda: script.between(0.1, 0.6),
+                })
+            },
             load_kg: script.between(0.1, 20.0),
             platform: if script.one_in(2) {
                 Platform::Above
@@ -59,47 +71,51 @@ pub fn settings<const N: usize>(script: &mut Script<'_>) -> Settings<N> {
             dir_hold_ns: 200.0,
         },
         index: IndexSettings { width_us: 2.0 },
-        axes: std::array::from_fn(|i| {
-            let bit = |bits: u8| bits >> i & 1 == 1;
-            let servo = match kind % 3 {
-                0 => false,
-                1 => true,
-                _ => bit(servos),
-            };
-            let steps_per_turn = if servo {
-                4096
-            } else {
-                [800, 1600, 3200][script.below(3)]
-            };
-            AxisSettings {
-                drive: if servo {
-                    DriveKind::Servo
+        axes: (0..count)
+            .map(|i| {
+                let bit = |bits: u8| bits >> i & 1 == 1;
+                let servo = match kind % 3 {
+                    0 => false,
+                    1 => true,
+                    _ => bit(servos),
+                };
+                let steps_per_turn = if servo {
+                    4096
                 } else {
-                    DriveKind::Stepper
-                },
-                steps_per_turn,
-                reversed: script.one_in(3),
-                ratio: if script.one_in(16) {
-                    (1 + u32::from(script.byte() % 3), 2)
-                } else {
-                    (1, 1)
-                },
-                offset_turns: if script.one_in(4) {
-                    script.between(0.01, 0.5)
-                } else {
-                    0.0
-                },
-                // Every fourth machine lacks some.
-                index_turns: (!sensors.is_multiple_of(4) || bit(sensors >> 2)).then_some(0.125),
-                index_width_turns: 0.02,
-                index_delay_s: if script.one_in(4) { 1e-4 } else { 0.0 },
-                encoder: servo || script.one_in(3),
-                cycle_steps: if servo { 0 } else { steps_per_turn / 50 },
-                trim_limit_turns,
-                trim_rate_hz: script.between(0.01, 1.0),
-                rotor_inertia_kgm2: 1e-4,
-            }
-        }),
+                    [800, 1600, 3200][script.below(3)]
+                };
+                AxisSettings {
+                    drive: if servo {
+                        DriveKind::Servo
+                    } else {
+                        DriveKind::Stepper
+                    },
+                    steps_per_turn,
+                    reversed: script.one_in(3),
+                    ratio: if script.one_in(16) {
+                        (1 + u32::from(script.byte() % 3), 2)
+                    } else {
+                        (1, 1)
+                    },
+                    offset_turns: if script.one_in(4) {
+                        script.between(0.01, 0.5)
+                    } else {
+                        0.0
+                    },
+                    // Every fourth machine lacks some.
+                    index_turns: (!sensors.is_multiple_of(4) || bit(sensors >> 2)).then_some(0.125),
+                    index_width_turns: 0.02,
+                    index_delay_s: if script.one_in(4) { 1e-4 } else { 0.0 },
+                    encoder: servo || script.one_in(3),
+                    cycle_steps: if servo { 0 } else { steps_per_turn / 50 },
+                    trim_limit_turns,
+                    trim_rate_hz: script.between(0.01, 1.0),
+                    rotor_inertia_kgm2: 1e-4,
+                }
+            })
+            .collect(),
+        trims_turns: heapless::Vec::new(),
+        program: heapless::Vec::new(),
         drift: DriftSettings {
             tilt_limit_mrad: script.between(0.1, 20.0),
             warp_limit_deg: script.between(1.0, 30.0),
@@ -135,16 +151,12 @@ pub fn settings<const N: usize>(script: &mut Script<'_>) -> Settings<N> {
 }
 
 /// The loop with a program of one to three levels.
-pub fn controller<const N: usize>(
-    settings: &Settings<N>,
-    script: &mut Script<'_>,
-) -> Option<Controller<N>> {
+pub fn controller(settings: &Settings, script: &mut Script<'_>) -> Option<Controller> {
     settings.check().ok()?;
-    let mut builder = settings.program_builder();
+    let mut settings = settings.clone();
+    let top = Turns::from_num(settings.limits.speed_hz / f64::from(settings.tick_hz));
+    let most = settings.mechanism().amax(top).to_num::<f64>();
     for _ in 0..=script.below(3) {
-        let top = std::f64::consts::TAU * settings.limits.speed_hz;
-        let machine = &settings.machine;
-        let most = machine.crank_radius_m * (1.0 + machine.lambda) * top * top;
         let segment = SegmentSettings {
             amax_mps2: most * 0.98 * f64::from(script.byte()) / 255.0,
             ramp_s: f64::from(script.byte()) / 256.0,
@@ -155,7 +167,10 @@ pub fn controller<const N: usize>(
                 Shape::Linear
             },
         };
-        builder.segment(segment).ok()?;
+        settings
+            .program
+            .push(EntrySettings::Segment(segment))
+            .ok()?;
     }
-    Controller::new(settings, builder.build().ok()?).ok()
+    settings.controller().ok()
 }

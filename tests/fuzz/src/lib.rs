@@ -32,14 +32,14 @@ pub struct Reached {
     pub kinds: u32,
 }
 
-/// Plays the case of some bytes on a machine of `N` axes.
+/// Plays the case of some bytes on a machine of `count` axes.
 ///
 /// # Panics
 /// If the loop does, or anything that must hold does not.
-pub fn play<const N: usize>(bytes: &[u8]) -> Reached {
+pub fn play(count: usize, bytes: &[u8]) -> Reached {
     let mut script = Script::new(bytes);
     let mut drawn = (0..100).map(|_| {
-        let settings = draw::settings::<N>(&mut script);
+        let settings = draw::settings(count, &mut script);
         Some((draw::controller(&settings, &mut script)?, settings))
     });
     let (mut controller, settings) = drawn

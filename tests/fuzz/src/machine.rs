@@ -5,7 +5,7 @@ use cophase_core::drift::IndexPulse;
 use cophase_core::settings::Settings;
 use cophase_core::signals::{Feedback, Output};
 use cophase_core::supervisor::Command;
-use cophase_core::units::{ONE_TURN, Phase, Turns};
+use cophase_core::units::{ONE_TURN, PerAxis, Phase, Turns};
 
 use crate::Script;
 
@@ -33,12 +33,12 @@ struct Crank {
 }
 
 /// All of them, and what else feedback has.
-pub struct Machine<const N: usize> {
-    cranks: [Crank; N],
+pub struct Machine {
+    cranks: Vec<Crank>,
     tick_cycles: i64,
     enable: bool,
     stop: bool,
-    alarm: [bool; N],
+    alarm: PerAxis<bool>,
     /// Two axes whose lines are swapped.
     swapped: Option<(usize, usize)>,
     /// All feedback is random.
@@ -57,33 +57,36 @@ const COMMANDS: [Command; 6] = [
     Command::ResetPeak,
 ];
 
-impl<const N: usize> Machine<N> {
-    pub fn new(settings: &Settings<N>) -> Self {
+impl Machine {
+    pub fn new(settings: &Settings) -> Self {
         let units = |turns: f64| (turns * ONE_TURN as f64) as i64;
         Self {
-            cranks: std::array::from_fn(|i| {
-                let axis = &settings.axes[i];
-                let at = units(axis.offset_turns);
-                Crank {
-                    steps_per_turn: i64::from(axis.steps_per_turn),
-                    reversed: axis.reversed,
-                    index: units(axis.index_turns.unwrap_or_default()),
-                    told: [at; 4],
-                    apart: 0,
-                    walks: 0,
-                    stuck: false,
-                    reversed_by_mistake: false,
-                    index_dead: axis.index_turns.is_none(),
-                    glitch: 0,
-                    encoder_dead: false,
-                    was: at,
-                    is: at,
-                }
-            }),
+            cranks: settings
+                .axes
+                .iter()
+                .map(|axis| {
+                    let at = units(axis.offset_turns);
+                    Crank {
+                        steps_per_turn: i64::from(axis.steps_per_turn),
+                        reversed: axis.reversed,
+                        index: units(axis.index_turns.unwrap_or_default()),
+                        told: [at; 4],
+                        apart: 0,
+                        walks: 0,
+                        stuck: false,
+                        reversed_by_mistake: false,
+                        index_dead: axis.index_turns.is_none(),
+                        glitch: 0,
+                        encoder_dead: false,
+                        was: at,
+                        is: at,
+                    }
+                })
+                .collect(),
             tick_cycles: i64::from(settings.tick_cycles()),
             enable: true,
             stop: false,
-            alarm: [false; N],
+            alarm: PerAxis::default(),
             swapped: None,
             wild: false,
             command: Some(Command::Start),
@@ -93,8 +96,9 @@ impl<const N: usize> Machine<N> {
     }
 
     /// Something happens; half of the time what was wrong is right again, and the machine is started.
-    pub fn disturb(&mut self, script: &mut Script<'_>, controller: &mut Controller<N>) {
-        let axis = script.below(N);
+    pub fn disturb(&mut self, script: &mut Script<'_>, controller: &mut Controller) {
+        let count = self.cranks.len();
+        let axis = script.below(count);
         let what = script.byte() % 48;
         let crank = &mut self.cranks[axis];
         match what {
@@ -123,14 +127,14 @@ impl<const N: usize> Machine<N> {
                 crank.apart =
                     crank.apart.wrapping_add(i64::from(script.number()) << 20) % (8 * ONE_TURN);
             }
-            16 => self.swapped = Some((axis, script.below(N))),
+            16 => self.swapped = Some((axis, script.below(count))),
             17 => self.wild = true,
             18 => controller.late(script.number().unsigned_abs(), script.one_in(2)),
             19 => controller.held_over(script.number().unsigned_abs()),
             20 => controller.late(1 + script.below(2) as u32, script.one_in(2)),
             21 => {
                 let turns = Turns::from_bits(i64::from(script.number()) << 20);
-                let _whole = controller.set_trim(script.below(N + 2), turns);
+                let _whole = controller.set_trim(script.below(count + 2), turns);
             }
             22 => controller.seek(u64::from(script.number().unsigned_abs())),
             23..=30 => self.mend(Command::Reset),
@@ -142,7 +146,7 @@ impl<const N: usize> Machine<N> {
     /// All is well, and a command comes.
     fn mend(&mut self, command: Command) {
         (self.enable, self.stop, self.wild) = (true, false, false);
-        (self.alarm, self.swapped) = ([false; N], None);
+        (self.alarm, self.swapped) = (PerAxis::default(), None);
         self.command = Some(command);
         for crank in &mut self.cranks {
             (crank.walks, crank.stuck, crank.reversed_by_mistake) = (0, false, false);
@@ -160,7 +164,7 @@ impl<const N: usize> Machine<N> {
     }
 
     /// What the loop reads at this deadline.
-    pub fn feedback(&mut self, script: &mut Script<'_>) -> Feedback<N> {
+    pub fn feedback(&mut self, script: &mut Script<'_>) -> Feedback {
         for crank in &mut self.cranks {
             crank.move_on();
         }
@@ -183,12 +187,15 @@ impl<const N: usize> Machine<N> {
             feedback.index[axis] = Some(IndexPulse { cycle });
         }
         if self.wild {
-            feedback.index = std::array::from_fn(|_| {
+            let count = self.cranks.len();
+            for index in &mut feedback.index[..count] {
                 let cycle = script.number();
-                script.one_in(3).then_some(IndexPulse { cycle })
-            });
-            feedback.encoder = std::array::from_fn(|_| script.number());
-            feedback.alarm[script.below(N)] = script.one_in(64);
+                *index = script.one_in(3).then_some(IndexPulse { cycle });
+            }
+            for encoder in &mut feedback.encoder[..count] {
+                *encoder = script.number();
+            }
+            feedback.alarm[script.below(count)] = script.one_in(64);
             if script.one_in(8) {
                 feedback.command = Some(COMMANDS[script.below(6)]);
             }
@@ -197,7 +204,7 @@ impl<const N: usize> Machine<N> {
     }
 
     /// Takes in what is to be played from the next deadline on.
-    pub fn play(&mut self, output: &Output<N>) {
+    pub fn play(&mut self, output: &Output) {
         for (crank, phase) in self.cranks.iter_mut().zip(&output.telemetry.axis_phase) {
             let last = crank.told[0];
             let step = phase.since(Phase::from_turns(Turns::from_bits(last)));

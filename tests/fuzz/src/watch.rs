@@ -8,15 +8,15 @@ use cophase_core::units::{ONE_TURN, Phase, Turns};
 use crate::Reached;
 
 /// The limits in units of 2⁻⁴⁸ turn and one tick, and the tick before.
-pub struct Watch<const N: usize> {
+pub struct Watch {
     speed_most: f64,
     /// Usual, and in a fault's stop.
     acceleration_most: [f64; 2],
     jerk_most: [f64; 2],
-    trim_most: [i64; N],
+    trim_most: Vec<i64>,
     /// Axes that turn once with the master: their phases are its own, but for the offset and the trim.
-    plain: [Option<Turns>; N],
-    stepper: [bool; N],
+    plain: Vec<Option<Turns>>,
+    stepper: Vec<bool>,
     /// Whether drift is corrected.
     corrects: bool,
     tick_cycles: u32,
@@ -28,8 +28,8 @@ pub struct Watch<const N: usize> {
     reached: Reached,
 }
 
-impl<const N: usize> Watch<N> {
-    pub fn new(settings: &Settings<N>) -> Self {
+impl Watch {
+    pub fn new(settings: &Settings) -> Self {
         let (hz, turn) = (f64::from(settings.tick_hz), ONE_TURN as f64);
         let limits = &settings.limits;
         let accelerations = [
@@ -42,12 +42,21 @@ impl<const N: usize> Watch<N> {
             speed_most: limits.speed_hz / hz * turn,
             acceleration_most: accelerations.map(|a| a / (hz * hz) * turn),
             jerk_most: jerks.map(|j| j / (hz * hz * hz) * turn),
-            trim_most: std::array::from_fn(|i| (axes[i].trim_limit_turns * turn) as i64),
-            plain: std::array::from_fn(|i| {
-                let once = axes[i].ratio.0 == axes[i].ratio.1;
-                once.then(|| Turns::saturating_from_num(axes[i].offset_turns))
-            }),
-            stepper: std::array::from_fn(|i| axes[i].drive == DriveKind::Stepper),
+            trim_most: axes
+                .iter()
+                .map(|axis| (axis.trim_limit_turns * turn) as i64)
+                .collect(),
+            plain: axes
+                .iter()
+                .map(|axis| {
+                    let once = axis.ratio.0 == axis.ratio.1;
+                    once.then(|| Turns::saturating_from_num(axis.offset_turns))
+                })
+                .collect(),
+            stepper: axes
+                .iter()
+                .map(|axis| axis.drive == DriveKind::Stepper)
+                .collect(),
             corrects: settings.correction.part > 0.0,
             tick_cycles: settings.tick_cycles(),
             phase: Phase::ZERO,
@@ -64,12 +73,18 @@ impl<const N: usize> Watch<N> {
     }
 
     /// Holds one tick against everything.
-    pub fn check(&mut self, feedback: &Feedback<N>, output: &Output<N>) {
+    pub fn check(&mut self, feedback: &Feedback, output: &Output) {
         let telemetry = &output.telemetry;
         self.check_state(feedback, output);
         self.check_shaft(output);
         self.check_trims(output);
-        for (i, runs) in output.runs.iter().enumerate() {
+        let count = self.stepper.len();
+        assert!(
+            (count..MAX_AXES).all(|axis| output.runs(axis).is_empty()),
+            "runs of axes that are not there"
+        );
+        for i in 0..count {
+            let runs = output.runs(i);
             let cycles: u32 = runs.iter().map(|run| run.cycles()).sum();
             assert_eq!(
                 cycles, self.tick_cycles,
@@ -92,7 +107,7 @@ impl<const N: usize> Watch<N> {
         self.fault = telemetry.fault;
     }
 
-    fn check_state(&self, feedback: &Feedback<N>, output: &Output<N>) {
+    fn check_state(&self, feedback: &Feedback, output: &Output) {
         let telemetry = &output.telemetry;
         let (before, now) = (self.state, telemetry.state);
         let on = !matches!(now, State::Idle | State::Fault);
@@ -133,7 +148,7 @@ impl<const N: usize> Watch<N> {
         );
     }
 
-    fn check_shaft(&mut self, output: &Output<N>) {
+    fn check_shaft(&mut self, output: &Output) {
         let (phase, drives) = (output.telemetry.phase, output.drives_enabled);
         let speed = phase.since(self.phase).to_bits();
         let (acceleration, jerk) = (speed - self.speed, speed - self.speed - self.acceleration);
@@ -162,7 +177,7 @@ impl<const N: usize> Watch<N> {
         (self.phase, self.speed) = (phase, speed);
     }
 
-    fn check_trims(&self, output: &Output<N>) {
+    fn check_trims(&self, output: &Output) {
         let telemetry = &output.telemetry;
         let sum: i64 = telemetry
             .correction

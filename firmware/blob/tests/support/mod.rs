@@ -4,6 +4,7 @@
 pub mod nor;
 pub mod slots;
 
+use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
 use cophase_core::program::{CAPACITY, EntrySettings, SegmentSettings, Shape};
 use cophase_core::settings::Settings;
 use cophase_core::settings::{
@@ -20,7 +21,7 @@ pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
         tick_hz: 2000,
         machine: MachineSettings {
             crank_radius_m: 0.02,
-            lambda: 0.3,
+            mechanism: MechanismSettings::SliderCrank(SliderCrankSettings { lambda: 0.3 }),
             load_kg: 5.0,
             platform: Platform::Above,
             gravity_mps2: 9.80665,

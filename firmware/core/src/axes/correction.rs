@@ -7,6 +7,9 @@
 use crate::settings::{Settings, turns_at_most};
 use crate::units::{MAX_AXES, PerAxis, Turns};
 
+/// 1, ½, ⅓ … with 16 fraction bits: nothing is divided in a tick.
+const SHARES: PerAxis<u32> = [65_536, 32_768, 21_845, 16_384, 13_107, 10_922];
+
 /// The trims of all axes.
 #[derive(Clone, Debug)]
 pub struct Correction {
@@ -21,33 +24,36 @@ pub struct Correction {
     rate: u64,
     /// Part of a difference that is corrected at once, 16 fraction bits.
     part: i64,
-    /// 1, ½, ⅓ …: nothing is divided in a tick.
-    shares: PerAxis<u32>,
 }
 
 impl Correction {
-    /// Of settings that have been checked; nothing is trimmed yet.
-    pub fn new(settings: &Settings) -> Self {
-        let hz = f64::from(settings.tick_hz);
-        let rates = settings
-            .axes
-            .iter()
-            .map(|axis| turns_at_most(axis.trim_rate_hz / hz));
+    /// The trims of no axes.
+    pub const fn new() -> Self {
         Self {
             now: [Turns::ZERO; MAX_AXES],
             target: [Turns::ZERO; MAX_AXES],
             change: [Turns::ZERO; MAX_AXES],
             left: 0,
-            count: settings.axes.len(),
-            limit: core::array::from_fn(|axis| {
-                let axis = settings.axes.get(axis);
-                let limit = axis.map_or(0.0, |axis| axis.trim_limit_turns);
-                Turns::from_bits(turns_at_most(limit))
-            }),
-            rate: rates.min().unwrap_or(0).max(1).unsigned_abs(),
-            part: libm::round(settings.correction.part * 65_536.0) as i64,
-            shares: core::array::from_fn(|n| 65_536 / (n as u32 + 1)),
+            count: 0,
+            limit: [Turns::ZERO; MAX_AXES],
+            rate: 1,
+            part: 0,
         }
+    }
+
+    /// Begins anew, without trims, with settings that have been checked.
+    #[cold]
+    pub fn configure(&mut self, settings: &Settings) {
+        *self = Self::new();
+        let hz = f64::from(settings.tick_hz);
+        let rates = settings.axes.iter().map(|axis| axis.trim_rate_hz);
+        let rate = turns_at_most(rates.fold(f64::INFINITY, f64::min) / hz);
+        self.rate = rate.max(1).unsigned_abs();
+        for (limit, axis) in self.limit.iter_mut().zip(&settings.axes) {
+            *limit = Turns::from_bits(turns_at_most(axis.trim_limit_turns));
+        }
+        self.count = settings.axes.len();
+        self.part = libm::round(settings.correction.part * 65_536.0) as i64;
     }
 
     /// Whether anything is to be corrected at all.
@@ -99,7 +105,7 @@ impl Correction {
     /// The mean of what some axes are off by, to a part in 10,000; zero of none.
     pub fn mean(&self, error: &PerAxis<Turns>, watched: u8) -> Turns {
         let axes = (watched.count_ones() as usize).wrapping_sub(1);
-        let share = self.shares.get(axes).copied();
+        let share = SHARES.get(axes).copied();
         Turns::from_bits(sum(error, watched) * i64::from(share.unwrap_or(0)))
     }
 

@@ -27,6 +27,7 @@ pub struct Axis {
 
 impl Axis {
     /// At its offset, untrimmed. The settings must have passed [`crate::settings::Settings::check`].
+    #[cold]
     pub fn new(settings: &AxisSettings, tick_hz: u32) -> Self {
         Self {
             gear: Gear::new(settings.ratio.0, settings.ratio.1),

@@ -13,6 +13,7 @@ pub struct Trim {
 }
 
 impl Trim {
+    #[cold]
     pub(super) fn new(settings: &AxisSettings, tick_hz: u32) -> Self {
         Self {
             now: 0,

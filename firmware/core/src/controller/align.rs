@@ -77,31 +77,44 @@ const TWICE: u8 = 2;
 const PART_OF_LOOKS: i64 = 65_536 / LOOKS as i64;
 
 impl Align {
-    /// With the tilts that prove the wiring, or none.
-    pub(super) const fn new(
+    /// For no axes.
+    pub(super) const fn new() -> Self {
+        const NONE: PerAxis<Turns> = [Turns::ZERO; MAX_AXES];
+        Self {
+            step: Step::Off,
+            patterns: [NONE; 2],
+            has_datum: false,
+            count: 0,
+            lag: Turns::ZERO,
+            tolerance: NONE,
+            proven: 0,
+            base: NONE,
+            waited: Turns::ZERO,
+            before: NONE,
+            before_now: NONE,
+            from: NONE,
+            looks: 0,
+            off: NONE,
+            datum: Turns::ZERO,
+        }
+    }
+
+    /// Begins anew, with the tilts that prove the wiring, or none.
+    #[cold]
+    pub(super) const fn configure(
+        &mut self,
         patterns: [PerAxis<Turns>; 2],
         has_datum: bool,
         count: usize,
         lag: Turns,
         tolerance: PerAxis<Turns>,
-    ) -> Self {
-        Self {
-            step: Step::Off,
-            patterns,
-            has_datum,
-            count,
-            lag,
-            tolerance,
-            proven: 0,
-            base: [Turns::ZERO; MAX_AXES],
-            waited: Turns::ZERO,
-            before: [Turns::ZERO; MAX_AXES],
-            before_now: [Turns::ZERO; MAX_AXES],
-            from: [Turns::ZERO; MAX_AXES],
-            looks: 0,
-            off: [Turns::ZERO; MAX_AXES],
-            datum: Turns::ZERO,
-        }
+    ) {
+        *self = Self::new();
+        self.patterns = patterns;
+        self.has_datum = has_datum;
+        self.count = count;
+        self.lag = lag;
+        self.tolerance = tolerance;
     }
 
     /// Begins.
@@ -173,7 +186,7 @@ impl Align {
     }
 
     /// Every index has been heard.
-    #[cold]
+    #[inline(never)]
     fn found(&mut self, monitor: &mut DriftMonitor, correction: &mut Correction) -> Option<Fault> {
         self.find_datum(monitor, correction);
         let mut target = *correction.now();
@@ -321,7 +334,6 @@ impl Align {
     }
 
     /// Why cranks that were moved seem too far out, if it is that two are swapped.
-    #[cold]
     #[inline(never)]
     pub(super) fn explain(&self, monitor: &DriftMonitor, correction: &Correction) -> Option<Fault> {
         if !matches!(self.step, Step::Move | Step::Look) {
@@ -335,7 +347,6 @@ impl Align {
 
     /// A crank was heard elsewhere than in the turn before, by so much: that is told at once, unless it is no further than a rotor
     /// swings, or another was told to go there, so that the looks have to tell.
-    #[cold]
     #[inline(never)]
     fn moved(
         &self,
@@ -404,7 +415,7 @@ impl Align {
     }
 
     /// The cranks have been moved, and each heard once more.
-    #[cold]
+    #[inline(never)]
     fn looked(&mut self, monitor: &mut DriftMonitor, correction: &mut Correction) -> Option<Fault> {
         monitor.refresh();
         let mut drift = self.drift_since(monitor);

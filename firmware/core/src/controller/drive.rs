@@ -68,7 +68,6 @@ impl Controller {
     }
 
     /// Axes that trims or corrections move in this tick.
-    #[cold]
     #[inline(never)]
     fn moved_by_themselves(&mut self, correcting: bool) -> AxisSet {
         let (mut own, mut axis) = (0, 1);
@@ -87,7 +86,6 @@ impl Controller {
     }
 
     /// Moves axes that make other turns than the master.
-    #[cold]
     #[inline(never)]
     fn move_by_themselves(&mut self, axes: AxisSet, correcting: bool, master: Turns) {
         let telemetry = &mut self.output.telemetry;
@@ -111,7 +109,6 @@ impl Controller {
     }
 
     /// Finds out which axes share a plan, now that other axes move by themselves.
-    #[cold]
     #[inline(never)]
     fn group_axes(&mut self, own: AxisSet) {
         let before = self.output.sharing;
@@ -124,7 +121,7 @@ impl Controller {
             };
             // One that followed has not kept its place.
             if let Some(followed) = earlier.get(before.first(axis)) {
-                channel.planner.go_on_from(*followed.planner.place());
+                channel.planner.continue_from(*followed.planner.place());
             }
             self.geared |= AxisSet::from(!channel.axis.gear().is_direct()) << axis;
             if own & 1 << axis != 0 || !channel.may_share() {

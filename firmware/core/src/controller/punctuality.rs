@@ -10,12 +10,17 @@ const FORGIVEN_AFTER: u32 = 8;
 ///
 /// So two at once are no fault and three are; and a loop that has too much to do, and misses one deadline
 /// after every few that it meets, is one as well, as soon as it misses more than one in nine for long.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Punctuality {
     debt: u32,
 }
 
 impl Punctuality {
+    /// Of a loop that has missed nothing.
+    pub(super) const fn new() -> Self {
+        Self { debt: 0 }
+    }
+
     /// A tick is played.
     pub(super) const fn met(&mut self) {
         self.debt = self.debt.saturating_sub(1);

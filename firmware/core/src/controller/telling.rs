@@ -7,7 +7,6 @@ use crate::supervisor::{Fault, FaultKind, Reaction, Seen, Supervisor, reaction};
 
 impl Controller {
     /// Tells what has happened, one thing a tick: a fault that latched or has a better name, what else was seen, the stop input.
-    #[cold]
     #[inline(never)]
     pub(super) fn tell(&mut self, is_news: bool, told: Option<Fault>, stop: bool) {
         let (tick, phase) = (self.ticks, self.crank_phase());
@@ -27,7 +26,6 @@ impl Controller {
     }
 
     /// Which of all that is wrong comes first.
-    #[cold]
     #[inline(never)] // a fault has 48 bytes, to be moved about only where there is one
     pub(super) fn blame(&mut self, feedback: &Feedback, seen: &mut Seen) {
         let dry = feedback
@@ -57,7 +55,6 @@ fn first_two(news: &[Option<Fault>]) -> (Option<&Fault>, Option<&Fault>, u32) {
 }
 
 /// What is to be done about what was found: what is seen of it, or else what is told.
-#[cold]
 #[inline(never)]
 pub(super) fn weigh(found: Finding, supervisor: &Supervisor, seen: &mut Seen) -> Option<Fault> {
     let Finding { fault, .. } = found;

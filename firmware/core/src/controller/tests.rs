@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::drift::IndexPulse;
-use crate::program::{SegmentSettings, Shape};
-use crate::settings::{BandSettings, DriveKind, LimitSettings, Platform, sample};
+use crate::program::{EntrySettings, SegmentSettings, Shape};
+use crate::settings::{BandSettings, DriveKind, LimitSettings, Platform, Settings, sample};
 use crate::supervisor::Command;
 
 const HZ: u32 = 2000;
@@ -42,15 +42,15 @@ fn settings() -> Settings {
 
 /// A controller with a program of one ramp to `amax_mps2`.
 fn controller(settings: &Settings, amax_mps2: f64) -> Controller {
-    let mut builder = settings.program_builder();
+    let mut settings = settings.clone();
     let segment = SegmentSettings {
         amax_mps2,
         ramp_s: 1.0,
         hold_s: 4.0,
         shape: Shape::Smooth,
     };
-    builder.segment(segment).unwrap();
-    Controller::new(settings, builder.build().unwrap()).unwrap()
+    settings.program = heapless::Vec::from_array([EntrySettings::Segment(segment)]);
+    settings.controller().unwrap()
 }
 
 /// Ticks with nothing but an index pulse from both axes now and then.

@@ -12,6 +12,7 @@ pub(super) const APART: i64 = 3;
 ///
 /// # Errors
 /// They do not.
+#[cold]
 pub(super) fn wiring_patterns(
     count: usize,
     drift: &DriftMonitor,
@@ -35,6 +36,7 @@ pub(super) fn wiring_patterns(
 }
 
 /// The tilts that prove the wiring, each of sum zero.
+#[cold]
 fn patterns(count: usize, tolerance: Turns) -> [PerAxis<Turns>; 2] {
     let place = |i: usize| {
         let theta = core::f64::consts::TAU * i as f64 / count as f64;

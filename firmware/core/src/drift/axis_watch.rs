@@ -45,6 +45,7 @@ fn gate(tolerance: Turns, cycle: Turns) -> Turns {
 
 /// How far, turns, an axis's index pulse may be from where the one before has it, and still be in place; `reading_deg` is that of the
 /// settings.
+#[cold]
 pub fn place_gate(axis: &AxisSettings, reading_deg: f64) -> Turns {
     gate(tolerance(axis, turns(reading_deg / 360.0)), cycle(axis))
 }
@@ -87,6 +88,7 @@ pub(super) struct AxisWatch {
 }
 
 impl AxisWatch {
+    #[cold]
     pub(super) fn new(
         axis: &AxisSettings,
         filter_s: f64,

@@ -78,7 +78,6 @@ impl Findings {
     }
 
     /// To be told. What is no longer safe goes first, and once; after that only better names for it.
-    #[cold]
     #[inline(never)]
     pub(super) fn push(&mut self, fault: Fault, in_safety: bool) {
         let mut refines = false;

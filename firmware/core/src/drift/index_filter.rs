@@ -51,6 +51,7 @@ pub struct IndexFilter {
 impl IndexFilter {
     /// For stretches of at least `width` cycles, on a line that has been at `level` for long: a crank
     /// that stands before its sensor at power-up makes no pulse.
+    #[cold]
     pub fn new(width: u32, level: bool) -> Self {
         Self {
             width: at_most_long(width),

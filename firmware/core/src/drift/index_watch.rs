@@ -335,7 +335,7 @@ impl IndexWatch {
     }
 
     /// Nothing has come for so long that there is something to say.
-    #[cold]
+    #[inline(never)]
     fn silence(&mut self) -> Heard {
         if self.known && !self.unheard {
             if let Some(suspect) = self.suspect.take() {

@@ -2,6 +2,7 @@
 
 use super::{Modes, Mount};
 use crate::functions::multiply;
+use crate::mechanism::Mechanism;
 use crate::settings::{DriftSettings, MachineSettings, turns};
 use crate::supervisor::FaultKind;
 use crate::units::Turns;
@@ -50,10 +51,28 @@ pub struct DriftLimits {
 }
 
 impl DriftLimits {
+    /// Of no machine: nothing may be off.
+    pub(super) const NONE: Self = {
+        const NONE: Limits = Limits {
+            tilt: Turns::ZERO,
+            tilt_squared: 0,
+            warp: Turns::ZERO,
+        };
+        Self {
+            true_limits: NONE,
+            read: NONE,
+            common: Turns::ZERO,
+            lag: 0,
+            reading: Turns::ZERO,
+        }
+    };
+
     /// From checked settings.
+    #[cold]
     pub fn new(settings: &DriftSettings, machine: &MachineSettings, tick_hz: u32) -> Self {
+        let mechanism = machine.mechanism.mechanism(machine.crank_radius_m, tick_hz);
         let mrad_per_turn =
-            1e3 * core::f64::consts::TAU * machine.crank_radius_m * most_way(machine)
+            1e3 * core::f64::consts::TAU * machine.crank_radius_m * mechanism.greatest_slope()
                 / machine.mount_radius_m;
         let tilt = turns((settings.tilt_limit_mrad / mrad_per_turn).min(0.5));
         let warp = turns(settings.warp_limit_deg / 360.0);
@@ -98,6 +117,7 @@ impl DriftLimits {
     }
 
     /// By how much one axis alone must seem off for some limit to be passed.
+    #[cold]
     pub(super) fn alone(&self, mount: &Mount, axis: usize) -> Turns {
         let (tilt, warp) = mount.alone(axis);
         let most = |limit: Turns, share: f64| {
@@ -118,17 +138,4 @@ impl DriftLimits {
 const fn square(turns: Turns) -> u64 {
     let scaled = (turns.to_bits().unsigned_abs() >> 18) as u32;
     multiply(scaled, scaled)
-}
-
-/// Greatest way of the platform per radian of crank and metre of radius, max s(α) = max (sin α + λ sin α cos α / cos β).
-fn most_way(machine: &MachineSettings) -> f64 {
-    let lambda = machine.lambda;
-    // s is smooth, with one maximum in the first half turn; half a degree finds it to 4e-5.
-    (0..360)
-        .map(|half_degree| {
-            let alpha = f64::from(half_degree) * core::f64::consts::PI / 360.0;
-            let (sin, cos) = (libm::sin(alpha), libm::cos(alpha));
-            sin + lambda * sin * cos / libm::sqrt(1.0 - lambda * lambda * sin * sin)
-        })
-        .fold(0.0, f64::max)
 }

@@ -38,7 +38,7 @@ pub use modes::{AxisSet, Knowledge, Modes, Mount};
 pub(crate) use naming::is_better;
 pub use tick_phase::{IndexPulse, TickPhase};
 
-use crate::settings::Settings;
+use crate::settings::{AxisSettings, Settings};
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{MAX_AXES, PerAxis, Phase, Turns, nearest};
 use angles::{Angles, furthest, in_common, of_angle};
@@ -117,40 +117,16 @@ pub struct DriftMonitor {
 const NO_MARGIN: Turns = Turns::from_bits(-1);
 
 impl DriftMonitor {
-    /// Of settings that have been checked.
-    pub fn new(settings: &Settings) -> Self {
-        let limits = DriftLimits::new(&settings.drift, &settings.machine, settings.tick_hz);
-        let set = |has: &dyn Fn(usize) -> bool| {
-            let axes = (0..settings.axes.len()).filter(|&axis| has(axis));
-            axes.fold(0, |set, axis| set | 1 << axis)
-        };
-        let has_index = |axis: usize| settings.axes[axis].index_turns.is_some();
-        let has_encoder = |axis: usize| settings.axes[axis].encoder;
-        let mount = Mount::with(
-            settings.axes.len(),
-            set(&|axis| has_index(axis) || has_encoder(axis)),
-        );
+    /// A monitor without axes.
+    pub const fn new() -> Self {
         Self {
-            axes: settings
-                .axes
-                .iter()
-                .enumerate()
-                .map(|(axis, settings_of_axis)| {
-                    AxisWatch::new(
-                        settings_of_axis,
-                        settings.index.width_us * 1e-6,
-                        settings.tick_hz,
-                        limits.reading,
-                        limits.alone(&mount, axis),
-                    )
-                })
-                .collect(),
-            limits,
-            mount,
-            sensed: set(&has_index),
-            by_index: set(&|axis| has_index(axis) && !has_encoder(axis)),
-            by_encoder: set(&has_encoder),
-            clock: TickClock::new(settings.tick_cycles()),
+            limits: DriftLimits::NONE,
+            mount: Mount::NONE,
+            axes: heapless::Vec::new(),
+            sensed: 0,
+            by_index: 0,
+            by_encoder: 0,
+            clock: TickClock::new(62_500),
             before_is_known: false,
             finding_out: true,
             moved: None,
@@ -163,12 +139,48 @@ impl DriftMonitor {
             rounds: 0,
             is_even: false,
             is_compared: false,
-            modes: Modes::default(),
+            modes: Modes::ZERO,
             changed: false,
             findings: Findings::new(),
             queue: Queue::new(),
             margin: NO_MARGIN,
         }
+    }
+
+    /// Begins anew with settings that have been checked.
+    #[cold]
+    #[inline(never)]
+    pub fn configure(&mut self, settings: &Settings) {
+        let limits = DriftLimits::new(&settings.drift, &settings.machine, settings.tick_hz);
+        let set = |has: &dyn Fn(&AxisSettings) -> bool| {
+            let axes = settings.axes.iter().enumerate();
+            axes.fold(0, |set, (i, axis)| set | u8::from(has(axis)) << i)
+        };
+        let sensed = set(&|axis| axis.index_turns.is_some());
+        let by_encoder = set(&|axis| axis.encoder);
+        self.mount = Mount::with(settings.axes.len(), sensed | by_encoder);
+        self.axes.clear();
+        for (i, axis) in settings.axes.iter().enumerate() {
+            let watch = AxisWatch::new(
+                axis,
+                settings.index.width_us * 1e-6,
+                settings.tick_hz,
+                limits.reading,
+                limits.alone(&self.mount, i),
+            );
+            let pushed = self.axes.push(watch);
+            debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
+        }
+        self.limits = limits;
+        self.sensed = sensed;
+        self.by_index = sensed & !by_encoder;
+        self.by_encoder = by_encoder;
+        self.clock = TickClock::new(settings.tick_cycles());
+        self.before_is_known = false;
+        self.seen = 0;
+        self.rounds = 0;
+        self.reset_peak();
+        self.reset(&[Phase::ZERO; MAX_AXES]);
     }
 
     /// Takes in what came during a tick that is over; the next thing to tell, if there is one.
@@ -362,7 +374,7 @@ impl DriftMonitor {
     }
 
     /// The cranks are past a limit: which of them, and why, if that is known.
-    #[cold]
+    #[inline(never)]
     fn blame(&mut self, kind: FaultKind, error: &PerAxis<Turns>, speed: Turns) {
         if kind == FaultKind::CommonLag {
             let size = self.limits.beyond_natural(&self.modes, speed);
@@ -387,7 +399,6 @@ impl DriftMonitor {
         }
     }
 
-    #[cold]
     #[inline(never)]
     fn push_axis(&mut self, axis: usize, kind: FaultKind) {
         let size = self.drift.get(axis).copied().unwrap_or_default();
@@ -414,7 +425,6 @@ impl DriftMonitor {
         }
     }
 
-    #[cold]
     #[inline(never)]
     fn find(&mut self, axis: usize, kind: FaultKind, by: Turns, in_safety: bool) {
         let fault = Fault::new(kind).on_axis(axis).with_size(by);

@@ -29,6 +29,15 @@ pub struct Modes {
 }
 
 impl Modes {
+    /// No error at all.
+    pub const ZERO: Self = Self {
+        common: Turns::ZERO,
+        tilt_x: Turns::ZERO,
+        tilt_y: Turns::ZERO,
+        warp: Turns::ZERO,
+        warp_axis: 0,
+    };
+
     /// Which side leads, degrees around the platform from axis 0 towards axis 1; for people to read.
     ///
     /// Positive errors lead there. Error below 0.2 degrees (micromath's arctangent).
@@ -80,12 +89,24 @@ pub enum Knowledge {
 }
 
 impl Mount {
+    /// Of no axes.
+    pub(super) const NONE: Self = Self {
+        common: [0; MAX_AXES],
+        tilt_x: [0; MAX_AXES],
+        tilt_y: [0; MAX_AXES],
+        cosine: [0; MAX_AXES],
+        sine: [0; MAX_AXES],
+        heard: 0,
+        count: 0,
+    };
+
     /// `count` axes evenly around the circle, axis 0 at θ = 0, all of them heard.
     pub fn new(count: usize) -> Self {
         Self::with(count, ((1_u32 << count) - 1) as AxisSet)
     }
 
     /// The same, of which only some are heard.
+    #[cold]
     pub fn with(count: usize, heard: AxisSet) -> Self {
         let theta = |i: usize| core::f64::consts::TAU * i as f64 / count as f64;
         let place = |i: usize| {
@@ -150,6 +171,7 @@ impl Mount {
     }
 
     /// The tilt, and the warp of its own, that an axis makes which is off by one, alone.
+    #[cold]
     pub(super) fn alone(&self, axis: usize) -> (f64, f64) {
         let float = |value: i32, bits: u32| f64::from(value) / f64::from(1_u32 << bits);
         let of = |weights: &PerAxis<i32>| weights.get(axis).map_or(0.0, |&w| float(w, WEIGHT_BITS));
@@ -210,6 +232,7 @@ impl Mount {
 }
 
 /// Inverse of a symmetric matrix that has one.
+#[cold]
 fn inverse(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let minor = |r: usize, c: usize| {
         let (r1, r2) = ((r + 1) % 3, (r + 2) % 3);

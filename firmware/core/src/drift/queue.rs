@@ -81,7 +81,6 @@ impl DriftMonitor {
         }
     }
 
-    #[cold]
     #[inline(never)]
     fn queue_pulse(
         &mut self,
@@ -107,7 +106,6 @@ impl DriftMonitor {
     /// Looks at axes by index from which no pulse waits: at whether theirs are due.
     ///
     /// Until the axes have come so much further that one of them may be due, they need not be looked at again.
-    #[cold]
     #[inline(never)]
     pub(super) fn seek_silence(&mut self, sensed: &Sensed<'_>) {
         let mut margin = Turns::MAX;

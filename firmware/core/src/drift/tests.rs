@@ -14,17 +14,21 @@ fn settings(count: usize, tilt_mrad: f64, warp_deg: f64, common_deg: f64) -> Set
     settings
 }
 
-fn monitor(count: usize, tilt_mrad: f64, warp_deg: f64, common_deg: f64) -> DriftMonitor {
-    let mut monitor = DriftMonitor::new(&settings(count, tilt_mrad, warp_deg, common_deg));
-    monitor.reset(&[Phase::ZERO; MAX_AXES]);
+fn configured(settings: &Settings) -> DriftMonitor {
+    let mut monitor = DriftMonitor::new();
+    monitor.configure(settings);
     monitor
+}
+
+fn monitor(count: usize, tilt_mrad: f64, warp_deg: f64, common_deg: f64) -> DriftMonitor {
+    configured(&settings(count, tilt_mrad, warp_deg, common_deg))
 }
 
 /// How far one crank may truly be off, turns, under the limits of `monitor(3.0, 5.0, 15.0)`.
 fn true_alone(count: usize, axis: usize) -> f64 {
     let mut settings = settings(count, 3.0, 5.0, 15.0);
     settings.drift.reading_deg = 0.0;
-    DriftMonitor::new(&settings).axes[axis].alone().to_num()
+    configured(&settings).axes[axis].alone().to_num()
 }
 
 /// What one tick brought to a monitor.
@@ -370,7 +374,7 @@ fn monitor_with_encoders(tilt_mrad: f64) -> DriftMonitor {
     for axis in &mut settings.axes {
         axis.encoder = true;
     }
-    let mut monitor = DriftMonitor::new(&settings);
+    let mut monitor = configured(&settings);
     monitor.reset(&[Phase::ZERO; MAX_AXES]);
     monitor
 }
@@ -561,7 +565,7 @@ fn a_pulse_of_a_tick_that_is_not_known_is_not_measured() {
 fn pulses_that_wait_to_be_confirmed_are_not_missed() {
     let mut settings = settings(2, 100.0, 90.0, 1.0);
     settings.index.width_us = 0.25e6 / f64::from(settings.tick_hz);
-    let mut monitor = DriftMonitor::new(&settings);
+    let mut monitor = configured(&settings);
     monitor.reset(&[Phase::ZERO; MAX_AXES]);
     let tick_cycles = f64::from(TICK_CYCLES);
     let turns = 0.3987; // so that passages fall anywhere in a tick

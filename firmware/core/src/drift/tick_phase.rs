@@ -33,10 +33,10 @@ pub(super) struct TickClock {
 
 impl TickClock {
     /// Of a tick of so many cycles, 12,500 and more.
-    pub(super) fn new(cycles: u32) -> Self {
+    pub(super) const fn new(cycles: u32) -> Self {
         Self {
             cycles,
-            per_cycle: ((1 << (24 + 32 - CYCLE_SPARE_BITS)) / u64::from(cycles)) as u32, // 29 bits
+            per_cycle: ((1 << (24 + 32 - CYCLE_SPARE_BITS)) / cycles as u64) as u32, // 29 bits
         }
     }
 }

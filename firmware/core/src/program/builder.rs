@@ -1,8 +1,8 @@
 //! From a list of segments and repeats in seconds to a checked [`Program`].
 
 use super::{CAPACITY, Entry, Program, Segment, Shape};
-use crate::profile::Profile;
-use crate::settings::{Problem, SettingsError};
+use crate::mechanism::{AnyMechanism, Mechanism};
+use crate::settings::{Problem, SettingsError, inside};
 use crate::units::{Amax, Turns};
 
 /// A segment in the units of the outside world.
@@ -37,37 +37,45 @@ pub enum EntrySettings {
 /// Puts a program together, in the order in which it is to be played.
 ///
 /// ```
-/// # use cophase_core::profile::{Profile, SliderCrank};
-/// # use cophase_core::program::{ProgramBuilder, SegmentSettings, Shape};
-/// let profile = Profile::SliderCrank(SliderCrank::new(0.025, 0.3, 2000));
+/// # use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
+/// # use cophase_core::program::{Program, ProgramBuilder, SegmentSettings, Shape};
+/// let mechanism = MechanismSettings::ScotchYoke(ScotchYokeSettings {}).mechanism(0.03, 2000);
 /// let level = |amax_mps2| SegmentSettings { amax_mps2, ramp_s: 1.0, hold_s: 2.0, shape: Shape::Smooth };
-/// let mut builder = ProgramBuilder::new(2000, profile, 60.0);
+/// let mut program = Program::new();
+/// let mut builder = ProgramBuilder::new(2000, mechanism, 60.0, &mut program);
 /// builder.segment(level(100.0)).unwrap();
 /// let block = builder.here();
 /// builder.segment(level(200.0)).unwrap();
 /// builder.segment(level(50.0)).unwrap();
 /// builder.repeat(block, 10).unwrap();
-/// assert_eq!(builder.build().unwrap().duration(), (3 + 10 * 6) * 2000);
+/// builder.finish().unwrap();
+/// assert_eq!(program.duration(), (3 + 10 * 6) * 2000);
 /// ```
-#[derive(Clone, Debug)]
-pub struct ProgramBuilder {
+#[derive(Debug)]
+pub struct ProgramBuilder<'a> {
     tick_hz: u32,
-    profile: Profile,
+    mechanism: AnyMechanism,
     speed_limit_hz: f64,
-    program: Program,
+    program: &'a mut Program,
 }
 
 /// Longest program: 10 years at 10 kHz, far inside 64 bits of ticks.
 const MOST_TICKS: u64 = 10_000 * 86_400 * 3_653;
 
-impl ProgramBuilder {
-    /// An empty program for a machine with this tick, profile and greatest speed (rev/s).
-    pub fn new(tick_hz: u32, profile: Profile, speed_limit_hz: f64) -> Self {
+impl<'a> ProgramBuilder<'a> {
+    /// Empties a program and builds it anew, for a machine with this tick, mechanism and greatest speed (rev/s).
+    pub fn new(
+        tick_hz: u32,
+        mechanism: AnyMechanism,
+        speed_limit_hz: f64,
+        program: &'a mut Program,
+    ) -> Self {
+        program.clear();
         Self {
             tick_hz,
-            profile,
+            mechanism,
             speed_limit_hz,
-            program: Program::default(),
+            program,
         }
     }
 
@@ -80,6 +88,7 @@ impl ProgramBuilder {
     ///
     /// # Errors
     /// Those of [`Self::segment`] and [`Self::repeat`].
+    #[cold]
     pub fn entry(&mut self, entry: &EntrySettings) -> Result<(), SettingsError> {
         match *entry {
             EntrySettings::Segment(settings) => self.segment(settings),
@@ -92,13 +101,13 @@ impl ProgramBuilder {
     /// # Errors
     /// A number out of range, a level that the greatest speed does not reach, no duration, or more
     /// than [`CAPACITY`] entries. The program is as before.
+    #[cold]
     pub fn segment(&mut self, settings: SegmentSettings) -> Result<(), SettingsError> {
-        use crate::settings::inside;
         let amax_mps2 = inside("program.amax_mps2", settings.amax_mps2, 0.0, 10_000.0)?;
         let ramp_s = inside("program.ramp_s", settings.ramp_s, 0.0, 100_000.0)?;
         let hold_s = inside("program.hold_s", settings.hold_s, 0.0, 1_000_000.0)?;
         let level = Amax::from_num(amax_mps2);
-        let needed = self.profile.speed(level);
+        let needed = self.mechanism.speed(level);
         let limit_hz = self.speed_limit_hz;
         let limit = Turns::saturating_from_num(limit_hz / f64::from(self.tick_hz));
         if needed > limit {
@@ -108,7 +117,7 @@ impl ProgramBuilder {
                     asked_mps2: amax_mps2,
                     needed_hz: needed.to_num::<f64>() * f64::from(self.tick_hz),
                     limit_hz,
-                    most_mps2: self.profile.amax(limit).to_num(),
+                    most_mps2: self.mechanism.amax(limit).to_num(),
                 },
             ));
         }
@@ -126,8 +135,8 @@ impl ProgramBuilder {
     /// # Errors
     /// An empty block, a count that is not 1 to 65,535, a program longer than ten years, or more than
     /// [`CAPACITY`] entries. The program is as before.
+    #[cold]
     pub fn repeat(&mut self, first: usize, times: u32) -> Result<(), SettingsError> {
-        use crate::settings::inside;
         inside("program.repeat", f64::from(times), 1.0, 65_535.0)?;
         if first >= self.here() {
             return Err(SettingsError::new("program.segments", Problem::RepeatEmpty));
@@ -143,6 +152,7 @@ impl ProgramBuilder {
         )
     }
 
+    #[cold]
     fn push(&mut self, entry: Entry, ticks: u64) -> Result<(), SettingsError> {
         let end = self.program.duration() + ticks;
         if end > MOST_TICKS {
@@ -159,14 +169,14 @@ impl ProgramBuilder {
         self.program.ends.push(end).map_err(|_| full)
     }
 
-    /// The program.
+    /// Ends the program.
     ///
     /// # Errors
     /// There is nothing in it.
-    pub fn build(self) -> Result<Program, SettingsError> {
+    pub fn finish(self) -> Result<(), SettingsError> {
         if self.program.entries.is_empty() {
             return Err(SettingsError::new("program", Problem::ProgramEmpty));
         }
-        Ok(self.program)
+        Ok(())
     }
 }

@@ -155,16 +155,13 @@ impl Default for Cursor {
 mod tests {
     use super::super::{ProgramBuilder, SegmentSettings, Shape};
     use super::*;
-    use crate::profile::{Profile, SliderCrank};
+    use crate::mechanism::{MechanismSettings, ScotchYokeSettings};
     use proptest::prelude::*;
     use std::vec::Vec;
 
-    fn builder() -> ProgramBuilder {
-        ProgramBuilder::new(
-            1000,
-            Profile::SliderCrank(SliderCrank::new(0.025, 0.3, 1000)),
-            100.0,
-        )
+    fn builder(program: &mut Program) -> ProgramBuilder<'_> {
+        let yoke = MechanismSettings::ScotchYoke(ScotchYokeSettings {});
+        ProgramBuilder::new(1000, yoke.mechanism(0.03, 1000), 100.0, program)
     }
 
     fn segment(level: u32, ramp_ticks: u32, hold_ticks: u32) -> SegmentSettings {
@@ -180,7 +177,8 @@ mod tests {
     #[test]
     fn repeats_play_as_if_written_out() {
         let (a, b, c) = (segment(10, 3, 2), segment(20, 2, 0), segment(5, 0, 4));
-        let mut short = builder();
+        let (mut short_program, mut long_program) = (Program::new(), Program::new());
+        let mut short = builder(&mut short_program);
         short.segment(a).unwrap();
         let outer = short.here();
         short.segment(b).unwrap();
@@ -190,7 +188,7 @@ mod tests {
         short.repeat(inner, 2).unwrap();
         short.repeat(outer, 3).unwrap();
         short.segment(c).unwrap();
-        let mut long = builder();
+        let mut long = builder(&mut long_program);
         long.segment(a).unwrap();
         for _ in 0..3 {
             long.segment(b).unwrap();
@@ -200,7 +198,9 @@ mod tests {
             }
         }
         long.segment(c).unwrap();
-        let (short, long) = (short.build().unwrap(), long.build().unwrap());
+        short.finish().unwrap();
+        long.finish().unwrap();
+        let (short, long) = (short_program, long_program);
         assert_eq!(short.duration(), long.duration());
         let (mut one, mut other) = (Cursor::new(), Cursor::new());
         while !other.is_done(&long) {
@@ -222,7 +222,8 @@ mod tests {
             entries in prop::collection::vec((0_u32..4, 0_u32..100, 0_u32..6, 0_u32..6, any::<u8>()), 1..24),
             at in any::<prop::sample::Index>(),
         ) {
-            let mut builder = builder();
+            let mut program = Program::new();
+            let mut builder = builder(&mut program);
             let mut open = Vec::new();
             builder.segment(segment(1, 1, 0)).unwrap();
             for (kind, level, ramp, hold, times) in entries {
@@ -234,7 +235,7 @@ mod tests {
                     _ => builder.segment(segment(level, ramp, hold.max(u32::from(ramp == 0)))).unwrap(),
                 }
             }
-            let program = builder.build().unwrap();
+            builder.finish().unwrap();
             let at = at.index(program.duration() as usize + 1) as u64;
             let mut played = Cursor::new();
             for _ in 0..at {
@@ -255,12 +256,14 @@ mod tests {
     /// 64 segments are the least that was promised; repeats and all, 128 entries fit.
     #[test]
     fn holds_what_it_promises_and_refuses_more() {
-        let mut builder = builder();
+        let mut program = Program::new();
+        let mut builder = builder(&mut program);
         for i in 0..CAPACITY {
             builder.segment(segment(i as u32, 1, 1)).unwrap();
         }
         let error = builder.segment(segment(1, 1, 1)).unwrap_err();
         assert_eq!(error.key, "program");
-        assert_eq!(builder.build().unwrap().duration(), 2 * CAPACITY as u64);
+        builder.finish().unwrap();
+        assert_eq!(program.duration(), 2 * CAPACITY as u64);
     }
 }

@@ -35,6 +35,20 @@ pub struct Program {
 }
 
 impl Program {
+    /// A program without entries, which is over at once.
+    pub const fn new() -> Self {
+        Self {
+            entries: heapless::Vec::new(),
+            ends: heapless::Vec::new(),
+        }
+    }
+
+    /// Removes all entries.
+    pub fn clear(&mut self) {
+        self.entries.clear();
+        self.ends.clear();
+    }
+
     /// How long the whole program lasts, in ticks.
     pub fn duration(&self) -> u64 {
         self.ends.last().copied().unwrap_or(0)

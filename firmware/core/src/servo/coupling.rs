@@ -24,6 +24,7 @@ pub struct Coupling {
 
 impl Coupling {
     /// Of settings that have been checked; none if they ask for none.
+    #[cold]
     pub fn new(settings: &Settings) -> Option<Self> {
         let correction = &settings.correction;
         if correction.coupling == 0.0 && correction.coupling_per_s == 0.0 {

@@ -1,27 +1,21 @@
-//! Inverse dynamics of the slider-crank platform, in whole numbers.
+//! Inverse dynamics of the platform, in whole numbers.
 //!
-//! With α the crank phase, β the rod's (sin β = λ sin α), and per unit crank radius
-//!
-//! - s(α) = sin α + λ sin α cos α / cos β, the platform's way per radian,
-//! - h(α) = cos α + λ (cos 2α + λ² sin⁴ α) / cos³ β, its second derivative,
-//!
-//! a platform of mass m accelerates with R (h ω² + s α″) and needs, of all cranks together, the
-//! torque m R s (R (h ω² + s α″) ± g): plus for a platform below the cranks, as the patent's formula
-//! for M has it, minus for one above. These are the exact kinematics, not the patent's two terms. An
-//! N-th of that, and what the motor's own rotor takes (J α″), is the axis's feed-forward.
+//! With s(α) and h(α) the mechanism's slope and curvature over the crank phase α, per unit crank radius R ([`crate::mechanism`]), a
+//! platform of mass m accelerates with R (h ω² + s α″). It needs, of all cranks together, the torque m R s (R (h ω² + s α″) ± g): plus
+//! for a platform below the cranks, as the patent's formula for M has it, minus for one above. An N-th of that, and what the motor's
+//! own rotor takes (J α″), is the axis's feed-forward.
 //!
 //! Error: below 2e-5 of the greatest torque (tested), from 30-bit factors and the sine's 3e-7.
 
-use crate::functions::{inverse_root_of_one_minus, multiply_q30, sine_cosine};
+use crate::functions::multiply_q30;
+use crate::mechanism::{AnyMechanism, Kinematics, Mechanism};
 use crate::settings::{MachineSettings, Problem, SettingsError};
 use crate::units::{FRACTION_BITS, ONE_TURN, Phase, Torque, Turns};
 
 /// The coefficients of one machine at one tick rate, for one motor of `N`.
 #[derive(Clone, Copy, Debug)]
 pub struct FeedForward {
-    /// λ and λ², 30 fraction bits.
-    lambda: i32,
-    lambda_squared: i32,
+    mechanism: AnyMechanism,
     /// Speeds are shifted right by this much, to fit 30 bits at the limit.
     speed_shift: u32,
     /// Accelerations likewise.
@@ -45,8 +39,10 @@ impl FeedForward {
     ///
     /// # Errors
     /// A machine whose torques do not fit a setpoint.
+    #[cold]
     pub fn new(
         machine: &MachineSettings,
+        mechanism: AnyMechanism,
         motors: usize,
         rotor_inertia_kgm2: f64,
         tick_hz: u32,
@@ -78,8 +74,7 @@ impl FeedForward {
         }
         let fixed = |nm: f64| libm::round(nm * 65_536.0) as i32;
         Ok(Self {
-            lambda: libm::round(machine.lambda * one_q30) as i32,
-            lambda_squared: libm::round(machine.lambda * machine.lambda * one_q30) as i32,
+            mechanism,
             speed_shift,
             acceleration_shift,
             centripetal: fixed(centripetal),
@@ -93,7 +88,10 @@ impl FeedForward {
     /// tick²), in its own sense of rotation.
     pub fn torque(&self, phase: Phase, speed: Turns, acceleration: Turns) -> Torque {
         let angle = (phase.within_turn().to_bits() >> (FRACTION_BITS - 32)) as u32;
-        let (s, h) = self.kinematics(angle);
+        let Kinematics {
+            slope: s,
+            curvature: h,
+        } = self.mechanism.kinematics(angle);
         let speed = (speed.to_bits() >> self.speed_shift) as i32;
         let acceleration = (acceleration.to_bits() >> self.acceleration_shift) as i32;
         let speed_squared = multiply_q30(speed, speed);
@@ -102,25 +100,6 @@ impl FeedForward {
             + multiply_q30(self.tangential, multiply_q30(s, acceleration))
             + self.gravity;
         Torque::from_bits(multiply_q30(force, s) + multiply_q30(self.rotor, acceleration))
-    }
-
-    /// s and h, 30 fraction bits, of an angle with 2³² to the turn.
-    fn kinematics(&self, angle: u32) -> (i32, i32) {
-        let turn = sine_cosine(angle);
-        let (sine, cosine) = (turn.sine, turn.cosine);
-        let sine_squared = multiply_q30(sine, sine);
-        let obliquity = multiply_q30(self.lambda_squared, sine_squared); // sin² β
-        let secant = inverse_root_of_one_minus(obliquity); // 1 / cos β
-        let s = sine
-            + multiply_q30(
-                multiply_q30(self.lambda, sine),
-                multiply_q30(cosine, secant),
-            );
-        let cosine_double = (1 << 30) - sine_squared - sine_squared;
-        let bracket = cosine_double + multiply_q30(obliquity, sine_squared);
-        let secant_cubed = multiply_q30(multiply_q30(secant, secant), secant);
-        let h = cosine + multiply_q30(self.lambda, multiply_q30(bracket, secant_cubed));
-        (s, h)
     }
 }
 
@@ -133,6 +112,7 @@ fn shift_to_30_bits(most: Turns) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanism::{MechanismSettings, SliderCrankSettings};
     use crate::settings::Platform;
 
     /// The formulas of this module's head in f64, at every degree, several speeds and accelerations.
@@ -148,7 +128,7 @@ mod tests {
             for platform in [Platform::Below, Platform::Above] {
                 let machine = MachineSettings {
                     crank_radius_m: radius_m,
-                    lambda,
+                    mechanism: MechanismSettings::SliderCrank(SliderCrankSettings { lambda }),
                     load_kg,
                     platform,
                     gravity_mps2: 9.80665,
@@ -156,8 +136,16 @@ mod tests {
                 };
                 let top = Turns::from_num(top_hz / hz);
                 let top_acceleration = Turns::from_num(100.0 / hz / hz);
-                let forward =
-                    FeedForward::new(&machine, 4, 1e-3, tick_hz, top, top_acceleration).unwrap();
+                let forward = FeedForward::new(
+                    &machine,
+                    machine.mechanism.mechanism(radius_m, tick_hz),
+                    4,
+                    1e-3,
+                    tick_hz,
+                    top,
+                    top_acceleration,
+                )
+                .unwrap();
                 let mut worst = (0.0_f64, 0.0_f64);
                 for degree in 0..360 {
                     for (speed_hz, acceleration) in

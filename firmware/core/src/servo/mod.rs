@@ -24,6 +24,13 @@ pub struct Setpoint {
 }
 
 impl Setpoint {
+    /// At phase zero, at rest, without torque.
+    pub const ZERO: Self = Self {
+        position: Phase::ZERO,
+        velocity: Turns::ZERO,
+        torque: Torque::ZERO,
+    };
+
     /// The same for a motor that is mounted the other way round.
     #[must_use]
     pub const fn reversed(self) -> Self {

@@ -4,33 +4,27 @@
 //! the modules' own builders make of them, and cannot meet a bad setting because none gets through.
 
 mod error;
-mod ready;
 #[cfg(test)]
 pub(crate) mod sample;
 #[cfg(test)]
 mod tests;
 
-use error::finite;
-pub(crate) use error::inside;
+pub use cophase_motion::settings::{
+    BandSettings, CLOCK_HZ, LimitSettings, MAX_BANDS, PulseSettings, inside, turns, turns_at_most,
+};
 pub use error::{Problem, SettingsError};
-pub use ready::Ready;
 
 use crate::drift::index_filter::MOST_OF_TICK;
-use crate::program::{CAPACITY, EntrySettings};
-use crate::units::{FRACTION_BITS, MAX_AXES, Turns};
-
-/// Clock of the step hardware: one cycle is 8 ns.
-pub const CLOCK_HZ: u32 = 125_000_000;
+use crate::mechanism::{AnyMechanism, MechanismSettings, ScotchYokeSettings};
+use crate::program::{CAPACITY, EntrySettings, Program, ProgramBuilder};
+use crate::units::MAX_AXES;
 
 /// Longest name of a machine, bytes of UTF-8.
 pub const NAME_BYTES: usize = 32;
 
-/// How many forbidden bands a shaft may have.
-pub const MAX_BANDS: usize = 4;
-
 /// Everything that a user sets for one machine's control loop: limits, axes and program.
 ///
-/// Nothing in it has been checked: it may come from a memory chip. [`Settings::ready`] finds what is wrong with it.
+/// Nothing in it has been checked: it may come from a memory chip. [`crate::controller::Controller::configure`] finds what is wrong with it.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Settings {
@@ -83,14 +77,14 @@ impl Platform {
     }
 }
 
-/// The slider-crank platform.
+/// The mechanism, and what it carries.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MachineSettings {
     /// Crank radius, metres, 0.1 mm to 0.5 m.
     pub crank_radius_m: f64,
-    /// Crank radius over rod length, 0.1 to 0.6.
-    pub lambda: f64,
+    /// What the crank moves the platform by.
+    pub mechanism: MechanismSettings,
     /// Mass on the platform, kg, above 0, up to 50.
     pub load_kg: f64,
     /// Which way up.
@@ -99,49 +93,6 @@ pub struct MachineSettings {
     pub gravity_mps2: f64,
     /// Radius of the circle on which the cranks stand, metres, 10 mm to 5 m.
     pub mount_radius_m: f64,
-}
-
-/// What the master shaft may do.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct LimitSettings {
-    /// Greatest speed, rev/s, up to 200.
-    pub speed_hz: f64,
-    /// Greatest acceleration, rev/s².
-    pub acceleration_hz_per_s: f64,
-    /// Greatest jerk, rev/s³.
-    pub jerk_hz_per_s2: f64,
-    /// Greatest acceleration of a stop that a fault asks for, rev/s², not below the usual one: what the motors'
-    /// torque allows.
-    pub stop_acceleration_hz_per_s: f64,
-    /// Its greatest jerk, rev/s³, not below the usual one.
-    pub stop_jerk_hz_per_s2: f64,
-    /// Speed of the slow turn that finds the index pulses and a parking phase, rev/s.
-    pub creep_hz: f64,
-    /// Speeds at which the machine must not dwell, lowest first.
-    pub bands: heapless::Vec<BandSettings, MAX_BANDS>,
-}
-
-/// A band of speeds that is crossed, never dwelt in; its edges are allowed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct BandSettings {
-    /// Lower edge, rev/s.
-    pub from_hz: f64,
-    /// Upper edge, rev/s.
-    pub to_hz: f64,
-}
-
-/// Timing that the drives' inputs ask for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct PulseSettings {
-    /// Shortest time that STEP must stay high, and low, nanoseconds.
-    pub width_ns: f64,
-    /// DIR must be stable this long before a rising STEP edge, nanoseconds.
-    pub dir_setup_ns: f64,
-    /// DIR must stay this long after a rising STEP edge, nanoseconds.
-    pub dir_hold_ns: f64,
 }
 
 /// What counts as a pulse of an index line.
@@ -161,6 +112,8 @@ pub enum DriveKind {
     Stepper,
     /// Position, velocity and torque setpoints each tick.
     Servo,
+    /// Step and direction pulses to a servo drive, which closes its position loop by itself: it loses no steps, and has an alarm.
+    PulseServo,
 }
 
 /// One motor and its crank.
@@ -227,6 +180,12 @@ pub struct CorrectionSettings {
     pub coupling_per_s: f64,
 }
 
+impl Default for Settings {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl CorrectionSettings {
     /// Drift is watched, and nothing done about it within the limits.
     pub const NONE: Self = Self {
@@ -238,10 +197,55 @@ impl CorrectionSettings {
 }
 
 impl Settings {
+    /// Settings without axes or program, to be filled in.
+    pub const fn new() -> Self {
+        Self {
+            name: heapless::String::new(),
+            tick_hz: 0,
+            machine: MachineSettings {
+                crank_radius_m: 0.0,
+                mechanism: MechanismSettings::ScotchYoke(ScotchYokeSettings {}),
+                load_kg: 0.0,
+                platform: Platform::Below,
+                gravity_mps2: 0.0,
+                mount_radius_m: 0.0,
+            },
+            limits: LimitSettings {
+                speed_hz: 0.0,
+                acceleration_hz_per_s: 0.0,
+                jerk_hz_per_s2: 0.0,
+                stop_acceleration_hz_per_s: 0.0,
+                stop_jerk_hz_per_s2: 0.0,
+                creep_hz: 0.0,
+                bands: heapless::Vec::new(),
+            },
+            pulse: PulseSettings {
+                width_ns: 0.0,
+                dir_setup_ns: 0.0,
+                dir_hold_ns: 0.0,
+            },
+            index: IndexSettings { width_us: 0.0 },
+            axes: heapless::Vec::new(),
+            trims_turns: heapless::Vec::new(),
+            drift: DriftSettings {
+                tilt_limit_mrad: 0.0,
+                warp_limit_deg: 0.0,
+                common_limit_deg: 0.0,
+                reading_deg: 0.0,
+                lag_s: 0.0,
+            },
+            correction: CorrectionSettings::NONE,
+            park_turns: 0.0,
+            settle_s: 0.0,
+            program: heapless::Vec::new(),
+        }
+    }
+
     /// Checks every number by itself and against the others.
     ///
     /// # Errors
     /// The first setting that is wrong, with its key, what it is and what it may be.
+    #[cold]
     pub fn check(&self) -> Result<(), SettingsError> {
         inside("axes.count", self.axes.len() as f64, 1.0, MAX_AXES as f64)?;
         inside("control.tick_hz", f64::from(self.tick_hz), 500.0, 10_000.0)?;
@@ -253,14 +257,7 @@ impl Settings {
         }
         self.machine.check()?;
         self.limits.check(f64::from(self.tick_hz))?;
-        inside("pulse.width_ns", self.pulse.width_ns, 8.0, 100_000.0)?;
-        inside(
-            "pulse.dir_setup_ns",
-            self.pulse.dir_setup_ns,
-            0.0,
-            100_000.0,
-        )?;
-        inside("pulse.dir_hold_ns", self.pulse.dir_hold_ns, 0.0, 100_000.0)?;
+        self.pulse.check()?;
         self.index.check(self.tick_hz)?;
         for (i, axis) in self.axes.iter().enumerate() {
             axis.check().map_err(|e| e.on_entry(i))?;
@@ -291,6 +288,38 @@ impl Settings {
         Ok(())
     }
 
+    /// The mechanism of these settings' machine, for this tick rate.
+    #[cold]
+    pub fn mechanism(&self) -> AnyMechanism {
+        let MachineSettings {
+            mechanism,
+            crank_radius_m,
+            ..
+        } = self.machine;
+        mechanism.mechanism(crank_radius_m, self.tick_hz)
+    }
+
+    /// A builder of programs for these settings' machine, which empties `program` first.
+    #[cold]
+    pub fn program_builder<'a>(&self, program: &'a mut Program) -> ProgramBuilder<'a> {
+        ProgramBuilder::new(
+            self.tick_hz,
+            self.mechanism(),
+            self.limits.speed_hz,
+            program,
+        )
+    }
+
+    /// Replaces a program with that of these settings.
+    #[cold]
+    pub(crate) fn fill_program(&self, program: &mut Program) -> Result<(), SettingsError> {
+        let mut builder = self.program_builder(program);
+        for (i, entry) in self.program.iter().enumerate() {
+            builder.entry(entry).map_err(|error| error.on_entry(i))?;
+        }
+        builder.finish()
+    }
+
     /// Cycles of the step clock in one control tick.
     pub const fn tick_cycles(&self) -> u32 {
         CLOCK_HZ / self.tick_hz
@@ -298,6 +327,7 @@ impl Settings {
 }
 
 impl CorrectionSettings {
+    #[cold]
     fn check(&self) -> Result<(), SettingsError> {
         inside("correction.part", self.part, 0.0, 1.0)?;
         inside("correction.coupling", self.coupling, 0.0, 20.0)?;
@@ -308,6 +338,7 @@ impl CorrectionSettings {
 }
 
 impl IndexSettings {
+    #[cold]
     fn check(&self, tick_hz: u32) -> Result<(), SettingsError> {
         let width_us = inside("index.width_us", self.width_us, 0.1, 100.0)?;
         let most_us = 1e6 / f64::from(tick_hz * MOST_OF_TICK);
@@ -325,6 +356,7 @@ impl IndexSettings {
 }
 
 impl MachineSettings {
+    #[cold]
     fn check(&self) -> Result<(), SettingsError> {
         inside(
             "machine.crank_radius_mm",
@@ -332,7 +364,7 @@ impl MachineSettings {
             0.1,
             500.0,
         )?;
-        inside("machine.lambda", self.lambda, 0.1, 0.6)?;
+        self.mechanism.check()?;
         inside("machine.load_kg", self.load_kg, 1e-3, 50.0)?;
         inside("machine.gravity_mps2", self.gravity_mps2, 0.0, 20.0)?;
         inside(
@@ -345,111 +377,8 @@ impl MachineSettings {
     }
 }
 
-/// The shaft's exact stop rounds by up to four units of the last place of jerk; below this the
-/// rounding would be a noticeable part of the limit.
-const LEAST_JERK_BITS: f64 = 64.0;
-
-/// Longest way to full speed: time, and turns at full speed for that time.
-const MOST_RAMP_S: f64 = 600.0;
-const MOST_RAMP_TURNS: f64 = 30_000.0;
-
-/// Least room between two forbidden bands, and between the creep speed and the first.
-const LEAST_GAP_HZ: f64 = 1e-3;
-
-impl LimitSettings {
-    /// The acceleration limit, or what the jerk lets the shaft reach at all: between rest and full
-    /// speed V its acceleration stays below sqrt(2 J V), as letting it go gains a²/2J of speed.
-    pub(crate) fn reachable_acceleration_hz_per_s(&self) -> f64 {
-        self.reachable(self.acceleration_hz_per_s, self.jerk_hz_per_s2)
-    }
-
-    /// The same in a stop that a fault asks for. It is the greatest of all, as no limit of that stop is below the usual.
-    ///
-    /// Letting it go takes 2 sqrt(V/J) at most, which is the least that V/a + a/J can be: the check of the usual ramp's
-    /// length holds for this one too.
-    pub(crate) fn reachable_stop_acceleration_hz_per_s(&self) -> f64 {
-        self.reachable(self.stop_acceleration_hz_per_s, self.stop_jerk_hz_per_s2)
-    }
-
-    fn reachable(&self, acceleration_hz_per_s: f64, jerk_hz_per_s2: f64) -> f64 {
-        acceleration_hz_per_s.min(2.0 * libm::sqrt(jerk_hz_per_s2 * self.speed_hz))
-    }
-
-    pub(crate) fn check(&self, tick_hz: f64) -> Result<(), SettingsError> {
-        let one = (1_u64 << FRACTION_BITS) as f64;
-        let speed_hz = inside("limits.speed_hz", self.speed_hz, 0.1, 200.0)?;
-        let least = LEAST_JERK_BITS / one * tick_hz * tick_hz;
-        inside(
-            "limits.acceleration_hz_per_s",
-            self.acceleration_hz_per_s,
-            least.max(0.01),
-            speed_hz * tick_hz,
-        )?;
-        inside(
-            "limits.jerk_hz_per_s2",
-            self.jerk_hz_per_s2,
-            (least * tick_hz).max(0.01),
-            speed_hz * tick_hz * tick_hz,
-        )?;
-        // A fault's stop is at least as fast as any other.
-        inside(
-            "limits.stop_acceleration_hz_per_s",
-            self.stop_acceleration_hz_per_s,
-            self.acceleration_hz_per_s,
-            speed_hz * tick_hz,
-        )?;
-        inside(
-            "limits.stop_jerk_hz_per_s2",
-            self.stop_jerk_hz_per_s2,
-            self.jerk_hz_per_s2,
-            speed_hz * tick_hz * tick_hz,
-        )?;
-        // A ramp's way is to fit into the phase's own format, which holds 32,768 turns.
-        let acceleration = self.reachable_acceleration_hz_per_s();
-        let ramp_s = speed_hz / acceleration + acceleration / self.jerk_hz_per_s2;
-        if ramp_s > MOST_RAMP_S || ramp_s * speed_hz > MOST_RAMP_TURNS {
-            return Err(SettingsError::new(
-                "limits.acceleration_hz_per_s",
-                Problem::RampTooLong {
-                    ramp_s,
-                    turns: ramp_s * speed_hz,
-                },
-            ));
-        }
-        inside("limits.creep_hz", self.creep_hz, 0.01, speed_hz.min(10.0))?;
-        let mut below = self.creep_hz;
-        for (i, band) in self.bands.iter().enumerate() {
-            let place = |e: SettingsError| e.on_entry(i);
-            finite("limits.band.from_hz", band.from_hz).map_err(place)?;
-            finite("limits.band.to_hz", band.to_hz).map_err(place)?;
-            if band.to_hz <= band.from_hz {
-                return Err(place(SettingsError::new(
-                    "limits.band.to_hz",
-                    Problem::BandUpsideDown(band.from_hz, band.to_hz),
-                )));
-            }
-            // A hair between two bands would be lost when their edges become whole numbers.
-            if band.from_hz - below < LEAST_GAP_HZ {
-                let problem = if i == 0 {
-                    Problem::BandCoversCreep(band.from_hz, below)
-                } else {
-                    Problem::BandsOverlap(band.from_hz, below)
-                };
-                return Err(place(SettingsError::new("limits.band.from_hz", problem)));
-            }
-            if band.to_hz >= speed_hz {
-                return Err(place(SettingsError::new(
-                    "limits.band.to_hz",
-                    Problem::BandCoversTop(band.to_hz, speed_hz),
-                )));
-            }
-            below = band.to_hz;
-        }
-        Ok(())
-    }
-}
-
 impl AxisSettings {
+    #[cold]
     fn check(&self) -> Result<(), SettingsError> {
         inside(
             "axes.steps_per_turn",
@@ -498,6 +427,7 @@ impl AxisSettings {
 }
 
 /// The longest beginning of a name that [`Settings`] hold, in whole characters.
+#[cold]
 pub fn short_name(name: &str) -> heapless::String<NAME_BYTES> {
     let mut short = heapless::String::new();
     for c in name.chars() {
@@ -506,14 +436,4 @@ pub fn short_name(name: &str) -> heapless::String<NAME_BYTES> {
         }
     }
     short
-}
-
-/// A checked number of turns, to the nearest unit of the last place.
-pub(crate) fn turns(value: f64) -> Turns {
-    Turns::saturating_from_num(value)
-}
-
-/// A checked limit in turns, rounded down so that keeping to it keeps to what was asked.
-pub(crate) fn turns_at_most(value: f64) -> i64 {
-    libm::floor(value * (1_u64 << FRACTION_BITS) as f64) as i64
 }

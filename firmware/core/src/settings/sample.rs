@@ -1,6 +1,7 @@
 //! Settings of an ordinary machine, for tests to change.
 
 use super::*;
+use crate::mechanism::SliderCrankSettings;
 use crate::program::{SegmentSettings, Shape};
 
 /// A level that lasts 3 s in all.
@@ -34,7 +35,7 @@ pub(crate) fn settings(axes: usize) -> Settings {
         tick_hz: 2000,
         machine: MachineSettings {
             crank_radius_m: 0.02,
-            lambda: 0.3,
+            mechanism: MechanismSettings::SliderCrank(SliderCrankSettings { lambda: 0.3 }),
             load_kg: 10.0,
             platform: Platform::Above,
             gravity_mps2: 9.80665,

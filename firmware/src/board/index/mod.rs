@@ -52,6 +52,7 @@ pub struct Index {
 
 impl Index {
     /// Sets up pins, machine and channel. `tick_cycles` is a tick's cycles.
+    #[cold]
     pub fn new(tick_cycles: u32) -> Self {
         let program = program::index_program();
         let origin = steps::PROGRAM_LENGTH;

@@ -37,6 +37,7 @@ pub struct Ring {
 
 impl Ring {
     /// Sets the channel on the machine's FIFO.
+    #[cold]
     pub fn new() -> Self {
         let channel = pac::DMA.ch(CHANNEL);
         channel

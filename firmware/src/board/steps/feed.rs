@@ -31,6 +31,7 @@ static LATE: AtomicU8 = AtomicU8::new(0);
 static QUEUED: Mutex<[Cell<Option<Words>>; AXES]> = Mutex::new([const { Cell::new(None) }; AXES]);
 
 /// Sets up the channel of an axis: channel i is axis i's.
+#[cold]
 pub fn set_up(axis: usize) {
     let channel = pac::DMA.ch(axis);
     let machine = machine_of(axis);
@@ -48,6 +49,7 @@ pub fn set_up(axis: usize) {
 }
 
 /// Lets the interrupt through, above all else: it is short, and what it does must not wait.
+#[cold]
 pub fn listen() {
     interrupt::DMA_IRQ_1.set_priority(Priority::P0);
     // SAFETY: the handler below is all that this interrupt calls, and what it shares is behind a mutex.

@@ -106,6 +106,7 @@ pub struct Steps {
 
 impl Steps {
     /// Sets up pins, machines and channels of as many axes as there are in `reversed`. Nothing moves yet.
+    #[cold]
     pub fn new(buffers: &'static mut Buffers, reversed: &[bool], tick: Duration) -> Self {
         let axes = reversed.len().min(AXES);
         let program = program::step_program();
@@ -166,7 +167,6 @@ impl Steps {
     }
 
     /// Channels of axes that share a plan, and are reversed alike, read the words of the first of these axes.
-    #[cold]
     #[inline(never)]
     fn assign_words(&mut self, sharing: Sharing) {
         self.sharing = Some(sharing);
@@ -284,6 +284,7 @@ fn has_run_dry(axis: usize) -> bool {
 
 /// Sets up the state machine of an axis, and its two pins. It waits at the program's first instruction,
 /// which is at address 0.
+#[cold]
 fn set_up_machine(axis: usize, wrap: Wrap) {
     let (block, machine) = (block_of(axis), machine_of(axis));
     let (step, dir) = (pins::STEP[axis], pins::DIR[axis]);

@@ -23,6 +23,7 @@ const MOST_CYCLES: u32 = 64;
 const COUNT: u32 = 0xFF_FFFF;
 
 /// Lets SysTick count.
+#[cold]
 pub fn set_up() {
     const ENABLE: u32 = 1;
     const CORE_CLOCK: u32 = 1 << 2;

@@ -7,7 +7,6 @@ mod frame;
 mod linear;
 mod rods;
 
-use cophase_core::settings::Settings;
 use cophase_methods::Scheme;
 use cophase_methods::accuracy::LONGEST_H_OMEGA;
 use cophase_methods::problems::Chain;
@@ -17,7 +16,6 @@ use crate::dynamics::{Driven, Mode};
 use crate::machine::{Machine, Rotors};
 use crate::scene::file::{Fidelity, MethodName, Rods};
 use crate::scene::{Checked, SceneError};
-use crate::with_axes;
 use cranks::Cranks;
 use followers::Followers;
 use linear::{Drive, worst};
@@ -58,15 +56,13 @@ impl Bounds {
         let top = checked
             .on(Fidelity::Elastic)
             .or_else(|_| checked.on(Fidelity::Phased))?;
-        with_axes!(checked.scene.axes.count, N => {
-            let machine = Machine::<N>::new(&top)?;
-            let settings = top.settings::<N>()?;
-            let driven = machine.rotors().map(Rotors::driven);
-            let driven = driven.ok_or_else(|| SceneError::at("machine", "has no cranks that torque moves"))?;
-            Ok(Self {
-                imposed: imposed(&top, driven.fastest_mode())?,
-                of: Of::Cranks(Box::new(cranks(&top, &settings, driven))),
-            })
+        let machine = Machine::new(&top)?;
+        let driven = machine.rotors().map(Rotors::driven);
+        let driven =
+            driven.ok_or_else(|| SceneError::at("machine", "has no cranks that torque moves"))?;
+        Ok(Self {
+            imposed: imposed(&top, driven.fastest_mode())?,
+            of: Of::Cranks(Box::new(cranks(&top, driven))),
         })
     }
 
@@ -128,7 +124,7 @@ fn imposed(top: &Checked, mode: Mode) -> Result<Option<f64>, SceneError> {
     if asked.name == MethodName::Auto && asked.steps_per_tick.is_none() {
         return Ok(None);
     }
-    let method = with_axes!(top.scene.axes.count, N => Machine::<N>::new(top)?.method());
+    let method = Machine::new(top)?.method();
     let tick_s = 1.0 / f64::from(top.scene.control.tick_hz);
     Ok(method.map(|(scheme, steps)| {
         let h_omega = mode.omega_rad_s * tick_s / f64::from(steps);
@@ -161,7 +157,8 @@ fn follower_mode(top: &Checked) -> Mode {
     })
 }
 
-fn cranks<const N: usize>(checked: &Checked, settings: &Settings<N>, driven: &Driven) -> Cranks {
+fn cranks(checked: &Checked, driven: &Driven) -> Cranks {
+    let settings = &checked.settings;
     let drive = Drive {
         top_rad_s: std::f64::consts::TAU * checked.top_speed_hz(),
         // A fault's stop is the hardest of all ramps.
@@ -174,7 +171,7 @@ fn cranks<const N: usize>(checked: &Checked, settings: &Settings<N>, driven: &Dr
             .collect(),
         offsets: settings.axes.iter().map(|axis| axis.offset_turns).collect(),
     };
-    let standing = (0..N).map(|i| {
+    let standing = (0..settings.axes.len()).map(|i| {
         let apart = checked.apart(i);
         apart.map_or(0.0, |apart| (apart.start_deg + apart.trim_deg).to_radians())
     });

@@ -2,11 +2,11 @@
 //!
 //! A chain is linear, so that exact discretisation is the method of choice: its step is chosen for what is to be seen.
 
-use cophase_core::settings::MAX_AXES;
+use cophase_core::units::MAX_AXES;
 use cophase_methods::problems::Chain;
 use cophase_methods::{Equations, Method, Scheme, StepError};
 
-use super::{Peaks, Pusher, Turned};
+use super::pusher::{Peaks, Pusher, Turned};
 use crate::machine::Chosen;
 use crate::machine::MOST_STEPS;
 

@@ -10,6 +10,7 @@
 //! - *tilt* is what phase errors do to a platform, and followers have none. Its limit is set to where the errors' first mode
 //!   is as large as `drift.warp_limit_deg`: one limit, in degrees, for all modes but the common one.
 
+use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
 use cophase_core::settings::{DriftSettings, MachineSettings, Platform};
 use cophase_methods::problems::{Cam, Links, Shaft};
 
@@ -154,7 +155,7 @@ pub(super) fn told(follower: &Follower) -> MachineSettings {
     let crank_radius_m = crank_radius_m(&follower.cam);
     MachineSettings {
         crank_radius_m,
-        lambda: LAMBDA,
+        mechanism: MechanismSettings::SliderCrank(SliderCrankSettings { lambda: LAMBDA }),
         load_kg: LOAD_KG,
         platform: Platform::Above,
         gravity_mps2: 0.0,
@@ -165,11 +166,8 @@ pub(super) fn told(follower: &Follower) -> MachineSettings {
 
 /// The limits that the core is told: that on tilt stands for one on the first mode, in degrees as the others.
 pub(super) fn drift(drift: &Drift, machine: &MachineSettings) -> Result<DriftSettings, SceneError> {
-    let mechanism = SliderCrank::new(
-        machine.crank_radius_m,
-        machine.crank_radius_m / machine.lambda,
-    )
-    .map_err(|error| SceneError::at("cam", error.to_string()))?;
+    let mechanism =
+        SliderCrank::of(machine).map_err(|error| SceneError::at("cam", error.to_string()))?;
     // As the core has it: half a degree finds the greatest way a radian to 4e-5.
     let way = (0..360)
         .map(|half_degree| mechanism.s((f64::from(half_degree) * 0.5).to_radians()))

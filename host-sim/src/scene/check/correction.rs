@@ -57,7 +57,7 @@ pub fn plant(scene: &Scene, machine: &MachineSettings) -> Result<Plant, SceneErr
         ));
     }
     let radius_m = machine.crank_radius_m;
-    let mechanism = SliderCrank::new(radius_m, radius_m / machine.lambda)
+    let mechanism = SliderCrank::of(machine)
         .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
     let way = (0..180).map(|degree| mechanism.s(f64::from(degree).to_radians()));
     let lever_m = radius_m * way.fold(0.0, f64::max);

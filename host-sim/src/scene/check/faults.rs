@@ -3,10 +3,9 @@
 //! A fault that moves a crank needs cranks that can be moved one by one: on cams a shaft is where it is told to be, and on the
 //! rigid rung all cranks are one.
 
-use super::Checked;
 use super::numbers::range;
-use crate::scene::SceneError;
 use crate::scene::file::{Axes, Drive, FaultAt, FaultName, Fidelity, Lines, Noise, Scene};
+use crate::scene::{Checked, SceneError};
 
 /// What a kind takes of the keys of a `[[fault]]`, beside `at_s` and `kind`.
 struct Takes {

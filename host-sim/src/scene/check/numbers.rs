@@ -1,5 +1,6 @@
 //! Numbers of a scene that the core never sees, or sees in another form.
 
+use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
 use cophase_core::settings::{MAX_BANDS, MachineSettings, Problem};
 
 use crate::fidelity::Output;
@@ -24,11 +25,7 @@ fn lambda(machine: &file::Machine) -> Result<f64, SceneError> {
             let high = (machine.crank_radius_mm / 0.1 * 100.0).floor() / 100.0;
             Err(SceneError::of(
                 "machine.rod_length_mm",
-                Problem::OutOfRange {
-                    value: length_mm,
-                    low,
-                    high,
-                },
+                Problem::out_of_range(length_mm, low, high),
             )
             .because("1.67 to 10 crank radii"))
         }
@@ -84,7 +81,9 @@ pub(super) fn check_apart(
 pub(super) fn crank(machine: &file::Machine) -> Result<MachineSettings, SceneError> {
     Ok(MachineSettings {
         crank_radius_m: machine.crank_radius_mm / 1e3,
-        lambda: lambda(machine)?,
+        mechanism: MechanismSettings::SliderCrank(SliderCrankSettings {
+            lambda: lambda(machine)?,
+        }),
         load_kg: machine.load_kg,
         platform: machine.platform.into(),
         gravity_mps2: machine.gravity_mps2,
@@ -237,10 +236,7 @@ pub(super) fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), Sc
     if (low..=high).contains(&value) {
         return Ok(());
     }
-    Err(SceneError::of(
-        key,
-        Problem::OutOfRange { value, low, high },
-    ))
+    Err(SceneError::of(key, Problem::out_of_range(value, low, high)))
 }
 
 /// What is given of steppers' torque must be able to act.

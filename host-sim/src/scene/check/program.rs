@@ -67,7 +67,7 @@ fn append(
 const _: () = assert!(CAPACITY <= 255, "an entry's number fits a byte");
 
 /// The core's error about one entry, at the key that stands in the file; `None` if it is about something else.
-pub(super) fn placed(entries: &[Segment], error: &SettingsError) -> Option<SceneError> {
+pub(in crate::scene) fn placed(entries: &[Segment], error: &SettingsError) -> Option<SceneError> {
     let name = error.key.strip_prefix("program")?;
     let all = flat(entries).ok()?;
     let (_, path) = all.get(error.entry?)?;
@@ -80,11 +80,11 @@ pub(super) fn placed(entries: &[Segment], error: &SettingsError) -> Option<Scene
 /// A problem with a level: the core reckons in m/s², the file in g.
 fn in_g(key: String, problem: Problem) -> SceneError {
     let g = |mps2: f64| mps2 / STANDARD_GRAVITY_MPS2;
+    if let Some((value, low, high)) = problem.range() {
+        let high = (g(high) * 10.0).floor() / 10.0;
+        return SceneError::of(key, Problem::out_of_range(g(value), g(low), high));
+    }
     match problem {
-        Problem::OutOfRange { value, low, high } => {
-            let (value, low, high) = (g(value), g(low), (g(high) * 10.0).floor() / 10.0);
-            SceneError::of(key, Problem::OutOfRange { value, low, high })
-        }
         Problem::LevelOutOfReach {
             asked_mps2,
             needed_hz,

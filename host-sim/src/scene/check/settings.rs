@@ -4,21 +4,21 @@
 use cophase_core::program::{CAPACITY, EntrySettings};
 use cophase_core::settings::{
     AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, IndexSettings,
-    LimitSettings, MAX_AXES, MAX_BANDS, MachineSettings, PulseSettings,
+    LimitSettings, MAX_BANDS, MachineSettings, PulseSettings, Settings, short_name,
 };
-use cophase_core::setup::{Setup, short_name};
+use cophase_core::units::MAX_AXES;
 
 use crate::scene::file::{AxisApart, Drive, Scene};
 
 /// All that a scene tells the core, of the mechanism and drift what was made of them. Of axes, bands and program entries those that there is room for; more have
 /// been refused before.
-pub(super) fn setup(
+pub(super) fn settings(
     scene: &Scene,
     machine: MachineSettings,
     drift: DriftSettings,
     correction: CorrectionSettings,
     program: impl IntoIterator<Item = EntrySettings>,
-) -> Setup {
+) -> Settings {
     let limits = &scene.limits;
     let bands: heapless::Vec<_, MAX_BANDS> = limits
         .band
@@ -31,7 +31,7 @@ pub(super) fn setup(
         .collect();
     let numbers = 0..scene.axes.count.min(MAX_AXES);
     let trim_deg = |i| scene.apart(i).map_or(0.0, |apart| apart.trim_deg);
-    Setup {
+    Settings {
         name: short_name(&scene.name),
         tick_hz: scene.control.tick_hz,
         machine,
@@ -90,7 +90,7 @@ fn axis(scene: &Scene, number: usize) -> AxisSettings {
         encoder: axes.encoder,
         cycle_steps: match drive {
             DriveKind::Stepper => cycle_steps(steps_per_turn, axes.full_steps_per_turn),
-            DriveKind::Servo => 0,
+            DriveKind::Servo | DriveKind::PulseServo => 0,
         },
         trim_limit_turns: axes.trim_limit_deg / 360.0,
         trim_rate_hz: axes.trim_rate_deg_per_s / 360.0,

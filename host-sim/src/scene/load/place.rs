@@ -4,6 +4,7 @@
 
 use toml::de::{DeTable, DeValue};
 
+use crate::scene::Scene;
 use crate::scene::library::SCENES;
 
 /// The line of a byte, counted from 1.
@@ -98,7 +99,7 @@ pub(super) fn example(path: &str) -> Option<String> {
 /// The heading under which a key belongs, if it is a scene's key.
 pub(super) fn heading_of(key: &str) -> Option<String> {
     SCENES.iter().find_map(|built_in| {
-        let whole = toml::Table::try_from(built_in.scene()).ok()?;
+        let whole = toml::Table::try_from(toml::from_str::<Scene>(built_in.text).ok()?).ok()?;
         whole.into_iter().find_map(|(name, value)| match value {
             toml::Value::Table(table) if table.contains_key(key) => Some(format!("[{name}]")),
             toml::Value::Array(entries) if entries.iter().any(|e| e.get(key).is_some()) => {

@@ -6,12 +6,11 @@ use kuva::render::annotations::{ReferenceLine, ShadedRegion};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 
+use super::curve;
+use super::data::ScopeData;
 use super::envelope::Extent;
+use super::ink::VERMILION;
 use super::scale::{TimeAxis, plain};
-use super::{ScopeData, curve};
-
-/// Limits and faults, and nothing else.
-pub const VERMILION: &str = "#D55E00";
 
 /// One panel, ready to be laid out: kuva's plots, and the layout without its place on the page.
 pub struct Panel {

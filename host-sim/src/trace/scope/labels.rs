@@ -5,9 +5,8 @@
 
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
-use super::ScopeData;
-use super::draft::VERMILION;
-use super::page::{MUTED, WIDTH, at, fits, text, text_anchored, width};
+use super::data::ScopeData;
+use super::ink::{MUTED, VERMILION, WIDTH, at, fits, text, text_anchored, width};
 use super::scale::TimeAxis;
 
 /// Height of a lane, px.

@@ -11,112 +11,14 @@
 //! What is not a finite number is left out of the picture; a row without a finite time is left out entirely.
 
 mod curve;
+mod data;
 mod draft;
 mod envelope;
+mod ink;
 mod labels;
 mod page;
 mod panel;
 mod scale;
 mod timeline;
 
-use self::envelope::Envelope;
-use self::timeline::Timeline;
-use super::Row;
-
-/// What stands around the curves.
-#[derive(Clone, Debug, Default)]
-pub struct ScopeFrame {
-    /// The scene's name.
-    pub title: String,
-    /// A line under it: the machine, the method, how it ended.
-    pub subtitle: String,
-    /// Speeds not to dwell in, Hz, each from low to high.
-    pub bands_hz: Vec<(f64, f64)>,
-    /// What one g is, m/s². Standard gravity is taken if this is not above zero.
-    pub gravity_mps2: f64,
-    /// Tilt at which the supervisor acts, mrad either way.
-    pub tilt_limit_mrad: Option<f64>,
-    /// Drift at which the supervisor acts, degrees either way.
-    pub drift_limit_deg: Option<f64>,
-    /// Whether cams move pushers, so that their acceleration is shown, and no tilt.
-    pub has_pushers: bool,
-}
-
-/// Channels of the envelope; the drifts, one an axis, follow those named here.
-mod channel {
-    pub const PROGRAM: usize = 0;
-    pub const COMMAND: usize = 1;
-    pub const SPEED: usize = 2;
-    pub const TILT_X: usize = 3;
-    pub const TILT_Y: usize = 4;
-    pub const ACCEL: usize = 5;
-    pub const DRIFT: usize = 6;
-}
-
-/// Collects a run and draws it.
-///
-/// ```
-/// use host_sim::trace::{AxisRow, Row, ScopeData, ScopeFrame};
-///
-/// let mut scope = ScopeData::new(3, ScopeFrame { title: "first turn".into(), ..ScopeFrame::default() });
-/// for tick in 0..2000 {
-///     let t_s = f64::from(tick) * 0.0005;
-///     scope.push(&Row { t_s, state: "run", axes: vec![AxisRow::default(); 3], ..Row::default() });
-/// }
-/// scope.mark(0.5, "band crossed");
-/// assert!(scope.render().starts_with("<svg"));
-/// ```
-#[derive(Clone, Debug)]
-pub struct ScopeData {
-    axes: usize,
-    frame: ScopeFrame,
-    envelope: Envelope,
-    timeline: Timeline,
-    /// One row's values in channel order; kept to save an allocation a row.
-    values: Vec<f64>,
-}
-
-impl ScopeData {
-    /// An empty page for a machine with `axes` axes.
-    pub fn new(axes: usize, frame: ScopeFrame) -> Self {
-        let channels = channel::DRIFT + axes;
-        Self {
-            axes,
-            frame,
-            envelope: Envelope::new(channels),
-            timeline: Timeline::default(),
-            values: vec![f64::NAN; channels],
-        }
-    }
-
-    /// Takes in one control tick. Rows come in the order of their times; drifts of axes the row has not, or
-    /// the page has not, are left out.
-    pub fn push(&mut self, row: &Row) {
-        if !row.t_s.is_finite() {
-            return;
-        }
-        self.timeline.state(row.t_s, row.state);
-        let (fixed, drifts) = self.values.split_at_mut(channel::DRIFT);
-        fixed[channel::PROGRAM] = row.amax_program_mps2;
-        fixed[channel::COMMAND] = row.amax_command_mps2;
-        fixed[channel::SPEED] = row.omega_rad_s;
-        fixed[channel::TILT_X] = row.tilt_x_mrad;
-        fixed[channel::TILT_Y] = row.tilt_y_mrad;
-        fixed[channel::ACCEL] = row.accel_mps2;
-        for (i, drift) in drifts.iter_mut().enumerate() {
-            *drift = row.axes.get(i).map_or(f64::NAN, |axis| axis.drift_deg);
-        }
-        self.envelope.push(row.t_s, &self.values);
-    }
-
-    /// Marks an event with a short name, such as `band crossed`. Names that begin with `fault` stand out, and
-    /// are kept apart from the others, so that a thousand crossings cannot crowd out the one fault.
-    pub fn mark(&mut self, t_s: f64, label: &str) {
-        self.timeline.mark(t_s, label);
-    }
-
-    /// The page, as SVG text.
-    pub fn render(&self) -> String {
-        page::render(self)
-    }
-}
+pub use data::{ScopeData, ScopeFrame};

@@ -3,30 +3,22 @@
 //! kuva draws each panel; here they are put one under the other on kuva's scene.
 
 use kuva::backend::svg::SvgBackend;
-use kuva::render::color::Color;
 use kuva::render::layout::Layout;
 use kuva::render::render::{Primitive, Scene, TextAnchor, render_multiple};
 use kuva::render::theme::Theme;
 
-use super::ScopeData;
-use super::draft::{Panel, VERMILION};
+use super::data::ScopeData;
+use super::draft::Panel;
+use super::ink::{INK, LEFT, MUTED, RIGHT, VERMILION, WIDTH, at, fits, text, text_anchored};
 use super::labels::{LANE, Labels};
 use super::panel;
 use super::scale::TimeAxis;
 
-/// The page's width, px.
-pub const WIDTH: f64 = 1200.0;
-const LEFT: f64 = 78.0;
-const RIGHT: f64 = 182.0;
-const PLOT_WIDTH: f64 = WIDTH - LEFT - RIGHT;
 const LANES_TOP: f64 = 72.0;
 const RIBBON: f64 = 20.0;
 const GAP: f64 = 14.0;
 const TIME_AXIS: f64 = 50.0;
 const FONT: &str = "sans-serif";
-const INK: &str = "#222222";
-/// Of what should not draw the eye.
-pub const MUTED: &str = "#666666";
 
 type MakePanel = fn(&ScopeData, TimeAxis) -> Panel;
 
@@ -44,8 +36,14 @@ const fn panels(scope: &ScopeData) -> [(MakePanel, f64); 4] {
     ]
 }
 
-/// The whole page as SVG text.
-pub fn render(scope: &ScopeData) -> String {
+impl ScopeData {
+    /// The page, as SVG text.
+    pub fn render(&self) -> String {
+        page(self)
+    }
+}
+
+fn page(scope: &ScopeData) -> String {
     let time = TimeAxis::new(scope.envelope.span());
     let labels = Labels::place(scope, time);
     let ribbon_top = LANES_TOP + labels.lanes as f64 * LANE;
@@ -185,49 +183,4 @@ fn state_colours(state: &str) -> (&'static str, &'static str) {
         _ if state.starts_with("fault") => (VERMILION, "#ffffff"),
         _ => ("#E4E4E4", INK),
     }
-}
-
-/// Where a time is on the page, px from the left.
-pub fn at(time: TimeAxis, t_s: f64) -> f64 {
-    LEFT + PLOT_WIDTH * time.fraction(t_s)
-}
-
-/// About how wide a text is, px; the viewer's font is not known here.
-pub fn width(text: &str, size: u32) -> f64 {
-    0.58 * f64::from(size) * text.chars().count() as f64
-}
-
-/// Whether a text of the ribbon's size goes into so many pixels.
-pub fn fits(text: &str, room: f64) -> bool {
-    width(text, 12) + 6.0 <= room
-}
-
-/// Writes a text that begins at a place.
-pub fn text(scene: &mut Scene, place: (f64, f64), content: &str, size: u32, colour: &str) {
-    text_anchored(scene, place, content, size, colour, TextAnchor::Start);
-}
-
-/// Writes a text whose beginning, middle or end is at a place.
-pub fn text_anchored(
-    scene: &mut Scene,
-    (x, y): (f64, f64),
-    content: &str,
-    size: u32,
-    colour: &str,
-    anchor: TextAnchor,
-) {
-    scene.add(Primitive::Text {
-        x,
-        y,
-        // Control characters are not allowed in XML.
-        content: content
-            .chars()
-            .map(|c| if c.is_control() { ' ' } else { c })
-            .collect(),
-        size,
-        anchor,
-        rotate: None,
-        bold: size > 20,
-        color: Some(Color::from(colour)),
-    });
 }

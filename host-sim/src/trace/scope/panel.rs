@@ -9,10 +9,10 @@ use std::f64::consts::TAU;
 use kuva::plot::legend::LegendShape;
 use kuva::render::annotations::{ReferenceLine, ShadedRegion};
 
+use super::data::{ScopeData, channel};
 use super::draft::{Draft, Panel, Pen};
 use super::envelope::Extent;
 use super::scale::{TimeAxis, is_in_sight, padded, plain, short};
-use super::{ScopeData, channel};
 
 const PALE_BLUE: &str = "#A6D0EC";
 const DARK_BLUE: &str = "#0B2F5B";

@@ -19,12 +19,12 @@ mod sines;
 #[cfg(target_os = "none")]
 mod tables;
 
-/// What a call costs that does nothing; taken off every other's cycles.
+/// A call that does nothing; its cycles are subtracted from every other's.
 #[cfg(target_os = "none")]
 #[unsafe(no_mangle)]
 extern "C" fn empty() {}
 
-/// Where a candidate lands that panics; the emulator watches for it.
+/// Destination of a candidate that panics; the emulator watches for it.
 #[cfg(target_os = "none")]
 #[unsafe(no_mangle)]
 #[inline(never)]

@@ -16,7 +16,7 @@ extern "C" fn root_cophase_isqrt(x: u64) -> u32 {
     functions::isqrt(x)
 }
 
-/// What `cophase_core::functions::root` would be with core's root behind it.
+/// Variant of `cophase_core::functions::root` with core's root behind it.
 #[unsafe(no_mangle)]
 extern "C" fn root_core_normalised(x: u64) -> u64 {
     if x == 0 {

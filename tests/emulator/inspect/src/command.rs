@@ -7,17 +7,17 @@ use clap::Parser;
 use crate::error::Error;
 use crate::{frames, log, panics, places, size};
 
-/// Looks into the Cophase image.
+/// Looks into the Cophase firmware.
 #[derive(Debug, Parser)]
 #[command(version, about)]
 pub enum Command {
     /// Decode the log: bytes of the RTT channel to lines
     Log {
-        /// The image
+        /// The firmware's ELF file
         elf: PathBuf,
         /// The bytes that it logged; `-` reads standard input
         bytes: PathBuf,
-        /// When the bytes were written: a line `CYCLE LENGTH` for each piece of them, in order
+        /// Times of the bytes: a line `CYCLE LENGTH` for each piece of them, in order
         #[arg(long, value_name = "STAMPS")]
         cycles: Option<PathBuf>,
         /// One JSON object a line: timestamp, level, message, location
@@ -26,7 +26,7 @@ pub enum Command {
     },
     /// Prove that no panic can be reached from functions, and bound their stack
     Panics {
-        /// The image
+        /// The firmware's ELF file
         elf: PathBuf,
         /// A function to begin at, or several: a path or a part of it; generic arguments do not matter
         #[arg(long = "root", value_name = "NAME")]
@@ -37,7 +37,7 @@ pub enum Command {
     },
     /// Check that functions, and all that they may call, lie in RAM
     Places {
-        /// The image
+        /// The firmware's ELF file
         elf: PathBuf,
         /// A function to begin at, or several, as of `panics`
         #[arg(long = "root", value_name = "NAME")]
@@ -45,19 +45,19 @@ pub enum Command {
     },
     /// Name the functions at code addresses, inlined ones too
     Frames {
-        /// The image
+        /// The firmware's ELF file
         elf: PathBuf,
         /// Hexadecimal addresses, one a line; `-` reads standard input
         addresses: PathBuf,
     },
-    /// Tell what the image takes of flash and RAM, and compare it with what it took
+    /// Print the firmware's size in flash and RAM, and compare it with what was kept
     Size {
-        /// The image
+        /// The firmware's ELF file
         elf: PathBuf,
-        /// What it took: a file of `key = value`
+        /// Figures to compare with: a file of `key = value`
         #[arg(long, value_name = "FILE")]
         golden: Option<PathBuf>,
-        /// Write the golden file anew
+        /// Rewrite the golden file
         #[arg(long, requires = "golden")]
         bless: bool,
         /// The deepest stack that was measured, kept with the rest

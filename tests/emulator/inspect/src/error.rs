@@ -24,7 +24,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// What is wrong inside a file.
+    /// Makes the error for a problem inside a file.
     pub fn content(path: &Path, problem: impl ToString) -> Self {
         Self::Content {
             path: path.to_owned(),

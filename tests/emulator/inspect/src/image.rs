@@ -1,6 +1,6 @@
-//! The image's ELF file: its sections, its functions, and which of its words are code.
+//! The firmware's ELF file: its sections, its functions, and which of its words are code.
 //!
-//! Words: *mapping symbols* are `$t` and `$d`, by which the ELF for Arm tells code from the data that stands
+//! Words: *mapping symbols* are `$t` and `$d`, by which the ELF for Arm separates code from the data that stands
 //! between it (literal pools and jump tables).
 
 use std::path::Path;
@@ -14,9 +14,9 @@ use crate::error::{self, Error};
 pub struct Section {
     /// Its place in the file's list.
     index: SectionIndex,
-    /// What becomes of it.
+    /// Kind of memory that it takes.
     pub kind: Kind,
-    /// Where the program sees it.
+    /// Address at which the program sees it.
     pub address: u32,
     /// Bytes that it takes.
     pub size: u32,
@@ -26,7 +26,7 @@ pub struct Section {
     marks: Vec<(u32, bool)>,
 }
 
-/// What becomes of a section.
+/// Kind of memory that a section takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Code in flash.
@@ -61,7 +61,7 @@ pub struct Variable {
     pub size: u32,
 }
 
-/// The image.
+/// The firmware's ELF file.
 #[derive(Clone, Debug)]
 pub struct Image {
     /// Sections that take room in the chip.
@@ -193,7 +193,7 @@ impl Section {
         Some(u32::from(low) | u32::from(high) << 16)
     }
 
-    /// Whether what stands at an address is code; without a mapping symbol before it, it is.
+    /// True if an address holds code; without a mapping symbol before it, it does.
     pub fn is_code(&self, address: u32) -> bool {
         let marks = self.marks.partition_point(|&(at, _)| at <= address);
         marks == 0 || self.marks[marks - 1].1
@@ -207,7 +207,7 @@ impl Function {
     }
 }
 
-/// Whether an address is in the chip's RAM.
+/// True if an address is in the chip's RAM.
 pub fn in_ram(address: u32) -> bool {
     address >> 28 == 2
 }
@@ -231,7 +231,7 @@ fn kind<'a>(section: &impl ObjectSection<'a>) -> Option<Kind> {
     }
 }
 
-/// Whether a name is that of a mapping symbol, and if so, whether code follows.
+/// Recognizes a mapping symbol by its name; true if code follows it.
 fn mark(name: &str) -> Option<bool> {
     match name.split('.').next() {
         Some("$t") => Some(true),

@@ -1,10 +1,10 @@
-//! `image-inspect`: looks into the image's ELF file, so that tests know what the flashed bytes are.
+//! `image-inspect`: looks into the firmware's ELF file, so that tests know what the flashed bytes are.
 //!
-//! - `log` decodes what the image logged over RTT;
+//! - `log` decodes what the firmware logged over RTT;
 //! - `panics` proves that no panic can be reached from given functions, and bounds their stack;
 //! - `places` checks that what functions may call lies in RAM;
 //! - `frames` names the functions at code addresses, those inlined there too;
-//! - `size` tells what the image takes of flash and RAM, and compares with what it took.
+//! - `size` prints the firmware's size in flash and RAM, and compares it with what was kept.
 //!
 //! Exit status: 0 all is well; 1 a check failed; 2 the question makes no sense, with a sentence that says
 //! why: a file that is not there, a name that matches nothing.

@@ -44,7 +44,7 @@ pub fn plain(name: &str) -> String {
     out
 }
 
-/// What stands between an opening angle and the one that closes it; `->` closes nothing.
+/// Text between an opening angle and the one that closes it; `->` closes nothing.
 fn angles(text: &str) -> Option<&str> {
     let mut depth = 0;
     let mut before = ' ';
@@ -62,7 +62,7 @@ fn angles(text: &str) -> Option<&str> {
     None
 }
 
-/// Whether a pattern names this function: its path, or a part of it from the beginning of one segment to
+/// Matches a pattern with a function's name: its path, or a part of it from the beginning of one segment to
 /// the end of another. So a function's closures are matched with it.
 pub fn matches(pattern: &str, name: &str) -> bool {
     let (pattern, name) = (plain(pattern), plain(name));
@@ -105,12 +105,12 @@ const TRAPS: [&str; 9] = [
     "core::intrinsics::abort",
 ];
 
-/// Whether a function is one that the linker puts between two that are too far apart for a jump.
+/// Recognizes functions that the linker puts between two that are too far from each other for a jump.
 pub fn is_thunk(name: &str) -> bool {
     name.starts_with("__Thumbv6M")
 }
 
-/// Whether a function is one that a panic consists of, or a trap.
+/// Recognizes functions that a panic consists of, and traps.
 pub fn is_panic(name: &str) -> bool {
     let plain = plain(name);
     let path = plain.trim_start_matches("__rustc::");

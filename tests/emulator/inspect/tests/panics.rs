@@ -1,4 +1,4 @@
-//! What is reached from a root, in images whose calls are known because they are made here.
+//! Functions reached from a root, in firmware whose calls are known because they are made here.
 
 mod support;
 
@@ -87,7 +87,7 @@ fn a_function_without_an_end_goes_on_into_the_next() {
     assert_reached(&functions, &[REACHED, "root", "a"]);
 }
 
-/// If this fails, constants are read as code, and there are calls that nobody makes.
+/// If this fails, constants are read as code, and there are calls that do not exist.
 #[test]
 fn data_that_look_like_a_call_are_none() {
     let bl_to_panic = |offset: u32| (0xf800 | offset >> 1) << 16 | 0xf000;

@@ -1,4 +1,4 @@
-//! What lies in the flash and what in RAM, in images whose code is made here and stands in the flash.
+//! Functions in flash and in RAM, in firmware whose code is made here and is in the flash.
 
 mod support;
 

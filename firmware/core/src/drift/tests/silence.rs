@@ -18,7 +18,7 @@ fn an_overdue_pulse_is_told_in_the_tick_in_which_it_is_overdue() {
         for cycle_steps in [0, 64] {
             let mut settings = settings(4, 3.0, 5.0, 15.0);
             settings.axes[3].cycle_steps = cycle_steps;
-            let mut monitor = DriftMonitor::new(&settings);
+            let mut monitor = configured(&settings);
             monitor.reset(&[Phase::ZERO; MAX_AXES]);
             let alone = monitor.axes[3].alone().to_num::<f64>();
             assert!((0.006..0.018).contains(&alone), "{alone}");
@@ -47,7 +47,7 @@ fn a_line_that_is_late_is_waited_for() {
     for axis in &mut settings.axes {
         axis.index_delay_s = late_ticks / f64::from(settings.tick_hz);
     }
-    let mut monitor = DriftMonitor::new(&settings);
+    let mut monitor = configured(&settings);
     monitor.reset(&[Phase::ZERO; MAX_AXES]);
     let overdue = 4.0 * monitor.tolerance(1).to_num::<f64>();
     let silent_after = 5.5;

@@ -34,13 +34,13 @@ struct File {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Entry {
-    /// Who calls.
+    /// Pattern of the caller.
     pub from: String,
-    /// Who is called.
+    /// Pattern of the callee.
     pub to: String,
     /// Why that is no matter.
     pub reason: String,
-    /// Who is called instead.
+    /// Patterns of the functions that are called instead.
     #[serde(default)]
     pub calls: Vec<String>,
 }

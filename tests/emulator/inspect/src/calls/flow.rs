@@ -10,25 +10,25 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::thumb::{self, Flow, Instruction, Stack};
 use crate::image::{Function, Image};
 
-/// What a function may call.
+/// Callee of a function, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Callee {
     /// Another, or itself, by its place in [`Image::functions`].
     Function(usize),
     /// Code at an address at which there is no function.
     Nowhere(u32),
-    /// What a register holds, and nobody knows what that is.
+    /// The content of a register that is not known.
     Unknown,
     /// No function: an instruction that is undefined on purpose.
     Trap,
 }
 
-/// What one function is made of.
+/// Calls and stack of one function.
 #[derive(Clone, Debug, Default)]
 pub struct Body {
-    /// What it may call, and the greatest depth of its own stack then, bytes.
+    /// Possible callees, and the greatest depth of its own stack then, bytes.
     pub calls: BTreeMap<Callee, u32>,
-    /// The greatest depth of its own stack; none if that cannot be told.
+    /// The greatest depth of its own stack; none if that is not known.
     pub depth: Option<u32>,
 }
 
@@ -39,7 +39,7 @@ const MOST_DEPTH: u32 = 1 << 20;
 const TABLE_WINDOW: usize = 12;
 
 impl Body {
-    /// Of a function.
+    /// Reads a function.
     pub fn new(image: &Image, function: &Function) -> Self {
         let code = Code::read(image, function);
         let (depths, depth) = code.depths();
@@ -71,7 +71,7 @@ impl Body {
 #[derive(Clone, Copy, Debug)]
 struct Place {
     instruction: Instruction,
-    /// What the register holds that the instruction uses, if it is a literal.
+    /// Content of the register that the instruction uses, if it is a literal.
     operand: Option<u32>,
     /// A table's address was taken shortly before.
     table_near: bool,
@@ -128,7 +128,7 @@ impl<'a> Code<'a> {
         (self.function.address..self.function.end).contains(&address)
     }
 
-    /// What one instruction may call or trap in.
+    /// Callees and traps of one instruction.
     fn callees(&self, image: &Image, at: u32, place: &Place) -> Vec<Callee> {
         let to = |address: u32| {
             image
@@ -172,7 +172,7 @@ impl<'a> Code<'a> {
             .filter_map(|&word| image.function_at(word & !1).map(Callee::Function))
     }
 
-    /// The depth of the stack before each instruction, and the greatest; none if it cannot be told.
+    /// The depth of the stack before each instruction, and the greatest; none if that is not known.
     fn depths(&self) -> (BTreeMap<u32, u32>, Option<u32>) {
         let mut depths = BTreeMap::new();
         let mut deepest = 0;

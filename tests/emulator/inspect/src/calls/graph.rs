@@ -1,4 +1,4 @@
-//! Who calls whom: what is reached from a function, on which shortest path, and how deep the stack gets.
+//! Walk of the call graph: functions reached from a root, the shortest path to each, and the depth of the stack.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -7,33 +7,33 @@ use super::flow::{Body, Callee};
 use crate::image::Image;
 use crate::name;
 
-/// The call graph of an image, read as far as it is walked.
+/// The call graph of a firmware, read as far as it is walked.
 pub struct Graph<'a> {
     image: &'a Image,
     allowed: &'a mut Allowed,
-    /// What a function calls less what is allowed, with the depth of its own stack then.
+    /// Calls of each function less the allowed ones, with the depth of its own stack then.
     bodies: BTreeMap<usize, Calls>,
 }
 
-/// What a function calls.
+/// Calls of one function.
 #[derive(Clone, Debug)]
 struct Calls {
     calls: Vec<(Callee, u32)>,
     depth: Option<u32>,
 }
 
-/// What was found from one root.
+/// Result of a walk from one root.
 #[derive(Clone, Debug)]
 pub struct Reached {
     /// Functions that are reached, the root counted, panics not, and by whom first; the root by itself.
     pub functions: BTreeMap<usize, usize>,
-    /// What must not be reached: for each the functions on the way, root first, and what ends it.
+    /// Forbidden calls that are reached: for each the functions on the way, root first, and its end.
     pub forbidden: Vec<(Vec<usize>, Callee)>,
-    /// How deep the stack gets.
+    /// Depth of the stack.
     pub stack: Stack,
 }
 
-/// How deep the stack gets, panics and what was allowed not counted.
+/// Depth of the stack; panics and allowed calls are not counted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Stack {
     /// So many bytes at most, on a path of functions with what each of them takes.
@@ -43,7 +43,7 @@ pub enum Stack {
 }
 
 impl<'a> Graph<'a> {
-    /// Of an image, less the edges that are allowed.
+    /// Makes the graph of a firmware, less the edges that are allowed.
     pub fn new(image: &'a Image, allowed: &'a mut Allowed) -> Self {
         Self {
             image,
@@ -83,7 +83,7 @@ impl<'a> Graph<'a> {
         }
     }
 
-    /// What a callee comes to: the linker reaches between flash and RAM by way of *thunks*, which do nothing but
+    /// Follows a thunk to its function: the linker reaches between flash and RAM by way of *thunks*, which only
     /// jump to the function whose address they hold.
     fn through(&self, callee: Callee) -> Callee {
         let Callee::Function(thunk) = callee else {

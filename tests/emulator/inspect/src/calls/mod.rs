@@ -1,4 +1,4 @@
-//! Who may call whom in the linked image, and how deep the stack gets.
+//! Call graph of the linked firmware, and the depth of its stack.
 //!
 //! Words: the *root* is the function from which everything is walked. A function *may call* what it calls or
 //! jumps to, and every function whose address stands among its literals.
@@ -46,7 +46,7 @@ pub fn roots(image: &Image, patterns: &[String]) -> Result<Vec<usize>, Error> {
     Ok(roots)
 }
 
-/// Names that share a pattern's last segment, for whoever gave a wrong root.
+/// Names that share a pattern's last segment, for the message about a wrong root.
 fn near(image: &Image, pattern: &str) -> String {
     let plain = name::plain(pattern);
     let last = plain.rsplit("::").next().unwrap_or(&plain);

@@ -3,7 +3,7 @@
 //!
 //! Source: Armv6-M Architecture Reference Manual (Arm DDI 0419E), A5 and A6.
 
-/// Where an instruction leads.
+/// Control flow after an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flow {
     /// To the next one.
@@ -26,7 +26,7 @@ pub enum Flow {
     Trap,
 }
 
-/// What an instruction does to the stack pointer.
+/// Effect of an instruction on the stack pointer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stack {
     /// Nothing.
@@ -44,15 +44,15 @@ pub enum Stack {
 pub struct Instruction {
     /// 2 or 4 bytes.
     pub length: u32,
-    /// Where it leads.
+    /// Control flow after it.
     pub flow: Flow,
-    /// What it does to the stack.
+    /// Its effect on the stack.
     pub stack: Stack,
     /// Registers that may hold something else afterwards, a bit each; too many rather than too few.
     pub written: u16,
     /// Loads the word at an address into a register.
     pub literal: Option<(u8, u32)>,
-    /// Whether it takes an address near it, as the reader of a table does.
+    /// True if it takes an address near it, as the reader of a table does.
     pub takes_address: bool,
 }
 
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn the_stack_is_reckoned_in_bytes() {
+    fn the_stack_is_counted_in_bytes() {
         for (first, expected) in [
             (0xb5f0, Stack::Takes(20)), // push {r4-r7, lr}
             (0xbdf0, Stack::Takes(-20)),

@@ -11,12 +11,12 @@ pub struct Line {
     /// The cycle in which the frame's last byte was out, if the stream has stamps.
     #[serde(skip_serializing_if = "Option::is_none")]
     cycle: Option<u64>,
-    /// As the image's timestamp formats it; none if it has no timestamp.
+    /// Text of the firmware's timestamp; none if it has no timestamp.
     timestamp: Option<String>,
     /// `trace` to `error`; none for `println`.
     level: Option<&'static str>,
     message: String,
-    /// Where the statement stands; none without debug information.
+    /// Location of the statement; none without debug information.
     location: Option<Location>,
 }
 
@@ -28,7 +28,7 @@ struct Location {
 }
 
 impl Line {
-    /// Of a frame.
+    /// Makes the line of a frame.
     pub fn new(frame: &Frame<'_>, cycle: Option<u64>, locations: &Locations) -> Self {
         Self {
             cycle,

@@ -1,4 +1,4 @@
-//! The image's log: from the bytes of the RTT channel to lines, by defmt's own decoder and the format
+//! The firmware's log: from the bytes of the RTT channel to lines, by defmt's own decoder and the format
 //! strings in the ELF file.
 //!
 //! Words: a *frame* is the bytes of one log statement. With the encoding `rzcobs` frames end at a zero
@@ -18,7 +18,7 @@ use defmt_decoder::{DecodeError, Encoding, Frame, Locations, Table};
 use crate::error::{self, Error};
 use line::Line;
 
-/// What was found in a stream of bytes.
+/// Result of decoding a stream of bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Found {
     /// Frames that were decoded.
@@ -33,7 +33,7 @@ pub struct Found {
 /// there was.
 ///
 /// # Errors
-/// What `take` fails with.
+/// Every error of `take`.
 pub fn decode<E>(
     table: &Table,
     bytes: &[u8],
@@ -91,7 +91,7 @@ pub fn print(
     let table = Table::parse(&elf)
         .map_err(|error| Error::content(elf_path, error))?
         .ok_or_else(|| Error::content(elf_path, "has no .defmt section, so it logs nothing"))?;
-    // Without debug information there are no places to tell; that is no reason to tell nothing.
+    // Without debug information there are no locations; the lines are still of use.
     let locations = table.get_locations(&elf).unwrap_or_else(|error| {
         eprintln!("image-inspect: no locations: {error}");
         Locations::new()

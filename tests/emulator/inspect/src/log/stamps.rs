@@ -1,4 +1,4 @@
-//! When the bytes of a stream were written: a line for each piece of it, `CYCLE LENGTH`, in their order.
+//! Times at which the bytes of a stream were written: a line for each piece of it, `CYCLE LENGTH`, in their order.
 
 use std::path::Path;
 

@@ -38,7 +38,7 @@ impl Golden {
         Ok(Self(figures))
     }
 
-    /// Writes the file anew. Figures that were not taken this time stay as they were.
+    /// Rewrites the file. Figures that were not measured this time stay as they were.
     ///
     /// # Errors
     /// A file that cannot be written, or that held other things than figures.
@@ -52,7 +52,7 @@ impl Golden {
             .0
             .extend(figures.iter().map(|&(name, is)| (name.to_owned(), is)));
         let mut text = String::from(
-            "# What the image takes, bytes, and with how many axes the stack is deepest. Written by `image-inspect size --bless`.\n",
+            "# Size of the firmware, bytes, and with how many axes the stack is deepest. Written by `image-inspect size --bless`.\n",
         );
         for (name, figure) in &golden.0 {
             let _ = writeln!(text, "{name} = {figure}"); // a string takes everything

@@ -1,4 +1,4 @@
-//! What the image takes of the chip, and whether that is still what it was.
+//! Size of the firmware in flash and RAM, and its comparison with figures that are kept.
 //!
 //! Words: *text* is code in flash, *rodata* what is constant there, *data* what is copied from flash to RAM at
 //! the start (code that runs from RAM too), *bss* the rest of RAM that is given away. *Golden* figures are
@@ -13,13 +13,13 @@ use crate::error::Error;
 use crate::image::{Image, Kind};
 use golden::Golden;
 
-/// How many functions and variables are named.
+/// Number of functions and variables that are named.
 const NAMED: usize = 10;
 
 /// Smaller variables are no buffers.
 const LEAST_BUFFER: u32 = 64;
 
-/// What the image takes, bytes.
+/// Size of the firmware, bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Size {
     text: u64,
@@ -33,7 +33,7 @@ pub struct Size {
 /// The deepest stack, as measured elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stack {
-    /// How deep it was, bytes.
+    /// Its depth, bytes.
     pub bytes: u64,
     /// With how many axes that was.
     pub axes: Option<u64>,
@@ -79,7 +79,7 @@ impl Size {
     }
 }
 
-/// The command: prints what the image takes and compares it with the golden figures, or rewrites them.
+/// The command: prints the size of the firmware and compares it with the golden figures, or rewrites them.
 ///
 /// `stack`: the deepest stack that was measured. False if a figure is not what it was.
 ///
@@ -156,7 +156,7 @@ fn print(out: &mut impl Write, image: &Image, size: &Size) -> Result<(), Error> 
 }
 
 fn list(out: &mut impl Write, title: &str, mut entries: Vec<(u32, String)>) -> Result<(), Error> {
-    // By name where sizes are equal, so that the same image gives the same list.
+    // By name where sizes are equal, so that the same firmware gives the same list.
     entries.sort_by(|a, b| b.0.cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
     writeln!(out, "{title}:")?;
     for (size, name) in entries.iter().take(NAMED) {

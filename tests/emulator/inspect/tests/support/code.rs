@@ -55,7 +55,7 @@ pub fn with_data(name: &'static str, code: &[Part], data: &[Word]) -> Function {
     }
 }
 
-/// Where the first function is: an odd small number is no address of any.
+/// Address of the first function: an odd small number is the address of none.
 const BASE: u32 = 0x100;
 
 /// Writes the functions one after the other, each at a multiple of four, with their mapping symbols.

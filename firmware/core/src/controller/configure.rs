@@ -1,0 +1,244 @@
+//! From settings to a running controller, part by part and in place.
+//!
+//! A controller has some ten kilobytes, more than a microcontroller's stack holds beside what decodes its settings. So there is one from
+//! the beginning, without axes, and settings fill it in.
+
+use super::Controller;
+use super::align::Align;
+use super::channel::Channel;
+use super::punctuality::Punctuality;
+use super::wiring_proof::wiring_patterns;
+use crate::axes::{Axis, Correction};
+use crate::drift::{DriftMonitor, History};
+use crate::mechanism::AnyMechanism;
+use crate::program::{Cursor, Program};
+use crate::pulse::{Paces, Planner, PulseTiming};
+use crate::servo::{Coupling, FeedForward};
+use crate::settings::{AxisSettings, DriveKind, Problem, Settings, SettingsError, turns};
+use crate::shaft::{Motion, Shaft, ShaftLimits, Target};
+use crate::signals::Output;
+use crate::supervisor::Supervisor;
+use crate::units::{Amax, MAX_AXES, PerAxis, Phase, Turns};
+
+/// A mean phase error that is found in homing counts as lag up to this part of the common limit: one in four.
+const LAG_PART: f64 = 4.0;
+
+impl Settings {
+    /// The controller of these settings at power-up: idle, every axis at its offset, trims set.
+    ///
+    /// # Errors
+    /// The first setting, program entry or trim that is wrong.
+    pub fn controller(&self) -> Result<Controller, SettingsError> {
+        let mut controller = Controller::new();
+        controller.configure(self)?;
+        Ok(controller)
+    }
+}
+
+impl Controller {
+    /// A controller without axes: it stays at rest until it is configured.
+    pub const fn new() -> Self {
+        Self {
+            tick_hz: 2000,
+            mechanism: AnyMechanism::STANDSTILL,
+            program: Program::new(),
+            cursor: Cursor::new(),
+            target: Target::steady(Turns::ZERO),
+            end: (Amax::ZERO, Turns::ZERO),
+            shaft: Shaft::new(ShaftLimits::STANDSTILL),
+            park_crank: Turns::ZERO,
+            park: Turns::ZERO,
+            channels: heapless::Vec::new(),
+            history: History::new(),
+            has_servos: false,
+            pace: Paces::new(62_500),
+            trimming: 0,
+            own: None,
+            geared: 0,
+            drift: DriftMonitor::new(),
+            align: Align::new(),
+            correction: Correction::new(),
+            corrected: 0,
+            turned: Turns::ZERO,
+            coupling: None,
+            supervisor: Supervisor::new(0),
+            untold: None,
+            stop_input: false,
+            driven: 0,
+            motion: Motion::AT_REST,
+            ticks: 0,
+            punctuality: Punctuality::new(),
+            overrun: None,
+            was_late: false,
+            output: Output::idle([Phase::ZERO; MAX_AXES]),
+        }
+    }
+
+    /// Takes over the settings of a machine: the controller is then as at power-up.
+    ///
+    /// # Errors
+    /// The first setting, program entry or trim that is wrong. The controller has no axes then.
+    #[cold]
+    #[inline(never)]
+    pub fn configure(&mut self, settings: &Settings) -> Result<(), SettingsError> {
+        self.channels.clear();
+        let configured = self.fill_in(settings);
+        if configured.is_err() {
+            self.channels.clear();
+        }
+        configured
+    }
+
+    #[cold]
+    fn fill_in(&mut self, settings: &Settings) -> Result<(), SettingsError> {
+        // First of all: whatever follows relies on numbers that are within their ranges.
+        settings.check()?;
+        settings.fill_program(&mut self.program)?;
+        self.fill_channels(settings)?;
+        self.drift.configure(settings);
+        self.correction.configure(settings);
+        self.fill_align(settings)?;
+        self.coupling = coupling(settings)?;
+        self.tick_hz = settings.tick_hz;
+        self.mechanism = settings.mechanism();
+        self.shaft = Shaft::new(ShaftLimits::of(&settings.limits, settings.tick_hz));
+        self.cursor = Cursor::new();
+        self.target = Target::steady(Turns::ZERO);
+        self.end = (Amax::ZERO, Turns::ZERO);
+        self.park_crank = Phase::from_turns(turns(settings.park_turns)).within_turn();
+        self.park = self.park_crank;
+        self.corrected = 0;
+        self.turned = Turns::ZERO;
+        let settle_ticks = libm::ceil(settings.settle_s * f64::from(settings.tick_hz));
+        self.supervisor = Supervisor::new(settle_ticks as u32);
+        self.untold = None;
+        self.stop_input = false;
+        self.driven = 0;
+        self.motion = Motion::AT_REST;
+        self.ticks = 0;
+        self.punctuality = Punctuality::new();
+        self.overrun = None;
+        self.was_late = false;
+        self.fill_trims(settings)
+    }
+
+    #[cold]
+    fn fill_channels(&mut self, settings: &Settings) -> Result<(), SettingsError> {
+        let tick_hz = settings.tick_hz;
+        let timing = PulseTiming::new(&settings.pulse, tick_hz)?;
+        let mut phases = [Phase::ZERO; MAX_AXES];
+        for (i, (axis, phase)) in settings.axes.iter().zip(&mut phases).enumerate() {
+            let feed_forward = feed_forward(settings, axis, timing).map_err(|e| e.on_entry(i))?;
+            let channel = Channel {
+                axis: Axis::new(axis, tick_hz),
+                planner: Planner::new(timing, axis.steps_per_turn),
+                reversed: axis.reversed,
+                feed_forward,
+            };
+            *phase = channel.axis.offset();
+            let pushed = self.channels.push(channel);
+            debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
+        }
+        self.history = History::new();
+        self.has_servos = self.channels.iter().any(|c| c.feed_forward.is_some());
+        self.pace = Paces::new(timing.tick());
+        self.trimming = 0;
+        self.own = None;
+        self.output.reset(phases);
+        Ok(())
+    }
+
+    #[cold]
+    fn fill_align(&mut self, settings: &Settings) -> Result<(), SettingsError> {
+        let count = settings.axes.len();
+        let patterns = if settings.correction.prove_wiring {
+            wiring_patterns(count, &self.drift, &self.correction)?
+        } else {
+            [PerAxis::default(); 2]
+        };
+        let mut axes = settings.axes.iter();
+        let has_datum = axes.all(|axis| axis.ratio.0 == axis.ratio.1);
+        let lag = turns(settings.drift.common_limit_deg / 360.0 / LAG_PART);
+        let tolerance = core::array::from_fn(|axis| self.drift.tolerance(axis));
+        self.align
+            .configure(patterns, has_datum, count, lag, tolerance);
+        Ok(())
+    }
+
+    #[cold]
+    fn fill_trims(&mut self, settings: &Settings) -> Result<(), SettingsError> {
+        for (i, &trim_turns) in settings.trims_turns.iter().enumerate() {
+            let axis = settings.axes.get(i);
+            let limit_turns = axis.map_or(0.0, |axis| axis.trim_limit_turns);
+            // Also refuses what is not a number.
+            if !(-limit_turns..=limit_turns).contains(&trim_turns) {
+                let problem = Problem::TrimPastLimit {
+                    trim_deg: trim_turns * 360.0,
+                    limit_deg: limit_turns * 360.0,
+                };
+                return Err(SettingsError::new("axes.trim_deg", problem).on_entry(i));
+            }
+            // At the very limit, which is rounded down, a trim may lose the last of its 48 fraction bits.
+            let _whole = self.set_trim(i, turns(trim_turns));
+        }
+        Ok(())
+    }
+}
+
+impl Default for Controller {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The feed-forward of an axis, if it is a servo; checks that its steps or counts can be made at full speed.
+#[cold]
+fn feed_forward(
+    settings: &Settings,
+    axis: &AxisSettings,
+    timing: PulseTiming,
+) -> Result<Option<FeedForward>, SettingsError> {
+    let tick_hz = settings.tick_hz;
+    let hz = f64::from(tick_hz);
+    let ratio = f64::from(axis.ratio.0) / f64::from(axis.ratio.1);
+    // Trim comes on top of what the gear makes.
+    let speed_hz = settings.limits.speed_hz * ratio + 2.0 * axis.trim_rate_hz;
+    if speed_hz > 0.5 * hz {
+        let problem = Problem::TooFastForTick {
+            turns_per_tick: speed_hz / hz,
+        };
+        return Err(SettingsError::new("axes.ratio", problem));
+    }
+    match axis.drive {
+        DriveKind::Stepper | DriveKind::PulseServo => {
+            timing.check_rate(axis.steps_per_turn, speed_hz, tick_hz)?;
+            Ok(None)
+        }
+        DriveKind::Servo => {
+            PulseTiming::check_counts(axis.steps_per_turn, speed_hz, tick_hz)?;
+            let acceleration = settings.limits.reachable_stop_acceleration_hz_per_s() * ratio;
+            FeedForward::new(
+                &settings.machine,
+                settings.mechanism(),
+                settings.axes.len(),
+                axis.rotor_inertia_kgm2,
+                tick_hz,
+                turns(speed_hz / hz),
+                turns(acceleration / hz / hz),
+            )
+            .map(Some)
+        }
+    }
+}
+
+/// The cross-coupling of servos, if it is asked for and every axis is a servo with an encoder.
+#[cold]
+fn coupling(settings: &Settings) -> Result<Option<Coupling>, SettingsError> {
+    let measured = |axis: &AxisSettings| axis.drive == DriveKind::Servo && axis.encoder;
+    let coupling = Coupling::new(settings);
+    if coupling.is_some() && !settings.axes.iter().all(measured) {
+        let key = "correction.coupling";
+        return Err(SettingsError::new(key, Problem::CouplingBlind));
+    }
+    Ok(coupling)
+}

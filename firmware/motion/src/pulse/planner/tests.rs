@@ -1,0 +1,273 @@
+//! Integrates the runs edge by edge and compares them with the phase from which they were planned.
+
+use super::*;
+use crate::settings::{CLOCK_HZ, PulseSettings};
+use proptest::prelude::*;
+use std::vec::Vec;
+
+const QUARTER_MICROSECOND: f64 = 0.25e-6 * CLOCK_HZ as f64;
+
+fn timing(tick_hz: u32) -> Lines {
+    timing_of(tick_hz, 200.0, 300.0, 300.0)
+}
+
+fn timing_of(tick_hz: u32, width_ns: f64, dir_setup_ns: f64, dir_hold_ns: f64) -> Lines {
+    let settings = PulseSettings {
+        width_ns,
+        dir_setup_ns,
+        dir_hold_ns,
+    };
+    Lines {
+        timing: PulseTiming::new(&settings, tick_hz).unwrap(),
+        settings,
+    }
+}
+
+/// Timing required of the lines, and the planner's timing in cycles.
+#[derive(Clone, Copy)]
+struct Lines {
+    timing: PulseTiming,
+    settings: PulseSettings,
+}
+
+/// A drive, as its STEP and DIR inputs drive it.
+struct Drive {
+    lines: Lines,
+    cycle: u64,
+    high: bool,
+    forward: bool,
+    last_edge: Option<u64>,
+    last_rise: Option<u64>,
+    last_turn: Option<u64>,
+    position: i64,
+    shortest: u64,
+    /// Cycle of each rising edge, and the position after it.
+    rises: Vec<(u64, i64)>,
+}
+
+impl Drive {
+    fn new(lines: Lines) -> Self {
+        Self {
+            lines,
+            cycle: 0,
+            high: false,
+            forward: true,
+            last_edge: None,
+            last_rise: None,
+            last_turn: None,
+            position: 0,
+            shortest: u64::MAX,
+            rises: Vec::new(),
+        }
+    }
+
+    /// Plays the runs of a tick as the hardware does, and checks the rules that hold for all runs.
+    fn play(&mut self, runs: &Runs) {
+        let total: u64 = runs.iter().map(|run| u64::from(run.cycles())).sum();
+        let tick = self.lines.timing.tick;
+        assert_eq!(
+            total,
+            u64::from(tick),
+            "the runs fill {total} cycles of {tick}"
+        );
+        let start = self.cycle;
+        for run in runs {
+            if run.is_pause() {
+                self.turn(run.forward());
+                self.cycle += u64::from(run.period());
+            } else {
+                assert_eq!(run.forward(), self.forward, "only a pause turns DIR");
+            }
+            for _ in 0..run.edges() {
+                self.cycle += u64::from(run.period());
+                self.edge();
+            }
+        }
+        assert_eq!(self.cycle, start + total);
+    }
+
+    /// Starts a pause.
+    fn turn(&mut self, forward: bool) {
+        if forward == self.forward {
+            return;
+        }
+        let at = self.cycle + u64::from(Run::DIR_DELAY);
+        if let Some(rise) = self.last_rise {
+            assert!(ns(at - rise) >= self.lines.settings.dir_hold_ns, "hold");
+        }
+        self.forward = forward;
+        self.last_turn = Some(at);
+    }
+
+    fn edge(&mut self) {
+        if let Some(last) = self.last_edge {
+            self.shortest = self.shortest.min(self.cycle - last);
+        }
+        self.last_edge = Some(self.cycle);
+        self.high = !self.high;
+        if self.high {
+            if let Some(turn) = self.last_turn {
+                let since_ns = ns(self.cycle - turn);
+                assert!(since_ns >= self.lines.settings.dir_setup_ns, "set-up");
+            }
+            self.position += if self.forward { 1 } else { -1 };
+            self.last_rise = Some(self.cycle);
+            self.rises.push((self.cycle, self.position));
+        }
+    }
+}
+
+fn ns(cycles: u64) -> f64 {
+    cycles as f64 * 1e9 / f64::from(CLOCK_HZ)
+}
+
+/// Plays ticks of so many turns; the drive, and the steps that were counted.
+fn play_ticks(tick_hz: u32, steps_per_turn: u32, ticks: &[i64]) -> (Drive, i64) {
+    play_with(timing(tick_hz), steps_per_turn, ticks)
+}
+
+fn play_with(lines: Lines, steps_per_turn: u32, ticks: &[i64]) -> (Drive, i64) {
+    let mut planner = Planner::new(lines.timing, steps_per_turn);
+    let mut drive = Drive::new(lines);
+    let mut pace = Paces::new(lines.timing.tick());
+    let mut runs = Runs::new();
+    let mut steps = 0;
+    for &turns in ticks {
+        steps += i64::from(planner.plan(Turns::from_bits(turns), &mut pace, &mut runs));
+        drive.play(&runs);
+        assert_eq!(
+            drive.position, steps,
+            "the drive and the planner count differently"
+        );
+    }
+    (drive, steps)
+}
+
+/// Exact time, in cycles, at which the phase crosses step `position` going up.
+fn crossing(ticks: &[i64], steps_per_turn: u32, tick: u32, position: i64) -> f64 {
+    let goal = i128::from(position) << FRACTION_BITS;
+    let mut phase = 0_i128;
+    for (i, &turns) in ticks.iter().enumerate() {
+        let end = phase + i128::from(turns) * i128::from(steps_per_turn);
+        if end >= goal {
+            let part = (goal - phase) as f64 / (end - phase) as f64;
+            return (i as f64 + part) * f64::from(tick);
+        }
+        phase = end;
+    }
+    panic!("step {position} is never crossed");
+}
+
+/// Converts steps/s to turns a tick.
+fn turns_per_tick(step_hz: f64, steps_per_turn: u32, tick_hz: u32) -> i64 {
+    (step_hz / f64::from(steps_per_turn) / f64::from(tick_hz) * HALF_STEP as f64) as i64
+}
+
+fn any_tick_hz() -> impl Strategy<Value = u32> {
+    prop::sample::select(std::vec![500_u32, 1000, 2000, 4000, 8000, 10_000])
+}
+
+proptest! {
+    /// Every rising edge of an axis that moves forward, up to 1 M steps/s, is within 0.25 µs of the time at which the
+    /// phase crosses its step. No edge is missing, and pulses keep their width.
+    #[test]
+    fn edges_are_where_the_phase_crosses(
+        tick_hz in any_tick_hz(),
+        steps_per_turn in 4_u32..65_536,
+        rates in prop::collection::vec(prop_oneof![0.0..1.0_f64, 0.0..1e6_f64, 0.9e6..1e6_f64], 1..12),
+        repeats in 1_usize..4,
+    ) {
+        let ticks: Vec<i64> = rates
+            .iter()
+            .flat_map(|&rate| std::iter::repeat_n(turns_per_tick(rate, steps_per_turn, tick_hz), repeats))
+            .collect();
+        let (drive, steps) = play_ticks(tick_hz, steps_per_turn, &ticks);
+        let total: i128 = ticks.iter().map(|&t| i128::from(t) * i128::from(steps_per_turn)).sum();
+        prop_assert_eq!(i128::from(steps), total >> FRACTION_BITS);
+        prop_assert_eq!(drive.rises.len() as i64, steps);
+        for (cycle, position) in drive.rises {
+            let due = crossing(&ticks, steps_per_turn, drive.lines.timing.tick, position);
+            let error = cycle as f64 - due;
+            prop_assert!(error.abs() <= QUARTER_MICROSECOND, "step {position}: {error} cycles");
+        }
+        prop_assert!(drive.shortest >= u64::from(timing(tick_hz).timing.width));
+    }
+
+    /// For every motion of the axis and all timing of its drive, ticks are filled, all times are kept, and no step is
+    /// lost or added. Speeds stay around zero, where an axis reverses in practice.
+    #[test]
+    fn changes_of_direction_lose_nothing(
+        tick_hz in any_tick_hz(),
+        steps_per_turn in 4_u32..65_536,
+        width_ns in 8.0..5000.0_f64,
+        dir_setup_ns in 0.0..5000.0_f64,
+        dir_hold_ns in 0.0..5000.0_f64,
+        parts in prop::collection::vec(
+            prop_oneof![-1.1e-3..1.1e-3_f64, -0.02..0.02_f64, -1.0..1.0_f64],
+            1..60,
+        ),
+    ) {
+        let lines = timing_of(tick_hz, width_ns, dir_setup_ns, dir_hold_ns);
+        let most = lines.timing.most_step_hz(tick_hz);
+        let ticks: Vec<i64> =
+            parts.iter().map(|&part| turns_per_tick(part * most, steps_per_turn, tick_hz)).collect();
+        let (drive, steps) = play_with(lines, steps_per_turn, &ticks);
+        let total: i128 = ticks.iter().map(|&t| i128::from(t) * i128::from(steps_per_turn)).sum();
+        prop_assert_eq!(i128::from(steps), total >> FRACTION_BITS);
+        let width = ((width_ns / 8.0).ceil() as u64).max(u64::from(Run::LEAST_CYCLES));
+        prop_assert!(drive.shortest >= width, "{} cycles, of {width}", drive.shortest);
+    }
+
+    /// The greatest number of edges that settings allow fits the runs of a tick at any spacing.
+    #[test]
+    fn the_fastest_axis_fits(tick_hz in any_tick_hz(), part in 0.9..1.0_f64, phase in 0..1_i64 << 40) {
+        let steps_per_turn = 10_000;
+        let most = timing(tick_hz).timing.most_step_hz(tick_hz);
+        let turns = turns_per_tick(most * part, steps_per_turn, tick_hz);
+        let (drive, steps) = play_ticks(tick_hz, steps_per_turn, &[phase, turns, turns, turns]);
+        prop_assert_eq!(drive.position, steps);
+    }
+}
+
+/// At a steady rate that divides the clock a tick takes few runs. The last edge, due at the very end of the tick, keeps
+/// the guard, and the last chunk gives way for it.
+#[test]
+fn a_whole_period_needs_few_runs() {
+    let mut planner = Planner::new(timing(2000).timing, 2000);
+    let mut runs = Runs::new();
+    let turns = Turns::from_num(0.125); // 250 steps in a tick of 62,500 cycles: 125 cycles an edge
+    let mut pace = Paces::new(timing(2000).timing.tick());
+    planner.plan(turns, &mut pace, &mut runs);
+    planner.plan(turns, &mut pace, &mut runs);
+    assert!(runs.len() <= 3, "{runs:?}");
+    let exact: u32 = runs
+        .iter()
+        .filter(|run| run.period() == 125)
+        .map(|run| run.edges())
+        .sum();
+    assert!(exact >= 500 - CHUNK, "{runs:?}");
+}
+
+/// STEP stays low for its width before it rises again, also where set-up and hold are shorter than that.
+#[test]
+fn a_change_of_direction_keeps_the_pulse_width_low() {
+    let lines = timing_of(2000, 2500.0, 500.0, 500.0);
+    let step = HALF_STEP as f64 / 3200.0;
+    let ticks = [1.001, -0.999, 0.9985, -1.0, 1.0].map(|steps| (steps * step) as i64);
+    let (drive, _) = play_with(lines, 3200, &ticks);
+    assert!(drive.shortest >= 313, "{} cycles of 8 ns", drive.shortest);
+}
+
+#[test]
+fn a_long_set_up_is_refused() {
+    let settings = PulseSettings {
+        width_ns: 5000.0,
+        dir_setup_ns: 50_000.0,
+        dir_hold_ns: 5000.0,
+    };
+    assert_eq!(
+        PulseTiming::new(&settings, 10_000).unwrap_err().key,
+        "pulse.dir_setup_ns"
+    );
+    assert!(PulseTiming::new(&settings, 2000).is_ok());
+}

@@ -1,0 +1,160 @@
+//! Buffer for the runs of a tick.
+
+use core::fmt;
+use core::ops::Deref;
+
+use super::planner::CHUNK;
+use super::{MAX_EDGES, Run};
+
+/// Greatest number of runs in a tick.
+///
+/// Every [`super::planner::CHUNK`] edges take one run, and nine more are needed:
+///
+/// - three for a change of direction, one for the first edge and one for the pause at the end;
+/// - one more each for the two chunks after the first edge and for the last one, which the guards make differ from the
+///   others;
+/// - one for the last chunk, as it is short.
+pub const MAX_RUNS: usize = (MAX_EDGES / CHUNK) as usize + 9;
+
+/// Number of runs that are copied at a time.
+pub const BLOCK: usize = 4;
+
+const _: () = assert!(MAX_RUNS.is_multiple_of(BLOCK));
+
+/// The runs of one axis over one tick, in order.
+///
+/// The whole buffer is always initialised. Runs can therefore be copied to the hardware in whole [`Self::blocks`], which
+/// takes a third less time than run by run.
+#[derive(Clone)]
+#[repr(C)] // Behind the buffer its length would be out of reach of a load instruction.
+pub struct Runs {
+    used: usize,
+    room: [Run; MAX_RUNS],
+}
+
+/// Runs that are being appended to; their number stays in a register meanwhile.
+pub(super) struct Appending<'a> {
+    room: &'a mut [Run; MAX_RUNS],
+    used: usize,
+    length: &'a mut usize,
+}
+
+impl Appending<'_> {
+    #[inline(always)]
+    pub(super) fn push(&mut self, run: Run) {
+        // Checked settings keep to MAX_EDGES, for which MAX_RUNS are enough.
+        debug_assert!(self.used < MAX_RUNS, "more runs than a tick holds");
+        if let Some(place) = self.room.get_mut(self.used) {
+            *place = run;
+            self.used += 1;
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn finish(self) {
+        *self.length = self.used;
+    }
+}
+
+impl Runs {
+    /// Creates an empty buffer.
+    pub const fn new() -> Self {
+        Self {
+            used: 0,
+            room: [Run::pause(Run::LEAST_CYCLES, false); MAX_RUNS], // all zeros
+        }
+    }
+
+    /// Removes all runs.
+    pub const fn clear(&mut self) {
+        self.used = 0;
+    }
+
+    /// Appends a run; returns false if there was no room.
+    #[inline(always)]
+    pub fn push(&mut self, run: Run) -> bool {
+        let Some(place) = self.room.get_mut(self.used) else {
+            return false;
+        };
+        *place = run;
+        self.used += 1;
+        true
+    }
+
+    #[inline(always)]
+    pub(super) fn append(&mut self) -> Appending<'_> {
+        Appending {
+            room: &mut self.room,
+            used: self.used,
+            length: &mut self.used,
+        }
+    }
+
+    /// All runs, in blocks; behind the last run the last block holds arbitrary ones.
+    pub fn blocks(&self) -> &[[Run; BLOCK]] {
+        let (blocks, _) = self.room.as_chunks();
+        blocks.get(..self.used.div_ceil(BLOCK)).unwrap_or_default()
+    }
+}
+
+impl Default for Runs {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Deref for Runs {
+    type Target = [Run];
+
+    fn deref(&self) -> &[Run] {
+        self.room.get(..self.used).unwrap_or_default()
+    }
+}
+
+impl Extend<Run> for Runs {
+    /// Appends runs; those without room are left out.
+    fn extend<T: IntoIterator<Item = Run>>(&mut self, runs: T) {
+        for run in runs {
+            let pushed = self.push(run);
+            debug_assert!(pushed, "more runs than a tick holds");
+        }
+    }
+}
+
+impl<'a> IntoIterator for &'a Runs {
+    type Item = &'a Run;
+    type IntoIter = core::slice::Iter<'a, Run>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+impl fmt::Debug for Runs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self).finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// If a block were left out, the hardware would miss its runs.
+    #[test]
+    fn blocks_hold_all_runs_and_no_more_blocks_than_that() {
+        let mut runs = Runs::new();
+        for n in 1..=MAX_RUNS {
+            assert!(runs.push(Run::new(n as u32, Run::LEAST_CYCLES, true)));
+            assert_eq!(runs.len(), n);
+            assert_eq!(runs.blocks().len(), n.div_ceil(BLOCK));
+            assert_eq!(runs.blocks().as_flattened()[..n], runs[..]);
+        }
+        assert!(!runs.push(Run::pause(Run::LEAST_CYCLES, true)));
+        let mut copy = Runs::new();
+        copy.extend(runs.iter().copied());
+        assert_eq!(copy[..], runs[..]);
+        runs.clear();
+        assert!(runs.is_empty() && runs.blocks().is_empty());
+    }
+}

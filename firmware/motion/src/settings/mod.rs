@@ -1,0 +1,195 @@
+//! Settings of the shaft and of the step lines, in Hz and nanoseconds.
+//!
+//! They are checked once. The shaft and the planner then use coefficients in turns, ticks and cycles.
+
+mod error;
+
+use error::finite;
+pub use error::{Number, Problem, SettingsError, inside};
+
+use crate::units::{FRACTION_BITS, Turns};
+
+/// Clock of the step hardware: one cycle is 8 ns.
+pub const CLOCK_HZ: u32 = 125_000_000;
+
+/// Greatest number of forbidden bands of a shaft.
+pub const MAX_BANDS: usize = 4;
+
+/// Limits of the master shaft. [`LimitSettings::check`] checks their ranges.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct LimitSettings {
+    /// Greatest speed, rev/s, from 0.1 to 200.
+    pub speed_hz: f64,
+    /// Greatest acceleration, rev/s²: at least 0.01 and 64 · 2⁻⁴⁸ turns a tick², at most `speed_hz` within a tick.
+    pub acceleration_hz_per_s: f64,
+    /// Greatest jerk, rev/s³: at least 0.01 and 64 · 2⁻⁴⁸ turns a tick³, at most `speed_hz` a tick within a tick.
+    pub jerk_hz_per_s2: f64,
+    /// Greatest acceleration of a fault stop (stop category 1), rev/s², not below the usual one: as much as the motors'
+    /// torque allows.
+    pub stop_acceleration_hz_per_s: f64,
+    /// Greatest jerk of a fault stop, rev/s³, not below the usual one.
+    pub stop_jerk_hz_per_s2: f64,
+    /// Homing speed, rev/s, from 0.01 to 10: the slow speed that finds the index pulses and a parking phase.
+    pub creep_hz: f64,
+    /// Forbidden bands: speeds at which the machine must not dwell, lowest first.
+    pub bands: heapless::Vec<BandSettings, MAX_BANDS>,
+}
+
+/// Forbidden band: the shaft crosses its speeds without dwelling. Its edges are allowed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct BandSettings {
+    /// Lower edge, rev/s.
+    pub from_hz: f64,
+    /// Upper edge, rev/s.
+    pub to_hz: f64,
+}
+
+/// Timing that the drives' inputs require.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct PulseSettings {
+    /// Shortest time that STEP must stay high, and low, nanoseconds, from 8 to 100,000.
+    pub width_ns: f64,
+    /// Time for which DIR must be stable before a rising STEP edge, nanoseconds, from 0 to 100,000.
+    pub dir_setup_ns: f64,
+    /// Time for which DIR must be stable after a rising STEP edge, nanoseconds, from 0 to 100,000.
+    pub dir_hold_ns: f64,
+}
+
+impl PulseSettings {
+    /// Checks that every number is within its range.
+    ///
+    /// # Errors
+    /// The first setting that is out of range.
+    #[cold]
+    pub fn check(&self) -> Result<(), SettingsError> {
+        inside("pulse.width_ns", self.width_ns, 8.0, 100_000.0)?;
+        inside("pulse.dir_setup_ns", self.dir_setup_ns, 0.0, 100_000.0)?;
+        inside("pulse.dir_hold_ns", self.dir_hold_ns, 0.0, 100_000.0)?;
+        Ok(())
+    }
+}
+
+/// Least jerk, in units of the last place. The shaft's exact stop rounds the jerk by up to four units; below this limit
+/// that would be a noticeable part of it.
+const LEAST_JERK_BITS: f64 = 64.0;
+
+/// Longest ramp to full speed: its time, and the turns at full speed in that time.
+const MOST_RAMP_S: f64 = 600.0;
+const MOST_RAMP_TURNS: f64 = 30_000.0;
+
+/// Least gap between two forbidden bands, and between the homing speed and the first band.
+const LEAST_GAP_HZ: f64 = 1e-3;
+
+impl LimitSettings {
+    /// Greatest acceleration that the shaft can reach, rev/s²: the limit, or less where the jerk bounds it.
+    ///
+    /// Reducing an acceleration a to zero at the jerk J gains a²/2J of speed. Between rest and full speed V the
+    /// acceleration therefore stays below sqrt(2 J V). The result is at most 2 sqrt(J V), which is above that.
+    pub fn reachable_acceleration_hz_per_s(&self) -> f64 {
+        self.reachable(self.acceleration_hz_per_s, self.jerk_hz_per_s2)
+    }
+
+    /// Greatest acceleration that a fault stop can reach, rev/s². It is the greatest of all, as no limit of that stop is
+    /// below the usual one.
+    ///
+    /// Reducing it to zero takes at most 2 sqrt(V/J), which is the minimum of V/a + a/J. So the check of the usual
+    /// ramp's length covers this one.
+    pub fn reachable_stop_acceleration_hz_per_s(&self) -> f64 {
+        self.reachable(self.stop_acceleration_hz_per_s, self.stop_jerk_hz_per_s2)
+    }
+
+    fn reachable(&self, acceleration_hz_per_s: f64, jerk_hz_per_s2: f64) -> f64 {
+        acceleration_hz_per_s.min(2.0 * libm::sqrt(jerk_hz_per_s2 * self.speed_hz))
+    }
+
+    /// Checks every number alone and against the others, for a tick rate in Hz.
+    ///
+    /// # Errors
+    /// The first setting that is wrong, with its key and the problem.
+    #[cold]
+    pub fn check(&self, tick_hz: f64) -> Result<(), SettingsError> {
+        let one = (1_u64 << FRACTION_BITS) as f64;
+        let speed_hz = inside("limits.speed_hz", self.speed_hz, 0.1, 200.0)?;
+        let least = LEAST_JERK_BITS / one * tick_hz * tick_hz;
+        inside(
+            "limits.acceleration_hz_per_s",
+            self.acceleration_hz_per_s,
+            least.max(0.01),
+            speed_hz * tick_hz,
+        )?;
+        inside(
+            "limits.jerk_hz_per_s2",
+            self.jerk_hz_per_s2,
+            (least * tick_hz).max(0.01),
+            speed_hz * tick_hz * tick_hz,
+        )?;
+        // A fault stop is at least as fast as any other.
+        inside(
+            "limits.stop_acceleration_hz_per_s",
+            self.stop_acceleration_hz_per_s,
+            self.acceleration_hz_per_s,
+            speed_hz * tick_hz,
+        )?;
+        inside(
+            "limits.stop_jerk_hz_per_s2",
+            self.stop_jerk_hz_per_s2,
+            self.jerk_hz_per_s2,
+            speed_hz * tick_hz * tick_hz,
+        )?;
+        // The distance of a ramp must fit in the format of the phase, which holds 32,768 turns.
+        let acceleration = self.reachable_acceleration_hz_per_s();
+        let ramp_s = speed_hz / acceleration + acceleration / self.jerk_hz_per_s2;
+        if ramp_s > MOST_RAMP_S || ramp_s * speed_hz > MOST_RAMP_TURNS {
+            return Err(SettingsError::new(
+                "limits.acceleration_hz_per_s",
+                Problem::RampTooLong {
+                    ramp_s,
+                    turns: ramp_s * speed_hz,
+                },
+            ));
+        }
+        inside("limits.creep_hz", self.creep_hz, 0.01, speed_hz.min(10.0))?;
+        let mut below = self.creep_hz;
+        for (i, band) in self.bands.iter().enumerate() {
+            let place = |e: SettingsError| e.on_entry(i);
+            finite("limits.band.from_hz", band.from_hz).map_err(place)?;
+            finite("limits.band.to_hz", band.to_hz).map_err(place)?;
+            if band.to_hz <= band.from_hz {
+                return Err(place(SettingsError::new(
+                    "limits.band.to_hz",
+                    Problem::BandUpsideDown(band.from_hz, band.to_hz),
+                )));
+            }
+            // A tiny gap between two bands would vanish when their edges become integers.
+            if band.from_hz - below < LEAST_GAP_HZ {
+                let problem = if i == 0 {
+                    Problem::BandCoversCreep(band.from_hz, below)
+                } else {
+                    Problem::BandsOverlap(band.from_hz, below)
+                };
+                return Err(place(SettingsError::new("limits.band.from_hz", problem)));
+            }
+            if band.to_hz >= speed_hz {
+                return Err(place(SettingsError::new(
+                    "limits.band.to_hz",
+                    Problem::BandCoversTop(band.to_hz, speed_hz),
+                )));
+            }
+            below = band.to_hz;
+        }
+        Ok(())
+    }
+}
+
+/// Converts a checked number of turns, to the nearest 2⁻⁴⁸ turn.
+pub fn turns(value: f64) -> Turns {
+    Turns::saturating_from_num(value)
+}
+
+/// Converts a checked limit in turns to units of 2⁻⁴⁸, rounded down so that it stays within the setting.
+pub fn turns_at_most(value: f64) -> i64 {
+    libm::floor(value * (1_u64 << FRACTION_BITS) as f64) as i64
+}

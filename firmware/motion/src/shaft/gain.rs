@@ -1,0 +1,177 @@
+//! Speed gained while an acceleration is released, and the acceleration that gains a given speed.
+//!
+//! An acceleration a is *released* when it goes to zero by the jerk J a tick. Meanwhile the speed still gains
+//!
+//! D(a) = (a − J) + (a − 2J) + …  (as long as the terms are positive).
+//!
+//! Taking acceleration a for one tick and then releasing it gains g(a) = a + D(a) in total. With n = ⌊a/J⌋ and b = n J
+//! that is b (n + 1)/2 + (n + 1) (a − b), which is linear between multiples of J and increases. The inverse needs a root
+//! to find n. But the acceleration of a tick differs by at most a jerk from the one before. So n is known within one or
+//! two and is searched from above.
+
+use crate::functions::{Divisor, multiply_high, multiply_long, reciprocal};
+
+/// The function g and its inverse, for one jerk limit.
+#[derive(Clone, Debug)]
+pub(super) struct Gain {
+    jerk: u64,
+    /// Greatest acceleration that the gain and its inverse take.
+    most: u64,
+    /// ⌊a/J⌋ is about `(a >> scale) · inverse / 2^(32 + down)`.
+    scale: u32,
+    inverse: u32,
+    down: u32,
+}
+
+/// Multiple of the jerk at or below an acceleration.
+pub(super) struct Step {
+    /// n, below 2²³: settings bound the length of a ramp.
+    pub number: u32,
+    /// b = n J.
+    pub base: u64,
+    /// g(b) = b (n + 1)/2.
+    gain: u64,
+}
+
+impl Gain {
+    /// Gain for `jerk`, for accelerations up to `most` and gains up to `speed`.
+    ///
+    /// The jerk must be at least 59: 64 minus the units that planning subtracts, and a rounding. The release must take
+    /// at most 2²³ ticks for each of them.
+    pub const fn new(jerk: u64, most: u64, speed: u64) -> Self {
+        let fastest = settling(speed, jerk);
+        let most = if most > fastest { most } else { fastest };
+        let zeros = jerk.leading_zeros();
+        let scale = 32_u32.saturating_sub((most | jerk).leading_zeros());
+        Self {
+            jerk,
+            most,
+            scale,
+            inverse: reciprocal(((jerk << zeros) >> 32) as u32),
+            down: (63 - zeros).saturating_sub(scale),
+        }
+    }
+
+    /// Gain g(`acceleration`).
+    pub const fn of(&self, acceleration: u64) -> u64 {
+        self.above(&self.step(acceleration), acceleration)
+    }
+
+    /// Gain g(a) of an acceleration from a step up to, and including, the next.
+    pub const fn above(&self, step: &Step, acceleration: u64) -> u64 {
+        step.gain + multiply_long(acceleration - step.base, step.number + 1)
+    }
+
+    /// Multiple of the jerk at or below `acceleration`.
+    pub const fn step(&self, acceleration: u64) -> Step {
+        // The scaled acceleration and the inverse are exact to 2^-26, so that the quotient is at most one too small.
+        let scaled = (acceleration >> self.scale) as u32;
+        let mut number = multiply_high(scaled, self.inverse) >> self.down;
+        let mut base = multiply_long(self.jerk, number);
+        if base > acceleration {
+            number -= 1;
+            base -= self.jerk;
+        } else if acceleration - base >= self.jerk {
+            number += 1;
+            base += self.jerk;
+        }
+        Step {
+            number,
+            base,
+            gain: multiply_long(base, number + 1) / 2,
+        }
+    }
+
+    /// Largest acceleration a from `least` to `most` with g(a) ≤ `gain`, or `least` if there is none.
+    ///
+    /// The search costs a step for each jerk by which `most` exceeds the result.
+    pub fn inverse(&self, gain: u64, least: u64, most: u64) -> u64 {
+        let most = most.min(self.most);
+        if most <= least {
+            return least;
+        }
+        let mut step = self.step(most);
+        if self.above(&step, most) <= gain {
+            return most;
+        }
+        while step.gain > gain && step.base > least {
+            step.gain -= step.base;
+            step.base -= self.jerk;
+            step.number -= 1;
+        }
+        match gain.checked_sub(step.gain) {
+            Some(more) => {
+                let (above, _) = Divisor::new(step.number + 1).divide(more);
+                (step.base + above).max(least).min(most)
+            }
+            None => least,
+        }
+    }
+}
+
+/// Largest a with g(a) ≤ `gain`, without bounds, by a root.
+const fn settling(gain: u64, jerk: u64) -> u64 {
+    // J n (n + 1)/2 ≤ gain  ⇔  n (n + 1)/2 ≤ ⌊gain / J⌋, as all are integers.
+    let n = ((8 * (gain / jerk) + 1).isqrt() - 1) / 2;
+    (gain + jerk * (n * (n + 1) / 2)) / (n + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Limits within the range of settings: the release takes up to 2²² ticks.
+    fn any_gain() -> impl Strategy<Value = (Gain, u64)> {
+        let limits = (5_u32..40, 0_u32..22, any::<(u64, u64)>());
+        limits.prop_map(|(jerk_bits, ticks_bits, (a, b))| {
+            let jerk = (1 << jerk_bits) + a % (1 << jerk_bits);
+            // The speed V is at most 2^47, with 8 V/J < ticks².
+            let speed = u128::from(jerk) << (2 * ticks_bits) >> 4;
+            let speed = u64::try_from(speed).unwrap_or(u64::MAX).clamp(2, 1 << 47);
+            let reached = (8.0 * jerk as f64 * speed as f64).sqrt() as u64;
+            let most = 1 + b % reached.max(1);
+            (Gain::new(jerk, most, speed), speed)
+        })
+    }
+
+    proptest! {
+        /// The inverse is exact: the next larger acceleration would overshoot.
+        #[test]
+        fn settling_is_the_largest_that_does_not_overshoot((gain, speed) in any_gain(), part in any::<u64>()) {
+            let wanted = part % speed;
+            let a = settling(wanted, gain.jerk);
+            prop_assert!(gain.of(a) <= wanted);
+            prop_assert!(a == gain.most || gain.of(a + 1) > wanted);
+        }
+
+        /// The inverse without a root gives the same for all bounds of the search.
+        #[test]
+        fn the_inverse_is_the_root(
+            (gain, speed) in any_gain(),
+            part in any::<u64>(),
+            below in 0_u64..3 << 40,
+            above in 0_u64..3 << 40,
+        ) {
+            let wanted = part % speed;
+            let a = settling(wanted, gain.jerk);
+            let within = |x: u64| x % (3 * gain.jerk);
+            let (least, most) = (a.saturating_sub(within(below)), (a + within(above)).min(gain.most));
+            prop_assert_eq!(gain.inverse(wanted, least, most), a.clamp(least, most));
+            let (least, most) = (a + 1, a + 1 + within(above));
+            prop_assert_eq!(gain.inverse(wanted, least, most), least, "all is above");
+        }
+
+        /// The closed form of g equals its sum.
+        #[test]
+        fn letting_go_gains_the_sum(acceleration in 0_u64..100_000, jerk in 64_u64..5_000) {
+            let mut sum = 0;
+            let mut a = acceleration;
+            while a > 0 {
+                sum += a;
+                a = a.saturating_sub(jerk);
+            }
+            prop_assert_eq!(Gain::new(jerk, 100_000, 100_000).of(acceleration), sum);
+        }
+    }
+}

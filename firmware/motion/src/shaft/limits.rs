@@ -1,0 +1,125 @@
+//! Limits of the master shaft as coefficients of the tick.
+
+use super::Band;
+use super::gain::Gain;
+use crate::settings::{LimitSettings, MAX_BANDS, turns_at_most};
+
+/// Limits of the shaft in units of 2⁻⁴⁸ turn and one tick, rounded so that they stay within the settings.
+///
+/// Speed, acceleration and jerk are rounded down by less than one unit. Bands are widened by at most one unit on either
+/// side.
+#[derive(Clone, Debug)]
+pub struct ShaftLimits {
+    /// Greatest speed, turns a tick.
+    pub(crate) speed: i64,
+    /// Homing speed, turns a tick.
+    pub(crate) creep: i64,
+    /// Forbidden bands, lowest first and not touching, between homing speed and greatest speed.
+    pub(crate) bands: heapless::Vec<Band, MAX_BANDS>,
+    /// Ramp limits of all motion but the stops below.
+    pub(crate) usual: RampLimits,
+    /// Ramp limits of a fault stop; not slower than `usual`.
+    pub(crate) fault: RampLimits,
+    /// Ramp limits of a stop at a phase: gentler than `usual` by as much as rounding its phase may add.
+    pub(super) parking: RampLimits,
+}
+
+/// Limits on the change of speed.
+#[derive(Clone, Debug)]
+pub(crate) struct RampLimits {
+    /// Greatest acceleration, turns a tick².
+    pub acceleration: i64,
+    /// Greatest jerk, turns a tick³.
+    pub jerk: i64,
+    /// Speed gained while an acceleration is released.
+    pub(super) gain: Gain,
+    /// Speed gained by one tick of the greatest acceleration and its release.
+    pub(super) gain_from_limit: u64,
+}
+
+impl RampLimits {
+    /// Ramp limits for speeds up to `speed`, turns a tick.
+    #[cold]
+    fn new(acceleration_hz_per_s: f64, jerk_hz_per_s2: f64, speed: i64, hz: f64) -> Self {
+        let acceleration = turns_at_most(acceleration_hz_per_s / (hz * hz)).max(1);
+        let jerk = turns_at_most(jerk_hz_per_s2 / (hz * hz * hz)).max(1);
+        Self::within(acceleration, jerk, acceleration, speed)
+    }
+
+    /// Ramp limits in units. The gain covers accelerations up to `asked`.
+    const fn within(acceleration: i64, jerk: i64, asked: i64, speed: i64) -> Self {
+        let gain = Gain::new(
+            jerk.unsigned_abs(),
+            asked.unsigned_abs(),
+            speed.unsigned_abs(),
+        );
+        Self {
+            acceleration,
+            jerk,
+            gain_from_limit: gain.of(acceleration.unsigned_abs()),
+            gain,
+        }
+    }
+
+    /// Limits for a motion whose phase is rounded afterwards, by less than a unit. The rounding changes the acceleration
+    /// by less than two units and the jerk by less than four.
+    #[cold]
+    fn before_rounding(&self, speed: i64) -> Self {
+        let acceleration = (self.acceleration - 2).max(1);
+        let jerk = (self.jerk - 4).max(1);
+        Self::within(acceleration, jerk, self.acceleration, speed)
+    }
+}
+
+impl ShaftLimits {
+    /// Limits of a shaft that does not move.
+    pub const STANDSTILL: Self = {
+        const RAMP: RampLimits = RampLimits::within(64, 64, 64, 1);
+        Self {
+            speed: 1,
+            creep: 1,
+            bands: heapless::Vec::new(),
+            usual: RAMP,
+            fault: RAMP,
+            parking: RAMP,
+        }
+    };
+
+    /// Converts settings that [`LimitSettings::check`] has accepted, for a tick rate in Hz.
+    #[cold]
+    pub fn of(settings: &LimitSettings, tick_hz: u32) -> Self {
+        let hz = f64::from(tick_hz);
+        let speed = turns_at_most(settings.speed_hz / hz);
+        let usual = RampLimits::new(
+            settings.reachable_acceleration_hz_per_s(),
+            settings.jerk_hz_per_s2,
+            speed,
+            hz,
+        );
+        Self {
+            speed,
+            creep: turns_at_most(settings.creep_hz / hz).max(1),
+            bands: settings
+                .bands
+                .iter()
+                .map(|band| Band {
+                    from: turns_at_most(band.from_hz / hz),
+                    to: turns_at_most(band.to_hz / hz) + 1,
+                })
+                .collect(),
+            parking: usual.before_rounding(speed),
+            usual,
+            fault: RampLimits::new(
+                settings.reachable_stop_acceleration_hz_per_s(),
+                settings.stop_jerk_hz_per_s2,
+                speed,
+                hz,
+            ),
+        }
+    }
+
+    /// Homing speed, turns a tick.
+    pub const fn creep(&self) -> crate::units::Turns {
+        crate::units::Turns::from_bits(self.creep)
+    }
+}

@@ -1,0 +1,178 @@
+//! Measuring, whatever is measured: CPU time of a figure's work beside that of a fixed calibration load.
+//!
+//! - *Work*: one call does some, and returns how many units of it (control ticks, say) were done.
+//! - *Load*: a fixed loop of integer and floating-point operations that no change of the project touches. Units per load
+//!   compare across machines far better than units per second, so only they are asserted.
+//! - *Round*: load, work, load. The two loads see the same clock frequency and the same neighbours as the work. A figure is
+//!   the median of its rounds.
+//!
+//! Each figure is two lines, `name value unit`: units per second of CPU time, and units per load. Other lines begin with `#`.
+//!
+//! This file knows nothing of the project, so that `tests/baseline/bench` measures another commit by the same code.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+/// One call does some work and returns how many units it did.
+pub type Work = Box<dyn FnMut() -> u64>;
+
+/// Something whose speed is measured.
+pub struct Figure {
+    /// Name in the output.
+    pub name: &'static str,
+    /// What its work is counted in.
+    pub unit: &'static str,
+    /// Units per load that are asserted. Leave a wide margin: processors differ in what they are good at.
+    pub least_per_load: f64,
+    /// Sets the work up. The time that takes does not count.
+    pub set_up: fn() -> Work,
+}
+
+const ROUNDS: usize = 7;
+/// CPU time of one round's work, at least, s; and of all its loads.
+const WORK_S: f64 = 0.1;
+const LOAD_S: f64 = 0.05;
+
+/// Measures the figures that the command line names, or all, and prints them.
+///
+/// `--test` runs each as briefly as possible and asserts nothing but that it runs.
+///
+/// # Panics
+/// If a figure is below its least units per load.
+pub fn run(figures: &[Figure]) {
+    let arguments: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|argument| argument != "--bench") // cargo adds it
+        .collect();
+    let is_test = arguments.iter().any(|argument| argument == "--test");
+    let wanted: Vec<&String> = arguments
+        .iter()
+        .filter(|argument| *argument != "--test")
+        .collect();
+    let known = |name: &str| figures.iter().any(|figure| figure.name.contains(name));
+    if let Some(unknown) = wanted.iter().find(|name| !known(name)) {
+        panic!("no figure has {unknown} in its name");
+    }
+    let chosen = figures.iter().filter(|figure| {
+        wanted.is_empty() || wanted.iter().any(|name| figure.name.contains(*name))
+    });
+    let mut too_slow = Vec::new();
+    for figure in chosen {
+        let Measured { per_s, per_load } = measure(figure, is_test);
+        let Figure { name, unit, .. } = figure;
+        println!("{name} {per_s:.0} {unit}/s");
+        println!("{name}-per-load {per_load:.1} {unit}/load");
+        if !is_test && per_load < figure.least_per_load {
+            too_slow.push(format!(
+                "{name} does {per_load:.1} {unit} per load; {} are asserted",
+                figure.least_per_load
+            ));
+        }
+    }
+    assert!(too_slow.is_empty(), "{}", too_slow.join("; "));
+}
+
+struct Measured {
+    per_s: f64,
+    per_load: f64,
+}
+
+fn measure(figure: &Figure, is_test: bool) -> Measured {
+    let (rounds, work_s, load_s) = if is_test {
+        (1, 0.0, 0.0)
+    } else {
+        (ROUNDS, WORK_S, LOAD_S)
+    };
+    let mut work = (figure.set_up)();
+    if !is_test {
+        work(); // fills caches
+    }
+    let mut all = Vec::new();
+    for _ in 0..rounds {
+        let before = speed(&mut load, load_s / 2.0);
+        let per_s = speed(&mut work, work_s);
+        let loads_per_s = (before + speed(&mut load, load_s / 2.0)) / 2.0;
+        all.push((per_s, per_s / loads_per_s));
+    }
+    Measured {
+        per_s: median(all.iter().map(|round| round.0).collect()),
+        per_load: median(all.iter().map(|round| round.1).collect()),
+    }
+}
+
+/// Units per second of CPU time, over at least that time.
+fn speed(work: &mut dyn FnMut() -> u64, least_s: f64) -> f64 {
+    let clock = CpuClock::start();
+    let mut units = 0;
+    loop {
+        units += work();
+        let elapsed_s = clock.elapsed_s();
+        if elapsed_s >= least_s && elapsed_s > 0.0 {
+            return units as f64 / elapsed_s;
+        }
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// CPU time of this thread where Linux gives it, so that other processes do not count; else time on the wall.
+struct CpuClock {
+    cpu_ns: Option<u64>,
+    wall: Instant,
+}
+
+impl CpuClock {
+    fn start() -> Self {
+        Self {
+            cpu_ns: Self::cpu_ns(),
+            wall: Instant::now(),
+        }
+    }
+
+    fn elapsed_s(&self) -> f64 {
+        match (self.cpu_ns, Self::cpu_ns()) {
+            (Some(before), Some(now)) => now.saturating_sub(before) as f64 * 1e-9,
+            _ => self.wall.elapsed().as_secs_f64(),
+        }
+    }
+
+    fn cpu_ns() -> Option<u64> {
+        // The scheduler brings its account up to date when it is called.
+        std::thread::yield_now();
+        let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+        text.split(' ').next()?.parse().ok()
+    }
+}
+
+/// Iterations of one load: about a millisecond.
+const LOAD_ITERATIONS: u32 = 100_000;
+
+/// What a load comes to on every machine.
+const LOAD_RESULT: u64 = 0x2EF0_E7DA_2BB4_4027;
+
+/// The calibration load: one chain of dependent integer operations with a table and a branch, and one of f64 beside it.
+fn load() -> u64 {
+    let mut random = black_box(0x9E37_79B9_7F4A_7C15_u64);
+    let mut table = [0_u64; 64];
+    let (mut sum, mut root) = (0.0_f64, 1.0_f64);
+    for _ in 0..LOAD_ITERATIONS {
+        random ^= random << 13;
+        random ^= random >> 7;
+        random ^= random << 17;
+        let entry = &mut table[(random >> 58) as usize];
+        *entry = entry.wrapping_mul(5).wrapping_add(random);
+        if *entry & 3 == 0 {
+            random = random.rotate_left(9);
+        }
+        sum = sum * 0.99 + (random >> 11) as f64 * 1.0e-16;
+        root = (root + sum * sum).sqrt() + 1.0 / (1.0 + sum);
+    }
+    let result = table.iter().fold(random ^ root.to_bits(), |all, &entry| {
+        all.rotate_left(1) ^ entry
+    });
+    assert_eq!(result, LOAD_RESULT, "the calibration load is another one");
+    1
+}

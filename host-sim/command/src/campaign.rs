@@ -1,0 +1,246 @@
+//! `cophase campaign`: thousands of faults, each on a machine of its own, and what the loop made of them.
+
+use std::io::Write;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::{CommandError, Status, run, scenes};
+use cophase_lab::campaign::plan::Plan;
+use cophase_lab::campaign::shards::{Header, Shard, join};
+use cophase_lab::campaign::tally::Tally;
+use cophase_lab::campaign::{self, picture, table};
+use host_sim::trace::RunFiles;
+
+/// Each case is run twice: with its fault, and once more without, with noise alone.
+///
+/// Without SCENE, machines are drawn: three mechanisms, two to six axes, steppers with index sensors alone or with encoders, and
+/// servos. So `--runs 10000` makes 10,000 faulty runs and 10,000 clean ones.
+#[derive(Debug, clap::Args)]
+pub(super) struct CampaignArgs {
+    /// A scene file, or the name of a built-in scene, to draw faults for [default: machines are drawn]
+    #[arg(value_name = "SCENE")]
+    scene: Option<String>,
+    /// How many cases, each a faulty and a clean run
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    runs: u64,
+    /// What all is drawn from: the same seed, the same rows
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// The first case of this shard, to split a campaign over machines
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    from: u64,
+    /// The case after the last of this shard [default: all of --runs]
+    #[arg(long, value_name = "K")]
+    to: Option<u64>,
+    /// On how many threads [default: one for each core]; rows are the same on any
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Where to write campaign.csv (of a shard: campaign-FROM-TO.csv), campaign.svg and campaign-table.md
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// Run case K alone, as `cophase run` does, and write its scene.toml too
+    #[arg(long, value_name = "K", conflicts_with_all = ["from", "to", "join", "threads"])]
+    replay: Option<u64>,
+    /// With --replay: the case's clean run
+    #[arg(long, requires = "replay")]
+    clean: bool,
+    /// Run nothing: join shards, files or folders of campaign-*.csv
+    #[arg(long, value_name = "PATH", num_args = 1.., conflicts_with_all = ["scene", "from", "to", "threads", "runs", "seed"])]
+    join: Vec<PathBuf>,
+    /// Print nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+pub(super) fn campaign(args: &CampaignArgs, out: &mut impl Write) -> Result<Status, CommandError> {
+    if !args.join.is_empty() {
+        let shard = join(shards(&args.join)?).map_err(|error| input("--join", &error))?;
+        return told(args, &shard, out);
+    }
+    let scene = args.scene.as_deref();
+    let checked = scene
+        .map(scenes::read)
+        .transpose()
+        .map_err(CommandError::Input)?;
+    let plan = Plan::new(args.seed, checked).map_err(|error| {
+        CommandError::Input(error.in_file(scene.unwrap_or_default()).to_string())
+    })?;
+    match args.replay {
+        Some(number) => replay(args, &plan, number, out),
+        None => told(args, &run_shard(args, &plan)?, out),
+    }
+}
+
+fn input(place: &str, error: &dyn std::fmt::Display) -> CommandError {
+    CommandError::Input(format!("{place}: {error}"))
+}
+
+/// Which cases are asked for.
+fn numbers(args: &CampaignArgs) -> Result<Range<u64>, CommandError> {
+    let to = args.to.unwrap_or(args.runs);
+    if args.runs == 0 {
+        return Err(input("--runs", &"0 cases are none; give 1 or more"));
+    }
+    if to > args.runs {
+        let problem = format!(
+            "{to} is past --runs {}; cases are 0 to {}",
+            args.runs,
+            args.runs - 1
+        );
+        return Err(input("--to", &problem));
+    }
+    if args.from >= to {
+        let problem = format!("{} is not before --to {to}; give a smaller one", args.from);
+        return Err(input("--from", &problem));
+    }
+    Ok(args.from..to)
+}
+
+fn run_shard(args: &CampaignArgs, plan: &Plan) -> Result<Shard, CommandError> {
+    let numbers = numbers(args)?;
+    let bar = progress_bar(args.quiet, numbers.end - numbers.start);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(args.threads.map_or_else(cores, usize::from))
+        .build()
+        .map_err(|error| input("--threads", &error))?;
+    let rows = pool
+        .install(|| campaign::run_all(plan, numbers.clone(), &|| bar.inc(1)))
+        .map_err(|error| CommandError::Input(error.to_string()))?;
+    bar.finish_and_clear();
+    Ok(Shard {
+        header: Header::new(plan, numbers),
+        rows,
+    })
+}
+
+/// rayon would count them too, unless an environment variable says otherwise.
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Writes a shard with its picture and its table, and prints the table.
+fn told(args: &CampaignArgs, shard: &Shard, out: &mut impl Write) -> Result<Status, CommandError> {
+    let tally = Tally::new(&shard.rows);
+    let text = table::text(&shard.header, &tally);
+    let Range { start, end } = shard.header.numbers;
+    let is_whole = start == 0 && (end == args.runs || !args.join.is_empty());
+    let name = if is_whole {
+        "campaign.csv".to_owned()
+    } else {
+        format!("campaign-{start}-{end}.csv")
+    };
+    let rows = shard.to_text().map_err(|error| input("rows", &error))?;
+    let svg = picture::svg(&shard.header, &tally);
+    write_all(
+        &args.out,
+        &[
+            (&name, &rows),
+            ("campaign.svg", &svg),
+            ("campaign-table.md", &text),
+        ],
+    )?;
+    if !args.quiet {
+        writeln!(
+            out,
+            "{text}\nWritten to {}: {name}, campaign.svg, campaign-table.md.",
+            args.out.display()
+        )?;
+    }
+    Ok(if tally.is_kept() {
+        Status::Done
+    } else {
+        Status::Fault
+    })
+}
+
+/// Writes all of several files, or none.
+fn write_all(folder: &Path, files: &[(&str, &str)]) -> Result<(), CommandError> {
+    let place = |error: &dyn std::fmt::Display| {
+        CommandError::Input(format!("--out: {error}; give a folder that can be written"))
+    };
+    let mut written = RunFiles::create(folder).map_err(|error| place(&error))?;
+    for (name, text) in files {
+        let mut file = written.file(name).map_err(|error| place(&error))?;
+        file.write_all(text.as_bytes())
+            .and_then(|()| file.flush())
+            .map_err(|error| place(&error))?;
+    }
+    written.commit().map_err(|error| place(&error))?;
+    Ok(())
+}
+
+/// Runs one case once more, with all that `cophase run` writes, and its scene.
+fn replay(
+    args: &CampaignArgs,
+    plan: &Plan,
+    number: u64,
+    out: &mut impl Write,
+) -> Result<Status, CommandError> {
+    let case = plan.case(number);
+    let row =
+        campaign::run(&case, args.clean).map_err(|error| CommandError::Input(error.to_string()))?;
+    let text =
+        toml::to_string(&case.scene_of(args.clean)).map_err(|error| input("scene.toml", &error))?;
+    write_all(&args.out, &[("scene.toml", &text)])?;
+    let scene = args.out.join("scene.toml");
+    let status = run::run(&run::RunArgs::of(&scene, &args.out, args.quiet), out)?;
+    if !args.quiet {
+        let row = serde_json::to_string_pretty(&row).map_err(|error| input("row", &error))?;
+        writeln!(
+            out,
+            "\nscene.toml is beside them. As the campaign has it:\n{row}"
+        )?;
+    }
+    Ok(status)
+}
+
+/// Shards of files, and of folders all that are called as shards are.
+fn shards(paths: &[PathBuf]) -> Result<Vec<(String, Shard)>, CommandError> {
+    let mut files = Vec::new();
+    for path in paths {
+        if !path.is_dir() {
+            files.push(path.clone());
+            continue;
+        }
+        let place = path.display().to_string();
+        let entries = std::fs::read_dir(path).map_err(|error| input(&place, &error))?;
+        let mut inside: Vec<_> = entries
+            .filter_map(|entry| Some(entry.ok()?.path()))
+            .filter(|file| is_shard(file))
+            .collect();
+        if inside.is_empty() {
+            return Err(input(
+                &place,
+                &"has no campaign-FROM-TO.csv in it; give a folder with shards",
+            ));
+        }
+        inside.sort();
+        files.append(&mut inside);
+    }
+    let read = |path: PathBuf| {
+        let place = path.display().to_string();
+        let text = std::fs::read_to_string(&path).map_err(|error| input(&place, &error))?;
+        let shard = Shard::parse(&text).map_err(|error| input(&place, &error))?;
+        Ok((place, shard))
+    };
+    files.into_iter().map(read).collect()
+}
+
+/// Whether a file is called as a shard is; the whole, which lies beside them, is not one.
+fn is_shard(file: &Path) -> bool {
+    let name = file.file_name().and_then(|name| name.to_str());
+    name.is_some_and(|name| name.starts_with("campaign-") && name.ends_with(".csv"))
+}
+
+/// Seen on a terminal only: indicatif draws to stderr, and only if that is one.
+fn progress_bar(quiet: bool, cases: u64) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template(
+        "{bar:40} {pos} of {len} cases  {per_sec}  {elapsed} gone, {eta} to go",
+    );
+    ProgressBar::new(cases).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}

@@ -1,0 +1,82 @@
+//! `cophase chart`: a chart's data and picture.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::{CommandError, Status};
+use cophase_lab::chart::{self, CHARTS, Size};
+use host_sim::scene::load;
+use host_sim::trace::RunFiles;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct ChartArgs {
+    /// Which chart; `list` names them
+    name: String,
+    /// Where to write NAME.csv and NAME.svg
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// How much is measured; the docs show full ones
+    #[arg(long, value_enum, default_value_t)]
+    size: Size,
+}
+
+pub(super) fn chart(args: &ChartArgs, out: &mut impl Write) -> Result<Status, CommandError> {
+    if args.name == "list" {
+        let width = CHARTS.iter().map(|chart| chart.name.len()).max();
+        let width = width.unwrap_or(0);
+        for chart in CHARTS {
+            writeln!(out, "{:width$}  {}", chart.name, chart.shows)?;
+        }
+        return Ok(Status::Done);
+    }
+    let Some(chart) = chart::find(&args.name) else {
+        return Err(CommandError::Input(unknown(&args.name)));
+    };
+    let bar = progress_bar();
+    let drawn = (chart.draw)(args.size, &mut |done, of| {
+        bar.set_length(of);
+        bar.set_position(done);
+    })
+    .map_err(|error| CommandError::Input(format!("{}: {error}", chart.name)))?;
+    bar.finish_and_clear();
+    let place = |error: &dyn std::fmt::Display| {
+        CommandError::Input(format!("--out: {error}; give a folder that can be written"))
+    };
+    let mut files = RunFiles::create(&args.out).map_err(|error| place(&error))?;
+    for (name, text) in [
+        (format!("{}.csv", chart.name), &drawn.csv),
+        (format!("{}.svg", chart.name), &drawn.svg),
+    ] {
+        let mut file = files.file(&name).map_err(|error| place(&error))?;
+        file.write_all(text.as_bytes())
+            .and_then(|()| file.flush())
+            .map_err(|error| place(&error))?;
+    }
+    files.commit().map_err(|error| place(&error))?;
+    writeln!(
+        out,
+        "{}\nWritten to {}: {name}.csv, {name}.svg.",
+        drawn.says,
+        args.out.display(),
+        name = chart.name
+    )?;
+    Ok(Status::Done)
+}
+
+/// Seen on a terminal only: indicatif draws to stderr, and only if that is one.
+fn progress_bar() -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {pos} of {len}  {elapsed} gone");
+    ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+fn unknown(name: &str) -> String {
+    let known: Vec<_> = CHARTS.iter().map(|chart| chart.name).collect();
+    let meant = load::nearest(name, &known).map(|near| format!("did you mean `{near}`? "));
+    format!(
+        "{name}: there is no chart of that name; {}there are {}",
+        meant.unwrap_or_default(),
+        known.join(", ")
+    )
+}

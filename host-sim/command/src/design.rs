@@ -1,0 +1,122 @@
+//! `cophase design`: the method from the command line.
+
+use std::io::{self, Write};
+
+use host_sim::design::{
+    Design, DesignError, Requirement, STANDARD_GRAVITY_MPS2, design, write_page,
+};
+use serde::Serialize;
+
+/// Size a vibration platform on N slider-cranks: crank, rod, torque and power (steps A to J)
+#[derive(Clone, Debug, clap::Args)]
+pub struct DesignArgs {
+    /// Load on the platform, kg: above 0, up to 50
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    pub load_kg: f64,
+    /// Largest acceleration, in multiples of gravity: 10 to 200
+    #[arg(long, value_name = "A", allow_hyphen_values = true)]
+    pub amax_g: f64,
+    /// Frequency of the platform, Hz: above 0, up to 200
+    #[arg(long, value_name = "F", allow_hyphen_values = true)]
+    pub freq_hz: f64,
+    /// Crank radius over rod length: 0.1 to 0.6
+    #[arg(long, value_name = "L", allow_hyphen_values = true)]
+    pub lambda: f64,
+    /// Motors around the platform: 2 to 6
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = count)]
+    pub motors: u32,
+    /// Factor on the motor torque for the masses left out: 1.5 to 3
+    #[arg(long, value_name = "K", allow_hyphen_values = true,
+          default_value_t = Requirement::DEFAULT_SAFETY)]
+    pub safety: f64,
+    /// Gravity, m/s²: 9.7 to 10
+    #[arg(long, value_name = "G", allow_hyphen_values = true,
+          default_value_t = STANDARD_GRAVITY_MPS2)]
+    pub gravity: f64,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A number of motors; whether it is in range is seen to with everything else.
+fn count(text: &str) -> Result<u32, &'static str> {
+    text.parse().map_err(|_| "must be a whole number; try 4")
+}
+
+impl From<&DesignArgs> for Requirement {
+    fn from(args: &DesignArgs) -> Self {
+        Self {
+            load_kg: args.load_kg,
+            amax_g: args.amax_g,
+            freq_hz: args.freq_hz,
+            lambda: args.lambda,
+            motors: args.motors,
+            safety: args.safety,
+            gravity_mps2: args.gravity,
+        }
+    }
+}
+
+/// Why `cophase design` came to nothing.
+#[derive(Debug, thiserror::Error)]
+pub enum DesignCommandError {
+    /// Bad input (exit status 2); nothing was written. Prints a line for each flag that is wrong.
+    #[error(transparent)]
+    Input(#[from] DesignError),
+    /// The output could not be written.
+    #[error("cannot write the design: {0}")]
+    Write(#[from] io::Error),
+}
+
+/// The object that `--json` prints.
+#[derive(Serialize)]
+struct Figures {
+    gravity_mps2: f64,
+    crank_radius_mm: f64,
+    rod_length_mm: f64,
+    speed_rad_s: f64,
+    torque_max_two_term_nm: f64,
+    /// With the source's gravity sign: platform below.
+    torque_max_exact_nm: f64,
+    motor_torque_nm: f64,
+    motor_torque_with_safety_nm: f64,
+    /// Platform above, all motors together.
+    peak_power_w: f64,
+    warnings: Vec<String>,
+}
+
+impl From<&Design> for Figures {
+    fn from(design: &Design) -> Self {
+        let warnings = design.warnings();
+        Self {
+            gravity_mps2: design.requirement.gravity_mps2,
+            crank_radius_mm: 1e3 * design.mechanism.crank_radius_m(),
+            rod_length_mm: 1e3 * design.mechanism.rod_length_m(),
+            speed_rad_s: design.speed_rad_s(),
+            torque_max_two_term_nm: design.torque_two_term.value,
+            torque_max_exact_nm: design.torque_exact_below.value,
+            motor_torque_nm: design.motor_torque_nm(),
+            motor_torque_with_safety_nm: design.motor_torque_with_safety_nm(),
+            peak_power_w: design.peak_power_w(),
+            warnings: warnings.iter().map(ToString::to_string).collect(),
+        }
+    }
+}
+
+/// Runs the command: designs what `args` ask for and writes text, or with `--json` one object, to `out`.
+///
+/// In the object, `torque_max_exact_nm` has the source's gravity sign (platform below the cranks), as
+/// `torque_max_two_term_nm` has; `peak_power_w` is that of a platform above, all motors together, without
+/// the safety factor.
+///
+/// Fails with [`DesignCommandError::Input`] before anything is written, or when `out` does.
+pub fn run(args: &DesignArgs, out: &mut impl Write) -> Result<(), DesignCommandError> {
+    let found = design(&args.into())?;
+    if args.json {
+        serde_json::to_writer_pretty(&mut *out, &Figures::from(&found)).map_err(io::Error::from)?;
+        writeln!(out)?;
+    } else {
+        write_page(&found, out)?;
+    }
+    Ok(())
+}

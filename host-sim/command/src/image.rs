@@ -1,0 +1,182 @@
+//! `cophase image`: a scene goes in, a blob for a board comes out.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use cophase_blob::header::{FIRST_SEQUENCE, HEADER_BYTES, MAGIC, OUTSIDE};
+use cophase_blob::{Header, MAX_BLOB_BYTES, board, encode};
+
+use super::{CommandError, Status, scenes};
+use host_sim::scene::file::{AxisApart, CamShaft, Fidelity, Rods};
+use host_sim::scene::{Checked, Scene};
+use host_sim::trace::RunFiles;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct ImageArgs {
+    /// A scene file, or the name of a built-in scene
+    #[arg(value_name = "SCENE")]
+    scene: String,
+    /// The file to write
+    #[arg(
+        short,
+        long = "out",
+        value_name = "FILE",
+        default_value = "cophase.blob"
+    )]
+    out: PathBuf,
+}
+
+pub(super) fn image(args: &ImageArgs, out: &mut impl Write) -> Result<Status, CommandError> {
+    let checked = scenes::read(&args.scene).map_err(CommandError::Input)?;
+    let refused = |error: &dyn std::fmt::Display| CommandError::Input(format!("-o: {error}"));
+    let mut buffer = [0; MAX_BLOB_BYTES];
+    let blob = encode(&checked.settings, FIRST_SEQUENCE, OUTSIDE, &mut buffer)
+        .map_err(|error| refused(&error))?;
+    let header = Header::read(blob).map_err(|error| refused(&error))?;
+    let summary = summary(&checked, &header, &args.out)?;
+    put(&args.out, blob).map_err(|error| refused(&error))?;
+    out.write_all(summary.as_bytes())?;
+    Ok(Status::Done)
+}
+
+/// What was made, and what of the scene is not in it.
+fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, CommandError> {
+    let settings = &checked.settings;
+    let controller = checked
+        .controller()
+        .map_err(|error| CommandError::Input(error.to_string()))?;
+    let ticks = controller.program().0.duration();
+    let seconds = ticks as f64 / f64::from(settings.tick_hz);
+    let mut text = format!(
+        "{}: {} axes, {} ticks a second, a program of {} entr{} that lasts {seconds:.1} s.\n\
+         Written to {}: {} bytes (header {HEADER_BYTES}, payload {}), format {}, CRC-32 {:#010x}.\n",
+        checked.scene.name,
+        settings.axes.len(),
+        settings.tick_hz,
+        settings.program.len(),
+        if settings.program.len() == 1 {
+            "y"
+        } else {
+            "ies"
+        },
+        path.display(),
+        header.blob_bytes(),
+        header.length,
+        header.version,
+        header.payload_crc,
+    );
+    if *settings.name != *checked.scene.name {
+        text += &format!("Its name is cut to `{}`.\n", settings.name);
+    }
+    let left_out = left_out(&checked.scene);
+    if !left_out.is_empty() {
+        text += &format!(
+            "Not in it, as they belong to the simulation: {}.\n",
+            left_out.join(", ")
+        );
+    }
+    if let Err(unfit) = board::check(settings) {
+        text += &format!("The RP2040 board will refuse this: {unfit}.\n");
+    }
+    text += "How to get it onto a board: docs/image.md, docs/settings-file.md.\n";
+    Ok(text)
+}
+
+/// Keys of a scene that say something, and not to the control loop.
+fn left_out(scene: &Scene) -> Vec<String> {
+    let axes = &scene.axes;
+    let cam = scene.cam.as_ref();
+    let of_cam = |given: fn(&CamShaft) -> bool| cam.is_some_and(given);
+    let common = [
+        ("cam.masses_kg", of_cam(|cam| cam.masses_kg.is_some())),
+        (
+            "cam.stiffness_n_per_mm",
+            of_cam(|cam| cam.stiffness_n_per_mm.is_some()),
+        ),
+        (
+            "cam.dampers_ns_per_m",
+            of_cam(|cam| cam.dampers_ns_per_m.is_some()),
+        ),
+        ("cam.zeta", of_cam(|cam| cam.zeta.is_some())),
+        ("fidelity", scene.fidelity != Fidelity::Auto),
+        ("axes.friction_nm", axes.friction_nm != 0.0),
+        (
+            "machine.tilt_inertia_kgm2",
+            scene
+                .machine
+                .as_ref()
+                .is_some_and(|machine| machine.tilt_inertia_kgm2.is_some()),
+        ),
+        ("axes.damping_nms", axes.damping_nms != 0.0),
+        (
+            "machine.rods",
+            scene
+                .machine
+                .as_ref()
+                .is_some_and(|machine| machine.rods != Rods::Settled),
+        ),
+        ("questions", !scene.questions.is_none()),
+        ("axes.servo", axes.servo.is_some()),
+        ("frame", scene.frame.is_some()),
+        ("axes.pull_out", !axes.pull_out.is_empty()),
+    ];
+    let apart = |axis: &AxisApart| {
+        [
+            ("start_deg", axis.start_deg != 0.0),
+            ("friction_nm", axis.friction_nm.is_some()),
+            ("pull_out_scale", axis.pull_out_scale != 1.0),
+        ]
+    };
+    let happenings = [
+        ("[[command]]", !scene.command.is_empty()),
+        ("[[input]]", !scene.input.is_empty()),
+        ("[[late]]", !scene.late.is_empty()),
+        ("[[fault]]", !scene.fault.is_empty()),
+        ("[noise]", !scene.noise.is_none()),
+        ("[scope]", scene.scope.is_some()),
+    ];
+    let given = |keys: &[(&str, bool)]| -> Vec<String> {
+        let given = keys.iter().filter(|(_, given)| *given);
+        given.map(|(key, _)| (*key).to_owned()).collect()
+    };
+    let mut keys = given(&common);
+    for (i, axis) in scene.axis.iter().enumerate() {
+        let own = given(&apart(axis));
+        keys.extend(own.iter().map(|key| format!("axis[{i}].{key}")));
+    }
+    keys.extend(given(&happenings));
+    keys
+}
+
+/// Writes a file, all or not at all.
+fn put(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    let show = path.display();
+    let name = path
+        .file_name()
+        .and_then(|name| name.to_str())
+        .ok_or_else(|| format!("{show} is not the name of a file; give one, such as my.blob"))?;
+    // Put in place by its name, a file would take the place of whatever is there.
+    if fs::symlink_metadata(path).is_ok_and(|there| !there.is_file()) {
+        return Err(format!(
+            "{show} is there and is not a plain file; take it away, or give another name"
+        ));
+    }
+    // A slip of the pen must not cost somebody the scene, or whatever it is.
+    if let Ok(there) = fs::read(path)
+        && !there.starts_with(&MAGIC)
+    {
+        return Err(format!(
+            "{show} is there and is no blob; take it away, or give another name, such as my.blob"
+        ));
+    }
+    let told = |error: &dyn std::fmt::Display| format!("{error}; give a file that can be written");
+    let mut files =
+        RunFiles::create(path.parent().unwrap_or(Path::new(""))).map_err(|error| told(&error))?;
+    let mut file = files.file(name).map_err(|error| told(&error))?;
+    let written: io::Result<()> = file.write_all(bytes).and_then(|()| file.flush());
+    written.map_err(|error| told(&error))?;
+    drop(file);
+    files.commit().map_err(|error| told(&error))?;
+    Ok(())
+}

@@ -1,0 +1,80 @@
+//! The `cophase` command.
+//!
+//! Exit status: 0 done; 1 the run ended in a fault, or a simulated motor slipped and the controller did not
+//! see it, and everything was still written; 2 bad input, and nothing was written.
+#![forbid(unsafe_code)]
+
+mod campaign;
+mod chart;
+pub mod design;
+mod image;
+mod run;
+mod scenes;
+mod status;
+
+pub use status::{CommandError, Status};
+
+use std::io::{self, Write};
+
+use clap::{Parser, Subcommand};
+
+use design::{DesignArgs, DesignCommandError};
+
+const STATUS_HELP: &str = "Exit status: 0 done; 1 a run ended in a fault, or a simulated motor slipped unseen (everything \
+                           is written); 2 bad input (nothing is written).";
+
+/// Multi-axis motion control that stays in phase: simulate, look, design.
+#[derive(Debug, Parser)]
+#[command(name = "cophase", version, arg_required_else_help = true, after_help = STATUS_HELP)]
+pub struct Command {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// Run a scene: the control loop, in virtual time, against a simulated machine
+    Run(run::RunArgs),
+    /// Compile a scene for a board: all that the control loop is told, as a file to be placed in flash
+    Image(image::ImageArgs),
+    /// List the built-in scenes, or print one to start your own from
+    Scenes(scenes::ScenesArgs),
+    /// Draw thousands of machines and what goes wrong with each, and hold what the loop does against what it claims
+    Campaign(campaign::CampaignArgs),
+    /// Draw a chart, and write its data: speed against accuracy, and where methods stop being stable
+    Chart(chart::ChartArgs),
+    Design(DesignArgs),
+}
+
+impl Command {
+    /// Carries the command out, printing to `out`.
+    pub fn carry_out(self, out: &mut impl Write) -> Status {
+        let done = match self.what {
+            What::Run(args) => run::run(&args, out),
+            What::Image(args) => image::image(&args, out),
+            What::Campaign(args) => campaign::campaign(&args, out),
+            What::Chart(args) => chart::chart(&args, out),
+            What::Scenes(args) => scenes::scenes(&args, out),
+            What::Design(args) => match design::run(&args, out) {
+                Ok(()) => Ok(Status::Done),
+                Err(DesignCommandError::Input(error)) => {
+                    Err(CommandError::Input(error.to_string()))
+                }
+                Err(DesignCommandError::Write(error)) => Err(error.into()),
+            },
+        };
+        match done.and_then(|status| out.flush().map(|()| status).map_err(CommandError::from)) {
+            Ok(status) => status,
+            // Whoever was reading has seen enough (`cophase scenes default | head`).
+            Err(CommandError::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
+                Status::Done
+            }
+            Err(error) => {
+                for line in error.to_string().lines() {
+                    eprintln!("cophase: {line}");
+                }
+                Status::BadInput
+            }
+        }
+    }
+}

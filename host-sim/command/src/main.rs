@@ -1,0 +1,13 @@
+//! The `cophase` command: see `cophase --help`.
+#![forbid(unsafe_code)]
+
+use std::io;
+use std::process::ExitCode;
+
+use clap::Parser;
+use cophase::Command;
+
+fn main() -> ExitCode {
+    let command = Command::parse(); // clap itself ends with status 2 on bad arguments
+    ExitCode::from(command.carry_out(&mut io::stdout().lock()) as u8)
+}

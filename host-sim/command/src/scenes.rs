@@ -1,0 +1,68 @@
+//! `cophase scenes`: what there is to run, and to start from; and how other commands take a scene.
+
+use std::io::Write;
+use std::path::Path;
+
+use super::{CommandError, Status};
+use host_sim::scene::library::{self, SCENES};
+use host_sim::scene::{Checked, load};
+
+#[derive(Debug, clap::Args)]
+pub(super) struct ScenesArgs {
+    /// Print this scene as TOML
+    name: Option<String>,
+}
+
+pub(super) fn scenes(args: &ScenesArgs, out: &mut impl Write) -> Result<Status, CommandError> {
+    match &args.name {
+        None => {
+            let width = SCENES
+                .iter()
+                .map(|scene| scene.name.len())
+                .max()
+                .unwrap_or(0);
+            for built_in in SCENES {
+                writeln!(
+                    out,
+                    "{:width$}  {}",
+                    built_in.name,
+                    built_in.scene().description
+                )?;
+            }
+        }
+        Some(name) => match library::find(name) {
+            Some(built_in) => out.write_all(built_in.text.as_bytes())?,
+            None => return Err(CommandError::Input(unknown(name))),
+        },
+    }
+    Ok(Status::Done)
+}
+
+/// That there is no such scene, and which there are.
+pub(super) fn unknown(name: &str) -> String {
+    let known: Vec<_> = SCENES.iter().map(|scene| scene.name).collect();
+    let meant = load::nearest(name, &known).map(|near| format!("did you mean `{near}`? "));
+    format!(
+        "{name}: there is no built-in scene of that name; {}there are {}",
+        meant.unwrap_or_default(),
+        known.join(", ")
+    )
+}
+
+/// A file if there is one of that name, else a built-in scene.
+pub(super) fn read(name: &str) -> Result<Checked, String> {
+    let path = Path::new(name);
+    match library::find(name) {
+        Some(built_in) if !path.exists() => {
+            Checked::new(built_in.scene()).map_err(|error| error.in_file(name))
+        }
+        _ if !path.exists() && path.extension().is_none() && path.components().count() == 1 => {
+            return Err(format!(
+                "{}; nor is there a file of that name",
+                unknown(name)
+            ));
+        }
+        _ => load::checked_from_file(path),
+    }
+    .map_err(|error| error.to_string())
+}

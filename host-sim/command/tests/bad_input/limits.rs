@@ -1,0 +1,268 @@
+//! What the shaft, the loop and the step lines may do.
+
+use super::edit::{before, replace, set};
+use super::{assert_all_refused, case};
+
+#[test]
+fn forbidden_bands() {
+    let band = |name, bands: &str, key, wrong, right| {
+        case(
+            name,
+            set("limits.band", &format!("[{bands}]")),
+            key,
+            wrong,
+            right,
+        )
+    };
+    assert_all_refused(&[
+        band(
+            "all speeds",
+            "{ from_hz = 0, to_hz = 100 }",
+            "limits.band[0]",
+            "covers all speeds from limits.creep_hz = 1 to limits.speed_hz = 20",
+            "begin above the one and end below the other",
+        ),
+        band(
+            "over creep",
+            "{ from_hz = 0.5, to_hz = 3 }",
+            "limits.band[0].from_hz",
+            "covers the homing speed, limits.creep_hz = 1",
+            "begin above that",
+        ),
+        band(
+            "over the top",
+            "{ from_hz = 5, to_hz = 20 }",
+            "limits.band[0].to_hz",
+            "not below limits.speed_hz = 20",
+            "lower its upper edge",
+        ),
+        band(
+            "upside down",
+            "{ from_hz = 8, to_hz = 6 }",
+            "limits.band[0].to_hz",
+            "6 rev/s, is not above its lower edge, 8 rev/s",
+            "swap",
+        ),
+        band(
+            "empty",
+            "{ from_hz = 8, to_hz = 8 }",
+            "limits.band[0].to_hz",
+            "not above its lower edge",
+            "part them",
+        ),
+        band(
+            "overlapping",
+            "{ from_hz = 5, to_hz = 7 }, { from_hz = 6, to_hz = 8 }",
+            "limits.band[1].from_hz",
+            "begins at 6 rev/s, inside or below",
+            "join them",
+        ),
+        band(
+            "out of order",
+            "{ from_hz = 8, to_hz = 9 }, { from_hz = 3, to_hz = 4 }",
+            "limits.band[1].from_hz",
+            "below the band before it",
+            "from the lowest up",
+        ),
+        band(
+            "no number",
+            "{ from_hz = nan, to_hz = 9 }",
+            "limits.band[0].from_hz",
+            "NaN is not a finite number",
+            "give one",
+        ),
+        band(
+            "five",
+            "{ from_hz = 2, to_hz = 3 }, { from_hz = 4, to_hz = 5 }, { from_hz = 6, to_hz = 7 }, { from_hz = 8, to_hz = 9 }, { from_hz = 10, to_hz = 11 }",
+            "limits.band",
+            "5 bands are more than the 4",
+            "join neighbours",
+        ),
+        band(
+            "one edge",
+            "{ from_hz = 5 }",
+            "limits.band[0].to_hz",
+            "missing",
+            "such as `to_hz =",
+        ),
+        band(
+            "bare numbers",
+            "5, 7",
+            "limits.band[0]",
+            "`5` is a number, where a table belongs",
+            "{ from_hz = 25, to_hz = 29 }",
+        ),
+        band(
+            "edges in rpm",
+            "{ from_rpm = 300, to_hz = 9 }",
+            "limits.band[0].from_rpm",
+            "unknown key",
+            "`from_hz`, in rev/s",
+        ),
+    ]);
+}
+
+#[test]
+fn speed_acceleration_jerk() {
+    let key = |name, path, value, wrong, right| case(name, set(path, value), path, wrong, right);
+    assert_all_refused(&[
+        key(
+            "too fast",
+            "limits.speed_hz",
+            "500",
+            "500 rev/s is outside",
+            "0.1 to 200 rev/s",
+        ),
+        key(
+            "backwards",
+            "limits.speed_hz",
+            "-20",
+            "-20 rev/s is outside",
+            "0.1 to 200 rev/s",
+        ),
+        key(
+            "standing",
+            "limits.speed_hz",
+            "-0.0",
+            "-0 rev/s is outside",
+            "0.1 to 200 rev/s",
+        ),
+        key(
+            "no acceleration",
+            "limits.acceleration_hz_per_s",
+            "0",
+            "0 rev/s² is outside",
+            "0.01 to 40000 rev/s²",
+        ),
+        key(
+            "ten minutes to full speed",
+            "limits.acceleration_hz_per_s",
+            "0.02",
+            "would take 1000 s",
+            "with a higher acceleration",
+        ),
+        key(
+            "no jerk",
+            "limits.jerk_hz_per_s2",
+            "0",
+            "0 rev/s³ is outside",
+            "0.01 to 80000000 rev/s³",
+        ),
+        key(
+            "a blow",
+            "limits.jerk_hz_per_s2",
+            "1e12",
+            "1e12 rev/s³ is outside",
+            "0.01 to 80000000 rev/s³",
+        ),
+        key(
+            "creeping fast",
+            "limits.creep_hz",
+            "15",
+            "15 rev/s is outside",
+            "0.01 to 10 rev/s",
+        ),
+    ]);
+}
+
+#[test]
+fn ticks_and_pulses() {
+    let tick = |value, wrong, right| {
+        case(
+            "tick rate",
+            set("control.tick_hz", value),
+            "control.tick_hz",
+            wrong,
+            right,
+        )
+    };
+    let range = "500 to 10000 Hz";
+    assert_all_refused(&[
+        tick("0", "0 Hz is outside", range),
+        tick("100", "100 Hz is outside", range),
+        tick("333", "333 Hz is outside", range),
+        tick("20000", "20000 Hz is outside", range),
+        tick("3000", "not a whole number of microseconds", "2000, 4000"),
+        tick("-2000", "`-2000` is negative", "such as `tick_hz = 2000`"),
+        tick(
+            "2000.0",
+            "`2000.0` is a number with a fraction",
+            "such as `tick_hz = 2000`",
+        ),
+        tick(
+            "99999999999",
+            "`99999999999` is too large",
+            "such as `tick_hz = 2000`",
+        ),
+        case(
+            "a pulse of nothing",
+            set("pulse.width_ns", "0"),
+            "pulse.width_ns",
+            "0 ns is outside",
+            "8 to 100000 ns",
+        ),
+        case(
+            "steps too fast for the pulse",
+            set("pulse.width_ns", "20000"),
+            "axes.steps_per_turn",
+            "would need 64",
+            "give at most 933 steps a turn",
+        ),
+        case(
+            "steps too fast for the tick",
+            set("axes.steps_per_turn", "65536"),
+            "axes.steps_per_turn",
+            "steps/s",
+            "give at most ",
+        ),
+        case(
+            "turning round too long",
+            replace("_ns = 5000", "_ns = 99000"),
+            "pulse.dir_setup_ns",
+            "over a quarter of a tick",
+            "shorten dir_setup_ns",
+        ),
+        case(
+            "settling before it began",
+            set("control.settle_s", "-1"),
+            "control.settle_s",
+            "-1 s is outside",
+            "0 to 10 s",
+        ),
+        case(
+            "parking past a turn",
+            set("control.park_deg", "400"),
+            "control.park_deg",
+            "400° is outside",
+            "0 to 360°",
+        ),
+        case(
+            "an index filter slower than any flag",
+            set("index.width_us", "101"),
+            "index.width_us",
+            "101 µs is outside",
+            "0.1 to 100 µs",
+        ),
+        case(
+            "an index filter of over a quarter of a tick",
+            set("index.width_us", "100").replace("tick_hz = 2000", "tick_hz = 4000"),
+            "index.width_us",
+            "100 µs is over a quarter of a tick, 62.5 µs",
+            "shorten it, or lower control.tick_hz",
+        ),
+        case(
+            "drift limit of nothing",
+            set("drift.warp_limit_deg", "0"),
+            "drift.warp_limit_deg",
+            "0° is outside",
+            "0.001 to 90°",
+        ),
+        case(
+            "a period for a rate",
+            before("control.tick_hz", "tick_us = 500"),
+            "control.tick_us",
+            "unknown key",
+            "`tick_hz`, in Hz",
+        ),
+    ]);
+}

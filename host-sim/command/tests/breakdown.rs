@@ -1,0 +1,149 @@
+//! The bad places of the `breakdown` chart: at each one the failure, and the guard that stands there.
+
+#[path = "breakdown/motors.rs"]
+mod motors;
+#[path = "breakdown/steps.rs"]
+mod steps;
+
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use cophase_core::supervisor::State;
+use cophase_lab::chart::breakdown::{band, lambda, root, runs};
+use cophase_lab::chart::{Size, find};
+
+/// `cophase run` of a scene, into `out` of a folder.
+fn cophase(folder: &Path, text: &str) -> Output {
+    std::fs::write(folder.join("scene.toml"), text).unwrap();
+    Command::cargo_bin("cophase")
+        .expect("the command is built")
+        .current_dir(folder)
+        .args(["run", "scene.toml", "--out", "out"])
+        .output()
+        .expect("it runs")
+}
+
+/// That a scene is refused with status 2 and nothing written; what is said.
+#[track_caller]
+fn refused(text: &str) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let output = cophase(folder.path(), text);
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    assert!(!folder.path().join("out").exists(), "something was written");
+    String::from_utf8(output.stderr).unwrap()
+}
+
+/// That a run ends with status 1 and all its files; its report.
+#[track_caller]
+fn failed(text: &str) -> serde_json::Value {
+    let folder = tempfile::tempdir().unwrap();
+    let output = cophase(folder.path(), text);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let read = |name: &str| std::fs::read_to_string(folder.path().join("out").join(name)).unwrap();
+    // A header, and a row for each tick up to the end, at least of the way there.
+    assert!(read("trace.csv").lines().count() > 100);
+    assert!(read("steps.vcd").contains("$enddefinitions"));
+    assert!(read("scope.svg").trim_end().ends_with("</svg>"));
+    serde_json::from_str(&read("report.json")).unwrap()
+}
+
+/// Were it wrong, a program that starts from rest would be given an acceleration that no machine has, or would be a fault.
+#[test]
+fn root_at_rest() {
+    let facts = root::look().unwrap();
+    // In its first tick of h the root comes to √(40 g h / R (1 + λ)) / 2π, which is 1261 rev/s² h.
+    let asked = facts.asked_hz_per_s();
+    assert!((1250.0..1270.0).contains(&asked), "{asked} rev/s²");
+    // A speed is a whole number of 2⁻⁴⁸ turns a tick, and a difference of two is off by one at most: 1.4e-8 rev/s².
+    let most = facts.commanded_hz_per_s();
+    assert!(most <= root::LIMIT_HZ_PER_S + 1e-6, "{most} rev/s²");
+    assert!(most > 0.999 * root::LIMIT_HZ_PER_S, "the limit is used");
+    // Behind for as long as an even rise to √t takes: 28.2 √t = 60 t at 0.22 s. Jerk of 6000 rev/s³ costs 10 ms at either end.
+    let behind_s = facts.behind_s().expect("it is reported");
+    assert!((0.21..0.25).contains(&behind_s), "{behind_s} s");
+    assert_eq!(facts.outcome.fault, None);
+    assert_eq!(facts.outcome.state, State::Parked);
+}
+
+/// Were it wrong, a frame would not mind how long a shaft stays at its resonance, or a shaft stay longer than it must.
+#[test]
+fn a_band_crossed_slowly() {
+    let facts = band::look(Size::Small).unwrap();
+    // Theory of one mass: m R / (M + m) · 1/2ζ = 5.95 mm; harmonics and the weight of what is off rest add a few per cent.
+    let theory_um = 5e-3 / 21.0 / (2.0 * 0.02) * 1e6;
+    let off = facts.dwelling_um / theory_um - 1.0;
+    assert!(
+        off.abs() < 0.05,
+        "{} µm, theory {theory_um}",
+        facts.dwelling_um
+    );
+    for pair in facts.crossings.windows(2) {
+        assert!(pair[0].frame_um > 1.2 * pair[1].frame_um, "{pair:?}");
+    }
+    assert!(facts.crossings[0].frame_um < facts.dwelling_um);
+    // At 10.2 rev/s a mass without damping goes r²/(1 − r²) = 2.56 times m R / (M + m), in the beginning up to twice that.
+    let edge_um = 2.0 * 2.56 * 5e-3 / 21.0 * 1e6;
+    assert!(facts.held_um < edge_um, "{} µm", facts.held_um);
+    assert!(
+        edge_um < 0.25 * facts.dwelling_um,
+        "the edge is no resonance"
+    );
+    let held_s = facts.held_s.expect("it is reported");
+    assert!(held_s > 3.9, "{held_s} s");
+    // The width at full acceleration, which is reached long before the band and left long after; and a tick at either end.
+    for crossing in &facts.crossings {
+        let width_hz = band::BAND_HZ.1 - band::BAND_HZ.0;
+        let most_s = width_hz / crossing.hz_per_s + 1.1e-3;
+        assert!(
+            crossing.inside_s <= most_s,
+            "{crossing:?}, at most {most_s} s"
+        );
+    }
+}
+
+/// Item 7 of `docs/reproduced.md`. Were it wrong, two terms would pass for the mechanism, or a mechanism be run that is not built.
+#[test]
+fn lambda_at_both_ends() {
+    for (ratio, published_percent) in [(0.1, 0.046), (0.6, 9.375)] {
+        let facts = lambda::look(ratio).unwrap();
+        // Half of the last digit that is published.
+        assert!(
+            (facts.error * 100.0 - published_percent).abs() <= 5e-4,
+            "{facts:?}"
+        );
+        let from_90 = (facts.at_deg.rem_euclid(180.0) - 90.0).abs();
+        assert!(from_90 < 0.01, "{facts:?}");
+        assert_eq!(runs::refusal(&lambda::scene(ratio)), None);
+    }
+    for ratio in [0.05, 0.7] {
+        let said = refused(&lambda::scene(ratio));
+        assert!(
+            said.contains("machine.lambda") && said.contains("0.1 to 0.6"),
+            "{said}"
+        );
+    }
+}
+
+/// Were it wrong, the chart would lack a panel, or be another each time.
+#[test]
+fn the_chart_has_all_panels() {
+    let chart = find("breakdown").expect("it is a chart");
+    let draw = || (chart.draw)(Size::Small, &mut |_, _| {}).unwrap();
+    let (one, other) = (draw(), draw());
+    assert_eq!((&one.csv, &one.svg), (&other.csv, &other.svg));
+    let mut panels: Vec<String> = csv::Reader::from_reader(one.csv.as_bytes())
+        .records()
+        .map(|record| record.unwrap()[0].to_owned())
+        .collect();
+    panels.dedup();
+    assert_eq!(
+        panels,
+        [
+            "root", "band", "pull-out", "chain", "rods", "overload", "lambda"
+        ]
+    );
+    for part in 1..=7 {
+        assert!(one.says.contains(&format!("({part})")), "{}", one.says);
+    }
+}

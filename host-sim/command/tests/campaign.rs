@@ -1,0 +1,284 @@
+//! `cophase campaign` as a user gets it: the same rows however it is split, shards that are refused, and a case run alone.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+fn cophase(arguments: &[&str]) -> Output {
+    Command::cargo_bin("cophase")
+        .expect("the command is built")
+        .args(arguments)
+        .output()
+        .expect("it runs")
+}
+
+/// A campaign of seed 5 in a folder of its own.
+fn campaign(folder: &TempDir, arguments: &[&str]) -> Output {
+    let place = folder.path().to_str().unwrap();
+    let start = ["campaign", "--seed", "5", "--quiet", "--out", place];
+    cophase(&[&start[..], arguments].concat())
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn read(folder: &TempDir, name: &str) -> String {
+    fs::read_to_string(folder.path().join(name)).unwrap()
+}
+
+/// What is said of bad input; nothing may have been written.
+fn refused(output: &Output) -> String {
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn ran(output: &Output) {
+    // What a campaign finds is not what these tests are of.
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{output:?}");
+}
+
+/// Were a row to depend on the thread that makes it, or on the cases before it, a campaign could not be split over machines, and
+/// none of its runs looked at alone.
+#[test]
+fn rows_are_the_same_on_any_threads_and_in_any_shards() {
+    let (whole, parts, joined) = (folder(), folder(), folder());
+    ran(&campaign(&whole, &["--runs", "12", "--threads", "1"]));
+    for (from, to) in [("0", "5"), ("5", "9"), ("9", "12")] {
+        ran(&campaign(
+            &parts,
+            &["--runs", "12", "--from", from, "--to", to, "--threads", "2"],
+        ));
+    }
+    let place = parts.path().to_str().unwrap();
+    let out = joined.path().to_str().unwrap();
+    ran(&cophase(&[
+        "campaign", "--quiet", "--join", place, "--out", out,
+    ]));
+    for name in ["campaign.csv", "campaign.svg", "campaign-table.md"] {
+        assert_eq!(read(&whole, name), read(&joined, name), "{name}");
+    }
+    let rows = read(&whole, "campaign.csv");
+    // The line that says of what, the header, and two rows a case.
+    assert_eq!(rows.lines().count(), 2 + 24);
+}
+
+/// Two shards of one campaign, cases 0 to 2 and 2 to 4.
+fn shards(folder: &TempDir) -> [PathBuf; 2] {
+    for (from, to) in [("0", "2"), ("2", "4")] {
+        ran(&campaign(
+            folder,
+            &["--runs", "4", "--from", from, "--to", to],
+        ));
+    }
+    ["campaign-0-2.csv", "campaign-2-4.csv"].map(|name| folder.path().join(name))
+}
+
+fn join(paths: &[&Path]) -> Output {
+    let out = folder();
+    let place = out.path().join("joined");
+    let mut arguments = vec!["campaign", "--out", place.to_str().unwrap(), "--join"];
+    arguments.extend(paths.iter().map(|path| path.to_str().unwrap()));
+    let output = cophase(&arguments);
+    if output.status.code() == Some(2) {
+        assert!(!place.exists(), "something was written");
+    }
+    output
+}
+
+/// Were an overlap, a gap, another seed's shard or a file cut short taken, figures would count runs twice, or not at all, with
+/// nothing to show it.
+#[test]
+fn shards_that_do_not_fit_are_refused_and_named() {
+    let folder = folder();
+    let [first, second] = shards(&folder);
+    ran(&join(&[&second, &first]));
+
+    let twice = folder.path().join("again.csv");
+    fs::copy(&first, &twice).unwrap();
+    let said = refused(&join(&[&first, &twice, &second]));
+    assert!(
+        said.contains("begins with case 0") && said.contains("goes up to 1"),
+        "{said}"
+    );
+
+    let rows = fs::read_to_string(&second).unwrap();
+    let third = folder.path().join("third.csv");
+    fs::write(&third, rows.replace("from=2 to=4", "from=3 to=5")).unwrap();
+    let said = refused(&join(&[&first, &third]));
+    assert!(
+        said.contains("line 3: here the faulty run of case 3 should be"),
+        "{said}"
+    );
+
+    ran(&campaign(
+        &folder,
+        &["--runs", "4", "--from", "3", "--to", "4"],
+    ));
+    let last = folder.path().join("campaign-3-4.csv");
+    let said = refused(&join(&[&first, &last]));
+    assert!(said.contains("--from 2 --to 3"), "{said}");
+
+    let plan = format!("plan={}", cophase_lab::campaign::plan::VERSION);
+    let not_plan = format!("plan = 99, not {}", cophase_lab::campaign::plan::VERSION);
+    for (what, other, told) in [
+        ("seed=5", "seed=6", "seed = 6, not 5"),
+        (plan.as_str(), "plan=99", not_plan.as_str()),
+        (
+            "scene=machines",
+            "scene=0badcafe",
+            "scene = 0badcafe, not machines",
+        ),
+    ] {
+        let file = folder.path().join("other.csv");
+        fs::write(&file, rows.replace(what, other)).unwrap();
+        let said = refused(&join(&[&first, &file]));
+        assert!(said.contains(told), "{said}");
+    }
+
+    let short = folder.path().join("short.csv");
+    let cut: Vec<_> = rows.lines().take(4).collect();
+    fs::write(&short, cut.join("\n")).unwrap();
+    let said = refused(&join(&[&first, &short]));
+    assert!(said.contains("has 2 of the 4 rows"), "{said}");
+
+    let said = refused(&join(&[Path::new(env!("CARGO_MANIFEST_DIR"))]));
+    assert!(said.contains("no campaign-FROM-TO.csv"), "{said}");
+}
+
+/// Were a case another when it is run alone, what a campaign finds could not be looked at. And its scene file must be all of it:
+/// run by itself, it ends the same.
+#[test]
+fn a_case_run_alone_is_the_campaigns() {
+    let all = folder();
+    ran(&campaign(&all, &["--runs", "8"]));
+    let rows = read(&all, "campaign.csv");
+    for number in ["2", "7"] {
+        let alone = folder();
+        let place = alone.path().to_str().unwrap();
+        let output = cophase(&[
+            "campaign", "--seed", "5", "--replay", number, "--out", place,
+        ]);
+        ran(&output);
+        let said = String::from_utf8(output.stdout).unwrap();
+        let row = said.split_once("As the campaign has it:\n").unwrap().1;
+        let row: serde_json::Value = serde_json::from_str(row).unwrap();
+        let line = rows
+            .lines()
+            .find(|line| line.starts_with(&format!("{number},false,")));
+        let mut columns = rows.lines().nth(1).unwrap().split(',');
+        let cell = |name: &str| {
+            let at = columns.clone().position(|column| column == name).unwrap();
+            line.unwrap().split(',').nth(at).unwrap().to_owned()
+        };
+        for name in ["fault", "ended", "verdict", "incidents"] {
+            assert_eq!(row[name].as_str().unwrap(), cell(name), "{number}, {name}");
+        }
+        assert_eq!(row["tilt_mrad"].to_string(), cell("tilt_mrad"), "{number}");
+        assert!(columns.any(|column| column == "bound_mrad"));
+
+        // What every run keeps, and what a campaign does, are one thing.
+        let report = read(&alone, "report.json");
+        let tilts: serde_json::Value = serde_json::from_str(&report).unwrap();
+        assert_eq!(tilts["tilt_worst_mrad"], row["tilt_mrad"], "{number}");
+        assert_eq!(tilts["tilt_worst_off_mrad"], row["tilt_off_mrad"]);
+        let again = folder();
+        let scene = alone.path().join("scene.toml");
+        let out = again.path().to_str().unwrap();
+        ran(&cophase(&[
+            "run",
+            scene.to_str().unwrap(),
+            "--quiet",
+            "--out",
+            out,
+        ]));
+        let strip = |report: String| {
+            let mut report: serde_json::Value = serde_json::from_str(&report).unwrap();
+            // What a clock has a hand in.
+            for key in ["wall_s", "real_time_ratio", "speed"] {
+                report.as_object_mut().unwrap().remove(key);
+            }
+            report
+        };
+        let (one, other) = (strip(report), strip(read(&again, "report.json")));
+        assert_eq!(one["fault"], other["fault"]);
+        assert_eq!(one["scene"], other["scene"]);
+        assert_eq!(
+            fs::read(alone.path().join("trace.csv")).unwrap(),
+            fs::read(again.path().join("trace.csv")).unwrap()
+        );
+    }
+}
+
+/// A scene's own faults would be drawn over, and a range without cases has no rows.
+#[test]
+fn what_cannot_be_a_campaign_is_refused() {
+    let folder = folder();
+    for (arguments, told) in [
+        (vec!["--runs", "0"], "--runs: 0 cases are none"),
+        (vec!["--runs", "5", "--to", "6"], "--to: 6 is past --runs 5"),
+        (
+            vec!["--runs", "5", "--from", "5"],
+            "--from: 5 is not before",
+        ),
+        (
+            vec!["no-such-scene"],
+            "no-such-scene: there is no built-in scene",
+        ),
+    ] {
+        let said = refused(&campaign(&folder, &arguments));
+        assert!(said.contains(told), "{said}");
+    }
+    let scene = host_sim::scene::library::find("default").unwrap().text;
+    let file = folder.path().join("faulty.toml");
+    fs::write(
+        &file,
+        format!("{scene}\n[[fault]]\nat_s = 1\nkind = \"overrun\"\n"),
+    )
+    .unwrap();
+    let said = refused(&campaign(&folder, &[file.to_str().unwrap()]));
+    assert!(said.contains("a campaign draws them"), "{said}");
+    assert_eq!(
+        fs::read_dir(folder.path()).unwrap().count(),
+        1,
+        "something was written"
+    );
+}
+
+/// Were the monitor blind to a kind, or called it otherwise, or an axis left running, it would be so in a small campaign as well. The
+/// claim itself, with its bounds, is that of a large one: docs/campaign.md.
+#[test]
+fn a_small_campaign_finds_what_a_large_one_claims() {
+    let out = folder();
+    ran(&campaign(&out, &["--runs", "150"]));
+    let rows = read(&out, "campaign.csv");
+    let rows = rows.split_once('\n').expect("a line on top").1;
+    let mut rows = csv::Reader::from_reader(rows.as_bytes());
+    let header = rows.headers().unwrap().clone();
+    let column = |name: &str| header.iter().position(|column| column == name).unwrap();
+    let [verdict, clean, running] = ["verdict", "clean", "left_running"].map(column);
+    let [past, detected, first] = ["past_s", "detected_s", "told_s"].map(column);
+    let (mut told, mut wrong) = (0, 0);
+    for row in rows.records() {
+        let row = row.unwrap();
+        assert_eq!(&row[running], "false", "{row:?}");
+        // What counts is never told before anything is, and there where a crank was past its limit.
+        let at_s = |column: usize| row[column].parse::<f64>().ok();
+        assert!(at_s(detected).is_none() || at_s(first) <= at_s(detected));
+        if &row[verdict] == "right" && at_s(past).is_some() {
+            assert!(at_s(detected).is_some(), "{row:?}");
+        }
+        match (&row[clean], &row[verdict]) {
+            ("true", verdict) => assert!(["clean", "moot"].contains(&verdict), "{row:?}"),
+            (_, "right") => told += 1,
+            (_, "misnamed" | "missed" | "false-trip") => wrong += 1,
+            _ => {}
+        }
+    }
+    assert!(told > 100, "{told}");
+    // One in a hundred is what is claimed; of so few, three are no surprise.
+    assert!(wrong <= 3, "{wrong} of {} told", told + wrong);
+}

@@ -1,0 +1,309 @@
+//! Charts as a user gets them: small ones, which have all that full ones have but for points and length.
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+use std::process::Output;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use assert_cmd::Command;
+use cophase_lab::chart::CHARTS;
+
+fn chart(arguments: &[&str]) -> Output {
+    Command::cargo_bin("cophase")
+        .expect("the command is built")
+        .arg("chart")
+        .args(arguments)
+        .output()
+        .expect("it runs")
+}
+
+/// A chart's data, its picture, and what the command says.
+struct Drawn {
+    csv: String,
+    svg: String,
+    said: String,
+}
+
+fn draw(name: &str) -> Drawn {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().to_str().unwrap();
+    let output = chart(&[name, "--size", "small", "--out", place]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let read =
+        |kind: &str| std::fs::read_to_string(folder.path().join(format!("{name}.{kind}"))).unwrap();
+    Drawn {
+        csv: read("csv"),
+        svg: read("svg"),
+        said: String::from_utf8(output.stdout).unwrap(),
+    }
+}
+
+/// The same, made once for all tests that only read it.
+fn drawn(name: &'static str) -> Arc<Drawn> {
+    static ALL: Mutex<BTreeMap<&str, Arc<Drawn>>> = Mutex::new(BTreeMap::new());
+    let mut all = ALL.lock().unwrap_or_else(PoisonError::into_inner);
+    all.entry(name)
+        .or_insert_with(|| Arc::new(draw(name)))
+        .clone()
+}
+
+/// Rows by column.
+fn rows(csv: &str) -> Vec<HashMap<String, String>> {
+    let mut reader = csv::Reader::from_reader(csv.as_bytes());
+    reader.deserialize().map(Result::unwrap).collect()
+}
+
+fn number(row: &HashMap<String, String>, column: &str) -> f64 {
+    row[column]
+        .parse()
+        .unwrap_or_else(|_| panic!("{column} in {row:?}"))
+}
+
+/// Data without the one column that a clock has a hand in.
+fn untimed(csv: &str) -> Vec<HashMap<String, String>> {
+    let mut rows = rows(csv);
+    for row in &mut rows {
+        row.remove("timing");
+    }
+    rows
+}
+
+/// Were it wrong, a chart in the docs could not be told from another of the same name: a picture or a number would depend on
+/// the machine that made it.
+fn is_the_same_each_time(name: &'static str) {
+    let (one, other) = (drawn(name), draw(name));
+    assert_eq!(one.svg, other.svg);
+    assert_eq!(untimed(&one.csv), untimed(&other.csv));
+    assert!(one.svg.starts_with("<svg"), "{}", &one.svg[..40]);
+}
+
+macro_rules! the_same_each_time {
+    ($($test:ident: $name:literal),* $(,)?) => {
+        $(#[test] fn $test() { is_the_same_each_time($name); })*
+    };
+}
+
+the_same_each_time! {
+    methods_are_the_same_each_time: "methods",
+    stability_is_the_same_each_time: "stability",
+    energy_is_the_same_each_time: "energy",
+    functions_are_the_same_each_time: "functions",
+    tick_rates_are_the_same_each_time: "tick-rate",
+    rungs_are_the_same_each_time: "fidelity",
+    bad_places_are_the_same_each_time: "breakdown",
+}
+
+/// Were it wrong, the picture would say of a method, or of a trim, what its theory denies.
+#[test]
+fn edges_of_stability_are_those_of_theory() {
+    let mut compared = HashMap::<String, u32>::new();
+    for row in rows(&drawn("stability").csv) {
+        let edge = |column: &str| row[column].parse::<f64>();
+        match (edge("edge_measured"), edge("edge_theory")) {
+            (Ok(measured), Ok(theory)) => {
+                assert!(
+                    (measured - theory).abs() <= 0.01 * theory.max(1e-6),
+                    "{measured}, not {theory}: {row:?}"
+                );
+                *compared.entry(row["of"].clone()).or_default() += 1;
+            }
+            // Either has no number: none has an edge, or theory has no closed form.
+            _ => {
+                let theory = &row["edge_theory"];
+                assert!(
+                    theory.is_empty() || theory == &row["edge_measured"],
+                    "{row:?}"
+                );
+            }
+        }
+    }
+    for of in [
+        "explicit Euler",
+        "symplectic Euler",
+        "velocity Verlet",
+        "RK4",
+        "trim of an axis",
+    ] {
+        assert!(compared.get(of) >= Some(&5), "{of} in {compared:?}");
+    }
+}
+
+/// Were it wrong, a method would be drawn below what its reference is known to, or be chosen by looking at too few steps.
+#[test]
+fn methods_are_shown_down_to_ten_times_the_doubt_and_at_six_steps() {
+    let drawn = drawn("methods");
+    let mut steps = HashMap::<(String, String), u32>::new();
+    let mut defaults = HashMap::<String, String>::new();
+    for row in rows(&drawn.csv) {
+        *steps
+            .entry((row["problem"].clone(), row["method"].clone()))
+            .or_default() += 1;
+        if row["default"] == "true" {
+            defaults.insert(row["problem"].clone(), row["method"].clone());
+        }
+        assert!(number(&row, "timing") > 0.0);
+    }
+    assert!(steps.values().all(|&steps| steps >= 6), "{steps:?}");
+    for (problem, method) in [
+        ("one shaft, four steppers", "RK4"),
+        ("platform on four cranks out of phase", "RK4"),
+        ("elastic chain behind a cam, linear", "exact discretisation"),
+    ] {
+        assert_eq!(defaults.get(problem).map(String::as_str), Some(method));
+        let methods = steps.keys().filter(|(of, _)| of == problem).count();
+        assert!(methods >= 6, "{problem}: {methods} methods");
+    }
+    for problem in cophase_lab::chart::methods::problems::all().unwrap() {
+        let (least, most) = problem.shown();
+        assert!(least >= 10.0 * problem.doubt && most > 100.0 * least);
+    }
+    assert!(drawn.svg.contains("(default where thick)"));
+}
+
+/// Were it wrong, a machine would gain or lose over hours what the chart says it keeps.
+#[test]
+fn energy_is_kept_by_what_is_said_to_keep_it() {
+    let drawn = drawn("energy");
+    let finest = |method: &str| {
+        let mut of_method = rows(&drawn.csv)
+            .into_iter()
+            .filter(|row| row["method"] == method);
+        number(&of_method.next_back().unwrap(), "drift")
+    };
+    assert!(finest("implicit midpoint") < 1e-6);
+    assert!(finest("explicit Euler") > 1e-2);
+    assert!(
+        drawn
+            .said
+            .contains("keeps its energy to 1e-6 over 300 turns with")
+    );
+    let (keep, lose) = drawn.said.split_once("; ").unwrap();
+    assert!(keep.contains("implicit midpoint (from ") && lose.contains("explicit Euler"));
+}
+
+/// Were it wrong, the text would praise what the table beside it does not.
+#[test]
+fn functions_called_are_beaten_by_what_is_said() {
+    let drawn = drawn("functions");
+    let rows = rows(&drawn.csv);
+    for (function, called) in [
+        ("root", "cophase `root`"),
+        ("sine, cosine", "cophase `sine_cosine`"),
+        ("arctangent", "micromath `atan2`"),
+    ] {
+        let ours = rows.iter().find(|row| row["candidate"] == called).unwrap();
+        assert!(number(ours, "timing") > 0.0);
+        let is_better = |row: &&HashMap<String, String>| {
+            row["function"] == function
+                && !row["candidate"].starts_with(called.split(' ').next().unwrap())
+                && ["cycles_mean", "error_max"]
+                    .iter()
+                    .all(|column| number(row, column) < number(ours, column))
+        };
+        let better: Vec<_> = rows.iter().filter(is_better).collect();
+        let name = called.replace('`', "");
+        if better.is_empty() {
+            assert!(drawn.said.contains(&format!(
+                "Nothing of others is both faster and closer than {name}."
+            )));
+        }
+        for row in better {
+            let said = drawn
+                .said
+                .split(&format!("Both faster and closer than {name}:"))
+                .nth(1);
+            assert!(
+                said.unwrap().contains(&row["candidate"].replace('`', "")),
+                "{row:?}"
+            );
+        }
+    }
+    for by in ["cophase", "micromath", "libm", "idsp", "cordic", "table"] {
+        assert!(
+            drawn.svg.contains(&format!(">{by}")),
+            "{by} is not in the legend"
+        );
+    }
+}
+
+/// Were it wrong, a faster tick would be paid for and buy nothing, or a slower one be taken that ruins a ramp.
+#[test]
+fn only_ramps_gain_by_a_faster_tick() {
+    let rows = rows(&drawn("tick-rate").csv);
+    for scene in ["default", "patent-3"] {
+        let of_scene: Vec<_> = rows.iter().filter(|row| row["scene"] == scene).collect();
+        let (slowest, fastest) = (of_scene[0], of_scene[of_scene.len() - 1]);
+        let times = number(fastest, "tick_hz") / number(slowest, "tick_hz");
+        assert!(times >= 10.0, "{times}");
+        // A lag of one and a half ticks shrinks with the tick.
+        assert!(number(fastest, "ramp_error") < 0.5 * number(slowest, "ramp_error"));
+        for row in of_scene {
+            assert!(number(row, "hold_error") < 1e-6, "{row:?}");
+            assert!(number(row, "cpu_worst") >= number(row, "cpu_mean"));
+        }
+    }
+}
+
+/// Were it wrong, a reader of the data would not know what a column is, or look for one that is gone.
+#[test]
+fn columns_are_those_of_the_docs() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/charts.md");
+    let docs = std::fs::read_to_string(docs).unwrap();
+    for chart in CHARTS {
+        let name = chart.name;
+        let head = format!("| column of `{name}.csv` | |");
+        let (_, table) = docs
+            .split_once(&head)
+            .unwrap_or_else(|| panic!("no table for {name}"));
+        let table = table.split("\n\n").next().unwrap();
+        let cells = table.lines().filter_map(|line| line.split('|').nth(1));
+        let documented: Vec<_> = cells
+            .flat_map(|cell| cell.split('`').skip(1).step_by(2))
+            .collect();
+        let drawn = drawn(name);
+        let header: Vec<_> = drawn.csv.lines().next().unwrap().split(',').collect();
+        assert_eq!(documented, header, "{name}");
+    }
+}
+
+/// Were it wrong, the docs would say another thing of methods than their measurement; or an error would stand on too few steps.
+#[test]
+fn what_the_docs_say_of_decisions_was_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = chart(&["decisions", "--out", folder.path().to_str().unwrap()]);
+    let said = String::from_utf8(output.stdout).unwrap();
+    let docs = include_str!("../../../docs/charts.md").replace('\n', " ");
+    let said = said.lines().next().unwrap();
+    assert!(docs.contains(said), "{said}");
+
+    let csv = std::fs::read_to_string(folder.path().join("decisions.csv")).unwrap();
+    let mut steps = std::collections::BTreeMap::<_, u32>::new();
+    for record in csv::Reader::from_reader(csv.as_bytes()).records() {
+        let record = record.unwrap();
+        *steps
+            .entry((record[0].to_owned(), record[1].to_owned()))
+            .or_default() += 1;
+    }
+    assert_eq!(
+        steps.len(),
+        6 + 6 + 7,
+        "scenes and the methods that suit them"
+    );
+    assert!(steps.values().all(|&count| count >= 6), "{steps:?}");
+}
+
+#[test]
+fn charts_are_listed_and_others_refused() {
+    let list = String::from_utf8(chart(&["list"]).stdout).unwrap();
+    for chart in CHARTS {
+        assert!(
+            list.lines().any(|line| line.starts_with(chart.name)),
+            "{list}"
+        );
+    }
+    let refused = chart(&["stabilty", "--out", "/nowhere"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert!(said.contains("did you mean `stability`?"), "{said}");
+    assert!(refused.stdout.is_empty());
+}

@@ -1,0 +1,263 @@
+//! `cophase image`: the blob holds what the loop is told, the summary what it is not; bad input is refused as
+//! `run` refuses it, and nothing is half written.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use cophase_blob::header::{FIRST_SEQUENCE, OUTSIDE};
+use cophase_blob::{Header, decode};
+use host_sim::scene::{Checked, load};
+
+/// A scene that runs, with every key given.
+const BASE: &str = include_str!("bad_input/base.toml");
+
+fn image(dir: &Path, arguments: &[&str]) -> Output {
+    let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_cophase"));
+    command.current_dir(dir).arg("image").args(arguments);
+    command.output().unwrap()
+}
+
+fn names(dir: &Path) -> Vec<String> {
+    let entries = fs::read_dir(dir).unwrap();
+    let mut names: Vec<_> = entries
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+/// What it says when it is done.
+#[track_caller]
+fn said(output: &Output) -> String {
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{words}");
+    assert!(output.stderr.is_empty(), "{words}");
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// Runs what must be refused, and gives its one line of words.
+#[track_caller]
+fn refusal(dir: &Path, arguments: &[&str]) -> String {
+    let before = names(dir);
+    let output = image(dir, arguments);
+    let words = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{words}");
+    assert!(output.stdout.is_empty());
+    assert_eq!(names(dir), before, "something was written");
+    let line = words.strip_suffix('\n').expect("a line ends");
+    assert!(
+        line.starts_with("cophase: ") && !line.contains('\n'),
+        "{line}"
+    );
+    line.to_owned()
+}
+
+/// Were it wrong, a board would run another machine than the one that was tried on the desk.
+#[test]
+fn a_scene_becomes_a_blob_of_the_same_setup() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("scene.toml"), BASE).unwrap();
+    let summary = said(&image(dir.path(), &["scene.toml", "-o", "my.blob"]));
+    assert_eq!(names(dir.path()), ["my.blob", "scene.toml"]);
+    let blob = fs::read(dir.path().join("my.blob")).unwrap();
+    let checked = Checked::new(load::parse(BASE).unwrap()).unwrap();
+    assert_eq!(decode(&blob), Ok(checked.settings));
+    let header = Header::read(&blob).unwrap();
+    assert_eq!((header.sequence, header.origin), (FIRST_SEQUENCE, OUTSIDE));
+
+    for words in [
+        "base: 3 axes, 2000 ticks a second, a program of 4 entries that lasts 2.0 s.",
+        &format!(
+            "my.blob: {} bytes (header 256, payload {})",
+            blob.len(),
+            header.length
+        ),
+        &format!("CRC-32 {:#010x}", header.payload_crc),
+    ] {
+        assert!(summary.contains(words), "not `{words}`: {summary}");
+    }
+}
+
+/// Were it wrong, somebody would wait for a board to do what only the simulation does.
+#[test]
+fn what_a_board_cannot_be_told_is_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let left_out = |text: &str| {
+        fs::write(dir.path().join("scene.toml"), text).unwrap();
+        let summary = said(&image(dir.path(), &["scene.toml"]));
+        let line = summary
+            .lines()
+            .find_map(|line| line.strip_prefix("Not in it, "));
+        let keys = line.map(|line| line.split_once(": ").unwrap().1.to_owned());
+        keys.unwrap_or_default()
+    };
+    assert_eq!(
+        left_out(BASE),
+        "machine.tilt_inertia_kgm2, axes.servo, frame, axes.pull_out, [[command]], [[input]], [[late]], [scope]."
+    );
+    // Without any of these; then each by itself.
+    let (loop_only, _) = BASE.split_once("[[command]]").unwrap();
+    let of_torque = ["pull_out =", "tilt_inertia"];
+    let loop_only: String = loop_only
+        .split_inclusive("\n\n")
+        .filter(|table| !table.starts_with("[frame") && !table.starts_with("[axes.servo]"))
+        .flat_map(str::lines)
+        .filter(|line| !of_torque.iter().any(|key| line.starts_with(key)))
+        .flat_map(|line| [line, "\n"])
+        .collect();
+    assert_eq!(left_out(&loop_only), "");
+    for (from, to, keys) in [
+        ("\"auto\"", "\"kinematic\"", "fidelity."),
+        (
+            "rotor_inertia",
+            "friction_nm = 0.1\nrotor_inertia",
+            "axes.friction_nm.",
+        ),
+        ("start_deg = 0", "start_deg = 1", "axis[0].start_deg."),
+        ("reversed = true", "friction_nm = 1", "axis[1].friction_nm."),
+    ] {
+        assert_eq!(left_out(&loop_only.replace(from, to)), keys);
+    }
+    let weaker = BASE.replace("pull_out_scale = 1", "pull_out_scale = 0.9");
+    assert!(left_out(&weaker).contains("axis[0].pull_out_scale, [[command]]"));
+}
+
+#[test]
+fn a_long_name_is_cut_and_that_is_said() {
+    let dir = tempfile::tempdir().unwrap();
+    let long = format!("{}ü", "n".repeat(31)); // 33 bytes
+    let text = BASE.replace("\"base\"", &format!("\"{long}\""));
+    fs::write(dir.path().join("scene.toml"), text).unwrap();
+    let summary = said(&image(dir.path(), &["scene.toml"]));
+    let cut = "n".repeat(31);
+    assert!(
+        summary.contains(&format!("Its name is cut to `{cut}`.")),
+        "{summary}"
+    );
+    let blob = fs::read(dir.path().join("cophase.blob")).unwrap();
+    assert_eq!(decode(&blob).unwrap().name, *cut);
+}
+
+#[test]
+fn a_folder_is_made_and_an_earlier_file_replaced() {
+    let dir = tempfile::tempdir().unwrap();
+    said(&image(dir.path(), &["default", "-o", "new/folder/it.blob"]));
+    assert_eq!(names(&dir.path().join("new/folder")), ["it.blob"]);
+    let first = fs::read(dir.path().join("new/folder/it.blob")).unwrap();
+    said(&image(
+        dir.path(),
+        &["patent-4", "--out", "new/folder/it.blob"],
+    ));
+    assert_eq!(names(&dir.path().join("new/folder")), ["it.blob"]);
+    assert_ne!(
+        fs::read(dir.path().join("new/folder/it.blob")).unwrap(),
+        first
+    );
+}
+
+/// Were it wrong, a board would be given half a blob, or the blob of an earlier scene would be lost.
+#[test]
+fn a_bad_scene_leaves_an_earlier_blob_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    said(&image(dir.path(), &["default"]));
+    let before = fs::read(dir.path().join("cophase.blob")).unwrap();
+    for (from, to, words) in [
+        (
+            "speed_hz = 20\n",
+            "speed_hz = 2000\n",
+            ["limits.speed_hz: 2000 rev/s is outside", "0.1 to 200"],
+        ),
+        (
+            "amax_g = 5",
+            "amax_g = 190",
+            ["program[1].amax_g: 190.00 g", "give at most 41.86 g"],
+        ),
+        (
+            "amax_g = 4,",
+            "amax_g = -4,",
+            [
+                "program[2].segments[0].amax_g: -4 g is outside",
+                "0 to 1019.7 g",
+            ],
+        ),
+        (
+            "trim_deg = 0",
+            "trim_deg = 6",
+            [
+                "axis[0].trim_deg: 6° is outside -5 to 5°",
+                "raise axes.trim_limit_deg",
+            ],
+        ),
+        (
+            "count = 3",
+            "count = 7",
+            ["axes.count: 7 is outside", "2 to 6"],
+        ),
+        ("load_kg", "load", ["machine.load", "load_kg"]),
+    ] {
+        assert!(BASE.contains(from), "{from}");
+        fs::write(dir.path().join("scene.toml"), BASE.replacen(from, to, 1)).unwrap();
+        let line = refusal(dir.path(), &["scene.toml"]);
+        assert!(line.starts_with("cophase: scene.toml:"), "{line}");
+        for words in words {
+            assert!(line.contains(words), "not `{words}`: {line}");
+        }
+        assert_eq!(fs::read(dir.path().join("cophase.blob")).unwrap(), before);
+    }
+    let line = refusal(dir.path(), &["defualt"]);
+    assert!(line.contains("did you mean `default`?"), "{line}");
+}
+
+#[test]
+fn nowhere_to_write() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("taken"), "a file").unwrap();
+    fs::create_dir(dir.path().join("folder")).unwrap();
+    for (out, words) in [
+        (
+            "folder",
+            [
+                "-o: folder is there and is not a plain file",
+                "give another name",
+            ],
+        ),
+        // As good as a scene written over: `-o my.toml` is a slip that is easily made.
+        (
+            "taken",
+            ["-o: taken is there and is no blob", "give another name"],
+        ),
+        (
+            "..",
+            ["-o: .. is not the name of a file", "such as my.blob"],
+        ),
+        (
+            "taken/it.blob",
+            [
+                "-o: cannot create the folder taken",
+                "a file that can be written",
+            ],
+        ),
+    ] {
+        let line = refusal(dir.path(), &["default", "-o", out]);
+        for words in words {
+            assert!(line.contains(words), "not `{words}`: {line}");
+        }
+    }
+    assert_eq!(fs::read(dir.path().join("taken")).unwrap(), b"a file");
+}
+
+/// A board that refuses what was flashed costs more than a sentence here.
+#[test]
+fn what_the_board_will_refuse_is_said() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = BASE.replacen("drive = \"stepper\"", "drive = \"servo\"", 1);
+    let (text, _) = text.split_once("[[command]]").unwrap();
+    let text = text.replace("pull_out = [[0, 20.0], [10, 18.0], [20, 15.0]]\n", "");
+    fs::write(dir.path().join("scene.toml"), text).unwrap();
+    let summary = said(&image(dir.path(), &["scene.toml"]));
+    assert!(
+        summary.contains("RP2040 board will refuse this: axis 0 is a servo, and the board has outputs for steppers only.\n"),
+        "{summary}"
+    );
+}

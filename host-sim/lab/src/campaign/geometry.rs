@@ -1,0 +1,202 @@
+//! What crank errors do to a platform, and the most that a kind of error can do: the ground of limits and bounds.
+
+use std::f64::consts::TAU;
+
+use host_sim::dynamics::Corners;
+use host_sim::mechanism::slider_crank::{Load, SliderCrank};
+use host_sim::scene::file::{Machine, Scene};
+
+/// Angles of a turn at which the worst is looked for: half a degree finds a smooth maximum to 4e-5 of itself.
+const ANGLES: u32 = 720;
+
+/// The platform of a scene with cranks.
+#[derive(Clone, Debug)]
+pub struct Geometry {
+    mechanism: SliderCrank,
+    load: Load,
+    corners: Corners,
+    count: usize,
+    /// Tilt to a slope of crank errors, turns/m, at the crank angle at which that is worst, mrad.
+    mrad_per_turn: f64,
+    tilt_limit_mrad: f64,
+    warp_limit_deg: f64,
+}
+
+impl Geometry {
+    /// Of a scene; none of one with cams, whose pushers do not tilt.
+    pub fn new(scene: &Scene) -> Option<Self> {
+        let machine = scene.machine.as_ref()?;
+        let mechanism = mechanism(machine)?;
+        let most_way_m = angles()
+            .map(|alpha| mechanism.x_dot_mps(alpha, 1.0).abs())
+            .fold(0.0, f64::max);
+        Some(Self {
+            load: Load {
+                mass_kg: machine.load_kg,
+                gravity_mps2: machine.gravity_mps2,
+                platform: machine.platform.into(),
+            },
+            corners: Corners::new(scene.axes.count, machine.mount_radius_mm * 1e-3),
+            count: scene.axes.count,
+            mrad_per_turn: 1e3 * most_way_m * TAU,
+            tilt_limit_mrad: scene.drift.tilt_limit_mrad,
+            warp_limit_deg: scene.drift.warp_limit_deg,
+            mechanism,
+        })
+    }
+
+    /// The mechanism.
+    pub fn mechanism(&self) -> &SliderCrank {
+        &self.mechanism
+    }
+
+    /// What errors of the cranks, turns, come to: tilt at the worst crank angle, mrad, and warp, degrees.
+    pub fn modes(&self, errors: &[f64]) -> (f64, f64) {
+        let plane = self.corners.plane(errors);
+        let tilt_mrad = plane[1].hypot(plane[2]) * self.mrad_per_turn;
+        let off = |(i, error): (usize, &f64)| (error - self.corners.height(&plane, i)).abs();
+        let warp_turns = match self.count {
+            ..=3 => 0.0,
+            _ => errors.iter().enumerate().map(off).fold(0.0, f64::max),
+        };
+        (tilt_mrad, warp_turns * 360.0)
+    }
+
+    /// The same of one crank that is off, all others in phase.
+    pub fn of_one(&self, error_turns: f64) -> (f64, f64) {
+        let mut errors = vec![0.0; self.count];
+        errors[0] = error_turns;
+        self.modes(&errors)
+    }
+
+    /// Whether errors are past the limits, as the controller has them: on tilt at the worst crank angle, and on warp.
+    pub fn is_past(&self, errors: &[f64]) -> bool {
+        let (tilt_mrad, warp_deg) = self.modes(errors);
+        tilt_mrad > self.tilt_limit_mrad || warp_deg > self.warp_limit_deg
+    }
+
+    /// How far one crank may be from all others before the platform is past its limits, turns.
+    pub fn single_limit_turns(&self) -> f64 {
+        let (tilt_mrad, warp_deg) = self.of_one(1.0);
+        let by_tilt = self.tilt_limit_mrad / tilt_mrad;
+        if warp_deg > 0.0 {
+            by_tilt.min(self.warp_limit_deg / warp_deg)
+        } else {
+            by_tilt
+        }
+    }
+
+    /// Greatest tilt that one crank off by up to `error_turns` makes of itself, all others in phase, mrad: true geometry, at the
+    /// worst angle. Half a turn is the most that a crank can be off.
+    pub fn worst_tilt_mrad(&self, error_turns: f64) -> f64 {
+        let most = error_turns.abs().min(0.5);
+        // Not always the largest error tilts most: steps of 3° up to it find that to 0.1 %.
+        let steps = (most * 120.0).ceil().max(1.0);
+        let mut heights = vec![0.0; self.count];
+        let mut worst = 0.0_f64;
+        for step in 1..=steps as u32 {
+            let error = most * f64::from(step) / steps * TAU;
+            for alpha in angles() {
+                for sign in [-1.0, 1.0] {
+                    heights[0] =
+                        self.mechanism.x_m(alpha + sign * error) - self.mechanism.x_m(alpha);
+                    let [_, x, y] = self.corners.plane(&heights);
+                    worst = worst.max(x.hypot(y));
+                }
+            }
+        }
+        worst * 1e3
+    }
+
+    /// Greatest tilt that any cranks make, wherever each of them is, mrad: each at the top or at the bottom, as the plane through
+    /// their heights depends on each in proportion.
+    pub fn any_tilt_mrad(&self) -> f64 {
+        let heights = angles().map(|alpha| self.mechanism.x_m(alpha));
+        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+        let of = |set: u32| {
+            let at = |i: usize| if set >> i & 1 == 1 { high } else { low };
+            let heights: Vec<f64> = (0..self.count).map(at).collect();
+            let [_, x, y] = self.corners.plane(&heights);
+            x.hypot(y)
+        };
+        (0..1 << self.count).map(of).fold(0.0, f64::max) * 1e3
+    }
+
+    /// Greatest way of the platform to an angle of the crank, m/rad.
+    pub fn most_way_m(&self) -> f64 {
+        self.mrad_per_turn / 1e3 / TAU
+    }
+
+    /// Inertia that the platform and its load have at one crank, where that is greatest, kg·m²: an Nth of m (dx/dα)².
+    pub fn most_inertia_kgm2(&self) -> f64 {
+        let most_way_m = self.most_way_m();
+        self.load.mass_kg * most_way_m * most_way_m / self.count as f64
+    }
+
+    /// The most that all cranks together ask at up to a speed and acceleration, at any angle, N·m.
+    pub fn most_torque_nm(&self, omega_rad_s: f64, acceleration_rad_s2: f64) -> f64 {
+        let at = |omega, acceleration| {
+            angles()
+                .map(move |alpha| {
+                    let torque = self
+                        .mechanism
+                        .torque_nm(&self.load, alpha, omega, acceleration);
+                    torque.abs()
+                })
+                .fold(0.0, f64::max)
+        };
+        at(0.0, acceleration_rad_s2).max(at(omega_rad_s, acceleration_rad_s2))
+    }
+}
+
+fn angles() -> impl Iterator<Item = f64> {
+    (0..ANGLES).map(|i| f64::from(i) * TAU / f64::from(ANGLES))
+}
+
+/// None if the crank cannot turn, which a check of the scene refuses.
+fn mechanism(machine: &Machine) -> Option<SliderCrank> {
+    let radius_m = machine.crank_radius_mm * 1e-3;
+    let length_m = match (machine.lambda, machine.rod_length_mm) {
+        (Some(lambda), _) => radius_m / lambda,
+        (None, length_mm) => length_mm? * 1e-3,
+    };
+    SliderCrank::new(radius_m, length_m).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use host_sim::scene::library;
+
+    /// Were the bound below the linear limit's tilt, a crank at its limit would be past its bound; were it far above, the bound
+    /// would say nothing. Chords are shorter than tangents, by less than e²/2 times the largest curvature 1 + λ, over the
+    /// largest slope, which is above 1.
+    #[test]
+    fn the_geometric_tilt_of_a_small_error_is_the_linear_one() {
+        for name in ["default", "patent-4"] {
+            let scene = library::find(name).unwrap().scene();
+            let geometry = Geometry::new(&scene).unwrap();
+            let error = geometry.single_limit_turns();
+            let mut errors = vec![0.0; scene.axes.count];
+            errors[0] = error;
+            let (linear, _) = geometry.modes(&errors);
+            let worst = geometry.worst_tilt_mrad(error);
+            assert!(worst <= linear, "{name}: {worst} over {linear}");
+            let chord = 1.0 - error * TAU * 1.3 / 2.0;
+            assert!(worst >= linear * chord, "{name}: {worst} under {linear}");
+        }
+    }
+
+    /// Were a cap below what half a turn does, a crank that stands would be past its bound.
+    #[test]
+    fn half_a_turn_tilts_by_the_stroke() {
+        let scene = library::find("patent-4").unwrap().scene();
+        let geometry = Geometry::new(&scene).unwrap();
+        // One of three corners off by 2 R: a share 2/3 of it over the mount radius.
+        let stroke = 2.0 * 76.432_414e-3 * 2.0 / 3.0 / 0.4 * 1e3;
+        let worst = geometry.worst_tilt_mrad(0.5);
+        assert!((worst / stroke - 1.0).abs() < 1e-3, "{worst}");
+    }
+}

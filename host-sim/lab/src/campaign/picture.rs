@@ -1,0 +1,129 @@
+//! The picture of a campaign: how soon faults are detected after a crank is past its limit, and how far platforms tilt, by kind.
+
+use super::shards::Header;
+use super::tally::{Group, Tally};
+use crate::chart::axis::Axis;
+use crate::chart::ink::{Ink, Stroke};
+use crate::chart::picture::{self, At, Level, Line, Panel, Picture};
+use host_sim::scene::file::FaultName;
+
+/// Points of a line at most: more are not seen.
+const MOST_POINTS: usize = 200;
+
+/// As SVG.
+pub fn svg(header: &Header, tally: &Tally) -> String {
+    let cases = header.numbers.end - header.numbers.start;
+    let all = &tally.all;
+    picture::render(Picture {
+        title: format!("{cases} faults, and {cases} runs with noise alone"),
+        says: format!(
+            "Of {} faults that moved a crank past its limit {} were detected within one turn and two ticks. {} of {} were named \
+             rightly. The largest tilt was {:.2} of its bound. Noise alone tripped {} of {} runs.",
+            all.in_time.of,
+            all.in_time.hits,
+            all.named.hits,
+            all.named.of,
+            Group::quantile(&all.tilt_over_bound, 1.0).unwrap_or_default(),
+            tally.false_trips.hits,
+            tally.false_trips.of,
+        ),
+        columns: 2,
+        chosen_is: "",
+        panels: [false, true]
+            .into_iter()
+            .map(|encoder| delays(tally, encoder))
+            .chain(
+                [false, true]
+                    .into_iter()
+                    .map(|encoder| tilts(tally, encoder)),
+            )
+            .collect(),
+    })
+}
+
+const fn seen_by(encoder: bool) -> &'static str {
+    if encoder {
+        "encoder and index"
+    } else {
+        "index alone"
+    }
+}
+
+fn delays(tally: &Tally, encoder: bool) -> Panel {
+    Panel {
+        title: format!("Detected after the limit: {}", seen_by(encoder)),
+        x: Axis::linear(
+            "turns from the limit to two ticks before it is detected",
+            -0.2,
+            1.2,
+        ),
+        y: Axis::linear("part of the faults that passed a limit", 0.0, 1.0),
+        lines: lines(tally, encoder, |group| &group.turns),
+        levels: vec![Level {
+            at: At::X(1.0),
+            label: "one turn".to_owned(),
+        }],
+    }
+}
+
+fn tilts(tally: &Tally, encoder: bool) -> Panel {
+    Panel {
+        title: format!("Largest tilt: {}", seen_by(encoder)),
+        x: Axis::linear("tilt over its bound", 0.0, 1.2),
+        y: Axis::linear("part of the faults", 0.0, 1.0),
+        lines: lines(tally, encoder, |group| &group.tilt_over_bound),
+        levels: vec![Level {
+            at: At::X(1.0),
+            label: "bound".to_owned(),
+        }],
+    }
+}
+
+/// A line for each kind that moves a crank.
+fn lines(tally: &Tally, encoder: bool, values: fn(&Group) -> &Vec<f64>) -> Vec<Line> {
+    tally
+        .groups
+        .iter()
+        .filter(|((_, with), group)| *with == encoder && group.past > 0)
+        .filter_map(|((kind, _), group)| {
+            let (ink, stroke) = look(*kind)?;
+            Some(Line {
+                marked: false,
+                stroke,
+                ..Line::new(kind.name(), ink, distribution(values(group)))
+            })
+        })
+        .collect()
+}
+
+/// A kind looks the same in all panels; none of those that move no crank.
+const fn look(kind: FaultName) -> Option<(Ink, Stroke)> {
+    Some(match kind {
+        FaultName::LostSteps => (Ink::Blue, Stroke::Solid),
+        FaultName::Slip => (Ink::Orange, Stroke::Solid),
+        FaultName::Stuck => (Ink::Vermilion, Stroke::Solid),
+        FaultName::Runaway => (Ink::Purple, Stroke::Solid),
+        FaultName::Reversed => (Ink::Green, Stroke::Dashed),
+        FaultName::SwappedWiring => (Ink::Sky, Stroke::Dashed),
+        FaultName::RunDry => (Ink::Black, Stroke::Dotted),
+        FaultName::LoadStep => (Ink::Grey, Stroke::Solid),
+        FaultName::EnableLoss => (Ink::Black, Stroke::Dashed),
+        _ => return None,
+    })
+}
+
+/// What part is at most so much.
+fn distribution(sorted: &[f64]) -> Vec<(f64, f64)> {
+    let step = sorted.len().div_ceil(MOST_POINTS).max(1);
+    let part = |i: usize| (i + 1) as f64 / sorted.len() as f64;
+    let mut points: Vec<_> = sorted
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| i % step == 0 || i + 1 == sorted.len())
+        .map(|(i, &value)| (value, part(i)))
+        .collect();
+    if let Some(&(least, _)) = points.first() {
+        points.insert(0, (least, 0.0));
+    }
+    points
+}

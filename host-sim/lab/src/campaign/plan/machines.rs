@@ -1,0 +1,264 @@
+//! The machines that are drawn where no scene is given: three mechanisms out of the built-in scenes, with two to six axes.
+//!
+//! What is a mechanism's own is taken from its scene: crank, load, mount, limits of the shaft. The motors are made to fit, so that
+//! nothing slips, or lags, of itself: how, is said where it is done.
+
+use std::f64::consts::TAU;
+
+use super::stream::{Stream, rounded};
+use crate::campaign::geometry::Geometry;
+use host_sim::design::STANDARD_GRAVITY_MPS2;
+use host_sim::scene::Scene;
+use host_sim::scene::file::{
+    AxisApart, Correction, Drive, Fidelity, Index, Noise, Questions, Segment, ServoDrive,
+};
+use host_sim::scene::library;
+
+/// The scenes that they are taken from: 10 mm cranks at up to 60 rev/s, 20 mm at up to 20, 76 mm at up to 6.
+pub const MECHANISMS: [&str; 3] = ["default", "lost-steps", "patent-4"];
+
+/// The stated level of noise: standard deviations of an index edge's place and time, and of an encoder's reading.
+pub const NOISE: Noise = Noise {
+    seed: 0,
+    index_deg: 0.05,
+    index_us: 1.0,
+    encoder_counts: 1.0,
+    load_nm: 0.0,
+};
+
+/// How the axes of a machine are driven and watched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Driven {
+    /// Steppers, each with an index sensor.
+    Stepper,
+    /// Steppers, each with an index sensor and an encoder.
+    WatchedStepper,
+    /// Servos, with their encoders and index sensors.
+    Servo,
+}
+
+impl Driven {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Stepper, Self::WatchedStepper, Self::Servo];
+
+    /// Whether it has encoders.
+    pub const fn has_encoder(self) -> bool {
+        !matches!(self, Self::Stepper)
+    }
+}
+
+/// A motor gives so many times what is asked of it: at 3, a stepper's rotor is 20° of its electrical cycle behind at most, and
+/// may swing by three times as much.
+const PLENTY: f64 = 3.0;
+
+/// Damping of a stepper's rotor in its field, with its share of the load, as a part of what is critical.
+const FIELD_ZETA: f64 = 0.2;
+
+/// Motors keep their torque up to so many times the machine's greatest speed.
+const PULL_OUT_SPEEDS: f64 = 1.5;
+
+/// Electrical cycles to a turn: 200 full steps, four a cycle.
+const CYCLES: f64 = 50.0;
+
+/// A servo's velocity loop follows so many radians a second; its position loop a quarter of that, which is critical.
+const VELOCITY_RAD_S: f64 = 500.0;
+
+/// Draws a machine with a program of one level: align, ramp, hold; and which mechanism it is.
+pub fn draw(
+    stream: &mut Stream,
+    driven: Driven,
+    on_rotors: bool,
+    prove: bool,
+) -> (&'static str, Scene) {
+    let name = stream.one_of(&MECHANISMS);
+    let mut scene: Scene = library::find(name)
+        .map(library::BuiltIn::scene)
+        .unwrap_or_else(|| library::SCENES[0].scene());
+    let count = 2 + stream.below(5);
+    scene.questions = Questions::default();
+    scene.fidelity = if on_rotors {
+        Fidelity::Phased
+    } else {
+        Fidelity::Kinematic
+    };
+    scene.axes.count = count;
+    let turns_back = stream.percent(50);
+    scene.axis = (0..count)
+        .map(|number| apart(number, turns_back && number % 2 == 1))
+        .collect();
+    if let Some(machine) = &mut scene.machine {
+        machine.load_kg = rounded(machine.load_kg * stream.between(0.1, 1.0), 3);
+    }
+    control(stream, &mut scene);
+    motors(stream, &mut scene, driven);
+    rods(&mut scene);
+    let level_hz = rounded(scene.limits.speed_hz * stream.between(0.25, 1.0), 3);
+    program(stream, &mut scene, level_hz);
+    scene.correction = Correction {
+        part: 0.5,
+        prove_wiring: prove,
+        ..Correction::default()
+    };
+    scene.noise = Noise {
+        seed: stream.seed(),
+        encoder_counts: if driven.has_encoder() {
+            NOISE.encoder_counts
+        } else {
+            0.0
+        },
+        load_nm: if on_rotors {
+            // A twentieth of what a motor is asked for at most.
+            rounded(stream.between(0.0, 0.05) * asked_nm(&scene), 4)
+        } else {
+            0.0
+        },
+        ..NOISE
+    };
+    (name, scene)
+}
+
+fn apart(number: usize, reversed: bool) -> AxisApart {
+    AxisApart {
+        number,
+        reversed,
+        drive: None,
+        steps_per_turn: None,
+        ratio: None,
+        offset_deg: None,
+        index: None,
+        index_deg: None,
+        trim_deg: 0.0,
+        start_deg: 0.0,
+        friction_nm: None,
+        pull_out_scale: 1.0,
+    }
+}
+
+/// The loop, how fast it creeps and stops, and where index flags and cranks stand.
+fn control(stream: &mut Stream, scene: &mut Scene) {
+    scene.control.tick_hz = stream.one_of(&[1000, 2000, 2000, 4000]);
+    scene.control.settle_s = 0.02;
+    scene.control.park_deg = rounded(stream.between(0.0, 360.0), 1);
+    let limits = &mut scene.limits;
+    limits.creep_hz = rounded(stream.between(1.5, 3.0), 2);
+    // A stop that motors of such plenty can make; twice the acceleration in half the time is eight times the jerk.
+    let factor = stream.one_of(&[1.0, 2.0, 3.0]);
+    limits.stop_acceleration_hz_per_s = Some(limits.acceleration_hz_per_s * factor);
+    limits.stop_jerk_hz_per_s2 = Some(limits.jerk_hz_per_s2 * factor.powi(3));
+    scene.index = Index::default();
+    scene.axes.index_width_deg = 6.0;
+    let together = stream.percent(50);
+    let common_deg = rounded(stream.between(-170.0, 170.0), 1);
+    for apart in &mut scene.axis {
+        let own_deg = rounded(stream.between(-170.0, 170.0), 1);
+        apart.index_deg = Some(if together { common_deg } else { own_deg });
+    }
+    limits_of_drift(stream, scene);
+    // After power-up cranks stand a little apart: a quarter of the way to the limits, at most.
+    if stream.percent(50) {
+        let most_deg = Geometry::new(scene)
+            .map_or(0.0, |geometry| 0.25 * 360.0 * geometry.single_limit_turns());
+        for apart in &mut scene.axis {
+            apart.start_deg = rounded(stream.between(-most_deg, most_deg), 3);
+        }
+    }
+    scene.axes.trim_rate_deg_per_s = 10.0;
+}
+
+/// How far one crank alone may be off, degrees: from half an electrical cycle, so that the first that is lost is past it, to nearly
+/// two.
+const ALONE_DEG: (f64, f64) = (4.0, 12.0);
+
+/// Limits on tilt and warp: one of them as tight as a drawn error of one crank makes it, the other up to twice as wide.
+fn limits_of_drift(stream: &mut Stream, scene: &mut Scene) {
+    let alone_deg = stream.between(ALONE_DEG.0, ALONE_DEG.1);
+    let wider = stream.between(1.0, 2.0);
+    let tilt_is_wider = scene.axes.count > 3 && stream.percent(50);
+    let Some(geometry) = Geometry::new(scene) else {
+        return;
+    };
+    let (tilt_mrad, warp_deg) = geometry.of_one(alone_deg / 360.0);
+    let (tilt_by, warp_by) = if tilt_is_wider {
+        (wider, 1.0)
+    } else {
+        (1.0, wider)
+    };
+    scene.drift.tilt_limit_mrad = rounded(tilt_mrad * tilt_by, 3);
+    if warp_deg > 0.0 {
+        scene.drift.warp_limit_deg = rounded(warp_deg * warp_by, 3);
+    }
+}
+
+/// Motors that give [`PLENTY`] times what the machine asks at its greatest speed.
+fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven) {
+    let asked_nm = asked_nm(scene);
+    let load = Geometry::new(scene).map_or(0.0, |geometry| geometry.most_inertia_kgm2());
+    let (inertia, friction) = (scene.axes.rotor_inertia_kgm2 + load, scene.axes.friction_nm);
+    let axes = &mut scene.axes;
+    axes.encoder = driven.has_encoder();
+    if driven == Driven::Servo {
+        axes.drive = Drive::Servo;
+        axes.steps_per_turn = stream.one_of(&[4096, 10_000, 16_384]);
+        axes.pull_out = Vec::new();
+        axes.damping_nms = 0.0;
+        axes.servo = Some(ServoDrive {
+            position_gain_per_s: VELOCITY_RAD_S / 4.0,
+            velocity_gain_nms: rounded(VELOCITY_RAD_S * inertia, 6),
+            integral_s: None,
+            limit_nm: Some(rounded(PLENTY * asked_nm + friction, 3)),
+        });
+        return;
+    }
+    axes.drive = Drive::Stepper;
+    axes.steps_per_turn = stream.one_of(&[3200, 6400]);
+    let most_nm = rounded(PLENTY * asked_nm, 3);
+    // A rotor that swings is faster than its field for a while: the torque must not end at the field's greatest speed.
+    let most_hz = PULL_OUT_SPEEDS * scene.limits.speed_hz;
+    axes.pull_out = vec![(0.0, most_nm), (most_hz, most_nm)];
+    let stiffness = most_nm * CYCLES;
+    axes.damping_nms = rounded(2.0 * FIELD_ZETA * (stiffness * inertia).sqrt(), 4);
+}
+
+/// A motor bends the rods by an error of its crank with so much of its torque, where one crank alone is at the limit.
+const BENDS: f64 = 0.25;
+
+/// Rods that the motors of four and more cranks can bend as far as the limits let them be apart: with stiffer ones no motor could
+/// move its crank to there, whatever it was told. A crank that is off by e pulls on its rod with at most k R e, a lever R away.
+fn rods(scene: &mut Scene) {
+    let asked_nm = PLENTY * asked_nm(scene);
+    let Some(geometry) = Geometry::new(scene).filter(|_| scene.axes.count > 3) else {
+        return;
+    };
+    let error_rad = geometry.single_limit_turns() * TAU;
+    let way_m = geometry.most_way_m();
+    let n_per_m = BENDS * asked_nm / (way_m * way_m * error_rad);
+    if let Some(machine) = &mut scene.machine {
+        machine.rod_n_per_um = rounded((n_per_m * 1e-6).clamp(0.01, machine.rod_n_per_um), 4);
+    }
+}
+
+/// The most that the machine asks of one motor: at full speed and at rest, at any crank angle.
+fn asked_nm(scene: &Scene) -> f64 {
+    let limits = &scene.limits;
+    let usual = limits.acceleration_hz_per_s;
+    let acceleration = limits.stop_acceleration_hz_per_s.unwrap_or(usual) * TAU;
+    let most_nm = Geometry::new(scene).map_or(0.0, |geometry| {
+        geometry.most_torque_nm(limits.speed_hz * TAU, acceleration)
+    });
+    let axes = &scene.axes;
+    most_nm / axes.count as f64 + axes.friction_nm + axes.rotor_inertia_kgm2 * acceleration
+}
+
+/// One level, held for as long as what may go wrong takes to be seen.
+fn program(stream: &mut Stream, scene: &mut Scene, level_hz: f64) {
+    let amax_mps2 = Geometry::new(scene).map_or(0.0, |geometry| {
+        geometry.mechanism().amax_mps2(level_hz * TAU)
+    });
+    let ramp_s = level_hz / scene.limits.acceleration_hz_per_s * stream.between(1.0, 2.0);
+    scene.program = vec![Segment {
+        amax_g: Some(rounded(amax_mps2 / STANDARD_GRAVITY_MPS2, 3)),
+        ramp_s: Some(rounded(ramp_s, 3)),
+        hold_s: Some(rounded((8.0 / level_hz).max(0.8), 3)),
+        ..Segment::default()
+    }];
+}

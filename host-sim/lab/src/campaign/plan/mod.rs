@@ -1,0 +1,237 @@
+//! What is drawn for a case: its machine, its program, its noise, and what goes wrong.
+//!
+//! A *case* has a number; all of it is drawn from a stream of its own ([`stream`]), and [`VERSION`] says which way. It is run
+//! twice: as it is, its *faulty* run; and without its fault, its *clean* run, in which noise is all there is.
+
+pub mod faults;
+pub mod machines;
+pub mod stream;
+
+use faults::Window;
+use host_sim::scene::file::{FaultAt, FaultName, Noise};
+use host_sim::scene::{Checked, Scene, SceneError};
+use machines::Driven;
+use stream::Stream;
+
+use super::geometry::Geometry;
+
+/// Of the way in which cases are drawn: the same seed draws the same cases as long as this is the same.
+pub const VERSION: u32 = 2;
+
+/// One in so many hundred machines is on the phased rung, where torque moves the cranks.
+const ON_ROTORS_PERCENT: u32 = 10;
+
+/// One case.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// Its number.
+    pub number: u64,
+    /// What its machine is called.
+    pub machine: String,
+    /// Its scene, with its fault.
+    pub scene: Scene,
+}
+
+impl Case {
+    /// What goes wrong.
+    pub fn fault(&self) -> &FaultAt {
+        &self.scene.fault[0]
+    }
+
+    /// The scene of one of its two runs.
+    pub fn scene_of(&self, clean: bool) -> Scene {
+        let mut scene = self.scene.clone();
+        if clean {
+            scene.name.push_str("-clean");
+            scene.fault.clear();
+        }
+        scene
+    }
+}
+
+/// What cases are drawn from.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    seed: u64,
+    /// The user's scene; without it machines are drawn.
+    scene: Option<Checked>,
+    kinds: Vec<FaultName>,
+}
+
+impl Plan {
+    /// Of a seed, and of a scene or the machines of [`machines`].
+    ///
+    /// # Errors
+    /// The scene has faults already, or is one that nothing could go wrong with.
+    pub fn new(seed: u64, scene: Option<Checked>) -> Result<Self, SceneError> {
+        let Some(checked) = &scene else {
+            let kinds = faults::KINDS.to_vec();
+            return Ok(Self { seed, scene, kinds });
+        };
+        if !checked.scene.fault.is_empty() {
+            return Err(SceneError::at(
+                "fault",
+                "has faults of its own, and a campaign draws them; leave them out",
+            ));
+        }
+        let kinds = kinds_of(checked);
+        if kinds.is_empty() {
+            return Err(SceneError::at(
+                "",
+                "has nothing that could go wrong on its rung; give axes with index sensors or encoders",
+            ));
+        }
+        Ok(Self { seed, scene, kinds })
+    }
+
+    /// The seed.
+    pub const fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// The user's scene.
+    pub fn scene(&self) -> Option<&Scene> {
+        self.scene.as_ref().map(|checked| &checked.scene)
+    }
+
+    /// A case by its number.
+    pub fn case(&self, number: u64) -> Case {
+        let mut stream = Stream::new(self.seed, number);
+        let kind = stream.one_of(&self.kinds);
+        let (machine, mut scene) = match &self.scene {
+            Some(checked) => given(&mut stream, checked),
+            None => drawn(&mut stream, kind),
+        };
+        let geometry = Geometry::new(&scene);
+        let window = match &self.scene {
+            Some(checked) => window_of_given(checked),
+            None => window(&scene, geometry.as_ref()),
+        };
+        scene.name = format!("case-{number}");
+        scene.description = format!("case {number} of seed {}: {machine}", self.seed);
+        scene.fault = vec![faults::draw(
+            &mut stream,
+            &scene,
+            geometry.as_ref(),
+            &window,
+            kind,
+        )];
+        Case {
+            number,
+            machine,
+            scene,
+        }
+    }
+}
+
+/// A machine for a kind of fault.
+fn drawn(stream: &mut Stream, kind: FaultName) -> (String, Scene) {
+    let fit: Vec<_> = Driven::ALL
+        .into_iter()
+        .filter(|&driven| faults::befalls(kind, driven))
+        .collect();
+    let driven = stream.one_of(&fit);
+    let on_rotors = stream.percent(ON_ROTORS_PERCENT) || faults::needs_torque(kind);
+    let prove = stream.percent(50) || faults::needs_proof(kind);
+    // A pattern that proves the wiring needs room within the limits, of which a few machines have none: the next is drawn.
+    let mut machine = machines::draw(stream, driven, on_rotors, prove);
+    for _ in 0..MOST_DRAWN {
+        if Checked::new(machine.1.clone()).is_ok() {
+            break;
+        }
+        machine = machines::draw(stream, driven, on_rotors, prove);
+    }
+    (machine.0.to_owned(), machine.1)
+}
+
+/// How often at most; one in two has room at least.
+const MOST_DRAWN: usize = 50;
+
+/// The user's machine, with noise at the stated level unless it has its own, from a seed of the case's.
+fn given(stream: &mut Stream, checked: &Checked) -> (String, Scene) {
+    let mut scene = checked.scene.clone();
+    if scene.noise.is_none() {
+        scene.noise = Noise {
+            encoder_counts: if scene.axes.encoder {
+                machines::NOISE.encoder_counts
+            } else {
+                0.0
+            },
+            ..machines::NOISE
+        };
+    }
+    scene.noise.seed = stream.seed();
+    // A replay's file is run as this was: on the rung that was chosen, and chosen once.
+    scene.fidelity = checked.fidelity;
+    scene.questions = Default::default();
+    (checked.scene.name.clone(), scene)
+}
+
+/// What can go wrong with a scene: what makes sense for its axes, can be seen, and is not refused by its check.
+fn kinds_of(checked: &Checked) -> Vec<FaultName> {
+    let scene = &checked.scene;
+    let geometry = Geometry::new(scene);
+    let window = window_of_given(checked);
+    let is_taken = |kind: FaultName| {
+        let mut stream = Stream::new(0, 0);
+        let (_, mut scene) = given(&mut stream, checked);
+        scene.fault = vec![faults::draw(
+            &mut stream,
+            &scene,
+            geometry.as_ref(),
+            &window,
+            kind,
+        )];
+        Checked::new(scene).is_ok()
+    };
+    let fits = |kind: &FaultName| {
+        let needs_index = matches!(kind, FaultName::IndexMissing | FaultName::IndexExtra);
+        !faults::axes_for(scene, *kind).is_empty()
+            && (scene.correction.prove_wiring || !faults::needs_proof(*kind))
+            && (checked.fidelity.moves_by_torque() || !faults::needs_torque(*kind))
+            && (scene.axes.index || !needs_index)
+            && is_taken(*kind)
+    };
+    faults::KINDS.into_iter().filter(fits).collect()
+}
+
+/// Of a drawn machine. Align takes a turn and what correcting takes, which is not known here; so *run* begins about then, and the
+/// hold is long enough for it not to matter.
+fn window(scene: &Scene, geometry: Option<&Geometry>) -> Window {
+    let amax_mps2 =
+        scene.program[0].amax_g.unwrap_or_default() * host_sim::design::STANDARD_GRAVITY_MPS2;
+    let level_hz = geometry.map_or(scene.limits.creep_hz, |geometry| {
+        geometry.mechanism().speed_for_amax_rad_s(amax_mps2) / std::f64::consts::TAU
+    });
+    let proof_s = if scene.correction.prove_wiring {
+        2.0 / scene.limits.creep_hz
+    } else {
+        0.0
+    };
+    let run_s = scene.control.settle_s + 1.2 / scene.limits.creep_hz + proof_s;
+    let program_s = |part: f64| {
+        let segment = &scene.program[0];
+        segment.ramp_s.unwrap_or_default() + part * segment.hold_s.unwrap_or_default()
+    };
+    Window {
+        align_s: scene.control.settle_s + 0.05,
+        run_s,
+        end_s: run_s + program_s(0.5),
+        level_hz,
+    }
+}
+
+/// Of the user's scene: over all of its program but the last twentieth.
+fn window_of_given(checked: &Checked) -> Window {
+    let scene = &checked.scene;
+    let controller = checked.controller();
+    let ticks = controller.map_or(0, |controller| controller.program().0.duration());
+    let program_s = ticks as f64 / f64::from(scene.control.tick_hz);
+    let run_s = scene.control.settle_s + 1.5 / scene.limits.creep_hz;
+    Window {
+        align_s: scene.control.settle_s + 0.05,
+        run_s,
+        end_s: run_s + 0.95 * program_s,
+        level_hz: checked.top_speed_hz(),
+    }
+}

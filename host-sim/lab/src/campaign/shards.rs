@@ -1,0 +1,217 @@
+//! Rows as files: a line that says of what, then CSV.
+//!
+//! A *shard* has the rows of a range of case numbers. Shards of one campaign (the same plan, version, seed and scene) that leave no
+//! gap and do not overlap are joined into the one that a single run over all of them would have written, byte for byte.
+
+use std::fmt::Write as _;
+use std::ops::Range;
+
+use super::plan::{Plan, VERSION};
+use super::row::Row;
+use host_sim::scene::Scene;
+
+/// What begins the line that says what a shard is of.
+const MARK: &str = "# cophase campaign";
+
+/// What a shard is of.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Header {
+    /// Of the command.
+    pub version: String,
+    /// Of the way in which cases are drawn.
+    pub plan: u32,
+    /// The campaign's seed.
+    pub seed: u64,
+    /// `machines`, or the scene's checksum.
+    pub scene: String,
+    /// Numbers of its cases.
+    pub numbers: Range<u64>,
+}
+
+impl Header {
+    /// Of a range of a plan's cases.
+    pub fn new(plan: &Plan, numbers: Range<u64>) -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            plan: VERSION,
+            seed: plan.seed(),
+            scene: plan.scene().map_or("machines".to_owned(), checksum),
+            numbers,
+        }
+    }
+
+    fn line(&self) -> String {
+        let Header {
+            version,
+            plan,
+            seed,
+            scene,
+            numbers,
+        } = self;
+        format!(
+            "{MARK} version={version} plan={plan} seed={seed} scene={scene} from={} to={}",
+            numbers.start, numbers.end
+        )
+    }
+
+    fn parse(line: &str) -> Option<Self> {
+        let fields = line.strip_prefix(MARK)?;
+        let field = |name: &str| {
+            fields
+                .split_whitespace()
+                .find_map(|field| field.strip_prefix(name)?.strip_prefix('='))
+        };
+        Some(Self {
+            version: field("version")?.to_owned(),
+            plan: field("plan")?.parse().ok()?,
+            seed: field("seed")?.parse().ok()?,
+            scene: field("scene")?.to_owned(),
+            numbers: field("from")?.parse().ok()?..field("to")?.parse().ok()?,
+        })
+    }
+
+    /// The first thing in which another shard is not of the same campaign, as `key: theirs, not ours`.
+    fn differs(&self, other: &Self) -> Option<String> {
+        let pairs = [
+            ("version", &self.version, &other.version),
+            ("plan", &self.plan.to_string(), &other.plan.to_string()),
+            ("seed", &self.seed.to_string(), &other.seed.to_string()),
+            ("scene", &self.scene, &other.scene),
+        ];
+        let (key, ours, theirs) = pairs.into_iter().find(|(_, ours, theirs)| ours != theirs)?;
+        Some(format!("{key} = {theirs}, not {ours}"))
+    }
+}
+
+/// Of a scene as it was understood: the same whatever its file looks like.
+fn checksum(scene: &Scene) -> String {
+    let text = toml::to_string(scene).unwrap_or_default();
+    let sum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(text.as_bytes());
+    format!("{sum:08x}")
+}
+
+/// A shard.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shard {
+    /// What it is of.
+    pub header: Header,
+    /// Both rows of each case, faulty and clean, in the order of their numbers.
+    pub rows: Vec<Row>,
+}
+
+/// Why a shard is refused.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct ShardError(pub String);
+
+impl Shard {
+    /// As text.
+    ///
+    /// # Errors
+    /// Never: rows are plain.
+    pub fn to_text(&self) -> Result<String, ShardError> {
+        let mut text = self.header.line();
+        text.push('\n');
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        for row in &self.rows {
+            writer
+                .serialize(row)
+                .map_err(|error| ShardError(error.to_string()))?;
+        }
+        let rows = writer
+            .into_inner()
+            .map_err(|error| ShardError(error.to_string()))?;
+        let _ = write!(text, "{}", String::from_utf8_lossy(&rows));
+        Ok(text)
+    }
+
+    /// From text.
+    ///
+    /// # Errors
+    /// What is wrong with it, and where.
+    pub fn parse(text: &str) -> Result<Self, ShardError> {
+        let (first, rest) = text.split_once('\n').unwrap_or((text, ""));
+        let header = Header::parse(first.trim_end()).ok_or_else(|| {
+            ShardError(format!(
+                "line 1 does not say what it is of, as `{MARK} version=… plan=… seed=… scene=… from=… to=…`; \
+                 give a file that `cophase campaign` wrote"
+            ))
+        })?;
+        let mut rows = Vec::new();
+        for row in csv::Reader::from_reader(rest.as_bytes()).deserialize() {
+            let row: Row = row.map_err(|error| {
+                // The reader counts from the line after the first.
+                let line = error.position().map_or(0, |position| position.line() + 1);
+                ShardError(format!("line {line}: {}", brief(&error)))
+            })?;
+            let (number, clean) = (rows.len() as u64 / 2, rows.len() % 2 == 1);
+            let number = header.numbers.start + number;
+            if (row.number, row.clean) != (number, clean) {
+                let run = if clean { "clean" } else { "faulty" };
+                return Err(ShardError(format!(
+                    "line {}: here the {run} run of case {number} should be; run that range again",
+                    rows.len() + 3
+                )));
+            }
+            rows.push(row);
+        }
+        let cases = header.numbers.end.saturating_sub(header.numbers.start);
+        if rows.len() as u64 != 2 * cases {
+            return Err(ShardError(format!(
+                "has {} of the {} rows that its first line says; run that range again",
+                rows.len(),
+                2 * cases
+            )));
+        }
+        Ok(Self { header, rows })
+    }
+}
+
+/// What the reader says, without the place in the file, which is told in lines of the file.
+fn brief(error: &csv::Error) -> String {
+    match error.kind() {
+        csv::ErrorKind::Deserialize { err, .. } => err.to_string(),
+        csv::ErrorKind::UnequalLengths {
+            expected_len, len, ..
+        } => format!("has {len} columns, not {expected_len}"),
+        _ => error.to_string(),
+    }
+}
+
+/// Joins shards, each with the name that it is called by in messages, in any order.
+///
+/// # Errors
+/// None are given, two are not of one campaign, overlap, or leave a gap.
+pub fn join(mut shards: Vec<(String, Shard)>) -> Result<Shard, ShardError> {
+    shards.sort_by_key(|(_, shard)| shard.header.numbers.start);
+    let mut shards = shards.into_iter();
+    let Some((mut last, mut joined)) = shards.next() else {
+        return Err(ShardError(
+            "no shards; give files that `cophase campaign` wrote, or a folder of them".to_owned(),
+        ));
+    };
+    for (name, shard) in shards {
+        if let Some(what) = joined.header.differs(&shard.header) {
+            return Err(ShardError(format!(
+                "{name}: is of another campaign than {last}: {what}"
+            )));
+        }
+        let (end, start) = (joined.header.numbers.end, shard.header.numbers.start);
+        if start < end {
+            return Err(ShardError(format!(
+                "{name}: begins with case {start}, and {last} goes up to {}; leave one out",
+                end - 1
+            )));
+        }
+        if start > end {
+            return Err(ShardError(format!(
+                "{name}: begins with case {start}, and {last} ends with {}; give what is between, --from {end} --to {start}",
+                end - 1
+            )));
+        }
+        joined.header.numbers.end = shard.header.numbers.end;
+        joined.rows.extend(shard.rows);
+        last = name;
+    }
+    Ok(joined)
+}

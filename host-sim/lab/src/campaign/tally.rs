@@ -1,0 +1,178 @@
+//! What rows come to: counts, rates with their bounds, and quantiles; by kind of fault, with and without encoders.
+
+use std::collections::BTreeMap;
+
+use super::interval::Rate;
+use super::judge::Verdict;
+use super::plan::faults::KINDS;
+use super::row::Row;
+use host_sim::scene::file::FaultName;
+
+/// Faulty runs of one kind.
+#[derive(Clone, Debug, Default)]
+pub struct Group {
+    /// How many there were, all told.
+    pub runs: u64,
+    /// In how many a crank was past its limit.
+    pub past: u64,
+    /// Of these, detected within one turn and two ticks.
+    pub in_time: Rate,
+    /// Of what was told, or had to be, rightly named.
+    pub named: Rate,
+    /// Turns from the limit to the detection, smallest first.
+    pub turns: Vec<f64>,
+    /// Largest tilt over the limit, as the bound is on it.
+    pub tilt_over_limit: f64,
+    /// The same after the drives were off.
+    pub off_over_limit: f64,
+    /// Tilt over its bound, smallest first.
+    pub tilt_over_bound: Vec<f64>,
+    /// In how many an axis was left running.
+    pub left_running: Rate,
+    /// What is not as claimed: verdict or reason, and the cases.
+    pub failed: BTreeMap<&'static str, Vec<u64>>,
+}
+
+/// Of what is not as claimed, in the order in which it is told.
+mod failed {
+    pub const LATE: &str = "late";
+    pub const LEFT_RUNNING: &str = "left running";
+    pub const TILTED: &str = "tilted past its bound";
+    pub const MISNAMED: &str = "misnamed";
+    pub const MISSED: &str = "missed";
+    pub const EARLY: &str = "told before it";
+    pub const DIVERGED: &str = "diverged";
+}
+
+impl Group {
+    fn take(&mut self, row: &Row) {
+        self.runs += 1;
+        self.past += u64::from(row.is_past());
+        if let Some(in_time) = row.in_time {
+            self.in_time.count(in_time);
+            // What was not detected at all is among the missed.
+            if !in_time && row.verdict != Verdict::Missed {
+                self.fail(failed::LATE, row);
+            }
+        }
+        match row.verdict {
+            Verdict::Right => self.named.count(true),
+            Verdict::Misnamed | Verdict::Missed => self.named.count(false),
+            _ => {}
+        }
+        match row.verdict {
+            Verdict::Misnamed => self.fail(failed::MISNAMED, row),
+            Verdict::Missed => self.fail(failed::MISSED, row),
+            Verdict::FalseTrip => self.fail(failed::EARLY, row),
+            Verdict::Diverged => self.fail(failed::DIVERGED, row),
+            _ => {}
+        }
+        self.turns.extend(row.turns_from_limit);
+        let over_limit = |mrad: f64| mrad / row.limit_mrad;
+        let tilt = over_limit(row.bounded_tilt_mrad());
+        self.tilt_over_limit = self.tilt_over_limit.max(tilt);
+        let off = row.tilt_off_mrad.map_or(0.0, over_limit);
+        self.off_over_limit = self.off_over_limit.max(off);
+        if row.bound_mrad > 0.0 {
+            self.tilt_over_bound.push(row.tilt_over_bound());
+            if row.tilt_over_bound() > 1.0 {
+                self.fail(failed::TILTED, row);
+            }
+        }
+        self.left_running.count(row.left_running);
+        if row.left_running {
+            self.fail(failed::LEFT_RUNNING, row);
+        }
+    }
+
+    fn fail(&mut self, what: &'static str, row: &Row) {
+        self.failed.entry(what).or_default().push(row.number);
+    }
+
+    fn finish(&mut self) {
+        self.turns.sort_by(f64::total_cmp);
+        self.tilt_over_bound.sort_by(f64::total_cmp);
+    }
+
+    /// The value that so large a part of sorted values is at most; the largest is that of 1.
+    pub fn quantile(sorted: &[f64], part: f64) -> Option<f64> {
+        let at = (part * sorted.len() as f64).ceil() as usize;
+        sorted.get(at.clamp(1, sorted.len().max(1)) - 1).copied()
+    }
+}
+
+/// All of a campaign's figures.
+#[derive(Clone, Debug, Default)]
+pub struct Tally {
+    /// Faulty runs by kind, with and without encoders, in the order of the kinds.
+    pub groups: Vec<((FaultName, bool), Group)>,
+    /// All of them together.
+    pub all: Group,
+    /// Clean runs in which something was told.
+    pub false_trips: Rate,
+    /// Their cases.
+    pub tripped: Vec<u64>,
+    /// Simulated time of all runs, s.
+    pub simulated_s: f64,
+}
+
+/// The least part that must be named rightly.
+const LEAST_NAMED: f64 = 0.99;
+
+impl Tally {
+    /// Of rows.
+    pub fn new<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Self {
+        let mut tally = Self::default();
+        let mut groups: BTreeMap<(usize, bool), Group> = BTreeMap::new();
+        for row in rows {
+            tally.simulated_s += row.simulated_s;
+            let Some(kind) = row.kind else {
+                if row.verdict == Verdict::Moot {
+                    continue;
+                }
+                let tripped = row.verdict != Verdict::Clean;
+                tally.false_trips.count(tripped);
+                if tripped {
+                    tally.tripped.push(row.number);
+                }
+                continue;
+            };
+            let place = KINDS.iter().position(|&other| other == kind);
+            let key = (place.unwrap_or(KINDS.len()), row.encoder);
+            groups.entry(key).or_default().take(row);
+            tally.all.take(row);
+        }
+        tally.all.finish();
+        tally.groups = groups
+            .into_iter()
+            .filter_map(|((place, encoder), mut group)| {
+                group.finish();
+                Some(((*KINDS.get(place)?, encoder), group))
+            })
+            .collect();
+        tally
+    }
+
+    /// Whether all is as claimed.
+    pub fn is_kept(&self) -> bool {
+        let named = self.all.named.part().is_none_or(|part| part >= LEAST_NAMED);
+        let forgiven = |what: &&str| *what == failed::MISNAMED;
+        named && self.false_trips.hits == 0 && self.all.failed.keys().all(forgiven)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Were a quantile of the wrong one, the slowest tellings would be left out of the table.
+    #[test]
+    fn quantiles_are_of_those_that_there_are() {
+        let sorted: Vec<f64> = (1..=200).map(f64::from).collect();
+        for (part, value) in [(0.5, 100.0), (0.95, 190.0), (0.99, 198.0), (1.0, 200.0)] {
+            assert_eq!(Group::quantile(&sorted, part), Some(value));
+        }
+        assert_eq!(Group::quantile(&[], 0.5), None);
+        assert_eq!(Group::quantile(&[3.0], 0.01), Some(3.0));
+    }
+}

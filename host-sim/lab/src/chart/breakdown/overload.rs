@@ -1,0 +1,105 @@
+//! Five-fold overload: of the motors, and of the loop.
+//!
+//! Failure: motors under five times the load that they were sized for slip, all together, so that no tilt tells of it.
+//! Guard: their common lag is watched too; it latches a fault, and all stop together. A loop whose ticks take five times
+//! as long as they may ends in a fault likewise: an overrun, with all cranks in phase.
+
+use super::panel::{Curve, Shown, failing, guarded};
+use super::runs::{fault_s, first_slip_s, run, three_steppers};
+use crate::chart::ChartError;
+use crate::chart::axis::Axis;
+use crate::chart::picture::{At, Level};
+use host_sim::sim::Outcome;
+
+/// The load that the motors are sized for, kg: it asks for a good half of what they have.
+pub const SIZED_KG: f64 = 4.0;
+/// What a crank may be off with all others, degrees: the default of `drift.common_limit_deg`.
+pub const COMMON_LIMIT_DEG: f64 = 15.0;
+/// From when on the loop of [`slow_loop`] is too slow, s.
+pub const SLOW_FROM_S: f64 = 0.9;
+/// A tick, µs.
+const TICK_US: u32 = 500;
+
+/// The scene on a rung, with a load.
+pub fn scene(rung: &str, load_kg: f64) -> String {
+    three_steppers(
+        rung,
+        &[
+            ("load_kg = 8", &format!("load_kg = {load_kg}")),
+            ("damping_nms = 0.2", "damping_nms = 0.1"),
+            ("[[0, 20.0], [60, 20.0]]", "[[0, 2.0], [60, 2.0]]"),
+        ],
+    )
+}
+
+/// The same with a loop that takes five ticks for each tick, from the middle of the program on.
+pub fn slow_loop() -> String {
+    let mut text = scene("kinematic", SIZED_KG);
+    for tick in 0..20 {
+        let at_s = SLOW_FROM_S + f64::from(tick * 5 * TICK_US) * 1e-6;
+        text += &format!("[[late]]\nat_s = {at_s}\nby_us = {}\n", 4 * TICK_US);
+    }
+    text
+}
+
+/// A run.
+#[derive(Clone, Debug)]
+pub struct Facts {
+    /// Time, s, and what crank 0 is ahead, degrees.
+    pub ahead_deg: Vec<(f64, f64)>,
+    /// How it ended.
+    pub outcome: Outcome,
+}
+
+/// Runs the phased scene.
+///
+/// # Errors
+/// It does not run.
+pub fn look(load_kg: f64) -> Result<Facts, ChartError> {
+    let mut ahead_deg = Vec::new();
+    let outcome = run(&scene("phased", load_kg), &mut |now| {
+        ahead_deg.push((now.t_s, now.ahead_turns[0] * 360.0));
+    })?;
+    Ok(Facts { ahead_deg, outcome })
+}
+
+/// The largest part of their pull-out torque that motors are asked for, as the quasi-static rung has it.
+///
+/// # Errors
+/// The scene does not run.
+pub fn torque_used(load_kg: f64) -> Result<f64, ChartError> {
+    let outcome = run(&scene("quasi-static", load_kg), &mut |_| {})?;
+    let used = outcome.statistics.torque_used.iter().flatten();
+    Ok(used.map(|(part, _)| *part).fold(0.0, f64::max))
+}
+
+pub(super) fn shown() -> Result<Shown, ChartError> {
+    let (sized, over) = (look(SIZED_KG)?, look(5.0 * SIZED_KG)?);
+    let slow = run(&slow_loop(), &mut |_| {})?;
+    let thin = |facts: &Facts| facts.ahead_deg.iter().copied().step_by(4).collect();
+    let slip_s = first_slip_s(&over.outcome).unwrap_or(f64::NAN);
+    let slow_fault_s = fault_s(&slow).unwrap_or(f64::NAN);
+    let fault_s = fault_s(&over.outcome).unwrap_or(f64::NAN);
+    Ok(Shown {
+        key: "overload",
+        title: "6  Five times the load that motors are for".to_owned(),
+        x: Axis::linear("time, s", 0.4, 1.05),
+        y: Axis::linear("crank ahead of its command, °", -40.0, 10.0),
+        curves: vec![
+            Curve::new("five-fold load, °", failing(thin(&over))),
+            Curve::new("load they are sized for, °", guarded(thin(&sized))),
+        ],
+        levels: vec![Level {
+            at: At::X(fault_s),
+            label: "fault: all stop".to_owned(),
+        }],
+        says: format!(
+            "(6) Sized for {:.0} % of their torque, motors under five times the load slip, together; {:.0} ms later that is a fault. A loop \
+             that takes five ticks for each ends in an overrun within {:.1} ms, its cranks {:.0}° apart.",
+            100.0 * torque_used(SIZED_KG)?,
+            (fault_s - slip_s) * 1e3,
+            (slow_fault_s - SLOW_FROM_S) * 1e3,
+            slow.statistics.worst_spread_deg
+        ),
+    })
+}

@@ -1,0 +1,109 @@
+//! Pull-out: one stepper of three is too weak for its stiff bearing.
+//!
+//! Failure: past a quarter of an electrical cycle its spring gives less and not more, and the crank slips by whole cycles.
+//! Guards: the drift monitor hears it at the next index pulse, latches a fault and stops all; and the rung that compares torques
+//! says beforehand that more is asked than there is.
+
+use super::panel::{Curve, Shown, failing, guarded};
+use super::runs::{fault_s, first_slip_s, run, three_steppers};
+use crate::chart::ChartError;
+use crate::chart::axis::Axis;
+use crate::chart::picture::{At, Level};
+use host_sim::sim::Outcome;
+
+/// The axis with the stiff bearing.
+pub const WEAK_AXIS: usize = 2;
+/// Its motor, as a part of the others': too weak.
+pub const WEAK: f64 = 0.2;
+/// The tick, s.
+pub const TICK_S: f64 = 500e-6;
+/// Electrical cycles to a turn of [`scene`].
+const CYCLES: f64 = 50.0;
+
+/// The scene on a rung, its third motor scaled.
+pub fn scene(rung: &str, scale: f64) -> String {
+    let settling = ("[limits]", "[control]\nsettle_s = 0.02\n[limits]");
+    let text = three_steppers(rung, &[settling]);
+    format!("{text}[[axis]]\nnumber = {WEAK_AXIS}\nfriction_nm = 3\npull_out_scale = {scale}\n")
+}
+
+/// A run.
+#[derive(Clone, Debug)]
+pub struct Facts {
+    /// Time, s, and what the third crank is ahead, electrical cycles.
+    pub ahead: Vec<(f64, f64)>,
+    /// Time, s, and commanded speed, rev/s.
+    pub speeds: Vec<(f64, f64)>,
+    /// How it ended.
+    pub outcome: Outcome,
+}
+
+impl Facts {
+    /// How long it takes to turn once from a time on, s.
+    pub fn turn_s(&self, from_s: f64) -> f64 {
+        let mut turned = 0.0;
+        let after = self.speeds.iter().filter(|(t_s, _)| *t_s >= from_s);
+        let ticks = after.take_while(|(_, speed_hz)| {
+            turned += speed_hz * TICK_S;
+            turned < 1.0
+        });
+        (ticks.count() + 1) as f64 * TICK_S
+    }
+}
+
+/// Runs the phased scene.
+///
+/// # Errors
+/// It does not run.
+pub fn look(scale: f64) -> Result<Facts, ChartError> {
+    let (mut ahead, mut speeds) = (Vec::new(), Vec::new());
+    let outcome = run(&scene("phased", scale), &mut |now| {
+        ahead.push((now.t_s, now.ahead_turns[WEAK_AXIS] * CYCLES));
+        speeds.push((now.t_s, now.speed_hz));
+    })?;
+    Ok(Facts {
+        ahead,
+        speeds,
+        outcome,
+    })
+}
+
+/// The part of its pull-out torque that the third motor is asked for, as the quasi-static rung has it.
+///
+/// # Errors
+/// The scene does not run.
+pub fn torque_used(scale: f64) -> Result<f64, ChartError> {
+    let outcome = run(&scene("quasi-static", scale), &mut |_| {})?;
+    let used = outcome.statistics.torque_used[WEAK_AXIS];
+    Ok(used.map_or(0.0, |(part, _)| part))
+}
+
+pub(super) fn shown() -> Result<Shown, ChartError> {
+    let (weak, strong) = (look(WEAK)?, look(1.0)?);
+    let thin = |facts: &Facts| facts.ahead.iter().copied().step_by(4).collect();
+    let slip_s = first_slip_s(&weak.outcome).unwrap_or(f64::NAN);
+    let fault_s = fault_s(&weak.outcome).unwrap_or(f64::NAN);
+    let lost = weak.outcome.statistics.slipped_cycles[WEAK_AXIS];
+    Ok(Shown {
+        key: "pull-out",
+        title: "3  Pull-out: one motor of three too weak".to_owned(),
+        x: Axis::linear("time, s", 0.4, 1.0),
+        y: Axis::linear("crank ahead of its command, electrical cycles", -5.0, 1.0),
+        curves: vec![
+            Curve::new("a fifth of the others, cycles", failing(thin(&weak))),
+            Curve::new("as strong as the others, cycles", guarded(thin(&strong))),
+        ],
+        levels: vec![Level {
+            at: At::X(fault_s),
+            label: "fault: all stop".to_owned(),
+        }],
+        says: format!(
+            "(3) A motor that is asked for {:.1} times what it has ({:.2} if it is as strong as the others) loses {} electrical cycles; the \
+             drift monitor stops all cranks {:.0} ms after the first.",
+            torque_used(WEAK)?,
+            torque_used(1.0)?,
+            -lost,
+            (fault_s - slip_s) * 1e3
+        ),
+    })
+}

@@ -1,0 +1,193 @@
+//! Four cranks over-constrain the platform: one that stands off bends the rods, and stiffer rods ask for more.
+//!
+//! Failure: torque on the crank that stands off grows with the rods, and so does the frequency of the fastest mode, until the
+//! step that did for soft rods is unstable. Guards: the step is chosen for the rods; one that the scene insists on is
+//! refused and told the limit; and `drift.warp_limit_deg` stops a machine that bends its rods.
+
+use super::panel::{Curve, Shown, failing, guarded};
+use super::runs::{refusal, run};
+use crate::chart::axis::Axis;
+use crate::chart::ink::{Ink, Stroke};
+use crate::chart::picture::{At, Level, Line};
+use crate::chart::{ChartError, Size};
+
+const SCENE: &str = r#"
+name = "rods"
+fidelity = "phased"
+[method]
+METHOD
+[machine]
+crank_radius_mm = 10
+lambda = 0.25
+load_kg = 8
+mount_radius_mm = 200
+rod_n_per_um = ROD
+[limits]
+speed_hz = 30
+acceleration_hz_per_s = 60
+jerk_hz_per_s2 = 1200
+creep_hz = 5
+[axes]
+count = 4
+drive = "stepper"
+steps_per_turn = 12800
+rotor_inertia_kgm2 = 1e-4
+damping_nms = 0.2
+pull_out = [[0, 20.0], [60, 20.0]]
+[drift]
+warp_limit_deg = WARP
+[[axis]]
+number = 0
+start_deg = OFF
+[[program]]
+amax_g = 15
+ramp_s = 0.5
+hold_s = 0.5
+"#;
+
+/// Stiffness of the soft rods, N/µm.
+pub const SOFT_N_PER_UM: f64 = 5.0;
+
+/// A scene with rods of a stiffness and crank 0 off by an angle; `method` is what is said of it.
+pub fn scene(rod_n_per_um: f64, off_deg: f64, warp_limit_deg: f64, method: &str) -> String {
+    SCENE
+        .replace("METHOD", method)
+        .replace("ROD", &rod_n_per_um.to_string())
+        .replace("OFF", &off_deg.to_string())
+        .replace("WARP", &warp_limit_deg.to_string())
+}
+
+/// What a stiffness does.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Stiffness of a rod, N/µm.
+    pub rod_n_per_um: f64,
+    /// Steps a tick that are taken for it.
+    pub steps: u32,
+    /// Greatest torque of the motor of the crank that stands off 1°, N·m.
+    pub off_nm: f64,
+    /// The same where none stands off, N·m.
+    pub aligned_nm: f64,
+    /// Cycles that motors slipped, all together.
+    pub slipped: i64,
+}
+
+/// What was seen.
+#[derive(Clone, Debug)]
+pub struct Facts {
+    /// By stiffness.
+    pub seen: Vec<Seen>,
+    /// Stiffness above which one step a tick is refused, N/µm.
+    pub refused_from_n_per_um: f64,
+}
+
+/// Runs them.
+///
+/// # Errors
+/// A scene does not run.
+pub fn look(size: Size) -> Result<Facts, ChartError> {
+    let stiffnesses: &[f64] = match size {
+        Size::Small => &[5.0, 50.0, 500.0],
+        Size::Full => &[5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0],
+    };
+    let mut seen = Vec::new();
+    for &rod_n_per_um in stiffnesses {
+        let off = run(&scene(rod_n_per_um, 1.0, 3.0, ""), &mut |_| {})?;
+        let aligned = run(&scene(rod_n_per_um, 0.0, 3.0, ""), &mut |_| {})?;
+        seen.push(Seen {
+            rod_n_per_um,
+            steps: off.method.map_or(0, |(_, steps)| steps),
+            off_nm: off.statistics.worst_torque_nm[0],
+            aligned_nm: aligned.statistics.worst_torque_nm[0],
+            slipped: off
+                .statistics
+                .slipped_cycles
+                .iter()
+                .map(|cycles| cycles.abs())
+                .sum(),
+        });
+    }
+    Ok(Facts {
+        seen,
+        refused_from_n_per_um: edge(),
+    })
+}
+
+/// Bisection to a thousandth.
+fn edge() -> f64 {
+    let refused = |rod: f64| refusal(&scene(rod, 1.0, 3.0, "steps_per_tick = 1")).is_some();
+    let (mut taken, mut not) = (SOFT_N_PER_UM, 100.0 * SOFT_N_PER_UM);
+    while not / taken > 1.001 {
+        let middle = (taken * not).sqrt();
+        if refused(middle) {
+            not = middle;
+        } else {
+            taken = middle;
+        }
+    }
+    not
+}
+
+pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
+    let facts = look(size)?;
+    let points = |of: fn(&Seen) -> f64| -> Vec<(f64, f64)> {
+        facts
+            .seen
+            .iter()
+            .map(|seen| (seen.rod_n_per_um, of(seen)))
+            .collect()
+    };
+    let steps = Line {
+        stroke: Stroke::Dotted,
+        ..Line::new(
+            "5: steps a tick",
+            Ink::Black,
+            points(|seen| f64::from(seen.steps)),
+        )
+    };
+    let of = |stiffness: f64| {
+        let found = facts
+            .seen
+            .iter()
+            .find(|seen| seen.rod_n_per_um == stiffness);
+        found
+            .copied()
+            .ok_or_else(|| ChartError(format!("no rods of {stiffness} N/µm")))
+    };
+    let (soft, stiff) = (of(SOFT_N_PER_UM)?, of(10.0 * SOFT_N_PER_UM)?);
+    let marked = |mut line: Line| {
+        line.marked = true;
+        line
+    };
+    Ok(Shown {
+        key: "rods",
+        title: "5  Four cranks, one 1° off, on stiffer rods".to_owned(),
+        x: Axis::log("stiffness of a rod, N/µm", 4.0, 600.0),
+        y: Axis::log("torque of its motor, N·m; steps a tick", 1.0, 100.0),
+        curves: vec![
+            Curve::new(
+                "torque, 1° off, N·m",
+                marked(failing(points(|seen| seen.off_nm))),
+            ),
+            Curve::new(
+                "torque, none off, N·m",
+                marked(guarded(points(|seen| seen.aligned_nm))),
+            ),
+            Curve::new("steps a tick", steps),
+        ],
+        levels: vec![Level {
+            at: At::X(facts.refused_from_n_per_um),
+            label: "1 step a tick: refused".to_owned(),
+        }],
+        says: format!(
+            "(5) Rods ten times stiffer raise the torque of the motor whose crank stands 1° off from {:.1} to {:.1} N·m (none off: {:.1}), \
+             and the steps a tick from {} to {}; one step a tick is refused from {:.1} N/µm on.",
+            soft.off_nm,
+            stiff.off_nm,
+            stiff.aligned_nm,
+            soft.steps,
+            stiff.steps,
+            facts.refused_from_n_per_um
+        ),
+    })
+}

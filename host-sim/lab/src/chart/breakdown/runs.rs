@@ -1,0 +1,137 @@
+//! Running the panels' scenes: what is looked at, and what is refused.
+
+use std::f64::consts::TAU;
+
+use cophase_core::supervisor::State;
+use cophase_core::units::MAX_AXES;
+
+use crate::chart::ChartError;
+use host_sim::scene::{Checked, SceneError, load};
+use host_sim::sim::events::Happening;
+use host_sim::sim::{Moment, Observer, Outcome, simulate};
+use host_sim::units::turns;
+
+/// Three steppers of 1000 N·m/rad under 8 kg, run up to 15 g.
+const THREE_STEPPERS: &str = r#"
+name = "three steppers"
+fidelity = "phased"
+[machine]
+crank_radius_mm = 10
+lambda = 0.25
+load_kg = 8
+mount_radius_mm = 200
+[limits]
+speed_hz = 30
+acceleration_hz_per_s = 60
+jerk_hz_per_s2 = 1200
+creep_hz = 5
+[axes]
+count = 3
+drive = "stepper"
+steps_per_turn = 12800
+rotor_inertia_kgm2 = 1e-3
+damping_nms = 0.2
+pull_out = [[0, 20.0], [60, 20.0]]
+[[program]]
+amax_g = 15
+ramp_s = 0.5
+hold_s = 0.5
+"#;
+
+/// The scene that several panels begin with, three steppers on a rung; each thing in it replaced by another.
+pub fn three_steppers(rung: &str, changes: &[(&str, &str)]) -> String {
+    let on_rung = THREE_STEPPERS.replace("\"phased\"", &format!("\"{rung}\""));
+    changes.iter().fold(on_rung, |text, (from, to)| {
+        debug_assert!(text.contains(from), "{from} is not in the scene");
+        text.replace(from, to)
+    })
+}
+
+/// What is seen of a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Now {
+    /// When it began, s since power-up.
+    pub t_s: f64,
+    /// The supervisor's state.
+    pub state: State,
+    /// What the program asks for, m/s².
+    pub asked_mps2: f64,
+    /// What the shaft is commanded, rev/s.
+    pub speed_hz: f64,
+    /// What each crank is ahead of its command, turns; 0 of axes that are not there.
+    pub ahead_turns: [f64; MAX_AXES],
+}
+
+/// One observer for all panels: the simulator is compiled anew for each.
+struct Eyes<'a>(&'a mut dyn FnMut(&Now));
+
+impl Observer for Eyes<'_> {
+    fn tick(&mut self, moment: &Moment<'_>) {
+        let telemetry = moment.telemetry;
+        let mut ahead_turns = [0.0; MAX_AXES];
+        let axes = moment.actual_turns.iter().zip(moment.command_turns);
+        for (ahead, (actual, command)) in ahead_turns.iter_mut().zip(axes) {
+            *ahead = actual - command;
+        }
+        let tick_s = (moment.end_ns - moment.start_ns) as f64 * 1e-9;
+        (self.0)(&Now {
+            t_s: moment.start_ns as f64 * 1e-9,
+            state: telemetry.state,
+            asked_mps2: telemetry.amax_program.to_num(),
+            speed_hz: turns(telemetry.motion.speed) / tick_s,
+            ahead_turns,
+        });
+    }
+}
+
+/// A scene from its text.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn check(text: &str) -> Result<Checked, SceneError> {
+    Checked::new(load::parse(text)?)
+}
+
+/// What is said of a scene that is refused; none if it is not.
+pub fn refusal(text: &str) -> Option<String> {
+    check(text).err().map(|error| error.to_string())
+}
+
+/// Runs a scene.
+///
+/// # Errors
+/// The scene is refused.
+pub fn run(text: &str, see: &mut dyn FnMut(&Now)) -> Result<Outcome, ChartError> {
+    let checked = check(text).map_err(|error| ChartError(error.to_string()))?;
+    let mut eyes = Eyes(see);
+    simulate(&checked, &mut eyes, |_, _| {}).map_err(|error| ChartError(error.to_string()))
+}
+
+/// When a motor first lost a cycle, s.
+pub fn first_slip_s(outcome: &Outcome) -> Option<f64> {
+    let slip = |what: &Happening| matches!(what, Happening::Slipped { .. });
+    first(outcome, slip)
+}
+
+/// When the fault latched, s.
+pub fn fault_s(outcome: &Outcome) -> Option<f64> {
+    first(outcome, |what| matches!(what, Happening::Fault { .. }))
+}
+
+/// When the program began, s.
+pub fn began_s(outcome: &Outcome) -> Option<f64> {
+    first(outcome, |what| matches!(what, Happening::Running { .. }))
+}
+
+fn first(outcome: &Outcome, is: impl Fn(&Happening) -> bool) -> Option<f64> {
+    let events = &outcome.statistics.events;
+    events
+        .iter()
+        .find(|event| is(&event.what))
+        .map(|event| event.t_s)
+}
+
+/// Crank speed at which a crank of a radius and λ reaches an amplitude, rev/s.
+pub fn speed_for_hz(amax_mps2: f64, crank_radius_m: f64, lambda: f64) -> f64 {
+    (amax_mps2 / (crank_radius_m * (1.0 + lambda))).sqrt() / TAU
+}

@@ -1,0 +1,182 @@
+//! The speed up to which a stepper keeps in step.
+//!
+//! One shaft, two cranks, two motors whose torque falls with speed. Their fields are led from 5 rev/s to the speed that is the
+//! drive, along a smooth ramp of 1.024 s, and kept there for 0.256 s. The rotors follow, or fall behind by half an electrical cycle and
+//! more. The platform asks for its torque twice a turn, and shakes the rotors on the spring that their fields are: it is where that
+//! is their resonance that they pull out, far below the speed at which they lack torque.
+
+use cophase_methods::{Equations, Scheme};
+
+use super::decision::{Decision, NoOutcome};
+use crate::chart::methods::Counted;
+use host_sim::dynamics::{Body, Field, Motor, Rigid, Stepper};
+use host_sim::machine::PullOut;
+use host_sim::mechanism::slider_crank::{Load, Platform, SliderCrank};
+
+use std::f64::consts::{PI, TAU};
+
+/// Torque of a motor at rest and at 60 rev/s, N·m.
+const TORQUE_NM: (f64, f64) = (6.0, 3.0);
+const MOTORS: usize = 2;
+const CYCLES_PER_TURN: f64 = 50.0;
+const DAMPING_NMS: f64 = 0.05;
+const ROTOR_KGM2: f64 = 2e-3;
+const FRICTION_NM: f64 = 0.5;
+const LOAD_KG: f64 = 3.0;
+/// Crank radius and rod length, m.
+const CRANK_M: (f64, f64) = (0.010, 0.040);
+
+/// Speed from which the ramp goes, rev/s.
+const FROM_HZ: f64 = 5.0;
+/// Duration of the ramp, and of all, s.
+const RAMP_S: f64 = 1.024;
+pub const END_S: f64 = 1.28;
+/// The longest step, s, which divides both, and how often it is halved.
+const LONGEST_S: f64 = 8e-3;
+const HALVINGS: u32 = 7;
+
+/// The machine; the drive is the speed at the end of the ramp, rev/s.
+pub struct PullsOut {
+    rigid: Rigid,
+    motor: Motor,
+}
+
+impl PullsOut {
+    /// At rest.
+    pub fn new() -> Self {
+        let mechanism = SliderCrank::new(CRANK_M.0, CRANK_M.1).expect("a crank within its rod");
+        let body = Body {
+            mechanism,
+            load: Load {
+                mass_kg: LOAD_KG,
+                gravity_mps2: 9.80665,
+                platform: Platform::Above,
+            },
+            tilt_inertia_kgm2: 1.0,
+            rotors_kgm2: vec![ROTOR_KGM2; MOTORS],
+            mount_radius_m: 0.2,
+            rod_n_per_m: 1e8,
+            friction_nm: vec![FRICTION_NM; MOTORS],
+        };
+        let points = [
+            (0.0, TORQUE_NM.0),
+            (60.0, TORQUE_NM.1),
+            (1000.0, TORQUE_NM.1),
+        ];
+        Self {
+            rigid: Rigid::new(body),
+            motor: Motor::Stepper(Stepper {
+                pull_out: PullOut::new(&points).expect("points in order"),
+                cycles_per_turn: CYCLES_PER_TURN,
+                damping_nms: DAMPING_NMS,
+            }),
+        }
+    }
+
+    /// The same, led to a speed.
+    pub fn led_to(&self, speed_hz: f64) -> Led<'_> {
+        Led {
+            machine: self,
+            speed_hz,
+        }
+    }
+}
+
+/// The machine with fields that are led; state `[α, ω]`.
+pub struct Led<'a> {
+    machine: &'a PullsOut,
+    speed_hz: f64,
+}
+
+impl Led<'_> {
+    /// In step with the field, at its speed.
+    pub const START: [f64; 2] = [0.0, FROM_HZ * TAU];
+
+    /// Where the field is at a time.
+    fn field(&self, t_s: f64) -> Field {
+        let u = (t_s / RAMP_S).clamp(0.0, 1.0);
+        // x³ (10 − 15x + 6x²), and its integral.
+        let part = u.powi(3) * (10.0 + u * (6.0 * u - 15.0));
+        let way = u.powi(4) * (2.5 + u * (u - 3.0)) * RAMP_S + (t_s - RAMP_S).max(0.0);
+        let by_hz = self.speed_hz - FROM_HZ;
+        Field {
+            alpha_rad: TAU * (FROM_HZ * t_s + by_hz * way),
+            omega_rad_s: TAU * (FROM_HZ + by_hz * part),
+            torque_nm: 0.0,
+        }
+    }
+
+    /// Whether the rotors have fallen out of step by a time.
+    pub fn is_out(&self, t_s: f64, state: &[f64]) -> bool {
+        CYCLES_PER_TURN * (self.field(t_s).alpha_rad - state[0]).abs() > PI
+    }
+}
+
+impl Equations for Led<'_> {
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    fn rates(&self, t_s: f64, state: &[f64], rates: &mut [f64]) {
+        let (alpha, omega) = (state[0], state[1]);
+        let torque = MOTORS as f64
+            * self
+                .machine
+                .motor
+                .torque_nm(&self.field(t_s), alpha, omega, 0.0);
+        rates[0] = omega;
+        rates[1] = self.machine.rigid.acceleration_rad_s2(alpha, omega, torque);
+    }
+
+    fn is_second_order(&self) -> bool {
+        true
+    }
+}
+
+impl Decision for PullsOut {
+    fn name(&self) -> &'static str {
+        "pull-out"
+    }
+
+    fn title(&self) -> &'static str {
+        "speed at which a stepper pulls out"
+    }
+
+    fn reference(&self) -> f64 {
+        REFERENCE_HZ
+    }
+
+    fn doubt(&self) -> f64 {
+        DOUBT
+    }
+
+    /// Of the rotors on the spring of their fields, at rest.
+    fn omega_rad_s(&self) -> f64 {
+        (CYCLES_PER_TURN * TORQUE_NM.0 / ROTOR_KGM2).sqrt()
+    }
+
+    fn steps_s(&self) -> Vec<f64> {
+        (0..=HALVINGS)
+            .map(|i| LONGEST_S / f64::from(1 << i))
+            .collect()
+    }
+
+    fn beyond(&self, scheme: Scheme, step_s: f64, drive: f64) -> Result<(bool, u64), NoOutcome> {
+        let led = self.led_to(drive);
+        let counted = Counted::new(&led);
+        let mut method = scheme
+            .prepare(&counted, step_s)
+            .map_err(|_| NoOutcome::Unsuited)?;
+        let mut state = Led::START;
+        let steps = (END_S / step_s).round() as u32;
+        for step in 0..steps {
+            method.step(&counted, f64::from(step) * step_s, &mut state)?;
+        }
+        Ok((led.is_out(END_S, &state), counted.asked()))
+    }
+}
+
+/// What DOP853 has for the threshold, rev/s; `super::reference` computes it again, and by another method.
+pub const REFERENCE_HZ: f64 = 21.316_965_607_630_66;
+/// How far the two differ.
+pub const DOUBT: f64 = 1e-11;

@@ -1,0 +1,134 @@
+//! Which methods keep the energy of a machine that nothing drives or brakes: its drift over 10,000 turns.
+//!
+//! The energy that a method keeps ripples around the true one within each turn; what must not happen is that it wanders off.
+//! So it is averaged over the first and the last hundredth of the run ([`Ends`]).
+
+use std::f64::consts::TAU;
+use std::fmt::Write;
+
+use cophase_methods::Scheme;
+use cophase_methods::drift::Ends;
+
+use super::axis::Axis;
+use super::methods::problems;
+use super::picture::{At, Level, Line, Panel, Picture, render};
+use super::{ChartError, Drawn, Progress, Size};
+use host_sim::dynamics::{Driven, Freedom, Rigid};
+
+/// What counts as kept.
+const KEPT: f64 = 1e-6;
+/// Turns a second at first; they go on at about that.
+const TURNS_PER_S: f64 = 10.0;
+/// From fewer on, some methods lock into an orbit of their own that has little to do with the machine's.
+const STEPS_A_TURN: [u32; 6] = [16, 32, 64, 128, 256, 512];
+/// Part of its energy that a machine has lost, or gained, where it is followed no further: once it has come to rest, or flown
+/// off, what it does then is no news of the method.
+const LOST: f64 = 0.5;
+/// What is shown, from rounding up.
+const SHOWN: (f64, f64) = (1e-14, 2.0);
+/// Part of the run over which energy is averaged.
+const WINDOW: u32 = 100;
+
+/// Makes the chart.
+pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
+    let turns = match size {
+        Size::Small => 300,
+        Size::Full => 10_000,
+    };
+    let shaft = Rigid::new(problems::body()?);
+    let free = Driven::new(Freedom::Rigid(shaft.clone()), problems::motors()?);
+    let schemes = Scheme::ALL.into_iter().filter(|scheme| scheme.suits(&free));
+    let of = schemes.clone().count() as u64;
+    let mut csv = "method,default,steps_a_turn,turns,drift\n".to_owned();
+    let mut lines = Vec::new();
+    let (mut keep, mut lose) = (Vec::new(), Vec::new());
+    for (done, scheme) in schemes.enumerate() {
+        progress(done as u64, of);
+        let is_default = scheme == problems::default_of(&free)?;
+        let mut points = Vec::new();
+        for steps in STEPS_A_TURN {
+            let drift = drift(scheme, &free, &shaft, steps, turns)?;
+            // Writing to a string does not fail.
+            let _ = writeln!(csv, "{scheme},{is_default},{steps},{turns},{drift:e}");
+            points.push((f64::from(steps), drift));
+        }
+        // Kept from some step on, not at one by chance.
+        let after = points.iter().rposition(|(_, drift)| *drift >= KEPT);
+        match points.get(after.map_or(0, |last| last + 1)) {
+            Some((steps, _)) => keep.push(format!("{scheme} (from {steps} steps a turn)")),
+            None => lose.push(scheme.to_string()),
+        }
+        lines.push(Line {
+            chosen: is_default,
+            ..Line::of_scheme(scheme, points)
+        });
+    }
+    progress(of, of);
+    let lost = match lose.as_slice() {
+        [] => String::new(),
+        _ => format!("; {} do not, at any step shown", lose.join(", ")),
+    };
+    let says = format!(
+        "A shaft that nothing drives or brakes keeps its energy to {KEPT:e} over {turns} turns with {}{lost}.",
+        keep.join(", "),
+    );
+    let panel = Panel {
+        title: format!("one shaft with its platform, undamped, {turns} turns"),
+        x: Axis::log("steps a turn", 14.0, 1000.0),
+        y: Axis::log("change of the mean energy, relative", SHOWN.0, SHOWN.1),
+        lines,
+        levels: vec![
+            Level {
+                at: At::Y(KEPT),
+                label: "below: kept".to_owned(),
+            },
+            Level {
+                at: At::Y(LOST),
+                label: "followed no further".to_owned(),
+            },
+        ],
+    };
+    let svg = render(Picture {
+        title: "Energy: which methods keep it".to_owned(),
+        says: says.clone(),
+        columns: 1,
+        chosen_is: "default",
+        panels: vec![panel],
+    });
+    Ok(Drawn { csv, svg, says })
+}
+
+/// Change of the mean energy over so many turns, of the kinetic energy at first; infinite if a step failed.
+fn drift(
+    scheme: Scheme,
+    free: &Driven,
+    shaft: &Rigid,
+    steps_a_turn: u32,
+    turns: u32,
+) -> Result<f64, ChartError> {
+    let omega = TAU * TURNS_PER_S;
+    let step_s = 1.0 / (TURNS_PER_S * f64::from(steps_a_turn));
+    let mut method = scheme
+        .prepare(free, step_s)
+        .map_err(|refused| ChartError(refused.to_string()))?;
+    let mut state = [0.0, omega];
+    let kinetic_j = 0.5 * shaft.inertia_kgm2(0.0) * omega * omega;
+    let start_j = shaft.energy_j(state[0], state[1]);
+    let steps = steps_a_turn * turns;
+    let mut ends = Ends::new(steps, steps / WINDOW);
+    for step in 0..steps {
+        let energy_j = shaft.energy_j(state[0], state[1]);
+        let changed = (energy_j - start_j).abs() / kinetic_j;
+        if changed > LOST {
+            return Ok(changed);
+        }
+        ends.add(step, energy_j);
+        // Angles are kept small: what counts of them is where in its turn the shaft is.
+        state[0] %= TAU;
+        if method.step(free, 0.0, &mut state).is_err() {
+            return Ok(f64::INFINITY);
+        }
+    }
+    let (first, last) = ends.means();
+    Ok((last - first).abs() / kinetic_j)
+}

@@ -1,0 +1,235 @@
+//! What methods are put to: this project's machines over a short manoeuvre, and public problems.
+//!
+//! Each has an answer and says how well it is known, its *doubt*: the most by which DOP853, a Verner method of order 9 and
+//! the answer given here differ. `tests/references.rs` of the workspace solves all of them again with both.
+
+use cophase_methods::problems::{Andrews, Cam, Chain, Hires, Law, Oscillator, Shaft};
+use cophase_methods::{Equations, Scheme};
+
+use host_sim::dynamics::{Body, Driven, Field, Freedom, Motor, Phased, Rigid, Stepper};
+use host_sim::machine::{Chosen, PullOut, Rotors, Told};
+use host_sim::mechanism::slider_crank::{Load, Platform, SliderCrank};
+
+use crate::chart::ChartError;
+
+/// A problem with its answer.
+pub struct Problem {
+    /// What it is.
+    pub name: &'static str,
+    /// The unit of what is compared.
+    pub unit: &'static str,
+    /// The machine.
+    pub equations: Box<dyn Equations>,
+    /// Its state at time 0.
+    pub start: Vec<f64>,
+    /// When it ends.
+    pub end_s: f64,
+    /// What the first components are then; the others are not compared.
+    pub answer: Vec<f64>,
+    /// Largest difference between two references, and between either and the answer.
+    pub doubt: f64,
+    /// An error that is good enough for what the machine is used for.
+    pub wanted: f64,
+    /// Steps to the end: the fewest, and how often they are doubled.
+    pub steps: (u32, u32),
+    /// What a scene takes for such a machine unless told otherwise.
+    pub default: Option<Scheme>,
+}
+
+/// All of them.
+///
+/// # Errors
+/// A machine whose numbers are not accepted.
+pub fn all() -> Result<Vec<Problem>, ChartError> {
+    Ok(vec![
+        rigid()?,
+        phased()?,
+        chain(),
+        oscillator(),
+        andrews(),
+        hires(),
+    ])
+}
+
+/// Torque of each motor over its whole range, N·m: level, as a corner in it would cost methods their order.
+const TORQUE_NM: f64 = 6.0;
+/// Speed at which the fields turn, rad/s: 10 rev/s.
+const SPEED_RAD_S: f64 = 62.8;
+/// A turn and a bit.
+const TURN_S: f64 = 0.11;
+/// By how much the cranks of the phased platform are out of phase at first, rad.
+const APART_RAD: [f64; 4] = [0.0, 0.02, -0.01, 0.015];
+
+/// A platform of 8 kg on four steppers.
+///
+/// # Errors
+/// Never: the numbers are constants.
+pub fn body() -> Result<Body, ChartError> {
+    Ok(Body {
+        mechanism: SliderCrank::new(0.01, 0.04).map_err(|error| ChartError(error.to_string()))?,
+        load: Load {
+            mass_kg: 8.0,
+            gravity_mps2: 9.806_65,
+            platform: Platform::Above,
+        },
+        tilt_inertia_kgm2: 0.08,
+        rotors_kgm2: vec![5e-4; 4],
+        mount_radius_m: 0.2,
+        rod_n_per_m: 2e6,
+        friction_nm: vec![0.0; 4],
+    })
+}
+
+/// Its motors.
+///
+/// # Errors
+/// Never: the numbers are constants.
+pub fn motors() -> Result<Vec<Motor>, ChartError> {
+    let pull_out = PullOut::new(&[(0.0, TORQUE_NM), (1000.0, TORQUE_NM)])
+        .map_err(|error| ChartError(error.to_string()))?;
+    let motor = Motor::Stepper(Stepper {
+        pull_out,
+        cycles_per_turn: 50.0,
+        damping_nms: 0.02,
+    });
+    Ok(vec![motor; 4])
+}
+
+/// Motors that lead the cranks through a turn at constant speed.
+fn led(freedom: Freedom) -> Result<Driven, ChartError> {
+    let mut driven = Driven::new(freedom, motors()?);
+    driven.energised = true;
+    driven.fields.fill(Field {
+        alpha_rad: 0.0,
+        omega_rad_s: SPEED_RAD_S,
+        torque_nm: 0.0,
+    });
+    Ok(driven)
+}
+
+/// What a scene takes that leaves the method open.
+///
+/// # Errors
+/// What the machine says that refuses it.
+pub fn default_of(driven: &Driven) -> Result<Scheme, ChartError> {
+    let told = vec![Told::default(); driven.body().axes()];
+    Rotors::new(driven.clone(), told, 5e-4, Chosen::default())
+        .map(|rotors| rotors.method().0)
+        .map_err(ChartError)
+}
+
+fn rigid() -> Result<Problem, ChartError> {
+    let driven = led(Freedom::Rigid(Rigid::new(body()?)))?;
+    Ok(Problem {
+        name: "one shaft, four steppers",
+        unit: "rad",
+        default: Some(default_of(&driven)?),
+        equations: Box::new(driven),
+        start: vec![0.0, SPEED_RAD_S],
+        end_s: TURN_S,
+        answer: vec![6.906_729_890_485_487],
+        doubt: 1e-14,
+        wanted: 1e-5,
+        steps: (16, 10),
+    })
+}
+
+fn phased() -> Result<Problem, ChartError> {
+    let driven = led(Freedom::Phased(Box::new(Phased::new(body()?))))?;
+    let mut start = APART_RAD.to_vec();
+    start.resize(8, SPEED_RAD_S);
+    Ok(Problem {
+        name: "platform on four cranks out of phase",
+        unit: "rad",
+        default: Some(default_of(&driven)?),
+        equations: Box::new(driven),
+        start,
+        end_s: TURN_S,
+        answer: vec![
+            6.907_568_375_159_584,
+            6.905_438_796_482_792,
+            6.906_709_201_862_057,
+            6.905_357_171_209_73,
+        ],
+        doubt: 1e-13,
+        wanted: 1e-5,
+        steps: (32, 10),
+    })
+}
+
+/// Nine tenths of the rise: the cam's law has no corner there.
+fn chain() -> Problem {
+    Problem {
+        name: "elastic chain behind a cam, linear",
+        unit: "m",
+        default: Some(Scheme::Exact),
+        equations: Box::new(Chain::wrapper(
+            Cam::wrapper(Law::Cycloid),
+            Shaft::DampedToCam,
+        )),
+        start: vec![0.0; 6],
+        end_s: 0.04,
+        answer: vec![
+            0.083_491_950_303_325_72,
+            0.083_515_374_558_918_88,
+            0.083_516_938_026_240_33,
+        ],
+        doubt: 1e-14,
+        wanted: 1e-6,
+        steps: (32, 10),
+    }
+}
+
+fn oscillator() -> Problem {
+    let oscillator = Oscillator {
+        omega_rad_s: 100.0,
+        zeta: 0.05,
+        force: 1.0,
+        drive_rad_s: 30.0,
+    };
+    Problem {
+        name: "driven oscillator, linear",
+        unit: "m",
+        default: None,
+        start: vec![1e-3, 0.0],
+        answer: oscillator.exact(1.0, [1e-3, 0.0])[..1].to_vec(),
+        equations: Box::new(oscillator),
+        end_s: 1.0,
+        doubt: 2e-15,
+        wanted: 1e-7,
+        steps: (64, 10),
+    }
+}
+
+/// Published angles differ by 1.43e-9 from what two libraries agree on.
+fn andrews() -> Problem {
+    let mut start = Andrews::START.to_vec();
+    start.resize(2 * Andrews::START.len(), 0.0);
+    Problem {
+        name: "Andrews’ squeezing mechanism",
+        unit: "rad",
+        default: None,
+        equations: Box::new(Andrews),
+        start,
+        end_s: Andrews::END_S,
+        answer: Andrews::PUBLISHED.to_vec(),
+        doubt: 1.5e-9,
+        wanted: 1e-5,
+        steps: (256, 9),
+    }
+}
+
+fn hires() -> Problem {
+    Problem {
+        name: "HIRES, stiff chemistry",
+        unit: "a concentration",
+        default: None,
+        equations: Box::new(Hires),
+        start: Hires::START.to_vec(),
+        end_s: Hires::END,
+        answer: Hires::PUBLISHED.to_vec(),
+        doubt: 1e-14,
+        wanted: 1e-6,
+        steps: (128, 11),
+    }
+}

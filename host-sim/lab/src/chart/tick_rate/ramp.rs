@@ -1,0 +1,101 @@
+//! How far the played motion is from the program while that changes.
+
+use cophase_core::program::Cursor;
+use cophase_core::supervisor::State;
+use cophase_core::units::Amax;
+
+use host_sim::mechanism::slider_crank::SliderCrank;
+use host_sim::scene::{Checked, SceneError};
+use host_sim::sim::{Moment, Observer};
+use host_sim::units::speed_hz;
+
+/// What the program says at any time: its levels at the fastest tick, straight lines between them.
+#[derive(Debug)]
+pub struct ProgramLevels(Vec<f64>);
+
+impl ProgramLevels {
+    /// At this rate a smooth ramp of 2 s leaves the straight lines by less than 1e-8 of its height.
+    pub const TICK_HZ: u32 = 10_000;
+
+    /// Of a scene that ticks at [`Self::TICK_HZ`].
+    ///
+    /// # Errors
+    /// What the core says that refuses it.
+    pub fn of(checked: &Checked) -> Result<Self, SceneError> {
+        let controller = checked.controller()?;
+        let (program, _) = controller.program();
+        let mut cursor = Cursor::new();
+        let mut levels = vec![0.0];
+        while !cursor.is_done(program) {
+            levels.push(cursor.next(program).level.to_num());
+        }
+        Ok(Self(levels))
+    }
+
+    /// The level at a time since the program's start; beyond its end, the last.
+    fn at(&self, t_s: f64) -> f64 {
+        let place = (t_s * f64::from(Self::TICK_HZ)).max(0.0);
+        let (before, part) = (place as usize, place.fract());
+        let last = self.0.last().copied().unwrap_or_default();
+        let level = |i: usize| self.0.get(i).copied().unwrap_or(last);
+        level(before) + part * (level(before + 1) - level(before))
+    }
+}
+
+/// Looks on, and adds up how far ramps are off. Where a limit or a band keeps the shaft from what the program asks for, no
+/// rate would help, and nothing is counted.
+#[derive(Debug)]
+pub struct Ramp {
+    levels: ProgramLevels,
+    mechanism: SliderCrank,
+    tick_hz: u32,
+    before: Amax,
+    squares: f64,
+    ticks: u64,
+    top: f64,
+}
+
+impl Ramp {
+    /// Nothing seen yet of a scene.
+    ///
+    /// # Errors
+    /// A crank and rod that do not go together.
+    pub fn new(checked: &Checked, levels: ProgramLevels) -> Result<Self, SceneError> {
+        let mechanism = SliderCrank::of(&checked.settings.machine)
+            .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
+        Ok(Self {
+            top: levels.0.iter().copied().fold(0.0, f64::max),
+            levels,
+            mechanism,
+            tick_hz: checked.scene.control.tick_hz,
+            before: Amax::ZERO,
+            squares: 0.0,
+            ticks: 0,
+        })
+    }
+
+    /// Root mean square error, of the highest level.
+    pub fn rms(&self) -> f64 {
+        (self.squares / self.ticks.max(1) as f64).sqrt() / self.top
+    }
+}
+
+impl Observer for Ramp {
+    fn tick(&mut self, moment: &Moment<'_>) {
+        let telemetry = moment.telemetry;
+        let changes =
+            std::mem::replace(&mut self.before, telemetry.amax_program) != telemetry.amax_program;
+        let motion = &telemetry.motion;
+        let kept_back = motion.lagging || motion.held_at_band || motion.crossing_band;
+        if telemetry.state != State::Run || !changes || kept_back {
+            return;
+        }
+        // The program's first tick is planned at its time 0 and played from one tick later on; its middle is half a tick
+        // after that.
+        let t_s = (telemetry.program_ticks as f64 + 0.5) / f64::from(self.tick_hz);
+        let hz = speed_hz(motion.speed, self.tick_hz);
+        let played = self.mechanism.amax_mps2(std::f64::consts::TAU * hz);
+        self.squares += (played - self.levels.at(t_s)).powi(2);
+        self.ticks += 1;
+    }
+}

@@ -1,0 +1,8 @@
+//! The laboratory: methods and model levels compared ([`chart`]), and the loop's claims tested on thousands of machines
+//! ([`campaign`]).
+//!
+//! Nothing here takes part in running a scene; that is [`host_sim`].
+#![forbid(unsafe_code)]
+
+pub mod campaign;
+pub mod chart;

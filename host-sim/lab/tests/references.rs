@@ -1,0 +1,84 @@
+//! Whether the answers that charts measure errors against are answers: each problem is solved again by two methods of a
+//! library, neither of them under test.
+//!
+//! `cargo test -p cophase-lab --test references -- --nocapture` prints how far they are from each other.
+
+use cophase_lab::chart::methods::problems::{self, Problem};
+use cophase_methods::Equations;
+use differential_equations::prelude::{ExplicitRungeKutta, IVP, ODE};
+
+/// Equations of this project, as `differential-equations` takes them.
+struct Adapter<'a>(&'a dyn Equations);
+
+impl<const N: usize> ODE<f64, [f64; N]> for Adapter<'_> {
+    fn diff(&self, t_s: f64, y: &[f64; N], rates: &mut [f64; N]) {
+        self.0.rates(t_s, y, rates);
+    }
+}
+
+const TOLERANCE: f64 = 1e-14;
+const STEPS: usize = 1_000_000;
+
+/// The end of a problem of `N` components by DOP853, and by Verner's pair of orders 9 and 8.
+fn solve<const N: usize>(problem: &Problem) -> [Vec<f64>; 2] {
+    let adapter = Adapter(problem.equations.as_ref());
+    let start: [f64; N] = problem.start.clone().try_into().unwrap();
+    let ivp = || IVP::ode(&adapter, 0.0, problem.end_s, start);
+    let dop853 = ExplicitRungeKutta::dop853()
+        .rtol(TOLERANCE)
+        .atol(TOLERANCE)
+        .max_steps(STEPS);
+    let verner = ExplicitRungeKutta::rkv988e()
+        .rtol(TOLERANCE)
+        .atol(TOLERANCE)
+        .max_steps(STEPS);
+    let one = ivp().method(dop853).solve().expect("DOP853");
+    let other = ivp().method(verner).solve().expect("Verner 9(8)");
+    assert_eq!(one.t.last(), Some(&problem.end_s));
+    [
+        one.y.last().unwrap().to_vec(),
+        other.y.last().unwrap().to_vec(),
+    ]
+}
+
+/// Largest difference in the components that are compared.
+fn differ(a: &[f64], b: &[f64]) -> f64 {
+    let each = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    each.fold(0.0, f64::max)
+}
+
+/// Were an answer wrong, or less well known than it is said to be, a chart would show its own reference's error as a
+/// method's.
+#[test]
+fn answers_are_known_as_well_as_they_are_said_to_be() {
+    let mut wrong = Vec::new();
+    for problem in problems::all().unwrap() {
+        let [dop853, verner] = match problem.start.len() {
+            2 => solve::<2>(&problem),
+            6 => solve::<6>(&problem),
+            8 => solve::<8>(&problem),
+            14 => solve::<14>(&problem),
+            n => panic!("{n} components"),
+        };
+        let compared = problem.answer.len();
+        let between = differ(&dop853[..compared], &verner[..compared]);
+        let (one, other) = (
+            differ(&dop853, &problem.answer),
+            differ(&verner, &problem.answer),
+        );
+        println!(
+            "{}: the two differ by {between:.1e}, from the answer by {one:.1e} and {other:.1e}; {:?}",
+            problem.name,
+            &dop853[..compared]
+        );
+        let most = between.max(one).max(other);
+        // Not known worse, nor so much better that the chart hides what could be seen.
+        if most > problem.doubt || most < 0.05 * problem.doubt {
+            wrong.push(format!(
+                "{}: {most:e}, not {:e}",
+                problem.name, problem.doubt
+            ));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}

@@ -1,0 +1,15 @@
+//! One entry for each axis of a machine, in the order of their numbers.
+
+use cophase_core::units::MAX_AXES;
+
+/// One entry for each axis that a machine has. It needs no heap.
+pub type Axes<T> = heapless::Vec<T, MAX_AXES>;
+
+/// One entry for each of `count` axes, made from the axis's number.
+///
+/// # Panics
+/// If `count` is above [`MAX_AXES`].
+pub fn per_axis<T>(count: usize, make: impl FnMut(usize) -> T) -> Axes<T> {
+    assert!(count <= MAX_AXES, "{count} axes, and at most {MAX_AXES}");
+    (0..count).map(make).collect()
+}

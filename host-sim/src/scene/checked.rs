@@ -1,0 +1,153 @@
+//! A scene whose numbers have been checked, and what it asks of the core.
+
+use cophase_core::controller::Controller;
+use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
+use cophase_core::program::EntrySettings;
+use cophase_core::settings::{AxisSettings, Settings, SettingsError};
+
+use super::SceneError;
+use super::check::{Follower, program};
+use super::file::{AxisApart, Fidelity, Scene};
+use crate::fidelity::Choice;
+use crate::machine::Chosen;
+
+/// A scene whose numbers have been checked, each by itself and against the others.
+#[derive(Clone, Debug)]
+pub struct Checked {
+    /// The scene.
+    pub scene: Scene,
+    /// What the core is told of it: on a board, in a blob, the very same.
+    pub settings: Settings,
+    /// The cam shafts with their followers, where there are no cranks.
+    pub cam: Option<Follower>,
+    /// The rung of the ladder, `auto` resolved.
+    pub fidelity: Fidelity,
+    /// What chose it, if the scene left that open.
+    pub choice: Option<Choice>,
+    /// By how much what swings in the machine may be off by the method's step, of itself.
+    pub resolution: f64,
+}
+
+impl Checked {
+    /// Why this rung, in a sentence.
+    pub fn why(&self) -> &str {
+        let chosen = self.choice.as_ref().map(|choice| choice.why.as_str());
+        chosen.unwrap_or("the scene asks for it")
+    }
+
+    /// The key, or the kind of fault, that has cranks stand, or turn, apart from each other, if one does.
+    pub fn cranks_apart(&self) -> Option<&'static str> {
+        let axes = &self.settings.axes;
+        let trims = &self.settings.trims_turns;
+        let starts = |i: usize| self.apart(i).map_or(0.0, |apart| apart.start_deg);
+        let differ = |one: fn(&AxisSettings) -> f64| {
+            axes.windows(2).any(|pair| one(&pair[0]) != one(&pair[1]))
+        };
+        if differ(|axis| f64::from(axis.ratio.0) / f64::from(axis.ratio.1)) {
+            Some("ratio")
+        } else if differ(|axis| axis.offset_turns) {
+            Some("offset_deg")
+        } else if trims.windows(2).any(|pair| pair[0] != pair[1]) {
+            Some("trim_deg")
+        } else if (1..axes.len()).any(|i| starts(i) != starts(0)) {
+            Some("start_deg")
+        } else if let Some(fault) = self.scene.moving_fault() {
+            Some(self.scene.fault[fault].kind.name())
+        } else {
+            None
+        }
+    }
+
+    /// Method and step: what the scene asks for, and how well what it leaves open must do.
+    pub fn chosen(&self) -> Chosen {
+        let method = &self.scene.method;
+        Chosen {
+            scheme: method.name.scheme(),
+            steps_per_tick: method.steps_per_tick,
+            resolution: self.resolution,
+        }
+    }
+
+    /// Crank radius over rod length, however it was given; of a cam, that of the crank that stands for it in the settings.
+    pub fn lambda(&self) -> f64 {
+        match self.settings.machine.mechanism {
+            MechanismSettings::SliderCrank(SliderCrankSettings { lambda }) => lambda,
+            MechanismSettings::ScotchYoke(_) => 0.0,
+        }
+    }
+
+    /// The speed that the program's highest level asks for, at most the limit, rev/s.
+    pub fn top_speed_hz(&self) -> f64 {
+        let levels = self.settings.program.iter().map(|entry| match entry {
+            EntrySettings::Segment(segment) => segment.amax_mps2,
+            EntrySettings::Repeat { .. } => 0.0,
+        });
+        let crank_m = self.settings.machine.crank_radius_m * (1.0 + self.lambda());
+        let omega = (levels.fold(0.0, f64::max) / crank_m).sqrt();
+        let limits = &self.scene.limits;
+        (omega / std::f64::consts::TAU).clamp(limits.creep_hz.min(limits.speed_hz), limits.speed_hz)
+    }
+
+    /// The loop that this scene asks for.
+    ///
+    /// # Errors
+    /// Settings or a program that the core refuses.
+    pub fn controller(&self) -> Result<Controller, SceneError> {
+        self.settings
+            .controller()
+            .map_err(|error| self.placed(error))
+    }
+
+    /// The core's error at the key that stands in the file: an axis may have apart what most have in common.
+    fn placed(&self, error: SettingsError) -> SceneError {
+        if let Some(error) = program::placed(&self.scene.program, &error) {
+            return error;
+        }
+        let SceneError { key, problem, .. } = error.into();
+        let Some((axis, name)) = error.entry.zip(key.strip_prefix("axes.")) else {
+            return SceneError::at(key, problem);
+        };
+        let entry = self.scene.axis.iter().position(|a| a.number == axis);
+        match entry.map(|entry| (entry, &self.scene.axis[entry])) {
+            Some((entry, apart)) if apart.has(name) => {
+                SceneError::at(format!("axis[{entry}].{name}"), problem)
+            }
+            _ => SceneError::at(key, problem),
+        }
+    }
+
+    /// Whether axis `number` has an index sensor.
+    pub fn has_index(&self, number: usize) -> bool {
+        self.settings
+            .axes
+            .get(number)
+            .is_some_and(|axis| axis.index_turns.is_some())
+    }
+
+    /// What axis `number` has apart from the others.
+    pub fn apart(&self, number: usize) -> Option<&AxisApart> {
+        self.scene.apart(number)
+    }
+}
+
+impl Scene {
+    /// What axis `number` has apart from the others.
+    pub fn apart(&self, number: usize) -> Option<&AxisApart> {
+        self.axis.iter().find(|apart| apart.number == number)
+    }
+}
+
+impl AxisApart {
+    /// Whether a key of [`file::Axes`] is given for this axis apart.
+    fn has(&self, name: &str) -> bool {
+        match name {
+            "drive" => self.drive.is_some(),
+            "steps_per_turn" => self.steps_per_turn.is_some(),
+            "ratio" => self.ratio.is_some(),
+            "offset_deg" => self.offset_deg.is_some(),
+            "index_deg" => self.index_deg.is_some(),
+            "trim_deg" => true, // nothing else trims
+            _ => false,
+        }
+    }
+}
