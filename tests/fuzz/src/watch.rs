@@ -3,7 +3,7 @@
 use cophase_core::settings::{DriveKind, Settings};
 use cophase_core::signals::{Feedback, Output};
 use cophase_core::supervisor::{Command, Fault, State};
-use cophase_core::units::{ONE_TURN, Phase, Turns};
+use cophase_core::units::{MAX_AXES, ONE_TURN, Phase, Turns};
 
 use crate::Reached;
 
