@@ -3,6 +3,8 @@
 //! The loop is `cophase_core::control_loop::run`, the very function that the host runs. Nothing but short
 //! interrupts comes between a deadline and what it leads to.
 
+use core::future::Future;
+
 use cophase_core::control_loop::{Io, SubmissionResult};
 use cophase_core::drift::{IndexFilter, IndexPulse};
 use cophase_core::panel::{self, Button};
@@ -11,6 +13,7 @@ use cophase_core::supervisor::State;
 use cophase_core::units::{MAX_AXES, PerAxis};
 use embassy_time::Instant;
 
+use crate::board::alarm::Until;
 use crate::board::index::Index;
 use crate::board::steps::{Steps, Submission};
 use crate::board::watchdog::Fed;
@@ -66,7 +69,7 @@ impl Board {
                 }
             });
             // In most ticks no line did anything, and all filters can be passed over: half of what reading costs.
-            let pending = self.index.pending();
+            let pending = self.index.pending() & ((1 << self.filters.len()) - 1);
             if pending != 0 {
                 self.end_index_tick(pending, &mut pulses);
             }
@@ -121,10 +124,14 @@ impl Io for Board {
         }
     }
 
+    fn until(&mut self, deadline: Instant) -> impl Future<Output = ()> {
+        Until(deadline)
+    }
+
     #[inline(never)] // as `Controller::tick`
     fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult {
         lines::drives(output.drives_enabled);
-        match self.steps.submit(&output.runs, start) {
+        match self.steps.submit(output, start) {
             Submission::TooLate => return SubmissionResult::TooLate,
             Submission::Underrun(axis) => {
                 self.fifo_underrun = Some(axis);

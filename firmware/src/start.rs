@@ -1,6 +1,8 @@
 //! Power-up: from the reset vector to a running loop, or to an LED that shows that there are no settings to run.
 
+use core::mem;
 use core::panic::PanicInfo;
+use core::pin::{Pin, pin};
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use cophase_core::control_loop;
@@ -9,29 +11,18 @@ use cophase_core::settings::Settings;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use defmt_rtt as _;
 use embassy_rp::Peri;
-use embassy_rp::executor::{Executor, InterruptExecutor};
-use embassy_rp::interrupt;
-use embassy_rp::interrupt::{InterruptExt, Priority};
+use embassy_rp::executor::Executor;
 use embassy_rp::peripherals::{FLASH, WATCHDOG};
 use embassy_time::{Duration, Timer};
 use heapless::spsc::Producer;
 use static_cell::StaticCell;
 
-use crate::board::{lines, watchdog};
+use crate::board::{alarm, lines, watchdog};
 use crate::control::Board;
 use crate::from_ram;
 use crate::machine;
 use crate::report::{self, Note, Reporter};
 use crate::settings;
-
-/// Executor of the loop, at a higher priority than everything that may wait.
-static LOOP: InterruptExecutor = InterruptExecutor::new();
-
-#[interrupt]
-fn SWI_IRQ_0() {
-    // SAFETY: it is called only from the interrupt with which it was started.
-    unsafe { LOOP.on_interrupt() }
-}
 
 /// Handles a fault of the core: switches the drives off; the watchdog then resets the controller.
 #[exception]
@@ -72,16 +63,17 @@ fn main() -> ! {
     let machine = machine(p.FLASH, p.WATCHDOG, last_state.is_some(), notes);
 
     static EXECUTOR: StaticCell<Executor> = StaticCell::new();
-    EXECUTOR.init(Executor::new()).run(|spawner| {
-        spawner.spawn(defmt::unwrap!(report::publish(noted)));
-        let Some((controller, board)) = machine else {
+    let executor = EXECUTOR.init(Executor::new());
+    let Some((controller, board)) = machine else {
+        executor.run(|spawner| {
+            spawner.spawn(defmt::unwrap!(report::publish(noted)));
             spawner.spawn(defmt::unwrap!(refuse()));
-            return;
-        };
-        interrupt::SWI_IRQ_0.set_priority(Priority::P2);
-        let loops = LOOP.start(interrupt::SWI_IRQ_0);
-        loops.spawn(defmt::unwrap!(run_loop(controller, board)));
-    })
+        })
+    };
+    let task: Pin<&mut dyn Future<Output = ()>> = pin!(control_loop::run(controller, board));
+    // SAFETY: this function never returns, and a panic does not unwind: what it has on its stack stays there.
+    alarm::run(unsafe { mem::transmute::<Pin<&mut _>, Pin<&'static mut _>>(task) });
+    executor.run(|spawner| spawner.spawn(defmt::unwrap!(report::publish(noted))))
 }
 
 /// Makes the machine from the chosen settings; returns none if there are no valid settings, which is logged.
@@ -114,9 +106,4 @@ async fn refuse() -> ! {
             Timer::after(Duration::from_millis(dark_ms)).await;
         }
     }
-}
-
-#[embassy_executor::task]
-async fn run_loop(controller: &'static mut Controller, board: &'static mut Board) {
-    control_loop::run(controller, board).await;
 }

@@ -6,7 +6,7 @@ import { parseArgs } from 'node:util';
 const HELP = `usage: tests/emulator/run --profile SCENE [OPTION ...]
        node tests/emulator/profile.mjs SCENE [OPTION ...]     (nothing is built)
 
-Counts every cycle of the control loop's interrupt (SWI_IRQ_0) in a run of SCENE, a name in tests/emulator/scenes or a
+Counts every cycle of the control loop's interrupt (TIMER_IRQ_1) in a run of SCENE, a name in tests/emulator/scenes or a
 file, and prints two tables as Markdown: functions as they are linked, and as they are written, with inlined functions
 separate. Each has self and inclusive cycles: the mean over all ticks, and in the worst tick.
 

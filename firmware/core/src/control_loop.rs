@@ -7,6 +7,8 @@
 //! with a burst. It continues at the next deadline to come, and reports how many it missed. Output that is submitted too
 //! late is not discarded. It is played a tick later, and counts as a missed deadline.
 
+use core::future::Future;
+
 use embassy_time::{Duration, Instant, Timer};
 
 use crate::controller::Controller;
@@ -21,6 +23,11 @@ pub trait Io {
     ///
     /// The safety lines are set at once.
     fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult;
+
+    /// Waits for a deadline. A board may replace this with a timer of the loop's own.
+    fn until(&mut self, deadline: Instant) -> impl Future<Output = ()> {
+        Timer::at(deadline)
+    }
 }
 
 /// Result of submitting an output.
@@ -40,7 +47,7 @@ pub async fn run(controller: &mut Controller, io: &mut impl Io) {
     let tick = Duration::from_micros(1_000_000 / u64::from(controller.tick_hz()));
     let mut deadline = Instant::now();
     loop {
-        Timer::at(deadline).await;
+        io.until(deadline).await;
         let late = Instant::now().saturating_duration_since(deadline);
         // A division takes 150 cycles on the board and is hardly ever needed.
         let (missed, rest) = if late < tick {
@@ -67,7 +74,7 @@ pub async fn run(controller: &mut Controller, io: &mut impl Io) {
                 SubmissionResult::InTime => break,
                 SubmissionResult::Over => return,
                 SubmissionResult::TooLate => {
-                    Timer::at(deadline).await;
+                    io.until(deadline).await;
                     deadline += tick;
                     held_over += 1;
                 }

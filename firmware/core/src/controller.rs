@@ -7,13 +7,14 @@
 
 mod channel;
 mod configure;
+mod drive;
 mod events;
 mod homing;
 mod punctuality;
 mod wiring_proof;
 
 use crate::axes::Correction;
-use crate::drift::{DriftMonitor, Finding, Sensed, TickPhase};
+use crate::drift::{AxisSet, DriftMonitor, Finding, History, Sensed};
 use crate::mechanism::{AnyMechanism, Mechanism};
 use crate::program::{Cursor, Program};
 use crate::pulse::StepRates;
@@ -21,7 +22,7 @@ use crate::servo::Coupling;
 use crate::shaft::{Demand, Motion, Shaft, Target};
 use crate::signals::{Feedback, Output};
 use crate::supervisor::{Action, Command, Fault, FaultKind, State, Supervisor, SupervisorInput};
-use crate::units::{Amax, MAX_AXES, ONE_TURN, PerAxis, Phase, Turns};
+use crate::units::{Amax, MAX_AXES, ONE_TURN, Phase, Turns};
 use channel::Channel;
 use events::select_reaction;
 use homing::Homing;
@@ -42,11 +43,16 @@ pub struct Controller {
     park_crank: Turns,
     park: Turns,
     channels: heapless::Vec<Channel, MAX_AXES>,
-    /// Phases of the last two outputs: the one being played, and the one before; `newest` is the one being played.
-    phases: [PerAxis<TickPhase>; 2],
-    newest: usize,
+    /// What the axes were commanded in the last outputs.
+    history: History,
     has_servos: bool,
     step_rate: StepRates,
+    /// Axes whose trims may be on their way.
+    trimming: AxisSet,
+    /// Axes that trims and corrections moved in the last tick; not known before the first.
+    own: Option<AxisSet>,
+    /// Axes with a ratio.
+    geared: AxisSet,
     drift: DriftMonitor,
     homing: Homing,
     correction: Correction,
@@ -110,9 +116,10 @@ impl Controller {
     /// Sets an axis's trim; says whether its limit allowed all of it. An axis that is not there has
     /// no trim: false.
     pub fn set_trim(&mut self, axis: usize, turns: Turns) -> bool {
-        self.channels
-            .get_mut(axis)
-            .is_some_and(|channel| channel.axis.trim_mut().set(turns))
+        self.channels.get_mut(axis).is_some_and(|channel| {
+            self.trimming |= 1 << axis;
+            channel.axis.trim_mut().set(turns)
+        })
     }
 
     /// Takes note of a deadline that was met late, by over half a tick or not, after `missed` deadlines
@@ -128,11 +135,7 @@ impl Controller {
             return;
         }
         limits.missed_deadlines = limits.missed_deadlines.saturating_add(missed);
-        let [one, other] = &mut self.phases;
-        for ((channel, one), other) in self.channels.iter().zip(one).zip(other) {
-            *one = TickPhase::still(channel.axis.phase());
-            *other = *one;
-        }
+        self.history = History::new();
         self.stood(missed);
     }
 
@@ -164,12 +167,13 @@ impl Controller {
         if feedback.command == Some(Command::ResetPeak) {
             self.drift.reset_peak();
         }
-        let (input, reported) = self.observe(feedback);
+        let mut input = SupervisorInput::default();
+        let reported = self.observe(feedback, &mut input);
         let before = self.supervisor.state();
         let was_well = !self.supervisor.has_fault();
         let action = self
             .supervisor
-            .step(feedback.inputs, feedback.command, input);
+            .step(feedback.inputs, feedback.command, &input);
         let now = self.supervisor.state();
         if now != before {
             self.enter(before, now);
@@ -190,9 +194,9 @@ impl Controller {
         &self.output
     }
 
-    /// What has been detected since the last tick.
+    /// What has been detected since the last tick; what of it is reported, whatever is done about it.
     #[inline(never)]
-    fn observe(&mut self, feedback: &Feedback) -> (SupervisorInput, Option<Fault>) {
+    fn observe(&mut self, feedback: &Feedback, input: &mut SupervisorInput) -> Option<Fault> {
         let mut found = self.measure(feedback);
         let drives_on = self.supervisor.drives_enabled();
         if drives_on {
@@ -214,29 +218,25 @@ impl Controller {
         } else if self.correction.is_on() && self.supervisor.state() == State::Run {
             let swapped = self.correct();
             // What is reported within limits of cranks that are driven apart comes of that.
-            found = found
-                .filter(|found| !found.within_limits)
-                .or(swapped)
-                .or(found);
+            if swapped.is_some() {
+                found = found.filter(|found| !found.within_limits).or(swapped);
+            }
         }
-        let mut input = SupervisorInput {
-            at_rest: self.motion.at_rest,
-            homed: self.homing.is_done(),
-            program_done: self.cursor.is_done(&self.program),
-            tick: self.ticks,
-            phase: self.crank_phase(),
-            ..SupervisorInput::default()
-        };
-        let reported = found.and_then(|found| select_reaction(found, &self.supervisor, &mut input));
+        input.at_rest = self.motion.at_rest;
+        input.homed = self.homing.is_done();
+        input.program_done = self.cursor.is_done(&self.program);
+        input.tick = self.ticks;
+        input.phase = self.crank_phase();
+        let reported = found.and_then(|found| select_reaction(found, &self.supervisor, input));
         let alarm = feedback
             .alarm
             .iter()
             .take(self.channels.len())
             .fold(false, |any, alarm| any | alarm);
         if alarm || feedback.fifo_underrun.is_some() || self.overrun.is_some() {
-            self.highest_priority_fault(feedback, &mut input);
+            self.highest_priority_fault(feedback, input);
         }
-        (input, reported)
+        reported
     }
 
     /// Reads the sensors.
@@ -245,10 +245,8 @@ impl Controller {
         let sensed = Sensed {
             index: &feedback.index,
             encoder: &feedback.encoder,
-            commanded: match &self.phases {
-                [_, played] if self.newest == 0 => played,
-                [played, _] => played,
-            },
+            phase: &self.output.telemetry.axis_phase,
+            history: &self.history,
             correction: self.correction.now(),
             speed: self.motion.speed,
         };
@@ -367,67 +365,6 @@ impl Controller {
         self.target
     }
 
-    /// Moves the axes and makes their pulses and setpoints. While the machine is to stand, trims stand
-    /// too: drives that are off would not follow them.
-    #[inline(never)]
-    fn drive(&mut self, moving: bool) {
-        let trimming = matches!(self.supervisor.state(), State::Homing | State::Run);
-        let Output {
-            runs,
-            setpoints,
-            telemetry,
-            ..
-        } = &mut self.output;
-        let master = moving.then_some(self.motion.speed);
-        // A machine that stops is not to be moved by its trims, nor one that is parked.
-        let trims = if moving && trimming {
-            self.correction.advance()
-        } else {
-            None
-        };
-        // The older of the two phases gives way to the one that is planned now.
-        self.newest ^= 1;
-        let [one, other] = &mut self.phases;
-        let phases = if self.newest == 0 { one } else { other };
-        let planned = phases.iter_mut().zip(runs);
-        for (axis, (channel, (phase, runs))) in self.channels.iter_mut().zip(planned).enumerate() {
-            let trim = trims.and_then(|trims| trims.get(axis)).copied();
-            channel.advance(
-                master.as_ref(),
-                trim.unwrap_or_default(),
-                &mut self.step_rate,
-                phase,
-                runs,
-            );
-        }
-        if self.has_servos {
-            let home_offset = self.homing.home_offset();
-            let channels = self.channels.iter().zip(phases.iter()).zip(setpoints);
-            for (axis, ((channel, phase), setpoint)) in channels.enumerate() {
-                if let Some(forward) = &channel.feed_forward {
-                    let coupled = self.coupling.as_ref().map(|coupling| coupling.of(axis));
-                    let (position, speed) = coupled.unwrap_or_default();
-                    *setpoint = channel.setpoint(
-                        forward,
-                        phase.turns,
-                        self.motion.acceleration,
-                        home_offset,
-                    );
-                    setpoint.position = setpoint.position.advanced(position);
-                    setpoint.velocity = setpoint.velocity.wrapping_add(speed);
-                    if channel.reversed {
-                        *setpoint = setpoint.reversed();
-                    }
-                }
-            }
-        }
-        let outputs = telemetry.axis_phase.iter_mut().zip(&mut telemetry.steps);
-        for (channel, (phase, steps)) in self.channels.iter().zip(outputs) {
-            *phase = channel.axis.phase();
-            *steps = channel.planner.steps();
-        }
-    }
-
     #[inline(never)]
     fn report(&mut self, action: Action) {
         let within = self.crank_phase().within_turn();
@@ -444,10 +381,11 @@ impl Controller {
         telemetry.holding = action == Action::Hold;
         telemetry.motion = self.motion;
         telemetry.phase = self.shaft.phase();
-        telemetry.phase_error = *self.drift.phase_error();
-        telemetry.peak = *self.drift.peak();
-        telemetry.modes = *self.drift.modes();
-        telemetry.correction = *self.correction.now();
+        if self.drift.take_changed() {
+            telemetry.phase_error = *self.drift.phase_error();
+            telemetry.peak = *self.drift.peak();
+            telemetry.modes = *self.drift.modes();
+        }
         telemetry.home_offset = self.homing.home_offset();
     }
 }

@@ -1,7 +1,7 @@
 //! Input and output of the control loop at a deadline.
 
 use crate::drift::{IndexPulse, Modes};
-use crate::pulse::Runs;
+use crate::pulse::{Runs, Sharing};
 use crate::servo::Setpoint;
 use crate::shaft::Motion;
 use crate::supervisor::{Command, Fault, SafetyInputs, State};
@@ -45,8 +45,9 @@ impl Feedback {
 /// Output of the loop, to be played from the next deadline on.
 #[derive(Clone, Debug)]
 pub struct Output {
-    /// Pulses of stepper axes; a servo axis has one pause.
-    pub runs: PerAxis<Runs>,
+    /// Plans, each at the number of the first axis that plays it.
+    pub(crate) plans: PerAxis<Runs>,
+    pub(crate) sharing: Sharing,
     /// Setpoints of servo axes; those of stepper axes are zero.
     pub setpoints: PerAxis<Setpoint>,
     /// True if the drives must be on.
@@ -58,10 +59,26 @@ pub struct Output {
 }
 
 impl Output {
+    /// Pulses of an axis; a servo axis that takes setpoints has one pause. An axis that is not there has no runs.
+    #[inline]
+    pub fn runs(&self, axis: usize) -> &Runs {
+        const NO_RUNS: &Runs = &Runs::new();
+        if axis >= MAX_AXES {
+            return NO_RUNS;
+        }
+        self.plans.get(self.sharing.first(axis)).unwrap_or(NO_RUNS)
+    }
+
+    /// Which axes have the same [`Self::runs`].
+    pub const fn sharing(&self) -> Sharing {
+        self.sharing
+    }
+
     /// Output of a loop that has not begun, with its axes at these phases.
     pub(crate) const fn idle(axis_phase: PerAxis<Phase>) -> Self {
         Self {
-            runs: [const { Runs::new() }; MAX_AXES],
+            plans: [const { Runs::new() }; MAX_AXES],
+            sharing: Sharing::NONE,
             setpoints: [Setpoint::ZERO; MAX_AXES],
             drives_enabled: false,
             sync: true,
@@ -71,9 +88,10 @@ impl Output {
 
     /// Resets the output to that of a loop that has not begun, with its axes at these phases.
     pub(crate) fn reset(&mut self, axis_phase: PerAxis<Phase>) {
-        for runs in &mut self.runs {
+        for runs in &mut self.plans {
             runs.clear();
         }
+        self.sharing = Sharing::NONE;
         self.setpoints = [Setpoint::ZERO; MAX_AXES];
         self.drives_enabled = false;
         self.sync = true;

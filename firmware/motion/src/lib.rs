@@ -35,12 +35,13 @@
 //! let mut planner = Planner::new(timing, 3200);
 //! let (mut rates, mut runs) = (StepRates::new(timing.tick()), Runs::new());
 //! let five_turns_a_second = Target::steady(Turns::from_num(5.0 / f64::from(TICK_HZ)));
+//! let mut steps = 0;
 //! for _ in 0..TICK_HZ {
 //!     let motion = shaft.advance(Demand::Follow(five_turns_a_second));
-//!     planner.plan(motion.speed, &mut rates, &mut runs);
+//!     steps += planner.plan(motion.speed, &mut rates, &mut runs);
 //!     // `runs` fill exactly one tick: pass them to the hardware.
 //! }
-//! assert!(planner.steps() > 3200 * 4);
+//! assert!(steps > 3200 * 4);
 //! # Ok::<(), cophase_motion::settings::SettingsError>(())
 //! ```
 #![no_std]

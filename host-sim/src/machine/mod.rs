@@ -68,9 +68,9 @@ impl Played {
 
     /// Takes over an output, reusing the room there is.
     pub fn copy_from(&mut self, output: &Output) {
-        for (mine, theirs) in self.runs.iter_mut().zip(&output.runs) {
+        for (i, mine) in self.runs.iter_mut().enumerate() {
             mine.clear();
-            mine.extend(theirs.iter().copied());
+            mine.extend(output.runs(i).iter().copied());
         }
         let count = self.runs.len();
         self.setpoints.copy_from_slice(&output.setpoints[..count]);

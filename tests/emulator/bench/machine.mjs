@@ -4,7 +4,7 @@ import fs from 'node:fs';
 import { Board } from '../board/board.mjs';
 import { CYCLES_PER_US } from '../board/clock.mjs';
 import { FLASH_SIZE } from '../board/elf.mjs';
-import { SWI_IRQ_0 } from '../board/usage.mjs';
+import { TIMER_IRQ_1 } from '../board/usage.mjs';
 import { MISS_CYCLES } from '../board/xip-cache.mjs';
 import * as pins from './pins.mjs';
 import { FIRMWARE } from './paths.mjs';
@@ -14,9 +14,6 @@ export const CYCLES_PER_S = 1e6 * CYCLES_PER_US;
 /** Offsets of the settings slots in the flash (firmware/link/src/layout.rs). */
 export const SLOT_A = 0x1f_0000;
 export const SLOT_B = 0x1f_8000;
-
-/** Exception numbers: the timer that the deadlines are on, and the loop. */
-const TIMER_IRQ_0 = 16;
 
 /** The button must be steady this long to count (firmware/core/src/panel.rs), and a little more. */
 const STEADY_S = 0.0105;
@@ -45,7 +42,7 @@ export class Machine {
       elf: firmware(),
       flash: flash ?? flashWith(settings),
       pins: pins.outputs(axes),
-      watched: [TIMER_IRQ_0, SWI_IRQ_0],
+      watched: [TIMER_IRQ_1],
       missCycles: MISS_CYCLES,
       ...options,
     });
@@ -71,9 +68,9 @@ export class Machine {
   /** Runs until the loop meets its deadlines. */
   boot() {
     const { calls } = this.board.usage;
-    const met = (board) => board.usage.calls.get(SWI_IRQ_0).length > 3;
+    const met = (board) => board.usage.calls.get(TIMER_IRQ_1).length > 3;
     const { reason } = this.board.run({ cycles: 2 * CYCLES_PER_S, until: met });
-    if (reason !== 'until') throw new Error(`the loop did not begin within 2 s: ${reason}, ${calls.get(SWI_IRQ_0).length} calls`);
+    if (reason !== 'until') throw new Error(`the loop did not begin within 2 s: ${reason}, ${calls.get(TIMER_IRQ_1).length} calls`);
   }
 
   /** Lets the button go, presses it, and lets it go: what it asks for has been asked. */
@@ -86,8 +83,7 @@ export class Machine {
   }
 
   /**
-   * Starts the machine. Gives the cycle of the deadline at which the loop read the start, as the timer's interrupt
-   * shows it: what all times of the host count from.
+   * Starts the machine. Gives the cycle of the deadline at which the loop read the start, as its interrupt shows it: what all times of the host count from.
    */
   start() {
     this.set(pins.START, 1);
@@ -98,8 +94,8 @@ export class Machine {
     if (reason !== 'until') throw new Error('pressing the button did not switch the drives on');
     this.set(pins.START, 1);
     const [rise] = this.board.edges.to('enable', 1).slice(-1);
-    const timer = this.board.usage.calls.get(TIMER_IRQ_0).filter(({ entry }) => entry <= rise);
-    return timer[timer.length - 1].entry;
+    const runs = this.board.usage.calls.get(TIMER_IRQ_1).filter(({ entry }) => entry <= rise);
+    return runs[runs.length - 1].entry;
   }
 
   /** The processor stands for `seconds`, or up to a reset, and everything else goes on: as if something kept it. */
@@ -123,6 +119,6 @@ export class Machine {
 
   /** The loop's runs from a cycle on: [{ entry, own, end }]; `own` is what a control tick costs the processor. */
   ticks(from = 0) {
-    return this.board.usage.calls.get(SWI_IRQ_0).filter(({ entry }) => entry >= from);
+    return this.board.usage.calls.get(TIMER_IRQ_1).filter(({ entry }) => entry >= from);
   }
 }

@@ -28,7 +28,7 @@ export class Board {
   /**
    * `elf`: bytes of the firmware's ELF; its segments go into the flash. `flash`: the flash array (Uint8Array, kept and
    * changed in place) to use instead, or to load the firmware over. One of them is needed, save for `bare`.
-   * `pins`: { name: GPIO number } to record. `watched`: exceptions whose calls are listed (default SWI_IRQ_0).
+   * `pins`: { name: GPIO number } to record. `watched`: exceptions whose calls are listed (default TIMER_IRQ_1).
    * `rtt`: true, false, or the cycles between two looks of the host (default: true where the ELF has an RTT block).
    * `fastForward`: false steps every cycle of everything. `profile`: true counts the loop's cycles by call path (profile.mjs).
    * `flashTimes`: see bootrom.mjs. `missCycles`: what a miss of the flash's cache costs (xip-cache.mjs). `bare`: true builds the chip with its processor asleep, for tests of peripherals.

@@ -7,7 +7,7 @@
 //
 // The sum of a call's cycles is `own` of usage.mjs: cycles of exceptions that preempt are not in it.
 
-import { SWI_IRQ_0 } from './usage.mjs';
+import { TIMER_IRQ_1 } from './usage.mjs';
 
 /** The address that stands for entering the exception. */
 export const ENTRY = 0;
@@ -20,7 +20,7 @@ const isCall = (first, second) => first >>> 11 === 0b11110 && (second & 0xd000) 
 
 export class CallProfile {
   /** `functions`: of the ELF, by address; `number`: the exception whose cycles are counted. */
-  constructor(functions, number = SWI_IRQ_0) {
+  constructor(functions, number = TIMER_IRQ_1) {
     this.functions = functions;
     this.number = number;
     /** The call tree: [{ parent, site, fn }]; `fn` is a place in `functions`, or -1; `site` the calling instruction. */

@@ -1,13 +1,13 @@
 // Account of the processor's cycles: asleep, and by exception; and the depth of its stack.
 //
 // Words: *own* cycles of an exception are those from its entry (stacking included) to its return, less those of
-// exceptions that preempted it. Thread mode is number 0; interrupt n is exception 16 + n (SWI_IRQ_0 is 26 + 16 = 42).
+// exceptions that preempted it. Thread mode is number 0; interrupt n is exception 16 + n (TIMER_IRQ_1 is 1 + 16 = 17).
 
-export const SWI_IRQ_0 = 42;
+export const TIMER_IRQ_1 = 17;
 
 export class Usage {
   /** `now()` gives the present cycle. Calls of the exceptions in `watched` are listed one by one. */
-  constructor(now, watched = [SWI_IRQ_0]) {
+  constructor(now, watched = [TIMER_IRQ_1]) {
     this.now = now;
     this.watched = new Set(watched);
     this.asleep = 0;

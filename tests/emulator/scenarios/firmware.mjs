@@ -19,7 +19,7 @@ const ROOTS = ['cophase_core::controller::Controller<_>::tick', 'cophase_firmwar
 /** Roots of the interrupts beside it, which pointers call that no call graph follows; `cost` covers what wakes the loop's task. */
 const BESIDE = [
   'TIMER_IRQ_0',
-  'SWI_IRQ_0',
+  'TIMER_IRQ_1',
   'HardFault',
   'embassy_executor::raw::Executor::poll',
 ];

@@ -3,7 +3,7 @@
 use cophase_core::settings::{DriveKind, Settings};
 use cophase_core::signals::{Feedback, Output};
 use cophase_core::supervisor::{Command, Fault, State};
-use cophase_core::units::{ONE_TURN, Phase, Turns};
+use cophase_core::units::{MAX_AXES, ONE_TURN, Phase, Turns};
 
 use crate::Reached;
 
@@ -78,12 +78,13 @@ impl Watch {
         self.check_state(feedback, output);
         self.check_shaft(output);
         self.check_trims(output);
-        let (runs, beyond) = output.runs.split_at(self.stepper.len());
+        let count = self.stepper.len();
         assert!(
-            beyond.iter().all(|runs| runs.is_empty()),
+            (count..MAX_AXES).all(|axis| output.runs(axis).is_empty()),
             "runs of axes that are not there"
         );
-        for (i, runs) in runs.iter().enumerate() {
+        for i in 0..count {
+            let runs = output.runs(i);
             let cycles: u32 = runs.iter().map(|run| run.cycles()).sum();
             assert_eq!(
                 cycles, self.tick_cycles,

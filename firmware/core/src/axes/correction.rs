@@ -132,10 +132,15 @@ impl Correction {
         self.left = 1 << doublings;
     }
 
-    /// Advances by one tick; returns the changes in it.
-    pub fn advance(&mut self) -> Option<&PerAxis<Turns>> {
+    /// Changes in the tick that was advanced last, if trims were on their way in it.
+    pub const fn change(&self) -> &PerAxis<Turns> {
+        &self.change
+    }
+
+    /// Advances by one tick; returns true if trims change in it.
+    pub fn advance(&mut self) -> bool {
         match self.left {
-            0 => return None,
+            0 => return false,
             1 => {
                 let pairs = self.target.iter().zip(&self.now);
                 for (change, (target, &now)) in self.change.iter_mut().zip(pairs) {
@@ -148,7 +153,7 @@ impl Correction {
         for (now, &change) in self.now.iter_mut().zip(&self.change) {
             *now = now.wrapping_add(change);
         }
-        Some(&self.change)
+        true
     }
 }
 

@@ -24,10 +24,15 @@ impl Gear {
         }
     }
 
+    /// Whether the axis makes the master's own turns.
+    pub const fn is_direct(&self) -> bool {
+        self.numerator == self.denominator
+    }
+
     /// Turns of the axis for turns of the master, which must be within ±1 turn.
     #[inline]
     pub fn advance(&mut self, master: Turns) -> Turns {
-        if self.numerator == self.denominator {
+        if self.is_direct() {
             return master; // The usual case needs no division.
         }
         let all = multiply_long(master.to_bits().unsigned_abs(), self.numerator);
@@ -46,7 +51,7 @@ impl Gear {
     /// Acceleration of the axis for one of the master, below 1 turn a tick², rounded towards zero; the remainder is
     /// dropped.
     pub fn share(&self, acceleration: Turns) -> Turns {
-        if self.numerator == self.denominator {
+        if self.is_direct() {
             return acceleration;
         }
         let all = multiply_long(acceleration.to_bits().unsigned_abs(), self.numerator);

@@ -21,7 +21,7 @@ use crate::units::{Phase, Turns};
 pub struct Axis {
     gear: Gear,
     trim: Trim,
-    phase: Phase,
+    offset: Phase,
 }
 
 impl Axis {
@@ -31,13 +31,13 @@ impl Axis {
         Self {
             gear: Gear::new(settings.ratio.0, settings.ratio.1),
             trim: Trim::new(settings, tick_hz),
-            phase: Phase::from_turns(turns(settings.offset_turns)),
+            offset: Phase::from_turns(turns(settings.offset_turns)),
         }
     }
 
-    /// Commanded phase of the crank, in its own sense of rotation.
-    pub const fn phase(&self) -> Phase {
-        self.phase
+    /// Commanded phase of the crank at power-up, in its own sense of rotation.
+    pub const fn offset(&self) -> Phase {
+        self.offset
     }
 
     /// Gear between master and axis.
@@ -58,8 +58,6 @@ impl Axis {
     /// Advances with the master and by a correction; returns the axis's own turns in this tick.
     pub fn advance(&mut self, master: Turns, correction: Turns) -> Turns {
         let trims = self.trim.advance().wrapping_add(correction);
-        let turns = self.gear.advance(master).wrapping_add(trims);
-        self.phase = self.phase.advanced(turns);
-        turns
+        self.gear.advance(master).wrapping_add(trims)
     }
 }

@@ -28,6 +28,11 @@ impl Trim {
         Turns::from_bits(self.now)
     }
 
+    /// Whether the trim is on its way to its target.
+    pub const fn is_moving(&self) -> bool {
+        self.now != self.target
+    }
+
     /// Sets the target of the trim; returns false if the limit cut it.
     pub fn set(&mut self, target: Turns) -> bool {
         self.target = target.to_bits().max(-self.limit).min(self.limit);
@@ -37,7 +42,7 @@ impl Trim {
     /// Change of the trim in the coming tick.
     #[inline]
     pub(super) fn advance(&mut self) -> Turns {
-        if self.now == self.target {
+        if !self.is_moving() {
             return Turns::ZERO;
         }
         let change = (self.target - self.now).max(-self.rate).min(self.rate);

@@ -1,10 +1,9 @@
 //! One axis of the loop: its phase, its pulses or setpoints, and its commands of the last two ticks.
 
 use crate::axes::Axis;
-use crate::drift::TickPhase;
 use crate::pulse::{Planner, Runs, StepRates};
 use crate::servo::{FeedForward, Setpoint};
-use crate::units::Turns;
+use crate::units::{Phase, Turns};
 
 /// One axis, from the master's turns to the command of its drive.
 #[derive(Clone, Debug)]
@@ -17,40 +16,32 @@ pub(super) struct Channel {
 }
 
 impl Channel {
-    /// Moves on with the master, if it is to move, and fills `runs`; the phase over the tick.
+    /// Whether it may share a plan: one that plays no pulses, or has a ratio, makes edges of its own.
+    pub(super) const fn may_share(&self) -> bool {
+        self.feed_forward.is_none() && self.axis.gear().is_direct()
+    }
+
+    /// Plans a tick in which the axis makes `turns`; the whole steps that these are.
     #[inline(never)]
-    pub(super) fn advance(
-        &mut self,
-        master: Option<&Turns>,
-        trim: Turns,
-        step_rate: &mut StepRates,
-        phase: &mut TickPhase,
-        runs: &mut Runs,
-    ) {
-        phase.start = self.axis.phase();
-        let turns = match master {
-            Some(&speed) => self.axis.advance(speed, trim),
-            None => Turns::ZERO,
-        };
-        phase.turns = turns;
+    pub(super) fn plan(&mut self, turns: Turns, step_rate: &mut StepRates, runs: &mut Runs) -> i32 {
         if self.feed_forward.is_none() {
-            self.planner.plan(turns, step_rate, runs);
+            self.planner.plan(turns, step_rate, runs)
         } else {
-            self.planner.count(turns, step_rate, runs);
+            self.planner.count(turns, step_rate, runs)
         }
     }
 
     /// Setpoint of a servo at the end of a tick in which the master accelerated, in the axis's own sense. Its crank stands
-    /// `home_offset` further than its phase says.
+    /// `home_offset` further than `position`, its commanded phase.
     #[inline(never)]
     pub(super) fn setpoint(
         &self,
         forward: &FeedForward,
+        position: Phase,
         velocity: Turns,
         acceleration: Turns,
         home_offset: Turns,
     ) -> Setpoint {
-        let position = self.axis.phase();
         let acceleration = self.axis.gear().share(acceleration);
         Setpoint {
             position,

@@ -9,7 +9,7 @@ use super::homing::Homing;
 use super::punctuality::Punctuality;
 use super::wiring_proof::wiring_patterns;
 use crate::axes::{Axis, Correction};
-use crate::drift::{DriftMonitor, TickPhase};
+use crate::drift::{DriftMonitor, History};
 use crate::mechanism::AnyMechanism;
 use crate::program::{Cursor, Program};
 use crate::pulse::{Planner, PulseTiming, StepRates};
@@ -38,7 +38,6 @@ impl Settings {
 impl Controller {
     /// A controller without axes: it stays at rest until it is configured.
     pub const fn new() -> Self {
-        const STILL: TickPhase = TickPhase::still(Phase::ZERO);
         Self {
             tick_hz: 2000,
             mechanism: AnyMechanism::STANDSTILL,
@@ -50,10 +49,12 @@ impl Controller {
             park_crank: Turns::ZERO,
             park: Turns::ZERO,
             channels: heapless::Vec::new(),
-            phases: [[STILL; MAX_AXES]; 2],
-            newest: 0,
+            history: History::new(),
             has_servos: false,
             step_rate: StepRates::new(62_500),
+            trimming: 0,
+            own: None,
+            geared: 0,
             drift: DriftMonitor::new(),
             homing: Homing::new(),
             correction: Correction::new(),
@@ -134,14 +135,15 @@ impl Controller {
                 reversed: axis.reversed,
                 feed_forward,
             };
-            *phase = channel.axis.phase();
+            *phase = channel.axis.offset();
             let pushed = self.channels.push(channel);
             debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
         }
-        self.phases = [phases.map(TickPhase::still); 2];
-        self.newest = 0;
+        self.history = History::new();
         self.has_servos = self.channels.iter().any(|c| c.feed_forward.is_some());
         self.step_rate = StepRates::new(timing.tick());
+        self.trimming = 0;
+        self.own = None;
         self.output.reset(phases);
         Ok(())
     }

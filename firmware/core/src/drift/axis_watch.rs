@@ -7,6 +7,7 @@ use super::encoder_watch::{EncoderWatch, Read, Tracking};
 use super::index_filter::BRIDGE_WIDTHS;
 use super::index_watch::{Detection, IndexWatch, Place};
 use super::naming::History;
+use super::queue::QueuedPulse;
 use super::tick_phase::{IndexPulse, TickClock, TickPhase};
 use crate::settings::{AxisSettings, turns};
 use crate::supervisor::FaultKind;
@@ -62,6 +63,8 @@ pub(super) struct AxisWatch {
     /// Where the tick began in which the encoder was read last, and where the one in which it jumped.
     began: Phase,
     jumped_at: Phase,
+    /// Turns that an encoder measured in the tick before the one that is over.
+    before: Turns,
     /// What motor and command differed by as the index was detected last.
     at_flag: Turns,
     tolerance: Turns,
@@ -136,6 +139,7 @@ impl AxisWatch {
             read: Read::Nothing,
             began: Phase::ZERO,
             jumped_at: Phase::ZERO,
+            before: Turns::ZERO,
             at_flag: Turns::ZERO,
             tolerance,
             gate: angle(gate).unsigned_abs(),
@@ -154,16 +158,39 @@ impl AxisWatch {
         }
     }
 
-    /// Whether a tick without a pulse is no news: of an axis by index whose next pulse is not due. Nearly all are so.
-    #[inline(always)]
-    pub(super) fn passes_over(&mut self, commanded: &TickPhase) -> bool {
-        match (&self.encoder, &mut self.index) {
-            (None, Some(index)) => index.passes_over(commanded),
-            _ => false,
-        }
+    /// Turns from the end of a tick until the next pulse of an axis by index is due; negative if it is.
+    pub(super) fn margin(&self, commanded: &TickPhase) -> Turns {
+        self.index
+            .as_ref()
+            .map_or(Turns::MAX, |index| index.margin(commanded))
     }
 
-    /// Processes a tick; returns whether anything was updated.
+    /// Processes a pulse of an axis by index; returns whether anything was updated.
+    #[inline(never)]
+    pub(super) fn detect(&mut self, queued: &QueuedPulse, clock: TickClock) -> bool {
+        let Some(index) = &mut self.index else {
+            return false;
+        };
+        let QueuedPulse {
+            pulse,
+            commanded,
+            before,
+        } = queued;
+        self.detection = index.detect(*pulse, commanded, commanded.turns, *before, clock);
+        self.detection != Detection::Nothing
+    }
+
+    /// Processes a tick without a pulse of an axis by index; returns whether anything was updated.
+    #[inline(never)]
+    pub(super) fn check_timeout(&mut self, commanded: &TickPhase) -> bool {
+        let Some(index) = &mut self.index else {
+            return false;
+        };
+        self.detection = index.check_timeout(commanded, commanded.turns);
+        self.detection != Detection::Nothing
+    }
+
+    /// Processes a tick of an axis with an encoder; returns whether anything was updated.
     #[inline(never)]
     pub(super) fn observe(
         &mut self,
@@ -174,13 +201,7 @@ impl AxisWatch {
         clock: TickClock,
     ) -> bool {
         let Some(encoder) = &mut self.encoder else {
-            let Some(index) = &mut self.index else {
-                return false;
-            };
-            let commanded_turns = commanded.turns;
-            self.detection =
-                index.observe(pulse, commanded, commanded_turns, before_is_known, clock);
-            return self.detection != Detection::Nothing;
+            return false;
         };
         // Where the motor is, not where commanded.
         let start = commanded.start.advanced(encoder.phase_error());
@@ -188,15 +209,20 @@ impl AxisWatch {
         self.read = read;
         // A jump is reported a tick later.
         self.jumped_at = core::mem::replace(&mut self.began, start);
-        self.detection = match &mut self.index {
-            Some(index) => {
-                let measured = TickPhase { start, turns };
-                // A motor's noise turns it back for a tick; its flag is met by the commanded travel.
-                let commanded_turns = commanded.turns;
-                index.observe(pulse, &measured, commanded_turns, before_is_known, clock)
-            }
-            None => Detection::Nothing,
-        };
+        self.detection = Detection::Nothing;
+        if let Some(index) = &mut self.index {
+            let measured = TickPhase { start, turns };
+            let before = core::mem::replace(&mut self.before, turns);
+            // A motor's noise turns it back for a tick; its flag is met by the commanded travel.
+            let commanded_turns = commanded.turns;
+            self.detection = match pulse {
+                Some(&pulse) => {
+                    let before = before_is_known.then_some(before);
+                    index.detect(pulse, &measured, commanded_turns, before, clock)
+                }
+                None => index.check_timeout(&measured, commanded_turns),
+            };
+        }
         self.detection != Detection::Nothing || self.read != Read::Nothing
     }
 

@@ -119,8 +119,6 @@ pub(super) struct IndexWatch {
     missing: bool,
     /// Turns since then at which there is something to say.
     alert: Turns,
-    /// Turns of the tick before the one that is over, which ended where the one that is over began.
-    before: Turns,
 }
 
 impl IndexWatch {
@@ -137,7 +135,6 @@ impl IndexWatch {
             undetected: false,
             missing: false,
             alert: Turns::ZERO,
-            before: Turns::ZERO,
         }
     }
 
@@ -184,13 +181,11 @@ impl IndexWatch {
         self.undetected
     }
 
-    /// Takes in a tick without a pulse, if there is nothing to say of it; whether there was not.
-    #[inline(always)]
-    pub(super) fn passes_over(&mut self, phase: &TickPhase) -> bool {
-        self.before = phase.turns;
-        // Up to its end, which is further than what is sure of it.
+    /// Turns from the end of a tick until a pulse is due; negative if it is. [`Self::has_timed_out`] is not true before, as it takes
+    /// less than the whole tick for certain.
+    pub(super) const fn margin(&self, phase: &TickPhase) -> Turns {
         let end = phase.start.advanced(phase.turns);
-        end.since(self.detected_at) <= self.alert
+        self.alert.saturating_sub(end.since(self.detected_at))
     }
 
     /// Whether it is sure that no flag came where there would be something to say of it.
@@ -200,42 +195,32 @@ impl IndexWatch {
         since.wrapping_add(Turns::from_bits(sure)) > self.alert
     }
 
-    /// Takes in a tick that is over, in which the axis was commanded to make `commanded` turns: a motor's noise would be
-    /// multiplied by the line's delay. `before_is_known`: so is the tick
-    /// before it.
-    #[inline]
-    pub(super) fn observe(
-        &mut self,
-        pulse: Option<&IndexPulse>,
-        phase: &TickPhase,
-        commanded: Turns,
-        before_is_known: bool,
-        clock: TickClock,
-    ) -> Detection {
-        let detection = match pulse {
-            Some(pulse) => self.detect(*pulse, phase, commanded, before_is_known, clock),
-            None if self.has_timed_out(phase, commanded) => match self.time_out() {
-                // In the same tick it may be so late that it is overdue; where nothing else watches, that is what matters.
-                Detection::Undetected
-                    if self.place.filter_shift == 0 && self.has_timed_out(phase, commanded) =>
-                {
-                    self.time_out()
-                }
-                detection => detection,
-            },
-            None => Detection::Nothing,
-        };
-        self.before = phase.turns;
-        detection
+    /// Takes in a tick without a pulse, in which the axis was commanded to make `commanded` turns: a motor's noise would be
+    /// multiplied by the line's delay.
+    pub(super) fn check_timeout(&mut self, phase: &TickPhase, commanded: Turns) -> Detection {
+        if !self.has_timed_out(phase, commanded) {
+            return Detection::Nothing;
+        }
+        match self.time_out() {
+            // In the same tick it may be so late that it is overdue; where nothing else watches, that is what matters.
+            Detection::Undetected
+                if self.place.filter_shift == 0 && self.has_timed_out(phase, commanded) =>
+            {
+                self.time_out()
+            }
+            detection => detection,
+        }
     }
 
-    #[inline(never)] // seldom, and what it needs of registers the loop over all axes would lack
-    fn detect(
+    /// Takes in a pulse that came in the tick over which the axis had that phase, or in the one before, in which it made `before`
+    /// turns, if that is known.
+    #[inline(never)] // seldom, and what it needs of registers a loop over all axes would lack
+    pub(super) fn detect(
         &mut self,
         pulse: IndexPulse,
         phase: &TickPhase,
         commanded: Turns,
-        before_is_known: bool,
+        before: Option<Turns>,
         clock: TickClock,
     ) -> Detection {
         if commanded == 0 && !self.known {
@@ -245,10 +230,10 @@ impl IndexWatch {
         let back = pulse.cycle.min(0).unsigned_abs();
         let tick = if back == 0 {
             *phase
-        } else if before_is_known {
+        } else if let Some(before) = before {
             TickPhase {
-                start: phase.start.advanced(self.before.wrapping_neg()),
-                turns: self.before,
+                start: phase.start.advanced(before.wrapping_neg()),
+                turns: before,
             }
         } else {
             self.detected_at = phase.start; // it is alive, and more is not known

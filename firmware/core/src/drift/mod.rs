@@ -20,15 +20,18 @@ mod angles;
 mod axis_watch;
 mod encoder_watch;
 mod findings;
+mod history;
 pub mod index_filter;
 mod index_watch;
 mod limits;
 mod modes;
 mod naming;
+mod queue;
 mod tick_phase;
 
 pub use axis_watch::place_gate;
 pub use findings::Finding;
+pub use history::History;
 pub use index_filter::IndexFilter;
 pub use limits::DriftLimits;
 pub use modes::{AxisSet, Knowledge, Modes, Mount};
@@ -41,6 +44,7 @@ use crate::units::{MAX_AXES, PerAxis, Phase, Turns, nearest};
 use angles::{Angles, furthest, in_common, of_angle};
 use axis_watch::AxisWatch;
 use findings::Findings;
+use queue::Queue;
 use tick_phase::TickClock;
 
 /// What came in during a tick.
@@ -50,12 +54,22 @@ pub struct Sensed<'a> {
     pub index: &'a PerAxis<Option<IndexPulse>>,
     /// Encoder counts at its end, in the motors' own sense.
     pub encoder: &'a PerAxis<i32>,
-    /// Phases that were commanded in it.
-    pub commanded: &'a PerAxis<TickPhase>,
-    /// What of these was correction.
+    /// Commanded phases at the end of the tick that was planned last.
+    pub phase: &'a PerAxis<Phase>,
+    /// Turns that were commanded up to there.
+    pub history: &'a History,
+    /// Corrections that these phases contain.
     pub correction: &'a PerAxis<Turns>,
     /// Turns that the master made in it.
     pub speed: Turns,
+}
+
+impl Sensed<'_> {
+    /// The phase of an axis over the tick that is over.
+    fn over(&self, axis: usize) -> TickPhase {
+        let phase = self.phase.get(axis).copied().unwrap_or(Phase::ZERO);
+        self.history.over(axis, phase)
+    }
 }
 
 /// Watches the drift of all axes.
@@ -77,6 +91,8 @@ pub struct DriftMonitor {
     moved: Option<(usize, Turns)>,
     phase_error: PerAxis<Turns>,
     peak: PerAxis<Turns>,
+    /// Axes whose phase error or peak may have changed.
+    stale: AxisSet,
     /// Axes by index detected in this round.
     detected: AxisSet,
     /// Axes whose index has been detected at all.
@@ -89,8 +105,16 @@ pub struct DriftMonitor {
     /// They have been compared since, so that the end of this round shows nothing.
     is_compared: bool,
     modes: Modes,
+    /// Phase errors, peaks or modes may have changed since [`Self::take_changed`] was called last.
+    changed: bool,
     findings: Findings,
+    queue: Queue,
+    /// No pulse of an axis by index is due before its axis has made so many more turns; negative if that is not known.
+    margin: Turns,
 }
+
+/// The margin is not known.
+const NO_MARGIN: Turns = Turns::from_bits(-1);
 
 impl Default for DriftMonitor {
     fn default() -> Self {
@@ -114,6 +138,7 @@ impl DriftMonitor {
             moved: None,
             phase_error: [Turns::ZERO; MAX_AXES],
             peak: [Turns::ZERO; MAX_AXES],
+            stale: 0,
             detected: 0,
             known: 0,
             checked: 0,
@@ -121,7 +146,10 @@ impl DriftMonitor {
             is_even: false,
             is_compared: false,
             modes: Modes::ZERO,
+            changed: false,
             findings: Findings::new(),
+            queue: Queue::new(),
+            margin: NO_MARGIN,
         }
     }
 
@@ -165,23 +193,17 @@ impl DriftMonitor {
     #[inline(never)]
     pub fn observe(&mut self, sensed: &Sensed<'_>) -> Option<Finding> {
         let before_is_known = core::mem::replace(&mut self.before_is_known, true);
-        let mut updated = 0;
-        let pending = pending(&mut self.axes, sensed.index, sensed.commanded);
-        if pending != 0 {
-            let detected = sensed.index.iter().zip(sensed.encoder);
-            let all = self.axes.iter_mut().zip(detected.zip(sensed.commanded));
-            for (axis, (watch, ((pulse, &count), commanded))) in all.enumerate() {
-                let pulse = pulse.as_ref();
-                if pending & 1 << axis != 0
-                    && watch.observe(pulse, count, commanded, before_is_known, self.clock)
-                {
-                    updated |= 1 << axis;
-                }
-            }
-        }
         self.findings.pass(sensed.speed);
-        if updated != 0 || self.by_encoder != 0 {
-            self.consider(updated, sensed);
+        if self.by_encoder != 0 {
+            self.observe_encoders(sensed, before_is_known);
+        }
+        self.queue_pulses(sensed, before_is_known);
+        self.margin = self.margin.wrapping_sub(sensed.history.most());
+        if self.margin < 0 {
+            self.check_timeouts(sensed);
+        }
+        if self.has_updates() {
+            self.process_queue(sensed);
         }
         self.findings.next()
     }
@@ -189,67 +211,66 @@ impl DriftMonitor {
     /// Takes note of a tick to which no phase belongs: sensors that were detected in it are alive.
     pub fn disregard(&mut self, sensed: &Sensed<'_>) {
         self.before_is_known = false;
+        self.margin = NO_MARGIN;
         for (axis, watch) in self.axes.iter_mut().enumerate() {
-            if let (Some(pulse), Some(&count), Some(commanded)) = (
-                sensed.index.get(axis),
-                sensed.encoder.get(axis),
-                sensed.commanded.get(axis),
-            ) {
-                watch.disregard(pulse.is_some(), count, commanded.start);
+            if let (Some(pulse), Some(&count)) = (sensed.index.get(axis), sensed.encoder.get(axis))
+            {
+                watch.disregard(pulse.is_some(), count, sensed.over(axis).start);
             }
         }
     }
 
-    /// Sorts what was detected, and looks at what has come of it.
+    /// Sorts the update of an axis: a pulse, or a timeout or an encoder's. Returns true if the crank moved so far that the others are
+    /// not waited for.
     #[inline(never)]
-    fn consider(&mut self, updated: AxisSet, sensed: &Sensed<'_>) {
-        let all_late = self.axes.iter().all(AxisWatch::is_late);
-        let mut moved = 0;
-        for axis in 0..self.axes.len().min(MAX_AXES) {
-            if updated & 1 << axis == 0 {
-                continue;
-            }
-            let tolerance = self.limits.common;
-            let others = self.in_common_but(axis, sensed.correction);
-            let Some(watch) = self.axes.get_mut(axis) else {
-                continue;
-            };
-            let sorted = watch.sort(all_late.then_some(tolerance));
-            if sorted.is_detected {
-                self.detected |= 1 << axis;
-                self.known |= 1 << axis;
-                self.checked |= 1 << axis;
-            }
-            // A crank may pass a limit by its own pulse, long before the round is over.
-            let own = watch.phase_error().wrapping_add(sensed.correction[axis]);
-            let off = nearest(own.wrapping_sub(others)).abs();
-            let has_moved = sorted.has_moved.filter(|_| watch.is_by_index());
-            let most = if has_moved.is_some() {
-                watch.alone()
-            } else {
-                watch.far()
-            };
-            // One that was late, and comes while all are stopped for that, is reported with what it did before they stand.
-            let is_waited_for = has_moved.is_some() && self.findings.has_requested_stop();
-            if sorted.is_detected && (off > most || is_waited_for) {
-                moved |= 1 << axis;
-            }
-            // A crank was not detected for a time during homing; the place where it shows again shows what it did.
-            if let Some(by) = has_moved
-                && self.finding_out
-                && self.findings.has_requested_stop()
-            {
-                let kind = watch.jumped(by);
-                self.find(axis, kind, by, false);
-            } else if let Some(by) = sorted.has_moved
-                && self.finding_out
-            {
-                self.moved = Some((axis, by));
-            }
-            if let Some((kind, by, within_limits)) = sorted.reported {
-                self.find(axis, kind, by, within_limits);
-            }
+    fn sort(&mut self, axis: usize, may_be_timeout: bool, sensed: &Sensed<'_>) -> bool {
+        let all_late = may_be_timeout && self.axes.iter().all(AxisWatch::is_late);
+        let tolerance = self.limits.common;
+        let others = self.in_common_but(axis, sensed.correction);
+        let Some(watch) = self.axes.get_mut(axis) else {
+            return false;
+        };
+        let sorted = watch.sort(all_late.then_some(tolerance));
+        self.stale |= 1 << axis;
+        if sorted.is_detected {
+            self.detected |= 1 << axis;
+            self.known |= 1 << axis;
+            self.checked |= 1 << axis;
         }
+        // A crank may pass a limit by its own pulse, long before the round is over.
+        let correction = sensed.correction.get(axis).copied().unwrap_or_default();
+        let own = watch.phase_error().wrapping_add(correction);
+        let off = nearest(own.wrapping_sub(others)).abs();
+        let has_moved = sorted.has_moved.filter(|_| watch.is_by_index());
+        let most = if has_moved.is_some() {
+            watch.alone()
+        } else {
+            watch.far()
+        };
+        // One that was late, and comes while all are stopped for that, is reported with what it did before they stand.
+        let is_waited_for = has_moved.is_some() && self.findings.has_requested_stop();
+        let is_far = sorted.is_detected && (off > most || is_waited_for);
+        // A crank was not detected for a time during homing; the place where it shows again shows what it did.
+        if let Some(by) = has_moved
+            && self.finding_out
+            && self.findings.has_requested_stop()
+        {
+            let kind = watch.jumped(by);
+            self.find(axis, kind, by, false);
+        } else if let Some(by) = sorted.has_moved
+            && self.finding_out
+        {
+            self.moved = Some((axis, by));
+        }
+        if let Some((kind, by, within_limits)) = sorted.reported {
+            self.find(axis, kind, by, within_limits);
+        }
+        is_far
+    }
+
+    /// Draws the conclusions from the axes that were updated, of which some have moved far.
+    #[inline(never)]
+    fn conclude(&mut self, updated: AxisSet, moved: AxisSet, sensed: &Sensed<'_>) {
         let round =
             updated != 0 && self.detected & self.by_index == self.by_index && self.detected != 0;
         if self.finding_out && self.is_homed() && updated != 0 && !round {
@@ -292,14 +313,19 @@ impl DriftMonitor {
     }
 
     fn update(&mut self) {
+        self.changed = true;
+        let mut stale = core::mem::take(&mut self.stale) | self.by_encoder;
         for ((phase_error, peak), watch) in self
             .phase_error
             .iter_mut()
             .zip(&mut self.peak)
             .zip(&self.axes)
         {
-            *phase_error = watch.phase_error();
-            *peak = phase_error.wrapping_abs().max(*peak);
+            if stale & 1 != 0 {
+                *phase_error = watch.phase_error();
+                *peak = phase_error.wrapping_abs().max(*peak);
+            }
+            stale >>= 1;
         }
     }
 
@@ -327,6 +353,7 @@ impl DriftMonitor {
             *error = nearest(error.wrapping_add(correction).wrapping_sub(base));
         }
         self.modes = self.mount.modes(&error);
+        self.changed = true;
         let exceeded = self.exceeded(sensed.speed);
         for axis in 0..self.axes.len().min(MAX_AXES) {
             let fresh = self.axes.get_mut(axis).and_then(AxisWatch::take_fresh);
@@ -441,11 +468,15 @@ impl DriftMonitor {
         self.finding_out = true;
         self.moved = None;
         self.findings.clear();
+        self.queue = Queue::new();
+        self.margin = NO_MARGIN;
         for (watch, &phase) in self.axes.iter_mut().zip(phase) {
             watch.reset(phase);
         }
         self.phase_error = [Turns::ZERO; MAX_AXES];
         self.modes = Modes::default();
+        self.stale = AxisSet::MAX;
+        self.changed = true;
     }
 
     /// Takes the crank that was detected elsewhere than in the turn before during homing, and the distance.
@@ -495,6 +526,7 @@ impl DriftMonitor {
         for watch in &mut self.axes {
             watch.shift(by.wrapping_neg());
         }
+        self.stale = AxisSet::MAX;
         self.update();
         self.peak = self.phase_error.map(Turns::wrapping_abs);
     }
@@ -546,30 +578,20 @@ impl DriftMonitor {
     /// Forgets the largest phase errors.
     pub fn reset_peak(&mut self) {
         self.peak = [Turns::ZERO; MAX_AXES];
+        // The present phase errors count again with the next update.
+        self.stale = AxisSet::MAX;
+        self.changed = true;
+    }
+
+    /// Whether phase errors, their peaks or their modes may have changed since the last call.
+    pub const fn take_changed(&mut self) -> bool {
+        core::mem::replace(&mut self.changed, false)
     }
 
     /// The modes of the phase errors and their correction, as last taken.
     pub const fn modes(&self) -> &Modes {
         &self.modes
     }
-}
-
-/// Axes of which there may be news. All others are done with: in nearly all ticks, all.
-#[inline(never)] // in a loop of its own: unrolled, it lacks registers
-fn pending(
-    axes: &mut [AxisWatch],
-    index: &[Option<IndexPulse>],
-    commanded: &[TickPhase],
-) -> AxisSet {
-    let mut set = 0;
-    let mut own = 1;
-    for (watch, (pulse, commanded)) in axes.iter_mut().zip(index.iter().zip(commanded)) {
-        if pulse.is_some() || !watch.passes_over(commanded) {
-            set |= own;
-        }
-        own <<= 1;
-    }
-    set
 }
 
 /// A phase error of each axis.

@@ -31,20 +31,54 @@ fn true_alone(count: usize, axis: usize) -> f64 {
     configured(&settings).axes[axis].alone().to_num()
 }
 
-/// What one tick brought to a monitor.
+/// Commanded phases at the end of a tick, and the history that leads to them after a tick in which all axes made `before` turns.
+fn history_of(commanded: &PerAxis<TickPhase>, before: Turns) -> (PerAxis<Phase>, History) {
+    let mut history = History::new();
+    history.plan(before);
+    history.plan(Turns::ZERO);
+    for (axis, phase) in commanded.iter().enumerate() {
+        history.plan_own(axis, phase.turns);
+    }
+    history.plan(Turns::ZERO);
+    let ends = commanded.map(|phase| phase.start.advanced(phase.turns));
+    (ends, history)
+}
+
+/// A monitor's finding in one tick.
 fn detect(
     monitor: &mut DriftMonitor,
     index: &PerAxis<Option<IndexPulse>>,
     encoder: &PerAxis<i32>,
     commanded: &PerAxis<TickPhase>,
 ) -> Option<Finding> {
+    detect_after(monitor, index, encoder, commanded, commanded[0].turns)
+}
+
+/// The same after a tick with other turns.
+fn detect_after(
+    monitor: &mut DriftMonitor,
+    index: &PerAxis<Option<IndexPulse>>,
+    encoder: &PerAxis<i32>,
+    commanded: &PerAxis<TickPhase>,
+    before: Turns,
+) -> Option<Finding> {
+    let (phase, history) = history_of(commanded, before);
     monitor.observe(&Sensed {
         index,
         encoder,
-        commanded,
+        phase: &phase,
+        history: &history,
         correction: &PerAxis::default(),
         speed: commanded[0].turns,
     })
+}
+
+/// Lets a monitor process all queued updates while the cranks stand.
+fn process_all(monitor: &mut DriftMonitor, at: &PerAxis<TickPhase>) -> Vec<Finding> {
+    let still = at.map(|phase| TickPhase::still(phase.start.advanced(phase.turns)));
+    (0..MAX_AXES)
+        .filter_map(|_| detect(monitor, &[None; MAX_AXES], &[0; MAX_AXES], &still))
+        .collect()
 }
 
 /// Cranks that turn with the master at an even speed, but for what each is off; a clock goes with them.
@@ -121,7 +155,7 @@ impl Cranks {
 
     /// Turns until every index has been detected, and takes that for where the cranks are.
     fn homed(mut self) -> Self {
-        let ticks = (1.2 / self.speed) as u32;
+        let ticks = (1.2 / self.speed) as u32 + MAX_AXES as u32; // for the queue
         assert_eq!(self.turn(ticks, |_, _| 0.0), []);
         assert!(self.monitor.is_homed());
         self.monitor.settle();
@@ -527,13 +561,15 @@ fn a_pulse_of_the_tick_before_is_measured_as_well() {
             &[0; MAX_AXES],
             &[tick(1.0 - before, before); MAX_AXES],
         );
-        let found = detect(
+        let found = detect_after(
             &mut monitor,
             &[pulse; MAX_AXES],
             &[0; MAX_AXES],
             &[tick(1.0, now); MAX_AXES],
+            Turns::from_num(before),
         );
         assert_eq!(found, None);
+        assert_eq!(process_all(&mut monitor, &[tick(1.0, now); MAX_AXES]), []);
         for (actual, expected) in monitor.phase_error().iter().zip(error) {
             let off_deg = (actual.to_num::<f64>() - expected) * 360.0;
             assert!(off_deg.abs() < 0.0006, "{off_deg}° at {hz_per_s} rev/s²");
@@ -551,18 +587,58 @@ fn a_pulse_of_a_tick_that_is_not_known_is_not_measured() {
         turns: Turns::from_num(0.001),
     }; MAX_AXES];
     detect(&mut monitor, &[None; MAX_AXES], &[0; MAX_AXES], &phases);
+    let (phase, history) = history_of(&phases, Turns::ZERO);
     monitor.disregard(&Sensed {
         index: &[None; MAX_AXES],
         encoder: &[0; MAX_AXES],
-        commanded: &phases,
+        phase: &phase,
+        history: &history,
         correction: &[Turns::ZERO; MAX_AXES],
         speed: Turns::ZERO,
     });
     let pulse = Some(IndexPulse { cycle: -1 });
     detect(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &phases);
+    process_all(&mut monitor, &phases);
     assert!(!monitor.is_homed());
     detect(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &phases);
+    process_all(&mut monitor, &phases);
     assert!(monitor.is_homed());
+}
+
+/// Pulses of all axes in one tick are processed one a tick, each against the phase of its own tick.
+#[test]
+fn pulses_that_come_together_are_processed_one_a_tick() {
+    let error = [0.01, -0.02, 0.003, 0.004, -0.005, 0.0];
+    let mut monitor = monitor(6, 100.0, 90.0, 180.0);
+    for (watch, error) in monitor.axes.iter_mut().zip(error) {
+        watch.shift(Turns::from_num(error));
+    }
+    let turns = 0.01;
+    let tick = |number: f64| {
+        [TickPhase {
+            start: Phase::from_turns(Turns::from_num(1.0 + (number - 0.5) * turns)),
+            turns: Turns::from_num(turns),
+        }; MAX_AXES]
+    };
+    let pulse = Some(IndexPulse {
+        cycle: (TICK_CYCLES / 2) as i32,
+    });
+    detect(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &tick(0.0));
+    for processed in 1..MAX_AXES {
+        assert!(!monitor.is_homed(), "after {processed} axes");
+        let number = processed as f64;
+        detect(
+            &mut monitor,
+            &[None; MAX_AXES],
+            &[0; MAX_AXES],
+            &tick(number),
+        );
+    }
+    assert!(monitor.is_homed());
+    for (actual, expected) in monitor.phase_error().iter().zip(error) {
+        let off = actual.to_num::<f64>() - expected;
+        assert!(off.abs() < 1e-6, "{actual} for {expected}");
+    }
 }
 
 /// A sensor that bounces at every other passage, at 0.4 turns a tick: three widths or one until a pulse is

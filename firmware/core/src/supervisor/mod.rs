@@ -208,7 +208,7 @@ impl Supervisor {
         &mut self,
         inputs: SafetyInputs,
         command: Option<Command>,
-        input: SupervisorInput,
+        input: &SupervisorInput,
     ) -> Action {
         self.latch(input);
         self.state = self.next_state(inputs, command, input);
@@ -216,7 +216,7 @@ impl Supervisor {
     }
 
     /// Keeps the first fault, as later ones may be its consequences. Only a better name replaces it.
-    fn latch(&mut self, input: SupervisorInput) {
+    fn latch(&mut self, input: &SupervisorInput) {
         let Some(fault) = input.fault else {
             return;
         };
@@ -238,7 +238,7 @@ impl Supervisor {
         &mut self,
         inputs: SafetyInputs,
         command: Option<Command>,
-        input: SupervisorInput,
+        input: &SupervisorInput,
     ) -> State {
         let stop = inputs.stop || command == Some(Command::Stop);
         let moving = matches!(self.state, State::Homing | State::Run | State::Stop);

@@ -114,7 +114,7 @@ fn explore(inputs: &[Input]) -> BTreeMap<Key, BTreeSet<Key>> {
         let mut next = BTreeSet::new();
         for input in inputs {
             let mut after = supervisor.clone();
-            let action = after.step(input.inputs, input.command, input.observed);
+            let action = after.step(input.inputs, input.command, &input.observed);
             let owed = check(&supervisor, owed, input, &after, action);
             if next.insert(key(&after, owed)) {
                 open.push_back((after, owed));
@@ -221,7 +221,7 @@ fn all_sequences_of_six_events_stay_within_the_graph() {
             let mut input = held;
             event(&mut input);
             let mut after = supervisor.clone();
-            let action = after.step(input.inputs, input.command, input.observed);
+            let action = after.step(input.inputs, input.command, &input.observed);
             let owed = check(&supervisor, owed, &input, &after, action);
             assert!(
                 graph.contains_key(&key(&after, owed)),

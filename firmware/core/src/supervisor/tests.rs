@@ -10,7 +10,7 @@ const SAFE: SafetyInputs = SafetyInputs {
 fn in_state(state: State) -> Supervisor {
     let mut supervisor = Supervisor::new(0);
     let mut go = |command, input| {
-        supervisor.step(SAFE, command, input);
+        supervisor.step(SAFE, command, &input);
     };
     let homed = SupervisorInput {
         homed: true,
@@ -94,7 +94,7 @@ fn for_every_step(
                     ..SupervisorInput::default()
                 };
                 let mut supervisor = in_state(state);
-                let action = supervisor.step(inputs, command, input);
+                let action = supervisor.step(inputs, command, &input);
                 check(state, inputs, command, input, &supervisor, action);
             }
         }
@@ -183,8 +183,8 @@ fn the_first_fault_is_kept() {
         fault: Some(Fault::new(kind)),
         ..SupervisorInput::default()
     };
-    supervisor.step(SAFE, None, input(FaultKind::Tilt));
-    supervisor.step(SAFE, None, input(FaultKind::IndexMissing));
+    supervisor.step(SAFE, None, &input(FaultKind::Tilt));
+    supervisor.step(SAFE, None, &input(FaultKind::IndexMissing));
     assert_eq!(supervisor.fault().unwrap().kind, FaultKind::Tilt);
 }
 
@@ -199,13 +199,13 @@ fn a_better_name_replaces_what_latched_and_not_when() {
         at_rest: tick == 9,
         ..SupervisorInput::default()
     };
-    supervisor.step(SAFE, None, input(FaultKind::Tilt, false, 7));
+    supervisor.step(SAFE, None, &input(FaultKind::Tilt, false, 7));
     let better = Fault::new(FaultKind::Stuck).on_axis(2);
     let refined = SupervisorInput {
         fault: Some(better),
         ..input(FaultKind::Stuck, true, 8)
     };
-    supervisor.step(SAFE, None, refined);
+    supervisor.step(SAFE, None, &refined);
     let reported = supervisor.fault().unwrap();
     assert_eq!(
         (reported.kind, reported.axis, reported.tick),
@@ -215,16 +215,16 @@ fn a_better_name_replaces_what_latched_and_not_when() {
     supervisor.step(
         SAFE,
         None,
-        SupervisorInput {
+        &SupervisorInput {
             at_rest: true,
             ..SupervisorInput::default()
         },
     );
     assert_eq!(supervisor.state(), State::Fault);
-    supervisor.step(SAFE, None, input(FaultKind::Slip, true, 9));
+    supervisor.step(SAFE, None, &input(FaultKind::Slip, true, 9));
     assert_eq!(supervisor.fault().unwrap().kind, FaultKind::Slip);
-    supervisor.step(SAFE, Some(Command::Reset), SupervisorInput::default());
-    supervisor.step(SAFE, None, input(FaultKind::Slip, true, 10));
+    supervisor.step(SAFE, Some(Command::Reset), &SupervisorInput::default());
+    supervisor.step(SAFE, None, &input(FaultKind::Slip, true, 10));
     assert_eq!(supervisor.fault(), None);
 }
 
@@ -238,7 +238,7 @@ fn a_fault_that_disables_switches_off_at_once_and_during_another_stop_too() {
     };
     for state in [State::Homing, State::Run, State::Stop, State::Parked] {
         let mut supervisor = in_state(state);
-        assert_eq!(supervisor.step(SAFE, None, disables), Action::Stand);
+        assert_eq!(supervisor.step(SAFE, None, &disables), Action::Stand);
         assert_eq!(supervisor.state(), State::Fault);
         assert_eq!(supervisor.fault().unwrap().kind, FaultKind::Runaway);
     }
@@ -247,8 +247,8 @@ fn a_fault_that_disables_switches_off_at_once_and_during_another_stop_too() {
         fault: Some(Fault::new(FaultKind::Tilt)),
         ..SupervisorInput::default()
     };
-    assert_eq!(supervisor.step(SAFE, None, stops), Action::StopFast);
-    assert_eq!(supervisor.step(SAFE, None, disables), Action::Stand);
+    assert_eq!(supervisor.step(SAFE, None, &stops), Action::StopFast);
+    assert_eq!(supervisor.step(SAFE, None, &disables), Action::Stand);
     assert_eq!(
         supervisor.fault().unwrap().kind,
         FaultKind::Tilt,
@@ -274,7 +274,7 @@ fn nothing_runs_before_homing() {
                 at_rest: choice >= 4,
                 ..SupervisorInput::default()
             };
-            supervisor.step(SAFE, commands[choice as usize % 4], input);
+            supervisor.step(SAFE, commands[choice as usize % 4], &input);
             assert_ne!(supervisor.state(), State::Run, "sequence {sequence:o}");
         }
     }
@@ -289,7 +289,7 @@ fn a_hold_does_not_outlive_its_run() {
         at_rest: true,
         ..SupervisorInput::default()
     };
-    let mut step = |command| supervisor.step(SAFE, command, homed);
+    let mut step = |command| supervisor.step(SAFE, command, &homed);
     assert_eq!(step(Some(Command::Hold)), Action::Hold);
     step(Some(Command::Stop));
     assert_eq!(step(None), Action::Park);

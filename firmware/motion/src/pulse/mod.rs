@@ -8,12 +8,14 @@
 pub mod planner;
 mod run;
 mod runs;
+mod sharing;
 mod step_rate;
 mod timing;
 
-pub use planner::Planner;
+pub use planner::{Place, Planner};
 pub use run::Run;
 pub use runs::{BLOCK, MAX_RUNS, Runs};
+pub use sharing::Sharing;
 pub use step_rate::StepRates;
 pub use timing::PulseTiming;
 

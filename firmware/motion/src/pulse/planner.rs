@@ -39,11 +39,16 @@ pub const GUARD: u32 = Run::LEAST_CYCLES;
 #[derive(Clone, Debug)]
 pub struct Planner {
     timing: PulseTiming,
+    place: Place,
+}
+
+/// Where an axis is within a step, and the levels of its lines: all that the edges of a tick depend on besides its turns and the
+/// lines' timing, which is the same for all axes of a machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
     half_steps_per_turn: u32,
     /// Half-steps beyond the last whole step, 0 ≤ within < 2 half-steps.
     within: u64,
-    /// Whole steps commanded.
-    steps: i64,
     /// Level of STEP.
     high: bool,
     /// Level of DIR.
@@ -55,40 +60,48 @@ impl Planner {
     pub const fn new(timing: PulseTiming, steps_per_turn: u32) -> Self {
         Self {
             timing,
-            half_steps_per_turn: 2 * steps_per_turn,
-            within: 0,
-            steps: 0,
-            high: false,
-            forward: true,
+            place: Place {
+                half_steps_per_turn: 2 * steps_per_turn,
+                within: 0,
+                high: false,
+                forward: true,
+            },
         }
     }
 
-    /// Steps commanded since the start: the phase covered, in whole steps, rounded down.
-    pub const fn steps(&self) -> i64 {
-        self.steps
+    /// Where the axis is within a step.
+    pub const fn place(&self) -> &Place {
+        &self.place
     }
 
-    /// Replaces `runs` with those of a tick in which the axis covers `turns`.
+    /// Continues from the place of an axis whose plans this axis played.
+    pub const fn continue_from(&mut self, place: Place) {
+        self.place = place;
+    }
+
+    /// Replaces `runs` with those of a tick in which the axis covers `turns`. Returns the whole steps of the tick: their
+    /// sum is the phase covered since the start, in whole steps, rounded down.
     ///
     /// `turns` must not need more edges than [`PulseTiming::check_rate`] allowed. The cache of step rates may be shared
     /// by axes with the same tick length.
     #[inline]
-    pub fn plan(&mut self, turns: Turns, step_rate: &mut StepRates, runs: &mut Runs) {
+    pub fn plan(&mut self, turns: Turns, step_rate: &mut StepRates, runs: &mut Runs) -> i32 {
         runs.clear();
         let tick_cycles = self.timing.tick;
-        let step_rate = step_rate.take(turns.to_bits(), self.half_steps_per_turn);
+        let step_rate = step_rate.take(turns.to_bits(), self.place.half_steps_per_turn);
         let travel = self.travel(turns, step_rate);
         let forward = turns >= 0;
         let due_high = travel.begins_low == forward;
         if travel.crossings == 0 {
-            append(Run::pause(tick_cycles, self.forward), runs);
-        } else if forward == self.forward && self.high == due_high {
+            append(Run::pause(tick_cycles, self.place.forward), runs);
+        } else if forward == self.place.forward && self.place.high == due_high {
             let times = (step_rate.first(travel.to_first), step_rate.spacing);
-            self.high ^= travel.crossings % 2 == 1;
+            self.place.high ^= travel.crossings % 2 == 1;
             schedule_edges(travel.crossings, 0, times, tick_cycles, forward, runs);
         } else {
             self.plan_turning(&travel, forward, due_high, step_rate, runs);
         }
+        travel.steps
     }
 
     /// Plans a tick that does not continue as the one before ended.
@@ -105,10 +118,10 @@ impl Planner {
         runs: &mut Runs,
     ) {
         let tick_cycles = self.timing.tick;
-        let skipped = u32::from(due_high && !self.high);
+        let skipped = u32::from(due_high && !self.place.high);
         let edges = travel.crossings - skipped;
         if edges == 0 {
-            append(Run::pause(tick_cycles, self.forward), runs);
+            append(Run::pause(tick_cycles, self.place.forward), runs);
             return;
         }
         let start = self.turn_round(forward, runs);
@@ -118,23 +131,25 @@ impl Planner {
         } else {
             to_first + spacing
         };
-        self.high ^= edges % 2 == 1;
+        self.place.high ^= edges % 2 == 1;
         let times = (first, spacing);
-        schedule_edges(edges, start, times, tick_cycles, self.forward, runs);
+        schedule_edges(edges, start, times, tick_cycles, self.place.forward, runs);
     }
 
-    /// Counts the steps of a tick without pulses, for a servo axis: `runs` becomes one pause of a tick.
-    pub fn count(&mut self, turns: Turns, step_rate: &mut StepRates, runs: &mut Runs) {
-        let step_rate = step_rate.take(turns.to_bits(), self.half_steps_per_turn);
-        self.travel(turns, step_rate);
+    /// Counts the steps of a tick without pulses, for a servo axis: `runs` becomes one pause of a tick. Returns the steps
+    /// as [`Self::plan`] does.
+    pub fn count(&mut self, turns: Turns, step_rate: &mut StepRates, runs: &mut Runs) -> i32 {
+        let step_rate = step_rate.take(turns.to_bits(), self.place.half_steps_per_turn);
+        let travel = self.travel(turns, step_rate);
         runs.clear();
-        append(Run::pause(self.timing.tick, self.forward), runs);
+        append(Run::pause(self.timing.tick, self.place.forward), runs);
+        travel.steps
     }
 
     /// Advances by a tick and returns the half-steps that it crosses.
     #[inline(always)]
     fn travel(&mut self, turns: Turns, step_rate: &StepRate) -> Travel {
-        let begin = self.within;
+        let begin = self.place.within;
         let passed = begin & (HALF_STEP - 1);
         let (end, to_first) = if turns >= 0 {
             (begin.wrapping_add(step_rate.length), HALF_STEP - passed)
@@ -145,28 +160,31 @@ impl Planner {
         // word.
         let number = |place: u64| (place >> 32) as i32 >> (FRACTION_BITS - 32);
         let (first, last) = (number(begin), number(end));
-        self.steps += i64::from(last >> 1);
-        self.within = end & (2 * HALF_STEP - 1);
+        self.place.within = end & (2 * HALF_STEP - 1);
         Travel {
             to_first,
             crossings: last.abs_diff(first),
             begins_low: first == 0,
+            steps: last >> 1,
         }
     }
 
     /// Ends a pulse that is still high, and changes the direction if needed; returns the cycles that this takes.
     fn turn_round(&mut self, forward: bool, runs: &mut Runs) -> u32 {
         let mut end = 0;
-        if self.high {
+        if self.place.high {
             end = self.timing.width.max(GUARD);
-            append(Run::new(1, end, self.forward), runs);
-            self.high = false;
+            append(Run::new(1, end, self.place.forward), runs);
+            self.place.high = false;
         }
-        if forward != self.forward {
-            append(Run::pause(self.timing.before_turn, self.forward), runs);
+        if forward != self.place.forward {
+            append(
+                Run::pause(self.timing.before_turn, self.place.forward),
+                runs,
+            );
             append(Run::pause(self.timing.turn, forward), runs);
             end += self.timing.before_turn + self.timing.turn;
-            self.forward = forward;
+            self.place.forward = forward;
         }
         end
     }
@@ -180,6 +198,8 @@ struct Travel {
     crossings: u32,
     /// True if the tick begins in the first half of a step.
     begins_low: bool,
+    /// Whole steps made, rounded down.
+    steps: i32,
 }
 
 /// Distributes `edges` (at least 1) over the tick from `start` on, and appends them and the pause after them.

@@ -32,7 +32,7 @@ fn find(bands: &[Band], speed: i64) -> Option<(usize, &Band)> {
 }
 
 /// Returns `speed` outside all bands, and otherwise the nearer edge of its band.
-#[inline(never)] // It runs three times a tick, with all its inputs in registers.
+#[inline(never)] // It runs up to three times a tick, with all its inputs in registers.
 pub(super) fn outside(bands: &[Band], speed: i64) -> i64 {
     match find(bands, speed) {
         Some((_, band)) if band.sends_up(speed) => band.to,
@@ -71,6 +71,12 @@ impl Passage {
         }
     }
 
+    /// Updates from a speed outside all bands.
+    pub const fn observe_outside(&mut self, speed: i64) {
+        self.inside = None;
+        self.last_speed = speed;
+    }
+
     /// Updates from the shaft's speed in the last tick.
     pub fn observe(&mut self, bands: &[Band], speed: i64) {
         self.inside = match (find(bands, speed), self.inside) {
@@ -96,7 +102,7 @@ impl Passage {
 }
 
 /// Lowest and highest speed that the shaft may have now.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Corridor {
     pub floor: i64,
     pub ceiling: i64,
@@ -127,9 +133,84 @@ impl Corridor {
         corridor
     }
 
+    /// Contains no speed.
+    pub const NONE: Self = Self {
+        floor: 1,
+        ceiling: 0,
+    };
+
+    /// Returns the speeds around `speed` that lie outside all bands, both edges included, or none if it lies in a band.
+    pub fn gap(limits: &ShaftLimits, speed: i64) -> Self {
+        let mut gap = Self {
+            floor: 0,
+            ceiling: limits.speed,
+        };
+        for band in &limits.bands {
+            if speed >= band.to {
+                gap.floor = band.to;
+            } else if speed > band.from {
+                return Self::NONE;
+            } else {
+                gap.ceiling = gap.ceiling.min(band.from);
+            }
+        }
+        gap
+    }
+
+    #[inline(always)]
+    pub const fn contains(&self, speed: i64) -> bool {
+        self.floor <= speed && speed <= self.ceiling
+    }
+
     /// Limits a speed to the corridor; it must lie outside the bands.
     #[inline(always)]
     pub fn clamp(&self, speed: i64) -> i64 {
         speed.min(self.ceiling).max(self.floor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::{BandSettings, LimitSettings};
+
+    /// The gap is a short way to what bands make of speeds; both must agree at every edge.
+    #[test]
+    fn in_a_gap_nothing_but_its_edges_bounds_a_speed() {
+        let settings = LimitSettings {
+            speed_hz: 20.0,
+            acceleration_hz_per_s: 20.0,
+            jerk_hz_per_s2: 200.0,
+            stop_acceleration_hz_per_s: 20.0,
+            stop_jerk_hz_per_s2: 200.0,
+            homing_speed_hz: 1.0,
+            bands: [(3.0, 4.0), (9.0, 12.0), (15.0, 16.0)]
+                .map(|(from_hz, to_hz)| BandSettings { from_hz, to_hz })
+                .into_iter()
+                .collect(),
+        };
+        let limits = ShaftLimits::of(&settings, 2000);
+        let edges = limits.bands.iter().flat_map(|band| [band.from, band.to]);
+        let places: std::vec::Vec<i64> = edges
+            .chain([0, limits.speed])
+            .flat_map(|edge| [edge - 1000, edge - 1, edge, edge + 1, edge + 1000])
+            .filter(|speed| (0..=limits.speed).contains(speed))
+            .collect();
+        let mut held = 0;
+        for &speed in &places {
+            let gap = Corridor::gap(&limits, speed);
+            let is_outside = outside(&limits.bands, speed) == speed;
+            assert_eq!(gap.contains(speed), is_outside, "{speed}");
+            for &requested in places.iter().filter(|&&requested| gap.contains(requested)) {
+                let corridor = Corridor::new(&limits, speed, Passage::new(), requested);
+                assert_eq!(corridor, gap, "{speed}, {requested}");
+                held += 1;
+                for &other in &places {
+                    let by_bands = gap.clamp(outside(&limits.bands, other));
+                    assert_eq!(gap.clamp(other), by_bands, "{other} from {speed}");
+                }
+            }
+        }
+        assert!(held > 100);
     }
 }

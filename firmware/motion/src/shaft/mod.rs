@@ -103,6 +103,8 @@ pub struct Shaft {
     acceleration: i64,
     mode: Mode,
     passage: Passage,
+    /// Speeds around the last that lie in no band: as long as the speed and what is required of it stay there, bands need not be looked at.
+    gap: Corridor,
 }
 
 #[derive(Clone, Debug)]
@@ -125,6 +127,7 @@ impl Shaft {
             acceleration: 0,
             mode: Mode::Rest,
             passage: Passage::new(),
+            gap: Corridor::NONE,
         }
     }
 
@@ -164,7 +167,12 @@ impl Shaft {
         self.acceleration = speed - self.speed;
         self.speed = speed;
         self.phase = self.phase.advanced(motion.speed);
-        self.passage.observe(&self.limits.bands, speed);
+        if self.gap.contains(speed) {
+            self.passage.observe_outside(speed);
+        } else {
+            self.passage.observe(&self.limits.bands, speed);
+            self.gap = Corridor::gap(&self.limits, speed);
+        }
         motion.crossing_band = self.passage.is_inside();
         let arrived = match &self.mode {
             Mode::Rest => true,
@@ -211,21 +219,34 @@ impl Shaft {
     #[inline(never)]
     fn follow(&self, target: Target, motion: &mut Motion) -> i64 {
         let requested = (target.now.to_bits(), target.next.to_bits());
-        let corridor = Corridor::new(&self.limits, self.speed, self.passage, requested.1);
-        let bands = &self.limits.bands;
-        let next = bands::outside(bands, requested.1);
-        motion.held_at_band = next != requested.1;
-        let aim = Aim {
-            now: corridor.clamp(bands::outside(bands, requested.0)),
-            next: corridor.clamp(next),
-        };
+        let end = target.end.to_bits();
+        let (corridor, aim, end) =
+            if self.gap.contains(self.speed) && self.gap.contains(requested.1) {
+                if self.acceleration == 0 && requested == (self.speed, self.speed) {
+                    return self.speed; // the speed is kept
+                }
+                let aim = Aim {
+                    now: self.gap.clamp(requested.0),
+                    next: requested.1,
+                };
+                (self.gap, aim, self.gap.clamp(end))
+            } else {
+                let corridor = Corridor::new(&self.limits, self.speed, self.passage, requested.1);
+                let bands = &self.limits.bands;
+                let next = bands::outside(bands, requested.1);
+                motion.held_at_band = next != requested.1;
+                let aim = Aim {
+                    now: corridor.clamp(bands::outside(bands, requested.0)),
+                    next: corridor.clamp(next),
+                };
+                (corridor, aim, corridor.clamp(bands::outside(bands, end)))
+            };
         // Where the corridor has changed the aim, the difference is a jump and not a rate.
         let aim = if (aim.now, aim.next) == requested {
             aim
         } else {
             Aim::steady(aim.next)
         };
-        let end = corridor.clamp(bands::outside(bands, target.end.to_bits()));
         let (floor, ceiling) = if end >= aim.next {
             (corridor.floor, corridor.ceiling.min(end))
         } else {

@@ -22,8 +22,8 @@ mod release;
 
 use core::arch::asm;
 
-use cophase_core::pulse::{BLOCK, MAX_RUNS, Run, Runs};
-use cophase_core::units::PerAxis;
+use cophase_core::pulse::{BLOCK, MAX_RUNS, Run, Runs, Sharing};
+use cophase_core::signals::Output;
 use cophase_link::board::LEAST_LEAD_US;
 use critical_section::CriticalSection;
 use embassy_rp::pac;
@@ -94,6 +94,9 @@ pub struct Steps {
     /// What the channels were given last.
     given: &'static mut [Words; AXES],
     axes: usize,
+    /// Which axes share a plan, and the axis whose words the channel of each reads.
+    sharing: Option<Sharing>,
+    reads: [u8; AXES],
     /// What turns a word's DIR round, or not, for each axis.
     reversed: [u32; AXES],
     tick: Duration,
@@ -129,6 +132,8 @@ impl Steps {
             free,
             given,
             axes,
+            sharing: None,
+            reads: [0; AXES],
             reversed: turned,
             tick,
             until: None,
@@ -141,10 +146,17 @@ impl Steps {
     }
 
     /// Hands over a tick's runs, to be played from `start` on: those of all axes, or of none.
-    pub fn submit(&mut self, runs: &PerAxis<Runs>, start: Instant) -> Submission {
-        let axes = self.free.iter_mut().zip(runs).zip(&self.reversed);
-        for ((words, runs), &reversed) in axes.take(self.axes) {
-            words.copy(runs, reversed);
+    pub fn submit(&mut self, output: &Output, start: Instant) -> Submission {
+        if self.sharing != Some(output.sharing()) {
+            self.assign_words(output.sharing());
+        }
+        // Machines that stand are to begin with a pause, which is not the same in both blocks: they share no words.
+        let is_first = self.until != Some(start);
+        let axes = self.free.iter_mut().zip(&self.reads).zip(&self.reversed);
+        for (axis, ((words, &read), &reversed)) in axes.enumerate().take(self.axes) {
+            if usize::from(read) == axis || is_first {
+                words.copy(output.runs(axis), reversed);
+            }
         }
         let submission = critical_section::with(|cs| self.hand_over(cs, start));
         if matches!(submission, Submission::Taken | Submission::Begun(_)) {
@@ -152,6 +164,17 @@ impl Steps {
             core::mem::swap(&mut self.free, &mut self.given);
         }
         submission
+    }
+
+    /// Assigns words to channels. Axes that share a plan and have the same sense of rotation read the words of the first of them.
+    #[inline(never)]
+    fn assign_words(&mut self, sharing: Sharing) {
+        self.sharing = Some(sharing);
+        let like = |axis: usize| (sharing.first(axis), self.reversed.get(axis));
+        for (axis, read) in self.reads.iter_mut().enumerate() {
+            let first = (0..axis).find(|&first| like(first) == like(axis));
+            *read = first.unwrap_or(axis) as u8;
+        }
     }
 
     fn hand_over(&mut self, cs: CriticalSection<'_>, start: Instant) -> Submission {
@@ -168,8 +191,10 @@ impl Steps {
                 self.until = None;
                 return Submission::Underrun(axis);
             }
-            for (axis, words) in self.free.iter().enumerate().take(self.axes) {
-                feed::feed(cs, axis, words.tick());
+            for (axis, &read) in self.reads.iter().enumerate().take(self.axes) {
+                if let Some(words) = self.free.get(usize::from(read)) {
+                    feed::feed(cs, axis, words.tick());
+                }
             }
             Submission::Taken
         } else if lead_us >= LEAST_BEGIN_US && self.all_stand(cs) {

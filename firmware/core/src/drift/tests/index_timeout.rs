@@ -126,5 +126,6 @@ fn a_crank_that_swings_where_it_was_left_says_nothing() {
         detect(&mut monitor, &pulses, &[0; MAX_AXES], &[turning; MAX_AXES]),
         None
     );
+    assert_eq!(process_all(&mut monitor, &[turning; MAX_AXES]), []);
     assert!(monitor.is_homed());
 }

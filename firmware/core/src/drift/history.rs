@@ -1,0 +1,159 @@
+//! Turns that were commanded in the last ticks.
+//!
+//! Most axes make the master's turns; only those of other axes are stored. Past phases follow from the present one.
+
+use super::{AxisSet, TickPhase};
+use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
+
+/// Turns of all axes in one tick.
+#[derive(Clone, Copy, Debug)]
+struct Made {
+    master: Turns,
+    /// Axes that made other turns, and their turns.
+    own: AxisSet,
+    turns: PerAxis<Turns>,
+    /// Upper bound on the turns of an axis.
+    most: Turns,
+}
+
+impl Made {
+    const NONE: Self = Self {
+        master: Turns::ZERO,
+        own: 0,
+        turns: [Turns::ZERO; MAX_AXES],
+        most: Turns::ZERO,
+    };
+
+    fn of(&self, axis: usize) -> Turns {
+        if self.own & 1 << axis == 0 {
+            self.master
+        } else {
+            self.turns.get(axis).copied().unwrap_or_default()
+        }
+    }
+}
+
+/// Turns of all axes in three ticks: the one that is being played, the one that is over, and the one before that.
+#[derive(Clone, Debug)]
+pub struct History {
+    ticks: [Made; 3],
+    newest: usize,
+}
+
+impl History {
+    /// History of axes at rest.
+    pub const fn new() -> Self {
+        Self {
+            ticks: [Made::NONE; 3],
+            newest: 0,
+        }
+    }
+
+    /// Adds a planned tick, in which all axes make the master's turns.
+    #[inline]
+    pub fn plan(&mut self, master: Turns) {
+        self.newest = if self.newest == 2 { 0 } else { self.newest + 1 };
+        if let Some(made) = self.ticks.get_mut(self.newest) {
+            made.master = master;
+            made.most = master;
+            made.own = 0;
+        }
+    }
+
+    /// Sets the turns of one axis in the tick that was added last.
+    pub fn plan_own(&mut self, axis: usize, turns: Turns) {
+        if let Some(made) = self.ticks.get_mut(self.newest) {
+            made.own |= 1 << axis;
+            made.most = made.most.max(turns);
+            if let Some(own) = made.turns.get_mut(axis) {
+                *own = turns;
+            }
+        }
+    }
+
+    /// Turns of an axis in the tick that was planned last.
+    pub fn planned(&self, axis: usize) -> Turns {
+        self.made(0).of(axis)
+    }
+
+    /// Phase of an axis over the tick that is over. `phase` is its commanded phase at the end of the tick that was planned last.
+    pub fn over(&self, axis: usize, phase: Phase) -> TickPhase {
+        let turns = self.made(1).of(axis);
+        let since = self.planned(axis).wrapping_add(turns);
+        TickPhase {
+            start: phase.advanced(since.wrapping_neg()),
+            turns,
+        }
+    }
+
+    /// Turns of an axis in the tick before the one that is over.
+    pub fn before(&self, axis: usize) -> Turns {
+        self.made(2).of(axis)
+    }
+
+    /// Upper bound on the turns of an axis in the tick that is over.
+    #[inline]
+    pub fn most(&self) -> Turns {
+        self.made(1).most
+    }
+
+    #[inline(always)]
+    fn made(&self, ago: usize) -> &Made {
+        // No remainder: the board has no instruction that divides.
+        let place = if self.newest < ago {
+            self.newest + 3 - ago
+        } else {
+            self.newest - ago
+        };
+        let [first, second, third] = &self.ticks;
+        match place {
+            0 => first,
+            1 => second,
+            _ => third,
+        }
+    }
+}
+
+impl Default for History {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_ticks_are_known_of_each_axis() {
+        let turns = |n: i64| Turns::from_bits(n);
+        let mut history = History::new();
+        let mut phase = [Phase::ZERO; 2];
+        let mut begins = std::vec::Vec::new();
+        for tick in 1..20_i64 {
+            begins.push(phase);
+            history.plan(turns(tick));
+            let own = if tick % 3 == 0 { tick + 5 } else { tick };
+            if tick % 3 == 0 {
+                history.plan_own(1, turns(own));
+            }
+            phase = [
+                phase[0].advanced(turns(tick)),
+                phase[1].advanced(turns(own)),
+            ];
+            assert_eq!(history.planned(1), turns(own));
+            if tick < 3 {
+                continue;
+            }
+            let own = |tick: i64| if tick % 3 == 0 { tick + 5 } else { tick };
+            for (axis, made) in [tick - 1, own(tick - 1)].into_iter().enumerate() {
+                let over = history.over(axis, phase[axis]);
+                assert_eq!(over.turns, turns(made));
+                assert_eq!(over.start, begins[tick as usize - 2][axis]);
+            }
+            assert_eq!(history.before(0), turns(tick - 2));
+            assert_eq!(history.before(1), turns(own(tick - 2)));
+            assert_eq!(history.most(), turns(own(tick - 1)));
+        }
+    }
+}

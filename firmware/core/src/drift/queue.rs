@@ -1,0 +1,191 @@
+//! Queue of index updates: one axis is processed in each tick.
+//!
+//! With all sensors at one crank angle, the pulses of all axes come in one tick, and each costs a large part of a tick. A pulse is
+//! therefore queued with the phase that was commanded when it came.
+//!
+//! **Delay.** If n axes have updates in one tick, the last is processed n − 1 ticks later. On a machine of N axes, reactions come
+//! up to N − 1 ticks later. A single update is processed in its own tick. The measured phase errors are the same.
+//!
+//! Updates that are queued together are a *batch*. The monitor draws its conclusions when the last of a batch has been processed.
+//! Later updates belong to the next batch, so that every axis has its turn. If an axis has a second pulse while the first is queued
+//! (noise, or more than 1/N turn a tick), the first is processed at once.
+
+use super::tick_phase::{IndexPulse, TickPhase};
+use super::{AxisSet, DriftMonitor, Sensed};
+use crate::units::{MAX_AXES, PerAxis, Turns};
+
+/// An index pulse, and what was commanded when it came.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct QueuedPulse {
+    pub pulse: IndexPulse,
+    pub commanded: TickPhase,
+    /// Turns in the tick before; none if they are not known.
+    pub before: Option<Turns>,
+}
+
+/// Updates that are to be processed.
+#[derive(Clone, Debug)]
+pub(super) struct Queue {
+    pulses: PerAxis<Option<QueuedPulse>>,
+    /// Axes with a queued pulse.
+    pulsed: AxisSet,
+    /// Axes with another update, an index timeout or one of an encoder, which is kept by their watch.
+    other: AxisSet,
+    /// Axes of the present batch that are still to be processed.
+    batch: AxisSet,
+    /// Axes of the present batch that were updated, and those of them that have moved far.
+    updated: AxisSet,
+    moved: AxisSet,
+}
+
+impl Queue {
+    pub(super) const fn new() -> Self {
+        Self {
+            pulses: [None; MAX_AXES],
+            pulsed: 0,
+            other: 0,
+            batch: 0,
+            updated: 0,
+            moved: 0,
+        }
+    }
+
+    const fn is_empty(&self) -> bool {
+        self.pulsed | self.other == 0
+    }
+
+    /// Takes the next axis. Timeouts come first, as the machine may have to be stopped, and as their reaction depends on whether all
+    /// axes are late.
+    fn next(&mut self) -> Option<usize> {
+        if self.batch == 0 {
+            self.batch = self.pulsed;
+        }
+        let first = match self.other {
+            0 => self.batch,
+            other => other,
+        };
+        let axis = (0..MAX_AXES).find(|axis| first & 1 << axis != 0)?;
+        Some(axis)
+    }
+}
+
+impl DriftMonitor {
+    pub(super) const fn has_updates(&self) -> bool {
+        !self.queue.is_empty() || self.by_encoder != 0
+    }
+
+    /// Queues the pulses of a tick.
+    #[inline(always)]
+    pub(super) fn queue_pulses(&mut self, sensed: &Sensed<'_>, before_is_known: bool) {
+        for (axis, pulse) in sensed.index.iter().enumerate() {
+            if let Some(pulse) = pulse
+                && self.by_index & 1 << axis != 0
+            {
+                self.queue_pulse(axis, *pulse, sensed, before_is_known);
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn queue_pulse(
+        &mut self,
+        axis: usize,
+        pulse: IndexPulse,
+        sensed: &Sensed<'_>,
+        before_is_known: bool,
+    ) {
+        while self.queue.pulsed & 1 << axis != 0 {
+            self.process_axis(axis, sensed);
+        }
+        let queued = QueuedPulse {
+            pulse,
+            commanded: sensed.over(axis),
+            before: before_is_known.then(|| sensed.history.before(axis)),
+        };
+        if let Some(slot) = self.queue.pulses.get_mut(axis) {
+            *slot = Some(queued);
+            self.queue.pulsed |= 1 << axis;
+        }
+    }
+
+    /// Checks axes by index without an update for a timeout, and computes the margin up to which they need no further check.
+    #[inline(never)]
+    pub(super) fn check_timeouts(&mut self, sensed: &Sensed<'_>) {
+        let mut margin = Turns::MAX;
+        let unchecked = self.by_index & !(self.queue.pulsed | self.queue.other);
+        for (axis, watch) in self.axes.iter_mut().enumerate() {
+            let own = 1 << axis;
+            if unchecked & own == 0 {
+                continue;
+            }
+            let commanded = sensed.over(axis);
+            if watch.margin(&commanded) < 0 && watch.check_timeout(&commanded) {
+                self.queue.other |= own;
+            }
+            margin = margin.min(watch.margin(&commanded));
+        }
+        self.margin = margin;
+    }
+
+    /// Processes a tick of the axes with encoders.
+    #[inline(never)]
+    pub(super) fn observe_encoders(&mut self, sensed: &Sensed<'_>, before_is_known: bool) {
+        for (axis, watch) in self.axes.iter_mut().enumerate() {
+            if self.by_encoder & 1 << axis == 0 {
+                continue;
+            }
+            let pulse = sensed.index.get(axis).and_then(Option::as_ref);
+            let count = sensed.encoder.get(axis).copied().unwrap_or_default();
+            let commanded = sensed.over(axis);
+            if watch.observe(pulse, count, &commanded, before_is_known, self.clock) {
+                self.queue.other |= 1 << axis;
+            }
+        }
+    }
+
+    /// Processes the updates of one axis. On a machine with encoders, which are read in every tick, processes all updates.
+    #[inline(never)]
+    pub(super) fn process_queue(&mut self, sensed: &Sensed<'_>) {
+        while let Some(axis) = self.queue.next() {
+            self.process_axis(axis, sensed);
+            if self.by_encoder == 0 {
+                break;
+            }
+        }
+        if self.queue.batch == 0 && self.queue.other == 0 {
+            let updated = core::mem::take(&mut self.queue.updated);
+            let moved = core::mem::take(&mut self.queue.moved);
+            if updated != 0 || self.by_encoder != 0 {
+                self.conclude(updated, moved, sensed);
+            }
+        }
+    }
+
+    fn process_axis(&mut self, axis: usize, sensed: &Sensed<'_>) {
+        let own = 1 << axis;
+        let Some(watch) = self.axes.get_mut(axis) else {
+            return;
+        };
+        let is_other = self.queue.other & own != 0;
+        let is_updated = if is_other {
+            self.queue.other &= !own;
+            true
+        } else {
+            self.queue.pulsed &= !own;
+            self.queue.batch &= !own;
+            let queued = self.queue.pulses.get(axis).and_then(Option::as_ref);
+            queued.is_some_and(|queued| watch.detect(queued, self.clock))
+        };
+        if is_updated {
+            self.queue.updated |= own;
+            if self.sort(axis, is_other, sensed) {
+                self.queue.moved |= own;
+            }
+        }
+        if let Some(watch) = self.axes.get(axis)
+            && self.by_index & own != 0
+        {
+            self.margin = self.margin.min(watch.margin(&sensed.over(axis)));
+        }
+    }
+}

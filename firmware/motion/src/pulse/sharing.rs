@@ -1,0 +1,62 @@
+//! Groups of axes that share a plan.
+//!
+//! The edges of an axis in a tick depend only on its turns and on its [`Place`](super::Place). Most axes of a machine have
+//! both in common. Their edges are planned once and sent to all of them.
+
+use crate::units::MAX_AXES;
+
+/// For each axis, the first axis that plays the same plan.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Sharing(u32); // in one word, so that a change is detected by one comparison
+
+const BITS: u32 = 4;
+const _: () = assert!(MAX_AXES <= 1 << BITS && MAX_AXES as u32 * BITS <= u32::BITS);
+
+impl Sharing {
+    /// Every axis plays a plan of its own.
+    pub const NONE: Self = {
+        let (mut none, mut axis) = (Self(0), 0);
+        while axis < MAX_AXES {
+            none = none.with(axis, axis);
+            axis += 1;
+        }
+        none
+    };
+
+    /// First axis that plays the same plan as `axis`, which must be below [`MAX_AXES`].
+    #[inline(always)]
+    pub const fn first(self, axis: usize) -> usize {
+        (self.0 >> (BITS * axis as u32) & ((1 << BITS) - 1)) as usize
+    }
+
+    /// Lets `axis` share the plan of `first`; both must be below [`MAX_AXES`].
+    #[must_use]
+    pub const fn with(self, axis: usize, first: usize) -> Self {
+        let shift = BITS * axis as u32;
+        Self(self.0 & !(((1 << BITS) - 1) << shift) | (first as u32) << shift)
+    }
+}
+
+impl core::fmt::Debug for Sharing {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_list()
+            .entries((0..MAX_AXES).map(|axis| self.first(axis)))
+            .finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_axis_has_what_it_was_given() {
+        let mut sharing = Sharing::NONE;
+        for axis in 0..MAX_AXES {
+            assert_eq!(sharing.first(axis), axis);
+        }
+        sharing = sharing.with(5, 1).with(2, 1).with(5, 0);
+        let firsts: std::vec::Vec<_> = (0..MAX_AXES).map(|axis| sharing.first(axis)).collect();
+        assert_eq!(firsts, [0, 1, 1, 3, 4, 0]);
+    }
+}
