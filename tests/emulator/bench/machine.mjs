@@ -83,7 +83,8 @@ export class Machine {
   }
 
   /**
-   * Starts the machine. Gives the cycle of the deadline at which the loop read the start, as its interrupt shows it: what all times of the host count from.
+   * Starts the machine. Gives the cycle of the deadline at which the loop read the start, as its interrupt shows it: what
+   * all times of the host count from.
    */
   start() {
     this.set(pins.START, 1);
@@ -94,8 +95,10 @@ export class Machine {
     if (reason !== 'until') throw new Error('pressing the button did not switch the drives on');
     this.set(pins.START, 1);
     const [rise] = this.board.edges.to('enable', 1).slice(-1);
-    const runs = this.board.usage.calls.get(TIMER_IRQ_1).filter(({ entry }) => entry <= rise);
-    return runs[runs.length - 1].entry;
+    // The run of the loop that switched the drives on may still be under way.
+    const { calls, stack } = this.board.usage;
+    const runs = [...calls.get(TIMER_IRQ_1), ...stack.filter(({ number }) => number === TIMER_IRQ_1)];
+    return runs.findLast(({ entry }) => entry <= rise).entry;
   }
 
   /** The processor stands for `seconds`, or up to a reset, and everything else goes on: as if something kept it. */
