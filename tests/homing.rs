@@ -17,7 +17,7 @@ fn text(count: usize, drive: &str, starts_deg: &[f64], more: &str) -> String {
         "name = \"homing\"\nfidelity = \"kinematic\"\n\
          [machine]\ncrank_radius_mm = 10\nlambda = 0.25\nload_kg = 5\nmount_radius_mm = 200\n\
          [control]\nsettle_s = 0.05\n\
-         [limits]\nspeed_hz = 20\nacceleration_hz_per_s = 60\njerk_hz_per_s2 = 2000\ncreep_hz = {HOMING_SPEED_HZ}\n\
+         [limits]\nspeed_hz = 20\nacceleration_hz_per_s = 60\njerk_hz_per_s2 = 2000\nhoming_speed_hz = {HOMING_SPEED_HZ}\n\
          [drift]\ntilt_limit_mrad = 4.5\nwarp_limit_deg = 5\n\
          [axes]\ncount = {count}\n{drive}\nindex_deg = 40\ntrim_rate_deg_per_s = 20\n{axes}\
          [noise]\nseed = 3\nindex_deg = 0.05\nindex_us = 1\n\

@@ -291,7 +291,7 @@ fn a_slip_is_confirmed_by_a_level_that_can_show_it() {
         .replace("lambda = 0.25", "lambda = 0.25\nmount_radius_mm = 200")
         .replace(
             "jerk_hz_per_s2 = 600",
-            "jerk_hz_per_s2 = 1200\ncreep_hz = 5",
+            "jerk_hz_per_s2 = 1200\nhoming_speed_hz = 5",
         )
         .replace("damping_nms = 0.5", "damping_nms = 0.2")
         .replace("hold_s = 0.2", "hold_s = 0.5")

@@ -1,6 +1,6 @@
 """The index program: time stamps of level changes on six lines are compared with the true times.
 
-A word is the levels above a count of 26 bits. The n-th look at the lines has the count -n. A poll takes 7 cycles, and
+A word is the levels above a count of 26 bits. The n-th poll of the lines has the count -n. A poll takes 7 cycles, and
 14 after a change; it samples 4 cycles after its beginning. So a stamp says in which 7 (or 14) cycles a line changed.
 """
 
@@ -84,22 +84,22 @@ def compare(name, given, reports, polls_before, worst):
     cycles = [cycle for cycle, _ in given]
     last, levels, compared = None, 0, 0
     reported = set()
-    for poll, reported in reports:
+    for poll, now in reports:
         sample = sampled(poll, polls_before)
         # The poll before is 7 cycles earlier; if it reported a change, 14.
         window = 2 * POLL if last is not None and sample - last == 2 * POLL else POLL
         # A change at the end of cycle k is detected from k + 3 on.
         newest = sample - DETECTED_AFTER
         true = max(((cycle, level) for cycle, level in given if cycle <= newest), default=(0, 0))[1]
-        if reported != true or reported == levels:
-            raise Difference(f"{name}, poll {poll}: levels {reported:06b} after {levels:06b}; they were {true:06b}")
+        if now != true or now == levels:
+            raise Difference(f"{name}, poll {poll}: levels {now:06b} after {levels:06b}; they were {true:06b}")
         inside = [number for number, cycle in enumerate(cycles) if newest - window < cycle <= newest]
         if not inside:
             raise Difference(f"{name}, poll {poll}: no line changed in the {window} cycles before {newest}")
         reported.update(inside)
         middle = newest - window // 2
         worst[window] = max(worst[window], *(abs(cycles[number] - middle) for number in inside))
-        last, levels, compared = sample, reported, compared + 1
+        last, levels, compared = sample, now, compared + 1
     for number, (cycle, _) in enumerate(given):
         alone = all(
             abs(cycle - other) > 2 * POLL for other in cycles[max(0, number - 1) : number + 2] if other != cycle
@@ -117,10 +117,10 @@ def check_full_fifo(machine):
     expected = given[:FIFO] + [change for change in given if change[0] > full_until]
     if len(reports) != len(expected):
         raise Difference(f"a full FIFO: {len(reports)} reports instead of {len(expected)}")
-    for (poll, reported), (cycle, levels) in zip(reports, expected):
+    for (poll, now), (cycle, levels) in zip(reports, expected):
         newest = sampled(poll) - DETECTED_AFTER
-        if reported != levels or not newest - POLL < cycle <= newest:
+        if now != levels or not newest - POLL < cycle <= newest:
             raise Difference(
-                f"a full FIFO: levels {reported:06b} up to cycle {newest}; they were {levels:06b} from {cycle} on"
+                f"a full FIFO: levels {now:06b} up to cycle {newest}; they were {levels:06b} from {cycle} on"
             )
     return len(expected)

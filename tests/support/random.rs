@@ -53,7 +53,7 @@ impl Plan {
         let mut text = format!(
             "name = \"random\"\n[machine]\ncrank_radius_mm = {}\nlambda = {LAMBDA}\nload_kg = 5\n\
              [control]\ntick_hz = {}\npark_deg = 75\nsettle_s = 0.02\n\
-             [limits]\nspeed_hz = {}\nacceleration_hz_per_s = {}\njerk_hz_per_s2 = {}\ncreep_hz = 4\n",
+             [limits]\nspeed_hz = {}\nacceleration_hz_per_s = {}\njerk_hz_per_s2 = {}\nhoming_speed_hz = 4\n",
             RADIUS_M * 1e3,
             self.tick_hz,
             self.speed_hz,

@@ -51,7 +51,7 @@ fn the_rate_that_is_named_is_the_highest_that_is_accepted() {
 #[test]
 fn more_axes_and_more_steps_leave_less_room() {
     for axes in 2..=6 {
-        assert!(most_hz(axes, 3200) >= 4000, "{axes} axes");
+        assert!(most_hz(axes, 3200) >= 2000, "{axes} axes");
         assert!(most_hz(axes, 50_000) <= most_hz(axes, 200), "{axes} axes");
     }
     assert!(most_hz(6, 3200) < most_hz(2, 3200));

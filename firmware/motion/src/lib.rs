@@ -11,7 +11,7 @@
 //! - [`settings`]: limits and timing in Hz and nanoseconds, checked once.
 //!
 //! ```
-//! use cophase_motion::pulse::{Paces, Planner, PulseTiming, Runs};
+//! use cophase_motion::pulse::{StepRates, Planner, PulseTiming, Runs};
 //! use cophase_motion::settings::{LimitSettings, PulseSettings};
 //! use cophase_motion::shaft::{Demand, Shaft, ShaftLimits, Target};
 //! use cophase_motion::units::Turns;
@@ -33,7 +33,7 @@
 //! let mut shaft = Shaft::new(ShaftLimits::of(&limits, TICK_HZ));
 //! let timing = PulseTiming::new(&lines, TICK_HZ)?;
 //! let mut planner = Planner::new(timing, 3200);
-//! let (mut rates, mut runs) = (Paces::new(timing.tick()), Runs::new());
+//! let (mut rates, mut runs) = (StepRates::new(timing.tick()), Runs::new());
 //! let five_turns_a_second = Target::steady(Turns::from_num(5.0 / f64::from(TICK_HZ)));
 //! for _ in 0..TICK_HZ {
 //!     let motion = shaft.advance(Demand::Follow(five_turns_a_second));

@@ -219,7 +219,10 @@ fn what_cannot_be_a_campaign_is_refused() {
     let folder = folder();
     for (arguments, reported) in [
         (vec!["--runs", "0"], "--runs: 0 cases are none"),
-        (vec!["--runs", "5", "--to", "6"], "--to: 6 is more than --runs 5"),
+        (
+            vec!["--runs", "5", "--to", "6"],
+            "--to: 6 is more than --runs 5",
+        ),
         (
             vec!["--runs", "5", "--from", "5"],
             "--from: 5 is not before",

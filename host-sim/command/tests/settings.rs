@@ -266,7 +266,9 @@ fn what_the_board_will_refuse_is_said() {
     fs::write(dir.path().join("scene.toml"), text).unwrap();
     let summary = said(&settings(dir.path(), &["scene.toml"]));
     assert!(
-        summary.contains("RP2040 board will refuse this: axis 0 is a servo, and the board has outputs for steppers only.\n"),
+        summary.contains(
+            "RP2040 board will refuse this: axis 0 is a servo that takes setpoints over a fieldbus"
+        ),
         "{summary}"
     );
 }

@@ -188,10 +188,7 @@ fn write_page(
             Fidelity::Kinematic | Fidelity::Rigid => " (in this model they cannot do otherwise)",
             _ => "",
         };
-        writeln!(
-            page,
-            "The {axes} stayed in phase to the last count{by_model}."
-        )?;
+        writeln!(page, "The {axes} stayed exactly in phase{by_model}.")?;
     } else if checked.cam.is_some() {
         writeln!(
             page,

@@ -124,7 +124,7 @@ mod tests {
                 "axis 1, 3 is not watched, and phase_error_deg is 0 there for want of a measurement; of the platform two axes",
             ),
             (&[0, 1, 2], "one axis stands for all"),
-            (&[0, 1, 2, 3], "nothing shows"),
+            (&[0, 1, 2, 3], "nothing reports"),
         ] {
             let said = said(4, without, false).expect("some are not watched");
             assert!(said.contains(coverage), "{said}");

@@ -64,6 +64,10 @@ pub struct SimulatedIo<'a, O, P> {
     /// Boxed, as an output has kilobytes of room for runs, and is passed on every tick.
     waiting: VecDeque<Box<Waiting>>,
     /// Room of outputs that have been played, to be used again.
+    #[expect(
+        clippy::vec_box,
+        reason = "boxes move between here and the queue; what is in them is kilobytes"
+    )]
     spare: Vec<Box<Waiting>>,
     drives_enabled: bool,
     master: Unwrapped,

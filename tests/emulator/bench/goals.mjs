@@ -14,4 +14,4 @@ export const MEAN_TICK_CYCLES = { most: 5000, enforced: false };
 export const TICK_HZ = 10_000;
 
 /** Deadlines missed at any tick rate that the board accepts. */
-export const MISSED_DEADLINES = { most: 0, enforced: false };
+export const MISSED_DEADLINES = { most: 0, enforced: true };

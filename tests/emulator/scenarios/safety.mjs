@@ -125,7 +125,7 @@ function skewAfter(machine, axis) {
 /** Checks the stop after a channel stood: its axis has lost steps, and the fault says so. */
 function runsEmpty(machine, must) {
   machine.run(0.5);
-  must(logs(machine, /run-dry on axis 1/), 'the log says step-fifo-underrun on axis 1');
+  must(logs(machine, /step-fifo-underrun on axis 1/), 'the log says step-fifo-underrun on axis 1');
   must(machine.level('enable') === 0, 'the drives are off');
   const before = machine.board.edges.to('step_0', 1).length;
   machine.run(0.05);

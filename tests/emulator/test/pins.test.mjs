@@ -85,5 +85,5 @@ test('bursts and pulses come in their cycles, and the past is refused', () => {
   board.stimulus.burst(50, 2, { count: 3, period: 10 });
   board.run({ untilCycle: 100 });
   assert.deepEqual(board.edges.track('in').cycles, [50, 55, 60, 65, 70, 75]);
-  assert.throws(() => board.stimulus.at(60, 2, 1), /past/);
+  assert.throws(() => board.stimulus.at(60, 2, 1), /over already/);
 });

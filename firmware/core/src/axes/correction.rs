@@ -26,6 +26,12 @@ pub struct Correction {
     gain: i64,
 }
 
+impl Default for Correction {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Correction {
     /// Correction without axes.
     pub const fn new() -> Self {

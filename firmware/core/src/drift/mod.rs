@@ -92,6 +92,12 @@ pub struct DriftMonitor {
     findings: Findings,
 }
 
+impl Default for DriftMonitor {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl DriftMonitor {
     /// A monitor without axes.
     pub const fn new() -> Self {

@@ -135,7 +135,10 @@ fn failures(text: &mut String, tally: &Tally) {
         }
     }
     if !tally.tripped.is_empty() {
-        lines.push(format!("- clean, something reported: {}", list(&tally.tripped)));
+        lines.push(format!(
+            "- clean, something reported: {}",
+            list(&tally.tripped)
+        ));
     }
     if lines.is_empty() {
         return;
