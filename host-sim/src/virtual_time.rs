@@ -24,14 +24,15 @@ thread_local! {
     static NOW: Cell<u64> = const { Cell::new(0) };
     static ARMED: Cell<u64> = const { Cell::new(0) };
     static ALARMS: RefCell<BinaryHeap<Reverse<Alarm>>> = const { RefCell::new(BinaryHeap::new()) };
-    static RUNNING: Cell<bool> = const { Cell::new(false) };
+    static RUNNING: RefCell<Option<Waker>> = const { RefCell::new(None) };
 }
 
 struct Alarm {
     at: u64,
     /// How many alarms were armed before.
     number: u64,
-    waker: Waker,
+    /// Waker of a part of the future; none is the future itself, which most alarms wake.
+    waker: Option<Waker>,
 }
 
 impl Alarm {
@@ -71,10 +72,12 @@ impl embassy_time_driver::Driver for VirtualClock {
 
     fn schedule_wake(&self, at: u64, waker: &Waker) {
         let number = ARMED.replace(ARMED.get() + 1);
+        let is_own =
+            RUNNING.with_borrow(|own| own.as_ref().is_some_and(|own| own.will_wake(waker)));
         let alarm = Alarm {
             at,
             number,
-            waker: waker.clone(),
+            waker: (!is_own).then(|| waker.clone()),
         };
         ALARMS.with_borrow_mut(|alarms| alarms.push(Reverse(alarm)));
     }
@@ -98,13 +101,14 @@ impl Wake for Ready {
 /// # Panics
 /// If called from within itself, or if the future waits for something that no alarm will bring.
 pub fn run<F: Future>(future: F, mut lateness: impl FnMut(u64) -> u64) -> F::Output {
-    let _guard = Guard::new();
     let ready = Arc::new(Ready(AtomicBool::new(true)));
     let waker = Waker::from(ready.clone());
+    let _guard = Guard::new(waker.clone());
     let mut context = Context::from_waker(&waker);
     let mut future = pin!(future);
     loop {
-        while ready.0.swap(false, Ordering::Relaxed) {
+        while ready.0.load(Ordering::Relaxed) {
+            ready.0.store(false, Ordering::Relaxed);
             if let Poll::Ready(output) = future.as_mut().poll(&mut context) {
                 return output;
             }
@@ -112,29 +116,38 @@ pub fn run<F: Future>(future: F, mut lateness: impl FnMut(u64) -> u64) -> F::Out
         let next = ALARMS.with_borrow(|alarms| alarms.peek().map(|alarm| alarm.0.at));
         let next = next.expect("the future waits, and no alarm is armed that could wake it");
         let next = next.max(NOW.get());
-        go_to(next + lateness(next));
+        if go_to(next + lateness(next)) {
+            ready.0.store(true, Ordering::Relaxed);
+        }
     }
 }
 
-fn go_to(time: u64) {
+/// Sets the clock, and wakes all whose alarms are due; whether the future that runs is one of them.
+fn go_to(time: u64) -> bool {
     NOW.set(time);
+    let mut is_due = false;
     while let Some(alarm) = ALARMS.with_borrow_mut(|alarms| {
         let due = alarms.peek().is_some_and(|alarm| alarm.0.at <= time);
         if due { alarms.pop() } else { None }
     }) {
-        alarm.0.waker.wake();
+        match alarm.0.waker {
+            None => is_due = true,
+            Some(waker) => waker.wake(),
+        }
     }
+    is_due
 }
 
 /// A clean clock while it lives.
 struct Guard;
 
 impl Guard {
-    fn new() -> Self {
+    fn new(waker: Waker) -> Self {
         assert!(
-            !RUNNING.replace(true),
+            RUNNING.with_borrow(Option::is_none),
             "virtual time is already running on this thread"
         );
+        RUNNING.set(Some(waker));
         NOW.set(0);
         ARMED.set(0);
         ALARMS.with_borrow_mut(BinaryHeap::clear);
@@ -144,7 +157,7 @@ impl Guard {
 
 impl Drop for Guard {
     fn drop(&mut self) {
-        RUNNING.set(false);
+        RUNNING.set(None);
     }
 }
 
@@ -199,6 +212,30 @@ mod tests {
             |_| 0,
         );
         assert_eq!((here, other.join().unwrap()), (1, 7));
+    }
+
+    /// Were it wrong, a future that gives its parts wakers of their own would wait for ever.
+    #[test]
+    fn wakers_of_parts_are_woken() {
+        struct Part(Waker);
+        impl Wake for Part {
+            fn wake(self: Arc<Self>) {
+                self.0.wake_by_ref();
+            }
+        }
+        let woken_us = run(
+            async {
+                let mut timer = pin!(Timer::after(Duration::from_millis(5)));
+                std::future::poll_fn(|context| {
+                    let waker = Waker::from(Arc::new(Part(context.waker().clone())));
+                    timer.as_mut().poll(&mut Context::from_waker(&waker))
+                })
+                .await;
+                Instant::now().as_micros()
+            },
+            |_| 0,
+        );
+        assert_eq!(woken_us, 5_000);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What methods are put to: this project's machines over a short manoeuvre, and public problems.
 //!
 //! Each has an answer and says how well it is known, its *uncertainty*: the most by which DOP853, a Verner method of order 9 and
-//! the answer given here differ. `tests/references.rs` of the workspace solves all of them again with both.
+//! the answer given here differ. `host-sim/lab/tests/references.rs` solves all of them again with both.
 
 use cophase_methods::problems::{Andrews, Cam, Chain, Hires, Law, Oscillator, Shaft};
 use cophase_methods::{Equations, Scheme};
