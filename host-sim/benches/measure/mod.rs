@@ -3,8 +3,8 @@
 //! - *Work*: one call does some, and returns how many units of it (control ticks, say) were done.
 //! - *Load*: a fixed loop of integer and floating-point operations that no change of the project touches. Units per load
 //!   compare across machines far better than units per second, so only they are asserted.
-//! - *Round*: load, work, load. The two loads see the same clock frequency and the same neighbours as the work. A figure is
-//!   the median of its rounds.
+//! - *Round*: load, work, load. The two loads see the same clock frequency and the same neighbours as the work, so rounds are
+//!   short. A figure is the median of its rounds.
 //!
 //! Each figure is two lines, `name value unit`: units per second of CPU time, and units per load. Other lines begin with `#`.
 //!
@@ -28,10 +28,12 @@ pub struct Figure {
     pub set_up: fn() -> Work,
 }
 
-const ROUNDS: usize = 7;
-/// CPU time of one round's work, at least, s; and of all its loads.
-const WORK_S: f64 = 0.1;
-const LOAD_S: f64 = 0.05;
+/// CPU time of the work in one round, at least, s; and of the load before it, and after it.
+const WORK_S: f64 = 0.02;
+const LOAD_S: f64 = 0.005;
+/// Rounds of a figure, at least, and CPU time of its work in all of them, s.
+const ROUNDS: usize = 5;
+const ALL_WORK_S: f64 = 0.6;
 
 /// Measures the figures that the command line names, or all, and prints them.
 ///
@@ -78,38 +80,53 @@ struct Measured {
 }
 
 fn measure(figure: &Figure, is_test: bool) -> Measured {
-    let (rounds, work_s, load_s) = if is_test {
-        (1, 0.0, 0.0)
+    let (least_rounds, all_work_s, work_s, load_s) = if is_test {
+        (1, 0.0, 0.0, 0.0)
     } else {
-        (ROUNDS, WORK_S, LOAD_S)
+        (ROUNDS, ALL_WORK_S, WORK_S, LOAD_S)
     };
     let mut work = (figure.set_up)();
     if !is_test {
         work(); // fills caches
     }
-    let mut all = Vec::new();
-    for _ in 0..rounds {
-        let before = speed(&mut load, load_s / 2.0);
-        let per_s = speed(&mut work, work_s);
-        let loads_per_s = (before + speed(&mut load, load_s / 2.0)) / 2.0;
-        all.push((per_s, per_s / loads_per_s));
+    let (mut per_s, mut per_load) = (Vec::new(), Vec::new());
+    let mut elapsed_s = 0.0;
+    while per_s.len() < least_rounds || elapsed_s < all_work_s {
+        let before = Sample::of(&mut load, load_s);
+        let worked = Sample::of(&mut work, work_s);
+        let after = Sample::of(&mut load, load_s);
+        elapsed_s += worked.cpu_s;
+        per_s.push(worked.per_s());
+        per_load.push(worked.per_s() / ((before.per_s() + after.per_s()) / 2.0));
     }
     Measured {
-        per_s: median(all.iter().map(|round| round.0).collect()),
-        per_load: median(all.iter().map(|round| round.1).collect()),
+        per_s: median(per_s),
+        per_load: median(per_load),
     }
 }
 
-/// Units per second of CPU time, over at least that time.
-fn speed(work: &mut dyn FnMut() -> u64, least_s: f64) -> f64 {
-    let clock = CpuClock::start();
-    let mut units = 0;
-    loop {
-        units += work();
-        let elapsed_s = clock.elapsed_s();
-        if elapsed_s >= least_s && elapsed_s > 0.0 {
-            return units as f64 / elapsed_s;
+/// Units done in some CPU time.
+struct Sample {
+    units: u64,
+    cpu_s: f64,
+}
+
+impl Sample {
+    /// Works for at least that time.
+    fn of(work: &mut dyn FnMut() -> u64, least_s: f64) -> Self {
+        let clock = CpuClock::start();
+        let mut units = 0;
+        loop {
+            units += work();
+            let cpu_s = clock.elapsed_s();
+            if cpu_s >= least_s && cpu_s > 0.0 {
+                return Self { units, cpu_s };
+            }
         }
+    }
+
+    fn per_s(&self) -> f64 {
+        self.units as f64 / self.cpu_s
     }
 }
 
