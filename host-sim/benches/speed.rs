@@ -27,11 +27,11 @@ use measure::{Figure, Work};
 /// times as slow. What became a little slower, `tests/baseline/bench` shows.
 const FIGURES: [Figure; 6] = [
     figure("core-2", 1700.0, core::<2>),
-    figure("core-4", 1100.0, core::<4>),
-    figure("core-6", 800.0, core::<6>),
-    figure("run-kinematic", 280.0, || run(default_scene())),
-    figure("run-rigid", 90.0, || run(four_motors("rigid"))),
-    figure("run-phased", 35.0, || run(four_motors("phased"))),
+    figure("core-4", 1300.0, core::<4>),
+    figure("core-6", 1100.0, core::<6>),
+    figure("run-kinematic", 400.0, || run(default_scene())),
+    figure("run-rigid", 140.0, || run(four_motors("rigid"))),
+    figure("run-phased", 30.0, || run(four_motors("phased"))),
 ];
 
 const fn figure(name: &'static str, least_per_load: f64, set_up: fn() -> Work) -> Figure {
