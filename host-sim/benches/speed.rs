@@ -127,7 +127,7 @@ impl<const N: usize> Sensors<N> {
         let turns = to.since(from).to_num::<f64>();
         let beyond_index = (from.within_turn().to_num::<f64>() - INDEX_DEG / 360.0).rem_euclid(1.0);
         let part = (1.0 - beyond_index) / turns;
-        (turns > 0.0 && part <= 1.0).then(|| IndexPulse {
+        (turns > 0.0 && part <= 1.0).then_some(IndexPulse {
             cycle: (part * self.cycles) as i32,
         })
     }
