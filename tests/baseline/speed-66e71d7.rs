@@ -75,6 +75,10 @@ fn core<const N: usize>() -> Work {
     let recorded: Vec<_> = (0..TICKS).map(|_| record(&mut controller, None)).collect();
     let pulses = recorded.iter().filter(|one| one.index[N - 1].is_some());
     assert!(pulses.count() > 200, "the sensors are passed once per turn");
+    // Were pulses read in a wrong tick, cranks would seem to be degrees behind. Cycles are whole: some millidegrees.
+    let errors = controller.tick(&Feedback::of(None)).telemetry.drift;
+    let furthest = errors.iter().map(|error| error.abs()).max().unwrap();
+    assert!(furthest != 0 && furthest.to_num::<f64>() < 0.01 / 360.0);
 
     Box::new(move || {
         let mut controller = begun.clone();
@@ -119,7 +123,7 @@ impl<const N: usize> Sensors<N> {
         let turns = to.since(from).to_num::<f64>();
         let beyond_index = (from.within_turn().to_num::<f64>() - INDEX_DEG / 360.0).rem_euclid(1.0);
         let part = (1.0 - beyond_index) / turns;
-        (turns > 0.0 && part <= 1.0).then(|| IndexPulse {
+        (turns > 0.0 && part <= 1.0).then_some(IndexPulse {
             cycle: (part * self.cycles) as i32,
         })
     }

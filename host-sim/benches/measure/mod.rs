@@ -3,8 +3,8 @@
 //! - *Work*: one call does some, and returns how many units of it (control ticks, say) were done.
 //! - *Load*: a fixed loop of integer and floating-point operations that no change of the project touches. Units per load
 //!   compare across machines far better than units per second, so only they are asserted.
-//! - *Round*: load, work, load. The two loads see the same clock frequency and the same neighbours as the work. A figure is
-//!   the median of its rounds.
+//! - *Round*: load, work, load. The two loads see the same clock frequency and the same neighbours as the work, so rounds are
+//!   short. A figure is the median of its rounds.
 //!
 //! Each figure is two lines, `name value unit`: units per second of CPU time, and units per load. Other lines begin with `#`.
 //!
@@ -28,10 +28,12 @@ pub struct Figure {
     pub set_up: fn() -> Work,
 }
 
-const ROUNDS: usize = 7;
-/// CPU time of one round's work, at least, s; and of all its loads.
-const WORK_S: f64 = 0.1;
-const LOAD_S: f64 = 0.05;
+/// CPU time of the work in one round, at least, s; and of the load before it, and after it.
+const WORK_S: f64 = 0.02;
+const LOAD_S: f64 = 0.005;
+/// Rounds of a figure, at least, and CPU time of its work in all of them, s.
+const ROUNDS: usize = 5;
+const ALL_WORK_S: f64 = 0.6;
 
 /// Measures the figures that the command line names, or all, and prints them.
 ///
@@ -78,38 +80,53 @@ struct Measured {
 }
 
 fn measure(figure: &Figure, is_test: bool) -> Measured {
-    let (rounds, work_s, load_s) = if is_test {
-        (1, 0.0, 0.0)
+    let (least_rounds, all_work_s, work_s, load_s) = if is_test {
+        (1, 0.0, 0.0, 0.0)
     } else {
-        (ROUNDS, WORK_S, LOAD_S)
+        (ROUNDS, ALL_WORK_S, WORK_S, LOAD_S)
     };
     let mut work = (figure.set_up)();
     if !is_test {
         work(); // fills caches
     }
-    let mut all = Vec::new();
-    for _ in 0..rounds {
-        let before = speed(&mut load, load_s / 2.0);
-        let per_s = speed(&mut work, work_s);
-        let loads_per_s = (before + speed(&mut load, load_s / 2.0)) / 2.0;
-        all.push((per_s, per_s / loads_per_s));
+    let (mut per_s, mut per_load) = (Vec::new(), Vec::new());
+    let mut elapsed_s = 0.0;
+    while per_s.len() < least_rounds || elapsed_s < all_work_s {
+        let before = Sample::of(&mut load, load_s);
+        let worked = Sample::of(&mut work, work_s);
+        let after = Sample::of(&mut load, load_s);
+        elapsed_s += worked.cpu_s;
+        per_s.push(worked.per_s());
+        per_load.push(worked.per_s() / ((before.per_s() + after.per_s()) / 2.0));
     }
     Measured {
-        per_s: median(all.iter().map(|round| round.0).collect()),
-        per_load: median(all.iter().map(|round| round.1).collect()),
+        per_s: median(per_s),
+        per_load: median(per_load),
     }
 }
 
-/// Units per second of CPU time, over at least that time.
-fn speed(work: &mut dyn FnMut() -> u64, least_s: f64) -> f64 {
-    let clock = CpuClock::start();
-    let mut units = 0;
-    loop {
-        units += work();
-        let elapsed_s = clock.elapsed_s();
-        if elapsed_s >= least_s && elapsed_s > 0.0 {
-            return units as f64 / elapsed_s;
+/// Units done in some CPU time.
+struct Sample {
+    units: u64,
+    cpu_s: f64,
+}
+
+impl Sample {
+    /// Works for at least that time.
+    fn of(work: &mut dyn FnMut() -> u64, least_s: f64) -> Self {
+        let clock = CpuClock::start();
+        let mut units = 0;
+        loop {
+            units += work();
+            let cpu_s = clock.elapsed_s();
+            if cpu_s >= least_s && cpu_s > 0.0 {
+                return Self { units, cpu_s };
+            }
         }
+    }
+
+    fn per_s(&self) -> f64 {
+        self.units as f64 / self.cpu_s
     }
 }
 
@@ -148,31 +165,44 @@ impl CpuClock {
 }
 
 /// Iterations of one load: about a millisecond.
-const LOAD_ITERATIONS: u32 = 100_000;
+const LOAD_ITERATIONS: u32 = 80_000;
 
 /// What a load comes to on every machine.
-const LOAD_RESULT: u64 = 0x2EF0_E7DA_2BB4_4027;
+const LOAD_RESULT: u64 = 0x8C0C_F37A_1A1E_7A93;
 
-/// The calibration load: one chain of dependent integer operations with a table and a branch, and one of f64 beside it.
+/// Chains of operations that do not wait for each other. Work that fills a processor's units, as most does, suffers from a
+/// neighbour on the same core; a single chain would not.
+const LANES: usize = 4;
+
+/// The calibration load: in each lane a chain of integer operations with a table and a branch, and one of f64.
 fn load() -> u64 {
-    let mut random = black_box(0x9E37_79B9_7F4A_7C15_u64);
-    let mut table = [0_u64; 64];
-    let (mut sum, mut root) = (0.0_f64, 1.0_f64);
+    let mut random =
+        black_box([1, 2, 3, 4].map(|seed| 0x9E37_79B9_7F4A_7C15_u64.rotate_left(seed)));
+    let mut table = [0_u64; 256];
+    let (mut sum, mut root) = ([0.0_f64; LANES], [1.0_f64; LANES]);
     for _ in 0..LOAD_ITERATIONS {
-        random ^= random << 13;
-        random ^= random >> 7;
-        random ^= random << 17;
-        let entry = &mut table[(random >> 58) as usize];
-        *entry = entry.wrapping_mul(5).wrapping_add(random);
-        if *entry & 3 == 0 {
-            random = random.rotate_left(9);
+        for lane in 0..LANES {
+            let mut bits = random[lane];
+            bits ^= bits << 13;
+            bits ^= bits >> 7;
+            bits ^= bits << 17;
+            let entry = &mut table[(bits >> 56) as usize];
+            *entry = entry.wrapping_mul(5).wrapping_add(bits);
+            if *entry & 7 == 0 {
+                bits = bits.rotate_left(9);
+            }
+            random[lane] = bits;
+            sum[lane] = sum[lane] * 0.9 + (bits >> 11) as f64 * 1.0e-17;
+            root[lane] = root[lane] * 0.5 + sum[lane] * (1.5 - sum[lane] * root[lane]);
         }
-        sum = sum * 0.99 + (random >> 11) as f64 * 1.0e-16;
-        root = (root + sum * sum).sqrt() + 1.0 / (1.0 + sum);
     }
-    let result = table.iter().fold(random ^ root.to_bits(), |all, &entry| {
-        all.rotate_left(1) ^ entry
-    });
+    let root = root
+        .iter()
+        .fold(0_u64, |all, root| all.rotate_left(1) ^ root.to_bits());
+    let random = random.iter().fold(root, |all, bits| all ^ bits);
+    let result = table
+        .iter()
+        .fold(random, |all, &entry| all.rotate_left(1) ^ entry);
     assert_eq!(result, LOAD_RESULT, "the calibration load is another one");
     1
 }
