@@ -146,8 +146,8 @@ fn ticks_to(graph: &BTreeMap<Key, BTreeSet<Key>>, goal: State) -> usize {
     ticks
 }
 
-/// If this were wrong, some sequence of ticks would end in one of three bad ways. The machine would run on with a fault,
-/// drives would be on that must be off, or only a power cycle could leave the state.
+/// If this were wrong, the machine could run on with a fault, drives could be on that must be off, or only a power cycle
+/// could leave a state.
 #[test]
 fn no_sequence_of_any_length_breaks_a_demand_or_ends_in_a_dead_state() {
     let inputs = all_inputs();

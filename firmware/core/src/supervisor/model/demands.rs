@@ -138,7 +138,7 @@ pub(super) fn check(
     assert!(
         (action == Action::Home) == (to == State::Homing && after.settling == 0),
         "{}",
-        say("homing speed outside homing")
+        say("homing speed exactly in homing")
     );
     owes
 }
