@@ -14,8 +14,8 @@ const VECTORS = 16 + 32;
 const WIDTH_US = 2;
 
 /**
- * Runs the scene to its end. Gives { machine, lines: the log, period: cycles of a tick, ticks, profile: null unless it is asked
- * for, awake: cycles in which the processor did not sleep, reads: of the flash by interrupts, [{ pc, address, count, cycles waited }] }; ticks:
+ * Runs the scene to its end. Gives { machine, lines: the log, period: cycles of a tick, ticks, profile: null unless
+ * requested, awake: cycles in which the processor did not sleep, reads: of the flash by interrupts, [{ pc, address, count, cycles waited }] }; ticks:
  * [{ number, own, state, pulses, call: of the profile }], numbered from the deadline at which the start was read.
  */
 export function run(played, predicted, settings, { profile = false } = {}) {

@@ -134,7 +134,7 @@ export class RomBench {
   }
 
   resetToUsbBoot() {
-    this.board.stop('usb-boot', 'the firmware asked for BOOTSEL mode');
+    this.board.stop('usb-boot', 'the firmware requested BOOTSEL mode');
     return 1;
   }
 
