@@ -20,6 +20,7 @@ separate. Each has self and inclusive cycles: the mean over all ticks, and in th
 
 const OPTIONS = {
   profile: { type: 'boolean' },
+  'only-arguments': { type: 'boolean' },
   help: { type: 'boolean', short: 'h' },
   axes: { type: 'string' },
   'sensors-alike': { type: 'boolean' },
@@ -52,6 +53,7 @@ if (positionals.length !== 1) fail('name one scene');
 for (const name of ['axes', 'tick-hz', 'tick', 'least']) {
   if (values[name] !== undefined && !/^\d+$/.test(values[name])) fail(`--${name} takes a whole number, not ${values[name]}`);
 }
+if (values['only-arguments']) process.exit(0);
 // The bench reads this when it is loaded.
 if (values.elf) process.env.COPHASE_ELF = path.resolve(values.elf);
 

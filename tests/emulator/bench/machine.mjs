@@ -73,7 +73,7 @@ export class Machine {
     if (reason !== 'until') throw new Error(`the loop did not begin within 2 s: ${reason}, ${calls.get(TIMER_IRQ_1).length} calls`);
   }
 
-  /** Lets the button go, presses it, and lets it go: what it asks for has been asked. */
+  /** Releases the button, presses it, and releases it: its command has been given. */
   press() {
     this.set(pins.START, 1);
     this.run(STEADY_S);

@@ -1,17 +1,21 @@
 // A scene run on the firmware, tick by tick: what each tick cost, in which state, and how many index pulses it confirmed.
 
+import { VECTOR_TABLE } from '../board/chip.mjs';
 import { CallProfile } from '../board/profile.mjs';
 import { eventsOfLog } from './events.mjs';
 import { log } from './log.mjs';
 import { CYCLES_PER_S, Machine } from './machine.mjs';
 import { act } from './play.mjs';
 
+/** Exceptions of the processor, and 32 interrupts. */
+const VECTORS = 16 + 32;
+
 /** The default of `index.width_us` (docs/scene.md): how long a level lasts before it counts. */
 const WIDTH_US = 2;
 
 /**
- * Runs the scene to its end. Gives { machine, lines: the log, period: cycles of a tick, ticks, profile: null unless it is asked
- * for, awake: cycles in which the processor did not sleep, waits: of interrupts for the flash, [{ pc, address, cycles }] }; ticks:
+ * Runs the scene to its end. Gives { machine, lines: the log, period: cycles of a tick, ticks, profile: null unless
+ * requested, awake: cycles in which the processor did not sleep, reads: of the flash by interrupts, [{ pc, address, count, cycles waited }] }; ticks:
  * [{ number, own, state, pulses, call: of the profile }], numbered from the deadline at which the start was read.
  */
 export function run(played, predicted, settings, { profile = false } = {}) {
@@ -21,7 +25,7 @@ export function run(played, predicted, settings, { profile = false } = {}) {
   if (profile) board.profile = new CallProfile(board.elf.functions);
   const began = machine.start();
   const before = board.usage.sums();
-  const waited = board.core.handlerWaits.length;
+  board.core.handlerReads.clear();
   act(machine, played, predicted, began);
   board.profile?.finish();
   const after = board.usage.sums();
@@ -41,9 +45,12 @@ export function run(played, predicted, settings, { profile = false } = {}) {
     profile: board.profile,
     period: machine.tick,
     awake: after.awake - before.awake,
-    waits: board.core.handlerWaits.slice(waited),
+    reads: [...board.core.handlerReads.values()].filter(({ address }) => !isVector(address)),
   };
 }
+
+/** True for an address in the vector table, which the processor reads at each exception. */
+const isVector = (address) => address >= VECTOR_TABLE && address < VECTOR_TABLE + 4 * VECTORS;
 
 /** Summarizes ticks: { worst, mean, pulses: index pulses that were confirmed in the worst }, in cycles. */
 export function summary(ticks) {

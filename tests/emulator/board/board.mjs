@@ -27,7 +27,7 @@ const POWER_UP_PATTERN = 0xa5;
 export class Board {
   /**
    * `elf`: bytes of the firmware's ELF; its segments go into the flash. `flash`: the flash array (Uint8Array, kept and
-   * changed in place) to use instead, or to load the firmware over. One of them is needed, save for `bare`.
+   * changed in place) to use instead, or to load the firmware over. One of them is needed, except with `bare`.
    * `pins`: { name: GPIO number } to record. `watched`: exceptions whose calls are listed (default TIMER_IRQ_1).
    * `rtt`: true, false, or the cycles between two looks of the host (default: true where the ELF has an RTT block).
    * `fastForward`: false steps every cycle of everything. `profile`: true counts the loop's cycles by call path (profile.mjs).
@@ -135,7 +135,7 @@ export class Board {
   // ---- running ----
 
   /**
-   * Runs for `cycles`, or to `untilCycle`, or until `until(board)` holds (asked every `every` cycles), whichever comes
+   * Runs for `cycles`, or to `untilCycle`, or until `until(board)` holds (checked every `every` cycles), whichever comes
    * first. Gives { reason, detail, cycle }: 'cycles', 'until', or what stopped the board for good: 'lockup',
    * 'power-cut'.
    */

@@ -33,8 +33,11 @@ export class MemoryCore extends StockCore {
     /** True while the flash is not readable: between flash_exit_xip and the return to XIP. */
     this.xipOff = false;
     this.cache = new XipCache(board.missCycles);
-    /** Every wait of an interrupt's handler for the flash since reset: [{ pc, address, cycles }]. */
-    this.handlerWaits = [];
+    /**
+     * Reads of the flash by handlers of interrupts since reset, vectors included, by instruction and address:
+     * { pc, address, count, cycles waited }.
+     */
+    this.handlerReads = new Map();
     /** Cycles of the present instruction beyond what its own table gives. */
     this.extra = 0;
   }
@@ -167,11 +170,20 @@ export class MemoryCore extends StockCore {
   flashOffset(a) {
     const offset = a & XIP_MASK;
     const wait = this.cache.wait(offset);
-    if (wait !== 0) {
-      this.extra += wait;
-      if (this.IPSR !== 0) this.handlerWaits.push({ pc: this.registers[15] >>> 0, address: XIP_BASE + offset, cycles: wait });
-    }
+    if (wait !== 0) this.extra += wait;
+    if (this.IPSR !== 0) this.countRead(XIP_BASE + offset, wait);
     return offset;
+  }
+
+  countRead(address, cycles) {
+    const pc = this.registers[15] >>> 0;
+    const key = pc * 2 ** 24 + (address & XIP_MASK);
+    const read = this.handlerReads.get(key);
+    if (read === undefined) this.handlerReads.set(key, { pc, address, count: 1, cycles });
+    else {
+      read.count += 1;
+      read.cycles += cycles;
+    }
   }
 
   fault(what, address) {

@@ -1,4 +1,4 @@
-// DMA in cycles. rp2040js moves any number of words in no time and asks for no bus; here each transfer has its cycle.
+// DMA in cycles. rp2040js moves any number of words in no time and needs no bus; here each transfer has its cycle.
 //
 // Convention: the first transfer after a request (a DREQ that rises, a trigger) lands LATENCY cycles after it; while
 // the request stays, one follows each cycle; all channels together make at most one transfer a cycle. The datasheet

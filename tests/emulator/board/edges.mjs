@@ -28,7 +28,7 @@ export class Edges {
     return track;
   }
 
-  /** Every edge of a pin, as [{ cycle, level }]; levels alternate by nature. */
+  /** Every edge of a pin, as [{ cycle, level }]; levels alternate. */
   of(name) {
     const { first, cycles } = this.track(name);
     return cycles.map((cycle, i) => ({ cycle, level: first ^ ((i + 1) & 1) }));

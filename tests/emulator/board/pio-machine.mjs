@@ -7,7 +7,7 @@
 //   cycle after what it waits for may have come;
 // - a *quiet* instruction touches nothing but the machine's own registers, and nothing but the pins touches it;
 // - *running ahead*: after each instruction the quiet ones that follow are executed at once, up to the next that is
-//   not, which is then due in its own cycle. Should an input pin that they read change, or anybody look, the
+//   not, which is then due in its own cycle. Should an input pin that they read change, or be read, the
 //   registers are taken back to where they were and brought to that cycle (`settle`). So nothing shows but the speed.
 //
 // Integer clock dividers are modelled; fractional ones, autopull and OUT_STICKY are refused. Running ahead supposes

@@ -86,7 +86,7 @@ class SysTick {
   }
 }
 
-/** Corrects the PPB of `rp2040`; `onSystemReset` is called when software asks for a reset. */
+/** Corrects the PPB of `rp2040`; `onSystemReset` is called when software requests a reset. */
 export function fixPpb(rp2040, onSystemReset) {
   const { ppb } = rp2040;
   ppb.systickAlarm.enable = false;

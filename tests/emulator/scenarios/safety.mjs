@@ -151,7 +151,7 @@ function breakIn(machine) {
   machine.board.core.waiting = false;
 }
 
-/** The enable input goes for 20 µs, 40 µs after a deadline: in the midst of the loop's tick. */
+/** The enable input goes for 20 µs, 40 µs after a deadline: in the middle of the loop's tick. */
 function losesEnableInATick(machine) {
   const [last] = machine.ticks().slice(-1);
   machine.happened = last.entry + machine.tick + Math.round(40e-6 * CYCLES_PER_S);

@@ -29,7 +29,7 @@ export function run(outcome) {
   cuts(outcome, settings);
 }
 
-/** A machine on a flash, powered up; how many axes it has does not matter to what is required here. */
+/** A machine on a flash, powered up; its number of axes does not matter here. */
 const powered = (flash) => new Machine({ axes: 6, tickHz: 2000, flash, options: QUICK });
 
 // ---- what is refused ----

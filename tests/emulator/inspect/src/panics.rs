@@ -15,7 +15,7 @@ use crate::firmware::Firmware;
 
 /// The command: walks from every function that a root matches and prints what is reached.
 ///
-/// False if a panic, or code that is not known, can be reached, or an entry of the allow file is of no use.
+/// False if a panic, or code that is not known, can be reached, or an entry of the allow file is never met.
 ///
 /// # Errors
 /// Files that cannot be read; a root that matches nothing.

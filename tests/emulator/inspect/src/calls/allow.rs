@@ -38,7 +38,7 @@ pub struct Entry {
     pub from: String,
     /// Pattern of the callee.
     pub to: String,
-    /// Why that is no matter.
+    /// Reason why that does no harm.
     pub reason: String,
     /// Patterns of the functions that are called instead.
     #[serde(default)]

@@ -106,7 +106,7 @@ impl<'a> Code<'a> {
                 && target != function.address
                 && (function.address..function.end).contains(&target)
             {
-                // For want of another jump that reaches so far; what it leaves in lr is of no use.
+                // No other jump reaches so far; the address that it leaves in lr is not used.
                 instruction.flow = Flow::Jump(target);
             }
             instructions.insert(at, instruction);

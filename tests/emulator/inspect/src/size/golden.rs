@@ -12,7 +12,7 @@ const MOST_GROWTH: u64 = 5;
 /// And shrink by so many; then it is blessed so that it cannot grow back unseen.
 const MOST_SHRINKAGE: u64 = 20;
 
-/// Changes of fewer bytes are no matter, whatever part they are: small figures move by a few words.
+/// Changes of fewer bytes are ignored, whatever part they are: small figures move by a few words.
 const LEAST_CHANGE: u64 = 64;
 
 /// The figures by their names.
