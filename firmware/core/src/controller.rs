@@ -13,7 +13,7 @@ mod homing;
 mod punctuality;
 mod wiring_proof;
 
-use crate::axes::Correction;
+use crate::axes::PhaseOffsets;
 use crate::drift::{AxisSet, DriftMonitor, Finding, History, Sensed};
 use crate::mechanism::{AnyMechanism, Mechanism};
 use crate::program::{Cursor, Program};
@@ -47,15 +47,13 @@ pub struct Controller {
     history: History,
     has_servos: bool,
     step_rate: StepRates,
-    /// Axes whose trims may be on their way.
-    trimming: AxisSet,
-    /// Axes that trims and corrections moved in the last tick; not known before the first.
-    own: Option<AxisSet>,
-    /// Axes with a ratio.
+    /// Axis that has a plan of its own because its phase offset moves.
+    apart: Option<usize>,
+    /// Axes that do not make the master's own turns.
     geared: AxisSet,
     drift: DriftMonitor,
     homing: Homing,
-    correction: Correction,
+    offsets: PhaseOffsets,
     /// Rounds of the monitor, and turns of the master, up to when the cranks were corrected last.
     corrected: u32,
     turned: Turns,
@@ -113,13 +111,10 @@ impl Controller {
         &self.mechanism
     }
 
-    /// Sets an axis's trim; says whether its limit allowed all of it. An axis that is not there has
-    /// no trim: false.
+    /// Sets the user's part of an axis's phase offset, rounded to whole steps. Returns false if the axis's limit cut it, or if
+    /// there is no such axis.
     pub fn set_trim(&mut self, axis: usize, turns: Turns) -> bool {
-        self.channels.get_mut(axis).is_some_and(|channel| {
-            self.trimming |= 1 << axis;
-            channel.axis.trim_mut().set(turns)
-        })
+        self.offsets.set_user(axis, turns)
     }
 
     /// Takes note of a deadline that was met late, by over half a tick or not, after `missed` deadlines
@@ -208,14 +203,14 @@ impl Controller {
             if !drives_on && !in_time {
                 found = None;
             } else if finding.fault.kind == FaultKind::HomingRangeExceeded
-                && let Some(fault) = self.homing.explain(&self.drift, &self.correction)
+                && let Some(fault) = self.homing.explain(&self.drift, &self.offsets)
             {
                 finding.fault = fault;
             }
         }
         if self.supervisor.state() == State::Homing && found.is_none() {
             found = self.find_out();
-        } else if self.correction.is_on() && self.supervisor.state() == State::Run {
+        } else if self.offsets.corrects() && self.supervisor.state() == State::Run {
             let swapped = self.correct();
             // What is reported within limits of cranks that are driven apart comes of that.
             if swapped.is_some() {
@@ -247,7 +242,7 @@ impl Controller {
             encoder: &feedback.encoder,
             phase: &self.output.telemetry.axis_phase,
             history: &self.history,
-            correction: self.correction.now(),
+            correction: self.offsets.now(),
             speed: self.motion.speed,
         };
         if core::mem::take(&mut self.was_late) {
@@ -270,7 +265,7 @@ impl Controller {
     fn find_out(&mut self) -> Option<Finding> {
         let found = self
             .homing
-            .advance(&mut self.drift, &mut self.correction, self.motion.speed);
+            .advance(&mut self.drift, &mut self.offsets, self.motion.speed);
         let park = self.park_crank.wrapping_sub(self.homing.home_offset());
         self.park = Phase::from_turns(park).within_turn();
         found.map(Finding::of)
@@ -288,18 +283,18 @@ impl Controller {
             return None;
         }
         self.corrected = self.drift.rounds();
-        if self.correction.is_moving() || !self.drift.is_homed() {
+        if self.offsets.is_moving() || !self.drift.is_homed() {
             return None;
         }
-        if let Some(fault) = self.homing.corrected(&self.drift, &self.correction) {
+        if let Some(fault) = self.homing.corrected(&self.drift, &self.offsets) {
             return Some(Finding::of(fault));
         }
-        let errors = homing::errors(&self.drift, &self.correction);
+        let errors = homing::errors(&self.drift, &self.offsets);
         let watched = self.drift.watched();
-        let target = self.correction.against(&errors, watched, false);
+        let target = self.offsets.against(&errors, watched, false);
         // What trims are not allowed to take away stays, until it is beyond a limit.
-        if self.correction.beyond_limit(&target).is_none() && self.drift.allows(&target) {
-            self.correction.go_to(target);
+        if self.offsets.beyond_limit(&target).is_none() && self.drift.allows(&target) {
+            self.offsets.go_to(&target);
         }
         None
     }
@@ -317,7 +312,7 @@ impl Controller {
             State::Homing if before == State::Idle => {
                 self.drift.reset(&self.output.telemetry.axis_phase);
                 self.homing.begin();
-                self.correction.hold();
+                self.offsets.hold();
                 self.cursor = Cursor::new();
                 self.target = Target::steady(Turns::ZERO);
             }

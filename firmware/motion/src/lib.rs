@@ -38,7 +38,7 @@
 //! let mut steps = 0;
 //! for _ in 0..TICK_HZ {
 //!     let motion = shaft.advance(Demand::Follow(five_turns_a_second));
-//!     steps += planner.plan(motion.speed, &mut rates, &mut runs);
+//!     steps += planner.plan(motion.speed, 0, &mut rates, &mut runs);
 //!     // `runs` fill exactly one tick: pass them to the hardware.
 //! }
 //! assert!(steps > 3200 * 4);

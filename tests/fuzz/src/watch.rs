@@ -13,8 +13,10 @@ pub struct Watch {
     /// Usual, and in a fault's stop.
     acceleration_most: [f64; 2],
     jerk_most: [f64; 2],
-    trim_most: Vec<i64>,
-    /// Axes that turn once with the master: their phases are its own, but for the offset and the trim.
+    offset_most: Vec<i64>,
+    /// Greatest phase offset of an axis in a slot, and one step.
+    slot_most: Vec<i64>,
+    /// Axes that turn once with the master: their phases are its own, except for their offsets.
     plain: Vec<Option<Turns>>,
     stepper: Vec<bool>,
     /// Whether drift is corrected.
@@ -42,9 +44,17 @@ impl Watch {
             speed_most: limits.speed_hz / hz * turn,
             acceleration_most: accelerations.map(|a| a / (hz * hz) * turn),
             jerk_most: jerks.map(|j| j / (hz * hz * hz) * turn),
-            trim_most: axes
+            offset_most: axes
                 .iter()
                 .map(|axis| (axis.trim_limit_turns * turn) as i64)
+                .collect(),
+            slot_most: axes
+                .iter()
+                .map(|axis| {
+                    let tick = axis.trim_rate_hz * axes.len() as f64 / hz;
+                    let step = 1.0 / f64::from(axis.steps_per_turn);
+                    ((5.0 * tick.max(step) + step) * turn) as i64
+                })
                 .collect(),
             plain: axes
                 .iter()
@@ -77,7 +87,7 @@ impl Watch {
         let telemetry = &output.telemetry;
         self.check_state(feedback, output);
         self.check_shaft(output);
-        self.check_trims(output);
+        self.check_offsets(output);
         let count = self.stepper.len();
         assert!(
             (count..MAX_AXES).all(|axis| output.runs(axis).is_empty()),
@@ -177,35 +187,27 @@ impl Watch {
         (self.phase, self.speed) = (phase, speed);
     }
 
-    fn check_trims(&self, output: &Output) {
+    fn check_offsets(&self, output: &Output) {
         let telemetry = &output.telemetry;
-        let sum: i64 = telemetry
-            .correction
-            .iter()
-            .map(|turns| turns.to_bits())
-            .sum();
-        assert_eq!(sum, 0, "corrections {:?}", telemetry.correction);
-        let untouched = self.corrects || telemetry.correction.iter().all(|&turns| turns == 0);
+        let corrections = &telemetry.correction;
+        // Axes move one after the other, each by the steps of one slot, and are rounded to whole steps.
+        let sum: i64 = corrections.iter().map(|turns| turns.to_bits()).sum();
+        let slots: i64 = self.slot_most.iter().sum();
+        assert!(sum.abs() <= 2 * slots, "corrections {corrections:?}");
+        let untouched = self.corrects || corrections.iter().all(|&turns| turns == 0);
         assert!(
             untouched || telemetry.state != State::Run,
-            "runs with {:?}, and nothing is to be corrected",
-            telemetry.correction
+            "runs with {corrections:?}, and nothing is to be corrected",
         );
-        for (i, most) in self.trim_most.iter().enumerate() {
-            let correction = telemetry.correction[i].to_bits().abs();
-            assert!(
-                correction <= *most,
-                "axis {i}: correction {correction} over {most}"
-            );
+        for (i, most) in self.offset_most.iter().enumerate() {
             if let Some(offset) = self.plain[i] {
-                // What is left is the trim that an operator set, with a limit of its own.
-                let trim = telemetry.axis_phase[i]
+                let by = telemetry.axis_phase[i]
                     .since(telemetry.phase)
                     .wrapping_sub(offset)
-                    .wrapping_sub(telemetry.correction[i]);
+                    .to_bits()
+                    .abs();
                 // An offset is rounded once, and so may be the limit.
-                let trim = trim.to_bits().abs();
-                assert!(trim <= most + 2, "axis {i}: trim {trim} over {most}");
+                assert!(by <= most + 2, "axis {i}: phase offset {by} over {most}");
             }
         }
     }

@@ -4,7 +4,7 @@ use crate::functions::{Divisor, multiply_long};
 use crate::units::Turns;
 
 /// Gear ratio, turns of the axis per turn of the master, as a ratio of two integers. No fraction is lost.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Gear {
     numerator: u32,
     denominator: u32,

@@ -1,14 +1,14 @@
 //! One axis of the loop: its phase, its pulses or setpoints, and its commands of the last two ticks.
 
-use crate::axes::Axis;
-use crate::pulse::{Planner, Runs, StepRates};
+use crate::axes::Gear;
+use crate::pulse::{Place, Planner, Runs, StepRates};
 use crate::servo::{FeedForward, Setpoint};
 use crate::units::{Phase, Turns};
 
 /// One axis, from the master's turns to the command of its drive.
 #[derive(Clone, Debug)]
 pub(super) struct Channel {
-    pub(super) axis: Axis,
+    pub(super) gear: Gear,
     pub(super) planner: Planner,
     pub(super) reversed: bool,
     /// Of a servo axis; one without is a stepper.
@@ -16,18 +16,38 @@ pub(super) struct Channel {
 }
 
 impl Channel {
-    /// Whether it may share a plan: one that plays no pulses, or has a ratio, makes edges of its own.
-    pub(super) const fn may_share(&self) -> bool {
-        self.feed_forward.is_none() && self.axis.gear().is_direct()
+    /// True if the axis makes the same edges as another from now on, as long as neither's phase offset moves.
+    pub(super) fn has_motion_of(&self, other: &Self) -> bool {
+        self.feed_forward.is_none()
+            && other.feed_forward.is_none()
+            && self.planner.place() == other.planner.place()
+            && self.gear == other.gear
     }
 
-    /// Plans a tick in which the axis makes `turns`; the whole steps that these are.
+    /// State of the axis's motion: its gear and its place within a step.
+    pub(super) fn motion(&self) -> (Gear, Place) {
+        (self.gear.clone(), *self.planner.place())
+    }
+
+    /// Continues a motion.
+    pub(super) fn continue_from(&mut self, gear: Gear, place: Place) {
+        self.gear = gear;
+        self.planner.continue_from(place);
+    }
+
+    /// Plans a tick in which the axis makes `turns`, and `offset` half-steps of 2⁻⁴⁸ by its phase offset. Returns the whole steps.
     #[inline(never)]
-    pub(super) fn plan(&mut self, turns: Turns, step_rate: &mut StepRates, runs: &mut Runs) -> i32 {
+    pub(super) fn plan(
+        &mut self,
+        turns: Turns,
+        offset: i64,
+        step_rate: &mut StepRates,
+        runs: &mut Runs,
+    ) -> i32 {
         if self.feed_forward.is_none() {
-            self.planner.plan(turns, step_rate, runs)
+            self.planner.plan(turns, offset, step_rate, runs)
         } else {
-            self.planner.count(turns, step_rate, runs)
+            self.planner.count(turns, offset, step_rate, runs)
         }
     }
 
@@ -42,7 +62,7 @@ impl Channel {
         acceleration: Turns,
         home_offset: Turns,
     ) -> Setpoint {
-        let acceleration = self.axis.gear().share(acceleration);
+        let acceleration = self.gear.share(acceleration);
         Setpoint {
             position,
             velocity,

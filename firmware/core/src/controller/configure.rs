@@ -8,8 +8,8 @@ use super::channel::Channel;
 use super::homing::Homing;
 use super::punctuality::Punctuality;
 use super::wiring_proof::wiring_patterns;
-use crate::axes::{Axis, Correction};
-use crate::drift::{DriftMonitor, History};
+use crate::axes::{Gear, PhaseOffsets};
+use crate::drift::{AxisSet, DriftMonitor, History};
 use crate::mechanism::AnyMechanism;
 use crate::program::{Cursor, Program};
 use crate::pulse::{Planner, PulseTiming, StepRates};
@@ -52,12 +52,11 @@ impl Controller {
             history: History::new(),
             has_servos: false,
             step_rate: StepRates::new(62_500),
-            trimming: 0,
-            own: None,
+            apart: None,
             geared: 0,
             drift: DriftMonitor::new(),
             homing: Homing::new(),
-            correction: Correction::new(),
+            offsets: PhaseOffsets::new(),
             corrected: 0,
             turned: Turns::ZERO,
             coupling: None,
@@ -96,7 +95,7 @@ impl Controller {
         settings.fill_program(&mut self.program)?;
         self.fill_channels(settings)?;
         self.drift.configure(settings);
-        self.correction.configure(settings);
+        self.offsets.configure(settings);
         self.fill_homing(settings)?;
         self.coupling = coupling(settings)?;
         self.tick_hz = settings.tick_hz;
@@ -130,21 +129,24 @@ impl Controller {
         for (i, (axis, phase)) in settings.axes.iter().zip(&mut phases).enumerate() {
             let feed_forward = feed_forward(settings, axis, timing).map_err(|e| e.on_entry(i))?;
             let channel = Channel {
-                axis: Axis::new(axis, tick_hz),
+                gear: Gear::new(axis.ratio.0, axis.ratio.1),
                 planner: Planner::new(timing, axis.steps_per_turn),
                 reversed: axis.reversed,
                 feed_forward,
             };
-            *phase = channel.axis.offset();
+            *phase = Phase::from_turns(turns(axis.offset_turns));
             let pushed = self.channels.push(channel);
             debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
         }
         self.history = History::new();
         self.has_servos = self.channels.iter().any(|c| c.feed_forward.is_some());
         self.step_rate = StepRates::new(timing.tick());
-        self.trimming = 0;
-        self.own = None;
+        let channels = self.channels.iter().enumerate();
+        self.geared = channels.fold(0, |geared, (axis, channel)| {
+            geared | AxisSet::from(!channel.gear.is_direct()) << axis
+        });
         self.output.reset(phases);
+        self.group_axes();
         Ok(())
     }
 
@@ -152,7 +154,7 @@ impl Controller {
     fn fill_homing(&mut self, settings: &Settings) -> Result<(), SettingsError> {
         let count = settings.axes.len();
         let patterns = if settings.correction.prove_wiring {
-            wiring_patterns(count, &self.drift, &self.correction)?
+            wiring_patterns(count, &self.drift, &self.offsets)?
         } else {
             [PerAxis::default(); 2]
         };
@@ -201,8 +203,9 @@ fn feed_forward(
     let tick_hz = settings.tick_hz;
     let hz = f64::from(tick_hz);
     let ratio = f64::from(axis.ratio.0) / f64::from(axis.ratio.1);
-    // Trim comes on top of what the gear makes.
-    let speed_hz = settings.limits.speed_hz * ratio + 2.0 * axis.trim_rate_hz;
+    // In its slot, a phase offset moves up to the number of axes times as fast as its rate.
+    let offset_hz = axis.trim_rate_hz * settings.axes.len() as f64;
+    let speed_hz = settings.limits.speed_hz * ratio + offset_hz;
     if speed_hz > 0.5 * hz {
         let problem = Problem::TooFastForTick {
             turns_per_tick: speed_hz / hz,

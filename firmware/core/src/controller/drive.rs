@@ -1,32 +1,29 @@
 //! From the master's turns to each axis's phase, pulses and setpoints.
 //!
-//! Axes at the same place within a step that make the same turns have identical edges. The first of them is planned, and the others
-//! share its plan ([`Sharing`]). An axis makes *turns of its own* if it has a ratio, and while a trim or a correction moves it. All
-//! other axes make the master's turns, so that equal places stay equal. Groups can change only when the set of axes with turns of
-//! their own does; the places are then compared anew.
+//! Axes with the same gear at the same place within a step have identical edges. One of them is planned, and the others share its
+//! plan ([`Sharing`](crate::pulse::Sharing)). An axis leaves its group while its phase offset moves by a fraction of a step, and joins a group after it. As
+//! offsets are whole steps, that is the group it left.
 
 use super::Controller;
-use crate::drift::AxisSet;
-use crate::pulse::Sharing;
+use super::channel::Channel;
+use crate::axes::OffsetMotion;
 use crate::signals::Output;
 use crate::supervisor::State;
 use crate::units::{MAX_AXES, PerAxis, Turns};
 
 impl Controller {
-    /// Moves the axes and makes their pulses and setpoints. While the machine is to stand, trims stand
-    /// too: drives that are off would not follow them.
+    /// Moves the axes and makes their pulses and setpoints. Phase offsets stand while the machine stands, stops or is parked.
     #[inline(never)]
     pub(super) fn drive(&mut self, moving: bool) {
-        let trimming = matches!(self.supervisor.state(), State::Homing | State::Run);
-        // A machine that stops is not to be moved by its trims, nor one that is parked.
-        let correcting = moving && trimming && self.correction.advance();
-        let own = if moving && (correcting || self.trimming != 0) {
-            self.axes_with_own_turns(correcting)
+        let offsets_move = moving && matches!(self.supervisor.state(), State::Homing | State::Run);
+        let moved = if offsets_move {
+            self.offsets.advance()
         } else {
-            0
+            None
         };
-        if self.own != Some(own) {
-            self.group_axes(own);
+        let apart = moved.map(|moved| moved.axis).or(self.offsets.displaced());
+        if self.apart != apart {
+            self.regroup(apart);
         }
         let master = if moving {
             self.motion.speed
@@ -38,11 +35,13 @@ impl Controller {
         for phase in self.output.telemetry.axis_phase.iter_mut().take(count) {
             *phase = phase.advanced(master);
         }
-        let with_own_turns = own | self.geared;
-        if moving && with_own_turns != 0 {
-            self.make_own_turns(with_own_turns, correcting, master);
+        if moving && self.geared != 0 {
+            self.advance_gears(master);
         }
-        self.plan_all();
+        if let Some(moved) = &moved {
+            self.advance_offset(moved);
+        }
+        self.plan_all(moved.as_ref());
         if self.has_servos {
             self.set_points();
         }
@@ -50,13 +49,20 @@ impl Controller {
 
     /// Plans the pulses: one plan for all axes that share it.
     #[inline(never)] // Within a function with more variables, the loop would lack registers.
-    fn plan_all(&mut self) {
+    fn plan_all(&mut self, moved: Option<&OffsetMotion>) {
         let sharing = self.output.sharing;
         let mut steps_of: PerAxis<i32> = [0; MAX_AXES];
         let plans = self.output.plans.iter_mut().zip(&mut steps_of);
         for (axis, (channel, (runs, steps))) in self.channels.iter_mut().zip(plans).enumerate() {
             if sharing.first(axis) == axis {
-                *steps = channel.plan(self.history.planned(axis), &mut self.step_rate, runs);
+                let turns = self.history.planned(axis);
+                let (turns, offset) = match moved {
+                    Some(moved) if moved.axis == axis => {
+                        (turns.wrapping_sub(moved.turns), moved.half_steps)
+                    }
+                    _ => (turns, 0),
+                };
+                *steps = channel.plan(turns, offset, &mut self.step_rate, runs);
             }
         }
         for (axis, steps) in self.output.telemetry.steps.iter_mut().enumerate() {
@@ -67,40 +73,20 @@ impl Controller {
         }
     }
 
-    /// Axes that a trim or a correction moves in this tick.
+    /// Moves the axes that do not make the master's own turns.
     #[inline(never)]
-    fn axes_with_own_turns(&mut self, correcting: bool) -> AxisSet {
-        let (mut own, mut axis) = (0, 1);
-        for (channel, change) in self.channels.iter().zip(self.correction.change()) {
-            if channel.axis.trim().is_moving() {
-                own |= axis;
-            } else {
-                self.trimming &= !axis;
+    fn advance_gears(&mut self, master: Turns) {
+        let sharing = self.output.sharing;
+        let mut turns_of = [master; MAX_AXES];
+        for (axis, (channel, turns)) in self.channels.iter_mut().zip(&mut turns_of).enumerate() {
+            if self.geared & 1 << axis != 0 && sharing.first(axis) == axis {
+                *turns = channel.gear.advance(master);
             }
-            if correcting && *change != 0 {
-                own |= axis;
-            }
-            axis <<= 1;
         }
-        own
-    }
-
-    /// Moves the axes with turns of their own.
-    #[inline(never)]
-    fn make_own_turns(&mut self, axes: AxisSet, correcting: bool, master: Turns) {
-        let telemetry = &mut self.output.telemetry;
-        if correcting {
-            telemetry.correction = *self.correction.now();
-        }
-        let changes = self.correction.change().iter();
-        let all = self
-            .channels
-            .iter_mut()
-            .zip(changes.zip(&mut telemetry.axis_phase));
-        for (axis, (channel, (change, phase))) in all.enumerate() {
-            if axes & 1 << axis != 0 {
-                let correction = if correcting { *change } else { Turns::ZERO };
-                let turns = channel.axis.advance(master, correction);
+        for (axis, phase) in self.output.telemetry.axis_phase.iter_mut().enumerate() {
+            if self.geared & 1 << axis != 0
+                && let Some(&turns) = turns_of.get(sharing.first(axis))
+            {
                 self.history.plan_own(axis, turns);
                 // The phase contains the master's turns already.
                 *phase = phase.advanced(turns.wrapping_sub(master));
@@ -108,37 +94,86 @@ impl Controller {
         }
     }
 
-    /// Groups the axes that share a plan, for a new set of axes with turns of their own.
+    /// Moves an axis by its phase offset.
     #[inline(never)]
-    fn group_axes(&mut self, own: AxisSet) {
-        let before = self.output.sharing;
-        let mut sharing = Sharing::NONE;
-        self.geared = 0;
-        for axis in 0..self.channels.len().min(MAX_AXES) {
-            let (earlier, rest) = self.channels.split_at_mut(axis);
-            let Some(channel) = rest.first_mut() else {
-                break;
-            };
-            // The place of an axis that shared a plan was kept by the first axis of its group.
-            if let Some(followed) = earlier.get(before.first(axis)) {
-                channel.planner.continue_from(*followed.planner.place());
-            }
-            self.geared |= AxisSet::from(!channel.axis.gear().is_direct()) << axis;
-            if own & 1 << axis != 0 || !channel.may_share() {
-                continue;
-            }
-            let like = |(first, other): &(usize, &super::Channel)| {
-                sharing.first(*first) == *first
-                    && own & 1 << first == 0
-                    && other.may_share()
-                    && other.planner.place() == channel.planner.place()
-            };
-            if let Some((first, _)) = earlier.iter().enumerate().find(like) {
-                sharing = sharing.with(axis, first);
-            }
+    fn advance_offset(&mut self, moved: &OffsetMotion) {
+        let turns = self.history.planned(moved.axis).wrapping_add(moved.turns);
+        self.history.plan_own(moved.axis, turns);
+        let telemetry = &mut self.output.telemetry;
+        if let Some(phase) = telemetry.axis_phase.get_mut(moved.axis) {
+            *phase = phase.advanced(moved.turns);
         }
-        self.output.sharing = sharing;
-        self.own = Some(own);
+        let now = self.offsets.now().get(moved.axis);
+        if let (Some(correction), Some(&now)) = (telemetry.correction.get_mut(moved.axis), now) {
+            *correction = now;
+        }
+    }
+
+    /// Groups all axes, none of which shares a plan.
+    #[cold]
+    pub(super) fn group_axes(&mut self) {
+        self.apart = None;
+        for axis in 0..self.channels.len() {
+            self.join(axis, axis);
+        }
+    }
+
+    /// Takes an axis out of its group while its offset moves; the axis before joins one again.
+    #[inline(never)]
+    fn regroup(&mut self, apart: Option<usize>) {
+        if let Some(axis) = self.apart {
+            self.join(axis, self.channels.len());
+        }
+        if let Some(axis) = apart {
+            self.leave(axis);
+        }
+        self.apart = apart;
+    }
+
+    /// Lets an axis share the plan of one of the axes below `end`, if one has the same motion.
+    fn join(&mut self, axis: usize, end: usize) {
+        let sharing = self.output.sharing;
+        let Some(channel) = self.channels.get(axis) else {
+            return;
+        };
+        let same = |&(first, other): &(usize, &Channel)| {
+            first != axis && sharing.first(first) == first && channel.has_motion_of(other)
+        };
+        let found = self.channels.iter().take(end).enumerate().find(same);
+        if let Some((first, _)) = found {
+            self.output.sharing = sharing.with(axis, first);
+        }
+    }
+
+    /// Gives an axis a plan of its own.
+    fn leave(&mut self, axis: usize) {
+        let sharing = self.output.sharing;
+        let first = sharing.first(axis);
+        if first != axis {
+            self.output.sharing = sharing.with(axis, axis);
+            return self.continue_from(first, axis);
+        }
+        // The next axis of the group is planned from now on.
+        let count = self.channels.len();
+        let mut others = (0..count).filter(|&other| other != axis && sharing.first(other) == axis);
+        let Some(next) = others.next() else {
+            return;
+        };
+        let after = others.fold(sharing.with(next, next), |sharing, other| {
+            sharing.with(other, next)
+        });
+        self.output.sharing = after;
+        self.continue_from(axis, next);
+    }
+
+    /// Lets an axis continue the motion of the axis whose plan it shared.
+    fn continue_from(&mut self, first: usize, axis: usize) {
+        let Some((gear, place)) = self.channels.get(first).map(Channel::motion) else {
+            return;
+        };
+        if let Some(channel) = self.channels.get_mut(axis) {
+            channel.continue_from(gear, place);
+        }
     }
 
     /// Makes the setpoints of servo axes.

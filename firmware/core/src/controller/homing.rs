@@ -14,7 +14,7 @@
 
 mod checks;
 
-use crate::axes::Correction;
+use crate::axes::PhaseOffsets;
 use crate::drift::{AxisSet, DriftMonitor};
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
@@ -140,17 +140,17 @@ impl Homing {
     pub(super) fn advance(
         &mut self,
         monitor: &mut DriftMonitor,
-        correction: &mut Correction,
+        offsets: &mut PhaseOffsets,
         speed: Turns,
     ) -> Option<Fault> {
         let step = self.step;
         if let Some((axis, by)) = monitor.take_moved()
-            && let Some(fault) = self.moved(axis, by, monitor, correction)
+            && let Some(fault) = self.moved(axis, by, monitor, offsets)
         {
             return Some(fault);
         }
-        let fault = self.go(monitor, correction);
-        if self.step != step || correction.is_moving() {
+        let fault = self.go(monitor, offsets);
+        if self.step != step || offsets.is_moving() {
             self.waited = Turns::ZERO;
         } else if !self.is_done() {
             self.waited = self.waited.saturating_add(speed);
@@ -164,48 +164,48 @@ impl Homing {
     }
 
     #[inline]
-    fn go(&mut self, monitor: &mut DriftMonitor, correction: &mut Correction) -> Option<Fault> {
+    fn go(&mut self, monitor: &mut DriftMonitor, offsets: &mut PhaseOffsets) -> Option<Fault> {
         match self.step {
-            Step::Find if monitor.is_homed() => return self.found(monitor, correction),
-            Step::Level if !correction.is_moving() => {
+            Step::Find if monitor.is_homed() => return self.found(monitor, offsets),
+            Step::Level if !offsets.is_moving() => {
                 monitor.start_check();
                 self.step = Step::Verify;
             }
-            Step::Verify if monitor.is_check_done() => return self.checked(monitor, correction),
-            Step::Return if !correction.is_moving() => self.finish(monitor, correction),
+            Step::Verify if monitor.is_check_done() => return self.checked(monitor, offsets),
+            Step::Return if !offsets.is_moving() => self.finish(monitor, offsets),
             _ => {}
         }
         None
     }
 
-    fn finish(&mut self, monitor: &mut DriftMonitor, correction: &Correction) {
+    fn finish(&mut self, monitor: &mut DriftMonitor, offsets: &PhaseOffsets) {
         monitor.settle();
         self.step = Step::Done;
         self.checks = 0;
         self.before = monitor.errors_at_flags();
-        self.from = *correction.now();
+        self.from = *offsets.now();
     }
 
     /// Every index has been detected.
     #[inline(never)]
-    fn found(&mut self, monitor: &mut DriftMonitor, correction: &mut Correction) -> Option<Fault> {
-        self.find_home_offset(monitor, correction);
-        let mut target = *correction.now();
-        if correction.is_on() {
-            let error = errors(monitor, correction);
-            target = correction.against(&error, monitor.watched(), true);
+    fn found(&mut self, monitor: &mut DriftMonitor, offsets: &mut PhaseOffsets) -> Option<Fault> {
+        self.find_home_offset(monitor, offsets);
+        let mut target = *offsets.now();
+        if offsets.corrects() {
+            let error = errors(monitor, offsets);
+            target = offsets.against(&error, monitor.watched(), true);
         } else if self.proves() {
             // What a homing run that was cut short left of its pattern is taken back.
             target = [Turns::ZERO; MAX_AXES];
         }
         let differs = (0..MAX_AXES).any(|axis| {
-            let by = target[axis].wrapping_sub(correction.now()[axis]);
+            let by = target[axis].wrapping_sub(offsets.now()[axis]);
             by.wrapping_abs() > monitor.tolerance(axis)
         });
         if differs {
-            return self.move_to(target, monitor, correction);
+            return self.move_to(target, monitor, offsets);
         }
-        self.go_on(monitor, correction)
+        self.go_on(monitor, offsets)
     }
 
     fn proves(&self) -> bool {
@@ -213,11 +213,11 @@ impl Homing {
     }
 
     /// The cranks are together: it is proved that each is its own, or all is done.
-    fn go_on(&mut self, monitor: &mut DriftMonitor, correction: &mut Correction) -> Option<Fault> {
+    fn go_on(&mut self, monitor: &mut DriftMonitor, offsets: &mut PhaseOffsets) -> Option<Fault> {
         if self.proven == 0 {
             // Where nothing is corrected, the little that a homing run that was cut short left goes with the tilts.
-            self.base = if correction.is_on() {
-                *correction.now()
+            self.base = if offsets.corrects() {
+                *offsets.now()
             } else {
                 [Turns::ZERO; MAX_AXES]
             };
@@ -228,9 +228,9 @@ impl Homing {
             .filter(|levels| is_pattern(*levels));
         let Some(&pattern) = pattern else {
             if self.proven == 0 {
-                self.finish(monitor, correction);
+                self.finish(monitor, offsets);
             } else {
-                correction.go_to(self.base);
+                offsets.go_to(&self.base);
                 self.step = Step::Return;
             }
             return None;
@@ -238,14 +238,14 @@ impl Homing {
         self.proven += 1;
         // Tilted the other way it proves as much: there may be room in the trims for that alone.
         let mut trims = self.tilted(&pattern, false);
-        if !has_room(&trims, monitor, correction) {
+        if !has_room(&trims, monitor, offsets) {
             trims = self.tilted(&pattern, true);
         }
-        if !has_room(&trims, monitor, correction) {
+        if !has_room(&trims, monitor, offsets) {
             let fault = Fault::new(FaultKind::HomingRangeExceeded);
-            return Some(fault.on_axis(monitor.furthest(&errors(monitor, correction))));
+            return Some(fault.on_axis(monitor.furthest(&errors(monitor, offsets))));
         }
-        self.move_to(trims, monitor, correction)
+        self.move_to(trims, monitor, offsets)
     }
 
     /// The trims without a tilt, and one on top, this way or the other.
@@ -265,9 +265,9 @@ impl Homing {
         &mut self,
         trims: PerAxis<Turns>,
         monitor: &DriftMonitor,
-        correction: &mut Correction,
+        offsets: &mut PhaseOffsets,
     ) -> Option<Fault> {
-        if let Some(axis) = correction.beyond_limit(&trims) {
+        if let Some(axis) = offsets.beyond_limit(&trims) {
             let size = monitor.phase_error()[axis];
             let fault = Fault::new(FaultKind::HomingRangeExceeded);
             return Some(fault.on_axis(axis).with_size(size));
@@ -276,17 +276,17 @@ impl Homing {
         if self.proven <= 1 {
             self.before = monitor.errors_at_flags();
             self.before_now = monitor.filtered_error();
-            self.from = *correction.now();
+            self.from = *offsets.now();
         }
         self.checks = 0;
         self.off = [Turns::ZERO; MAX_AXES];
-        correction.go_to(trims);
+        offsets.go_to(&trims);
         self.step = Step::Level;
         None
     }
 
     /// What all cranks are off by together is where the machine's zero is.
-    fn find_home_offset(&mut self, monitor: &mut DriftMonitor, correction: &Correction) {
+    fn find_home_offset(&mut self, monitor: &mut DriftMonitor, offsets: &PhaseOffsets) {
         if !self.has_home_offset {
             return;
         }
@@ -301,7 +301,7 @@ impl Homing {
         let off = monitor
             .phase_error()
             .map(|phase_error| nearest(phase_error.wrapping_sub(base)));
-        let mean = nearest(base.wrapping_add(correction.mean(&off, watched)));
+        let mean = nearest(base.wrapping_add(offsets.mean(&off, watched)));
         if mean.abs() > self.lag {
             monitor.shift(mean);
             self.home_offset = nearest(self.home_offset.wrapping_add(mean));
@@ -331,21 +331,21 @@ impl Homing {
         &self,
         set: AxisSet,
         monitor: &DriftMonitor,
-        correction: &Correction,
+        offsets: &PhaseOffsets,
     ) -> Option<Deviation> {
         let phase_error = monitor.filtered_error();
-        self.moves(When::InTransit, &phase_error, correction.target())
+        self.moves(When::InTransit, &phase_error, &offsets.target())
             .deviation(set)
     }
 
     /// Fault of swapped wiring, if that is why cranks that were moved seem to exceed the homing range.
     #[inline(never)]
-    pub(super) fn explain(&self, monitor: &DriftMonitor, correction: &Correction) -> Option<Fault> {
+    pub(super) fn explain(&self, monitor: &DriftMonitor, offsets: &PhaseOffsets) -> Option<Fault> {
         if !matches!(self.step, Step::Level | Step::Verify) {
             return None;
         }
         // While they are on their way, each may show part of the other's command.
-        let deviation = self.in_transit(monitor.watched(), monitor, correction)?;
+        let deviation = self.in_transit(monitor.watched(), monitor, offsets)?;
         let fault = Fault::new(FaultKind::SwappedWiring).on_axis(deviation.axis);
         deviation
             .is_swapped
@@ -360,12 +360,12 @@ impl Homing {
         axis: usize,
         by: Turns,
         monitor: &DriftMonitor,
-        correction: &Correction,
+        offsets: &PhaseOffsets,
     ) -> Option<Fault> {
         if by.abs() <= monitor.swing(axis) {
             return None;
         }
-        if self.step != Step::Find && self.in_transit(1 << axis, monitor, correction)?.is_swapped {
+        if self.step != Step::Find && self.in_transit(1 << axis, monitor, offsets)?.is_swapped {
             return None;
         }
         let kind = monitor.name_of(axis, by);
@@ -379,15 +379,15 @@ impl Homing {
     pub(super) fn corrected(
         &mut self,
         monitor: &DriftMonitor,
-        correction: &Correction,
+        offsets: &PhaseOffsets,
     ) -> Option<Fault> {
         let phase_error = monitor.errors_at_flags();
         let swapped = self
-            .moves(When::Corrected, &phase_error, correction.now())
+            .moves(When::Corrected, &phase_error, offsets.now())
             .deviation(monitor.watched())
             .filter(|deviation| deviation.is_swapped);
         self.before = phase_error;
-        self.from = *correction.now();
+        self.from = *offsets.now();
         let Some(swapped) = swapped else {
             self.checks = 0;
             return None;
@@ -423,11 +423,7 @@ impl Homing {
 
     /// The cranks have been moved, and each detected once more.
     #[inline(never)]
-    fn checked(
-        &mut self,
-        monitor: &mut DriftMonitor,
-        correction: &mut Correction,
-    ) -> Option<Fault> {
+    fn checked(&mut self, monitor: &mut DriftMonitor, offsets: &mut PhaseOffsets) -> Option<Fault> {
         monitor.refresh();
         let mut phase_error = self.error_since(monitor);
         self.checks += 1;
@@ -438,9 +434,9 @@ impl Homing {
         {
             *sum = sum.wrapping_add(nearest(now.wrapping_sub(before)));
         }
-        let moves = self.moves(When::Moved, &phase_error, correction.now());
+        let moves = self.moves(When::Moved, &phase_error, offsets.now());
         if moves.deviation(monitor.watched()).is_none() {
-            return self.go_on(monitor, correction);
+            return self.go_on(monitor, offsets);
         }
         if self.checks < CHECKS {
             monitor.start_check();
@@ -453,9 +449,9 @@ impl Homing {
             let off = Turns::from_bits((off.to_bits() >> 16) * CHECK_SHARE);
             *mean = before.wrapping_add(off);
         }
-        let moves = self.moves(When::Moved, &phase_error, correction.now());
+        let moves = self.moves(When::Moved, &phase_error, offsets.now());
         let Some(deviation) = moves.deviation(monitor.watched()) else {
-            return self.go_on(monitor, correction);
+            return self.go_on(monitor, offsets);
         };
         let kind = if deviation.is_swapped {
             FaultKind::SwappedWiring
@@ -471,19 +467,19 @@ impl Homing {
 }
 
 /// Whether trims are within their limits, and would leave the platform within its own.
-fn has_room(trims: &PerAxis<Turns>, monitor: &DriftMonitor, correction: &Correction) -> bool {
-    let mut after = errors(monitor, correction);
-    let moves = trims.iter().zip(correction.now());
+fn has_room(trims: &PerAxis<Turns>, monitor: &DriftMonitor, offsets: &PhaseOffsets) -> bool {
+    let mut after = errors(monitor, offsets);
+    let moves = trims.iter().zip(offsets.now());
     for (after, (to, &from)) in after.iter_mut().zip(moves) {
         *after = nearest(after.wrapping_add(to.wrapping_sub(from)));
     }
-    correction.beyond_limit(trims).is_none() && monitor.allows(&after)
+    offsets.beyond_limit(trims).is_none() && monitor.allows(&after)
 }
 
 /// What each crank is off from where the master has it.
-pub(super) fn errors(monitor: &DriftMonitor, correction: &Correction) -> PerAxis<Turns> {
+pub(super) fn errors(monitor: &DriftMonitor, offsets: &PhaseOffsets) -> PerAxis<Turns> {
     core::array::from_fn(|axis| {
-        nearest(monitor.phase_error()[axis].wrapping_add(correction.now()[axis]))
+        nearest(monitor.phase_error()[axis].wrapping_add(offsets.now()[axis]))
     })
 }
 

@@ -153,7 +153,7 @@ fn what_a_proof_that_was_cut_short_left_is_taken_back() {
     settings.correction.prove_wiring = true;
     let mut controller = controller(&settings, 100.0);
     let tolerance = controller.drift.tolerance(0);
-    let trim = |controller: &Controller| controller.correction.now()[0].abs();
+    let trim = |controller: &Controller| controller.offsets.now()[0].abs();
     play(&mut controller, Some(Command::Start), 1, false);
     let mut was_tilted = false;
     while trim(&controller) > tolerance / 2 || !was_tilted {

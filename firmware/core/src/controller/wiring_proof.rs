@@ -1,6 +1,6 @@
 //! The tilts that prove whose lines are whose: about one axis, and about the other. Made once, of settings; [`super::homing`] plays them.
 
-use crate::axes::Correction;
+use crate::axes::PhaseOffsets;
 use crate::drift::DriftMonitor;
 use crate::settings::{Problem, SettingsError};
 use crate::units::{PerAxis, Turns};
@@ -16,7 +16,7 @@ pub(super) const APART: i64 = 3;
 pub(super) fn wiring_patterns(
     count: usize,
     drift: &DriftMonitor,
-    correction: &Correction,
+    offsets: &PhaseOffsets,
 ) -> Result<[PerAxis<Turns>; 2], SettingsError> {
     let tolerances = (0..count).map(|axis| drift.tolerance(axis));
     let tolerance = tolerances.max().unwrap_or_default();
@@ -24,7 +24,7 @@ pub(super) fn wiring_patterns(
     // With what readings may be off on top.
     let on_top = |level: Turns| level + if level < 0 { -tolerance } else { tolerance };
     for pattern in &patterns {
-        if correction.beyond_limit(pattern).is_some() || !drift.allows(&pattern.map(on_top)) {
+        if offsets.beyond_limit(pattern).is_some() || !drift.allows(&pattern.map(on_top)) {
             let most = pattern.iter().map(|level| level.abs()).max();
             let problem = Problem::WiringPattern {
                 deg: most.unwrap_or_default().to_num::<f64>() * 360.0,

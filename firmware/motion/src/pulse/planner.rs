@@ -82,15 +82,23 @@ impl Planner {
     /// Replaces `runs` with those of a tick in which the axis covers `turns`. Returns the whole steps of the tick: their
     /// sum is the phase covered since the start, in whole steps, rounded down.
     ///
-    /// `turns` must not need more edges than [`PulseTiming::check_rate`] allowed. The cache of step rates may be shared
-    /// by axes with the same tick length.
+    /// `offset` are half-steps on top of the turns, in 2⁻⁴⁸. A phase offset that moves by whole steps is exact in them.
+    ///
+    /// Both together must not need more edges than [`PulseTiming::check_rate`] allowed. The cache of step rates may be
+    /// shared by axes with the same tick length.
     #[inline]
-    pub fn plan(&mut self, turns: Turns, step_rate: &mut StepRates, runs: &mut Runs) -> i32 {
+    pub fn plan(
+        &mut self,
+        turns: Turns,
+        offset: i64,
+        step_rate: &mut StepRates,
+        runs: &mut Runs,
+    ) -> i32 {
         runs.clear();
         let tick_cycles = self.timing.tick;
-        let step_rate = step_rate.take(turns.to_bits(), self.place.half_steps_per_turn);
-        let travel = self.travel(turns, step_rate);
-        let forward = turns >= 0;
+        let step_rate = step_rate.take(turns.to_bits(), offset, self.place.half_steps_per_turn);
+        let travel = self.travel(step_rate);
+        let forward = step_rate.forward;
         let due_high = travel.begins_low == forward;
         if travel.crossings == 0 {
             append(Run::pause(tick_cycles, self.place.forward), runs);
@@ -138,9 +146,15 @@ impl Planner {
 
     /// Counts the steps of a tick without pulses, for a servo axis: `runs` becomes one pause of a tick. Returns the steps
     /// as [`Self::plan`] does.
-    pub fn count(&mut self, turns: Turns, step_rate: &mut StepRates, runs: &mut Runs) -> i32 {
-        let step_rate = step_rate.take(turns.to_bits(), self.place.half_steps_per_turn);
-        let travel = self.travel(turns, step_rate);
+    pub fn count(
+        &mut self,
+        turns: Turns,
+        offset: i64,
+        step_rate: &mut StepRates,
+        runs: &mut Runs,
+    ) -> i32 {
+        let step_rate = step_rate.take(turns.to_bits(), offset, self.place.half_steps_per_turn);
+        let travel = self.travel(step_rate);
         runs.clear();
         append(Run::pause(self.timing.tick, self.place.forward), runs);
         travel.steps
@@ -148,10 +162,10 @@ impl Planner {
 
     /// Advances by a tick and returns the half-steps that it crosses.
     #[inline(always)]
-    fn travel(&mut self, turns: Turns, step_rate: &StepRate) -> Travel {
+    fn travel(&mut self, step_rate: &StepRate) -> Travel {
         let begin = self.place.within;
         let passed = begin & (HALF_STEP - 1);
-        let (end, to_first) = if turns >= 0 {
+        let (end, to_first) = if step_rate.forward {
             (begin.wrapping_add(step_rate.length), HALF_STEP - passed)
         } else {
             (begin.wrapping_sub(step_rate.length), passed)

@@ -14,7 +14,7 @@ pub(super) const TIME_BITS: u32 = 14;
 
 /// Cache of the last two computed step rates, for the next axes.
 ///
-/// The cranks of a machine mostly have one step rate, or two while their phase offsets change in both directions.
+/// The cranks of a machine mostly have one step rate, or two while a phase offset moves.
 #[derive(Clone, Debug)]
 pub struct StepRates {
     tick_cycles: u32,
@@ -33,11 +33,13 @@ impl StepRates {
         }
     }
 
-    /// Step rate of an axis that covers `turns`, in 2⁻⁴⁸, in a tick.
+    /// Step rate of an axis that covers `turns`, in 2⁻⁴⁸, in a tick, and `offset` half-steps more, in 2⁻⁴⁸.
     #[inline(always)]
-    pub(super) fn take(&mut self, turns: i64, half_steps_per_turn: u32) -> &StepRate {
+    pub(super) fn take(&mut self, turns: i64, offset: i64, half_steps_per_turn: u32) -> &StepRate {
         let is_it = |step_rate: &StepRate| {
-            step_rate.turns == turns && step_rate.half_steps_per_turn == half_steps_per_turn
+            step_rate.turns == turns
+                && step_rate.half_steps_per_turn == half_steps_per_turn
+                && step_rate.offset == offset
         };
         let [one, other] = &mut self.kept;
         if is_it(one) {
@@ -48,7 +50,7 @@ impl StepRates {
         }
         self.newer ^= 1;
         let older = if self.newer == 0 { one } else { other };
-        older.compute(turns, half_steps_per_turn, self.tick_cycles);
+        older.compute(turns, offset, half_steps_per_turn, self.tick_cycles);
         older
     }
 }
@@ -56,9 +58,12 @@ impl StepRates {
 /// Step rate of one axis in one tick.
 #[derive(Clone, Debug)]
 pub(super) struct StepRate {
-    /// Inputs of the computation: turns in 2⁻⁴⁸, and half-steps per turn.
+    /// Inputs of the computation: turns in 2⁻⁴⁸, half-steps on top of them in 2⁻⁴⁸, and half-steps per turn.
     turns: i64,
+    offset: i64,
     half_steps_per_turn: u32,
+    /// False if the half-steps are covered backwards.
+    pub(super) forward: bool,
     /// Half-steps covered, without their sign, in 2⁻⁴⁸.
     pub(super) length: u64,
     /// Shift that normalises the length: shifted up by `up` and then down by 32, it has its top bit set, and 32 bits.
@@ -75,7 +80,9 @@ impl StepRate {
     const fn new() -> Self {
         Self {
             turns: 0,
+            offset: 0,
             half_steps_per_turn: 0,
+            forward: true,
             length: 0,
             up: 0,
             inverse: 0,
@@ -85,10 +92,13 @@ impl StepRate {
     }
 
     #[inline(never)]
-    fn compute(&mut self, turns: i64, half_steps_per_turn: u32, tick_cycles: u32) {
+    fn compute(&mut self, turns: i64, offset: i64, half_steps_per_turn: u32, tick_cycles: u32) {
         self.turns = turns;
+        self.offset = offset;
         self.half_steps_per_turn = half_steps_per_turn;
-        self.length = multiply_long(turns.unsigned_abs(), half_steps_per_turn);
+        let length = multiply_long(turns as u64, half_steps_per_turn) as i64 + offset;
+        self.forward = length >= 0;
+        self.length = length.unsigned_abs();
         let (scaled, up) = normalised(self.length);
         self.up = up;
         // At rest the inverse is never used.

@@ -12,7 +12,7 @@ pub(super) enum When {
     InTransit,
     /// In homing, when all have been detected since.
     Moved,
-    /// In run, before the next correction. A swap makes each half as large again as the one before: it must be detected before it looks like
+    /// In run, before the next offsets. A swap makes each half as large again as the one before: it must be detected before it looks like
     /// something else, so that less is allowed; and it shows in both cranks, where one that slips is alone.
     Corrected,
 }

@@ -133,7 +133,7 @@ fn play_with(lines: Lines, steps_per_turn: u32, ticks: &[i64]) -> (Drive, i64) {
     let mut runs = Runs::new();
     let mut steps = 0;
     for &turns in ticks {
-        steps += i64::from(planner.plan(Turns::from_bits(turns), &mut step_rate, &mut runs));
+        steps += i64::from(planner.plan(Turns::from_bits(turns), 0, &mut step_rate, &mut runs));
         drive.play(&runs);
         assert_eq!(
             drive.position, steps,
@@ -237,8 +237,8 @@ fn a_whole_period_needs_few_runs() {
     let mut runs = Runs::new();
     let turns = Turns::from_num(0.125); // 250 steps in a tick of 62,500 cycles: 125 cycles an edge
     let mut step_rate = StepRates::new(timing(2000).timing.tick());
-    planner.plan(turns, &mut step_rate, &mut runs);
-    planner.plan(turns, &mut step_rate, &mut runs);
+    planner.plan(turns, 0, &mut step_rate, &mut runs);
+    planner.plan(turns, 0, &mut step_rate, &mut runs);
     assert!(runs.len() <= 3, "{runs:?}");
     let exact: u32 = runs
         .iter()

@@ -1,0 +1,486 @@
+//! Phase offsets: slow, bounded shifts of axes against the master, in whole steps.
+//!
+//! Each axis has one phase offset: the sum of a *user's part* and a *controller's part*. One limit applies to the sum.
+//! Offsets are whole steps, so that axes with equal gears keep the same fraction of a step and share their edges.
+//!
+//! **Motion.** Axes take turns. In its *slot*, an axis moves by whole steps at constant speed, or not at all. A *round* has one slot for
+//! each axis. So at most one axis has a motion of its own in any tick. Its speed in the slot is up to the number of axes times its
+//! rate; averaged over a round it stays within its rate. All axes of a part reach their targets in the same round. After every
+//! round each is at most a slot's steps behind the straight line to its target.
+
+use crate::functions::{Divisor, multiply_long};
+use crate::settings::{AxisSettings, Settings, turns_at_most};
+use crate::units::{FRACTION_BITS, MAX_AXES, ONE_TURN, PerAxis, Turns};
+
+/// One step, in the planner's half-steps of 2⁻⁴⁸.
+const STEP: i64 = 2 * ONE_TURN;
+
+/// Phase offsets of all axes.
+#[derive(Clone, Debug)]
+pub struct PhaseOffsets {
+    lanes: heapless::Vec<Lane, MAX_AXES>,
+    slot_ticks: u32,
+    slot: Slot,
+    user: Part,
+    controller: Part,
+    /// Controller's part as moved so far, turns.
+    now: PerAxis<Turns>,
+    /// Fraction of a difference that is corrected at once, 16 fraction bits.
+    pub(super) gain: i64,
+}
+
+/// Motion of one axis by its phase offset in one tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OffsetMotion {
+    /// The axis that moves.
+    pub axis: usize,
+    /// Its motion in half-steps of 2⁻⁴⁸; their sum over a slot is a whole number of steps, exactly.
+    pub half_steps: i64,
+    /// The same in turns, to 2⁻⁴⁸.
+    pub turns: Turns,
+}
+
+impl Default for PhaseOffsets {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl PhaseOffsets {
+    /// Phase offsets of no axes.
+    pub const fn new() -> Self {
+        Self {
+            lanes: heapless::Vec::new(),
+            slot_ticks: 1,
+            slot: Slot::IDLE,
+            user: Part::NONE,
+            controller: Part::NONE,
+            now: [Turns::ZERO; MAX_AXES],
+            gain: 0,
+        }
+    }
+
+    /// Resets all offsets and takes over checked settings.
+    #[cold]
+    pub fn configure(&mut self, settings: &Settings) {
+        *self = Self::new();
+        let share = settings.axes.len() as f64 / f64::from(settings.tick_hz);
+        let steps_per_tick =
+            |axis: &AxisSettings| axis.trim_rate_hz * f64::from(axis.steps_per_turn) * share;
+        let slowest = settings
+            .axes
+            .iter()
+            .map(steps_per_tick)
+            .fold(f64::INFINITY, f64::min);
+        self.slot_ticks = slot_ticks(slowest);
+        for axis in &settings.axes {
+            let steps = libm::floor(steps_per_tick(axis) * f64::from(self.slot_ticks));
+            let pushed = self
+                .lanes
+                .push(Lane::new(axis, self.slot_ticks, steps.max(1.0) as u32));
+            debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
+        }
+        self.gain = libm::round(settings.correction.gain * 65_536.0) as i64;
+    }
+
+    /// True if the settings request corrections by the controller.
+    pub const fn corrects(&self) -> bool {
+        self.gain > 0
+    }
+
+    /// Controller's part of the offsets as moved so far, turns.
+    pub const fn now(&self) -> &PerAxis<Turns> {
+        &self.now
+    }
+
+    /// Target of the controller's part, turns.
+    pub fn target(&self) -> PerAxis<Turns> {
+        self.turns_of(&self.controller.target)
+    }
+
+    /// Keeps the controller's part as it is.
+    pub const fn hold(&mut self) {
+        self.controller.hold();
+    }
+
+    /// True while the controller's part moves.
+    pub const fn is_moving(&self) -> bool {
+        self.controller.is_moving
+    }
+
+    /// Sets the target of the user's part of an axis, rounded to whole steps. Returns false if the limit of the axis cut it, or
+    /// if the axis does not exist.
+    pub fn set_user(&mut self, axis: usize, target: Turns) -> bool {
+        let other = self.target();
+        let (Some(lane), Some(&other)) = (self.lanes.get(axis), other.get(axis)) else {
+            return false;
+        };
+        let cut = lane.limited(target.saturating_add(other)) - other;
+        let mut targets = self.user.target;
+        if let Some(steps) = targets.get_mut(axis) {
+            let controller = self.controller.target.get(axis).copied();
+            *steps = lane.steps_of(cut, controller.unwrap_or_default());
+        }
+        let is_idle = self.is_idle();
+        self.user.go_to(&self.lanes, targets);
+        self.start(is_idle);
+        cut == target
+    }
+
+    /// Axis, if any, whose offset would exceed its limit with this controller's part, turns.
+    pub fn beyond_limit(&self, target: &PerAxis<Turns>) -> Option<usize> {
+        let user = self.turns_of(&self.user.target);
+        let offsets = target.iter().zip(&user).zip(&self.lanes);
+        offsets
+            .enumerate()
+            .find(|(_, ((target, user), lane))| {
+                target.wrapping_add(**user).wrapping_abs() > lane.limit
+            })
+            .map(|(axis, _)| axis)
+    }
+
+    /// Starts a move of the controller's part to `target`, turns, rounded to whole steps. The targets should have the sum zero; the
+    /// rounded ones then have it to half a step.
+    #[inline(never)]
+    pub fn go_to(&mut self, target: &PerAxis<Turns>) {
+        let mut steps = self.controller.target;
+        let mut residual = [Turns::ZERO; MAX_AXES];
+        let mut sum = Turns::ZERO;
+        let axes = steps.iter_mut().zip(&mut residual).zip(&self.user.target);
+        for (((steps, residual), &user), (lane, (&target, &now))) in
+            axes.zip(self.lanes.iter().zip(target.iter().zip(&self.now)))
+        {
+            if target != now {
+                *steps = lane.steps_of(target, user);
+                *residual = lane.turns_of(*steps).wrapping_sub(target);
+                sum = sum.wrapping_add(*residual);
+            }
+        }
+        self.balance(&mut steps, &mut residual, sum);
+        let is_idle = self.is_idle();
+        self.controller.go_to(&self.lanes, steps);
+        self.start(is_idle);
+    }
+
+    /// Changes rounded offsets by whole steps until the sum of what rounding added is at most half a step. It changes those
+    /// first that rounding moved furthest.
+    #[inline(never)]
+    fn balance(&self, steps: &mut PerAxis<i32>, residual: &mut PerAxis<Turns>, mut sum: Turns) {
+        for _ in 0..self.lanes.len() {
+            let by = if sum > 0 { -1 } else { 1 };
+            let mut furthest: Option<(usize, Turns, Turns)> = None;
+            for (axis, (lane, &residual)) in self.lanes.iter().zip(&*residual).enumerate() {
+                let parts = steps.get(axis).zip(self.user.target.get(axis));
+                let offset = parts.map_or(0, |(steps, user)| steps + user + by);
+                let step = lane.turns_of(by);
+                let moved = if by < 0 {
+                    residual
+                } else {
+                    residual.wrapping_neg()
+                };
+                if moved > furthest.map_or(Turns::ZERO, |(_, moved, _)| moved)
+                    && sum.wrapping_abs() > step.wrapping_abs() / 2
+                    && offset.abs() <= lane.limit_steps
+                {
+                    furthest = Some((axis, moved, step));
+                }
+            }
+            let Some((axis, _, step)) = furthest else {
+                return;
+            };
+            if let (Some(steps), Some(residual)) = (steps.get_mut(axis), residual.get_mut(axis)) {
+                *steps += by;
+                *residual = residual.wrapping_add(step);
+                sum = sum.wrapping_add(step);
+            }
+        }
+    }
+
+    const fn is_idle(&self) -> bool {
+        !self.user.is_moving && !self.controller.is_moving
+    }
+
+    /// Lets a move begin with the first axis, unless another is under way.
+    fn start(&mut self, was_idle: bool) {
+        if was_idle && self.slot.ticks == 0 {
+            self.slot.axis = self.lanes.len();
+        }
+    }
+
+    /// Axis that is within its slot and has moved by a fraction of a step.
+    pub const fn displaced(&self) -> Option<usize> {
+        if self.slot.ticks != 0 && self.slot.half_steps != 0 {
+            Some(self.slot.axis)
+        } else {
+            None
+        }
+    }
+
+    /// Advances by one tick; returns the motion of the axis that moves in it, if one does.
+    #[inline]
+    pub fn advance(&mut self) -> Option<OffsetMotion> {
+        if self.slot.ticks == 0 && (self.is_idle() || !self.begin_slot()) {
+            return None;
+        }
+        self.slot.ticks -= 1;
+        if self.slot.half_steps == 0 {
+            return None;
+        }
+        Some(self.move_axis())
+    }
+
+    #[inline(never)]
+    fn move_axis(&mut self) -> OffsetMotion {
+        let slot = &mut self.slot;
+        let (half_steps, turns) = if slot.ticks == 0 {
+            (slot.half_steps, slot.turns)
+        } else {
+            (slot.half_steps_per_tick, slot.turns_per_tick)
+        };
+        slot.half_steps -= half_steps;
+        slot.turns = slot.turns.wrapping_sub(turns);
+        let now = self.now.get_mut(slot.axis).filter(|_| slot.by_controller);
+        if let Some(now) = now {
+            *now = now.wrapping_add(turns);
+        }
+        OffsetMotion {
+            axis: slot.axis,
+            half_steps,
+            turns,
+        }
+    }
+
+    /// Begins the slot of the next axis; returns false if no axis is to move any more.
+    #[inline(never)]
+    fn begin_slot(&mut self) -> bool {
+        self.slot.axis += 1;
+        if self.slot.axis >= self.lanes.len() {
+            self.slot.axis = 0;
+            self.user.begin_round();
+            self.controller.begin_round();
+            if self.is_idle() {
+                return false;
+            }
+        }
+        let axis = self.slot.axis;
+        self.slot.ticks = self.slot_ticks;
+        self.slot.half_steps = 0;
+        let Some(lane) = self.lanes.get(axis) else {
+            return true;
+        };
+        // A part whose move would exceed the limit waits for the other part.
+        let at = |part: &Part| part.now.get(axis).copied().unwrap_or_default();
+        let offset = at(&self.user) + at(&self.controller);
+        let by_user = self.user.take(axis, lane, offset);
+        self.slot.by_controller = by_user.is_none();
+        if let Some((from, steps)) = by_user.or_else(|| self.controller.take(axis, lane, offset)) {
+            let sign = i64::from(steps);
+            self.slot.half_steps = sign * STEP;
+            self.slot.half_steps_per_tick = sign * lane.half_steps_per_tick;
+            self.slot.turns = lane
+                .turns_of(from + steps)
+                .wrapping_sub(lane.turns_of(from));
+            self.slot.turns_per_tick = Turns::from_bits(sign * lane.turns_per_tick);
+        }
+        true
+    }
+
+    fn turns_of(&self, steps: &PerAxis<i32>) -> PerAxis<Turns> {
+        let mut turns = [Turns::ZERO; MAX_AXES];
+        for (turns, (lane, &steps)) in turns.iter_mut().zip(self.lanes.iter().zip(steps)) {
+            *turns = lane.turns_of(steps);
+        }
+        turns
+    }
+}
+
+/// Shortest slot, in ticks, in which an axis uses at least four fifths of its rate with whole steps.
+#[cold]
+fn slot_ticks(steps_per_tick: f64) -> u32 {
+    let is_used = |ticks: &u32| {
+        let steps = steps_per_tick * f64::from(*ticks);
+        libm::floor(steps) >= 0.8 * steps
+    };
+    let least = libm::ceil(1.0 / steps_per_tick).max(1.0) as u32;
+    (least..u32::MAX).find(is_used).unwrap_or(least)
+}
+
+/// Constants of one axis.
+#[derive(Clone, Debug)]
+struct Lane {
+    /// 2⁶⁴ / steps per turn, and steps per turn.
+    turns_per_step: u64,
+    steps_per_turn: u32,
+    limit: Turns,
+    limit_steps: i32,
+    /// Most steps in a slot, and the divisor for it.
+    slot_steps: u32,
+    per_slot: Divisor,
+    /// Motion in a tick of a slot in which the axis moves by one step: half-steps of 2⁻⁴⁸, and turns of 2⁻⁴⁸.
+    half_steps_per_tick: i64,
+    turns_per_tick: i64,
+}
+
+impl Lane {
+    #[cold]
+    fn new(axis: &AxisSettings, slot_ticks: u32, slot_steps: u32) -> Self {
+        let steps_per_turn = axis.steps_per_turn.max(2);
+        let ticks = i64::from(slot_ticks);
+        Self {
+            turns_per_step: ((1_u128 << 64) / u128::from(steps_per_turn)) as u64,
+            steps_per_turn,
+            limit: Turns::from_bits(turns_at_most(axis.trim_limit_turns)),
+            // A limit of whole steps stays whole.
+            limit_steps: libm::floor(axis.trim_limit_turns * f64::from(steps_per_turn) + 1e-6)
+                as i32,
+            slot_steps,
+            per_slot: Divisor::new(slot_steps),
+            half_steps_per_tick: STEP / ticks,
+            turns_per_tick: ONE_TURN / i64::from(steps_per_turn) / ticks,
+        }
+    }
+
+    fn limited(&self, turns: Turns) -> Turns {
+        turns.max(self.limit.wrapping_neg()).min(self.limit)
+    }
+
+    /// Turns of a number of steps, to 2⁻⁴⁸; below one turn.
+    fn turns_of(&self, steps: i32) -> Turns {
+        let all = multiply_long(self.turns_per_step, steps.unsigned_abs());
+        let turns = Turns::from_bits(((all >> 15) as i64 + 1) >> 1);
+        if steps < 0 {
+            turns.wrapping_neg()
+        } else {
+            turns
+        }
+    }
+
+    /// Whole number of steps nearest to `turns`, up to ±½. If that would exceed the limit together with the `other` part, the one
+    /// before.
+    fn steps_of(&self, turns: Turns, other: i32) -> i32 {
+        let twice = multiply_long(turns.to_bits().unsigned_abs(), self.steps_per_turn)
+            >> (FRACTION_BITS - 1);
+        let nearest = ((twice + 1) >> 1) as i32;
+        let steps = if turns < 0 { -nearest } else { nearest };
+        let offset = steps + other;
+        if offset.abs() > self.limit_steps {
+            steps - offset.signum()
+        } else {
+            steps
+        }
+    }
+}
+
+/// One part of the offsets of all axes, and its move. Steps.
+#[derive(Clone, Debug)]
+struct Part {
+    /// Offsets, with those of the present slot.
+    now: PerAxis<i32>,
+    target: PerAxis<i32>,
+    /// Length of the move, the rounds that are left of it, and the divisor for all of its rounds.
+    length: PerAxis<i32>,
+    rounds_left: u32,
+    per_round: Option<Divisor>,
+    is_moving: bool,
+}
+
+impl Part {
+    const NONE: Self = Self {
+        now: [0; MAX_AXES],
+        target: [0; MAX_AXES],
+        length: [0; MAX_AXES],
+        rounds_left: 0,
+        per_round: None,
+        is_moving: false,
+    };
+
+    const fn hold(&mut self) {
+        self.target = self.now;
+        self.length = [0; MAX_AXES];
+        self.rounds_left = 0;
+        self.is_moving = false;
+    }
+
+    #[inline(never)]
+    fn go_to(&mut self, lanes: &[Lane], target: PerAxis<i32>) {
+        self.target = target;
+        let mut rounds = 0;
+        let axes = self
+            .length
+            .iter_mut()
+            .zip(self.target.iter().zip(&self.now));
+        for ((length, (target, now)), lane) in axes.zip(lanes) {
+            *length = target - now;
+            let steps = length.unsigned_abs();
+            let own = match lane.slot_steps {
+                1 => steps,
+                most => lane.per_slot.divide(u64::from(steps + most - 1)).0 as u32,
+            };
+            rounds = rounds.max(own);
+        }
+        self.rounds_left = rounds;
+        self.per_round = Some(Divisor::new(rounds));
+        self.is_moving = rounds > 0;
+    }
+
+    fn begin_round(&mut self) {
+        if self.rounds_left > 0 {
+            self.rounds_left -= 1;
+        } else if self.is_moving {
+            self.is_moving = self.now != self.target;
+        }
+    }
+
+    /// Takes the steps of an axis in its slot, and this part of its offset before them; none if it does not move.
+    fn take(&mut self, axis: usize, lane: &Lane, offset: i32) -> Option<(i32, i32)> {
+        let now = self.now.get_mut(axis)?;
+        let (&target, &length) = (self.target.get(axis)?, self.length.get(axis)?);
+        if !self.is_moving || *now == target {
+            return None;
+        }
+        let ahead = multiply_long(u64::from(length.unsigned_abs()), self.rounds_left);
+        let ahead = self.per_round?.divide(ahead).0 as i32;
+        let aim = if length < 0 {
+            target + ahead
+        } else {
+            target - ahead
+        };
+        let most = lane.slot_steps as i32;
+        let steps = (aim - *now).clamp(-most, most);
+        if steps == 0 || (offset + steps).abs() > lane.limit_steps.max(offset.abs()) {
+            return None;
+        }
+        let from = *now;
+        *now += steps;
+        Some((from, steps))
+    }
+}
+
+/// Ticks of motion of one axis.
+#[derive(Clone, Debug)]
+struct Slot {
+    axis: usize,
+    /// Ticks that are left.
+    ticks: u32,
+    /// Motion that is left: half-steps of 2⁻⁴⁸ and turns; and that of a tick.
+    half_steps: i64,
+    half_steps_per_tick: i64,
+    turns: Turns,
+    turns_per_tick: Turns,
+    by_controller: bool,
+}
+
+impl Slot {
+    const IDLE: Self = Self {
+        axis: 0,
+        ticks: 0,
+        half_steps: 0,
+        half_steps_per_tick: 0,
+        turns: Turns::ZERO,
+        turns_per_tick: Turns::ZERO,
+        by_controller: false,
+    };
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,167 @@
+use super::*;
+use crate::settings::sample;
+use proptest::prelude::*;
+use std::vec::Vec;
+
+/// Offsets of axes with these steps per turn.
+fn offsets(steps_per_turn: &[u32], rate_hz: f64, limit_turns: f64) -> PhaseOffsets {
+    let mut settings = sample::settings(steps_per_turn.len());
+    for (axis, &steps) in settings.axes.iter_mut().zip(steps_per_turn) {
+        axis.steps_per_turn = steps;
+        axis.trim_rate_hz = rate_hz;
+        axis.trim_limit_turns = limit_turns;
+    }
+    let mut offsets = PhaseOffsets::new();
+    offsets.configure(&settings);
+    offsets
+}
+
+/// Moves all axes to their targets. Returns the steps that each has made, and the ticks.
+fn finish(offsets: &mut PhaseOffsets) -> (PerAxis<f64>, u32) {
+    let (mut made, mut ticks) = ([0_i128; MAX_AXES], 0);
+    while !offsets.is_idle() {
+        if let Some(motion) = offsets.advance() {
+            made[motion.axis] += i128::from(motion.half_steps);
+        }
+        ticks += 1;
+        assert!(ticks < 1_000_000, "the move does not end");
+    }
+    (made.map(|made| made as f64 / STEP as f64), ticks)
+}
+
+proptest! {
+    /// Every axis ends on the whole step nearest to its target, exactly, and axes of equal steps keep the sum zero.
+    #[test]
+    fn moves_end_on_whole_steps(
+        count in 2_usize..=6,
+        steps_per_turn in 200_u32..20_000,
+        rate_hz in 0.001_f64..1.0,
+        parts in prop::collection::vec(-0.016_f64..0.016, 6),
+    ) {
+        let mut offsets = offsets(&std::vec![steps_per_turn; count], rate_hz, 0.1);
+        let mut target = [Turns::ZERO; MAX_AXES];
+        let mut rest = Turns::ZERO;
+        for (target, part) in target.iter_mut().zip(&parts).take(count - 1) {
+            *target = Turns::from_num(*part);
+            rest -= *target;
+        }
+        target[count - 1] = rest;
+        offsets.go_to(&target);
+        let (made, _) = finish(&mut offsets);
+        prop_assert_eq!(made.iter().sum::<f64>(), 0.0);
+        for ((made, target), now) in made.iter().zip(&target).zip(offsets.now()) {
+            prop_assert_eq!(made.fract(), 0.0);
+            let exact = target.to_num::<f64>() * f64::from(steps_per_turn);
+            prop_assert!((made - exact).abs() < 1.0, "{made} of {exact}");
+            let moved = now.to_num::<f64>() * f64::from(steps_per_turn);
+            prop_assert!((made - moved).abs() < 1e-6, "{made} of {moved}");
+        }
+    }
+
+    /// The user's and the controller's part together stay within one limit, whatever their order and their rounding.
+    #[test]
+    fn both_parts_have_one_limit(
+        user in -0.03_f64..0.03,
+        controller in -0.03_f64..0.03,
+        limit_turns in 0.0_f64..0.03,
+        user_first: bool,
+    ) {
+        let mut offsets = offsets(&[400, 700], 1.0, limit_turns);
+        let controller = Turns::from_num(controller);
+        let target = [controller, -controller, Turns::ZERO, Turns::ZERO, Turns::ZERO, Turns::ZERO];
+        let user = Turns::from_num(user);
+        let mut whole = true;
+        if user_first {
+            whole = offsets.set_user(0, user);
+        }
+        let is_within = offsets.beyond_limit(&target).is_none();
+        if is_within {
+            offsets.go_to(&target);
+        }
+        if !user_first {
+            whole = offsets.set_user(0, user);
+        }
+        let mut moved = [0_i128; 2];
+        for _ in 0..200_000 {
+            if let Some(motion) = offsets.advance() {
+                moved[motion.axis] += i128::from(motion.half_steps);
+                for (moved, steps) in moved.iter().zip([400.0, 700.0]) {
+                    let turns = *moved as f64 / STEP as f64 / steps;
+                    prop_assert!(turns.abs() <= limit_turns + 1e-12, "{turns} of {limit_turns}");
+                }
+            }
+        }
+        prop_assert!(offsets.is_idle());
+        if whole && is_within {
+            let exact = (user + controller).to_num::<f64>() * 400.0;
+            prop_assert!((moved[0] as f64 / STEP as f64 - exact).abs() <= 2.0);
+        }
+    }
+}
+
+/// Otherwise the planner would have a different plan for every axis in one tick.
+#[test]
+fn one_axis_moves_at_a_time_within_its_rate() {
+    let (hz, rate_hz) = (2000.0, 0.05);
+    let mut offsets = offsets(&[3200; 6], rate_hz, 0.1);
+    let target = [0.02, -0.01, 0.005, -0.02, 0.01, -0.005].map(Turns::from_num);
+    offsets.go_to(&target);
+    let mut positions: Vec<PerAxis<f64>> = Vec::new();
+    let mut position = [0.0; MAX_AXES];
+    while offsets.is_moving() {
+        if let Some(motion) = offsets.advance() {
+            position[motion.axis] += motion.half_steps as f64 / STEP as f64;
+        }
+        positions.push(position);
+    }
+    // No faster than its rate, from any tick to the same place in the next round.
+    let round = 6 * offsets.slot_ticks as usize;
+    let most = rate_hz / hz * 3200.0 * round as f64;
+    for (first, second) in positions.iter().zip(positions.iter().skip(round)) {
+        for (first, second) in first.iter().zip(second) {
+            assert!((second - first).abs() <= most + 1e-9);
+        }
+    }
+    let duration_s = positions.len() as f64 / hz;
+    let least_s = 0.02 / rate_hz;
+    assert!(duration_s < 1.3 * least_s, "{duration_s} s of {least_s} s");
+    // All are on the straight line, to the steps of a slot or two.
+    for (tick, position) in positions.iter().enumerate() {
+        let part = tick as f64 / positions.len() as f64;
+        for (steps, target) in position.iter().zip(&target) {
+            let line = part * target.to_num::<f64>() * 3200.0;
+            assert!((steps - line).abs() < 4.0, "{steps} of {line}");
+        }
+    }
+}
+
+#[test]
+fn an_interrupted_move_is_held_at_a_whole_step() {
+    let mut offsets = offsets(&[3200; 3], 0.01, 0.1);
+    let target = [0.01, -0.01, 0.0, 0.0, 0.0, 0.0].map(Turns::from_num);
+    offsets.go_to(&target);
+    let mut made = 0_i128;
+    while offsets.displaced().is_none() {
+        let motion = offsets.advance();
+        made += motion.map_or(0, |motion| i128::from(motion.half_steps));
+    }
+    offsets.hold();
+    assert!(!offsets.is_moving());
+    while let Some(motion) = offsets.advance() {
+        made += i128::from(motion.half_steps);
+    }
+    assert_eq!(offsets.displaced(), None);
+    assert_eq!(
+        made,
+        i128::from(STEP),
+        "the step that was begun is completed"
+    );
+}
+
+#[test]
+fn an_axis_that_does_not_exist_has_no_offset() {
+    let mut offsets = offsets(&[3200; 2], 0.01, 0.1);
+    assert!(!offsets.set_user(2, Turns::ZERO));
+    assert!(offsets.set_user(1, Turns::from_num(0.099)));
+    assert!(!offsets.set_user(1, Turns::from_num(0.11)));
+}
