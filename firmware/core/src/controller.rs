@@ -7,6 +7,7 @@
 
 mod channel;
 mod configure;
+mod correction;
 mod drive;
 mod events;
 mod homing;
@@ -24,6 +25,7 @@ use crate::signals::{Feedback, Output};
 use crate::supervisor::{Action, Command, Fault, FaultKind, State, Supervisor, SupervisorInput};
 use crate::units::{Amax, MAX_AXES, ONE_TURN, Phase, Turns};
 use channel::Channel;
+use correction::Correction;
 use events::select_reaction;
 use homing::Homing;
 use punctuality::Punctuality;
@@ -54,9 +56,7 @@ pub struct Controller {
     drift: DriftMonitor,
     homing: Homing,
     offsets: PhaseOffsets,
-    /// Rounds of the monitor, and turns of the master, up to when the cranks were corrected last.
-    corrected: u32,
-    turned: Turns,
+    correction: Correction,
     coupling: Option<Coupling>,
     supervisor: Supervisor,
     /// Event that is published a tick later, as another was published in this one.
@@ -69,13 +69,21 @@ pub struct Controller {
     ticks: u64,
     punctuality: Punctuality,
     overrun: Option<Fault>,
+    /// This tick has done work that is not due in every tick.
+    is_busy: bool,
+    /// Ticks in a row that were busy.
+    busy_ticks: u8,
     /// Deadlines were missed: what the index sensors said since belongs to no known phase.
     was_late: bool,
     output: Output,
 }
 
-/// Ticks after a stop in which what its last pulses show is still detected: a tick is read two ticks after it was computed.
-const LAST_PULSES: u64 = 4;
+/// Ticks after a stop in which the last pulses still lead to a report. A tick is read two ticks after it was computed, and a pulse is
+/// evaluated up to `MAX_AXES` + 2 ticks later.
+const LAST_PULSES: u64 = 6 + MAX_AXES as u64;
+
+/// Busy ticks in a row after which further work is no longer postponed.
+const MOST_BUSY_TICKS: u8 = 8;
 
 impl Controller {
     /// How many axes there are.
@@ -185,6 +193,11 @@ impl Controller {
         self.drive(action != Action::Stand);
         self.report(action);
         self.ticks += 1;
+        self.busy_ticks = if self.is_busy {
+            self.busy_ticks.saturating_add(1)
+        } else {
+            0
+        };
         self.punctuality.met();
         &self.output
     }
@@ -193,6 +206,7 @@ impl Controller {
     #[inline(never)]
     fn observe(&mut self, feedback: &Feedback, input: &mut SupervisorInput) -> Option<Fault> {
         let mut found = self.measure(feedback);
+        self.is_busy = self.drift.is_busy();
         let drives_on = self.supervisor.drives_enabled();
         if drives_on {
             self.driven = self.ticks;
@@ -271,32 +285,9 @@ impl Controller {
         found.map(Finding::of)
     }
 
-    /// Trims away part of what drives the cranks apart, once a turn; unless that is what drives them apart.
-    fn correct(&mut self) -> Option<Finding> {
-        if self.drift.has_encoders() {
-            self.turned = self.turned.wrapping_add(self.motion.speed);
-            if self.turned < Turns::ONE {
-                return None;
-            }
-            self.turned = Turns::ZERO;
-        } else if self.corrected == self.drift.rounds() {
-            return None;
-        }
-        self.corrected = self.drift.rounds();
-        if self.offsets.is_moving() || !self.drift.is_homed() {
-            return None;
-        }
-        if let Some(fault) = self.homing.corrected(&self.drift, &self.offsets) {
-            return Some(Finding::of(fault));
-        }
-        let errors = homing::errors(&self.drift, &self.offsets);
-        let watched = self.drift.watched();
-        let target = self.offsets.against(&errors, watched, false);
-        // What trims are not allowed to take away stays, until it is beyond a limit.
-        if self.offsets.beyond_limit(&target).is_none() && self.drift.allows(&target) {
-            self.offsets.go_to(&target);
-        }
-        None
+    /// Whether work that can wait may be done in this tick. It waits for a tick that is not busy, but not for ever.
+    const fn has_time(&self) -> bool {
+        !self.is_busy || self.busy_ticks >= MOST_BUSY_TICKS
     }
 
     /// The master's phase as the cranks stand.
@@ -316,7 +307,11 @@ impl Controller {
                 self.cursor = Cursor::new();
                 self.target = Target::steady(Turns::ZERO);
             }
-            State::Run if before == State::Parked => {
+            State::Run => {
+                self.correction.restart();
+                if before != State::Parked {
+                    return;
+                }
                 if self.cursor.is_done(&self.program) {
                     self.cursor = Cursor::new();
                 }

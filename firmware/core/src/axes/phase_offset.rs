@@ -216,10 +216,11 @@ impl PhaseOffsets {
         }
     }
 
-    /// Advances by one tick; returns the motion of the axis that moves in it, if one does.
+    /// Advances by one tick; returns the motion of the axis that moves in it, if one does. Unless it `may_begin`, no axis begins
+    /// its slot: that costs more than the other ticks.
     #[inline]
-    pub fn advance(&mut self) -> Option<OffsetMotion> {
-        if self.slot.ticks == 0 && (self.is_idle() || !self.begin_slot()) {
+    pub fn advance(&mut self, may_begin: bool) -> Option<OffsetMotion> {
+        if self.slot.ticks == 0 && (self.is_idle() || !may_begin || !self.begin_slot()) {
             return None;
         }
         self.slot.ticks -= 1;

@@ -5,6 +5,7 @@
 
 use super::Controller;
 use super::channel::Channel;
+use super::correction::Correction;
 use super::homing::Homing;
 use super::punctuality::Punctuality;
 use super::wiring_proof::wiring_patterns;
@@ -57,8 +58,7 @@ impl Controller {
             drift: DriftMonitor::new(),
             homing: Homing::new(),
             offsets: PhaseOffsets::new(),
-            corrected: 0,
-            turned: Turns::ZERO,
+            correction: Correction::new(),
             coupling: None,
             supervisor: Supervisor::new(0),
             unpublished: None,
@@ -68,6 +68,8 @@ impl Controller {
             ticks: 0,
             punctuality: Punctuality::new(),
             overrun: None,
+            is_busy: false,
+            busy_ticks: 0,
             was_late: false,
             output: Output::idle([Phase::ZERO; MAX_AXES]),
         }
@@ -106,8 +108,7 @@ impl Controller {
         self.end = (Amax::ZERO, Turns::ZERO);
         self.park_crank = Phase::from_turns(turns(settings.park_turns)).within_turn();
         self.park = self.park_crank;
-        self.corrected = 0;
-        self.turned = Turns::ZERO;
+        self.correction = Correction::new();
         let settle_ticks = libm::ceil(settings.settle_s * f64::from(settings.tick_hz));
         self.supervisor = Supervisor::new(settle_ticks as u32);
         self.unpublished = None;
@@ -117,6 +118,8 @@ impl Controller {
         self.ticks = 0;
         self.punctuality = Punctuality::new();
         self.overrun = None;
+        self.is_busy = false;
+        self.busy_ticks = 0;
         self.was_late = false;
         self.fill_trims(settings)
     }

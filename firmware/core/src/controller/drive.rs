@@ -17,7 +17,7 @@ impl Controller {
     pub(super) fn drive(&mut self, moving: bool) {
         let offsets_move = moving && matches!(self.supervisor.state(), State::Homing | State::Run);
         let moved = if offsets_move {
-            self.offsets.advance()
+            self.offsets.advance(self.has_time())
         } else {
             None
         };

@@ -132,7 +132,7 @@ fn a_seek_goes_on_from_there() {
 #[test]
 fn every_start_from_idle_homes_again() {
     let mut controller = controller(&settings(), 100.0);
-    play(&mut controller, Some(Command::Start), 5, true);
+    play(&mut controller, Some(Command::Start), 10, true);
     assert_eq!(controller.output.telemetry.state, State::Run);
     let mut lost = Feedback::of(None);
     lost.inputs.enable = false;

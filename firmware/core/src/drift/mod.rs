@@ -99,6 +99,9 @@ pub struct DriftMonitor {
     known: AxisSet,
     /// Axes whose index has been detected since [`Self::start_check`].
     checked: AxisSet,
+    /// The two sets before, as of the last batch that was evaluated.
+    evaluated: AxisSet,
+    evaluated_checked: AxisSet,
     rounds: u32,
     /// In the last round, axes by index were off by about what they were in the one before: all but those that moved of themselves.
     is_even: bool,
@@ -109,6 +112,7 @@ pub struct DriftMonitor {
     changed: bool,
     findings: Findings,
     queue: Queue,
+    is_busy: bool,
     /// No pulse of an axis by index is due before its axis has made so many more turns; negative if that is not known.
     margin: Turns,
 }
@@ -142,6 +146,8 @@ impl DriftMonitor {
             detected: 0,
             known: 0,
             checked: 0,
+            evaluated: 0,
+            evaluated_checked: 0,
             rounds: 0,
             is_even: false,
             is_compared: false,
@@ -149,6 +155,7 @@ impl DriftMonitor {
             changed: false,
             findings: Findings::new(),
             queue: Queue::new(),
+            is_busy: false,
             margin: NO_MARGIN,
         }
     }
@@ -183,7 +190,7 @@ impl DriftMonitor {
         self.by_encoder = by_encoder;
         self.clock = TickClock::new(settings.tick_cycles());
         self.before_is_known = false;
-        self.checked = 0;
+        self.start_check();
         self.rounds = 0;
         self.reset_peak();
         self.reset(&[Phase::ZERO; MAX_AXES]);
@@ -197,14 +204,16 @@ impl DriftMonitor {
         if self.by_encoder != 0 {
             self.observe_encoders(sensed, before_is_known);
         }
-        self.queue_pulses(sensed, before_is_known);
+        let arrived = self.queue_pulses(sensed, before_is_known);
         self.margin = self.margin.wrapping_sub(sensed.history.most());
         if self.margin < 0 {
             self.check_timeouts(sensed);
         }
-        if self.has_updates() {
-            self.process_queue(sensed);
+        let has_updates = self.has_updates();
+        if has_updates {
+            self.process_queue(sensed, arrived);
         }
+        self.is_busy = has_updates && self.by_encoder == 0;
         self.findings.next()
     }
 
@@ -268,12 +277,13 @@ impl DriftMonitor {
         is_far
     }
 
-    /// Draws the conclusions from the axes that were updated, of which some have moved far.
+    /// Draws the conclusions from the axes that were updated, of which some have moved far. Returns true if limits are to be
+    /// checked.
     #[inline(never)]
-    fn conclude(&mut self, updated: AxisSet, moved: AxisSet, sensed: &Sensed<'_>) {
+    fn conclude(&mut self, updated: AxisSet, moved: AxisSet) -> bool {
         let round =
             updated != 0 && self.detected & self.by_index == self.by_index && self.detected != 0;
-        if self.finding_out && self.is_homed() && updated != 0 && !round {
+        if self.finding_out && self.are_known() && updated != 0 && !round {
             // All turn at homing speed alike: what was detected a turn ago is as good.
             self.update();
         } else if moved != 0 && !round && !self.finding_out && self.others_are_detected(moved) {
@@ -294,9 +304,9 @@ impl DriftMonitor {
             // What all have in common is what it was in the round before, so that a crank may be held against others of a turn ago.
             self.update();
         } else {
-            return;
+            return false;
         }
-        self.check(sensed);
+        true
     }
 
     /// What all axes but one are off by in common, with their corrections. Not the mean of all: that one would be held against
@@ -339,7 +349,7 @@ impl DriftMonitor {
         if self.finding_out {
             self.check_encoders();
         }
-        if !self.is_homed() {
+        if !self.are_known() {
             return;
         }
         let mut error = self.phase_error;
@@ -449,9 +459,18 @@ impl DriftMonitor {
         watch.map_or(FaultKind::Slip, |watch| watch.name_of(by))
     }
 
-    /// Whether every axis that has a sensor has been detected since [`Self::reset`].
+    /// Whether every axis that has a sensor has been detected since [`Self::reset`], and phase errors are up to date.
     pub const fn is_homed(&self) -> bool {
+        self.evaluated == self.sensed
+    }
+
+    const fn are_known(&self) -> bool {
         self.known == self.sensed
+    }
+
+    /// Whether the last tick had updates by index to process.
+    pub const fn is_busy(&self) -> bool {
+        self.is_busy
     }
 
     /// Rounds that are over since power-up; wraps.
@@ -463,6 +482,7 @@ impl DriftMonitor {
     pub fn reset(&mut self, phase: &PerAxis<Phase>) {
         self.detected = 0;
         self.known = 0;
+        self.evaluated = 0;
         self.is_even = false;
         self.is_compared = false;
         self.finding_out = true;
@@ -506,11 +526,12 @@ impl DriftMonitor {
     /// Whatever was detected, every index is to be detected again.
     pub const fn start_check(&mut self) {
         self.checked = 0;
+        self.evaluated_checked = 0;
     }
 
     /// Whether every index has been detected since [`Self::start_check`].
     pub const fn is_check_done(&self) -> bool {
-        self.checked & self.sensed == self.sensed
+        self.evaluated_checked & self.sensed == self.sensed
     }
 
     /// The cranks are where they are: from now on, what moves one of them is a fault.

@@ -1,12 +1,13 @@
-//! Queue of index updates: one axis is processed in each tick.
+//! Queue of index updates: one piece of work in each tick.
 //!
 //! With all sensors at one crank angle, the pulses of all axes come in one tick, and each costs a large part of a tick. A pulse is
 //! therefore queued with the phase that was commanded when it came.
 //!
-//! **Delay.** If n axes have updates in one tick, the last is processed n − 1 ticks later. On a machine of N axes, reactions come
-//! up to N − 1 ticks later. A single update is processed in its own tick. The measured phase errors are the same.
+//! Updates that are queued together are a *batch*. Each tick processes one axis. When the last of a batch has been processed, the
+//! next tick compares the axes, and the tick after that checks the limits. The measured phase errors are those of the pulses' own
+//! ticks.
 //!
-//! Updates that are queued together are a *batch*. The monitor draws its conclusions when the last of a batch has been processed.
+//! **Delay.** A single update is checked two ticks after its own. If n axes have updates in one tick, that is n + 2 ticks after it.
 //! Later updates belong to the next batch, so that every axis has its turn. If an axis has a second pulse while the first is queued
 //! (noise, or more than 1/N turn a tick), the first is processed at once.
 
@@ -36,6 +37,18 @@ pub(super) struct Queue {
     /// Axes of the present batch that were updated, and those of them that have moved far.
     updated: AxisSet,
     moved: AxisSet,
+    work: Work,
+}
+
+/// Piece of work of a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Work {
+    /// Process the update of one axis.
+    Axis,
+    /// Compare the axes of a batch with each other.
+    Conclude,
+    /// Check the limits.
+    Check,
 }
 
 impl Queue {
@@ -47,11 +60,12 @@ impl Queue {
             batch: 0,
             updated: 0,
             moved: 0,
+            work: Work::Axis,
         }
     }
 
-    const fn is_empty(&self) -> bool {
-        self.pulsed | self.other == 0
+    fn is_empty(&self) -> bool {
+        self.pulsed | self.other | self.updated == 0 && self.work == Work::Axis
     }
 
     /// Takes the next axis. Timeouts come first, as the machine may have to be stopped, and as their reaction depends on whether all
@@ -70,20 +84,23 @@ impl Queue {
 }
 
 impl DriftMonitor {
-    pub(super) const fn has_updates(&self) -> bool {
+    pub(super) fn has_updates(&self) -> bool {
         !self.queue.is_empty() || self.by_encoder != 0
     }
 
-    /// Queues the pulses of a tick.
+    /// Queues the pulses of a tick; returns their number.
     #[inline(always)]
-    pub(super) fn queue_pulses(&mut self, sensed: &Sensed<'_>, before_is_known: bool) {
+    pub(super) fn queue_pulses(&mut self, sensed: &Sensed<'_>, before_is_known: bool) -> usize {
+        let mut arrived = 0;
         for (axis, pulse) in sensed.index.iter().enumerate() {
             if let Some(pulse) = pulse
                 && self.by_index & 1 << axis != 0
             {
                 self.queue_pulse(axis, *pulse, sensed, before_is_known);
+                arrived += 1;
             }
         }
+        arrived
     }
 
     #[inline(never)]
@@ -143,23 +160,64 @@ impl DriftMonitor {
         }
     }
 
-    /// Processes the updates of one axis. On a machine with encoders, which are read in every tick, processes all updates.
+    /// Does one piece of the pending work. On a machine with encoders, which are read in every tick, does all of it.
     #[inline(never)]
-    pub(super) fn process_queue(&mut self, sensed: &Sensed<'_>) {
-        while let Some(axis) = self.queue.next() {
-            self.process_axis(axis, sensed);
-            if self.by_encoder == 0 {
-                break;
+    pub(super) fn process_queue(&mut self, sensed: &Sensed<'_>, arrived: usize) {
+        if self.by_encoder != 0 {
+            while let Some(axis) = self.queue.next() {
+                self.process_axis(axis, sensed);
             }
+            self.queue.work = Work::Conclude;
+            self.conclude_batch();
+            self.check_batch(sensed);
+            return;
         }
-        if self.queue.batch == 0 && self.queue.other == 0 {
-            let updated = core::mem::take(&mut self.queue.updated);
-            let moved = core::mem::take(&mut self.queue.moved);
-            if updated != 0 || self.by_encoder != 0 {
-                self.conclude(updated, moved, sensed);
+        match self.queue.work {
+            // A timeout does not wait: the machine may have to be stopped.
+            _ if self.queue.other != 0 => {
+                if let Some(axis) = self.queue.next() {
+                    self.process_axis(axis, sensed);
+                }
             }
+            // Reading the pulses of several axes takes as long as processing one.
+            Work::Axis if arrived > 1 => {}
+            Work::Axis => {
+                if let Some(axis) = self.queue.next() {
+                    self.process_axis(axis, sensed);
+                }
+            }
+            Work::Conclude => self.conclude_batch(),
+            Work::Check => self.check_batch(sensed),
+        }
+        let queue = &mut self.queue;
+        if queue.work == Work::Axis && queue.batch | queue.other == 0 && queue.updated != 0 {
+            queue.work = Work::Conclude;
         }
     }
+
+    fn conclude_batch(&mut self) {
+        let updated = core::mem::take(&mut self.queue.updated);
+        let moved = core::mem::take(&mut self.queue.moved);
+        self.queue.work = if self.conclude(updated, moved) {
+            Work::Check
+        } else {
+            self.end_batch()
+        };
+    }
+
+    fn check_batch(&mut self, sensed: &Sensed<'_>) {
+        if self.queue.work == Work::Check {
+            self.check(sensed);
+            self.queue.work = self.end_batch();
+        }
+    }
+
+    const fn end_batch(&mut self) -> Work {
+        self.evaluated = self.known;
+        self.evaluated_checked = self.checked;
+        Work::Axis
+    }
+
 
     fn process_axis(&mut self, axis: usize, sensed: &Sensed<'_>) {
         let own = 1 << axis;

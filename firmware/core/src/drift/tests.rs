@@ -76,7 +76,7 @@ fn detect_after(
 /// Lets a monitor process all queued updates while the cranks stand.
 fn process_all(monitor: &mut DriftMonitor, at: &PerAxis<TickPhase>) -> Vec<Finding> {
     let still = at.map(|phase| TickPhase::still(phase.start.advanced(phase.turns)));
-    (0..MAX_AXES)
+    (0..MAX_AXES + 2)
         .filter_map(|_| detect(monitor, &[None; MAX_AXES], &[0; MAX_AXES], &still))
         .collect()
 }
@@ -183,7 +183,8 @@ fn drift_is_measured_to_a_cycle_at_any_speed() {
         let mut cranks = Cranks::new(monitor(4, 100.0, 90.0, 180.0), speed);
         let errors = [0.01, -0.02, 0.003, 0.0, 0.0, 0.0];
         cranks.before = errors;
-        assert_eq!(cranks.turn((3.0 / speed) as u32, |i, _| errors[i]), []);
+        let ticks = (3.0 / speed) as u32 + 8; // pulses wait to be evaluated
+        assert_eq!(cranks.turn(ticks, |i, _| errors[i]), []);
         assert!(cranks.monitor.is_homed());
         for (actual, expected) in cranks.monitor.phase_error().iter().zip(errors) {
             let error = actual.to_num::<f64>() - expected;
@@ -217,7 +218,7 @@ fn tilt_trips_at_its_limit() {
         assert_eq!(fault.is_some(), trips, "at {part} of the limit");
         if let Some((tick, kind, axis)) = fault {
             assert_eq!((kind, axis), (FaultKind::HomingRangeExceeded, Some(2)));
-            assert!(tick <= 103, "a turn and two ticks, and not {tick}");
+            assert!(tick <= 105, "a turn and four ticks, and not {tick}");
         }
     }
 }
@@ -624,9 +625,10 @@ fn pulses_that_come_together_are_processed_one_a_tick() {
         cycle: (TICK_CYCLES / 2) as i32,
     });
     detect(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &tick(0.0));
-    for processed in 1..MAX_AXES {
+    // The tick that brought them processes none; two ticks after the last axis evaluate the batch.
+    for processed in 0..MAX_AXES + 2 {
         assert!(!monitor.is_homed(), "after {processed} axes");
-        let number = processed as f64;
+        let number = (processed + 1) as f64;
         detect(
             &mut monitor,
             &[None; MAX_AXES],
