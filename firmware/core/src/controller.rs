@@ -79,8 +79,8 @@ pub struct Controller {
 }
 
 /// Ticks after a stop in which the last pulses still lead to a report. A tick is read two ticks after it was computed, and a pulse is
-/// evaluated up to `MAX_AXES` + 2 ticks later.
-const LAST_PULSES: u64 = 6 + MAX_AXES as u64;
+/// evaluated up to `MAX_AXES` + 3 ticks later.
+const LAST_PULSES: u64 = 7 + MAX_AXES as u64;
 
 /// Busy ticks in a row after which further work is no longer postponed.
 const MOST_BUSY_TICKS: u8 = 8;

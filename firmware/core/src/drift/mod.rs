@@ -344,26 +344,38 @@ impl DriftMonitor {
         of_angle(compare(&mut self.axes, self.by_index))
     }
 
-    /// Compares what is known with the limits, and reports what was named.
-    fn check(&mut self, sensed: &Sensed<'_>) {
-        if self.finding_out {
-            self.check_encoders();
-        }
-        if !self.are_known() {
-            return;
-        }
+    /// Phase errors with their corrections. While nobody knows the common zero, they may lie around half a turn: then their differences
+    /// to the first are what counts.
+    fn corrected_errors(&self, correction: &PerAxis<Turns>) -> PerAxis<Turns> {
         let mut error = self.phase_error;
-        // While nobody knows the common zero, phase errors may lie around half a turn: differences are what counts.
         let first = self.watched().trailing_zeros() as usize;
         let base = match error.get(first) {
             Some(&first) if self.finding_out => first,
             _ => Turns::ZERO,
         };
-        for (error, &correction) in error.iter_mut().zip(sensed.correction) {
+        for (error, &correction) in error.iter_mut().zip(correction) {
             *error = nearest(error.wrapping_add(correction).wrapping_sub(base));
         }
-        self.modes = self.mount.modes(&error);
+        error
+    }
+
+    /// Takes the phase errors apart into modes; returns false if not all of them are known.
+    #[inline(never)]
+    fn update_modes(&mut self, sensed: &Sensed<'_>) -> bool {
+        if self.finding_out {
+            self.check_encoders();
+        }
+        if !self.are_known() {
+            return false;
+        }
+        self.modes = self.mount.modes(&self.corrected_errors(sensed.correction));
         self.changed = true;
+        true
+    }
+
+    /// Compares the modes with the limits, and reports what was named.
+    #[inline(never)]
+    fn check(&mut self, sensed: &Sensed<'_>) {
         let exceeded = self.exceeded(sensed.speed);
         for axis in 0..self.axes.len().min(MAX_AXES) {
             let fresh = self.axes.get_mut(axis).and_then(AxisWatch::take_fresh);
@@ -373,6 +385,7 @@ impl DriftMonitor {
             }
         }
         if let Some(kind) = exceeded {
+            let error = self.corrected_errors(sensed.correction);
             self.attribute(kind, &error, sensed.speed);
         }
     }

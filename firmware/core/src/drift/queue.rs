@@ -4,10 +4,10 @@
 //! therefore queued with the phase that was commanded when it came.
 //!
 //! Updates that are queued together are a *batch*. Each tick processes one axis. When the last of a batch has been processed, the
-//! next tick compares the axes, and the tick after that checks the limits. The measured phase errors are those of the pulses' own
+//! next tick compares the axes, the one after that takes their phase errors apart into modes, and one more checks the limits. The measured phase errors are those of the pulses' own
 //! ticks.
 //!
-//! **Delay.** A single update is checked two ticks after its own. If n axes have updates in one tick, that is n + 2 ticks after it.
+//! **Delay.** A single update is checked three ticks after its own. If n axes have updates in one tick, that is n + 3 ticks after it.
 //! Later updates belong to the next batch, so that every axis has its turn. If an axis has a second pulse while the first is queued
 //! (noise, or more than 1/N turn a tick), the first is processed at once.
 
@@ -47,6 +47,8 @@ enum Work {
     Axis,
     /// Compare the axes of a batch with each other.
     Conclude,
+    /// Take the phase errors apart into modes.
+    Modes,
     /// Check the limits.
     Check,
 }
@@ -169,6 +171,7 @@ impl DriftMonitor {
             }
             self.queue.work = Work::Conclude;
             self.conclude_batch();
+            self.take_modes(sensed);
             self.check_batch(sensed);
             return;
         }
@@ -187,6 +190,7 @@ impl DriftMonitor {
                 }
             }
             Work::Conclude => self.conclude_batch(),
+            Work::Modes => self.take_modes(sensed),
             Work::Check => self.check_batch(sensed),
         }
         let queue = &mut self.queue;
@@ -199,10 +203,20 @@ impl DriftMonitor {
         let updated = core::mem::take(&mut self.queue.updated);
         let moved = core::mem::take(&mut self.queue.moved);
         self.queue.work = if self.conclude(updated, moved) {
-            Work::Check
+            Work::Modes
         } else {
             self.end_batch()
         };
+    }
+
+    fn take_modes(&mut self, sensed: &Sensed<'_>) {
+        if self.queue.work == Work::Modes {
+            self.queue.work = if self.update_modes(sensed) {
+                Work::Check
+            } else {
+                self.end_batch()
+            };
+        }
     }
 
     fn check_batch(&mut self, sensed: &Sensed<'_>) {
@@ -217,7 +231,6 @@ impl DriftMonitor {
         self.evaluated_checked = self.checked;
         Work::Axis
     }
-
 
     fn process_axis(&mut self, axis: usize, sensed: &Sensed<'_>) {
         let own = 1 << axis;
