@@ -82,8 +82,8 @@ pub struct Controller {
 /// evaluated up to `MAX_AXES` + 3 ticks later.
 const LAST_PULSES: u64 = 7 + MAX_AXES as u64;
 
-/// Busy ticks in a row after which further work is no longer postponed.
-const MOST_BUSY_TICKS: u8 = 8;
+/// Busy ticks in a row after which further work is no longer postponed: more than the pulses of all axes keep the monitor busy.
+const MOST_BUSY_TICKS: u8 = MAX_AXES as u8 + 6;
 
 impl Controller {
     /// How many axes there are.
