@@ -82,8 +82,8 @@ pub struct Controller {
 /// evaluated up to `MAX_AXES` + 3 ticks later.
 const LAST_PULSES: u64 = 7 + MAX_AXES as u64;
 
-/// Busy ticks in a row after which further work is no longer postponed: more than the pulses of all axes keep the monitor busy.
-const MOST_BUSY_TICKS: u8 = MAX_AXES as u8 + 6;
+/// Busy ticks in a row after which further work is no longer postponed: more than the pulses of all axes and a correction take.
+const MOST_BUSY_TICKS: u8 = MAX_AXES as u8 + 12;
 
 impl Controller {
     /// How many axes there are.
@@ -254,10 +254,13 @@ impl Controller {
         let sensed = Sensed {
             index: &feedback.index,
             encoder: &feedback.encoder,
-            phase: &self.output.telemetry.axis_phase,
+            phase: self.output.telemetry.phase,
+            lead: &self.output.telemetry.lead,
             history: &self.history,
             correction: self.offsets.now(),
             speed: self.motion.speed,
+            // To plan a stop takes as long.
+            may_process: !self.is_about_to_stop(feedback),
         };
         if core::mem::take(&mut self.was_late) {
             self.drift.disregard(&sensed);
@@ -273,6 +276,15 @@ impl Controller {
             }
         }
         found
+    }
+
+    /// True if the inputs or the end of the program stop the machine in this tick.
+    fn is_about_to_stop(&self, feedback: &Feedback) -> bool {
+        match self.supervisor.state() {
+            State::Homing => feedback.inputs.stop,
+            State::Run => feedback.inputs.stop || self.cursor.is_done(&self.program),
+            _ => false,
+        }
     }
 
     /// Continues homing.
@@ -301,7 +313,8 @@ impl Controller {
         match now {
             // Only their index pulses show where the cranks are after the drives were off.
             State::Homing if before == State::Idle => {
-                self.drift.reset(&self.output.telemetry.axis_phase);
+                let phase = |axis| self.output.telemetry.axis_phase(axis);
+                self.drift.reset(&core::array::from_fn(phase));
                 self.homing.begin();
                 self.offsets.hold();
                 self.cursor = Cursor::new();

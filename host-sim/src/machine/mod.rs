@@ -74,7 +74,9 @@ impl Played {
         }
         let count = self.runs.len();
         self.setpoints.copy_from_slice(&output.setpoints[..count]);
-        self.steps.copy_from_slice(&output.telemetry.steps[..count]);
+        for (axis, steps) in self.steps.iter_mut().enumerate() {
+            *steps = output.telemetry.steps(axis);
+        }
     }
 }
 

@@ -123,7 +123,7 @@ impl PhaseOffsets {
         }
         let is_idle = self.is_idle();
         self.user.go_to(&self.lanes, targets);
-        self.start(is_idle);
+        self.begin_with_first_axis(is_idle);
         cut == target
     }
 
@@ -139,10 +139,15 @@ impl PhaseOffsets {
             .map(|(axis, _)| axis)
     }
 
-    /// Starts a move of the controller's part to `target`, turns, rounded to whole steps. The targets should have the sum zero; the
-    /// rounded ones then have it to half a step.
-    #[inline(never)]
+    /// Starts a move of the controller's part to `target`, turns, [rounded](Self::rounded) to whole steps.
     pub fn go_to(&mut self, target: &PerAxis<Turns>) {
+        self.start(self.rounded(target));
+    }
+
+    /// Controller's part in whole steps, for a target in turns. The targets should have the sum zero; the rounded ones then have it
+    /// to half a step.
+    #[inline(never)]
+    pub fn rounded(&self, target: &PerAxis<Turns>) -> PerAxis<i32> {
         let mut steps = self.controller.target;
         let mut rounding = [0; MAX_AXES];
         let axes = steps.iter_mut().zip(&mut rounding).zip(&self.user.target);
@@ -154,9 +159,14 @@ impl PhaseOffsets {
             }
         }
         self.balance(&mut steps, &mut rounding);
+        steps
+    }
+
+    /// Starts a move of the controller's part to a target in whole steps.
+    pub fn start(&mut self, target: PerAxis<i32>) {
         let is_idle = self.is_idle();
-        self.controller.go_to(&self.lanes, steps);
-        self.start(is_idle);
+        self.controller.go_to(&self.lanes, target);
+        self.begin_with_first_axis(is_idle);
     }
 
     /// Changes offsets by whole steps until the sum of what rounding added is at most half a step, and those first that
@@ -202,7 +212,7 @@ impl PhaseOffsets {
     }
 
     /// Lets a move begin with the first axis, unless another is under way.
-    fn start(&mut self, was_idle: bool) {
+    fn begin_with_first_axis(&mut self, was_idle: bool) {
         if was_idle && self.slot.ticks == 0 {
             self.slot.axis = self.lanes.len();
         }

@@ -71,7 +71,7 @@ impl Controller {
             is_busy: false,
             busy_ticks: 0,
             was_late: false,
-            output: Output::idle([Phase::ZERO; MAX_AXES]),
+            output: Output::idle([Turns::ZERO; MAX_AXES]),
         }
     }
 
@@ -128,8 +128,8 @@ impl Controller {
     fn fill_channels(&mut self, settings: &Settings) -> Result<(), SettingsError> {
         let tick_hz = settings.tick_hz;
         let timing = PulseTiming::new(&settings.pulse, tick_hz)?;
-        let mut phases = [Phase::ZERO; MAX_AXES];
-        for (i, (axis, phase)) in settings.axes.iter().zip(&mut phases).enumerate() {
+        let mut leads = [Turns::ZERO; MAX_AXES];
+        for (i, (axis, lead)) in settings.axes.iter().zip(&mut leads).enumerate() {
             let feed_forward = feed_forward(settings, axis, timing).map_err(|e| e.on_entry(i))?;
             let channel = Channel {
                 gear: Gear::new(axis.ratio.0, axis.ratio.1),
@@ -137,7 +137,7 @@ impl Controller {
                 reversed: axis.reversed,
                 feed_forward,
             };
-            *phase = Phase::from_turns(turns(axis.offset_turns));
+            *lead = turns(axis.offset_turns);
             let pushed = self.channels.push(channel);
             debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
         }
@@ -148,7 +148,7 @@ impl Controller {
         self.geared = channels.fold(0, |geared, (axis, channel)| {
             geared | AxisSet::from(!channel.gear.is_direct()) << axis
         });
-        self.output.reset(phases);
+        self.output.reset(leads);
         self.group_axes();
         Ok(())
     }

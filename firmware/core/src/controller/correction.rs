@@ -4,7 +4,7 @@
 
 use super::{Controller, homing};
 use crate::drift::Finding;
-use crate::units::{PerAxis, Turns};
+use crate::units::{MAX_AXES, PerAxis, Turns};
 
 /// Progress of the correction of a turn.
 #[derive(Clone, Debug)]
@@ -13,8 +13,9 @@ pub(super) struct Correction {
     /// Rounds of the drift monitor, and turns of the master, at the last correction.
     rounds: u32,
     turned: Turns,
-    /// Controller's part of the phase offsets, once it is known.
+    /// Controller's part of the phase offsets, once it is known: turns, and whole steps.
     target: PerAxis<Turns>,
+    steps: PerAxis<i32>,
 }
 
 /// What the next tick does.
@@ -28,6 +29,8 @@ enum Step {
     Compute,
     /// Check the target against the limits of offsets and platform.
     Allow,
+    /// Round the target to whole steps.
+    Round,
     /// Start the move.
     Start,
 }
@@ -38,7 +41,8 @@ impl Correction {
             step: Step::Wait,
             rounds: 0,
             turned: Turns::ZERO,
-            target: [Turns::ZERO; crate::units::MAX_AXES],
+            target: [Turns::ZERO; MAX_AXES],
+            steps: [0; MAX_AXES],
         }
     }
 
@@ -82,13 +86,17 @@ impl Controller {
             Step::Allow => {
                 let target = &self.correction.target;
                 if self.offsets.beyond_limit(target).is_none() && self.drift.allows(target) {
-                    Step::Start
+                    Step::Round
                 } else {
                     Step::Wait
                 }
             }
+            Step::Round => {
+                self.correction.steps = self.offsets.rounded(&self.correction.target);
+                Step::Start
+            }
             Step::Start | Step::Wait => {
-                self.offsets.go_to(&self.correction.target);
+                self.offsets.start(self.correction.steps);
                 Step::Wait
             }
         };

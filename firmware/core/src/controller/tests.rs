@@ -186,7 +186,7 @@ fn setpoints_are_in_the_motors_own_sense() {
     let alpha =
         motion.acceleration.to_num::<f64>() * f64::from(HZ).powi(2) * core::f64::consts::TAU;
     let forward = controller.channels[1].feed_forward.expect("a servo");
-    let phase = controller.output.telemetry.axis_phase[1];
+    let phase = controller.output.telemetry.axis_phase(1);
     let still = forward.torque(phase, half, Turns::ZERO).to_num::<f64>();
     let s_term = forward
         .torque(

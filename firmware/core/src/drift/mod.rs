@@ -54,21 +54,25 @@ pub struct Sensed<'a> {
     pub index: &'a PerAxis<Option<IndexPulse>>,
     /// Encoder counts at its end, in the motors' own sense.
     pub encoder: &'a PerAxis<i32>,
-    /// Commanded phases at the end of the tick that was planned last.
-    pub phase: &'a PerAxis<Phase>,
+    /// Phase of the master at the end of the tick that was planned last.
+    pub phase: Phase,
+    /// Commanded phases at that time, less the master's.
+    pub lead: &'a PerAxis<Turns>,
     /// Turns that were commanded up to there.
     pub history: &'a History,
     /// Corrections that these phases contain.
     pub correction: &'a PerAxis<Turns>,
     /// Turns that the master made in it.
     pub speed: Turns,
+    /// False if updates should wait for the next tick.
+    pub may_process: bool,
 }
 
 impl Sensed<'_> {
     /// The phase of an axis over the tick that is over.
     fn over(&self, axis: usize) -> TickPhase {
-        let phase = self.phase.get(axis).copied().unwrap_or(Phase::ZERO);
-        self.history.over(axis, phase)
+        let lead = self.lead.get(axis).copied().unwrap_or_default();
+        self.history.over(axis, self.phase.advanced(lead))
     }
 }
 
@@ -209,7 +213,7 @@ impl DriftMonitor {
         if self.margin < 0 {
             self.check_timeouts(sensed);
         }
-        let has_updates = self.has_updates();
+        let has_updates = self.has_updates() && (sensed.may_process || self.by_encoder != 0);
         if has_updates {
             self.process_queue(sensed, arrived);
         }

@@ -93,37 +93,40 @@ impl DriftMonitor {
     /// Queues the pulses of a tick; returns their number.
     #[inline(always)]
     pub(super) fn queue_pulses(&mut self, sensed: &Sensed<'_>, before_is_known: bool) -> usize {
-        let mut arrived = 0;
+        let mut arrived: AxisSet = 0;
         for (axis, pulse) in sensed.index.iter().enumerate() {
-            if let Some(pulse) = pulse
-                && self.by_index & 1 << axis != 0
-            {
-                self.queue_pulse(axis, *pulse, sensed, before_is_known);
-                arrived += 1;
-            }
+            arrived |= AxisSet::from(pulse.is_some()) << axis;
         }
-        arrived
+        arrived &= self.by_index;
+        if arrived == 0 {
+            return 0;
+        }
+        self.queue_arrived(arrived, sensed, before_is_known);
+        arrived.count_ones() as usize
     }
 
     #[inline(never)]
-    fn queue_pulse(
-        &mut self,
-        axis: usize,
-        pulse: IndexPulse,
-        sensed: &Sensed<'_>,
-        before_is_known: bool,
-    ) {
-        while self.queue.pulsed & 1 << axis != 0 {
-            self.process_axis(axis, sensed);
+    fn queue_arrived(&mut self, arrived: AxisSet, sensed: &Sensed<'_>, before_is_known: bool) {
+        // A pulse that is still queued is processed at once: the axis has room for one.
+        for axis in 0..MAX_AXES {
+            while arrived & self.queue.pulsed & 1 << axis != 0 {
+                self.process_axis(axis, sensed);
+            }
         }
-        let queued = QueuedPulse {
-            pulse,
-            commanded: sensed.over(axis),
-            before: before_is_known.then(|| sensed.history.before(axis)),
-        };
-        if let Some(slot) = self.queue.pulses.get_mut(axis) {
-            *slot = Some(queued);
-            self.queue.pulsed |= 1 << axis;
+        self.queue.pulsed |= arrived;
+        let recent = sensed.history.recent();
+        let slots = self.queue.pulses.iter_mut().zip(sensed.index);
+        for (axis, ((slot, pulse), &lead)) in slots.zip(sensed.lead).enumerate() {
+            if let Some(pulse) = pulse
+                && arrived & 1 << axis != 0
+            {
+                let (commanded, before) = recent.over(axis, sensed.phase.advanced(lead));
+                *slot = Some(QueuedPulse {
+                    pulse: *pulse,
+                    commanded,
+                    before: before_is_known.then_some(before),
+                });
+            }
         }
     }
 

@@ -32,7 +32,7 @@ fn true_alone(count: usize, axis: usize) -> f64 {
 }
 
 /// Commanded phases at the end of a tick, and the history that leads to them after a tick in which all axes made `before` turns.
-fn history_of(commanded: &PerAxis<TickPhase>, before: Turns) -> (PerAxis<Phase>, History) {
+fn history_of(commanded: &PerAxis<TickPhase>, before: Turns) -> (PerAxis<Turns>, History) {
     let mut history = History::new();
     history.plan(before);
     history.plan(Turns::ZERO);
@@ -40,8 +40,8 @@ fn history_of(commanded: &PerAxis<TickPhase>, before: Turns) -> (PerAxis<Phase>,
         history.plan_own(axis, phase.turns);
     }
     history.plan(Turns::ZERO);
-    let ends = commanded.map(|phase| phase.start.advanced(phase.turns));
-    (ends, history)
+    let leads = commanded.map(|phase| phase.start.advanced(phase.turns).since(Phase::ZERO));
+    (leads, history)
 }
 
 /// A monitor's finding in one tick.
@@ -62,14 +62,16 @@ fn detect_after(
     commanded: &PerAxis<TickPhase>,
     before: Turns,
 ) -> Option<Finding> {
-    let (phase, history) = history_of(commanded, before);
+    let (lead, history) = history_of(commanded, before);
     monitor.observe(&Sensed {
         index,
         encoder,
-        phase: &phase,
+        phase: Phase::ZERO,
+        lead: &lead,
         history: &history,
         correction: &PerAxis::default(),
         speed: commanded[0].turns,
+        may_process: true,
     })
 }
 
@@ -588,14 +590,16 @@ fn a_pulse_of_a_tick_that_is_not_known_is_not_measured() {
         turns: Turns::from_num(0.001),
     }; MAX_AXES];
     detect(&mut monitor, &[None; MAX_AXES], &[0; MAX_AXES], &phases);
-    let (phase, history) = history_of(&phases, Turns::ZERO);
+    let (lead, history) = history_of(&phases, Turns::ZERO);
     monitor.disregard(&Sensed {
         index: &[None; MAX_AXES],
         encoder: &[0; MAX_AXES],
-        phase: &phase,
+        phase: Phase::ZERO,
+        lead: &lead,
         history: &history,
         correction: &[Turns::ZERO; MAX_AXES],
         speed: Turns::ZERO,
+        may_process: true,
     });
     let pulse = Some(IndexPulse { cycle: -1 });
     detect(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &phases);
