@@ -206,7 +206,8 @@ impl Controller {
     #[inline(never)]
     fn observe(&mut self, feedback: &Feedback, input: &mut SupervisorInput) -> Option<Fault> {
         let mut found = self.measure(feedback);
-        self.is_busy = self.drift.is_busy();
+        // To plan a stop takes as long as any of the work that can wait.
+        self.is_busy = self.drift.is_busy() || self.is_about_to_stop(feedback);
         let drives_on = self.supervisor.drives_enabled();
         if drives_on {
             self.driven = self.ticks;
@@ -259,7 +260,6 @@ impl Controller {
             history: &self.history,
             correction: self.offsets.now(),
             speed: self.motion.speed,
-            // To plan a stop takes as long.
             may_process: !self.is_about_to_stop(feedback),
         };
         if core::mem::take(&mut self.was_late) {
