@@ -41,6 +41,12 @@ fn run(text: &str) -> Run {
     record(&scene(text), Every::Ticks(1), Window::All)
 }
 
+#[track_caller]
+fn assert_parked(run: &Run) {
+    let ended = &run.report["ended"]["state"];
+    assert_eq!(ended, "parked", "{}", run.report["events"]);
+}
+
 fn refusal(text: &str) -> String {
     let scene = load::parse(text).expect("its form is right");
     Checked::new(scene)
@@ -62,7 +68,7 @@ fn cranks_stand_at_the_end_where_the_edges_have_brought_them() {
     let checked = built_in(SCENE);
     let run = record(&checked, Every::Ticks(1), Window::All);
     let (trace, edges) = (run.trace(), run.edges());
-    assert_eq!(run.report["ended"]["state"], "parked");
+    assert_parked(&run);
     assert_eq!(run.report["faults"].as_array().map(Vec::len), Some(0));
     // Friction of 0.1 N·m is less than what the integral holds; by when it has settled, a hundredth of that is left.
     let settled_turns = 0.01 * 0.1 / (K_NMS * G_PER_S) / TAU;
@@ -95,18 +101,18 @@ fn the_following_error_at_a_steady_speed_is_that_of_the_loop() {
     for feed_forward in [0.0, 0.5, 0.9, 1.0] {
         for integral in [true, false] {
             let share = format!("velocity_feed_forward = {feed_forward}");
-            let lag = format!("lag_us = {}", (1.0 - feed_forward) * 1e6 / G_PER_S);
             let kept = "integral_s = 0.02, ";
             let text = on("phased", "");
             let text = text
                 .replace("velocity_feed_forward = 0.9", &share)
                 .replace(kept, if integral { kept } else { "" })
                 .replace("following_error_deg = 15", "following_error_deg = 90")
-                .replace("lag_us = 1000", &lag)
+                // By up to 54°: no limit of the loop is for such cranks.
+                .replace("index_width_deg = 6", "index = false")
                 // The load's torque oscillates about zero twice a turn; a light one leaves the mean to the loop.
                 .replace("load_kg = 8", "load_kg = 0.5");
             let run = self::run(&text);
-            assert_eq!(run.report["ended"]["state"], "parked", "{share}");
+            assert_parked(&run);
             let trace = run.trace();
             // The last 0.4 s of the upper level, and of these whole turns, so that the load's torque averages out.
             let requested = trace.column("amax_requested_mps2");
@@ -153,7 +159,7 @@ fn first_beyond(run: &Run, axis: usize, window_deg: f64) -> Option<usize> {
 fn the_alarm_comes_at_the_window() {
     let stuck = "[[fault]]\nat_s = 1.5\nkind = \"stuck\"\naxis = 1\n";
     let load =
-        "[[fault]]\nat_s = 1.5\nkind = \"load-step\"\naxis = 1\ntorque_nm = 40\nfor_s = 0.1\n";
+        "[[fault]]\nat_s = 1.5\nkind = \"load-step\"\naxis = 1\ntorque_nm = 13\nfor_s = 0.05\n";
     for (model_level, fault) in [("kinematic", stuck), ("phased", load), ("phased", stuck)] {
         for window_deg in [15.0, 30.0] {
             let window = format!("following_error_deg = {window_deg}");
@@ -215,7 +221,7 @@ fn a_load_within_the_window_raises_no_alarm() {
 /// stay on for ever.
 #[test]
 fn an_alarm_stops_all_axes_in_phase() {
-    let fault = "[[fault]]\nat_s = 1.5\nkind = \"load-step\"\naxis = 1\ntorque_nm = 40\nfor_s = 0.05\n\
+    let fault = "[[fault]]\nat_s = 1.5\nkind = \"load-step\"\naxis = 1\ntorque_nm = 13\nfor_s = 0.05\n\
                  [[command]]\nat_s = 0\ndo = \"start\"\n[[command]]\nat_s = 3\ndo = \"reset\"\n\
                  [[command]]\nat_s = 3.1\ndo = \"start\"\n";
     let run = run(&on("phased", fault));
@@ -237,7 +243,7 @@ fn an_alarm_stops_all_axes_in_phase() {
             );
         }
     }
-    // All have followed by the time the drives go off: the lag of the last ticks, and what the torque of 40 N·m has left.
+    // All have followed by the time the drives go off: the lag of the last ticks, and what the load has left.
     for axis in 0..3 {
         let off = following_turns(&run, axis)[stop.end - 1] * 360.0;
         assert!(off.abs() < 1.0, "axis {axis} stands {off}° off");
@@ -251,7 +257,7 @@ fn an_alarm_stops_all_axes_in_phase() {
         );
     }
     assert!(speed[stop.start] > 60.0 && speed[stop.end - 1] < 1.0);
-    assert_eq!(run.report["ended"]["state"], "parked", "it starts again");
+    assert_parked(&run);
 }
 
 /// If this were wrong, a drive that was cut at speed would jump back by what its crank coasted, as soon as it is on again.
@@ -273,7 +279,8 @@ fn a_drive_that_was_off_counts_on_from_where_its_crank_stands() {
             let actual = trace.axis("actual_turns", axis);
             let coasted = actual[at(2.9)] - trace.axis("command_turns", axis)[at(2.9)];
             assert!(coasted.abs() > 0.1, "axis {axis}: {coasted} turns");
-            let moved = actual[at(3.115)] - actual[at(2.9)];
+            // It has nearly come to rest; on, it moves no more than that for the 20 ms that the drives settle.
+            let moved = actual[at(3.118)] - actual[at(3.1)];
             assert!(moved.abs() < 1e-3, "axis {axis} jumps by {moved} turns");
         }
     }
@@ -286,8 +293,8 @@ fn a_crank_that_slips_by_an_electrical_cycle_of_a_stepper_slips() {
     let slip = "[[fault]]\nat_s = 1.5\nkind = \"slip\"\naxis = 1\nrate_deg_per_s = 14400\nfor_s = 0.0005\n";
     let named = |text: &str| {
         let run = run(text);
-        let first = |list: &str| run.report[list][0]["kind"].as_str().map(str::to_owned);
-        first("faults").or_else(|| first("reported_faults"))
+        let last = run.report["faults"].as_array().and_then(|all| all.last());
+        last.and_then(|fault| fault["kind"].as_str().map(str::to_owned))
     };
     assert_eq!(named(&on("kinematic", slip)).as_deref(), Some("slip"));
     let stepper = on("kinematic", slip)
