@@ -84,7 +84,7 @@ fn cranks_stand_at_the_end_where_the_edges_have_brought_them() {
             "axis {axis}: {off} turns"
         );
     }
-    // Where cranks are where they are commanded, they are so to the count.
+    // Where cranks are where they are commanded, counts and edges are equal.
     let kinematic = self::run(&on("kinematic", ""));
     for axis in 0..3 {
         let counts = kinematic.edges().steps(axis, axis == 2);
