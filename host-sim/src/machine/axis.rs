@@ -191,7 +191,7 @@ impl SimulatedAxis {
     /// did, as if it had turned evenly.
     pub fn moved(&mut self, turns: f64, cycles: u32, energised: bool) -> Option<Passed> {
         let passed = self.moved_under(turns, self.field_turns(), cycles, energised);
-        if self.drive.follows_rotor_when_off() && !energised {
+        if self.drive.follows_rotor(energised) {
             self.cleared_turns = self.commanded_turns - self.travelled_turns;
         }
         passed

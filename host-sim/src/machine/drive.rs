@@ -29,9 +29,9 @@ impl AxisDrive {
         matches!(self, Self::Stepper { .. } | Self::PulseServo(_))
     }
 
-    /// Whether it gives up its command while it is off, and follows its rotor.
-    pub const fn follows_rotor_when_off(&self) -> bool {
-        matches!(self, Self::PulseServo(_))
+    /// Whether it gives up its command, as it is off, and follows its rotor.
+    pub const fn follows_rotor(&self, energised: bool) -> bool {
+        !energised && matches!(self, Self::PulseServo(_))
     }
 
     /// Steps of an electrical cycle; a servo has none.

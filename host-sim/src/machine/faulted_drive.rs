@@ -83,7 +83,7 @@ impl FaultedDrives {
             let turns = rotors.turns(i);
             let passed = axis.moved_under(turns, lead[i].turns - origin, self.cycles, energised);
             passages.put(i, passed);
-            if axis.drive().follows_rotor_when_off() && !energised {
+            if axis.drive().follows_rotor(energised) {
                 self.field[i] = turns + self.slipped[i];
                 rotors.clear(i);
             }

@@ -286,7 +286,7 @@ impl Machine {
             let cycles = (self.tick_s * f64::from(CLOCK_HZ)).round() as u32;
             for (i, axis) in self.axes.iter_mut().enumerate() {
                 passages.put(i, axis.moved(rotors.turns(i), cycles, drives_enabled));
-                if axis.drive().follows_rotor_when_off() && !drives_enabled {
+                if axis.drive().follows_rotor(drives_enabled) {
                     rotors.clear(i);
                 }
             }
