@@ -59,8 +59,10 @@ fn more_axes_and_more_steps_leave_less_room() {
 }
 
 #[test]
-fn the_first_servo_is_named() {
+fn the_first_servo_that_takes_setpoints_is_named() {
     let mut settings = steppers(4, 2000, 3200);
+    settings.axes[1].drive = DriveKind::PulseServo;
+    assert_eq!(check(&settings), Ok(()));
     settings.axes[2].drive = DriveKind::Servo;
     settings.axes[3].drive = DriveKind::Servo;
     assert_eq!(check(&settings), Err(Unfit::Servo(2)));

@@ -282,6 +282,9 @@ impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
             self.statistics.commanded(now_s, command);
         }
         feedback.encoder = self.machine.encoders();
+        for (alarm, axis) in feedback.alarm.iter_mut().zip(&self.machine.axes) {
+            *alarm = axis.drive().alarm();
+        }
         feedback.inputs = self.schedule.lines();
         feedback.command = command;
         self.faults.read(now, &mut feedback);
