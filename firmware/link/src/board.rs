@@ -6,13 +6,13 @@
 use cophase_core::settings::{AxisSettings, CLOCK_HZ, DriveKind, Settings};
 
 /// Time by which the loop must submit its output before it is due, µs.
-pub const LEAST_LEAD_US: u32 = 20;
+pub const LEAST_LEAD_US: u32 = 10;
 
 /// Greatest cycles of a tick without its axes, measured by `tests/emulator/run cost` (scene `alike`), with a margin for other
-/// interrupts. In the longest tick the index pulses of all axes are confirmed at once, while corrections move.
-const TICK_CYCLES: u32 = 14_500;
+/// interrupts. In the longest tick the index pulses of all axes are confirmed at once while the shaft changes its acceleration.
+const TICK_CYCLES: u32 = 10_700;
 /// Cycles that each axis adds then.
-const AXIS_CYCLES: u32 = 3950;
+const AXIS_CYCLES: u32 = 450;
 /// Cycles that each chunk of an axis's step pulses adds; the planner processes a chunk at once.
 const CHUNK_CYCLES: u32 = 80;
 const CHUNK_EDGES: f64 = 64.0;
