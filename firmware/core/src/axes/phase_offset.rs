@@ -8,9 +8,13 @@
 //! rate; averaged over a round it stays within its rate. All axes of a part reach their targets in the same round. After every
 //! round each is at most a slot's steps behind the straight line to its target.
 
-use crate::functions::{Divisor, multiply_long};
-use crate::settings::{AxisSettings, Settings, turns_at_most};
-use crate::units::{FRACTION_BITS, MAX_AXES, ONE_TURN, PerAxis, Turns};
+mod lane;
+mod part;
+
+use crate::settings::{AxisSettings, Settings};
+use crate::units::{MAX_AXES, ONE_TURN, PerAxis, Turns};
+use lane::{Lane, slot_ticks};
+use part::Part;
 
 /// One step, in the planner's half-steps of 2⁻⁴⁸.
 const STEP: i64 = 2 * ONE_TURN;
@@ -303,165 +307,6 @@ impl PhaseOffsets {
             *turns = lane.turns_of(steps);
         }
         turns
-    }
-}
-
-/// Shortest slot, in ticks, in which an axis uses at least four fifths of its rate with whole steps.
-#[cold]
-fn slot_ticks(steps_per_tick: f64) -> u32 {
-    let is_used = |ticks: &u32| {
-        let steps = steps_per_tick * f64::from(*ticks);
-        libm::floor(steps) >= 0.8 * steps
-    };
-    let least = libm::ceil(1.0 / steps_per_tick).max(1.0) as u32;
-    (least..u32::MAX).find(is_used).unwrap_or(least)
-}
-
-/// Constants of one axis.
-#[derive(Clone, Debug)]
-struct Lane {
-    /// 2⁶⁴ / steps per turn, and steps per turn.
-    turns_per_step: u64,
-    steps_per_turn: u32,
-    limit: Turns,
-    limit_steps: i32,
-    /// Most steps in a slot, and the divisor for it.
-    slot_steps: u32,
-    per_slot: Divisor,
-    /// Motion in a tick of a slot in which the axis moves by one step: half-steps of 2⁻⁴⁸, and turns of 2⁻⁴⁸.
-    half_steps_per_tick: i64,
-    turns_per_tick: i64,
-}
-
-impl Lane {
-    #[cold]
-    fn new(axis: &AxisSettings, slot_ticks: u32, slot_steps: u32) -> Self {
-        let steps_per_turn = axis.steps_per_turn.max(2);
-        let ticks = i64::from(slot_ticks);
-        Self {
-            turns_per_step: ((1_u128 << 64) / u128::from(steps_per_turn)) as u64,
-            steps_per_turn,
-            limit: Turns::from_bits(turns_at_most(axis.trim_limit_turns)),
-            // A limit of whole steps stays whole.
-            limit_steps: libm::floor(axis.trim_limit_turns * f64::from(steps_per_turn) + 1e-6)
-                as i32,
-            slot_steps,
-            per_slot: Divisor::new(slot_steps),
-            half_steps_per_tick: STEP / ticks,
-            turns_per_tick: ONE_TURN / i64::from(steps_per_turn) / ticks,
-        }
-    }
-
-    fn limited(&self, turns: Turns) -> Turns {
-        turns.max(self.limit.wrapping_neg()).min(self.limit)
-    }
-
-    /// Turns of a number of steps, to 2⁻⁴⁸; below one turn.
-    fn turns_of(&self, steps: i32) -> Turns {
-        let all = multiply_long(self.turns_per_step, steps.unsigned_abs());
-        let turns = Turns::from_bits(((all >> 15) as i64 + 1) >> 1);
-        if steps < 0 {
-            turns.wrapping_neg()
-        } else {
-            turns
-        }
-    }
-
-    /// Whole number of steps nearest to `turns`, up to ±½, and how many steps of 2⁻⁴⁸ rounding added. If the nearest would
-    /// exceed the limit together with the `other` part, the one before.
-    fn rounded(&self, turns: Turns, other: i32) -> (i32, i64) {
-        let exact = multiply_long(turns.to_bits() as u64, self.steps_per_turn) as i64;
-        let mut steps = ((exact >> (FRACTION_BITS - 1)) as i32 + 1) >> 1;
-        let offset = steps + other;
-        if offset.abs() > self.limit_steps {
-            steps -= offset.signum();
-        }
-        (steps, (i64::from(steps) << FRACTION_BITS) - exact)
-    }
-}
-
-/// One part of the offsets of all axes, and its move. Steps.
-#[derive(Clone, Debug)]
-struct Part {
-    /// Offsets, with those of the present slot.
-    now: PerAxis<i32>,
-    target: PerAxis<i32>,
-    /// Length of the move, the rounds that are left of it, and the divisor for all of its rounds.
-    length: PerAxis<i32>,
-    rounds_left: u32,
-    per_round: Option<Divisor>,
-    is_moving: bool,
-}
-
-impl Part {
-    const NONE: Self = Self {
-        now: [0; MAX_AXES],
-        target: [0; MAX_AXES],
-        length: [0; MAX_AXES],
-        rounds_left: 0,
-        per_round: None,
-        is_moving: false,
-    };
-
-    const fn hold(&mut self) {
-        self.target = self.now;
-        self.length = [0; MAX_AXES];
-        self.rounds_left = 0;
-        self.is_moving = false;
-    }
-
-    #[inline(never)]
-    fn go_to(&mut self, lanes: &[Lane], target: PerAxis<i32>) {
-        self.target = target;
-        let mut rounds = 0;
-        let axes = self
-            .length
-            .iter_mut()
-            .zip(self.target.iter().zip(&self.now));
-        for ((length, (target, now)), lane) in axes.zip(lanes) {
-            *length = target - now;
-            let steps = length.unsigned_abs();
-            let own = match lane.slot_steps {
-                1 => steps,
-                most => lane.per_slot.divide(u64::from(steps + most - 1)).0 as u32,
-            };
-            rounds = rounds.max(own);
-        }
-        self.rounds_left = rounds;
-        self.per_round = Some(Divisor::new(rounds));
-        self.is_moving = rounds > 0;
-    }
-
-    fn begin_round(&mut self) {
-        if self.rounds_left > 0 {
-            self.rounds_left -= 1;
-        } else if self.is_moving {
-            self.is_moving = self.now != self.target;
-        }
-    }
-
-    /// Takes the steps of an axis in its slot, and this part of its offset before them; none if it does not move.
-    fn take(&mut self, axis: usize, lane: &Lane, offset: i32) -> Option<(i32, i32)> {
-        let now = self.now.get_mut(axis)?;
-        let (&target, &length) = (self.target.get(axis)?, self.length.get(axis)?);
-        if !self.is_moving || *now == target {
-            return None;
-        }
-        let ahead = multiply_long(u64::from(length.unsigned_abs()), self.rounds_left);
-        let ahead = self.per_round?.divide(ahead).0 as i32;
-        let aim = if length < 0 {
-            target + ahead
-        } else {
-            target - ahead
-        };
-        let most = lane.slot_steps as i32;
-        let steps = (aim - *now).clamp(-most, most);
-        if steps == 0 || (offset + steps).abs() > lane.limit_steps.max(offset.abs()) {
-            return None;
-        }
-        let from = *now;
-        *now += steps;
-        Some((from, steps))
     }
 }
 

@@ -13,6 +13,7 @@
 //! moved slowly, and one look alone may catch it so.
 
 mod checks;
+mod verify;
 
 use crate::axes::PhaseOffsets;
 use crate::drift::{AxisSet, DriftMonitor};
@@ -336,133 +337,6 @@ impl Homing {
         let phase_error = monitor.filtered_error();
         self.moves(When::InTransit, &phase_error, &offsets.target())
             .deviation(set)
-    }
-
-    /// Fault of swapped wiring, if that is why cranks that were moved seem to exceed the homing range.
-    #[inline(never)]
-    pub(super) fn explain(&self, monitor: &DriftMonitor, offsets: &PhaseOffsets) -> Option<Fault> {
-        if !matches!(self.step, Step::Level | Step::Verify) {
-            return None;
-        }
-        // While they are on their way, each may show part of the other's command.
-        let deviation = self.in_transit(monitor.watched(), monitor, offsets)?;
-        let fault = Fault::new(FaultKind::SwappedWiring).on_axis(deviation.axis);
-        deviation
-            .is_swapped
-            .then_some(fault.with_size(deviation.off))
-    }
-
-    /// A crank was detected elsewhere than in the turn before, by so much: that is reported at once, unless it is no further than a rotor
-    /// swings, or another was commanded to go there, so that the checks have to decide.
-    #[inline(never)]
-    fn moved(
-        &self,
-        axis: usize,
-        by: Turns,
-        monitor: &DriftMonitor,
-        offsets: &PhaseOffsets,
-    ) -> Option<Fault> {
-        if by.abs() <= monitor.swing(axis) {
-            return None;
-        }
-        if self.step != Step::Find && self.in_transit(1 << axis, monitor, offsets)?.is_swapped {
-            return None;
-        }
-        let kind = monitor.name_of(axis, by);
-        Some(Fault::new(kind).on_axis(axis).with_size(by))
-    }
-
-    /// The cranks are about to be corrected once more, in run: checks whether they followed their commands the last time. One that shows
-    /// in two corrections, one after the other, the command of another has its lines swapped with that one's, and the more is
-    /// corrected the further they go.
-    #[inline(never)]
-    pub(super) fn corrected(
-        &mut self,
-        monitor: &DriftMonitor,
-        offsets: &PhaseOffsets,
-    ) -> Option<Fault> {
-        let phase_error = monitor.errors_at_flags();
-        let swapped = self
-            .moves(When::Corrected, &phase_error, offsets.now())
-            .deviation(monitor.watched())
-            .filter(|deviation| deviation.is_swapped);
-        self.before = phase_error;
-        self.from = *offsets.now();
-        let Some(swapped) = swapped else {
-            self.checks = 0;
-            return None;
-        };
-        self.checks += 1;
-        let fault = Fault::new(FaultKind::SwappedWiring).on_axis(swapped.axis);
-        (self.checks >= CONFIRMED).then_some(fault.with_size(swapped.off))
-    }
-
-    /// Where cranks are now that were moved, next to [`Self::before`]. What loads do to a crank differs by its angle, which is the same at
-    /// its flag, and by how fast the machine goes, which it does not yet at the first: so the less of both counts.
-    fn error_since(&self, monitor: &DriftMonitor) -> PerAxis<Turns> {
-        let mut phase_error = monitor.errors_at_flags();
-        let now = monitor.filtered_error();
-        for ((at_flag, &before), (&now, &before_now)) in phase_error
-            .iter_mut()
-            .zip(&self.before)
-            .zip(now.iter().zip(&self.before_now))
-        {
-            let by_flag = nearest(at_flag.wrapping_sub(before));
-            let by_now = nearest(now.wrapping_sub(before_now));
-            let less = if (by_flag < 0) != (by_now < 0) {
-                Turns::ZERO
-            } else if by_now.abs() < by_flag.abs() {
-                by_now
-            } else {
-                by_flag
-            };
-            *at_flag = before.wrapping_add(less);
-        }
-        phase_error
-    }
-
-    /// The cranks have been moved, and each detected once more.
-    #[inline(never)]
-    fn checked(&mut self, monitor: &mut DriftMonitor, offsets: &mut PhaseOffsets) -> Option<Fault> {
-        monitor.refresh();
-        let mut phase_error = self.error_since(monitor);
-        self.checks += 1;
-        for (sum, (now, &before)) in self
-            .off
-            .iter_mut()
-            .zip(phase_error.iter().zip(&self.before))
-        {
-            *sum = sum.wrapping_add(nearest(now.wrapping_sub(before)));
-        }
-        let moves = self.moves(When::Moved, &phase_error, offsets.now());
-        if moves.deviation(monitor.watched()).is_none() {
-            return self.go_on(monitor, offsets);
-        }
-        if self.checks < CHECKS {
-            monitor.start_check();
-            return None;
-        }
-        for (mean, (off, &before)) in phase_error
-            .iter_mut()
-            .zip(self.off.iter().zip(&self.before))
-        {
-            let off = Turns::from_bits((off.to_bits() >> 16) * CHECK_SHARE);
-            *mean = before.wrapping_add(off);
-        }
-        let moves = self.moves(When::Moved, &phase_error, offsets.now());
-        let Some(deviation) = moves.deviation(monitor.watched()) else {
-            return self.go_on(monitor, offsets);
-        };
-        let kind = if deviation.is_swapped {
-            FaultKind::SwappedWiring
-        } else {
-            monitor.name_of(deviation.axis, deviation.off)
-        };
-        Some(
-            Fault::new(kind)
-                .on_axis(deviation.axis)
-                .with_size(deviation.off),
-        )
     }
 }
 

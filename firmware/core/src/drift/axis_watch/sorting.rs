@@ -255,3 +255,11 @@ impl AxisWatch {
         }
     }
 }
+
+#[cfg(test)]
+impl AxisWatch {
+    /// Has no name for a slow walk: for tests of the limits alone.
+    pub(in crate::drift) fn never_walks(&mut self) {
+        self.gate = u32::MAX;
+    }
+}

@@ -154,3 +154,34 @@ fn a_slow_slip_by_index_is_stopped_for_within_a_turn_of_its_limit() {
     }
     assert!(worst > 0.5, "{worst}: nothing was tried");
 }
+
+/// A crank that walks is called so, slow or fast.
+#[test]
+fn a_walk_is_slip() {
+    for a_turn in [-0.03, -0.013, -0.002, -0.0005, 0.0005, 0.002] {
+        let mut cranks = Cranks::new(monitor(3, 5.0, 5.0, 15.0), 0.01).homed();
+        let found = cranks.turn(4000, move |i, t| {
+            if i == 0 {
+                a_turn * (t - 2.0).max(0.0)
+            } else {
+                0.0
+            }
+        });
+        let first = found.first().expect("something is found").1;
+        assert_eq!(first.fault.axis, Some(0));
+        let named = found.iter().map(|(_, finding)| finding.fault.kind);
+        let named: Vec<_> = named
+            .filter(|kind| *kind != FaultKind::IndexTimeout)
+            .collect();
+        // Two jumps in a row may add up to whole cycles by chance; the next shows that it goes on.
+        let last = named.iter().rev().take(2);
+        assert!(
+            last.clone().all(|kind| *kind == FaultKind::Slip),
+            "{a_turn}: {named:?}"
+        );
+        assert!(
+            found.iter().any(|(_, finding)| !finding.within_limits),
+            "{a_turn}: beyond the limit"
+        );
+    }
+}

@@ -1,0 +1,80 @@
+//! Constants of the phase offset of one axis, and conversion between steps and turns.
+
+use super::STEP;
+use crate::functions::{Divisor, multiply_long};
+use crate::settings::{AxisSettings, turns_at_most};
+use crate::units::{FRACTION_BITS, ONE_TURN, Turns};
+
+/// Shortest slot, in ticks, in which an axis uses at least four fifths of its rate with whole steps.
+#[cold]
+pub(super) fn slot_ticks(steps_per_tick: f64) -> u32 {
+    let is_used = |ticks: &u32| {
+        let steps = steps_per_tick * f64::from(*ticks);
+        libm::floor(steps) >= 0.8 * steps
+    };
+    let least = libm::ceil(1.0 / steps_per_tick).max(1.0) as u32;
+    (least..u32::MAX).find(is_used).unwrap_or(least)
+}
+
+/// Constants of one axis.
+#[derive(Clone, Debug)]
+pub(super) struct Lane {
+    /// 2⁶⁴ / steps per turn, and steps per turn.
+    pub(super) turns_per_step: u64,
+    pub(super) steps_per_turn: u32,
+    pub(super) limit: Turns,
+    pub(super) limit_steps: i32,
+    /// Most steps in a slot, and the divisor for it.
+    pub(super) slot_steps: u32,
+    pub(super) per_slot: Divisor,
+    /// Motion in a tick of a slot in which the axis moves by one step: half-steps of 2⁻⁴⁸, and turns of 2⁻⁴⁸.
+    pub(super) half_steps_per_tick: i64,
+    pub(super) turns_per_tick: i64,
+}
+
+impl Lane {
+    #[cold]
+    pub(super) fn new(axis: &AxisSettings, slot_ticks: u32, slot_steps: u32) -> Self {
+        let steps_per_turn = axis.steps_per_turn.max(2);
+        let ticks = i64::from(slot_ticks);
+        Self {
+            turns_per_step: ((1_u128 << 64) / u128::from(steps_per_turn)) as u64,
+            steps_per_turn,
+            limit: Turns::from_bits(turns_at_most(axis.trim_limit_turns)),
+            // A limit of whole steps stays whole.
+            limit_steps: libm::floor(axis.trim_limit_turns * f64::from(steps_per_turn) + 1e-6)
+                as i32,
+            slot_steps,
+            per_slot: Divisor::new(slot_steps),
+            half_steps_per_tick: STEP / ticks,
+            turns_per_tick: ONE_TURN / i64::from(steps_per_turn) / ticks,
+        }
+    }
+
+    pub(super) fn limited(&self, turns: Turns) -> Turns {
+        turns.max(self.limit.wrapping_neg()).min(self.limit)
+    }
+
+    /// Turns of a number of steps, to 2⁻⁴⁸; below one turn.
+    pub(super) fn turns_of(&self, steps: i32) -> Turns {
+        let all = multiply_long(self.turns_per_step, steps.unsigned_abs());
+        let turns = Turns::from_bits(((all >> 15) as i64 + 1) >> 1);
+        if steps < 0 {
+            turns.wrapping_neg()
+        } else {
+            turns
+        }
+    }
+
+    /// Whole number of steps nearest to `turns`, up to ±½, and how many steps of 2⁻⁴⁸ rounding added. If the nearest would
+    /// exceed the limit together with the `other` part, the one before.
+    pub(super) fn rounded(&self, turns: Turns, other: i32) -> (i32, i64) {
+        let exact = multiply_long(turns.to_bits() as u64, self.steps_per_turn) as i64;
+        let mut steps = ((exact >> (FRACTION_BITS - 1)) as i32 + 1) >> 1;
+        let offset = steps + other;
+        if offset.abs() > self.limit_steps {
+            steps -= offset.signum();
+        }
+        (steps, (i64::from(steps) << FRACTION_BITS) - exact)
+    }
+}

@@ -1,0 +1,38 @@
+//! Tolerance of a reading, and how far a pulse may be from the one before.
+
+use crate::settings::{AxisSettings, turns};
+use crate::units::Turns;
+
+/// What a reading of an axis may be off by: that, and two steps.
+pub(super) fn tolerance(axis: &AxisSettings, reading: Turns) -> Turns {
+    let step = turns(1.0 / f64::from(axis.steps_per_turn));
+    reading.saturating_add(step).saturating_add(step)
+}
+
+/// An electrical cycle, turns; zero of an axis that has none.
+pub(super) fn cycle(axis: &AxisSettings) -> Turns {
+    turns(f64::from(axis.cycle_steps) / f64::from(axis.steps_per_turn))
+}
+
+/// Half way to the first cycle that may be lost, less what a reading is off; and no less than two readings differ by.
+pub(super) fn gate(tolerance: Turns, cycle: Turns) -> Turns {
+    let widest = Turns::from_bits(tolerance.to_bits() * 4);
+    if cycle <= 0 {
+        return widest;
+    }
+    let (half, tolerance) = (cycle.to_bits() / 2, tolerance.to_bits());
+    // Where steps are so coarse that this is less than what readings differ by, only half a cycle can be distinguished.
+    let sure = half - tolerance;
+    let most = if sure < 2 * tolerance { half } else { sure };
+    widest.min(Turns::from_bits(most))
+}
+
+/// How far, turns, an axis's index pulse may be from where the one before has it, and still be in place; `reading_error_deg` is that of the
+/// settings.
+#[cold]
+pub fn place_gate(axis: &AxisSettings, reading_error_deg: f64) -> Turns {
+    gate(
+        tolerance(axis, turns(reading_error_deg / 360.0)),
+        cycle(axis),
+    )
+}

@@ -1,0 +1,88 @@
+//! From settings to a drift monitor, in place.
+
+use super::axis_watch::AxisWatch;
+use super::findings::Findings;
+use super::limits::DriftLimits;
+use super::modes::{Modes, Mount};
+use super::queue::Queue;
+use super::tick_phase::TickClock;
+use super::{DriftMonitor, NO_MARGIN};
+use crate::settings::{AxisSettings, Settings};
+use crate::units::{MAX_AXES, Phase, Turns};
+
+impl Default for DriftMonitor {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl DriftMonitor {
+    /// A monitor without axes.
+    pub const fn new() -> Self {
+        Self {
+            limits: DriftLimits::NONE,
+            mount: Mount::NONE,
+            axes: heapless::Vec::new(),
+            sensed: 0,
+            by_index: 0,
+            by_encoder: 0,
+            clock: TickClock::new(62_500),
+            before_is_known: false,
+            finding_out: true,
+            moved: None,
+            phase_error: [Turns::ZERO; MAX_AXES],
+            peak: [Turns::ZERO; MAX_AXES],
+            stale: 0,
+            detected: 0,
+            known: 0,
+            checked: 0,
+            evaluated: 0,
+            evaluated_checked: 0,
+            rounds: 0,
+            is_even: false,
+            is_compared: false,
+            modes: Modes::ZERO,
+            changed: false,
+            findings: Findings::new(),
+            queue: Queue::new(),
+            is_busy: false,
+            margin: NO_MARGIN,
+        }
+    }
+
+    /// Begins anew with settings that have been checked.
+    #[cold]
+    #[inline(never)]
+    pub fn configure(&mut self, settings: &Settings) {
+        let limits = DriftLimits::new(&settings.drift, &settings.machine, settings.tick_hz);
+        let set = |has: &dyn Fn(&AxisSettings) -> bool| {
+            let axes = settings.axes.iter().enumerate();
+            axes.fold(0, |set, (i, axis)| set | u8::from(has(axis)) << i)
+        };
+        let sensed = set(&|axis| axis.index_turns.is_some());
+        let by_encoder = set(&|axis| axis.encoder);
+        self.mount = Mount::with(settings.axes.len(), sensed | by_encoder);
+        self.axes.clear();
+        for (i, axis) in settings.axes.iter().enumerate() {
+            let watch = AxisWatch::new(
+                axis,
+                settings.index.width_us * 1e-6,
+                settings.tick_hz,
+                limits.reading,
+                limits.alone(&self.mount, i),
+            );
+            let pushed = self.axes.push(watch);
+            debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
+        }
+        self.limits = limits;
+        self.sensed = sensed;
+        self.by_index = sensed & !by_encoder;
+        self.by_encoder = by_encoder;
+        self.clock = TickClock::new(settings.tick_cycles());
+        self.before_is_known = false;
+        self.start_check();
+        self.rounds = 0;
+        self.reset_peak();
+        self.reset(&[Phase::ZERO; MAX_AXES]);
+    }
+}

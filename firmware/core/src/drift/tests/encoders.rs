@@ -1,0 +1,116 @@
+//! Cranks with encoders.
+
+use super::*;
+
+/// With an encoder a crank that stands, turns back or runs away is known within some ticks, by its name.
+#[test]
+fn encoders_show_how_an_axis_moves() {
+    for (speed, kind) in [
+        (-1.0, FaultKind::Stuck),
+        (-2.0, FaultKind::Reversed),
+        (1.0, FaultKind::Runaway),
+    ] {
+        let mut cranks = encoders(3.0);
+        let began = cranks.tick;
+        let found = cranks.turn(100, move |i, t| {
+            if i == 2 {
+                speed * (t - 1.5).max(0.0)
+            } else {
+                0.0
+            }
+        });
+        let last = found.last().expect("something is found");
+        assert_eq!(
+            (last.1.fault.kind, last.1.fault.axis),
+            (kind, Some(2)),
+            "{found:?}"
+        );
+        assert!(last.0 - began < 30 + 20, "{found:?}");
+    }
+}
+
+/// A reading that is off for some ticks is a glitch; counts that stay lost are shown by the index; a crank that slips on its shaft
+/// is detected by the index alone.
+#[test]
+fn encoder_and_index_check_each_other() {
+    let glitch = |from: f64, to: f64| {
+        let mut cranks = encoders(3.0);
+        let mut found = Vec::new();
+        for _ in 0..400 {
+            let t = f64::from(cranks.tick) * 0.01;
+            let phase = TickPhase {
+                start: Phase::from_turns(Turns::wrapping_from_num(t)),
+                turns: Turns::from_num(0.01),
+            };
+            let end = f64::from(cranks.tick + 1) * 0.01;
+            let passes = end.floor() > t.floor();
+            let pulse = passes.then(|| IndexPulse {
+                cycle: ((end.floor() - t) / 0.01 * f64::from(TICK_CYCLES)) as i32,
+            });
+            let count = (end * 3200.0).floor() as i32;
+            let off = if (from..to).contains(&t) { 500 } else { 0 };
+            let counts = [count, count + off, count, 0, 0, 0];
+            let sensed = detect(
+                &mut cranks.monitor,
+                &[pulse; MAX_AXES],
+                &counts,
+                &[phase; MAX_AXES],
+            );
+            found.extend(sensed.map(|finding| (finding.fault.kind, finding.fault.axis)));
+            cranks.tick += 1;
+        }
+        let drift = cranks.monitor.phase_error()[1].to_num::<f64>();
+        assert!(drift.abs() < 2.0 / 3200.0, "a glitch is no drift: {drift}");
+        found
+    };
+    let reported = (FaultKind::EncoderGlitch, Some(1));
+    assert_eq!(glitch(1.5, 1.505), [reported], "for a tick");
+    assert_eq!(glitch(1.5, 99.0), [reported], "for good");
+    let mut cranks = encoders(30.0);
+    let mut settings = Vec::new();
+    for _ in 0..1500 {
+        let t = f64::from(cranks.tick) * 0.01;
+        let phase = TickPhase {
+            start: Phase::from_turns(Turns::wrapping_from_num(t)),
+            turns: Turns::from_num(0.01),
+        };
+        let end = f64::from(cranks.tick + 1) * 0.01;
+        let crank = |t: f64, i: usize| {
+            if i == 0 {
+                t - 0.002 * (t - 1.5).max(0.0)
+            } else {
+                t
+            }
+        };
+        let pulses = core::array::from_fn(|i| {
+            let (from, to) = (crank(t, i), crank(end, i));
+            (to.floor() > from.floor()).then(|| IndexPulse {
+                cycle: ((to.floor() - from) / (to - from) * f64::from(TICK_CYCLES)) as i32,
+            })
+        });
+        let counts = [(end * 3200.0).floor() as i32; MAX_AXES];
+        let sensed = detect(&mut cranks.monitor, &pulses, &counts, &[phase; MAX_AXES]);
+        settings.extend(sensed.map(|finding| (finding.fault.kind, finding.fault.axis)));
+        cranks.tick += 1;
+    }
+    assert!(!settings.is_empty());
+    assert!(
+        settings
+            .iter()
+            .all(|reported| *reported == (FaultKind::Slip, Some(0))),
+        "{settings:?}"
+    );
+}
+
+/// An index that is missing, or extra, where an encoder watches, is reported, and the machine goes on.
+#[test]
+fn an_encoder_vouches_for_its_crank() {
+    let mut cranks = encoders(3.0);
+    let once = |i: usize, t: f64, pulse: Option<IndexPulse>| pulse.filter(|_| i != 1 || t > 2.5);
+    let found = cranks.turn_with(300, |_, _| 0.0, once);
+    let kinds: Vec<_> = found
+        .iter()
+        .map(|(_, f)| (f.fault.kind, f.within_limits))
+        .collect();
+    assert_eq!(kinds, [(FaultKind::IndexMissing, true)]);
+}

@@ -1,0 +1,158 @@
+//! Pulses and the ticks in which they come and are processed.
+
+use super::*;
+
+/// A pulse that is confirmed a tick later belongs to the speed of its own tick. Were it computed from the
+/// later one's, 2000 rev/s² would make 0.018° of 50 µs. One cycle at 200 rev/s is 0.0006°.
+#[test]
+fn a_pulse_of_the_tick_before_is_measured_as_well() {
+    let tick_s = f64::from(TICK_CYCLES) / f64::from(crate::settings::CLOCK_HZ);
+    let error = [0.01, -0.02, 0.003, 0.0];
+    for (hz_per_s, back_s) in [(2000.0, 50e-6), (-2000.0, 50e-6), (2000.0, 2e-6)] {
+        let mut monitor = monitor(4, 100.0, 90.0, 180.0);
+        let back = (back_s * f64::from(crate::settings::CLOCK_HZ)) as u32;
+        // Speed is constant within a tick, by definition; the phase at the border is near the index.
+        let before = (200.0 - hz_per_s * tick_s) * tick_s;
+        let now = 200.0 * tick_s;
+        let pulse_at = 1.0 - before * f64::from(back) / f64::from(TICK_CYCLES);
+        for (watch, error) in monitor.axes.iter_mut().zip(error) {
+            watch.shift(Turns::from_num(pulse_at - 1.0 + error));
+        }
+        let tick = |start: f64, turns: f64| TickPhase {
+            start: Phase::from_turns(Turns::from_num(start)),
+            turns: Turns::from_num(turns),
+        };
+        let pulse = Some(IndexPulse {
+            cycle: -(back as i32),
+        });
+        detect(
+            &mut monitor,
+            &[None; MAX_AXES],
+            &[0; MAX_AXES],
+            &[tick(1.0 - before, before); MAX_AXES],
+        );
+        let found = detect_after(
+            &mut monitor,
+            &[pulse; MAX_AXES],
+            &[0; MAX_AXES],
+            &[tick(1.0, now); MAX_AXES],
+            Turns::from_num(before),
+        );
+        assert_eq!(found, None);
+        assert_eq!(process_all(&mut monitor, &[tick(1.0, now); MAX_AXES]), []);
+        for (actual, expected) in monitor.phase_error().iter().zip(error) {
+            let off_deg = (actual.to_num::<f64>() - expected) * 360.0;
+            assert!(off_deg.abs() < 0.0006, "{off_deg}° at {hz_per_s} rev/s²");
+        }
+    }
+}
+
+/// After missed deadlines nobody knows the tick before: a pulse in it shows that its sensor is alive, and
+/// no more.
+#[test]
+fn a_pulse_of_a_tick_that_is_not_known_is_not_measured() {
+    let mut monitor = monitor(2, 100.0, 90.0, 180.0);
+    let phases = [TickPhase {
+        start: Phase::ZERO,
+        turns: Turns::from_num(0.001),
+    }; MAX_AXES];
+    detect(&mut monitor, &[None; MAX_AXES], &[0; MAX_AXES], &phases);
+    let (lead, history) = history_of(&phases, Turns::ZERO);
+    monitor.disregard(&Sensed {
+        index: &[None; MAX_AXES],
+        encoder: &[0; MAX_AXES],
+        phase: Phase::ZERO,
+        lead: &lead,
+        history: &history,
+        correction: &[Turns::ZERO; MAX_AXES],
+        speed: Turns::ZERO,
+        may_process: true,
+    });
+    let pulse = Some(IndexPulse { cycle: -1 });
+    detect(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &phases);
+    process_all(&mut monitor, &phases);
+    assert!(!monitor.is_homed());
+    detect(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &phases);
+    process_all(&mut monitor, &phases);
+    assert!(monitor.is_homed());
+}
+
+/// Pulses of all axes in one tick are processed one a tick, each against the phase of its own tick.
+#[test]
+fn pulses_that_come_together_are_processed_one_a_tick() {
+    let error = [0.01, -0.02, 0.003, 0.004, -0.005, 0.0];
+    let mut monitor = monitor(6, 100.0, 90.0, 180.0);
+    for (watch, error) in monitor.axes.iter_mut().zip(error) {
+        watch.shift(Turns::from_num(error));
+    }
+    let turns = 0.01;
+    let tick = |number: f64| {
+        [TickPhase {
+            start: Phase::from_turns(Turns::from_num(1.0 + (number - 0.5) * turns)),
+            turns: Turns::from_num(turns),
+        }; MAX_AXES]
+    };
+    let pulse = Some(IndexPulse {
+        cycle: (TICK_CYCLES / 2) as i32,
+    });
+    detect(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &tick(0.0));
+    // The tick that brought them processes none; three ticks after the last axis evaluate the batch.
+    for processed in 0..MAX_AXES + 3 {
+        assert!(!monitor.is_homed(), "after {processed} axes");
+        let number = (processed + 1) as f64;
+        detect(
+            &mut monitor,
+            &[None; MAX_AXES],
+            &[0; MAX_AXES],
+            &tick(number),
+        );
+    }
+    assert!(monitor.is_homed());
+    for (actual, expected) in monitor.phase_error().iter().zip(error) {
+        let off = actual.to_num::<f64>() - expected;
+        assert!(off.abs() < 1e-6, "{actual} for {expected}");
+    }
+}
+
+/// A sensor that bounces at every other passage, at 0.4 turns a tick: three widths or one until a pulse is
+/// confirmed, the width a quarter of a tick. A pulse that waits is not a missing one.
+#[test]
+fn pulses_that_wait_to_be_confirmed_are_not_missed() {
+    let mut settings = settings(2, 100.0, 90.0, 1.0);
+    settings.index.width_us = 0.25e6 / f64::from(settings.tick_hz);
+    let mut monitor = configured(&settings);
+    monitor.reset(&[Phase::ZERO; MAX_AXES]);
+    let tick_cycles = f64::from(TICK_CYCLES);
+    let turns = 0.3987; // so that passages fall anywhere in a tick
+    let mut waiting = None;
+    for tick in 0..1000 {
+        let (start, end) = (f64::from(tick) * turns, f64::from(tick + 1) * turns);
+        let mut reported = None;
+        if end.floor() > start.floor() {
+            let widths = if end.floor() % 2.0 == 0.0 { 3.0 } else { 1.0 };
+            let cycle = (end.floor() - start) / turns * tick_cycles;
+            if cycle + widths * 0.25 * tick_cycles <= tick_cycles {
+                reported = Some(cycle);
+            } else {
+                waiting = Some(cycle);
+            }
+        } else {
+            reported = waiting.take().map(|cycle| cycle - tick_cycles);
+        }
+        let pulse = reported.map(|cycle| IndexPulse {
+            cycle: cycle as i32,
+        });
+        let phase = TickPhase {
+            start: Phase::from_turns(Turns::wrapping_from_num(start)),
+            turns: Turns::from_num(turns),
+        };
+        let found = detect(
+            &mut monitor,
+            &[pulse; MAX_AXES],
+            &[0; MAX_AXES],
+            &[phase; MAX_AXES],
+        );
+        assert_eq!(found, None, "tick {tick}");
+    }
+    assert!(monitor.is_homed());
+}
