@@ -148,6 +148,17 @@ fn masses_and_lengths_that_cannot_be() {
 }
 
 #[test]
+fn mechanisms() {
+    assert_all_refused(&[case(
+        "mechanism with a typing error",
+        set("machine.mechanism", "\"slider-cranks\""),
+        "machine.mechanism",
+        "\"slider-cranks\" is none of its values",
+        "did you mean \"slider-crank\"?",
+    )]);
+}
+
+#[test]
 fn lambda_and_the_rod() {
     let ratio = "0.1 to 0.6, the ratios of crank radius to rod length";
     let rod = |name, length, wrong, right| {
