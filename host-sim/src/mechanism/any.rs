@@ -39,7 +39,6 @@ macro_rules! any {
             fn of(settings: &MechanismSettings, crank_radius_m: f64) -> Self {
                 match settings {
                     $(MechanismSettings::$Name(settings) => Self::$Name($Name::of(settings, crank_radius_m)),)*
-                    MechanismSettings::ScotchYoke(_) => unimplemented!("no scene can name a Scotch yoke yet"),
                 }
             }
 

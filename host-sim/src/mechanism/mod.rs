@@ -13,6 +13,7 @@ macro_rules! for_all_mechanisms {
     ($make:ident) => {
         $make! {
             SliderCrank, slider_crank, "slider-crank";
+            ScotchYoke, scotch_yoke, "scotch-yoke";
         }
     };
 }
@@ -23,6 +24,7 @@ mod configured;
 mod conformance;
 mod motion;
 mod name;
+pub mod scotch_yoke;
 pub mod slider_crank;
 pub mod turn_search;
 
