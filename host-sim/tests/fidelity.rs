@@ -127,6 +127,7 @@ judged! {
     patent_4: "patent-4",
     lost_steps: "lost-steps",
     stiff_bearing: "stiff-bearing",
+    scotch_yoke: "scotch-yoke",
     suspended: "suspended",
     wrapper: "wrapper",
 }

@@ -8,10 +8,11 @@
 import path from 'node:path';
 import { predict, scene, settingsOf } from '../bench/host.mjs';
 import { Machine } from '../bench/machine.mjs';
+import { ROOT } from '../bench/paths.mjs';
 import * as pins from '../bench/pins.mjs';
 import { act } from '../bench/play.mjs';
 
-const SCENES = ['start-stop', 'band', 'reversal', 'index', 'gears', 'fast'];
+const SCENES = ['start-stop', 'band', 'reversal', 'index', 'gears', 'fast', path.join(ROOT, 'host-sim/scenes/scotch-yoke.toml')];
 
 /** Edges compared in all must be at least this many. */
 const LEAST_EDGES = 100_000;
