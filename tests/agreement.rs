@@ -207,8 +207,8 @@ fn steps_are_the_integral_of_the_program() {
         "the start, at the least, is reported"
     );
 
-    let machine = &checked.settings.machine;
-    let stiffness = machine.crank_radius_m * (1.0 + checked.lambda());
+    let machine = checked.scene.machine.as_ref().unwrap();
+    let stiffness = machine.crank_radius_mm * 1e-3 * (1.0 + machine.lambda.unwrap());
     let omega = |t_s: f64| (program.amax_mps2(t_s) / stiffness).sqrt();
     let (a, b) = (time(from), time(to));
     let integral = program.integral(a, b, omega);

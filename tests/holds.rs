@@ -69,7 +69,7 @@ fn the_patent_machines_hold_their_amax() {
         let radius_m = checked.settings.machine.crank_radius_m;
         let mechanism = Mechanism {
             radius_m,
-            rod_m: radius_m / checked.lambda(),
+            rod_m: radius_m / checked.scene.machine.as_ref().unwrap().lambda.unwrap(),
         };
         let trace = record(&checked, Every::Ticks(1), Window::FirstMotion).trace();
         let (turns, z_m) = (trace.axis("actual_turns", 0), trace.column("z_m"));

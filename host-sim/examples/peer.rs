@@ -11,7 +11,8 @@ use std::error::Error;
 use cophase_methods::{Scheme, advance};
 use host_sim::dynamics::{Body, Driven, Field, Freedom, Motor, Phased, Stepper};
 use host_sim::machine::PullOut;
-use host_sim::mechanism::slider_crank::{Load, Platform, SliderCrank};
+use host_sim::mechanism::slider_crank::SliderCrank;
+use host_sim::mechanism::{Load, Platform};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -43,7 +44,7 @@ struct Machine {
 impl Machine {
     fn driven(&self, axes: usize) -> Result<Driven, Box<dyn Error>> {
         let body = Body {
-            mechanism: SliderCrank::new(self.crank_radius_m, self.rod_length_m)?,
+            mechanism: SliderCrank::new(self.crank_radius_m, self.rod_length_m)?.into(),
             load: Load {
                 mass_kg: self.load_kg,
                 gravity_mps2: self.gravity_mps2,

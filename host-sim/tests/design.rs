@@ -8,8 +8,9 @@
 use std::f64::consts::TAU;
 
 use host_sim::design::{Design, DesignError, Requirement, STANDARD_GRAVITY_MPS2, Warning, design};
-use host_sim::mechanism::slider_crank::{Platform, SliderCrank};
+use host_sim::mechanism::slider_crank::SliderCrank;
 use host_sim::mechanism::turn_search::{TurnPeak, largest_over_turn};
+use host_sim::mechanism::{Mechanism, Platform};
 
 /// Load kg, amax g, frequency Hz, λ, motors.
 const EXAMPLES: [(f64, f64, f64, f64, u32); 4] = [

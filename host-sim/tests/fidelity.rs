@@ -128,6 +128,7 @@ judged! {
     lost_steps: "lost-steps",
     stiff_bearing: "stiff-bearing",
     pulse_servo: "pulse-servo",
+    scotch_yoke: "scotch-yoke",
     suspended: "suspended",
     wrapper: "wrapper",
 }

@@ -2,6 +2,7 @@
 //!
 //! The rest of the published and calculated figures is in `design.rs`; `docs/reproduced.md` lists them all.
 
+use host_sim::mechanism::Mechanism;
 use host_sim::mechanism::slider_crank::SliderCrank;
 
 /// Speed of a mechanism whose amax goes evenly from 0 to `full_mps2` in 1 s, and its slope by central differences: with

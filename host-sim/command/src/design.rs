@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use host_sim::design::{
     Design, DesignError, Requirement, STANDARD_GRAVITY_MPS2, design, write_page,
 };
+use host_sim::mechanism::Mechanism;
 use serde::Serialize;
 
 /// Size a vibration platform on N slider-cranks: crank, rod, torque and power (steps A to J)

@@ -4,6 +4,7 @@ use std::io::{self, Write};
 
 use super::digits::{degrees, four, percent, plain};
 use super::steps::Design;
+use crate::mechanism::Mechanism;
 use crate::mechanism::slider_crank::Extrema;
 
 /// Columns of text before a line is broken.

@@ -7,7 +7,7 @@ use core::f64::consts::TAU;
 use core::fmt;
 
 use super::digits::plain;
-use crate::mechanism::slider_crank::{Load, Platform};
+use crate::mechanism::{Load, Platform};
 
 /// Standard gravity, m/s².
 pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;

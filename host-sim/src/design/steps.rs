@@ -6,8 +6,9 @@
 //! hanging below its cranks. The source's own curve (two-term, below) sizes the motors, as it does there.
 
 use super::requirement::{OutOfRange, Requirement};
-use crate::mechanism::slider_crank::{Platform, SliderCrank, SliderCrankError};
+use crate::mechanism::slider_crank::{SliderCrank, SliderCrankError};
 use crate::mechanism::turn_search::{TurnPeak, largest_over_turn};
+use crate::mechanism::{Mechanism, Platform};
 
 /// Why a requirement has no design.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -1,7 +1,7 @@
 //! What all model levels of the ladder share: the mechanism, what it carries, and what turns.
 
 use super::corners::FREEDOMS;
-use crate::mechanism::slider_crank::{Load, SliderCrank};
+use crate::mechanism::{AnyMechanism, Load, Mechanism};
 
 /// Where a plane is, and how it moves: heave in m, tilts in rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,8 +28,8 @@ pub struct Crank {
 /// What all model levels share: the mechanism, what it carries, and what turns.
 #[derive(Clone, Debug)]
 pub struct Body {
-    /// Crank and rod, alike on all axes.
-    pub mechanism: SliderCrank,
+    /// Mechanism between crank and platform, alike on all axes.
+    pub mechanism: AnyMechanism,
     /// Platform and what stands on it, as one mass.
     pub load: Load,
     /// Inertia of the platform about either tilt axis, kg·m².
@@ -38,7 +38,7 @@ pub struct Body {
     pub rotors_kgm2: Vec<f64>,
     /// Radius of the circle on which the cranks stand, m.
     pub mount_radius_m: f64,
-    /// Stiffness of a rod with its bearings, along the line of travel, N/m.
+    /// Stiffness of the link between a crank and its corner (a rod with its bearings), along the line of travel, N/m.
     pub rod_n_per_m: f64,
     /// Dry friction of each rotor, N·m.
     pub friction_nm: Vec<f64>,
@@ -76,10 +76,9 @@ impl Body {
         [self.load.mass_kg, tilt, tilt]
     }
 
-    /// The longest lever that a crank gets to, m, or a little more.
+    /// The longest lever that a crank gets to, m, or a little more: s is nowhere above the greatest h.
     pub fn longest_lever_m(&self) -> f64 {
-        // |s| is at most 1 + λ: at λ ≤ 0.8 its maximum is below that.
-        self.mechanism.crank_radius_m() * (1.0 + self.mechanism.lambda())
+        self.mechanism.crank_radius_m() * self.mechanism.greatest_h()
     }
 
     /// Torque of rotor `i`'s friction, N·m.

@@ -8,11 +8,12 @@ mod servo;
 use proptest::prelude::*;
 
 use super::{Body, Elastic, FREEDOMS, Frame, Layer, Phased, Rigid};
-use crate::mechanism::slider_crank::{Load, Platform, SliderCrank};
+use crate::mechanism::slider_crank::SliderCrank;
+use crate::mechanism::{Load, Mechanism, Platform};
 
 fn body(axes: usize, platform: Platform) -> Body {
     Body {
-        mechanism: SliderCrank::new(0.012, 0.04).unwrap(),
+        mechanism: SliderCrank::new(0.012, 0.04).unwrap().into(),
         load: Load {
             mass_kg: 8.0,
             gravity_mps2: 9.80665,

@@ -153,7 +153,7 @@ impl Machine {
             followers: Followers::new(checked, &turns)?,
             rotors,
             axes,
-            platform: Platform::new(checked)?,
+            platform: Platform::new(checked),
             index_cycles: FLAG_CYCLES.max(2 * settings.index.width_cycles()),
             tick_s,
             torques: checked.fidelity == Fidelity::QuasiStatic,

@@ -7,13 +7,13 @@
 
 use crate::axes::Axes;
 use crate::dynamics::Corners;
-use crate::mechanism::slider_crank::{Load, SliderCrank};
-use crate::scene::{Checked, SceneError};
+use crate::mechanism::{AnyMechanism, Load, Mechanism};
+use crate::scene::Checked;
 
 /// A platform, its mechanism and its load.
 #[derive(Clone, Debug)]
 pub struct Platform {
-    mechanism: SliderCrank,
+    mechanism: AnyMechanism,
     load: Load,
     corners: Corners,
     mount_radius_m: f64,
@@ -36,15 +36,10 @@ pub struct Pose {
 
 impl Platform {
     /// The platform of a scene; for cams, the one that the crank which the core is given would carry.
-    ///
-    /// # Errors
-    /// A crank and rod that do not go together.
-    pub fn new(checked: &Checked) -> Result<Self, SceneError> {
+    pub fn new(checked: &Checked) -> Self {
         let machine = &checked.settings.machine;
-        let mechanism = SliderCrank::of(machine)
-            .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
-        Ok(Self {
-            mechanism,
+        Self {
+            mechanism: checked.mechanism,
             load: Load {
                 mass_kg: machine.load_kg,
                 gravity_mps2: machine.gravity_mps2,
@@ -52,11 +47,11 @@ impl Platform {
             },
             corners: Corners::new(checked.settings.axes.len(), machine.mount_radius_m),
             mount_radius_m: machine.mount_radius_m,
-        })
+        }
     }
 
     /// The mechanism.
-    pub fn mechanism(&self) -> &SliderCrank {
+    pub fn mechanism(&self) -> &AnyMechanism {
         &self.mechanism
     }
 

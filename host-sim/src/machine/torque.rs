@@ -6,7 +6,7 @@ use super::{DriveCommand, PullOut, Rotors, SimulatedAxis};
 use crate::dynamics::{
     Body, Driven, Elastic, Frame, Freedom, Layer, Motor, Phased, Rigid, Servo, Stepper,
 };
-use crate::mechanism::slider_crank::{Load, SliderCrank};
+use crate::mechanism::Load;
 use crate::scene::file::{self, Drive, Fidelity, Rods};
 use crate::scene::{Checked, SceneError};
 
@@ -147,8 +147,6 @@ fn even_disc_kgm2(mass_kg: f64, radius_m: f64) -> f64 {
 fn body(checked: &Checked, machine: &file::Machine) -> Result<Body, SceneError> {
     let settings = &checked.settings;
     let mount_m = machine.mount_radius_mm / 1e3;
-    let mechanism = SliderCrank::of(&settings.machine)
-        .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
     let disc_kgm2 = even_disc_kgm2(machine.load_kg, mount_m);
     let rotors_kgm2: Vec<f64> = settings
         .axes
@@ -169,7 +167,7 @@ fn body(checked: &Checked, machine: &file::Machine) -> Result<Body, SceneError> 
         apart.unwrap_or(checked.scene.axes.friction_nm)
     };
     Ok(Body {
-        mechanism,
+        mechanism: checked.mechanism,
         load: Load {
             mass_kg: machine.load_kg,
             gravity_mps2: machine.gravity_mps2,

@@ -1,8 +1,34 @@
-//! Mechanisms: from crank angle to platform motion, in floating point.
+//! Mechanisms: from crank angle to platform motion and crank torque, in floating point.
 //!
-//! One file a mechanism. Each takes angles in radians and lengths in metres, is validated when it is
-//! made, and cannot fail afterwards. [`turn_search`] finds the largest value of anything that depends
-//! on a crank angle.
+//! [`Mechanism`] is the extension point: geometry that an implementation gives, and motion and torque that follow from it for
+//! all. [`Configured`] makes an implementation of a scene's keys. [`AnyMechanism`] is the one that a scene names, and all
+//! that the machine, its model levels and their bounds know of. [`turn_search`] finds the largest value of anything that
+//! depends on a crank angle.
+//!
+//! To add a mechanism, write its file here and add it to the list below. The tests in `conformance` then cover it too
+//! (`docs/recipes/add-a-mechanism.md`).
 
+/// Hands the list of all mechanisms to a macro: type, module, name in a scene.
+macro_rules! for_all_mechanisms {
+    ($make:ident) => {
+        $make! {
+            SliderCrank, slider_crank, "slider-crank";
+            ScotchYoke, scotch_yoke, "scotch-yoke";
+        }
+    };
+}
+
+mod any;
+mod configured;
+#[cfg(test)]
+mod conformance;
+mod motion;
+mod name;
+pub mod scotch_yoke;
 pub mod slider_crank;
 pub mod turn_search;
+
+pub use any::AnyMechanism;
+pub use configured::Configured;
+pub use motion::{AtAngle, Load, Mechanism, Platform};
+pub use name::MechanismName;

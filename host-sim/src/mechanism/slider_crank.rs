@@ -10,21 +10,19 @@
 //! - **two-term**: the source's a = R ω² (cos α + λ cos 2α), the first two harmonics at constant speed;
 //! - **exact**: what the geometry gives, at any speed and angular acceleration.
 //!
-//! Files: here is the motion; [`Extrema`] are the turning points of a, and [`Platform`], [`Load`] and
-//! the torques are where forces come in.
+//! Files: here is the motion; [`Extrema`] are the turning points of a, `torque` has the source's torque formula, and
+//! `configured` makes the mechanism of a scene's keys.
 //!
 //! Not modelled: clearance, elasticity, an offset line of travel, rod and crank masses.
 
+mod configured;
 mod extrema;
 mod torque;
 
 pub use extrema::{Extrema, Extremum};
-pub use torque::{Load, Platform};
-
-use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
-use cophase_core::settings::MachineSettings;
 
 use super::turn_search::{TurnPeak, largest_over_turn};
+use super::{AtAngle, Mechanism};
 
 /// Largest crank/rod ratio accepted. The source builds from 0.1 to 0.6. Somewhat above 0.8 (at 0.85)
 /// the exact acceleration becomes largest near 90 deg instead of at α = 0, and amax = R ω² (1 + λ),
@@ -45,20 +43,10 @@ pub enum SliderCrankError {
     Ratio(f64),
 }
 
-/// The motion at one crank angle, in the terms of [`SliderCrank::x_m`], [`SliderCrank::s`] and [`SliderCrank::h`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AtAngle {
-    /// Distance x of the platform from the crank axis, m.
-    pub x_m: f64,
-    /// Speed coefficient.
-    pub s: f64,
-    /// Acceleration coefficient.
-    pub h: f64,
-}
-
 /// An in-line slider-crank of known size.
 ///
 /// ```
+/// use host_sim::mechanism::Mechanism;
 /// use host_sim::mechanism::slider_crank::SliderCrank;
 /// let mechanism = SliderCrank::new(0.004, 0.040)?;
 /// assert!((mechanism.stroke_m() - 0.008).abs() < 1e-15);
@@ -73,17 +61,6 @@ pub struct SliderCrank {
 }
 
 impl SliderCrank {
-    /// The mechanism of a controller's settings.
-    ///
-    /// Refuses what [`SliderCrank::new`] refuses, and mechanisms without a rod.
-    pub fn of(machine: &MachineSettings) -> Result<Self, SliderCrankError> {
-        let MechanismSettings::SliderCrank(SliderCrankSettings { lambda }) = machine.mechanism
-        else {
-            return Err(SliderCrankError::Rod(f64::INFINITY));
-        };
-        Self::new(machine.crank_radius_m, machine.crank_radius_m / lambda)
-    }
-
     /// Makes a mechanism of a crank radius and a rod length, both in m.
     ///
     /// Refuses lengths that are not finite and positive, and ratios above [`LAMBDA_MAX`].
@@ -118,11 +95,6 @@ impl SliderCrank {
         Self::new(crank_radius_m, crank_radius_m / lambda)
     }
 
-    /// Crank radius R, m.
-    pub fn crank_radius_m(&self) -> f64 {
-        self.crank_radius_m
-    }
-
     /// Rod length L, m.
     pub fn rod_length_m(&self) -> f64 {
         self.rod_length_m
@@ -143,85 +115,15 @@ impl SliderCrank {
         (self.lambda() * alpha_rad.sin()).asin()
     }
 
-    /// Distance x of the platform from the crank axis, m: R cos α + L cos β.
-    pub fn x_m(&self, alpha_rad: f64) -> f64 {
-        let shorter = self.lambda() * alpha_rad.sin();
-        self.crank_radius_m * alpha_rad.cos() + self.rod_length_m * (1.0 - shorter * shorter).sqrt()
-    }
-
-    /// Speed coefficient s(α) = sin α + λ sin α cos α / √(1 − λ² sin² α), dimensionless:
-    /// dx/dα = −R s, and sin(α + β) / cos β in the source's torque formula is the same s.
-    pub fn s(&self, alpha_rad: f64) -> f64 {
-        let (sin, cos) = alpha_rad.sin_cos();
-        let lambda = self.lambda();
-        sin + lambda * sin * cos / (1.0 - (lambda * sin).powi(2)).sqrt()
-    }
-
-    /// Acceleration coefficient h(α) = cos α + λ (cos 2α + λ² sin⁴ α) / (1 − λ² sin² α)^1.5,
-    /// dimensionless: d²x/dα² = −R h. It is ds/dα.
-    pub fn h(&self, alpha_rad: f64) -> f64 {
-        let (sin, cos) = alpha_rad.sin_cos();
-        let lambda = self.lambda();
-        let under_root = 1.0 - (lambda * sin).powi(2);
-        let above = (2.0 * alpha_rad).cos() + lambda * lambda * sin.powi(4);
-        cos + lambda * above / (under_root * under_root.sqrt())
-    }
-
-    /// x, s and h at once, with one sine and one root between them: for equations of motion, which ask for all three
-    /// at every evaluation.
-    pub fn at(&self, alpha_rad: f64) -> AtAngle {
-        let (sin, cos) = alpha_rad.sin_cos();
-        let lambda = self.lambda();
-        let shorter = lambda * sin;
-        let under_root = 1.0 - shorter * shorter;
-        let root = under_root.sqrt();
-        let over_root = root.recip();
-        let above = 1.0 + (shorter * shorter - 2.0) * sin * sin;
-        AtAngle {
-            x_m: self.crank_radius_m * cos + self.rod_length_m * root,
-            s: sin + lambda * sin * cos * over_root,
-            h: cos + lambda * above * over_root * over_root * over_root,
-        }
-    }
-
     /// The two-term stand-in for [`SliderCrank::h`]: cos α + λ cos 2α (source, step F).
     pub fn h_two_term(&self, alpha_rad: f64) -> f64 {
         alpha_rad.cos() + self.lambda() * (2.0 * alpha_rad).cos()
-    }
-
-    /// Platform velocity dx/dt, m/s, away from the crank axis: −R s ω.
-    pub fn x_dot_mps(&self, alpha_rad: f64, omega_rad_s: f64) -> f64 {
-        -self.crank_radius_m * self.s(alpha_rad) * omega_rad_s
-    }
-
-    /// Exact acceleration x″, m/s², away from the crank axis: −R (h ω² + s α″), for crank speed ω in
-    /// rad/s and angular acceleration α″ in rad/s².
-    pub fn x_ddot_mps2(&self, alpha_rad: f64, omega_rad_s: f64, alpha_ddot_rad_s2: f64) -> f64 {
-        -self.a_exact_mps2(alpha_rad, omega_rad_s, alpha_ddot_rad_s2)
-    }
-
-    /// Exact acceleration a = −x″, m/s², towards the crank axis (the source's sign).
-    pub fn a_exact_mps2(&self, alpha_rad: f64, omega_rad_s: f64, alpha_ddot_rad_s2: f64) -> f64 {
-        let centripetal = self.h(alpha_rad) * omega_rad_s * omega_rad_s;
-        self.crank_radius_m * (centripetal + self.s(alpha_rad) * alpha_ddot_rad_s2)
     }
 
     /// Two-term acceleration a = R ω² (cos α + λ cos 2α), m/s², towards the crank axis, at constant
     /// speed (source, step F). [`SliderCrank::two_term_error`] says how far off it is.
     pub fn a_two_term_mps2(&self, alpha_rad: f64, omega_rad_s: f64) -> f64 {
         self.crank_radius_m * omega_rad_s * omega_rad_s * self.h_two_term(alpha_rad)
-    }
-
-    /// Largest acceleration at constant speed, m/s²: amax = R ω² (1 + λ), reached at α = 0. The same
-    /// for exact and two-term kinematics.
-    pub fn amax_mps2(&self, omega_rad_s: f64) -> f64 {
-        self.crank_radius_m * omega_rad_s * omega_rad_s * (1.0 + self.lambda())
-    }
-
-    /// Crank speed at which the largest acceleration is `amax_mps2`, rad/s:
-    /// ω = √(amax / (R (1 + λ))). NaN for a negative amax, which is a magnitude.
-    pub fn speed_for_amax_rad_s(&self, amax_mps2: f64) -> f64 {
-        (amax_mps2 / (self.crank_radius_m * (1.0 + self.lambda()))).sqrt()
     }
 
     /// How much higher one of two cranks holds its side of the platform, m, when they are
@@ -242,6 +144,73 @@ impl SliderCrank {
     pub fn two_term_error(&self) -> TurnPeak {
         let scale = 1.0 / (1.0 + self.lambda());
         largest_over_turn(|alpha| (self.h_two_term(alpha) - self.h(alpha)).abs() * scale)
+    }
+}
+
+impl Mechanism for SliderCrank {
+    fn crank_radius_m(&self) -> f64 {
+        self.crank_radius_m
+    }
+
+    /// Distance x of the platform from the crank axis, m: R cos α + L cos β.
+    fn x_m(&self, alpha_rad: f64) -> f64 {
+        let shorter = self.lambda() * alpha_rad.sin();
+        self.crank_radius_m * alpha_rad.cos() + self.rod_length_m * (1.0 - shorter * shorter).sqrt()
+    }
+
+    /// Speed coefficient s(α) = sin α + λ sin α cos α / √(1 − λ² sin² α), dimensionless:
+    /// dx/dα = −R s, and sin(α + β) / cos β in the source's torque formula is the same s.
+    fn s(&self, alpha_rad: f64) -> f64 {
+        let (sin, cos) = alpha_rad.sin_cos();
+        let lambda = self.lambda();
+        sin + lambda * sin * cos / (1.0 - (lambda * sin).powi(2)).sqrt()
+    }
+
+    /// Acceleration coefficient h(α) = cos α + λ (cos 2α + λ² sin⁴ α) / (1 − λ² sin² α)^1.5,
+    /// dimensionless: d²x/dα² = −R h. It is ds/dα.
+    fn h(&self, alpha_rad: f64) -> f64 {
+        let (sin, cos) = alpha_rad.sin_cos();
+        let lambda = self.lambda();
+        let under_root = 1.0 - (lambda * sin).powi(2);
+        let above = (2.0 * alpha_rad).cos() + lambda * lambda * sin.powi(4);
+        cos + lambda * above / (under_root * under_root.sqrt())
+    }
+
+    /// x, s and h at once, with one sine and one root between them: for equations of motion, which ask for all three
+    /// at every evaluation.
+    fn at(&self, alpha_rad: f64) -> AtAngle {
+        let (sin, cos) = alpha_rad.sin_cos();
+        let lambda = self.lambda();
+        let shorter = lambda * sin;
+        let under_root = 1.0 - shorter * shorter;
+        let root = under_root.sqrt();
+        let over_root = root.recip();
+        let above = 1.0 + (shorter * shorter - 2.0) * sin * sin;
+        AtAngle {
+            x_m: self.crank_radius_m * cos + self.rod_length_m * root,
+            s: sin + lambda * sin * cos * over_root,
+            h: cos + lambda * above * over_root * over_root * over_root,
+        }
+    }
+
+    /// 1 + λ/2: the two sines of the two-term s, at their largest together.
+    fn greatest_s(&self) -> f64 {
+        1.0 + 0.5 * self.lambda()
+    }
+
+    /// 1 + λ, for exact and two-term kinematics alike.
+    fn greatest_h(&self) -> f64 {
+        1.0 + self.lambda()
+    }
+
+    /// (1 + 4 λ)/(1 + λ), the two-term value; the exact one is less by 3 λ³/(1 + λ).
+    fn peak_sharpness(&self) -> f64 {
+        let lambda = self.lambda();
+        (1.0 + 4.0 * lambda) / (1.0 + lambda)
+    }
+
+    fn links(&self) -> &'static str {
+        "rods"
     }
 }
 

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::fidelity::{Bounds, Judged};
+use crate::mechanism::Mechanism;
 use crate::scene::Checked;
 use crate::scene::file::{Fidelity, MethodName, Rods};
 use crate::sim::Outcome;
@@ -11,7 +12,7 @@ use crate::sim::Outcome;
 pub struct FidelityReport<'a> {
     model_level: &'static str,
     why: &'a str,
-    left_out: &'static str,
+    left_out: String,
     /// How far a platform on quasi-static rods is at most from where it would be on springs, where its model level has it move.
     #[serde(skip_serializing_if = "Option::is_none")]
     quasi_static_rods_um: Option<f64>,
@@ -116,44 +117,43 @@ fn quasi_static_rods_um(checked: &Checked) -> Option<f64> {
 }
 
 /// What the model level leaves out, for all that read the results.
-fn left_out(checked: &Checked) -> &'static str {
+fn left_out(checked: &Checked) -> String {
     let over_constrained = checked.scene.axes.count > 3;
+    let links = checked.mechanism.links();
     let rods = checked
         .scene
         .machine
         .as_ref()
         .map_or(Rods::QuasiStatic, |machine| machine.rods);
+    let link_motion = match (rods, over_constrained) {
+        (Rods::Elastic, _) => String::new(),
+        (Rods::QuasiStatic, false) => format!("{links} that give, "),
+        (Rods::QuasiStatic, true) => format!("the {links}' own oscillation, "),
+    };
+    let plane = if rods == Rods::QuasiStatic && over_constrained {
+        format!(
+            "; more than three cranks over-constrain the platform, so that it lies in the plane that asks least of the {links}"
+        )
+    } else {
+        String::new()
+    };
     match checked.fidelity {
         Fidelity::QuasiStatic => {
-            "inertia's effect on the cranks' motion, elasticity, and how a slip loads the other motors"
+            "inertia's effect on the cranks' motion, elasticity, and how a slip loads the other motors".to_owned()
         }
         Fidelity::Rigid => {
-            "each crank's own lag, tilt from torque, elasticity, microsteps: the cranks are one shaft"
+            "each crank's own lag, tilt from torque, elasticity, microsteps: the cranks are one shaft".to_owned()
         }
         Fidelity::Elastic if checked.cam.is_some() => {
-            "what the followers push back with: the cams turn as commanded, and no roller lifts off"
+            "what the followers push back with: the cams turn as commanded, and no roller lifts off".to_owned()
         }
-        Fidelity::Phased => match (rods, over_constrained) {
-            (Rods::Elastic, _) => "microsteps, suspension and foundation",
-            (Rods::QuasiStatic, false) => "rods that give, microsteps, suspension and foundation",
-            (Rods::QuasiStatic, true) => {
-                "the rods' own oscillation, microsteps, suspension and foundation; more than three cranks over-constrain \
-                 the platform, so that it lies in the plane that asks least of the rods"
-            }
-        },
-        Fidelity::Elastic => match (rods, over_constrained) {
-            (Rods::Elastic, _) => "microsteps, and forces on the frame across the line of travel",
-            (Rods::QuasiStatic, false) => {
-                "rods that give, microsteps, and forces on the frame across the line of travel"
-            }
-            (Rods::QuasiStatic, true) => {
-                "the rods' own oscillation, microsteps, and forces on the frame across the line of travel; more than three \
-                 cranks over-constrain the platform, so that it lies in the plane that asks least of the rods"
-            }
-        },
+        Fidelity::Phased => format!("{link_motion}microsteps, suspension and foundation{plane}"),
+        Fidelity::Elastic => {
+            format!("{link_motion}microsteps, and forces on the frame across the line of travel{plane}")
+        }
         _ if checked.cam.is_some() => {
-            "torque, inertia and elasticity: no cam ever lags, and no pusher leaves its law"
+            "torque, inertia and elasticity: no cam ever lags, and no pusher leaves its law".to_owned()
         }
-        _ => "torque, inertia and elasticity: no crank ever lags",
+        _ => "torque, inertia and elasticity: no crank ever lags".to_owned(),
     }
 }

@@ -1,13 +1,14 @@
 //! Checks of a scene's numbers, each by itself and against the others.
 //!
 //! `numbers` checks what the core does not know of, `settings` turns the scene's words into the
-//! core's, `cam` makes a crank of a cam for it, and `program` lays its program out; what the core refuses is said at the key that stands in
+//! core's, `machine` makes its mechanism, `cam` makes a crank of a cam for it, and `program` lays its program out; what the core refuses is said at the key that stands in
 //! the file.
 
 mod cam;
 mod correction;
 mod faults;
 mod level;
+mod machine;
 mod numbers;
 pub(super) mod program;
 mod settings;
@@ -18,9 +19,11 @@ use super::file::{Fidelity, Scene};
 use super::{Checked, SceneError};
 use crate::fidelity;
 use crate::machine::{PullOut, RESOLUTION};
+use crate::mechanism::{AnyMechanism, Configured};
 
 pub use cam::Follower;
 pub use correction::plant;
+pub use machine::machine;
 
 impl Checked {
     /// Checks a scene.
@@ -29,11 +32,11 @@ impl Checked {
     /// The first thing that is wrong, by key, with what would be right. The error has no origin yet.
     pub fn new(mut scene: Scene) -> Result<Self, SceneError> {
         faults::fill(&mut scene);
-        let Mechanism {
+        let Kind {
             machine,
             drift,
             cam,
-        } = mechanism(&scene)?;
+        } = kind(&scene)?;
         if !(2..=6).contains(&scene.axes.count) {
             return Err(SceneError::at(
                 "axes.count",
@@ -64,6 +67,7 @@ impl Checked {
             fidelity: scene.fidelity,
             choice: None,
             resolution: RESOLUTION,
+            mechanism: AnyMechanism::of(&machine.mechanism, machine.crank_radius_m),
             cam,
             scene,
         };
@@ -88,8 +92,8 @@ impl Checked {
     }
 }
 
-/// What a scene's mechanism amounts to.
-struct Mechanism {
+/// What a scene's machine amounts to.
+struct Kind {
     /// What the core is given of it.
     machine: MachineSettings,
     /// And of its limits.
@@ -97,11 +101,11 @@ struct Mechanism {
     cam: Option<Follower>,
 }
 
-/// The one mechanism of a scene.
-fn mechanism(scene: &Scene) -> Result<Mechanism, SceneError> {
+/// The one machine of a scene.
+fn kind(scene: &Scene) -> Result<Kind, SceneError> {
     match (&scene.machine, &scene.cam) {
-        (Some(machine), None) => Ok(Mechanism {
-            machine: numbers::crank(machine)?,
+        (Some(machine), None) => Ok(Kind {
+            machine: machine::machine(machine)?,
             drift: DriftSettings {
                 tilt_limit_mrad: scene.drift.tilt_limit_mrad,
                 warp_limit_deg: scene.drift.warp_limit_deg,
@@ -115,8 +119,8 @@ fn mechanism(scene: &Scene) -> Result<Mechanism, SceneError> {
             cam::check_useless(scene)?;
             let follower = cam::follower(shaft)?;
             let machine = cam::core_settings(&follower);
-            Ok(Mechanism {
-                drift: cam::drift(&scene.drift, &machine)?,
+            Ok(Kind {
+                drift: cam::drift(&scene.drift, &machine),
                 machine,
                 cam: Some(follower),
             })

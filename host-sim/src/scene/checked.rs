@@ -1,7 +1,6 @@
 //! A scene whose numbers have been checked, and what it asks of the core.
 
 use cophase_core::controller::Controller;
-use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
 use cophase_core::program::EntrySettings;
 use cophase_core::settings::{AxisSettings, Settings, SettingsError};
 
@@ -10,6 +9,7 @@ use super::check::{Follower, program};
 use super::file::{AxisOverrides, Drive, Fidelity, Scene};
 use crate::fidelity::Choice;
 use crate::machine::Chosen;
+use crate::mechanism::{AnyMechanism, Mechanism};
 
 /// A scene whose numbers have been checked, each by itself and against the others.
 #[derive(Clone, Debug)]
@@ -18,6 +18,8 @@ pub struct Checked {
     pub scene: Scene,
     /// What the core is given of it: on a board, in a settings file, the very same.
     pub settings: Settings,
+    /// The mechanism of the machine; for cams, the crank that stands for them in the settings.
+    pub mechanism: AnyMechanism,
     /// The cam shafts with their followers, where there are no cranks.
     pub cam: Option<Follower>,
     /// The model level of the ladder, `auto` resolved.
@@ -68,22 +70,15 @@ impl Checked {
         }
     }
 
-    /// Crank radius over rod length, however it was given; of a cam, that of the crank that stands for it in the settings.
-    pub fn lambda(&self) -> f64 {
-        match self.settings.machine.mechanism {
-            MechanismSettings::SliderCrank(SliderCrankSettings { lambda }) => lambda,
-            MechanismSettings::ScotchYoke(_) => 0.0,
-        }
-    }
-
     /// The speed that the program's highest level asks for, at most the limit, rev/s.
     pub fn top_speed_hz(&self) -> f64 {
         let levels = self.settings.program.iter().map(|entry| match entry {
             EntrySettings::Segment(segment) => segment.amax_mps2,
             EntrySettings::Repeat { .. } => 0.0,
         });
-        let crank_m = self.settings.machine.crank_radius_m * (1.0 + self.lambda());
-        let omega = (levels.fold(0.0, f64::max) / crank_m).sqrt();
+        let omega = self
+            .mechanism
+            .speed_for_amax_rad_s(levels.fold(0.0, f64::max));
         let limits = &self.scene.limits;
         (omega / std::f64::consts::TAU)
             .clamp(limits.homing_speed_hz.min(limits.speed_hz), limits.speed_hz)

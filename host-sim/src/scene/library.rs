@@ -25,6 +25,7 @@ pub const SCENES: &[BuiltIn] = scenes![
     "lost-steps",
     "stiff-bearing",
     "pulse-servo",
+    "scotch-yoke",
     "suspended",
     "wrapper",
 ];

@@ -9,7 +9,7 @@ use super::coast::Coast;
 use super::event_watch::{EventWatch, NewEvents};
 use super::events::{Event, EventKind, StoppedBy};
 use crate::machine::{Machine, Peaks, SimulatedAxis};
-use crate::mechanism::slider_crank::SliderCrank;
+use crate::mechanism::{AnyMechanism, Mechanism};
 use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName, InputLine};
 use crate::units::{degrees, speed_hz};
@@ -92,7 +92,7 @@ pub struct Statistics {
     /// What was so at the end of the last tick.
     last: Last,
     /// What makes an amplitude of a speed: for cams, the crank of equal κ.
-    mechanism: SliderCrank,
+    mechanism: AnyMechanism,
     /// Speed in the last tick, and what it amounts to: most ticks have that of the one before.
     speed: Turns,
     speed_hz: f64,
@@ -127,7 +127,7 @@ pub const MOST_EVENTS: usize = 10_000;
 
 impl Statistics {
     /// Nothing yet.
-    pub fn new(checked: &Checked, mechanism: &SliderCrank) -> Self {
+    pub fn new(checked: &Checked, mechanism: &AnyMechanism) -> Self {
         let axes = checked.scene.axes.count;
         Self {
             events: Vec::new(),

@@ -11,7 +11,7 @@ import { Machine } from '../bench/machine.mjs';
 import * as pins from '../bench/pins.mjs';
 import { act } from '../bench/play.mjs';
 
-const SCENES = ['start-stop', 'band', 'reversal', 'index', 'gears', 'fast', 'pulse-servo'];
+const SCENES = ['start-stop', 'band', 'reversal', 'index', 'gears', 'fast', 'pulse-servo', 'scotch-yoke'];
 
 /** Edges compared in all must be at least this many. */
 const LEAST_EDGES = 100_000;

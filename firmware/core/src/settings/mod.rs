@@ -362,8 +362,12 @@ impl IndexSettings {
 }
 
 impl MachineSettings {
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// The first number that is wrong.
     #[cold]
-    fn check(&self) -> Result<(), SettingsError> {
+    pub fn check(&self) -> Result<(), SettingsError> {
         inside(
             "machine.crank_radius_mm",
             self.crank_radius_m * 1e3,

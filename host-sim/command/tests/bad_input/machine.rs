@@ -148,6 +148,34 @@ fn masses_and_lengths_that_cannot_be() {
 }
 
 #[test]
+fn mechanisms() {
+    let yoke = set("machine.mechanism", "\"scotch-yoke\"");
+    assert_all_refused(&[
+        case(
+            "mechanism with a typing error",
+            set("machine.mechanism", "\"slider-cranks\""),
+            "machine.mechanism",
+            "\"slider-cranks\" is none of its values",
+            "did you mean \"slider-crank\"?",
+        ),
+        case(
+            "Scotch yoke with a lambda",
+            yoke.clone(),
+            "machine.lambda",
+            "\"scotch-yoke\" has no rod",
+            "leave it out",
+        ),
+        case(
+            "Scotch yoke with a rod",
+            yoke.replace("lambda = 0.3", "rod_length_mm = 60"),
+            "machine.rod_length_mm",
+            "\"scotch-yoke\" has no rod",
+            "leave it out",
+        ),
+    ]);
+}
+
+#[test]
 fn lambda_and_the_rod() {
     let ratio = "0.1 to 0.6, the ratios of crank radius to rod length";
     let rod = |name, length, wrong, right| {

@@ -3,8 +3,9 @@
 use std::f64::consts::TAU;
 
 use host_sim::dynamics::Corners;
-use host_sim::mechanism::slider_crank::{Load, SliderCrank};
-use host_sim::scene::file::{Machine, Scene};
+use host_sim::mechanism::{AnyMechanism, Configured, Load, Mechanism};
+use host_sim::scene::file::Scene;
+use host_sim::scene::machine;
 
 /// Angles of a turn at which the worst is looked for: half a degree finds a smooth maximum to 4e-5 of itself.
 const ANGLES: u32 = 720;
@@ -12,7 +13,7 @@ const ANGLES: u32 = 720;
 /// The platform of a scene with cranks.
 #[derive(Clone, Debug)]
 pub struct Geometry {
-    mechanism: SliderCrank,
+    mechanism: AnyMechanism,
     load: Load,
     corners: Corners,
     count: usize,
@@ -23,10 +24,10 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Of a scene; none of one with cams, whose pushers do not tilt.
+    /// Of a scene; none of one with cams, whose pushers do not tilt, or with a machine that a check refuses.
     pub fn new(scene: &Scene) -> Option<Self> {
-        let machine = scene.machine.as_ref()?;
-        let mechanism = mechanism(machine)?;
+        let machine = machine(scene.machine.as_ref()?).ok()?;
+        let mechanism = AnyMechanism::of(&machine.mechanism, machine.crank_radius_m);
         let longest_travel_m = angles()
             .map(|alpha| mechanism.x_dot_mps(alpha, 1.0).abs())
             .fold(0.0, f64::max);
@@ -34,9 +35,9 @@ impl Geometry {
             load: Load {
                 mass_kg: machine.load_kg,
                 gravity_mps2: machine.gravity_mps2,
-                platform: machine.platform.into(),
+                platform: machine.platform,
             },
-            corners: Corners::new(scene.axes.count, machine.mount_radius_mm * 1e-3),
+            corners: Corners::new(scene.axes.count, machine.mount_radius_m),
             count: scene.axes.count,
             mrad_per_turn: 1e3 * longest_travel_m * TAU,
             tilt_limit_mrad: scene.drift.tilt_limit_mrad,
@@ -46,7 +47,7 @@ impl Geometry {
     }
 
     /// The mechanism.
-    pub fn mechanism(&self) -> &SliderCrank {
+    pub fn mechanism(&self) -> &AnyMechanism {
         &self.mechanism
     }
 
@@ -153,16 +154,6 @@ impl Geometry {
 
 fn angles() -> impl Iterator<Item = f64> {
     (0..ANGLES).map(|i| f64::from(i) * TAU / f64::from(ANGLES))
-}
-
-/// None if the crank cannot turn, which a check of the scene refuses.
-fn mechanism(machine: &Machine) -> Option<SliderCrank> {
-    let radius_m = machine.crank_radius_mm * 1e-3;
-    let length_m = match (machine.lambda, machine.rod_length_mm) {
-        (Some(lambda), _) => radius_m / lambda,
-        (None, length_mm) => length_mm? * 1e-3,
-    };
-    SliderCrank::new(radius_m, length_m).ok()
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use cophase_methods::drift::Ends;
 
 use super::body;
 use crate::dynamics::{Driven, Freedom, Motor, Phased, Rigid, Servo};
-use crate::mechanism::slider_crank::Platform;
+use crate::mechanism::Platform;
 
 const TURNS: f64 = 10_000.0;
 const WINDOW_TURNS: f64 = 100.0;

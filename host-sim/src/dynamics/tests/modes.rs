@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use super::{body, frame};
 use crate::dynamics::{Driven, Elastic, Freedom, Motor, Phased, Servo};
-use crate::mechanism::slider_crank::Platform;
+use crate::mechanism::Platform;
 
 /// 1000 N·m/rad, and next to no damping.
 const SPRING: Servo = Servo {

@@ -4,7 +4,7 @@ use cophase_methods::{Equations, Scheme, advance};
 
 use super::body;
 use crate::dynamics::{Driven, Freedom, Motor, Rigid, Servo};
-use crate::mechanism::slider_crank::Platform;
+use crate::mechanism::Platform;
 
 /// Rotor inertia of the body's four rotors, kg·m², and what its platform weighs.
 const ROTORS_KGM2: f64 = 5.2e-3;

@@ -6,6 +6,7 @@ use super::linear::{Drive, Worst};
 use super::{frame, rods};
 use crate::dynamics::{Driven, Motor};
 use crate::fidelity::Output;
+use crate::mechanism::Mechanism;
 use crate::scene::file::Fidelity;
 
 /// What is allowed for that the computation leaves out: coefficients that change within a turn, and transients.
@@ -48,14 +49,14 @@ impl Cranks {
         (elastic, rod_zeta): (bool, f64),
     ) -> Self {
         let body = driven.body();
-        let lambda = body.mechanism.lambda();
-        let most_s = 1.0 + 0.5 * lambda;
+        let mechanism = &body.mechanism;
+        let most_s = mechanism.greatest_s();
         let step_rad = drive.top_rad_s * drive.tick_s;
         Self {
             // Corners ± half the spread away: at most 0.71 of it in the plane of 3 to 6, 0.5 of two.
-            tilt_mrad: 0.75e3 * body.mechanism.crank_radius_m() * most_s / body.mount_radius_m,
-            // cos nα lost over half a tick, of 1 + λ: (1 + 4 λ)/(1 + λ) (ω tick)² / 8.
-            sampling: (1.0 + 4.0 * lambda) / (1.0 + lambda) * step_rad * step_rad / 8.0,
+            tilt_mrad: 0.75e3 * mechanism.crank_radius_m() * most_s / body.mount_radius_m,
+            // Half a tick beside the peak.
+            sampling: mechanism.peak_sharpness() * step_rad * step_rad / 8.0,
             // Rods pull on cranks only where a platform is over-constrained.
             standing_apart_rad: if body.axes() > 3 {
                 standing_apart_rad

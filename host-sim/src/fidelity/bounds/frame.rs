@@ -14,6 +14,7 @@ use nalgebra::{Complex, Matrix2, Vector2};
 use super::linear::Drive;
 use super::required_torque::{HARMONICS, cosines_of_h};
 use crate::dynamics::{Driven, Layer};
+use crate::mechanism::Mechanism;
 
 const SPEEDS: u32 = 400;
 
@@ -37,7 +38,7 @@ pub fn share(driven: &Driven, drive: &Drive) -> f64 {
             );
             harmonic.abs() * answer
         });
-        parts.sum::<f64>() * (omega / drive.top_rad_s).powi(2) / (1.0 + mechanism.lambda())
+        parts.sum::<f64>() * (omega / drive.top_rad_s).powi(2) / mechanism.greatest_h()
     };
     let even = (1..=SPEEDS).map(|i| drive.top_rad_s * f64::from(i) / f64::from(SPEEDS));
     let met = modes_rad_s(

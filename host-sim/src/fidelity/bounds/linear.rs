@@ -22,6 +22,7 @@ use nalgebra::Complex;
 
 use super::required_torque::{HARMONICS, RequiredTorque, SAMPLES};
 use crate::dynamics::{Body, Driven, Motor};
+use crate::mechanism::Mechanism;
 
 /// Speeds looked at, besides those of resonances.
 const SPEEDS: u32 = 160;
@@ -173,7 +174,7 @@ fn at_speed(cranks: &[Crank], driven: &Driven, drive: &Drive, worst: &mut Worst)
             let moved = crank.moved_rad(n);
             lag += moved;
             let n_f64 = n as f64;
-            // x″ = −R (h ω² + s α″): 2 h ω δω, and s δα″ with |s| ≤ 1 + λ/2 of the 1 + λ that h has.
+            // x″ = −R (h ω² + s α″): 2 h ω δω, and s δα″, with |s| at most the greatest h.
             amax += moved * (2.0 * n_f64 + n_f64 * n_f64);
             // What the motor gives beyond what the load asks is what turns the inertia.
             let radians = n_f64 * crank.omega_rad_s;

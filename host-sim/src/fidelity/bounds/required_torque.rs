@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::dynamics::Body;
+use crate::mechanism::Mechanism;
 
 /// Harmonics that are looked at. At λ = 0.6 the ninth of the torque has 1e-4 of the second.
 pub const HARMONICS: usize = 8;

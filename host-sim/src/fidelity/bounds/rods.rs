@@ -18,6 +18,7 @@ use nalgebra::Complex;
 use super::linear::Drive;
 use super::required_torque::{HARMONICS, cosines_of_h};
 use crate::dynamics::Body;
+use crate::mechanism::Mechanism;
 
 /// Speeds looked at, up to the top.
 const SPEEDS: u32 = 100;
@@ -33,7 +34,7 @@ pub fn share(body: &Body, zeta: f64, drive: &Drive) -> f64 {
             let follows = spring / (spring - ratio * ratio);
             harmonic.abs() * (follows - 1.0).norm()
         });
-        parts.sum::<f64>() * (omega / drive.top_rad_s).powi(2) / (1.0 + body.mechanism.lambda())
+        parts.sum::<f64>() * (omega / drive.top_rad_s).powi(2) / body.mechanism.greatest_h()
     };
     let even = (1..=SPEEDS).map(|i| drive.top_rad_s * f64::from(i) / f64::from(SPEEDS));
     let met = (1..=HARMONICS)
@@ -53,7 +54,7 @@ pub fn quasi_static_m(body: &Body, zeta: f64, drive: &Drive) -> f64 {
         second += amax * harmonic.abs() * radians * radians;
     }
     // Settled rods hold the platform where its cranks have it; springs give by what they carry, at amax in both directions.
-    let carried = amax * (1.0 + body.mechanism.lambda()) + body.load.gravity_mps2;
+    let carried = amax * body.mechanism.greatest_h() + body.load.gravity_mps2;
     carried / (mode * mode) + static_response_off(first, second, mode, zeta)
 }
 

@@ -10,6 +10,7 @@
 use core::f64::consts::{FRAC_PI_2, PI};
 
 use super::SliderCrank;
+use crate::mechanism::Mechanism;
 
 /// Halvings of the quarter turn that holds the root: enough to reach neighbouring `f64`s.
 const BISECTIONS: u32 = 60;

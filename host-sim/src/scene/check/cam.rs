@@ -15,7 +15,7 @@ use cophase_core::settings::{DriftSettings, MachineSettings, Platform};
 use cophase_methods::problems::{Cam, Links, Shaft};
 
 use super::numbers::range;
-use crate::mechanism::slider_crank::SliderCrank;
+use crate::mechanism::{AnyMechanism, Configured, Mechanism};
 use crate::scene::SceneError;
 use crate::scene::file::{self, CamShaft, Drift, Fidelity, Scene};
 
@@ -165,22 +165,21 @@ pub(super) fn core_settings(follower: &Follower) -> MachineSettings {
 }
 
 /// The limits that the core is given: that on tilt stands for one on the first mode, in degrees as the others.
-pub(super) fn drift(drift: &Drift, machine: &MachineSettings) -> Result<DriftSettings, SceneError> {
-    let mechanism =
-        SliderCrank::of(machine).map_err(|error| SceneError::at("cam", error.to_string()))?;
+pub(super) fn drift(drift: &Drift, machine: &MachineSettings) -> DriftSettings {
+    let mechanism = AnyMechanism::of(&machine.mechanism, machine.crank_radius_m);
     // As the core has it: half a degree finds the greatest way a radian to 4e-5.
     let lever = (0..360)
         .map(|half_degree| mechanism.s((f64::from(half_degree) * 0.5).to_radians()))
         .fold(0.0, f64::max);
     let tilt_mrad = 1e3 * drift.warp_limit_deg.to_radians() * lever * machine.crank_radius_m
         / machine.mount_radius_m;
-    Ok(DriftSettings {
+    DriftSettings {
         tilt_limit_mrad: tilt_mrad.clamp(1e-3, 100.0),
         warp_limit_deg: drift.warp_limit_deg,
         common_limit_deg: drift.common_limit_deg,
         reading_error_deg: drift.reading_error_deg,
         lag_s: drift.lag_us * 1e-6,
-    })
+    }
 }
 
 /// Whether cams have a model level, and the scene says enough for it.

@@ -3,7 +3,7 @@
 use cophase_core::settings::{CorrectionSettings, MachineSettings};
 
 use crate::design::coupling::{APART, Plant};
-use crate::mechanism::slider_crank::SliderCrank;
+use crate::mechanism::{AnyMechanism, Configured, Mechanism};
 use crate::scene::SceneError;
 use crate::scene::file::Scene;
 
@@ -36,7 +36,7 @@ pub(super) fn correction(
     })
 }
 
-/// The servos of a scene, as a coupling has to do with them.
+/// The servos of a scene, as a coupling has to do with them, on a machine that the core has checked.
 ///
 /// # Errors
 /// The scene does not say what its drives and rotors are.
@@ -57,8 +57,7 @@ pub fn plant(scene: &Scene, machine: &MachineSettings) -> Result<Plant, SceneErr
         ));
     }
     let radius_m = machine.crank_radius_m;
-    let mechanism = SliderCrank::of(machine)
-        .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
+    let mechanism = AnyMechanism::of(&machine.mechanism, radius_m);
     let lever = (0..180).map(|degree| mechanism.s(f64::from(degree).to_radians()));
     let lever_m = radius_m * lever.fold(0.0, f64::max);
     let share_kg = machine.load_kg / axes.count as f64;

@@ -1,7 +1,6 @@
 //! Numbers of a scene that the core never sees, or sees in another form.
 
-use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
-use cophase_core::settings::{MAX_BANDS, MachineSettings, Problem};
+use cophase_core::settings::{MAX_BANDS, Problem};
 
 use crate::fidelity::Output;
 use crate::machine::MOST_STEPS;
@@ -10,35 +9,6 @@ use crate::scene::file::{self, AxisOverrides, Drive, Scene};
 
 /// More than any motor that a platform of 50 kg needs has to give.
 const MOST_FRICTION_NM: f64 = 1000.0;
-
-fn lambda(machine: &file::Machine) -> Result<f64, SceneError> {
-    match (machine.lambda, machine.rod_length_mm) {
-        (Some(lambda), None) => Ok(lambda),
-        (None, Some(length_mm)) => {
-            let lambda = machine.crank_radius_mm / length_mm;
-            // A crank that cannot be is refused for itself, by the core.
-            if (0.1..=0.6).contains(&lambda) || !(0.1..=500.0).contains(&machine.crank_radius_mm) {
-                return Ok(lambda);
-            }
-            // Rounded inwards, so that what is advised is accepted.
-            let low = (machine.crank_radius_mm / 0.6 * 100.0).ceil() / 100.0;
-            let high = (machine.crank_radius_mm / 0.1 * 100.0).floor() / 100.0;
-            Err(SceneError::of(
-                "machine.rod_length_mm",
-                Problem::out_of_range(length_mm, low, high),
-            )
-            .because("1.67 to 10 crank radii"))
-        }
-        (Some(_), Some(_)) => Err(SceneError::at(
-            "machine.rod_length_mm",
-            "given together with machine.lambda, which says the same; leave one out",
-        )),
-        (None, None) => Err(SceneError::at(
-            "machine.lambda",
-            "missing; give the ratio of crank radius to rod length, or machine.rod_length_mm",
-        )),
-    }
-}
 
 pub(super) fn check_overrides(
     scene: &Scene,
@@ -75,20 +45,6 @@ pub(super) fn check_overrides(
     range(&key("start_deg"), overrides.start_deg, -180.0, 180.0)?;
     range(&key("trim_deg"), overrides.trim_deg, -36.0, 36.0)?;
     range(&key("pull_out_scale"), overrides.pull_out_scale, 0.0, 10.0)
-}
-
-/// The mechanism that the core is given.
-pub(super) fn crank(machine: &file::Machine) -> Result<MachineSettings, SceneError> {
-    Ok(MachineSettings {
-        crank_radius_m: machine.crank_radius_mm / 1e3,
-        mechanism: MechanismSettings::SliderCrank(SliderCrankSettings {
-            lambda: lambda(machine)?,
-        }),
-        load_kg: machine.load_kg,
-        platform: machine.platform.into(),
-        gravity_mps2: machine.gravity_mps2,
-        mount_radius_m: machine.mount_radius_mm / 1e3,
-    })
 }
 
 /// Numbers that only machines have in which torque moves the cranks.

@@ -2,16 +2,21 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The slider-crank platform.
+use crate::mechanism::MechanismName;
+
+/// A platform on cranks.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Machine {
+    /// What is between cranks and platform.
+    #[serde(default)]
+    pub mechanism: MechanismName,
     /// Crank radius, mm.
     pub crank_radius_mm: f64,
-    /// Crank radius over rod length; give this or `rod_length_mm`.
+    /// Crank radius over rod length of a slider-crank; give this or `rod_length_mm`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lambda: Option<f64>,
-    /// Rod length, mm; give this or `lambda`.
+    /// Rod length of a slider-crank, mm; give this or `lambda`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rod_length_mm: Option<f64>,
     /// Mass on the platform, kg.

@@ -43,7 +43,7 @@ pub struct Scene {
     /// How a machine that torque moves is advanced.
     #[serde(default, skip_serializing_if = "Method::is_default")]
     pub method: Method,
-    /// The mechanism and what it carries, of slider-cranks under one platform; this or `cam`.
+    /// The mechanism and what it carries: cranks under one platform; this or `cam`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub machine: Option<Machine>,
     /// A cam shaft an axis, each with a follower of its own; this or `machine`.

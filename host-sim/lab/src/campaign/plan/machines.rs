@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 use super::stream::{Stream, rounded};
 use crate::campaign::geometry::Geometry;
 use host_sim::design::STANDARD_GRAVITY_MPS2;
+use host_sim::mechanism::Mechanism;
 use host_sim::scene::Scene;
 use host_sim::scene::file::{
     AxisOverrides, Correction, Drive, Fidelity, Index, Noise, Questions, Segment, ServoDrive,

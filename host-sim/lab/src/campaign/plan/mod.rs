@@ -8,6 +8,7 @@ pub mod machines;
 pub mod stream;
 
 use faults::Window;
+use host_sim::mechanism::Mechanism;
 use host_sim::scene::file::{FaultAt, FaultName, Noise};
 use host_sim::scene::{Checked, Scene, SceneError};
 use machines::Driven;

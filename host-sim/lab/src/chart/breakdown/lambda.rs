@@ -8,6 +8,7 @@ use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use crate::chart::ink::Stroke;
 use crate::chart::picture::{At, Level, Line};
+use host_sim::mechanism::Mechanism;
 use host_sim::mechanism::slider_crank::SliderCrank;
 
 /// A scene with λ.

@@ -11,7 +11,8 @@ use super::decision::{Decision, NoOutcome};
 use crate::chart::methods::Counted;
 use host_sim::dynamics::{Body, Field, Motor, Rigid, Stepper};
 use host_sim::machine::PullOut;
-use host_sim::mechanism::slider_crank::{Load, Platform, SliderCrank};
+use host_sim::mechanism::slider_crank::SliderCrank;
+use host_sim::mechanism::{Load, Platform};
 
 use std::f64::consts::{PI, TAU};
 
@@ -46,7 +47,7 @@ impl PullsOut {
     pub fn new() -> Self {
         let mechanism = SliderCrank::new(CRANK_M.0, CRANK_M.1).expect("a crank within its rod");
         let body = Body {
-            mechanism,
+            mechanism: mechanism.into(),
             load: Load {
                 mass_kg: LOAD_KG,
                 gravity_mps2: 9.80665,

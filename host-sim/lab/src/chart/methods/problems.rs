@@ -8,7 +8,8 @@ use cophase_methods::{Equations, Scheme};
 
 use host_sim::dynamics::{Body, Driven, Field, Freedom, Motor, Phased, Rigid, Stepper};
 use host_sim::machine::{Chosen, DriveCommand, PullOut, Rotors};
-use host_sim::mechanism::slider_crank::{Load, Platform, SliderCrank};
+use host_sim::mechanism::slider_crank::SliderCrank;
+use host_sim::mechanism::{Load, Platform};
 
 use crate::chart::ChartError;
 
@@ -66,7 +67,9 @@ const APART_RAD: [f64; 4] = [0.0, 0.02, -0.01, 0.015];
 /// Never: the numbers are constants.
 pub fn body() -> Result<Body, ChartError> {
     Ok(Body {
-        mechanism: SliderCrank::new(0.01, 0.04).map_err(|error| ChartError(error.to_string()))?,
+        mechanism: SliderCrank::new(0.01, 0.04)
+            .map_err(|error| ChartError(error.to_string()))?
+            .into(),
         load: Load {
             mass_kg: 8.0,
             gravity_mps2: 9.806_65,

@@ -101,7 +101,7 @@ fn play(name: &str, tick_hz: u32) -> Result<Run, ChartError> {
     let levels =
         ProgramLevels::of(&at_rate(ProgramLevels::TICK_HZ)?).map_err(|error| failed(&error))?;
     let checked = at_rate(tick_hz)?;
-    let mut ramp = Ramp::new(&checked, levels).map_err(|error| failed(&error))?;
+    let mut ramp = Ramp::new(&checked, levels);
     let outcome = simulate(&checked, &mut ramp, |_, _| {}).map_err(|error| failed(&error))?;
     if let Some(fault) = outcome.fault {
         return Err(failed(&format!("ended in a fault, {}", fault.kind)));

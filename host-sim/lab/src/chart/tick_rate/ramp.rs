@@ -4,7 +4,7 @@ use cophase_core::program::Cursor;
 use cophase_core::supervisor::State;
 use cophase_core::units::Amax;
 
-use host_sim::mechanism::slider_crank::SliderCrank;
+use host_sim::mechanism::{AnyMechanism, Mechanism};
 use host_sim::scene::{Checked, SceneError};
 use host_sim::sim::{Moment, Observer};
 use host_sim::units::speed_hz;
@@ -47,7 +47,7 @@ impl ProgramLevels {
 #[derive(Debug)]
 pub struct Ramp {
     levels: ProgramLevels,
-    mechanism: SliderCrank,
+    mechanism: AnyMechanism,
     tick_hz: u32,
     before: Amax,
     squares: f64,
@@ -57,21 +57,16 @@ pub struct Ramp {
 
 impl Ramp {
     /// Nothing seen yet of a scene.
-    ///
-    /// # Errors
-    /// A crank and rod that do not go together.
-    pub fn new(checked: &Checked, levels: ProgramLevels) -> Result<Self, SceneError> {
-        let mechanism = SliderCrank::of(&checked.settings.machine)
-            .map_err(|error| SceneError::at("machine.lambda", error.to_string()))?;
-        Ok(Self {
+    pub fn new(checked: &Checked, levels: ProgramLevels) -> Self {
+        Self {
             top: levels.0.iter().copied().fold(0.0, f64::max),
             levels,
-            mechanism,
+            mechanism: checked.mechanism,
             tick_hz: checked.scene.control.tick_hz,
             before: Amax::ZERO,
             squares: 0.0,
             ticks: 0,
-        })
+        }
     }
 
     /// Root mean square error, of the highest level.

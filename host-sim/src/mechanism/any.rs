@@ -1,0 +1,93 @@
+//! Any of the mechanisms: the one that a scene names.
+
+use cophase_core::mechanism::MechanismSettings;
+
+use super::{AtAngle, Configured, Mechanism, MechanismName};
+use crate::scene::SceneError;
+use crate::scene::file::Machine;
+
+macro_rules! any {
+    ($($Name:ident, $module:ident, $name:literal;)*) => {
+        $(use super::$module::$Name;)*
+
+        /// Any of the mechanisms.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum AnyMechanism {
+            $(
+                #[doc = concat!("`\"", $name, "\"`")]
+                $Name($Name),
+            )*
+        }
+
+        $(
+            impl From<$Name> for AnyMechanism {
+                fn from(mechanism: $Name) -> Self {
+                    Self::$Name(mechanism)
+                }
+            }
+        )*
+
+        impl Configured for AnyMechanism {
+            type Settings = MechanismSettings;
+
+            fn settings(machine: &Machine) -> Result<MechanismSettings, SceneError> {
+                Ok(match machine.mechanism {
+                    $(MechanismName::$Name => MechanismSettings::$Name($Name::settings(machine)?),)*
+                })
+            }
+
+            fn of(settings: &MechanismSettings, crank_radius_m: f64) -> Self {
+                match settings {
+                    $(MechanismSettings::$Name(settings) => Self::$Name($Name::of(settings, crank_radius_m)),)*
+                }
+            }
+
+            #[cfg(test)]
+            fn samples() -> Vec<MechanismSettings> {
+                let mut samples = Vec::new();
+                $(samples.extend($Name::samples().into_iter().map(MechanismSettings::$Name));)*
+                samples
+            }
+        }
+
+        impl Mechanism for AnyMechanism {
+            fn crank_radius_m(&self) -> f64 {
+                match self { $(Self::$Name(mechanism) => mechanism.crank_radius_m(),)* }
+            }
+
+            fn at(&self, alpha_rad: f64) -> AtAngle {
+                match self { $(Self::$Name(mechanism) => mechanism.at(alpha_rad),)* }
+            }
+
+            fn x_m(&self, alpha_rad: f64) -> f64 {
+                match self { $(Self::$Name(mechanism) => mechanism.x_m(alpha_rad),)* }
+            }
+
+            fn s(&self, alpha_rad: f64) -> f64 {
+                match self { $(Self::$Name(mechanism) => mechanism.s(alpha_rad),)* }
+            }
+
+            fn h(&self, alpha_rad: f64) -> f64 {
+                match self { $(Self::$Name(mechanism) => mechanism.h(alpha_rad),)* }
+            }
+
+            fn greatest_s(&self) -> f64 {
+                match self { $(Self::$Name(mechanism) => mechanism.greatest_s(),)* }
+            }
+
+            fn greatest_h(&self) -> f64 {
+                match self { $(Self::$Name(mechanism) => mechanism.greatest_h(),)* }
+            }
+
+            fn peak_sharpness(&self) -> f64 {
+                match self { $(Self::$Name(mechanism) => mechanism.peak_sharpness(),)* }
+            }
+
+            fn links(&self) -> &'static str {
+                match self { $(Self::$Name(mechanism) => mechanism.links(),)* }
+            }
+        }
+    };
+}
+
+for_all_mechanisms!(any);

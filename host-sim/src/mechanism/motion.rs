@@ -1,0 +1,123 @@
+//! Motion of the platform over the crank angle, and the crank torque that a load on it requires: the extension point of
+//! mechanisms.
+//!
+//! Terms:
+//! - **crank angle** α, rad, 0 where the platform is farthest from the crank axes;
+//! - **x**, m, the distance of the platform from the crank axes along the line of travel;
+//! - **s**, the *speed coefficient*: dx/dα = −R s, with R the crank radius;
+//! - **h**, the *acceleration coefficient*: d²x/dα² = −R h, so that h = ds/dα;
+//! - **a** = −x″, m/s², the acceleration *towards the crank axes*, largest at α = 0.
+//!
+//! Torque follows from the energy balance without friction: τ ω = d/dt (kinetic + potential energy of the load). Links and
+//! cranks have no mass here. Which way gravity acts is a choice of build ([`Platform`]).
+
+pub use cophase_core::settings::Platform;
+
+/// Load that the cranks move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load {
+    /// Mass on the platform, kg.
+    pub mass_kg: f64,
+    /// Gravity, m/s², a magnitude.
+    pub gravity_mps2: f64,
+    /// Where the platform is.
+    pub platform: Platform,
+}
+
+/// Motion at one crank angle, in the terms of [`Mechanism`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AtAngle {
+    /// Distance x of the platform from the crank axes, m.
+    pub x_m: f64,
+    /// Speed coefficient.
+    pub s: f64,
+    /// Acceleration coefficient.
+    pub h: f64,
+}
+
+/// A mechanism of known size between a crank and the platform.
+///
+/// It is symmetric about the dead centres: x and h are even in α, s is odd. The bounds of the model levels rely on that.
+pub trait Mechanism: Copy {
+    /// Crank radius R, m: half the stroke.
+    fn crank_radius_m(&self) -> f64;
+
+    /// x, s and h at once, for equations of motion, which need all three at every evaluation.
+    fn at(&self, alpha_rad: f64) -> AtAngle;
+
+    /// Upper bound of |s| over the turn, at most [`Mechanism::greatest_h`].
+    fn greatest_s(&self) -> f64;
+
+    /// Greatest |h| of the turn, exact, which is h at α = 0: amax = R ω² times this.
+    fn greatest_h(&self) -> f64;
+
+    /// Upper bound of −h″/h at α = 0, 1/rad²: near its peak the acceleration is at least amax (1 − this · α²/2).
+    fn peak_sharpness(&self) -> f64;
+
+    /// Name of the parts between cranks and platform, in the plural: what `machine.rod_n_per_um` is the stiffness of.
+    fn links(&self) -> &'static str;
+
+    /// Distance x of the platform from the crank axes, m.
+    fn x_m(&self, alpha_rad: f64) -> f64 {
+        self.at(alpha_rad).x_m
+    }
+
+    /// Speed coefficient s, dimensionless: dx/dα = −R s.
+    fn s(&self, alpha_rad: f64) -> f64 {
+        self.at(alpha_rad).s
+    }
+
+    /// Acceleration coefficient h, dimensionless: d²x/dα² = −R h.
+    fn h(&self, alpha_rad: f64) -> f64 {
+        self.at(alpha_rad).h
+    }
+
+    /// Platform velocity dx/dt, m/s, away from the crank axes: −R s ω.
+    fn x_dot_mps(&self, alpha_rad: f64, omega_rad_s: f64) -> f64 {
+        -self.crank_radius_m() * self.s(alpha_rad) * omega_rad_s
+    }
+
+    /// Acceleration x″, m/s², away from the crank axes: −R (h ω² + s α″), for crank speed ω in rad/s and angular
+    /// acceleration α″ in rad/s².
+    fn x_ddot_mps2(&self, alpha_rad: f64, omega_rad_s: f64, alpha_ddot_rad_s2: f64) -> f64 {
+        -self.a_exact_mps2(alpha_rad, omega_rad_s, alpha_ddot_rad_s2)
+    }
+
+    /// Acceleration a = −x″, m/s², towards the crank axes.
+    fn a_exact_mps2(&self, alpha_rad: f64, omega_rad_s: f64, alpha_ddot_rad_s2: f64) -> f64 {
+        let centripetal = self.h(alpha_rad) * omega_rad_s * omega_rad_s;
+        self.crank_radius_m() * (centripetal + self.s(alpha_rad) * alpha_ddot_rad_s2)
+    }
+
+    /// Largest acceleration at constant speed, m/s²: amax = R ω² times the greatest h, reached at α = 0.
+    fn amax_mps2(&self, omega_rad_s: f64) -> f64 {
+        self.crank_radius_m() * omega_rad_s * omega_rad_s * self.greatest_h()
+    }
+
+    /// Crank speed at which the largest acceleration is `amax_mps2`, rad/s. NaN for a negative amax, which is a magnitude.
+    fn speed_for_amax_rad_s(&self, amax_mps2: f64) -> f64 {
+        (amax_mps2 / (self.crank_radius_m() * self.greatest_h())).sqrt()
+    }
+
+    /// Torque of all cranks together, N·m, positive where they drive and negative where the load drives them:
+    /// τ = m R s (R (h ω² + s α″) + σ g), with σ the sign of gravity.
+    ///
+    /// Exact for the load alone; crank speed ω in rad/s, angular acceleration α″ in rad/s². At constant speed it is odd in
+    /// α, so its mean is 0 and its minimum is minus its maximum.
+    fn torque_nm(
+        &self,
+        load: &Load,
+        alpha_rad: f64,
+        omega_rad_s: f64,
+        alpha_ddot_rad_s2: f64,
+    ) -> f64 {
+        let a = self.a_exact_mps2(alpha_rad, omega_rad_s, alpha_ddot_rad_s2);
+        self.torque_for_a_nm(load, alpha_rad, a)
+    }
+
+    /// Torque of all cranks together, N·m, for an acceleration a of the platform, m/s², towards the crank axes.
+    fn torque_for_a_nm(&self, load: &Load, alpha_rad: f64, a_mps2: f64) -> f64 {
+        let force_n = load.mass_kg * (a_mps2 + load.platform.gravity_sign() * load.gravity_mps2);
+        force_n * self.crank_radius_m() * self.s(alpha_rad)
+    }
+}

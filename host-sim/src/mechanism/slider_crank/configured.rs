@@ -1,0 +1,59 @@
+//! A slider-crank of a scene's keys: `machine.lambda`, or `machine.rod_length_mm`.
+
+use cophase_core::mechanism::SliderCrankSettings;
+use cophase_core::settings::Problem;
+
+use super::SliderCrank;
+use crate::mechanism::Configured;
+use crate::scene::SceneError;
+use crate::scene::file::Machine;
+
+impl Configured for SliderCrank {
+    type Settings = SliderCrankSettings;
+
+    fn settings(machine: &Machine) -> Result<SliderCrankSettings, SceneError> {
+        lambda(machine).map(|lambda| SliderCrankSettings { lambda })
+    }
+
+    fn of(settings: &SliderCrankSettings, crank_radius_m: f64) -> Self {
+        Self {
+            crank_radius_m,
+            rod_length_m: crank_radius_m / settings.lambda,
+        }
+    }
+
+    #[cfg(test)]
+    fn samples() -> Vec<SliderCrankSettings> {
+        let of = |lambda| SliderCrankSettings { lambda };
+        [0.1, 0.25, 0.3, 0.6].map(of).to_vec()
+    }
+}
+
+fn lambda(machine: &Machine) -> Result<f64, SceneError> {
+    match (machine.lambda, machine.rod_length_mm) {
+        (Some(lambda), None) => Ok(lambda),
+        (None, Some(length_mm)) => {
+            let lambda = machine.crank_radius_mm / length_mm;
+            // A crank that cannot be is refused for itself, by the core.
+            if (0.1..=0.6).contains(&lambda) || !(0.1..=500.0).contains(&machine.crank_radius_mm) {
+                return Ok(lambda);
+            }
+            // Rounded inwards, so that what is advised is accepted.
+            let low = (machine.crank_radius_mm / 0.6 * 100.0).ceil() / 100.0;
+            let high = (machine.crank_radius_mm / 0.1 * 100.0).floor() / 100.0;
+            Err(SceneError::of(
+                "machine.rod_length_mm",
+                Problem::out_of_range(length_mm, low, high),
+            )
+            .because("1.67 to 10 crank radii"))
+        }
+        (Some(_), Some(_)) => Err(SceneError::at(
+            "machine.rod_length_mm",
+            "given together with machine.lambda, which says the same; leave one out",
+        )),
+        (None, None) => Err(SceneError::at(
+            "machine.lambda",
+            "missing; give the ratio of crank radius to rod length, or machine.rod_length_mm",
+        )),
+    }
+}

@@ -1,0 +1,24 @@
+//! A platform on cranks, as the core is given it.
+
+use cophase_core::settings::MachineSettings;
+
+use crate::mechanism::{AnyMechanism, Configured};
+use crate::scene::SceneError;
+use crate::scene::file::Machine;
+
+/// Machine that the core is given of `[machine]`, checked.
+///
+/// # Errors
+/// A key that is missing, belongs to another mechanism, or is out of its range.
+pub fn machine(given: &Machine) -> Result<MachineSettings, SceneError> {
+    let machine = MachineSettings {
+        crank_radius_m: given.crank_radius_mm / 1e3,
+        mechanism: AnyMechanism::settings(given)?,
+        load_kg: given.load_kg,
+        platform: given.platform.into(),
+        gravity_mps2: given.gravity_mps2,
+        mount_radius_m: given.mount_radius_mm / 1e3,
+    };
+    machine.check()?;
+    Ok(machine)
+}

@@ -1,0 +1,92 @@
+//! A Scotch yoke moves its platform as the cosine of the crank angle, as hard as the program says, and loads its motors with what
+//! the lever at that angle carries.
+
+use std::f64::consts::TAU;
+
+use cophase_tests::{built_in, record, scene};
+use host_sim::scene::library;
+use host_sim::trace::{Every, Window};
+
+const RADIUS_M: f64 = 0.02;
+
+/// Were it wrong, a yoke would be simulated as a slider-crank, or shake its load harder or softer than required.
+#[test]
+fn the_platform_is_at_the_cosine_and_holds_its_amax() {
+    let run = record(
+        &built_in("scotch-yoke"),
+        Every::Ticks(1),
+        Window::FirstMotion,
+    );
+    assert_eq!(run.report["scene"]["machine"]["mechanism"], "scotch-yoke");
+    let trace = run.trace();
+    let turns: Vec<_> = (0..3)
+        .map(|axis| trace.axis("actual_turns", axis))
+        .collect();
+    let z_m = trace.column("z_m");
+    for row in 0..trace.rows() {
+        // Heights and turns end at 1e-9: 2π R · 0.5e-9 of height, and half a last digit.
+        let mean_m = turns
+            .iter()
+            .map(|turns| RADIUS_M * (turns[row] * TAU).cos())
+            .sum::<f64>()
+            / 3.0;
+        assert!(
+            (z_m[row] - mean_m).abs() < 1e-9,
+            "row {row}: {} m, not {mean_m}",
+            z_m[row]
+        );
+    }
+    // A hold at 10 g: from its turns in half a second follows ω, and R ω² from that.
+    let requested = trace.column("amax_requested_mps2");
+    let top_mps2 = 98.0665;
+    let hold: Vec<usize> = (0..trace.rows())
+        .filter(|&row| (requested[row] - top_mps2).abs() < 1e-3)
+        .collect();
+    // The first fifth of a second is the shaft's to come to its speed.
+    let (from, to) = (hold[400], hold[hold.len() - 1]);
+    assert!(to > from + 600, "{from} to {to}");
+    let seconds = trace.column("t_s")[to] - trace.column("t_s")[from];
+    let omega = (turns[0][to] - turns[0][from]) * TAU / seconds;
+    let amax_mps2 = RADIUS_M * omega * omega;
+    // One step of 3200 in four turns, twice.
+    assert!(
+        (amax_mps2 / top_mps2 - 1.0).abs() < 3e-4,
+        "{amax_mps2} m/s²"
+    );
+}
+
+/// Were it wrong, gravity would have another lever on a yoke than its radius at 90°: a load of m g pushes on N cranks, so that
+/// T sin(p δ) = m g R / N in each motor's spring. A platform above its cranks leads them on, one below holds them back.
+#[test]
+fn a_parked_yoke_hangs_in_its_motors_spring() {
+    for model_level in ["rigid", "phased"] {
+        for (platform, sign) in [("above", 1.0), ("below", -1.0)] {
+            let text = library::find("scotch-yoke").unwrap().text;
+            let text = text
+                .replace(
+                    "[machine]",
+                    &format!("[machine]\nplatform = \"{platform}\""),
+                )
+                .replace(
+                    "description",
+                    &format!("fidelity = \"{model_level}\"\ndescription"),
+                )
+                .replace("park_deg = 180", "park_deg = 90")
+                .replace("friction_nm = 0.2", "friction_nm = 0")
+                .replace("damping_nms = 0.2", "damping_nms = 1");
+            let run = record(&scene(&text), Every::Ticks(1), Window::FirstMotion);
+            assert_eq!(run.report["fidelity"]["model_level"], model_level);
+            let trace = run.trace();
+            let torque_nm = 6.0 * 9.80665 * RADIUS_M / 3.0;
+            let lag_turns = sign * (torque_nm / 14.0_f64).asin() / 50.0 / TAU;
+            for axis in 0..3 {
+                let last = |name: &str| *trace.axis(name, axis).last().unwrap();
+                let ahead = last("actual_turns") - last("command_turns");
+                assert!(
+                    (ahead - lag_turns).abs() < 2e-3 * lag_turns.abs(),
+                    "{model_level}, {platform}, axis {axis}: {ahead}, not {lag_turns}"
+                );
+            }
+        }
+    }
+}
