@@ -8,7 +8,7 @@ use super::channel::Channel;
 use super::homing::Homing;
 use super::punctuality::Punctuality;
 use super::wiring_proof::wiring_patterns;
-use crate::axes::{Gear, PhaseOffsets};
+use crate::axes::{Bounds, Follower, NO_CAMS, PhaseOffsets};
 use crate::drift::{AxisSet, DriftMonitor, History};
 use crate::mechanism::AnyMechanism;
 use crate::program::{Cursor, Program};
@@ -35,6 +35,18 @@ impl Settings {
     }
 }
 
+impl Settings {
+    /// Greatest speed, acceleration and jerk of the master, those of a fault's stop included.
+    #[cold]
+    fn master_bounds(&self) -> Bounds {
+        Bounds {
+            speed: self.limits.speed_hz,
+            acceleration: self.limits.reachable_stop_acceleration_hz_per_s(),
+            jerk: self.limits.stop_jerk_hz_per_s2,
+        }
+    }
+}
+
 impl Controller {
     /// A controller without axes: it stays at rest until it is configured.
     pub const fn new() -> Self {
@@ -53,7 +65,8 @@ impl Controller {
             has_servos: false,
             step_rate: StepRates::new(62_500),
             apart: None,
-            geared: 0,
+            followers: 0,
+            cams: NO_CAMS,
             drift: DriftMonitor::new(),
             homing: Homing::new(),
             offsets: PhaseOffsets::new(),
@@ -93,6 +106,9 @@ impl Controller {
         // First of all: whatever follows relies on numbers that are within their ranges.
         settings.check()?;
         settings.fill_program(&mut self.program)?;
+        for (curve, cam) in self.cams.iter_mut().zip(&settings.cams) {
+            curve.fit(&cam.points_turns, cam.net_turns);
+        }
         self.fill_channels(settings)?;
         self.drift.configure(settings);
         self.offsets.configure(settings);
@@ -127,14 +143,20 @@ impl Controller {
         let timing = PulseTiming::new(&settings.pulse, tick_hz)?;
         let mut phases = [Phase::ZERO; MAX_AXES];
         for (i, (axis, phase)) in settings.axes.iter().zip(&mut phases).enumerate() {
-            let feed_forward = feed_forward(settings, axis, timing).map_err(|e| e.on_entry(i))?;
+            let follower = axis.follower.follower(&self.cams);
+            if axis.index_turns.is_some() && !follower.allows_index(&self.cams) {
+                return Err(SettingsError::new("axes.index", Problem::IndexOnCam).on_entry(i));
+            }
+            let bounds = follower.bounds(&settings.master_bounds(), &self.cams);
+            let feed_forward =
+                feed_forward(settings, axis, &bounds, timing).map_err(|e| e.on_entry(i))?;
+            *phase = Phase::from_turns(turns(axis.offset_turns)).advanced(follower.start());
             let channel = Channel {
-                gear: Gear::new(axis.ratio.0, axis.ratio.1),
+                follower,
                 planner: Planner::new(timing, axis.steps_per_turn),
                 reversed: axis.reversed,
                 feed_forward,
             };
-            *phase = Phase::from_turns(turns(axis.offset_turns));
             let pushed = self.channels.push(channel);
             debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
         }
@@ -142,8 +164,8 @@ impl Controller {
         self.has_servos = self.channels.iter().any(|c| c.feed_forward.is_some());
         self.step_rate = StepRates::new(timing.tick());
         let channels = self.channels.iter().enumerate();
-        self.geared = channels.fold(0, |geared, (axis, channel)| {
-            geared | AxisSet::from(!channel.gear.is_direct()) << axis
+        self.followers = channels.fold(0, |followers, (axis, channel)| {
+            followers | AxisSet::from(!channel.follower.is_direct()) << axis
         });
         self.output.reset(phases);
         self.group_axes();
@@ -158,8 +180,7 @@ impl Controller {
         } else {
             [PerAxis::default(); 2]
         };
-        let mut axes = settings.axes.iter();
-        let has_home_offset = axes.all(|axis| axis.ratio.0 == axis.ratio.1);
+        let has_home_offset = self.followers == 0;
         let lag = turns(settings.drift.common_limit_deg / 360.0 / LAG_PART);
         let tolerance = core::array::from_fn(|axis| self.drift.tolerance(axis));
         self.homing
@@ -198,40 +219,43 @@ impl Default for Controller {
 fn feed_forward(
     settings: &Settings,
     axis: &AxisSettings,
+    bounds: &Bounds,
     timing: PulseTiming,
 ) -> Result<Option<FeedForward>, SettingsError> {
     let tick_hz = settings.tick_hz;
     let hz = f64::from(tick_hz);
-    let ratio = f64::from(axis.ratio.0) / f64::from(axis.ratio.1);
     // In its slot, a phase offset moves up to the number of axes times as fast as its rate.
     let offset_hz = axis.trim_rate_hz * settings.axes.len() as f64;
-    let speed_hz = settings.limits.speed_hz * ratio + offset_hz;
-    if speed_hz > 0.5 * hz {
-        let problem = Problem::TooFastForTick {
-            turns_per_tick: speed_hz / hz,
-        };
-        return Err(SettingsError::new("axes.ratio", problem));
-    }
-    match axis.drive {
-        DriveKind::Stepper | DriveKind::PulseServo => {
-            timing.check_rate(axis.steps_per_turn, speed_hz, tick_hz)?;
-            Ok(None)
+    let speed_hz = bounds.speed + offset_hz;
+    let counts = axis.steps_per_turn;
+    let checked = match axis.drive {
+        _ if speed_hz > 0.5 * hz => {
+            let turns_per_tick = speed_hz / hz;
+            let problem = Problem::TooFastForTick { turns_per_tick };
+            Err(SettingsError::new("axes.ratio", problem))
         }
         DriveKind::Servo => {
-            PulseTiming::check_counts(axis.steps_per_turn, speed_hz, tick_hz)?;
-            let acceleration = settings.limits.reachable_stop_acceleration_hz_per_s() * ratio;
-            FeedForward::new(
-                &settings.machine,
-                settings.mechanism(),
-                settings.axes.len(),
-                axis.rotor_inertia_kgm2,
-                tick_hz,
-                turns(speed_hz / hz),
-                turns(acceleration / hz / hz),
-            )
-            .map(Some)
+            PulseTiming::check_counts(counts, speed_hz, tick_hz).map_err(SettingsError::from)
         }
+        DriveKind::Stepper | DriveKind::PulseServo => timing
+            .check_rate(counts, speed_hz, tick_hz)
+            .map_err(SettingsError::from),
+    };
+    let master_hz = settings.limits.speed_hz;
+    checked.map_err(|error| axis.follower.too_fast(error, master_hz, speed_hz))?;
+    if axis.drive != DriveKind::Servo {
+        return Ok(None);
     }
+    FeedForward::new(
+        &settings.machine,
+        settings.mechanism(),
+        settings.axes.len(),
+        axis.rotor_inertia_kgm2,
+        tick_hz,
+        turns(speed_hz / hz),
+        turns(bounds.acceleration / hz / hz),
+    )
+    .map(Some)
 }
 
 /// The cross-coupling of servos, if the settings have it and every axis is a servo with an encoder.

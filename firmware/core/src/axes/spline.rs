@@ -1,0 +1,255 @@
+//! Periodic cubic spline through equally spaced points: the curve of a cam table.
+//!
+//! The curve gives the position y of an axis, in turns, over one turn x of the master. After a turn it continues *net* whole turns
+//! further. With n points, segment i has u = n x − i from 0 to 1. With the *bends* m = y″/6n² at the points,
+//!
+//! ```text
+//! y(u) = yᵢ + u (yᵢ₊₁ − yᵢ) − u (1 − u) (2 mᵢ + mᵢ₊₁ + u (mᵢ₊₁ − mᵢ))
+//! mᵢ₋₁ + 4 mᵢ + mᵢ₊₁ = yᵢ₋₁ − 2 yᵢ + yᵢ₊₁
+//! ```
+//!
+//! so that y, y′ and y″ are continuous. The second line is solved in integers by repeated sweeps (Gauss-Seidel). Each sweep
+//! divides the error by four, and no scratch memory is needed.
+//!
+//! Numbers of the tick are integers: positions have 48 fraction bits. A bend is a 30-bit mantissa with a scale for the whole curve,
+//! so a position is within 2⁻²⁹ of the largest bend from the exact spline (tested).
+
+use super::follower::Bounds;
+use crate::functions::{multiply, multiply_high, multiply_long, multiply_q30, normalised};
+use crate::units::{FRACTION_BITS, ONE_TURN, Turns};
+
+/// Greatest number of points of a curve.
+pub const MAX_CAM_POINTS: usize = 128;
+/// Least number of points of a curve.
+pub const LEAST_CAM_POINTS: usize = 4;
+
+/// Sweeps after which the error is below a unit of the last place: 4⁻³² of the first guess.
+const SWEEPS: u32 = 32;
+/// Bits of a bend's mantissa. The sum of three bends fits 32 bits.
+const BEND_BITS: u32 = 29;
+
+/// Curve of a cam table, in integers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Spline {
+    /// Positions of the points, and of the first one a turn later.
+    positions: heapless::Vec<i64, { MAX_CAM_POINTS + 1 }>,
+    /// Bends at the same points, in units of 2^`scale`.
+    bends: heapless::Vec<i32, { MAX_CAM_POINTS + 1 }>,
+    scale: u32,
+}
+
+/// Segment of a curve, and the place in it.
+struct Place {
+    from: i64,
+    to: i64,
+    bend: i32,
+    next_bend: i32,
+    /// Part of the segment, 2³² to the whole.
+    part: u32,
+}
+
+impl Spline {
+    /// Curve without points, which stands still.
+    pub const NONE: Self = Self {
+        positions: heapless::Vec::new(),
+        bends: heapless::Vec::new(),
+        scale: 0,
+    };
+
+    /// Replaces the curve by the one through `points`, turns, that goes on by `net_turns` in each turn. The points must have been checked.
+    #[cold]
+    pub fn fit(&mut self, points: &[f64], net_turns: i32) {
+        self.positions.clear();
+        self.bends.clear();
+        let bits = |turns: f64| libm::round(turns * ONE_TURN as f64) as i64;
+        let first = points.first().map_or(0, |&first| bits(first));
+        let last = first + i64::from(net_turns) * ONE_TURN;
+        for position in points.iter().map(|&point| bits(point)).chain([last]) {
+            let pushed = self
+                .positions
+                .push(position)
+                .and(self.bends.push(0).map_err(i64::from));
+            debug_assert!(pushed.is_ok(), "checked settings have no more points");
+        }
+        let count = self.segments();
+        // No bend exceeds half of the largest second difference.
+        let largest = (0..count).map(|i| self.second_difference(i).unsigned_abs());
+        let bits = u64::BITS - (largest.max().unwrap_or(0) / 2).leading_zeros();
+        self.scale = bits.saturating_sub(BEND_BITS);
+        for _ in 0..SWEEPS {
+            for i in 0..count {
+                let neighbours = self.bend(i + count - 1) + self.bend(i + 1);
+                let rest = (self.second_difference(i) >> self.scale) - neighbours;
+                if let Some(bend) = self.bends.get_mut(i) {
+                    *bend = ((rest + 2) >> 2) as i32;
+                }
+            }
+        }
+        let first = self.bends.first().copied().unwrap_or(0);
+        if let Some(last) = self.bends.last_mut() {
+            *last = first;
+        }
+    }
+
+    fn segments(&self) -> usize {
+        self.positions.len().saturating_sub(1)
+    }
+
+    fn bend(&self, i: usize) -> i64 {
+        let count = self.segments().max(1);
+        i64::from(self.bends.get(i % count).copied().unwrap_or(0))
+    }
+
+    fn second_difference(&self, i: usize) -> i64 {
+        let at = |i: usize| self.positions.get(i).copied().unwrap_or(0);
+        let before = match i.checked_sub(1) {
+            Some(before) => at(before),
+            None => at(self.segments().saturating_sub(1)) - self.net(),
+        };
+        before - 2 * at(i) + at(i + 1)
+    }
+
+    /// Travel in one turn of the master: whole turns, 2⁻⁴⁸.
+    pub(super) fn net(&self) -> i64 {
+        match (self.positions.first(), self.positions.last()) {
+            (Some(first), Some(last)) => last - first,
+            _ => 0,
+        }
+    }
+
+    /// Position at a phase of the master, 0 ≤ phase < 2⁴⁸. Turns, 2⁻⁴⁸.
+    pub(super) fn position(&self, phase: u64) -> i64 {
+        let place = self.place(phase);
+        let straight = place.from + share(place.to - place.from, place.part);
+        // The weight has 32 fraction bits and is at most ¼, so the product has two bits more than a bend.
+        let weight = multiply_high(place.part, place.part.wrapping_neg());
+        let sag = multiply_q30(place.sum(), weight as i32);
+        straight - ((i64::from(sag) << self.scale) >> 2)
+    }
+
+    #[inline]
+    fn place(&self, phase: u64) -> Place {
+        // There are at most 2⁷ segments, so this is below 2⁵⁵.
+        let at = multiply_long(phase, self.segments() as u32);
+        let segment = (at >> FRACTION_BITS) as usize;
+        let position = |i: usize| self.positions.get(i).copied().unwrap_or(0);
+        let bend = |i: usize| self.bends.get(i).copied().unwrap_or(0);
+        Place {
+            from: position(segment),
+            to: position(segment + 1),
+            bend: bend(segment),
+            next_bend: bend(segment + 1),
+            part: (at >> (FRACTION_BITS - 32)) as u32,
+        }
+    }
+
+    /// Acceleration at a phase: y′ α + y″ ω². Turns a tick², for the master's speed (turns a tick) and acceleration (turns a tick²).
+    pub(super) fn acceleration(&self, phase: u64, speed: Turns, acceleration: Turns) -> Turns {
+        let count = self.segments() as i64;
+        let place = self.place(phase);
+        let bits = |bend: i32| i64::from(bend) << self.scale;
+        // y′/n = Δy − (1 − 2u) q − u (1 − u) q′, with the sum q and its derivative q′ = mᵢ₊₁ − mᵢ.
+        let sum = bits(place.sum());
+        let weight = multiply_high(place.part, place.part.wrapping_neg());
+        let tilt = sum - 2 * share(sum, place.part);
+        let slope =
+            place.to - place.from - tilt - share(bits(place.next_bend) - bits(place.bend), weight);
+        let bend = bits(place.bend) + share(bits(place.next_bend) - bits(place.bend), place.part);
+        let by_acceleration = product(slope * count, acceleration.to_bits());
+        let by_speed = product(
+            6 * count * count * bend,
+            product(speed.to_bits(), speed.to_bits()),
+        );
+        Turns::from_bits(by_acceleration + by_speed)
+    }
+
+    /// Greatest |y′|, |y″| and |y‴| over a turn: turns of the axis per turn, turn² and turn³ of the master.
+    #[cold]
+    pub(super) fn steepest(&self) -> Bounds {
+        self.over_segments(|slope, bend, bend_change| Bounds {
+            speed: slope.abs(),
+            acceleration: bend.abs(),
+            jerk: bend_change.abs(),
+        })
+    }
+
+    /// True if y′ is above zero everywhere.
+    #[cold]
+    pub(super) fn is_rising(&self) -> bool {
+        let falls = self.over_segments(|slope, _, _| Bounds {
+            speed: if slope > 0.0 { 0.0 } else { 1.0 },
+            ..Bounds::ZERO
+        });
+        self.segments() > 0 && falls.speed == 0.0
+    }
+
+    /// Greatest of what `of` makes of y′, y″ and y‴ at all places where y′ or y″ may be extreme.
+    #[cold]
+    fn over_segments(&self, of: impl Fn(f64, f64, f64) -> Bounds) -> Bounds {
+        let count = self.segments() as f64;
+        let turns = |bits: i64| bits as f64 / ONE_TURN as f64;
+        let mut greatest = Bounds::ZERO;
+        let steps = self.positions.windows(2).zip(self.bends.windows(2));
+        for (positions, bends) in steps {
+            let ([from, to], [bend, next]) = (positions, bends) else {
+                continue;
+            };
+            let bend = turns(i64::from(*bend) << self.scale);
+            let next = turns(i64::from(*next) << self.scale);
+            let slope = |u: f64| {
+                let (sum, change) = (2.0 * bend + next + u * (next - bend), next - bend);
+                count * (turns(to - from) - (1.0 - 2.0 * u) * sum - u * (1.0 - u) * change)
+            };
+            // The slope is extreme at the ends and where the bend is zero.
+            let zero = bend / (bend - next);
+            let inner = if zero > 0.0 && zero < 1.0 { zero } else { 0.0 };
+            let scale = 6.0 * count * count;
+            for u in [0.0, inner, 1.0] {
+                let bent = scale * (bend + u * (next - bend));
+                let here = of(slope(u), bent, scale * count * (next - bend));
+                greatest = greatest.or(&here);
+            }
+        }
+        greatest
+    }
+}
+
+impl Place {
+    /// 2 mᵢ + mᵢ₊₁ + u (mᵢ₊₁ − mᵢ), in units of a bend.
+    #[inline]
+    fn sum(&self) -> i32 {
+        let change = self.next_bend - self.bend;
+        2 * self.bend + self.next_bend + multiply_q30(change, (self.part >> 2) as i32)
+    }
+}
+
+/// Part of a number, 2³² to the whole; rounded towards zero. The number is below 2⁶² in magnitude.
+#[inline]
+fn share(whole: i64, part: u32) -> i64 {
+    let size = whole.unsigned_abs();
+    let share = multiply((size >> 32) as u32, part) + u64::from(multiply_high(size as u32, part));
+    if whole < 0 {
+        -(share as i64)
+    } else {
+        share as i64
+    }
+}
+
+/// Product of two numbers with 48 fraction bits, each taken to 32 significant bits. The result must fit.
+fn product(a: i64, b: i64) -> i64 {
+    let (size_a, up_a) = normalised(a.unsigned_abs());
+    let (size_b, up_b) = normalised(b.unsigned_abs());
+    let size = multiply(size_a, size_b);
+    // a b = size · 2^(64 − up_a − up_b), of which 48 bits are shifted out.
+    let up = 64 - FRACTION_BITS as i32 - up_a as i32 - up_b as i32;
+    let size = match up {
+        ..=-64 => 0,
+        ..=0 => size >> -up,
+        _ => size << up,
+    };
+    if (a < 0) == (b < 0) {
+        size as i64
+    } else {
+        -(size as i64)
+    }
+}
