@@ -76,7 +76,7 @@ pub fn check(settings: &Settings) -> Result<(), Unfit> {
 
 fn has_time(settings: &Settings, tick_hz: u32) -> bool {
     let axis_cycles = |axis: &AxisSettings| {
-        let ratio = f64::from(axis.ratio.0) / f64::from(axis.ratio.1);
+        let ratio = axis.follower.most_ratio(settings);
         let steps_hz = settings.limits.speed_hz * ratio * f64::from(axis.steps_per_turn);
         // One chunk more, as chunks do not begin with the tick.
         let chunks = 1.0 + 2.0 * steps_hz / f64::from(tick_hz) / CHUNK_EDGES;

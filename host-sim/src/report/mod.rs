@@ -130,6 +130,8 @@ struct FollowerReport {
     off_law_worst_mm: f64,
     pusher_accel_worst_mps2: f64,
     cam_side_accel_worst_mps2: f64,
+    /// How far its acceleration was from that of its law at most.
+    off_law_accel_worst_mps2: f64,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -195,6 +197,7 @@ impl<'a> Report<'a> {
                 off_law_worst_mm: peaks.off_m * 1e3,
                 pusher_accel_worst_mps2: peaks.pusher_mps2,
                 cam_side_accel_worst_mps2: peaks.cam_side_mps2,
+                off_law_accel_worst_mps2: peaks.off_mps2,
             }),
         };
         Self {

@@ -26,6 +26,7 @@ pub const SCENES: &[BuiltIn] = scenes![
     "stiff-bearing",
     "suspended",
     "wrapper",
+    "electronic-cam",
 ];
 
 /// Finds one by its name.

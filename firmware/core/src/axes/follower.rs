@@ -164,6 +164,14 @@ impl FollowerSettings {
         })
     }
 
+    /// Phase of the axis's table at the master's phase 0, turns; zero without a table.
+    pub const fn shift_turns(&self) -> f64 {
+        match self {
+            Self::Gear(_) => 0.0,
+            Self::CamTable(cam) => cam.shift_turns,
+        }
+    }
+
     /// Turns of the axis per turn of the master, if that is the same at every phase.
     pub fn constant_ratio(&self) -> Option<f64> {
         match self {

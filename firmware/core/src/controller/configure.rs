@@ -8,7 +8,7 @@ use super::channel::Channel;
 use super::homing::Homing;
 use super::punctuality::Punctuality;
 use super::wiring_proof::wiring_patterns;
-use crate::axes::{Bounds, Follower, NO_CAMS, PhaseOffsets};
+use crate::axes::{Bounds, Cams, Follower, NO_CAMS, PhaseOffsets};
 use crate::drift::{AxisSet, DriftMonitor, History};
 use crate::mechanism::AnyMechanism;
 use crate::program::{Cursor, Program};
@@ -36,6 +36,35 @@ impl Settings {
 }
 
 impl Settings {
+    /// Commanded phase of an axis of these settings at power-up, turns. The settings must have been checked.
+    #[cold]
+    pub fn home_turns(&self, axis: &AxisSettings) -> f64 {
+        let start: f64 = axis.follower.follower(&self.curves()).start().to_num();
+        axis.offset_turns + start
+    }
+
+    /// Upper bounds on the speed, the acceleration and the jerk of an axis of these settings: rev/s, rev/s², rev/s³. The settings must have been
+    /// checked. Phase offsets come on top.
+    #[cold]
+    pub fn axis_bounds(&self, axis: &AxisSettings) -> Bounds {
+        let curves = self.curves();
+        let follower = axis.follower.follower(&curves);
+        follower.bounds(&self.master_bounds(), &curves)
+    }
+
+    fn curves(&self) -> Cams {
+        let mut curves = NO_CAMS;
+        self.fill_curves(&mut curves);
+        curves
+    }
+
+    #[cold]
+    fn fill_curves(&self, curves: &mut Cams) {
+        for (curve, cam) in curves.iter_mut().zip(&self.cams) {
+            curve.fit(&cam.points_turns, cam.net_turns);
+        }
+    }
+
     /// Greatest speed, acceleration and jerk of the master, those of a fault's stop included.
     #[cold]
     fn master_bounds(&self) -> Bounds {
@@ -106,9 +135,7 @@ impl Controller {
         // First of all: whatever follows relies on numbers that are within their ranges.
         settings.check()?;
         settings.fill_program(&mut self.program)?;
-        for (curve, cam) in self.cams.iter_mut().zip(&settings.cams) {
-            curve.fit(&cam.points_turns, cam.net_turns);
-        }
+        settings.fill_curves(&mut self.cams);
         self.fill_channels(settings)?;
         self.drift.configure(settings);
         self.offsets.configure(settings);

@@ -83,7 +83,9 @@ fn dies_out(gain: f64, delay_turns: u32) -> bool {
         }
         measured.push_back(phase_error_turns);
         let known = measured.pop_front().unwrap_or_default();
-        target = target.wrapping_sub(Turns::from_num((gain * known).clamp(-LIMIT_TURNS, LIMIT_TURNS)));
+        target = target.wrapping_sub(Turns::from_num(
+            (gain * known).clamp(-LIMIT_TURNS, LIMIT_TURNS),
+        ));
         if !offsets.set_user(0, target) {
             return false; // it has grown to the limit
         }
