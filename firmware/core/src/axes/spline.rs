@@ -253,3 +253,103 @@ fn product(a: i64, b: i64) -> i64 {
         -(size as i64)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+    use std::vec::Vec;
+
+    fn turns(bits: i64) -> f64 {
+        bits as f64 / ONE_TURN as f64
+    }
+
+    /// Phase of a part of the turn, 0 to 1.
+    fn phase(part: f64) -> u64 {
+        (part * ONE_TURN as f64) as u64
+    }
+
+    /// Position on the periodic spline through `count` points of cos(2πfx), in Hermite form. Its slopes obey
+    /// s₋ + 4 s + s₊ = 3 (y₊ − y₋)/h, which a wave solves in closed form.
+    fn wave(count: usize, frequency: f64, part: f64) -> f64 {
+        let h = 1.0 / count as f64;
+        let step = TAU * frequency * h;
+        let at = |i: f64| (step * i).cos();
+        let slope = |i: f64| -3.0 * step.sin() * (step * i).sin() / (2.0 + step.cos());
+        let (i, u) = ((part * count as f64).floor(), (part * count as f64).fract());
+        let (v, w) = (u * u, u * u * u);
+        (2.0 * w - 3.0 * v + 1.0) * at(i)
+            + (w - 2.0 * v + u) * slope(i)
+            + (3.0 * v - 2.0 * w) * at(i + 1.0)
+            + (w - v) * slope(i + 1.0)
+    }
+
+    /// If this were wrong, axes would follow another curve than the one whose bounds were checked.
+    #[test]
+    fn a_wave_has_its_spline_in_closed_form() {
+        for (count, frequency) in [(4, 1.0), (5, 1.0), (17, 3.0), (120, 2.0), (128, 63.0)] {
+            let at = |i: usize| (TAU * frequency * i as f64 / count as f64).cos();
+            let points: Vec<f64> = (0..count).map(at).collect();
+            let mut spline = Spline::NONE;
+            spline.fit(&points, 0);
+            // Second differences are at most 4, so bends are at most 2.
+            let tolerance = 2.0 / f64::from(1 << 29);
+            for i in 0..2000 {
+                let part = (f64::from(i) + 0.37) / 2000.0;
+                let error = turns(spline.position(phase(part))) - wave(count, frequency, part);
+                assert!(error.abs() < tolerance, "{count} points, {part}: {error:e}");
+            }
+            for (i, &point) in points.iter().enumerate() {
+                let exact = (point * ONE_TURN as f64).round() as i64;
+                // The phase of the point, rounded up to a unit.
+                let place = ((i as u64) << FRACTION_BITS).div_ceil(count as u64);
+                let error = spline.position(place) - exact;
+                assert!(
+                    error.abs() <= 1 << (spline.scale + 1),
+                    "{count} points, {i}: {error}"
+                );
+            }
+        }
+    }
+
+    /// If net travel were wrong, the curve would have a kink at the end of each turn.
+    #[test]
+    fn a_straight_line_stays_straight() {
+        for net_turns in [-1000, -1, 1, 7, 1000] {
+            let points: Vec<f64> = (0..64)
+                .map(|i| 0.25 + f64::from(net_turns * i) / 64.0)
+                .collect();
+            let mut spline = Spline::NONE;
+            spline.fit(&points, net_turns);
+            assert_eq!(spline.net(), i64::from(net_turns) * ONE_TURN);
+            assert_eq!(spline.is_rising(), net_turns > 0);
+            let steepest = spline.steepest();
+            assert_eq!(steepest.speed, f64::from(net_turns.abs()));
+            assert_eq!(steepest.acceleration, 0.0);
+            for i in 0..1000 {
+                let part = f64::from(i) / 1000.0;
+                let error =
+                    turns(spline.position(phase(part))) - 0.25 - part * f64::from(net_turns);
+                assert!(
+                    error.abs() < 1e-10 * f64::from(net_turns.abs()),
+                    "{net_turns}: {error:e}"
+                );
+            }
+        }
+    }
+
+    /// If a dip between two points went unnoticed, an axis with an index could pass its flag backward.
+    #[test]
+    fn a_dip_between_points_is_no_rise() {
+        let mut spline = Spline::NONE;
+        // Points rise, but the curve overshoots after the steep part.
+        let points = [0.0, 0.01, 0.02, 0.03, 0.5, 0.97, 0.98, 0.99];
+        spline.fit(&points, 1);
+        assert!(!spline.is_rising());
+        let least = (0..8000).map(|i| {
+            let at = |i: i32| spline.position(phase(f64::from(i) / 8001.0));
+            at(i + 1) - at(i)
+        });
+        assert!(least.min().unwrap() < 0);
+    }
+}
