@@ -129,6 +129,7 @@ judged! {
     stiff_bearing: "stiff-bearing",
     suspended: "suspended",
     wrapper: "wrapper",
+    electronic_cam: "electronic-cam",
 }
 
 /// A machine whose load moves its cranks by a good half degree.

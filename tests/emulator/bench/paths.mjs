@@ -15,4 +15,5 @@ export const COPHASE = path.join(TARGET, 'release/cophase');
 export const INSPECT = path.join(TARGET, 'release/firmware-inspect');
 
 export const SCENES = path.join(HERE, 'scenes');
+export const BUILT_IN = path.join(ROOT, 'host-sim/scenes');
 export const DOCS = path.join(ROOT, 'docs');

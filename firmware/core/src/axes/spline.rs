@@ -95,11 +95,13 @@ impl Spline {
         self.positions.len().saturating_sub(1)
     }
 
+    #[cold]
     fn bend(&self, i: usize) -> i64 {
         let count = self.segments().max(1);
         i64::from(self.bends.get(i % count).copied().unwrap_or(0))
     }
 
+    #[cold]
     fn second_difference(&self, i: usize) -> i64 {
         let at = |i: usize| self.positions.get(i).copied().unwrap_or(0);
         let before = match i.checked_sub(1) {
