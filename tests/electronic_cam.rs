@@ -35,9 +35,13 @@ fn run(text: &str) -> (Pushers, Outcome) {
 fn mechanical(electronic: &str) -> String {
     let (head, rest) = electronic.split_once("[[cam_table]]").unwrap();
     let (_, rest) = rest.split_once("[control]").unwrap();
-    let head = head.lines().filter(|line| !line.starts_with("screw_lead_mm"));
+    let head = head
+        .lines()
+        .filter(|line| !line.starts_with("screw_lead_mm"));
     let mut text = format!("{}\n[control]{rest}", head.collect::<Vec<_>>().join("\n"));
-    text = text.replace("\"stepper\"", "\"servo\"").replace("cam = \"lobe\"\n", "");
+    text = text
+        .replace("\"stepper\"", "\"servo\"")
+        .replace("cam = \"lobe\"\n", "");
     for (electronic, mechanical) in [
         ("cam_shift_deg = -90", "offset_deg = -90"),
         ("cam_shift_deg = -180", "offset_deg = 180"),
@@ -68,7 +72,7 @@ fn pushers_move_as_on_the_cam_shaft() {
     assert_eq!(electronic.ticks.len(), shaft.ticks.len());
     let mut off_m: f64 = 0.0;
     let mut off_mps2: f64 = 0.0;
-    let mut peak_mps2: f64 = 0.0;
+    let mut peaks_mps2 = [0.0_f64; AXES];
     let mut lowest_m = f64::INFINITY;
     for (i, (screws, cams)) in electronic.ticks.iter().zip(&shaft.ticks).enumerate() {
         for axis in 0..AXES {
@@ -79,20 +83,28 @@ fn pushers_move_as_on_the_cam_shaft() {
             let Some(before) = i.checked_sub(1).map(|i| shaft.ticks[i][axis].1) else {
                 continue;
             };
-            peak_mps2 = peak_mps2.max(before.abs());
+            peaks_mps2[axis] = peaks_mps2[axis].max(before.abs());
             off_mps2 = off_mps2.max((screws[axis].1 - before).abs());
         }
     }
+    let peak_mps2 = peaks_mps2.into_iter().fold(0.0, f64::max);
     println!("lift {lowest_m:e} to {off_m:e} m below, acceleration {off_mps2} of {peak_mps2} m/s²");
     assert!((5.4..5.5).contains(&peak_mps2), "{peak_mps2} m/s²");
     assert!(off_m < 12.5e-6 + 0.3e-6, "{off_m:e} m below");
     assert!(lowest_m > -0.3e-6, "{lowest_m:e} m above");
-    assert!(off_mps2 < 0.012 * peak_mps2, "{off_mps2} of {peak_mps2} m/s²");
+    assert!(
+        off_mps2 < 0.012 * peak_mps2,
+        "{off_mps2} of {peak_mps2} m/s²"
+    );
     // The report's own comparison, against the law at the master's phase, is the same.
-    for peaks in &outcome.statistics.followers {
+    for (peaks, shaft_mps2) in outcome.statistics.followers.iter().zip(peaks_mps2) {
         assert!(peaks.off_m < 12.8e-6, "{:e} m", peaks.off_m);
-        assert!(peaks.off_mps2 < 0.012 * peak_mps2, "{} m/s²", peaks.off_mps2);
-        assert!((peaks.cam_side_mps2 / peak_mps2 - 1.0).abs() < 1e-3);
+        assert!(
+            peaks.off_mps2 < 0.012 * peak_mps2,
+            "{} m/s²",
+            peaks.off_mps2
+        );
+        assert!((peaks.cam_side_mps2 / shaft_mps2 - 1.0).abs() < 1e-3);
     }
 }
 

@@ -30,19 +30,19 @@ const MOST_OFFSET = 25;
 export const title = 'Parity: edges against the host’s prediction';
 
 export function run(outcome) {
-  const { total, skew } = own(outcome, [...SCENES, ...BUILT_IN_SCENES.map((name) => path.join(BUILT_IN, `${name}.toml`))]);
+  const { total, skew } = own(outcome, [...SCENES, ...BUILT_IN_SCENES.map((name) => path.join(BUILT_IN, `${name}.toml`))], shortened);
   outcome.check(total >= LEAST_EDGES, `at least ${LEAST_EDGES} edges are compared, not ${total}`);
   outcome.figure('parity edges', total, 'higher');
   outcome.figure('skew across blocks, cycles', skew);
 }
 
-/** The same with any scenes: names of the bench's, or files. */
-export function own(outcome, scenes) {
+/** The same with any scenes: names of the bench's, or files. `change` changes what is in them. */
+export function own(outcome, scenes, change = () => {}) {
   let total = 0;
   let skew = 0;
   for (const name of scenes) {
     const before = outcome.failures.length;
-    const { edges, offsets } = compare(outcome, scene(name, shortened));
+    const { edges, offsets } = compare(outcome, scene(name, change));
     const off = outcome.failures.length > before ? 'not all where they should be' : '0 cycles off';
     total += edges;
     const [first, second = first] = offsets;

@@ -201,7 +201,7 @@ impl Follower for CamTable {
     /// By the chain rule: v = y′ ω, a = y′ α + y″ ω², j = y′ J + 3 y″ ω α + y‴ ω³.
     #[cold]
     fn bounds(&self, master: &Bounds, cams: &Cams) -> Bounds {
-        let curve = self.curve(cams).steepest();
+        let curve = self.curve(cams).extremes().greatest;
         let Bounds {
             speed,
             acceleration,
@@ -219,6 +219,6 @@ impl Follower for CamTable {
     #[cold]
     fn allows_index(&self, cams: &Cams) -> bool {
         let curve = self.curve(cams);
-        curve.net() == ONE_TURN && curve.is_rising()
+        curve.net() == ONE_TURN && curve.extremes().least_slope > 0.0
     }
 }

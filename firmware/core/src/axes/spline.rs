@@ -38,6 +38,15 @@ pub struct Spline {
     scale: u32,
 }
 
+/// Extremes of a curve's derivatives over a turn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Extremes {
+    /// Least y′, turns of the axis per turn of the master.
+    pub least_slope: f64,
+    /// Greatest |y′|, |y″| and |y‴|: turns of the axis per turn, turn² and turn³ of the master.
+    pub greatest: Bounds,
+}
+
 /// Segment of a curve, and the place in it.
 struct Place {
     from: i64,
@@ -165,32 +174,15 @@ impl Spline {
         Turns::from_bits(by_acceleration + by_speed)
     }
 
-    /// Greatest |y′|, |y″| and |y‴| over a turn: turns of the axis per turn, turn² and turn³ of the master.
+    /// Extremes of the curve's derivatives over a turn.
     #[cold]
-    pub(super) fn steepest(&self) -> Bounds {
-        self.over_segments(|slope, bend, bend_change| Bounds {
-            speed: slope.abs(),
-            acceleration: bend.abs(),
-            jerk: bend_change.abs(),
-        })
-    }
-
-    /// True if y′ is above zero everywhere.
-    #[cold]
-    pub(super) fn is_rising(&self) -> bool {
-        let falls = self.over_segments(|slope, _, _| Bounds {
-            speed: if slope > 0.0 { 0.0 } else { 1.0 },
-            ..Bounds::ZERO
-        });
-        self.segments() > 0 && falls.speed == 0.0
-    }
-
-    /// Greatest of what `of` makes of y′, y″ and y‴ at all places where y′ or y″ may be extreme.
-    #[cold]
-    fn over_segments(&self, of: impl Fn(f64, f64, f64) -> Bounds) -> Bounds {
+    pub(super) fn extremes(&self) -> Extremes {
         let count = self.segments() as f64;
         let turns = |bits: i64| bits as f64 / ONE_TURN as f64;
-        let mut greatest = Bounds::ZERO;
+        let mut extremes = Extremes {
+            least_slope: f64::INFINITY,
+            greatest: Bounds::ZERO,
+        };
         let steps = self.positions.windows(2).zip(self.bends.windows(2));
         for (positions, bends) in steps {
             let ([from, to], [bend, next]) = (positions, bends) else {
@@ -198,21 +190,23 @@ impl Spline {
             };
             let bend = turns(i64::from(*bend) << self.scale);
             let next = turns(i64::from(*next) << self.scale);
-            let slope = |u: f64| {
-                let (sum, change) = (2.0 * bend + next + u * (next - bend), next - bend);
-                count * (turns(to - from) - (1.0 - 2.0 * u) * sum - u * (1.0 - u) * change)
-            };
-            // The slope is extreme at the ends and where the bend is zero.
+            let change = next - bend;
+            // The slope is extreme at the ends and where the bend is zero; the bend at the ends.
             let zero = bend / (bend - next);
             let inner = if zero > 0.0 && zero < 1.0 { zero } else { 0.0 };
-            let scale = 6.0 * count * count;
             for u in [0.0, inner, 1.0] {
-                let bent = scale * (bend + u * (next - bend));
-                let here = of(slope(u), bent, scale * count * (next - bend));
-                greatest = greatest.or(&here);
+                let sum = 2.0 * bend + next + u * change;
+                let sag = (1.0 - 2.0 * u) * sum + u * (1.0 - u) * change;
+                let slope = count * (turns(to - from) - sag);
+                extremes.least_slope = extremes.least_slope.min(slope);
+                extremes.greatest = extremes.greatest.or(&Bounds {
+                    speed: slope.abs(),
+                    acceleration: (6.0 * count * count * (bend + u * change)).abs(),
+                    jerk: (6.0 * count * count * count * change).abs(),
+                });
             }
         }
-        greatest
+        extremes
     }
 }
 
@@ -324,8 +318,11 @@ mod tests {
             let mut spline = Spline::NONE;
             spline.fit(&points, net_turns);
             assert_eq!(spline.net(), i64::from(net_turns) * ONE_TURN);
-            assert_eq!(spline.is_rising(), net_turns > 0);
-            let steepest = spline.steepest();
+            let Extremes {
+                least_slope,
+                greatest: steepest,
+            } = spline.extremes();
+            assert_eq!(least_slope, f64::from(net_turns));
             assert_eq!(steepest.speed, f64::from(net_turns.abs()));
             assert_eq!(steepest.acceleration, 0.0);
             for i in 0..1000 {
@@ -347,7 +344,7 @@ mod tests {
         // Points rise, but the curve overshoots after the steep part.
         let points = [0.0, 0.01, 0.02, 0.03, 0.5, 0.97, 0.98, 0.99];
         spline.fit(&points, 1);
-        assert!(!spline.is_rising());
+        assert!(spline.extremes().least_slope < 0.0);
         let least = (0..8000).map(|i| {
             let at = |i: i32| spline.position(phase(f64::from(i) / 8001.0));
             at(i + 1) - at(i)
