@@ -68,9 +68,7 @@ fn reversed(checked: &Checked, axis: usize) -> bool {
 
 /// An axis with pulses: a servo's counts make no edges.
 fn has_pulses(checked: &Checked, axis: usize) -> bool {
-    use host_sim::scene::file::Drive;
-    let own = checked.overrides(axis).and_then(|own| own.drive);
-    own.unwrap_or(checked.scene.axes.drive) == Drive::Stepper
+    checked.scene.drive(axis).takes_pulses()
 }
 
 fn steps_per_turn(checked: &Checked, axis: usize) -> f64 {

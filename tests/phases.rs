@@ -61,13 +61,15 @@ impl Observer for Exact<'_> {
             let travelled = axis.travelled(self.master);
             let (phase, steps) = (axis.phase(travelled), axis.steps(travelled));
             assert_eq!(
-                telemetry.axis_phase[i], phase,
+                telemetry.axis_phase(i),
+                phase,
                 "at {at} ns: phase of axis {i}"
             );
-            assert_eq!(telemetry.steps[i], steps, "at {at} ns: steps of axis {i}");
+            assert_eq!(telemetry.steps(i), steps, "at {at} ns: steps of axis {i}");
             if axis.ratio == (1, 1) && axis.offset_eighths == 0 {
                 assert_eq!(
-                    telemetry.axis_phase[i], telemetry.phase,
+                    telemetry.axis_phase(i),
+                    telemetry.phase,
                     "at {at} ns: axis {i}"
                 );
             }

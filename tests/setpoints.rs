@@ -37,7 +37,7 @@ impl Observer for Compare {
             let position = setpoint.position.since(Phase::ZERO) * Turns::from_num(sign);
             assert_eq!(
                 position,
-                telemetry.axis_phase[axis].since(Phase::ZERO),
+                telemetry.axis_phase(axis).since(Phase::ZERO),
                 "axis {axis}"
             );
             assert_eq!(

@@ -84,10 +84,10 @@ impl Truth {
         for (axis, (numerator, denominator)) in GEARS.into_iter().enumerate() {
             let turned = (self.turned * numerator).div_euclid(denominator);
             let phase = Phase::from_turns(Turns::from_bits(turned as i64)); // wraps as a phase does
-            assert_eq!(telemetry.axis_phase[axis], phase, "phase of axis {axis}");
+            assert_eq!(telemetry.axis_phase(axis), phase, "phase of axis {axis}");
             let steps = (turned * STEPS_PER_TURN) >> FRACTION_BITS;
             assert_eq!(
-                i128::from(telemetry.steps[axis]),
+                i128::from(telemetry.steps(axis)),
                 steps,
                 "steps of axis {axis}"
             );

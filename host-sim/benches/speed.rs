@@ -68,7 +68,8 @@ fn core(count: usize) -> Work {
             index: sensors.index,
             ..Feedback::of(command)
         };
-        sensors.follow(controller.tick(&feedback).telemetry.axis_phase);
+        let telemetry = &controller.tick(&feedback).telemetry;
+        sensors.follow(std::array::from_fn(|axis| telemetry.axis_phase(axis)));
         feedback
     };
     record(&mut controller, Some(Command::Start));

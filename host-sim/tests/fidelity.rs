@@ -127,6 +127,7 @@ judged! {
     patent_4: "patent-4",
     lost_steps: "lost-steps",
     stiff_bearing: "stiff-bearing",
+    pulse_servo: "pulse-servo",
     suspended: "suspended",
     wrapper: "wrapper",
     electronic_cam: "electronic-cam",

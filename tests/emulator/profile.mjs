@@ -15,6 +15,7 @@ separate. Each has self and inclusive cycles: the mean over all ticks, and in th
   --tick-hz N       another tick rate
   --state STATE     only ticks in this state: homing, run, stop, ...
   --tick N          this tick in place of the worst; ticks count from the start
+  --longest N       list so many of the longest ticks (default 0)
   --least N         leave out functions below N cycles (default 20)
   --elf FILE        another ELF than target/thumbv6m-none-eabi/firmware/cophase-firmware`;
 
@@ -28,6 +29,7 @@ const OPTIONS = {
   state: { type: 'string' },
   tick: { type: 'string' },
   least: { type: 'string', default: '20' },
+  longest: { type: 'string', default: '0' },
   elf: { type: 'string' },
 };
 
@@ -80,6 +82,8 @@ const mean = chosen.reduce((sum, { own }) => sum + own, 0) / chosen.length;
 const which = values.state === undefined ? 'all states' : `state ${values.state}`;
 console.log(`Scene ${path.basename(name, '.toml')}, ${played.axes} axes, ${played.tickHz} ticks a second (${period} cycles each): ${chosen.length} ticks, ${which}.`);
 console.log(`Mean ${mean.toFixed(0)} cycles; the worst tick is number ${worst.number}, in state ${worst.state}: ${worst.own} cycles, ${worst.pulses} index pulses confirmed.\n`);
+const longest = chosen.toSorted((one, other) => other.own - one.own).slice(0, Number(values.longest));
+for (const { number, state, own, pulses } of longest) console.log(`Tick ${number}, state ${state}: ${own} cycles, ${pulses} index pulses confirmed.`);
 for (const [how, title] of [['linked', 'Functions as linked'], ['written', 'Functions as written, inlined ones separate']]) {
   console.log(`### ${title}\n`);
   const options = { least: Number(values.least), withCalls: how === 'linked' };

@@ -91,11 +91,13 @@ impl Observer for Eyes {
         for axis in 0..moment.axis_count() {
             let at = moment.start_ns;
             assert_eq!(
-                telemetry.axis_phase[axis], telemetry.phase,
+                telemetry.axis_phase(axis),
+                telemetry.phase,
                 "at {at} ns: axis {axis} out of phase"
             );
             assert_eq!(
-                telemetry.steps[axis], telemetry.steps[0],
+                telemetry.steps(axis),
+                telemetry.steps(0),
                 "at {at} ns: axis {axis} a step apart"
             );
         }
@@ -108,7 +110,7 @@ impl Observer for Eyes {
             phase: telemetry.phase,
             speed: telemetry.motion.speed.to_bits(),
             crossing: telemetry.motion.crossing_band,
-            steps: telemetry.steps[0],
+            steps: telemetry.steps(0),
             drives_enabled: moment.drives_enabled,
             missed: telemetry.limits.missed_deadlines,
             late: telemetry.limits.late_deadlines,

@@ -7,6 +7,7 @@
 
 mod channel;
 mod configure;
+mod correction;
 mod drive;
 mod events;
 mod homing;
@@ -24,6 +25,7 @@ use crate::signals::{Feedback, Output};
 use crate::supervisor::{Action, Command, Fault, FaultKind, State, Supervisor, SupervisorInput};
 use crate::units::{Amax, MAX_AXES, ONE_TURN, Phase, Turns};
 use channel::Channel;
+use correction::Correction;
 use events::select_reaction;
 use homing::Homing;
 use punctuality::Punctuality;
@@ -56,9 +58,7 @@ pub struct Controller {
     drift: DriftMonitor,
     homing: Homing,
     offsets: PhaseOffsets,
-    /// Rounds of the monitor, and turns of the master, up to when the cranks were corrected last.
-    corrected: u32,
-    turned: Turns,
+    correction: Correction,
     coupling: Option<Coupling>,
     supervisor: Supervisor,
     /// Event that is published a tick later, as another was published in this one.
@@ -71,13 +71,21 @@ pub struct Controller {
     ticks: u64,
     punctuality: Punctuality,
     overrun: Option<Fault>,
+    /// This tick has done work that is not due in every tick.
+    is_busy: bool,
+    /// Ticks in a row that were busy.
+    busy_ticks: u8,
     /// Deadlines were missed: what the index sensors said since belongs to no known phase.
     was_late: bool,
     output: Output,
 }
 
-/// Ticks after a stop in which what its last pulses show is still detected: a tick is read two ticks after it was computed.
-const LAST_PULSES: u64 = 4;
+/// Ticks after a stop in which the last pulses still lead to a report. A tick is read two ticks after it was computed, and a pulse is
+/// evaluated up to `MAX_AXES` + 3 ticks later.
+const LAST_PULSES: u64 = 7 + MAX_AXES as u64;
+
+/// Busy ticks in a row after which further work is no longer postponed: more than the pulses of all axes and a correction take.
+const MOST_BUSY_TICKS: u8 = MAX_AXES as u8 + 12;
 
 impl Controller {
     /// How many axes there are.
@@ -187,6 +195,11 @@ impl Controller {
         self.drive(action != Action::Stand);
         self.report(action);
         self.ticks += 1;
+        self.busy_ticks = if self.is_busy {
+            self.busy_ticks.saturating_add(1)
+        } else {
+            0
+        };
         self.punctuality.met();
         &self.output
     }
@@ -195,6 +208,8 @@ impl Controller {
     #[inline(never)]
     fn observe(&mut self, feedback: &Feedback, input: &mut SupervisorInput) -> Option<Fault> {
         let mut found = self.measure(feedback);
+        // To plan a stop takes as long as any of the work that can wait.
+        self.is_busy = self.drift.is_busy() || self.is_about_to_stop(feedback);
         let drives_on = self.supervisor.drives_enabled();
         if drives_on {
             self.driven = self.ticks;
@@ -242,10 +257,12 @@ impl Controller {
         let sensed = Sensed {
             index: &feedback.index,
             encoder: &feedback.encoder,
-            phase: &self.output.telemetry.axis_phase,
+            phase: self.output.telemetry.phase,
+            lead: &self.output.telemetry.lead,
             history: &self.history,
             correction: self.offsets.now(),
             speed: self.motion.speed,
+            may_process: !self.is_about_to_stop(feedback),
         };
         if core::mem::take(&mut self.was_late) {
             self.drift.disregard(&sensed);
@@ -263,6 +280,15 @@ impl Controller {
         found
     }
 
+    /// True if the inputs or the end of the program stop the machine in this tick.
+    fn is_about_to_stop(&self, feedback: &Feedback) -> bool {
+        match self.supervisor.state() {
+            State::Homing => feedback.inputs.stop,
+            State::Run => feedback.inputs.stop || self.cursor.is_done(&self.program),
+            _ => false,
+        }
+    }
+
     /// Continues homing.
     fn find_out(&mut self) -> Option<Finding> {
         let found = self
@@ -273,32 +299,9 @@ impl Controller {
         found.map(Finding::of)
     }
 
-    /// Trims away part of what drives the cranks apart, once a turn; unless that is what drives them apart.
-    fn correct(&mut self) -> Option<Finding> {
-        if self.drift.has_encoders() {
-            self.turned = self.turned.wrapping_add(self.motion.speed);
-            if self.turned < Turns::ONE {
-                return None;
-            }
-            self.turned = Turns::ZERO;
-        } else if self.corrected == self.drift.rounds() {
-            return None;
-        }
-        self.corrected = self.drift.rounds();
-        if self.offsets.is_moving() || !self.drift.is_homed() {
-            return None;
-        }
-        if let Some(fault) = self.homing.corrected(&self.drift, &self.offsets) {
-            return Some(Finding::of(fault));
-        }
-        let errors = homing::errors(&self.drift, &self.offsets);
-        let watched = self.drift.watched();
-        let target = self.offsets.against(&errors, watched, false);
-        // What trims are not allowed to take away stays, until it is beyond a limit.
-        if self.offsets.beyond_limit(&target).is_none() && self.drift.allows(&target) {
-            self.offsets.go_to(&target);
-        }
-        None
+    /// Whether work that can wait may be done in this tick. It waits for a tick that is not busy, but not for ever.
+    const fn has_time(&self) -> bool {
+        !self.is_busy || self.busy_ticks >= MOST_BUSY_TICKS
     }
 
     /// The master's phase as the cranks stand.
@@ -312,13 +315,18 @@ impl Controller {
         match now {
             // Only their index pulses show where the cranks are after the drives were off.
             State::Homing if before == State::Idle => {
-                self.drift.reset(&self.output.telemetry.axis_phase);
+                let phase = |axis| self.output.telemetry.axis_phase(axis);
+                self.drift.reset(&core::array::from_fn(phase));
                 self.homing.begin();
                 self.offsets.hold();
                 self.cursor = Cursor::new();
                 self.target = Target::steady(Turns::ZERO);
             }
-            State::Run if before == State::Parked => {
+            State::Run => {
+                self.correction.restart();
+                if before != State::Parked {
+                    return;
+                }
                 if self.cursor.is_done(&self.program) {
                     self.cursor = Cursor::new();
                 }

@@ -47,7 +47,6 @@ impl Feedback {
 pub struct Output {
     /// Plans, each at the number of the first axis that plays it.
     pub(crate) plans: PerAxis<Runs>,
-    pub(crate) sharing: Sharing,
     /// Setpoints of servo axes; those of stepper axes are zero.
     pub setpoints: PerAxis<Setpoint>,
     /// True if the drives must be on.
@@ -66,36 +65,36 @@ impl Output {
         if axis >= MAX_AXES {
             return NO_RUNS;
         }
-        self.plans.get(self.sharing.first(axis)).unwrap_or(NO_RUNS)
+        self.plans
+            .get(self.sharing().first(axis))
+            .unwrap_or(NO_RUNS)
     }
 
     /// Which axes have the same [`Self::runs`].
     pub const fn sharing(&self) -> Sharing {
-        self.sharing
+        self.telemetry.sharing
     }
 
-    /// Output of a loop that has not begun, with its axes at these phases.
-    pub(crate) const fn idle(axis_phase: PerAxis<Phase>) -> Self {
+    /// Output of a loop that has not begun, with its axes so far ahead of the master, turns.
+    pub(crate) const fn idle(lead: PerAxis<Turns>) -> Self {
         Self {
             plans: [const { Runs::new() }; MAX_AXES],
-            sharing: Sharing::NONE,
             setpoints: [Setpoint::ZERO; MAX_AXES],
             drives_enabled: false,
             sync: true,
-            telemetry: Telemetry::idle(axis_phase),
+            telemetry: Telemetry::idle(lead),
         }
     }
 
-    /// Resets the output to that of a loop that has not begun, with its axes at these phases.
-    pub(crate) fn reset(&mut self, axis_phase: PerAxis<Phase>) {
+    /// Resets the output to that of a loop that has not begun, with its axes so far ahead of the master, turns.
+    pub(crate) fn reset(&mut self, lead: PerAxis<Turns>) {
         for runs in &mut self.plans {
             runs.clear();
         }
-        self.sharing = Sharing::NONE;
         self.setpoints = [Setpoint::ZERO; MAX_AXES];
         self.drives_enabled = false;
         self.sync = true;
-        self.telemetry = Telemetry::idle(axis_phase);
+        self.telemetry = Telemetry::idle(lead);
     }
 }
 
@@ -114,10 +113,13 @@ pub struct Telemetry {
     pub motion: Motion,
     /// Phase of the master at the end of the tick.
     pub phase: Phase,
-    /// Commanded phases at the end of the tick.
-    pub axis_phase: PerAxis<Phase>,
-    /// Steps (or encoder counts) commanded since the start, in each axis's own sense.
-    pub steps: PerAxis<i64>,
+    /// Commanded phases at the end of the tick, less the master's.
+    pub lead: PerAxis<Turns>,
+    /// Which axes share a plan.
+    pub(crate) sharing: Sharing,
+    /// Steps of each plan since the start, and those that an axis is ahead of its plan.
+    pub(crate) plan_steps: PerAxis<i64>,
+    pub(crate) steps_ahead: PerAxis<i64>,
     /// Phase errors as last measured.
     pub phase_error: PerAxis<Turns>,
     /// Largest phase error, without sign, since power-up or [`Command::ResetPeak`].
@@ -139,7 +141,35 @@ pub struct Telemetry {
 }
 
 impl Telemetry {
-    const fn idle(axis_phase: PerAxis<Phase>) -> Self {
+    /// Commanded phase of an axis at the end of the tick; that of the master for an axis that does not exist.
+    pub fn axis_phase(&self, axis: usize) -> Phase {
+        let lead = self.lead.get(axis).copied().unwrap_or_default();
+        self.phase.advanced(lead)
+    }
+
+    /// Steps (or encoder counts) of an axis commanded since the start, in its own sense.
+    pub fn steps(&self, axis: usize) -> i64 {
+        let of = |steps: &PerAxis<i64>, axis: usize| steps.get(axis).copied().unwrap_or_default();
+        of(&self.plan_steps, self.sharing.first(axis.min(MAX_AXES - 1)))
+            .wrapping_add(of(&self.steps_ahead, axis))
+    }
+
+    /// Lets an axis play the plan of `first`, without a change of its steps.
+    pub(crate) fn share_plan(&mut self, axis: usize, first: usize) {
+        let steps = self.steps(axis);
+        self.sharing = self.sharing.with(axis, first);
+        if first == axis
+            && let Some(own) = self.plan_steps.get_mut(axis)
+        {
+            *own = steps;
+        }
+        let plan = self.plan_steps.get(first).copied().unwrap_or_default();
+        if let Some(ahead) = self.steps_ahead.get_mut(axis) {
+            *ahead = steps.wrapping_sub(plan);
+        }
+    }
+
+    const fn idle(lead: PerAxis<Turns>) -> Self {
         Self {
             state: State::Idle,
             fault: None,
@@ -147,8 +177,10 @@ impl Telemetry {
             program_ticks: 0,
             motion: Motion::AT_REST,
             phase: Phase::ZERO,
-            axis_phase,
-            steps: [0; MAX_AXES],
+            lead,
+            sharing: Sharing::NONE,
+            plan_steps: [0; MAX_AXES],
+            steps_ahead: [0; MAX_AXES],
             phase_error: [Turns::ZERO; MAX_AXES],
             peak: [Turns::ZERO; MAX_AXES],
             modes: Modes::ZERO,

@@ -4,9 +4,9 @@
 //! and up see of it is an open loop L(s) = (p + q/s) e^(−sτ) T(s): τ is two ticks, one in which the setpoint is computed and one
 //! until it is reached, and T what the drive makes of its setpoint,
 //!
-//! T = C (s + g) / (J s² + C (s + g)), C = k (1 + 1/(Tᵢ s)),
+//! T = C (f s + g) / (J s² + C (s + g)), C = k (1 + 1/(Tᵢ s)),
 //!
-//! with the drive's gains g, k and integral time Tᵢ, and J the rotor's inertia, alone and with the most of the platform that it
+//! with the drive's gains g, k and integral time Tᵢ, its share f of velocity feed-forward, and J the rotor's inertia, alone and with the most of the platform that it
 //! may have to carry. The gains are the largest with which L keeps a distance from −1 of [`APART`] at all frequencies, at either
 //! inertia: a gain margin of 1/(1 − APART) at the least, and a phase margin of 2 asin(APART/2). Of the proportional part a
 //! fixed share is taken, as more of it gains little: what it answers to comes two ticks late.
@@ -118,8 +118,10 @@ impl Plant {
         let integral = servo
             .integral_s
             .map_or(Complex::new(0.0, 0.0), |integral_s| 1.0 / (s * integral_s));
-        let drive = (integral + 1.0) * servo.velocity_gain_nms * (s + servo.position_gain_per_s);
-        let follows = drive / (s * s * inertia_kgm2 + drive);
+        let velocity_loop = (integral + 1.0) * servo.velocity_gain_nms;
+        let drive = velocity_loop * (s + servo.position_gain_per_s);
+        let lead = velocity_loop * (s * servo.velocity_feed_forward + servo.position_gain_per_s);
+        let follows = lead / (s * s * inertia_kgm2 + drive);
         let delay = (-s * (2.0 / self.tick_hz)).exp();
         (Complex::new(proportional, 0.0) + per_s / s) * delay * follows
     }

@@ -38,7 +38,7 @@ pub struct Stepper {
 
 /// A drive with a position loop around a velocity loop, each with feed-forward, up to its current limit.
 ///
-/// The position loop commands the velocity φ′ + g (φ − α); the velocity loop answers an error e of that with the torque
+/// The position loop commands the velocity f φ′ + g (φ − α), with a share f of velocity feed-forward; the velocity loop answers an error e of that with the torque
 /// k e + z, and the feed-forward torque is added. The current limit caps the sum. z′ = k e / Tᵢ, less what was
 /// capped, over Tᵢ (*back-calculation*): altogether z′ = (torque − feed-forward − z) / Tᵢ, so that z + feed-forward follows
 /// the torque that is given, and cannot wind up beyond it. The current loop is far faster than all this, and is not modelled.
@@ -52,6 +52,8 @@ pub struct Servo {
     pub integral_s: Option<f64>,
     /// Greatest torque, N·m.
     pub limit_nm: f64,
+    /// Share of velocity feed-forward, f.
+    pub velocity_feed_forward: f64,
 }
 
 impl Motor {
@@ -110,6 +112,16 @@ impl Motor {
         }
     }
 
+    /// Following error at a steady speed without load, rad: the velocity that is not fed forward, over the position gain.
+    pub fn following_error_rad(&self, omega_rad_s: f64) -> f64 {
+        match self {
+            Self::Stepper(_) => 0.0,
+            Self::Servo(servo) => {
+                (1.0 - servo.velocity_feed_forward) * omega_rad_s / servo.position_gain_per_s
+            }
+        }
+    }
+
     /// Greatest torque at a speed, N·m.
     pub fn most_nm(&self, omega_rad_s: f64) -> f64 {
         match self {
@@ -133,8 +145,8 @@ impl Stepper {
 
 impl Servo {
     fn torque_nm(&self, field: &Field, alpha_rad: f64, omega_rad_s: f64, integral_nm: f64) -> f64 {
-        let requested_rad_s =
-            field.omega_rad_s + self.position_gain_per_s * (field.alpha_rad - alpha_rad);
+        let requested_rad_s = self.velocity_feed_forward * field.omega_rad_s
+            + self.position_gain_per_s * (field.alpha_rad - alpha_rad);
         let torque_nm = self.velocity_gain_nms * (requested_rad_s - omega_rad_s);
         (torque_nm + integral_nm + field.torque_nm).clamp(-self.limit_nm, self.limit_nm)
     }

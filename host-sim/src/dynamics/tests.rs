@@ -274,6 +274,7 @@ fn a_machine_at_rest_stays_at_rest() {
         velocity_gain_nms: 1.0,
         integral_s: None,
         limit_nm: 10.0,
+        velocity_feed_forward: 1.0,
     });
     for on_block in [false, true] {
         let own = frame(0.1, on_block);

@@ -6,31 +6,19 @@
 //! or ahead, where the load drives it. That is the slowest way to lose steps there is in reality, and
 //! the smallest number of lost steps.
 //!
-//! A servo is where its setpoint is, moving evenly between setpoints.
+//! A servo is where its setpoint is, moving evenly between setpoints. One that takes pulses counts them as a stepper's drive
+//! does, and slips never.
 
 use cophase_core::pulse::Runs;
 use cophase_core::servo::Setpoint;
 use cophase_core::settings::AxisSettings;
 use cophase_core::units::{Phase, Turns};
 
-use super::PullOut;
+use super::drive::AxisDrive;
 use super::flag::{Extra, Flag, Met};
 use super::index::Passed;
+use super::pulse_counter::PulseCounter;
 use super::rotors::DriveCommand;
-
-/// How a simulated axis is driven.
-#[derive(Clone, Debug)]
-pub enum AxisDrive {
-    /// By pulses, as long as the torque is below pull-out.
-    Stepper {
-        /// What the motor can give.
-        pull_out: PullOut,
-        /// Steps of one electrical cycle.
-        cycle_steps: i64,
-    },
-    /// By setpoints.
-    Servo,
-}
 
 /// One motor with its crank.
 #[derive(Clone, Debug)]
@@ -46,11 +34,7 @@ pub struct SimulatedAxis {
     /// Crank phase at step 0, turns.
     origin_turns: f64,
     flag: Option<Flag>,
-    step_high: bool,
-    /// Level of DIR, in the axis's own sense.
-    forward: bool,
-    /// Rising edges counted, with the direction line's sign, in the axis's own sense.
-    counted: i64,
+    pulses: PulseCounter,
     /// Where a servo was commanded to be last.
     commanded: Option<Phase>,
     /// What the motor has slipped, in steps.
@@ -62,6 +46,8 @@ pub struct SimulatedAxis {
     torque_used: Option<(f64, f64)>,
     /// How far the drive was commanded to go, turns; where torque moves the cranks.
     commanded_turns: f64,
+    /// What of that the drive gave up while it was off, turns.
+    cleared_turns: f64,
     /// Whole electrical cycles slipped.
     lost_cycles: i64,
     travelled_turns: f64,
@@ -108,15 +94,14 @@ impl SimulatedAxis {
             home_turns,
             origin_turns: home_turns + start_turns,
             flag,
-            step_high: false,
-            forward: true,
-            counted: 0,
+            pulses: PulseCounter::new(),
             commanded: None,
             slipped: 0,
             slipping: 0,
             overload: Overload::None,
             torque_used: None,
             commanded_turns: 0.0,
+            cleared_turns: 0.0,
             lost_cycles: 0,
             travelled_turns: 0.0,
         }
@@ -172,7 +157,7 @@ impl SimulatedAxis {
 
     /// Takes the command of the drive in a tick: for machines whose cranks move by torque, and not as commanded.
     ///
-    /// A stepper's field is where its steps have it, and in between where the phase is that they are made of,
+    /// Pulses have the command where their count is, and in between where the phase is that they are made of,
     /// `command_turns`: seen at ticks alone, steps would beat with these, and shake the rotor at frequencies that
     /// edges, which have their own times, do not have.
     pub fn command(
@@ -182,43 +167,54 @@ impl SimulatedAxis {
         steps: i64,
         command_turns: f64,
     ) -> DriveCommand {
-        match self.drive {
-            AxisDrive::Stepper { .. } => {
-                self.counted += self.count(runs);
-                debug_assert_eq!(
-                    self.counted, steps,
-                    "the drive counts what the loop commands"
-                );
-                let counted = self.counted as f64;
-                let commanded = (command_turns - self.home_turns) * self.steps_per_turn;
-                self.commanded_turns =
-                    commanded.clamp(counted - 1.0, counted + 1.0) / self.steps_per_turn;
-            }
-            AxisDrive::Servo => self.commanded_turns += self.follow(setpoint),
-        }
-        let torque_nm = match self.drive {
-            AxisDrive::Stepper { .. } => 0.0,
-            AxisDrive::Servo => self.own(setpoint).torque.to_num(),
+        let torque_nm = if self.drive.takes_pulses() {
+            self.pulses.count(runs, steps);
+            let counted = self.pulses.counted() as f64;
+            let commanded = (command_turns - self.home_turns) * self.steps_per_turn;
+            self.commanded_turns =
+                commanded.clamp(counted - 1.0, counted + 1.0) / self.steps_per_turn;
+            0.0
+        } else {
+            self.commanded_turns += self.follow(setpoint);
+            self.own(setpoint).torque.to_num()
         };
         DriveCommand {
-            turns: self.origin_turns + self.commanded_turns,
+            turns: self.origin_turns + self.field_turns(),
             torque_nm,
         }
     }
 
+    /// How far the field went from where it was at power-up, turns: as commanded, less what a drive that was off gave up.
+    fn field_turns(&self) -> f64 {
+        self.commanded_turns - self.cleared_turns
+    }
+
     /// Takes over where the crank has come to in a tick of `cycles`; the cycle at which the index flag came, if it
     /// did, as if it had turned evenly.
-    pub fn moved(&mut self, turns: f64, cycles: u32) -> Option<Passed> {
-        self.moved_under(turns, self.commanded_turns, cycles)
+    pub fn moved(&mut self, turns: f64, cycles: u32, energised: bool) -> Option<Passed> {
+        let passed = self.moved_under(turns, self.field_turns(), cycles, energised);
+        if self.drive.follows_rotor(energised) {
+            self.cleared_turns = self.commanded_turns - self.travelled_turns;
+        }
+        passed
     }
 
     /// The same, where the field went `field_turns` from where it was at power-up, whatever the drive's command was.
-    pub fn moved_under(&mut self, turns: f64, field_turns: f64, cycles: u32) -> Option<Passed> {
+    pub fn moved_under(
+        &mut self,
+        turns: f64,
+        field_turns: f64,
+        cycles: u32,
+        energised: bool,
+    ) -> Option<Passed> {
         let before = self.turns();
         self.travelled_turns = turns - self.origin_turns;
-        if let AxisDrive::Stepper { cycle_steps, .. } = self.drive {
+        if let Some(cycle_steps) = self.drive.cycle_steps() {
             let behind = (self.travelled_turns - field_turns) * self.steps_per_turn;
             self.lost_cycles = (behind / cycle_steps as f64).round() as i64;
+        }
+        if let Some(error) = self.drive.following_error() {
+            error.update(field_turns - self.travelled_turns, energised);
         }
         self.pass(before, Turning::Evenly(cycles))
     }
@@ -255,14 +251,15 @@ impl SimulatedAxis {
         self.reversed
     }
 
+    /// The drive.
+    pub fn drive(&self) -> &AxisDrive {
+        &self.drive
+    }
+
     /// An electrical cycle of its stepper, turns; a servo has none.
     pub fn cycle_turns(&self) -> Option<f64> {
-        match self.drive {
-            AxisDrive::Stepper { cycle_steps, .. } => {
-                Some(cycle_steps as f64 / self.steps_per_turn)
-            }
-            AxisDrive::Servo => None,
-        }
+        let cycle_steps = self.drive.cycle_steps()?;
+        Some(cycle_steps as f64 / self.steps_per_turn)
     }
 
     /// What the load makes of the motor, by what was last compared.
@@ -295,26 +292,19 @@ impl SimulatedAxis {
         drives_enabled: bool,
     ) -> Option<Passed> {
         let before = self.turns();
-        match self.drive {
-            AxisDrive::Stepper { cycle_steps, .. } => {
-                let counted = self.count(runs);
-                if drives_enabled {
-                    self.slip(counted, cycle_steps);
-                } else {
-                    self.slipped -= counted; // the field is off: the crank stays where it is
-                }
-                self.counted += counted;
-                debug_assert_eq!(
-                    self.counted, steps,
-                    "the drive counts what the loop commands"
-                );
-                self.travelled_turns = (self.counted + self.slipped) as f64 / self.steps_per_turn;
+        if self.drive.takes_pulses() {
+            let counted = self.pulses.count(runs, steps);
+            if !drives_enabled {
+                self.slipped -= counted; // the field is off: the crank stays where it is
+            } else if let Some(cycle_steps) = self.drive.cycle_steps() {
+                self.slip(counted, cycle_steps);
             }
-            AxisDrive::Servo => {
-                let commanded_turns = self.follow(setpoint);
-                if drives_enabled {
-                    self.travelled_turns += commanded_turns;
-                }
+            let made = self.pulses.counted() + self.slipped;
+            self.travelled_turns = made as f64 / self.steps_per_turn;
+        } else {
+            let commanded_turns = self.follow(setpoint);
+            if drives_enabled {
+                self.travelled_turns += commanded_turns;
             }
         }
         self.pass(before, Turning::By(runs))
@@ -336,8 +326,7 @@ impl SimulatedAxis {
             Turning::Evenly(cycles) => (cycles, None),
             Turning::By(runs) => {
                 let cycles = runs.iter().map(|run| run.cycles()).sum();
-                let is_stepper = matches!(self.drive, AxisDrive::Stepper { .. });
-                (cycles, is_stepper.then_some(runs))
+                (cycles, self.drive.takes_pulses().then_some(runs))
             }
         };
         let evenly = |place: f64| {
@@ -352,20 +341,6 @@ impl SimulatedAxis {
             fall: met.fall.map(evenly),
             extra: met.extra.map(|part| (part * f64::from(cycles)) as u32),
         }
-    }
-
-    /// Rising edges of a tick, with the sign of the direction line, which only pauses turn.
-    fn count(&mut self, runs: &Runs) -> i64 {
-        let mut counted = 0;
-        for run in runs {
-            if run.is_pause() {
-                self.forward = run.forward();
-            }
-            let rises = i64::from(run.edges() + u32::from(!self.step_high)) / 2;
-            self.step_high ^= run.edges() % 2 == 1;
-            counted += if self.forward { rises } else { -rises };
-        }
-        counted
     }
 
     /// What the motor makes of `counted` steps of its field.
@@ -400,26 +375,6 @@ impl SimulatedAxis {
     /// Cycle of the rising edge that took the crank to `place`, or beyond it.
     fn when(&self, runs: &Runs, place: f64) -> u32 {
         let beyond = ((self.turns() - place) * self.steps_per_turn + 1e-6).floor() as i64;
-        // Counted from the tick's end: `beyond` rises came after it.
-        let mut high = self.step_high;
-        let mut end: u32 = runs.iter().map(|run| run.cycles()).sum();
-        let mut left = beyond;
-        for run in runs.iter().rev() {
-            for _ in 0..run.edges() {
-                if high {
-                    if left == 0 {
-                        return end;
-                    }
-                    left -= 1;
-                }
-                high = !high;
-                end -= run.period();
-            }
-            if run.is_pause() {
-                end -= run.period();
-            }
-        }
-        // A slip, not an edge, took the crank past its index: it passed at some time in the tick.
-        end
+        self.pulses.cycle_before(runs, beyond)
     }
 }

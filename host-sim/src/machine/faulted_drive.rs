@@ -80,8 +80,13 @@ impl FaultedDrives {
         rotors.play(&lead, energised);
         for (i, axis) in axes.iter_mut().enumerate() {
             let origin = axis.turns() - axis.travelled_turns();
-            let passed = axis.moved_under(rotors.turns(i), lead[i].turns - origin, self.cycles);
+            let turns = rotors.turns(i);
+            let passed = axis.moved_under(turns, lead[i].turns - origin, self.cycles, energised);
             passages.put(i, passed);
+            if axis.drive().follows_rotor(energised) {
+                self.field[i] = turns + self.slipped[i];
+                rotors.clear(i);
+            }
         }
     }
 
@@ -118,7 +123,8 @@ impl FaultedDrives {
             }
             let field = self.field[i] - self.slipped[i];
             let origin = axis.turns() - axis.travelled_turns();
-            let passed = axis.moved_under(field - self.dropped[i], field - origin, self.cycles);
+            let turns = field - self.dropped[i];
+            let passed = axis.moved_under(turns, field - origin, self.cycles, energised);
             passages.put(i, passed);
         }
     }
@@ -143,7 +149,7 @@ impl FaultedDrives {
             }
             let (own, lines) = (&axes[i], &axes[disturbance.from]);
             // Pulses are counted by the drive that receives them, and reversed by one that is mounted the other way round.
-            let scale = if own.cycle_turns().is_some() && disturbance.from != i {
+            let scale = if own.drive().takes_pulses() && disturbance.from != i {
                 lines.steps_per_turn() / own.steps_per_turn()
             } else {
                 1.0

@@ -11,17 +11,20 @@
 
 mod axis;
 mod cam;
+mod drive;
 mod faulted_drive;
 mod flag;
 mod index;
 mod platform;
 mod pull_out;
+mod pulse_counter;
 mod rotors;
 mod sensors;
 mod torque;
 
-pub use axis::{AxisDrive, Overload, SimulatedAxis};
+pub use axis::{Overload, SimulatedAxis};
 pub use cam::{Followers, Peaks, Pusher, Turned};
+pub use drive::{AxisDrive, FollowingError};
 pub use flag::{Extra, Flag};
 pub use index::{IndexSensor, Line, Passages, Passed};
 pub use platform::{Platform, Pose};
@@ -48,7 +51,7 @@ const FLAG_CYCLES: u32 = 2500;
 /// What a machine is given to play in one tick.
 #[derive(Clone, Debug)]
 pub struct Played {
-    /// Pulses, for stepper axes.
+    /// Pulses, for axes that take them.
     pub runs: Axes<Runs>,
     /// Setpoints, for servo axes.
     pub setpoints: Axes<Setpoint>,
@@ -74,7 +77,9 @@ impl Played {
         }
         let count = self.runs.len();
         self.setpoints.copy_from_slice(&output.setpoints[..count]);
-        self.steps.copy_from_slice(&output.telemetry.steps[..count]);
+        for (axis, steps) in self.steps.iter_mut().enumerate() {
+            *steps = output.telemetry.steps(axis);
+        }
     }
 }
 
@@ -111,21 +116,21 @@ impl Machine {
         let settings = &checked.settings;
         let in_common = &checked.scene.axes;
         let pull_out = PullOut::new(&in_common.pull_out)?;
+        let window_deg = in_common.servo.and_then(|servo| servo.following_error_deg);
+        let following_error = FollowingError::new(window_deg.map(|deg| deg / 360.0));
         let make = |i: usize| {
             let overrides = checked.overrides(i);
             let own = &settings.axes[i];
             let scale = overrides.map_or(1.0, |own| own.pull_out_scale);
-            let drive = match overrides
-                .and_then(|own| own.drive)
-                .unwrap_or(in_common.drive)
-            {
+            let drive = match checked.scene.drive(i) {
                 Drive::Stepper => AxisDrive::Stepper {
                     pull_out: pull_out.scaled(scale),
                     cycle_steps: (4 * i64::from(own.steps_per_turn)
                         / i64::from(in_common.full_steps_per_turn))
                     .max(1),
                 },
-                Drive::Servo => AxisDrive::Servo,
+                Drive::Servo => AxisDrive::Servo(following_error),
+                Drive::PulseServo => AxisDrive::PulseServo(following_error),
             };
             let start_turns = overrides.map_or(0.0, |own| own.start_deg / 360.0);
             let friction_nm = overrides
@@ -292,7 +297,10 @@ impl Machine {
             rotors.play(&commanded, drives_enabled);
             let cycles = (self.tick_s * f64::from(CLOCK_HZ)).round() as u32;
             for (i, axis) in self.axes.iter_mut().enumerate() {
-                passages.put(i, axis.moved(rotors.turns(i), cycles));
+                passages.put(i, axis.moved(rotors.turns(i), cycles, drives_enabled));
+                if axis.drive().follows_rotor(drives_enabled) {
+                    rotors.clear(i);
+                }
             }
             return;
         }

@@ -199,6 +199,11 @@ impl Rotors {
         self.state[i] -= turns * std::f64::consts::TAU;
     }
 
+    /// Has the command of crank `i` be where the crank is, at once.
+    pub fn clear(&mut self, i: usize) {
+        self.commanded[i].turns = self.turns(i);
+    }
+
     /// Has crank `i` stand whatever pushes it, or lets it go.
     pub fn hold(&mut self, i: usize, held: bool) {
         self.driven.hold(i, held);

@@ -193,7 +193,7 @@ fn motor(checked: &Checked, pull_out: &PullOut, i: usize) -> Result<Motor, Scene
             ),
         )
     };
-    match overrides.and_then(|own| own.drive).unwrap_or(axes.drive) {
+    match checked.scene.drive(i) {
         Drive::Stepper => {
             if axes.pull_out.is_empty() {
                 return Err(needed(
@@ -208,7 +208,7 @@ fn motor(checked: &Checked, pull_out: &PullOut, i: usize) -> Result<Motor, Scene
                 damping_nms: axes.damping_nms,
             }))
         }
-        Drive::Servo => {
+        Drive::Servo | Drive::PulseServo => {
             let servo = axes.servo.as_ref().ok_or_else(|| {
                 needed(
                     "servo",
@@ -220,6 +220,7 @@ fn motor(checked: &Checked, pull_out: &PullOut, i: usize) -> Result<Motor, Scene
                 velocity_gain_nms: servo.velocity_gain_nms,
                 integral_s: servo.integral_s,
                 limit_nm: servo.limit_nm.unwrap_or(f64::INFINITY),
+                velocity_feed_forward: servo.velocity_feed_forward,
             }))
         }
     }

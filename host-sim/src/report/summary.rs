@@ -320,7 +320,7 @@ fn steps(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::R
     let statistics = &outcome.statistics;
     let what = match checked.scene.axes.drive {
         Drive::Stepper => "steps",
-        Drive::Servo => "counts",
+        Drive::Servo | Drive::PulseServo => "counts",
     };
     let alike = statistics.steps.windows(2).all(|pair| pair[0] == pair[1]);
     if alike {

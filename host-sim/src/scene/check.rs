@@ -73,7 +73,7 @@ impl Checked {
         };
         // Made once to be checked; it is cheap, and nothing else knows all that the core refuses.
         checked.controller()?;
-        numbers::check_pull_out(&checked.scene)?;
+        numbers::check_steppers(&checked.scene)?;
         if checked.scene.questions.ground_percent.is_some() && checked.scene.frame.is_none() {
             return Err(SceneError::at(
                 "questions.ground_percent",

@@ -7,7 +7,7 @@ use cophase_core::settings::{AxisSettings, Settings, SettingsError};
 
 use super::SceneError;
 use super::check::{Follower, program};
-use super::file::{AxisOverrides, Fidelity, Scene};
+use super::file::{AxisOverrides, Drive, Fidelity, Scene};
 use crate::fidelity::Choice;
 use crate::machine::Chosen;
 
@@ -141,6 +141,12 @@ impl Scene {
     /// What axis `number` has apart from the others.
     pub fn overrides(&self, number: usize) -> Option<&AxisOverrides> {
         self.axis.iter().find(|own| own.number == number)
+    }
+
+    /// How axis `number` is driven.
+    pub fn drive(&self, number: usize) -> Drive {
+        let own = self.overrides(number).and_then(|own| own.drive);
+        own.unwrap_or(self.axes.drive)
     }
 }
 

@@ -24,6 +24,7 @@ pub const SCENES: &[BuiltIn] = scenes![
     "patent-4",
     "lost-steps",
     "stiff-bearing",
+    "pulse-servo",
     "suspended",
     "wrapper",
     "electronic-cam",

@@ -43,6 +43,7 @@ impl Coast {
         if moment.drives_enabled {
             self.were_on = true;
             self.off_ticks = 0;
+            self.moved = None;
             return;
         }
         if self.were_on {
@@ -59,7 +60,6 @@ impl Coast {
         }
         if self.off_ticks == 0 {
             self.place = moment.actual_turns.to_vec();
-            self.moved = None;
         }
         self.off_ticks += 1;
         for (place, &turns) in self.place.iter_mut().zip(moment.actual_turns) {

@@ -187,8 +187,9 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
         } = waiting;
         let master_turns = self.master.follow(telemetry.phase);
         if self.axes.is_empty() {
-            let phase = &telemetry.axis_phase;
-            self.axes = per_axis(self.sensors.len(), |i| Unwrapped::starting_at(phase[i]));
+            self.axes = per_axis(self.sensors.len(), |i| {
+                Unwrapped::starting_at(telemetry.axis_phase(i))
+            });
         }
         let commands = self
             .now
@@ -196,7 +197,7 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
             .iter_mut()
             .zip(&mut self.now.aim_turns);
         for (i, (axis, (command, aim))) in self.axes.iter_mut().zip(commands).enumerate() {
-            *command = axis.follow(telemetry.axis_phase[i]);
+            *command = axis.follow(telemetry.axis_phase(i));
             *aim = *command - turns(telemetry.correction[i]);
         }
         for (axis, extra) in self.faults.extra(*start_us) {
@@ -281,6 +282,9 @@ impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
             self.statistics.commanded(now_s, command);
         }
         feedback.encoder = self.machine.encoders();
+        for (alarm, axis) in feedback.alarm.iter_mut().zip(&self.machine.axes) {
+            *alarm = axis.drive().alarm();
+        }
         feedback.inputs = self.schedule.lines();
         feedback.command = command;
         self.faults.read(now, &mut feedback);

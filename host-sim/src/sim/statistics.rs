@@ -273,7 +273,9 @@ impl Statistics {
             self.last.actual_turns[i] = moment.actual_turns[i];
         }
         let telemetry = moment.telemetry;
-        self.last.steps = telemetry.steps;
+        for (axis, steps) in self.last.steps.iter_mut().enumerate() {
+            *steps = telemetry.steps(axis);
+        }
         self.last.peak = telemetry.peak;
         self.last.correction = telemetry.correction;
         if let Some(followers) = moment.machine.followers() {

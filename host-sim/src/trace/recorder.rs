@@ -98,7 +98,7 @@ impl<C: Write, V: Write> Recorder<C, V> {
         row.omega_rad_s = omega;
         row.phase_turns = moment.master_turns;
         for (i, axis) in row.axes.iter_mut().enumerate() {
-            axis.steps = telemetry.steps[i];
+            axis.steps = telemetry.steps(i);
             axis.command_turns = moment.command_turns[i];
             axis.actual_turns = moment.actual_turns[i];
             axis.phase_error_deg = degrees(telemetry.phase_error[i]);

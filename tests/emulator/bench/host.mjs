@@ -5,15 +5,17 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { parse, stringify } from 'smol-toml';
-import { COPHASE, SCENES } from './paths.mjs';
+import { BUILT_IN, COPHASE, SCENES } from './paths.mjs';
 
 const NANOS_PER_CYCLE = 8;
 
 /**
- * A scene, by its name if it is the bench's, or by its file: what is in it, or what `change` makes of that, and what of it the bench has to know.
+ * A scene, by its name if it is the bench's or built in, or by its file: what is in it, or what `change` makes of that, and what of it the
+ * bench has to know.
  */
 export function scene(name, change = () => {}) {
-  const file = name.endsWith('.toml') ? name : path.join(SCENES, `${name}.toml`);
+  const named = [SCENES, BUILT_IN].map((folder) => path.join(folder, `${name}.toml`));
+  const file = name.endsWith('.toml') ? name : (named.find((file) => fs.existsSync(file)) ?? named[0]);
   const toml = parse(fs.readFileSync(file, 'utf8'));
   change(toml);
   return {

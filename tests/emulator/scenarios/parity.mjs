@@ -12,7 +12,7 @@ import { BUILT_IN } from '../bench/paths.mjs';
 import * as pins from '../bench/pins.mjs';
 import { act } from '../bench/play.mjs';
 
-const SCENES = ['start-stop', 'band', 'reversal', 'index', 'gears', 'fast'];
+const SCENES = ['start-stop', 'band', 'reversal', 'index', 'gears', 'fast', 'pulse-servo'];
 
 /** Built-in scenes of the command, whose programs are shortened to levels of so many seconds. */
 const BUILT_IN_SCENES = ['electronic-cam'];

@@ -209,7 +209,8 @@ impl Machine {
 
     /// Takes in what is to be played from the next deadline on.
     pub fn play(&mut self, output: &Output) {
-        for (crank, phase) in self.cranks.iter_mut().zip(&output.telemetry.axis_phase) {
+        for (axis, crank) in self.cranks.iter_mut().enumerate() {
+            let phase = output.telemetry.axis_phase(axis);
             let last = crank.commanded[0];
             let step = phase.since(Phase::from_turns(Turns::from_bits(last)));
             crank.commanded = [

@@ -201,7 +201,8 @@ impl Watch {
         );
         for (i, most) in self.offset_most.iter().enumerate() {
             if let Some(offset) = self.plain[i] {
-                let by = telemetry.axis_phase[i]
+                let by = telemetry
+                    .axis_phase(i)
                     .since(telemetry.phase)
                     .wrapping_sub(offset)
                     .to_bits()

@@ -119,11 +119,11 @@ impl PhaseOffsets {
         let mut targets = self.user.target;
         if let Some(steps) = targets.get_mut(axis) {
             let controller = self.controller.target.get(axis).copied();
-            *steps = lane.steps_of(cut, controller.unwrap_or_default());
+            (*steps, _) = lane.rounded(cut, controller.unwrap_or_default());
         }
         let is_idle = self.is_idle();
         self.user.go_to(&self.lanes, targets);
-        self.start(is_idle);
+        self.begin_with_first_axis(is_idle);
         cut == target
     }
 
@@ -139,59 +139,70 @@ impl PhaseOffsets {
             .map(|(axis, _)| axis)
     }
 
-    /// Starts a move of the controller's part to `target`, turns, rounded to whole steps. The targets should have the sum zero; the
-    /// rounded ones then have it to half a step.
-    #[inline(never)]
+    /// Starts a move of the controller's part to `target`, turns, [rounded](Self::rounded) to whole steps.
     pub fn go_to(&mut self, target: &PerAxis<Turns>) {
+        self.start(self.rounded(target));
+    }
+
+    /// Controller's part in whole steps, for a target in turns. The targets should have the sum zero; the rounded ones then have it
+    /// to half a step.
+    #[inline(never)]
+    pub fn rounded(&self, target: &PerAxis<Turns>) -> PerAxis<i32> {
         let mut steps = self.controller.target;
-        let mut residual = [Turns::ZERO; MAX_AXES];
-        let mut sum = Turns::ZERO;
-        let axes = steps.iter_mut().zip(&mut residual).zip(&self.user.target);
-        for (((steps, residual), &user), (lane, (&target, &now))) in
+        let mut rounding = [0; MAX_AXES];
+        let axes = steps.iter_mut().zip(&mut rounding).zip(&self.user.target);
+        for (((steps, rounding), &user), (lane, (&target, &now))) in
             axes.zip(self.lanes.iter().zip(target.iter().zip(&self.now)))
         {
             if target != now {
-                *steps = lane.steps_of(target, user);
-                *residual = lane.turns_of(*steps).wrapping_sub(target);
-                sum = sum.wrapping_add(*residual);
+                (*steps, *rounding) = lane.rounded(target, user);
             }
         }
-        self.balance(&mut steps, &mut residual, sum);
-        let is_idle = self.is_idle();
-        self.controller.go_to(&self.lanes, steps);
-        self.start(is_idle);
+        self.balance(&mut steps, &mut rounding);
+        steps
     }
 
-    /// Changes rounded offsets by whole steps until the sum of what rounding added is at most half a step. It changes those
-    /// first that rounding moved furthest.
+    /// Starts a move of the controller's part to a target in whole steps.
+    pub fn start(&mut self, target: PerAxis<i32>) {
+        let is_idle = self.is_idle();
+        self.controller.go_to(&self.lanes, target);
+        self.begin_with_first_axis(is_idle);
+    }
+
+    /// Changes offsets by whole steps until the sum of what rounding added is at most half a step, and those first that
+    /// rounding moved furthest. Offsets in other steps than those of the first axis are left as they are.
     #[inline(never)]
-    fn balance(&self, steps: &mut PerAxis<i32>, residual: &mut PerAxis<Turns>, mut sum: Turns) {
+    fn balance(&self, steps: &mut PerAxis<i32>, rounding: &mut PerAxis<i64>) {
+        let steps_per_turn = self.lanes.first().map_or(0, |lane| lane.steps_per_turn);
+        for (rounding, lane) in rounding.iter_mut().zip(&self.lanes) {
+            if lane.steps_per_turn != steps_per_turn {
+                *rounding = 0;
+            }
+        }
+        let mut sum: i64 = rounding.iter().sum();
         for _ in 0..self.lanes.len() {
-            let by = if sum > 0 { -1 } else { 1 };
-            let mut furthest: Option<(usize, Turns, Turns)> = None;
-            for (axis, (lane, &residual)) in self.lanes.iter().zip(&*residual).enumerate() {
+            if sum.abs() <= ONE_TURN / 2 {
+                return;
+            }
+            let (by, sign) = if sum > 0 { (-1, 1) } else { (1, -1) };
+            let mut furthest: Option<(usize, i64)> = None;
+            for (axis, (lane, &rounding)) in self.lanes.iter().zip(&*rounding).enumerate() {
                 let parts = steps.get(axis).zip(self.user.target.get(axis));
                 let offset = parts.map_or(0, |(steps, user)| steps + user + by);
-                let step = lane.turns_of(by);
-                let moved = if by < 0 {
-                    residual
-                } else {
-                    residual.wrapping_neg()
-                };
-                if moved > furthest.map_or(Turns::ZERO, |(_, moved, _)| moved)
-                    && sum.wrapping_abs() > step.wrapping_abs() / 2
+                let moved = rounding * sign;
+                if moved > furthest.map_or(0, |(_, moved)| moved)
                     && offset.abs() <= lane.limit_steps
                 {
-                    furthest = Some((axis, moved, step));
+                    furthest = Some((axis, moved));
                 }
             }
-            let Some((axis, _, step)) = furthest else {
+            let Some((axis, _)) = furthest else {
                 return;
             };
-            if let (Some(steps), Some(residual)) = (steps.get_mut(axis), residual.get_mut(axis)) {
+            sum -= sign * ONE_TURN;
+            if let (Some(steps), Some(rounding)) = (steps.get_mut(axis), rounding.get_mut(axis)) {
                 *steps += by;
-                *residual = residual.wrapping_add(step);
-                sum = sum.wrapping_add(step);
+                *rounding -= sign * ONE_TURN;
             }
         }
     }
@@ -201,7 +212,7 @@ impl PhaseOffsets {
     }
 
     /// Lets a move begin with the first axis, unless another is under way.
-    fn start(&mut self, was_idle: bool) {
+    fn begin_with_first_axis(&mut self, was_idle: bool) {
         if was_idle && self.slot.ticks == 0 {
             self.slot.axis = self.lanes.len();
         }
@@ -216,10 +227,11 @@ impl PhaseOffsets {
         }
     }
 
-    /// Advances by one tick; returns the motion of the axis that moves in it, if one does.
+    /// Advances by one tick; returns the motion of the axis that moves in it, if one does. Unless it `may_begin`, no axis begins
+    /// its slot: that costs more than the other ticks.
     #[inline]
-    pub fn advance(&mut self) -> Option<OffsetMotion> {
-        if self.slot.ticks == 0 && (self.is_idle() || !self.begin_slot()) {
+    pub fn advance(&mut self, may_begin: bool) -> Option<OffsetMotion> {
+        if self.slot.ticks == 0 && (self.is_idle() || !may_begin || !self.begin_slot()) {
             return None;
         }
         self.slot.ticks -= 1;
@@ -355,19 +367,16 @@ impl Lane {
         }
     }
 
-    /// Whole number of steps nearest to `turns`, up to ±½. If that would exceed the limit together with the `other` part, the one
-    /// before.
-    fn steps_of(&self, turns: Turns, other: i32) -> i32 {
-        let twice = multiply_long(turns.to_bits().unsigned_abs(), self.steps_per_turn)
-            >> (FRACTION_BITS - 1);
-        let nearest = ((twice + 1) >> 1) as i32;
-        let steps = if turns < 0 { -nearest } else { nearest };
+    /// Whole number of steps nearest to `turns`, up to ±½, and how many steps of 2⁻⁴⁸ rounding added. If the nearest would
+    /// exceed the limit together with the `other` part, the one before.
+    fn rounded(&self, turns: Turns, other: i32) -> (i32, i64) {
+        let exact = multiply_long(turns.to_bits() as u64, self.steps_per_turn) as i64;
+        let mut steps = ((exact >> (FRACTION_BITS - 1)) as i32 + 1) >> 1;
         let offset = steps + other;
         if offset.abs() > self.limit_steps {
-            steps - offset.signum()
-        } else {
-            steps
+            steps -= offset.signum();
         }
+        (steps, (i64::from(steps) << FRACTION_BITS) - exact)
     }
 }
 

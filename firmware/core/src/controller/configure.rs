@@ -5,6 +5,7 @@
 
 use super::Controller;
 use super::channel::Channel;
+use super::correction::Correction;
 use super::homing::Homing;
 use super::punctuality::Punctuality;
 use super::wiring_proof::wiring_patterns;
@@ -99,8 +100,7 @@ impl Controller {
             drift: DriftMonitor::new(),
             homing: Homing::new(),
             offsets: PhaseOffsets::new(),
-            corrected: 0,
-            turned: Turns::ZERO,
+            correction: Correction::new(),
             coupling: None,
             supervisor: Supervisor::new(0),
             unpublished: None,
@@ -110,8 +110,10 @@ impl Controller {
             ticks: 0,
             punctuality: Punctuality::new(),
             overrun: None,
+            is_busy: false,
+            busy_ticks: 0,
             was_late: false,
-            output: Output::idle([Phase::ZERO; MAX_AXES]),
+            output: Output::idle([Turns::ZERO; MAX_AXES]),
         }
     }
 
@@ -149,8 +151,7 @@ impl Controller {
         self.end = (Amax::ZERO, Turns::ZERO);
         self.park_crank = Phase::from_turns(turns(settings.park_turns)).within_turn();
         self.park = self.park_crank;
-        self.corrected = 0;
-        self.turned = Turns::ZERO;
+        self.correction = Correction::new();
         let settle_ticks = libm::ceil(settings.settle_s * f64::from(settings.tick_hz));
         self.supervisor = Supervisor::new(settle_ticks as u32);
         self.unpublished = None;
@@ -160,6 +161,8 @@ impl Controller {
         self.ticks = 0;
         self.punctuality = Punctuality::new();
         self.overrun = None;
+        self.is_busy = false;
+        self.busy_ticks = 0;
         self.was_late = false;
         self.fill_trims(settings)
     }
@@ -168,8 +171,8 @@ impl Controller {
     fn fill_channels(&mut self, settings: &Settings) -> Result<(), SettingsError> {
         let tick_hz = settings.tick_hz;
         let timing = PulseTiming::new(&settings.pulse, tick_hz)?;
-        let mut phases = [Phase::ZERO; MAX_AXES];
-        for (i, (axis, phase)) in settings.axes.iter().zip(&mut phases).enumerate() {
+        let mut leads = [Turns::ZERO; MAX_AXES];
+        for (i, (axis, lead)) in settings.axes.iter().zip(&mut leads).enumerate() {
             let follower = axis.follower.follower(&self.cams);
             if axis.index_turns.is_some() && !follower.allows_index(&self.cams) {
                 return Err(SettingsError::new("axes.index", Problem::IndexOnCam).on_entry(i));
@@ -177,7 +180,7 @@ impl Controller {
             let bounds = follower.bounds(&settings.master_bounds(), &self.cams);
             let feed_forward =
                 feed_forward(settings, axis, &bounds, timing).map_err(|e| e.on_entry(i))?;
-            *phase = Phase::from_turns(turns(axis.offset_turns)).advanced(follower.start());
+            *lead = turns(axis.offset_turns).wrapping_add(follower.start());
             let channel = Channel {
                 follower,
                 planner: Planner::new(timing, axis.steps_per_turn),
@@ -194,7 +197,7 @@ impl Controller {
         self.followers = channels.fold(0, |followers, (axis, channel)| {
             followers | AxisSet::from(!channel.follower.is_direct()) << axis
         });
-        self.output.reset(phases);
+        self.output.reset(leads);
         self.group_axes();
         Ok(())
     }

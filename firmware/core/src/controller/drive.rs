@@ -9,7 +9,7 @@ use super::channel::Channel;
 use crate::axes::{Follower, OffsetMotion};
 use crate::signals::Output;
 use crate::supervisor::State;
-use crate::units::{MAX_AXES, PerAxis, Turns};
+use crate::units::{MAX_AXES, Turns};
 
 impl Controller {
     /// Moves the axes and makes their pulses and setpoints. Phase offsets stand while the machine stands, stops or is parked.
@@ -17,7 +17,7 @@ impl Controller {
     pub(super) fn drive(&mut self, moving: bool) {
         let offsets_move = moving && matches!(self.supervisor.state(), State::Homing | State::Run);
         let moved = if offsets_move {
-            self.offsets.advance()
+            self.offsets.advance(self.has_time())
         } else {
             None
         };
@@ -31,10 +31,6 @@ impl Controller {
             Turns::ZERO
         };
         self.history.plan(master);
-        let count = self.channels.len();
-        for phase in self.output.telemetry.axis_phase.iter_mut().take(count) {
-            *phase = phase.advanced(master);
-        }
         if moving && self.followers != 0 {
             self.advance_followers(master);
         }
@@ -50,9 +46,9 @@ impl Controller {
     /// Plans the pulses: one plan for all axes that share it.
     #[inline(never)] // Within a function with more variables, the loop would lack registers.
     fn plan_all(&mut self, moved: Option<&OffsetMotion>) {
-        let sharing = self.output.sharing;
-        let mut steps_of: PerAxis<i32> = [0; MAX_AXES];
-        let plans = self.output.plans.iter_mut().zip(&mut steps_of);
+        let sharing = self.output.telemetry.sharing;
+        let steps = &mut self.output.telemetry.plan_steps;
+        let plans = self.output.plans.iter_mut().zip(steps);
         for (axis, (channel, (runs, steps))) in self.channels.iter_mut().zip(plans).enumerate() {
             if sharing.first(axis) == axis {
                 let turns = self.history.planned(axis);
@@ -62,13 +58,7 @@ impl Controller {
                     }
                     _ => (turns, 0),
                 };
-                *steps = channel.plan(turns, offset, &mut self.step_rate, runs);
-            }
-        }
-        for (axis, steps) in self.output.telemetry.steps.iter_mut().enumerate() {
-            // Axes that are not there make no steps.
-            if let Some(&made) = steps_of.get(sharing.first(axis)) {
-                *steps += i64::from(made);
+                *steps += i64::from(channel.plan(turns, offset, &mut self.step_rate, runs));
             }
         }
     }
@@ -76,20 +66,19 @@ impl Controller {
     /// Moves the axes that do not make the master's own turns.
     #[inline(never)]
     fn advance_followers(&mut self, master: Turns) {
-        let sharing = self.output.sharing;
+        let sharing = self.output.telemetry.sharing;
         let mut turns_of = [master; MAX_AXES];
         for (axis, (channel, turns)) in self.channels.iter_mut().zip(&mut turns_of).enumerate() {
             if self.followers & 1 << axis != 0 && sharing.first(axis) == axis {
                 *turns = channel.follower.advance(master, &self.cams);
             }
         }
-        for (axis, phase) in self.output.telemetry.axis_phase.iter_mut().enumerate() {
+        for (axis, lead) in self.output.telemetry.lead.iter_mut().enumerate() {
             if self.followers & 1 << axis != 0
                 && let Some(&turns) = turns_of.get(sharing.first(axis))
             {
                 self.history.plan_own(axis, turns);
-                // The phase contains the master's turns already.
-                *phase = phase.advanced(turns.wrapping_sub(master));
+                *lead = lead.wrapping_add(turns.wrapping_sub(master));
             }
         }
     }
@@ -100,8 +89,8 @@ impl Controller {
         let turns = self.history.planned(moved.axis).wrapping_add(moved.turns);
         self.history.plan_own(moved.axis, turns);
         let telemetry = &mut self.output.telemetry;
-        if let Some(phase) = telemetry.axis_phase.get_mut(moved.axis) {
-            *phase = phase.advanced(moved.turns);
+        if let Some(lead) = telemetry.lead.get_mut(moved.axis) {
+            *lead = lead.wrapping_add(moved.turns);
         }
         let now = self.offsets.now().get(moved.axis);
         if let (Some(correction), Some(&now)) = (telemetry.correction.get_mut(moved.axis), now) {
@@ -132,7 +121,7 @@ impl Controller {
 
     /// Lets an axis share the plan of one of the axes below `end`, if one has the same motion.
     fn join(&mut self, axis: usize, end: usize) {
-        let sharing = self.output.sharing;
+        let sharing = self.output.telemetry.sharing;
         let Some(channel) = self.channels.get(axis) else {
             return;
         };
@@ -141,16 +130,16 @@ impl Controller {
         };
         let found = self.channels.iter().take(end).enumerate().find(same);
         if let Some((first, _)) = found {
-            self.output.sharing = sharing.with(axis, first);
+            self.output.telemetry.share_plan(axis, first);
         }
     }
 
     /// Gives an axis a plan of its own.
     fn leave(&mut self, axis: usize) {
-        let sharing = self.output.sharing;
+        let sharing = self.output.telemetry.sharing;
         let first = sharing.first(axis);
         if first != axis {
-            self.output.sharing = sharing.with(axis, axis);
+            self.output.telemetry.share_plan(axis, axis);
             return self.continue_from(first, axis);
         }
         // The next axis of the group is planned from now on.
@@ -159,10 +148,10 @@ impl Controller {
         let Some(next) = others.next() else {
             return;
         };
-        let after = others.fold(sharing.with(next, next), |sharing, other| {
-            sharing.with(other, next)
-        });
-        self.output.sharing = after;
+        self.output.telemetry.share_plan(next, next);
+        for other in others {
+            self.output.telemetry.share_plan(other, next);
+        }
         self.continue_from(axis, next);
     }
 
@@ -185,12 +174,9 @@ impl Controller {
             telemetry,
             ..
         } = &mut self.output;
-        let all = self
-            .channels
-            .iter()
-            .zip(setpoints)
-            .zip(&telemetry.axis_phase);
-        for (axis, ((channel, setpoint), &phase)) in all.enumerate() {
+        let phase = self.shaft.phase();
+        let all = self.channels.iter().zip(setpoints).zip(&telemetry.lead);
+        for (axis, ((channel, setpoint), &lead)) in all.enumerate() {
             if let Some(forward) = &channel.feed_forward {
                 let coupled = self.coupling.as_ref().map(|coupling| coupling.of(axis));
                 let (position, speed) = coupled.unwrap_or_default();
@@ -200,7 +186,13 @@ impl Controller {
                     channel
                         .follower
                         .acceleration(motion.speed, motion.acceleration, &self.cams);
-                *setpoint = channel.setpoint(forward, phase, velocity, acceleration, home_offset);
+                *setpoint = channel.setpoint(
+                    forward,
+                    phase.advanced(lead),
+                    velocity,
+                    acceleration,
+                    home_offset,
+                );
                 setpoint.position = setpoint.position.advanced(position);
                 setpoint.velocity = setpoint.velocity.wrapping_add(speed);
                 if channel.reversed {

@@ -133,7 +133,7 @@ fn a_seek_goes_on_from_there() {
 #[test]
 fn every_start_from_idle_homes_again() {
     let mut controller = controller(&settings(), 100.0);
-    play(&mut controller, Some(Command::Start), 5, true);
+    play(&mut controller, Some(Command::Start), 10, true);
     assert_eq!(controller.output.telemetry.state, State::Run);
     let mut lost = Feedback::of(None);
     lost.inputs.enable = false;
@@ -187,7 +187,7 @@ fn setpoints_are_in_the_motors_own_sense() {
     let alpha =
         motion.acceleration.to_num::<f64>() * f64::from(HZ).powi(2) * core::f64::consts::TAU;
     let forward = controller.channels[1].feed_forward.expect("a servo");
-    let phase = controller.output.telemetry.axis_phase[1];
+    let phase = controller.output.telemetry.axis_phase(1);
     let still = forward.torque(phase, half, Turns::ZERO).to_num::<f64>();
     let s_term = forward
         .torque(

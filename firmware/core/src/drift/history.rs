@@ -24,12 +24,36 @@ impl Made {
         most: Turns::ZERO,
     };
 
+    #[inline(always)]
     fn of(&self, axis: usize) -> Turns {
         if self.own & 1 << axis == 0 {
             self.master
         } else {
             self.turns.get(axis).copied().unwrap_or_default()
         }
+    }
+}
+
+/// The ticks of a [`History`] in their order.
+#[derive(Clone, Copy, Debug)]
+pub struct Recent<'a> {
+    planned: &'a Made,
+    played: &'a Made,
+    before: &'a Made,
+}
+
+impl Recent<'_> {
+    /// Phase of an axis over the tick that is over, and its turns in the tick before. `phase` is its commanded phase at the end of
+    /// the tick that was planned last.
+    #[inline(always)]
+    pub fn over(&self, axis: usize, phase: Phase) -> (TickPhase, Turns) {
+        let turns = self.played.of(axis);
+        let since = self.planned.of(axis).wrapping_add(turns);
+        let over = TickPhase {
+            start: phase.advanced(since.wrapping_neg()),
+            turns,
+        };
+        (over, self.before.of(axis))
     }
 }
 
@@ -78,17 +102,16 @@ impl History {
 
     /// Phase of an axis over the tick that is over. `phase` is its commanded phase at the end of the tick that was planned last.
     pub fn over(&self, axis: usize, phase: Phase) -> TickPhase {
-        let turns = self.made(1).of(axis);
-        let since = self.planned(axis).wrapping_add(turns);
-        TickPhase {
-            start: phase.advanced(since.wrapping_neg()),
-            turns,
-        }
+        self.recent().over(axis, phase).0
     }
 
-    /// Turns of an axis in the tick before the one that is over.
-    pub fn before(&self, axis: usize) -> Turns {
-        self.made(2).of(axis)
+    /// The three ticks in their order.
+    pub fn recent(&self) -> Recent<'_> {
+        Recent {
+            planned: self.made(0),
+            played: self.made(1),
+            before: self.made(2),
+        }
     }
 
     /// Upper bound on the turns of an axis in the tick that is over.
@@ -151,8 +174,9 @@ mod tests {
                 assert_eq!(over.turns, turns(made));
                 assert_eq!(over.start, begins[tick as usize - 2][axis]);
             }
-            assert_eq!(history.before(0), turns(tick - 2));
-            assert_eq!(history.before(1), turns(own(tick - 2)));
+            let before = |axis| history.recent().over(axis, Phase::ZERO).1;
+            assert_eq!(before(0), turns(tick - 2));
+            assert_eq!(before(1), turns(own(tick - 2)));
             assert_eq!(history.most(), turns(own(tick - 1)));
         }
     }

@@ -54,21 +54,25 @@ pub struct Sensed<'a> {
     pub index: &'a PerAxis<Option<IndexPulse>>,
     /// Encoder counts at its end, in the motors' own sense.
     pub encoder: &'a PerAxis<i32>,
-    /// Commanded phases at the end of the tick that was planned last.
-    pub phase: &'a PerAxis<Phase>,
+    /// Phase of the master at the end of the tick that was planned last.
+    pub phase: Phase,
+    /// Commanded phases at that time, less the master's.
+    pub lead: &'a PerAxis<Turns>,
     /// Turns that were commanded up to there.
     pub history: &'a History,
     /// Corrections that these phases contain.
     pub correction: &'a PerAxis<Turns>,
     /// Turns that the master made in it.
     pub speed: Turns,
+    /// False if updates should wait for the next tick.
+    pub may_process: bool,
 }
 
 impl Sensed<'_> {
     /// The phase of an axis over the tick that is over.
     fn over(&self, axis: usize) -> TickPhase {
-        let phase = self.phase.get(axis).copied().unwrap_or(Phase::ZERO);
-        self.history.over(axis, phase)
+        let lead = self.lead.get(axis).copied().unwrap_or_default();
+        self.history.over(axis, self.phase.advanced(lead))
     }
 }
 
@@ -99,6 +103,9 @@ pub struct DriftMonitor {
     known: AxisSet,
     /// Axes whose index has been detected since [`Self::start_check`].
     checked: AxisSet,
+    /// The two sets before, as of the last batch that was evaluated.
+    evaluated: AxisSet,
+    evaluated_checked: AxisSet,
     rounds: u32,
     /// In the last round, axes by index were off by about what they were in the one before: all but those that moved of themselves.
     is_even: bool,
@@ -109,6 +116,7 @@ pub struct DriftMonitor {
     changed: bool,
     findings: Findings,
     queue: Queue,
+    is_busy: bool,
     /// No pulse of an axis by index is due before its axis has made so many more turns; negative if that is not known.
     margin: Turns,
 }
@@ -142,6 +150,8 @@ impl DriftMonitor {
             detected: 0,
             known: 0,
             checked: 0,
+            evaluated: 0,
+            evaluated_checked: 0,
             rounds: 0,
             is_even: false,
             is_compared: false,
@@ -149,6 +159,7 @@ impl DriftMonitor {
             changed: false,
             findings: Findings::new(),
             queue: Queue::new(),
+            is_busy: false,
             margin: NO_MARGIN,
         }
     }
@@ -183,7 +194,7 @@ impl DriftMonitor {
         self.by_encoder = by_encoder;
         self.clock = TickClock::new(settings.tick_cycles());
         self.before_is_known = false;
-        self.checked = 0;
+        self.start_check();
         self.rounds = 0;
         self.reset_peak();
         self.reset(&[Phase::ZERO; MAX_AXES]);
@@ -197,14 +208,16 @@ impl DriftMonitor {
         if self.by_encoder != 0 {
             self.observe_encoders(sensed, before_is_known);
         }
-        self.queue_pulses(sensed, before_is_known);
+        let arrived = self.queue_pulses(sensed, before_is_known);
         self.margin = self.margin.wrapping_sub(sensed.history.most());
         if self.margin < 0 {
             self.check_timeouts(sensed);
         }
-        if self.has_updates() {
-            self.process_queue(sensed);
+        let has_updates = self.has_updates() && (sensed.may_process || self.by_encoder != 0);
+        if has_updates {
+            self.process_queue(sensed, arrived);
         }
+        self.is_busy = has_updates && self.by_encoder == 0;
         self.findings.next()
     }
 
@@ -268,12 +281,13 @@ impl DriftMonitor {
         is_far
     }
 
-    /// Draws the conclusions from the axes that were updated, of which some have moved far.
+    /// Draws the conclusions from the axes that were updated, of which some have moved far. Returns true if limits are to be
+    /// checked.
     #[inline(never)]
-    fn conclude(&mut self, updated: AxisSet, moved: AxisSet, sensed: &Sensed<'_>) {
+    fn conclude(&mut self, updated: AxisSet, moved: AxisSet) -> bool {
         let round =
             updated != 0 && self.detected & self.by_index == self.by_index && self.detected != 0;
-        if self.finding_out && self.is_homed() && updated != 0 && !round {
+        if self.finding_out && self.are_known() && updated != 0 && !round {
             // All turn at homing speed alike: what was detected a turn ago is as good.
             self.update();
         } else if moved != 0 && !round && !self.finding_out && self.others_are_detected(moved) {
@@ -294,9 +308,9 @@ impl DriftMonitor {
             // What all have in common is what it was in the round before, so that a crank may be held against others of a turn ago.
             self.update();
         } else {
-            return;
+            return false;
         }
-        self.check(sensed);
+        true
     }
 
     /// What all axes but one are off by in common, with their corrections. Not the mean of all: that one would be held against
@@ -334,26 +348,38 @@ impl DriftMonitor {
         of_angle(compare(&mut self.axes, self.by_index))
     }
 
-    /// Compares what is known with the limits, and reports what was named.
-    fn check(&mut self, sensed: &Sensed<'_>) {
-        if self.finding_out {
-            self.check_encoders();
-        }
-        if !self.is_homed() {
-            return;
-        }
+    /// Phase errors with their corrections. While nobody knows the common zero, they may lie around half a turn: then their differences
+    /// to the first are what counts.
+    fn corrected_errors(&self, correction: &PerAxis<Turns>) -> PerAxis<Turns> {
         let mut error = self.phase_error;
-        // While nobody knows the common zero, phase errors may lie around half a turn: differences are what counts.
         let first = self.watched().trailing_zeros() as usize;
         let base = match error.get(first) {
             Some(&first) if self.finding_out => first,
             _ => Turns::ZERO,
         };
-        for (error, &correction) in error.iter_mut().zip(sensed.correction) {
+        for (error, &correction) in error.iter_mut().zip(correction) {
             *error = nearest(error.wrapping_add(correction).wrapping_sub(base));
         }
-        self.modes = self.mount.modes(&error);
+        error
+    }
+
+    /// Takes the phase errors apart into modes; returns false if not all of them are known.
+    #[inline(never)]
+    fn update_modes(&mut self, sensed: &Sensed<'_>) -> bool {
+        if self.finding_out {
+            self.check_encoders();
+        }
+        if !self.are_known() {
+            return false;
+        }
+        self.modes = self.mount.modes(&self.corrected_errors(sensed.correction));
         self.changed = true;
+        true
+    }
+
+    /// Compares the modes with the limits, and reports what was named.
+    #[inline(never)]
+    fn check(&mut self, sensed: &Sensed<'_>) {
         let exceeded = self.exceeded(sensed.speed);
         for axis in 0..self.axes.len().min(MAX_AXES) {
             let fresh = self.axes.get_mut(axis).and_then(AxisWatch::take_fresh);
@@ -363,6 +389,7 @@ impl DriftMonitor {
             }
         }
         if let Some(kind) = exceeded {
+            let error = self.corrected_errors(sensed.correction);
             self.attribute(kind, &error, sensed.speed);
         }
     }
@@ -449,9 +476,18 @@ impl DriftMonitor {
         watch.map_or(FaultKind::Slip, |watch| watch.name_of(by))
     }
 
-    /// Whether every axis that has a sensor has been detected since [`Self::reset`].
+    /// Whether every axis that has a sensor has been detected since [`Self::reset`], and phase errors are up to date.
     pub const fn is_homed(&self) -> bool {
+        self.evaluated == self.sensed
+    }
+
+    const fn are_known(&self) -> bool {
         self.known == self.sensed
+    }
+
+    /// Whether the last tick had updates by index to process.
+    pub const fn is_busy(&self) -> bool {
+        self.is_busy
     }
 
     /// Rounds that are over since power-up; wraps.
@@ -463,6 +499,7 @@ impl DriftMonitor {
     pub fn reset(&mut self, phase: &PerAxis<Phase>) {
         self.detected = 0;
         self.known = 0;
+        self.evaluated = 0;
         self.is_even = false;
         self.is_compared = false;
         self.finding_out = true;
@@ -506,11 +543,12 @@ impl DriftMonitor {
     /// Whatever was detected, every index is to be detected again.
     pub const fn start_check(&mut self) {
         self.checked = 0;
+        self.evaluated_checked = 0;
     }
 
     /// Whether every index has been detected since [`Self::start_check`].
     pub const fn is_check_done(&self) -> bool {
-        self.checked & self.sensed == self.sensed
+        self.evaluated_checked & self.sensed == self.sensed
     }
 
     /// The cranks are where they are: from now on, what moves one of them is a fault.

@@ -1,12 +1,13 @@
-//! Queue of index updates: one axis is processed in each tick.
+//! Queue of index updates: one piece of work in each tick.
 //!
 //! With all sensors at one crank angle, the pulses of all axes come in one tick, and each costs a large part of a tick. A pulse is
 //! therefore queued with the phase that was commanded when it came.
 //!
-//! **Delay.** If n axes have updates in one tick, the last is processed n − 1 ticks later. On a machine of N axes, reactions come
-//! up to N − 1 ticks later. A single update is processed in its own tick. The measured phase errors are the same.
+//! Updates that are queued together are a *batch*. Each tick processes one axis. When the last of a batch has been processed, the
+//! next tick compares the axes, the one after that takes their phase errors apart into modes, and one more checks the limits. The measured phase errors are those of the pulses' own
+//! ticks.
 //!
-//! Updates that are queued together are a *batch*. The monitor draws its conclusions when the last of a batch has been processed.
+//! **Delay.** A single update is checked three ticks after its own. If n axes have updates in one tick, that is n + 3 ticks after it.
 //! Later updates belong to the next batch, so that every axis has its turn. If an axis has a second pulse while the first is queued
 //! (noise, or more than 1/N turn a tick), the first is processed at once.
 
@@ -36,6 +37,20 @@ pub(super) struct Queue {
     /// Axes of the present batch that were updated, and those of them that have moved far.
     updated: AxisSet,
     moved: AxisSet,
+    work: Work,
+}
+
+/// Piece of work of a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Work {
+    /// Process the update of one axis.
+    Axis,
+    /// Compare the axes of a batch with each other.
+    Conclude,
+    /// Take the phase errors apart into modes.
+    Modes,
+    /// Check the limits.
+    Check,
 }
 
 impl Queue {
@@ -47,11 +62,12 @@ impl Queue {
             batch: 0,
             updated: 0,
             moved: 0,
+            work: Work::Axis,
         }
     }
 
-    const fn is_empty(&self) -> bool {
-        self.pulsed | self.other == 0
+    fn is_empty(&self) -> bool {
+        self.pulsed | self.other | self.updated == 0 && self.work == Work::Axis
     }
 
     /// Takes the next axis. Timeouts come first, as the machine may have to be stopped, and as their reaction depends on whether all
@@ -70,41 +86,47 @@ impl Queue {
 }
 
 impl DriftMonitor {
-    pub(super) const fn has_updates(&self) -> bool {
+    pub(super) fn has_updates(&self) -> bool {
         !self.queue.is_empty() || self.by_encoder != 0
     }
 
-    /// Queues the pulses of a tick.
+    /// Queues the pulses of a tick; returns their number.
     #[inline(always)]
-    pub(super) fn queue_pulses(&mut self, sensed: &Sensed<'_>, before_is_known: bool) {
+    pub(super) fn queue_pulses(&mut self, sensed: &Sensed<'_>, before_is_known: bool) -> usize {
+        let mut arrived: AxisSet = 0;
         for (axis, pulse) in sensed.index.iter().enumerate() {
-            if let Some(pulse) = pulse
-                && self.by_index & 1 << axis != 0
-            {
-                self.queue_pulse(axis, *pulse, sensed, before_is_known);
-            }
+            arrived |= AxisSet::from(pulse.is_some()) << axis;
         }
+        arrived &= self.by_index;
+        if arrived == 0 {
+            return 0;
+        }
+        self.queue_arrived(arrived, sensed, before_is_known);
+        arrived.count_ones() as usize
     }
 
     #[inline(never)]
-    fn queue_pulse(
-        &mut self,
-        axis: usize,
-        pulse: IndexPulse,
-        sensed: &Sensed<'_>,
-        before_is_known: bool,
-    ) {
-        while self.queue.pulsed & 1 << axis != 0 {
-            self.process_axis(axis, sensed);
+    fn queue_arrived(&mut self, arrived: AxisSet, sensed: &Sensed<'_>, before_is_known: bool) {
+        // A pulse that is still queued is processed at once: the axis has room for one.
+        for axis in 0..MAX_AXES {
+            while arrived & self.queue.pulsed & 1 << axis != 0 {
+                self.process_axis(axis, sensed);
+            }
         }
-        let queued = QueuedPulse {
-            pulse,
-            commanded: sensed.over(axis),
-            before: before_is_known.then(|| sensed.history.before(axis)),
-        };
-        if let Some(slot) = self.queue.pulses.get_mut(axis) {
-            *slot = Some(queued);
-            self.queue.pulsed |= 1 << axis;
+        self.queue.pulsed |= arrived;
+        let recent = sensed.history.recent();
+        let slots = self.queue.pulses.iter_mut().zip(sensed.index);
+        for (axis, ((slot, pulse), &lead)) in slots.zip(sensed.lead).enumerate() {
+            if let Some(pulse) = pulse
+                && arrived & 1 << axis != 0
+            {
+                let (commanded, before) = recent.over(axis, sensed.phase.advanced(lead));
+                *slot = Some(QueuedPulse {
+                    pulse: *pulse,
+                    commanded,
+                    before: before_is_known.then_some(before),
+                });
+            }
         }
     }
 
@@ -143,22 +165,74 @@ impl DriftMonitor {
         }
     }
 
-    /// Processes the updates of one axis. On a machine with encoders, which are read in every tick, processes all updates.
+    /// Does one piece of the pending work. On a machine with encoders, which are read in every tick, does all of it.
     #[inline(never)]
-    pub(super) fn process_queue(&mut self, sensed: &Sensed<'_>) {
-        while let Some(axis) = self.queue.next() {
-            self.process_axis(axis, sensed);
-            if self.by_encoder == 0 {
-                break;
+    pub(super) fn process_queue(&mut self, sensed: &Sensed<'_>, arrived: usize) {
+        if self.by_encoder != 0 {
+            while let Some(axis) = self.queue.next() {
+                self.process_axis(axis, sensed);
             }
+            self.queue.work = Work::Conclude;
+            self.conclude_batch();
+            self.take_modes(sensed);
+            self.check_batch(sensed);
+            return;
         }
-        if self.queue.batch == 0 && self.queue.other == 0 {
-            let updated = core::mem::take(&mut self.queue.updated);
-            let moved = core::mem::take(&mut self.queue.moved);
-            if updated != 0 || self.by_encoder != 0 {
-                self.conclude(updated, moved, sensed);
+        match self.queue.work {
+            // A timeout does not wait: the machine may have to be stopped.
+            _ if self.queue.other != 0 => {
+                if let Some(axis) = self.queue.next() {
+                    self.process_axis(axis, sensed);
+                }
             }
+            // Reading the pulses of several axes takes as long as processing one.
+            Work::Axis if arrived > 1 => {}
+            Work::Axis => {
+                if let Some(axis) = self.queue.next() {
+                    self.process_axis(axis, sensed);
+                }
+            }
+            Work::Conclude => self.conclude_batch(),
+            Work::Modes => self.take_modes(sensed),
+            Work::Check => self.check_batch(sensed),
         }
+        let queue = &mut self.queue;
+        if queue.work == Work::Axis && queue.batch | queue.other == 0 && queue.updated != 0 {
+            queue.work = Work::Conclude;
+        }
+    }
+
+    fn conclude_batch(&mut self) {
+        let updated = core::mem::take(&mut self.queue.updated);
+        let moved = core::mem::take(&mut self.queue.moved);
+        self.queue.work = if self.conclude(updated, moved) {
+            Work::Modes
+        } else {
+            self.end_batch()
+        };
+    }
+
+    fn take_modes(&mut self, sensed: &Sensed<'_>) {
+        if self.queue.work == Work::Modes {
+            self.queue.work = if self.update_modes(sensed) {
+                Work::Check
+            } else {
+                self.end_batch()
+            };
+        }
+    }
+
+    fn check_batch(&mut self, sensed: &Sensed<'_>) {
+        if self.queue.work == Work::Check {
+            self.check(sensed);
+            self.queue.work = self.end_batch();
+        }
+    }
+
+    const fn end_batch(&mut self) -> Work {
+        self.evaluated = self.known;
+        self.evaluated_checked = self.checked;
+        Work::Axis
     }
 
     fn process_axis(&mut self, axis: usize, sensed: &Sensed<'_>) {

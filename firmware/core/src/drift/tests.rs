@@ -32,7 +32,7 @@ fn true_alone(count: usize, axis: usize) -> f64 {
 }
 
 /// Commanded phases at the end of a tick, and the history that leads to them after a tick in which all axes made `before` turns.
-fn history_of(commanded: &PerAxis<TickPhase>, before: Turns) -> (PerAxis<Phase>, History) {
+fn history_of(commanded: &PerAxis<TickPhase>, before: Turns) -> (PerAxis<Turns>, History) {
     let mut history = History::new();
     history.plan(before);
     history.plan(Turns::ZERO);
@@ -40,8 +40,8 @@ fn history_of(commanded: &PerAxis<TickPhase>, before: Turns) -> (PerAxis<Phase>,
         history.plan_own(axis, phase.turns);
     }
     history.plan(Turns::ZERO);
-    let ends = commanded.map(|phase| phase.start.advanced(phase.turns));
-    (ends, history)
+    let leads = commanded.map(|phase| phase.start.advanced(phase.turns).since(Phase::ZERO));
+    (leads, history)
 }
 
 /// A monitor's finding in one tick.
@@ -62,21 +62,23 @@ fn detect_after(
     commanded: &PerAxis<TickPhase>,
     before: Turns,
 ) -> Option<Finding> {
-    let (phase, history) = history_of(commanded, before);
+    let (lead, history) = history_of(commanded, before);
     monitor.observe(&Sensed {
         index,
         encoder,
-        phase: &phase,
+        phase: Phase::ZERO,
+        lead: &lead,
         history: &history,
         correction: &PerAxis::default(),
         speed: commanded[0].turns,
+        may_process: true,
     })
 }
 
 /// Lets a monitor process all queued updates while the cranks stand.
 fn process_all(monitor: &mut DriftMonitor, at: &PerAxis<TickPhase>) -> Vec<Finding> {
     let still = at.map(|phase| TickPhase::still(phase.start.advanced(phase.turns)));
-    (0..MAX_AXES)
+    (0..MAX_AXES + 3)
         .filter_map(|_| detect(monitor, &[None; MAX_AXES], &[0; MAX_AXES], &still))
         .collect()
 }
@@ -183,7 +185,8 @@ fn drift_is_measured_to_a_cycle_at_any_speed() {
         let mut cranks = Cranks::new(monitor(4, 100.0, 90.0, 180.0), speed);
         let errors = [0.01, -0.02, 0.003, 0.0, 0.0, 0.0];
         cranks.before = errors;
-        assert_eq!(cranks.turn((3.0 / speed) as u32, |i, _| errors[i]), []);
+        let ticks = (3.0 / speed) as u32 + 8; // pulses wait to be evaluated
+        assert_eq!(cranks.turn(ticks, |i, _| errors[i]), []);
         assert!(cranks.monitor.is_homed());
         for (actual, expected) in cranks.monitor.phase_error().iter().zip(errors) {
             let error = actual.to_num::<f64>() - expected;
@@ -217,7 +220,7 @@ fn tilt_trips_at_its_limit() {
         assert_eq!(fault.is_some(), trips, "at {part} of the limit");
         if let Some((tick, kind, axis)) = fault {
             assert_eq!((kind, axis), (FaultKind::HomingRangeExceeded, Some(2)));
-            assert!(tick <= 103, "a turn and two ticks, and not {tick}");
+            assert!(tick <= 106, "a turn and five ticks, and not {tick}");
         }
     }
 }
@@ -587,14 +590,16 @@ fn a_pulse_of_a_tick_that_is_not_known_is_not_measured() {
         turns: Turns::from_num(0.001),
     }; MAX_AXES];
     detect(&mut monitor, &[None; MAX_AXES], &[0; MAX_AXES], &phases);
-    let (phase, history) = history_of(&phases, Turns::ZERO);
+    let (lead, history) = history_of(&phases, Turns::ZERO);
     monitor.disregard(&Sensed {
         index: &[None; MAX_AXES],
         encoder: &[0; MAX_AXES],
-        phase: &phase,
+        phase: Phase::ZERO,
+        lead: &lead,
         history: &history,
         correction: &[Turns::ZERO; MAX_AXES],
         speed: Turns::ZERO,
+        may_process: true,
     });
     let pulse = Some(IndexPulse { cycle: -1 });
     detect(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &phases);
@@ -624,9 +629,10 @@ fn pulses_that_come_together_are_processed_one_a_tick() {
         cycle: (TICK_CYCLES / 2) as i32,
     });
     detect(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &tick(0.0));
-    for processed in 1..MAX_AXES {
+    // The tick that brought them processes none; three ticks after the last axis evaluate the batch.
+    for processed in 0..MAX_AXES + 3 {
         assert!(!monitor.is_homed(), "after {processed} axes");
-        let number = processed as f64;
+        let number = (processed + 1) as f64;
         detect(
             &mut monitor,
             &[None; MAX_AXES],

@@ -12,7 +12,7 @@
 //! machines play to the end of what they have, the same tick on every axis, and stop there together, between
 //! two edges; they are held and begun again, together, at a later deadline. To be late for some axes and in
 //! time for others is impossible: [`Steps::submit`] hands over all axes at once or none, and none in the last
-//! [`LEAST_LEAD_US`] before the deadline: twice what all axes take. If a machine nevertheless underran inside a tick that
+//! [`LEAST_LEAD_US`] before the deadline: more than twice what all axes take. If a machine nevertheless underran inside a tick that
 //! it had been given whole (a channel that stood still, interrupts that were shut off), its axis is behind the others:
 //! the hardware's own flag shows it, and it is reported as a fault.
 

@@ -290,7 +290,7 @@ fn what_one_has_apart() {
     ]);
 }
 
-/// What is given of a stepper's torque, where it could not act.
+/// What is given of a stepper, where it could not act.
 #[test]
 fn torque_that_scales_or_slips_nothing() {
     assert_all_refused(&[
@@ -306,6 +306,25 @@ fn torque_that_scales_or_slips_nothing() {
             set("axes.drive", "\"servo\""),
             "axes.pull_out",
             "no axis here is a stepper",
+            "leave it out",
+        ),
+        case(
+            "damping by the drives of servos",
+            without("axes.pull_out")
+                .replace("drive = \"stepper\"", "drive = \"pulse-servo\"")
+                .replace("damping_nms = 0\n", "damping_nms = 0.1\n"),
+            "axes.damping_nms",
+            "no axis here is a stepper",
+            "leave it out",
+        ),
+        case(
+            "a weaker servo",
+            replace(
+                "pull_out_scale = 1\n",
+                "pull_out_scale = 0.4\ndrive = \"pulse-servo\"\n",
+            ),
+            "axis[0].pull_out_scale",
+            "this axis is a servo",
             "leave it out",
         ),
         case(

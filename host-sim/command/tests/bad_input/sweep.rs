@@ -40,6 +40,8 @@ const NUMBERS: &[(&str, bool)] = &[
     ("axes.servo.velocity_gain_nms", false),
     ("axes.servo.integral_s", false),
     ("axes.servo.limit_nm", false),
+    ("axes.servo.velocity_feed_forward", true),
+    ("axes.servo.following_error_deg", false),
     ("axis[0].start_deg", true),
     ("axis[0].trim_deg", true),
     ("axis[0].pull_out_scale", true),

@@ -87,10 +87,14 @@ fn growth_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, beyond_limi
     }
 }
 
-/// Two quarters of an electrical cycle, one ahead and one behind; of a servo, what its drive's following error may be: as much.
+/// Two quarters of an electrical cycle, one ahead and one behind; of a servo, its following-error window either way, or as much as of
+/// a stepper.
 fn lag_turns(scene: &Scene) -> f64 {
-    match scene.axes.drive {
-        Drive::Stepper | Drive::Servo => 2.0 / f64::from(scene.axes.full_steps_per_turn),
+    let axes = &scene.axes;
+    let servo = axes.servo.filter(|_| axes.drive != Drive::Stepper);
+    match servo.and_then(|servo| servo.following_error_deg) {
+        Some(window_deg) => 2.0 * window_deg / 360.0,
+        None => 2.0 / f64::from(axes.full_steps_per_turn),
     }
 }
 

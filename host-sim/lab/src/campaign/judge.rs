@@ -8,13 +8,11 @@ use cophase_core::supervisor::reaction::Reaction;
 use cophase_core::supervisor::{FaultKind, State};
 
 use host_sim::axes::{Axes, per_axis};
-use host_sim::scene::file::{AxisOverrides, FaultAt, FaultName, Scene};
+use host_sim::scene::file::{AxisOverrides, Drive, FaultAt, FaultName, Scene, ServoDrive};
 
 use super::bound;
 use super::geometry::Geometry;
 use super::names::{self, Circumstances};
-use super::plan::faults::driven;
-use super::plan::machines::Driven;
 use super::watch::{FaultEvent, Observation, ReportedFault};
 
 /// What a crank is from where commanded for rounding: a step either way. More than this, it was moved.
@@ -182,7 +180,8 @@ fn verdict(scene: &Scene, fault: &FaultAt, observation: &Observation) -> Verdict
         fault,
         Circumstances {
             has_encoder: scene.axes.encoder,
-            is_stepper: driven(scene, fault.axis.unwrap_or_default()) != Driven::Servo,
+            is_stepper: scene.drive(fault.axis.unwrap_or_default()) == Drive::Stepper,
+            watches_following_error: watches_following_error(scene, fault),
             in_homing: injected.state == State::Homing || stood,
             is_beyond_limit: observation.beyond_limit.is_some(),
             opposed: differs(scene, fault, |apart| f64::from(u8::from(apart.reversed))),
@@ -206,6 +205,13 @@ fn verdict(scene: &Scene, fault: &FaultAt, observation: &Observation) -> Verdict
     } else {
         Verdict::Misnamed
     }
+}
+
+/// Whether the drive of a fault's axis raises its alarm where its motor does not follow.
+fn watches_following_error(scene: &Scene, fault: &FaultAt) -> bool {
+    let has_window = |servo: ServoDrive| servo.following_error_deg.is_some();
+    scene.axes.servo.is_some_and(has_window)
+        && scene.drive(fault.axis.unwrap_or_default()) != Drive::Stepper
 }
 
 /// Whether the two axes of a swap differ in something that each has apart.

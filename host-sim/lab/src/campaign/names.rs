@@ -14,6 +14,8 @@ pub struct Circumstances {
     pub has_encoder: bool,
     /// It is a stepper's.
     pub is_stepper: bool,
+    /// Its drive raises its alarm beyond a following-error window.
+    pub watches_following_error: bool,
     /// The fault came before homing was over: what was before it is not known, so that a jump is a place beyond the homing range.
     pub in_homing: bool,
     /// The crank was beyond its limit.
@@ -90,6 +92,10 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         fault.kind,
         FaultName::LostSteps | FaultName::Slip | FaultName::Stuck | FaultName::Runaway
     );
+    // Its drive detects before the loop that it does not follow.
+    if at.watches_following_error && matches!(fault.kind, FaultName::Stuck | FaultName::LoadStep) {
+        names.push(Kind::DriveAlarm);
+    }
     // Its pulse is overdue, and where it would have come nobody sees any more.
     if moves_crank && !at.has_encoder && at.stood_first {
         names.push(Kind::IndexTimeout);

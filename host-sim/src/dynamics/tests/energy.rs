@@ -63,6 +63,7 @@ fn machine(coasting: Coasting) -> (Driven, Vec<f64>) {
         velocity_gain_nms: 1.0,
         integral_s: None,
         limit_nm: 1.0,
+        velocity_feed_forward: 1.0,
     });
     let machine = Driven::new(freedom, vec![off; axes]);
     let angles: Vec<f64> = (0..axes).map(|i| 0.3 + 0.02 * (i * i) as f64).collect();

@@ -14,6 +14,7 @@ const SPRING: Servo = Servo {
     velocity_gain_nms: 1e-3,
     integral_s: None,
     limit_nm: f64::INFINITY,
+    velocity_feed_forward: 1.0,
 };
 
 proptest! {

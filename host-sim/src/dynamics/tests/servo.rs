@@ -17,6 +17,7 @@ fn servo(integral_s: Option<f64>) -> Servo {
         velocity_gain_nms: 50.0 * ROTORS_KGM2,
         integral_s,
         limit_nm: 0.5,
+        velocity_feed_forward: 1.0,
     }
 }
 

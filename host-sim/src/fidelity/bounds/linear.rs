@@ -13,7 +13,8 @@
 //! the |xₙ| is an upper bound of a linear machine at any steady speed; that its coefficients change within the
 //! turn, and speeds within seconds, is left to the factor that [`super::Bounds`] has.
 //!
-//! A servo with torque feed-forward is left with what a tick's hold leaves of it: a part nω·tick of harmonic n.
+//! A servo with torque feed-forward is left with what a tick's hold leaves of it: a part nω·tick of harmonic n. One without full
+//! velocity feed-forward follows its command besides, by a lag that grows with speed and needs no torque.
 
 use std::f64::consts::TAU;
 
@@ -38,6 +39,8 @@ pub struct Drive {
     pub ratios: Vec<f64>,
     /// Phase relative to the master, each axis, turns.
     pub offsets: Vec<f64>,
+    /// Whether the motor is commanded the torque of its load, each axis.
+    pub has_feed_forward: Vec<bool>,
 }
 
 /// The worst over all speeds up to the top.
@@ -71,6 +74,8 @@ struct Crank {
     inertia: (f64, f64),
     damping_nms: f64,
     has_feed_forward: bool,
+    /// Following error of its drive without load, rad.
+    following_rad: f64,
     /// What moves it: constant, then harmonics.
     torque_nm: [f64; HARMONICS + 1],
     /// Torque that the load requires, with feed-forward or without: at most the sum of its harmonics.
@@ -162,6 +167,7 @@ pub fn worst(driven: &Driven, drive: &Drive) -> Worst {
 fn at_speed(cranks: &[Crank], driven: &Driven, drive: &Drive, worst: &mut Worst) {
     for (i, crank) in cranks.iter().enumerate() {
         let mut lag = crank.standing_rad().abs();
+        let following = crank.following_rad.abs();
         let (mut amax, mut torque) = (0.0, 0.0);
         for n in 1..=HARMONICS {
             let moved = crank.moved_rad(n);
@@ -173,7 +179,7 @@ fn at_speed(cranks: &[Crank], driven: &Driven, drive: &Drive, worst: &mut Worst)
             let radians = n_f64 * crank.omega_rad_s;
             torque += crank.inertia.1 * radians * radians * moved;
         }
-        worst.lag_rad = worst.lag_rad.max(lag);
+        worst.lag_rad = worst.lag_rad.max(lag + following);
         let at_top = (crank.omega_rad_s / (drive.top_rad_s * drive.ratios[i])).powi(2);
         worst.amax = worst.amax.max(amax * at_top);
         worst.torque = worst.torque.max(torque);
@@ -205,14 +211,16 @@ fn apart_rad(
     driven: &Driven,
     drive: &Drive,
 ) -> f64 {
-    let standing = bounded((one.standing_rad() - other.standing_rad()).abs());
+    let standing_rad = |crank: &Crank| crank.standing_rad() + crank.following_rad;
+    let standing = bounded((standing_rad(one) - standing_rad(other)).abs());
     if drive.ratios[i] != drive.ratios[j] || drive.offsets[i] != drive.offsets[j] {
         let all = |crank: &Crank| (1..=HARMONICS).map(|n| crank.moved_rad(n)).sum::<f64>();
         return standing + all(one) + all(other);
     }
     let body = driven.body();
-    let alike =
-        driven.motors()[i] == driven.motors()[j] && body.rotors_kgm2[i] == body.rotors_kgm2[j];
+    let alike = driven.motors()[i] == driven.motors()[j]
+        && drive.has_feed_forward[i] == drive.has_feed_forward[j]
+        && body.rotors_kgm2[i] == body.rotors_kgm2[j];
     if alike {
         return standing;
     }
@@ -244,7 +252,7 @@ fn crank(
     let slope = required.slope_nm(omega) * share;
     let load = load_inertia_kgm2(body, required);
     let rotor = body.rotors_kgm2[i];
-    let has_feed_forward = matches!(motor, Motor::Servo(_));
+    let has_feed_forward = drive.has_feed_forward[i];
     let mut torque_nm = [0.0; HARMONICS + 1];
     // Friction is not in the feed-forward; while the speed changes, rotor and load require more, twice at worst, as it comes at once.
     torque_nm[0] = body.friction_nm[i];
@@ -270,6 +278,7 @@ fn crank(
         torque_nm,
         required_nm,
         most_nm: motor.most_nm(omega),
+        following_rad: motor.following_error_rad(omega),
         has_feed_forward,
     }
 }

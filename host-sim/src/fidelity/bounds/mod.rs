@@ -7,6 +7,7 @@ mod linear;
 mod required_torque;
 mod rods;
 
+use cophase_core::settings::DriveKind;
 use cophase_methods::Scheme;
 use cophase_methods::accuracy::LONGEST_H_OMEGA;
 use cophase_methods::problems::Chain;
@@ -170,6 +171,11 @@ fn cranks(checked: &Checked, driven: &Driven) -> Cranks {
             .map(|axis| axis.follower.most_ratio(settings))
             .collect(),
         offsets: settings.axes.iter().map(|axis| axis.offset_turns).collect(),
+        has_feed_forward: settings
+            .axes
+            .iter()
+            .map(|axis| axis.drive == DriveKind::Servo)
+            .collect(),
     };
     let standing = (0..settings.axes.len()).map(|i| {
         let overrides = checked.overrides(i);

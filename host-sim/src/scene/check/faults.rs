@@ -179,10 +179,7 @@ fn check_axes(i: usize, fault: &FaultAt, scene: &Scene) -> Result<(), SceneError
     let Some(axis) = fault.axis else {
         return Ok(());
     };
-    let drive = |axis| {
-        let overrides = scene.overrides(axis).and_then(|own| own.drive);
-        overrides.unwrap_or(scene.axes.drive)
-    };
+    let takes_pulses = |axis| scene.drive(axis).takes_pulses();
     let wrong = |key: &str, problem: String| Err(SceneError::at(at(i, key), problem));
     match fault.kind {
         FaultName::SwappedWiring if fault.with == Some(axis) => wrong(
@@ -191,18 +188,22 @@ fn check_axes(i: usize, fault: &FaultAt, scene: &Scene) -> Result<(), SceneError
         ),
         FaultName::SwappedWiring
             if fault.lines == Some(Lines::Drive)
-                && fault.with.is_some_and(|with| drive(with) != drive(axis)) =>
+                && fault.with.is_some_and(|with| takes_pulses(with) != takes_pulses(axis)) =>
         {
             wrong(
                 "with",
-                "one of the two is a stepper and the other a servo, whose lines fit no other; give two of a kind".to_owned(),
+                "one of the two takes pulses and the other setpoints, whose lines fit no other; give two of a kind".to_owned(),
             )
         }
-        FaultName::LostSteps | FaultName::StepFifoUnderrun if drive(axis) != Drive::Stepper => wrong(
+        FaultName::LostSteps if scene.drive(axis) != Drive::Stepper => wrong(
+            "axis",
+            format!("axis {axis} is a servo, which has no steps for \"lost-steps\" to lose; give a stepper's"),
+        ),
+        FaultName::StepFifoUnderrun if !takes_pulses(axis) => wrong(
             "axis",
             format!(
-                "axis {axis} is a servo, which has no steps for \"{}\" to lose; give a stepper's",
-                fault.kind.name()
+                "axis {axis} is a servo that takes setpoints, and has no FIFO for \"step-fifo-underrun\" to empty; give an axis \
+                 that takes pulses"
             ),
         ),
         FaultName::EncoderGlitch if !scene.axes.encoder => wrong(

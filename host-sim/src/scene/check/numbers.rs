@@ -119,6 +119,11 @@ pub(super) fn check_torque(scene: &Scene) -> Result<(), SceneError> {
         if let Some(limit_nm) = servo.limit_nm {
             range("axes.servo.limit_nm", limit_nm, 1e-3, 1e5)?;
         }
+        let share = servo.velocity_feed_forward;
+        range("axes.servo.velocity_feed_forward", share, 0.0, 1.0)?;
+        if let Some(window_deg) = servo.following_error_deg {
+            range("axes.servo.following_error_deg", window_deg, 0.01, 180.0)?;
+        }
     }
     match &scene.frame {
         Some(frame) => check_frame(frame),
@@ -239,39 +244,54 @@ pub(super) fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), Sc
     Err(SceneError::of(key, Problem::out_of_range(value, low, high)))
 }
 
-/// What is given of steppers' torque must be able to act.
-pub(super) fn check_pull_out(scene: &Scene) -> Result<(), SceneError> {
+/// What is given of steppers must be able to act.
+pub(super) fn check_steppers(scene: &Scene) -> Result<(), SceneError> {
     let axes = &scene.axes;
-    if axes.pull_out.is_empty() {
-        return match scene.axis.iter().position(|own| own.pull_out_scale != 1.0) {
-            Some(entry) => Err(SceneError::at(
-                format!("axis[{entry}].pull_out_scale"),
-                "scales nothing: axes.pull_out is missing; give the motors' torque as [[speed_hz, torque_nm], …]",
-            )),
-            None => Ok(()),
+    let is_stepper = |number: usize| scene.drive(number) == Drive::Stepper;
+    if !(0..axes.count).any(is_stepper) {
+        let keys = [
+            (
+                "axes.pull_out",
+                !axes.pull_out.is_empty(),
+                "the torque at which a stepper loses its step",
+            ),
+            (
+                "axes.damping_nms",
+                axes.damping_nms != 0.0,
+                "what a stepper's drive damps",
+            ),
+        ];
+        if let Some((key, _, what)) = keys.into_iter().find(|(_, given, _)| *given) {
+            let problem = format!("is {what}, and no axis here is a stepper; leave it out");
+            return Err(SceneError::at(key, problem));
+        }
+    }
+    for (entry, own) in scene.axis.iter().enumerate() {
+        if own.pull_out_scale == 1.0 {
+            continue;
+        }
+        let problem = if axes.pull_out.is_empty() {
+            "scales nothing: axes.pull_out is missing; give the motors' torque as [[speed_hz, torque_nm], …]"
+        } else if !is_stepper(own.number) {
+            "scales the torque at which a stepper loses its step, and this axis is a servo; leave it out"
+        } else {
+            continue;
         };
+        let key = format!("axis[{entry}].pull_out_scale");
+        return Err(SceneError::at(key, problem));
     }
-    let drives = (0..axes.count).map(|i| {
-        let overrides = scene.overrides(i);
-        let drive = overrides.and_then(|own| own.drive).unwrap_or(axes.drive);
-        (
-            drive,
-            overrides
-                .and_then(|own| own.steps_per_turn)
-                .unwrap_or(axes.steps_per_turn),
-        )
-    });
-    let mut steppers = drives
-        .filter(|(drive, _)| *drive == Drive::Stepper)
-        .peekable();
-    if steppers.peek().is_none() {
-        return Err(SceneError::at(
-            "axes.pull_out",
-            "is the torque at which a stepper loses its step, and no axis here is a stepper; leave it out",
-        ));
+    if axes.pull_out.is_empty() {
+        return Ok(());
     }
-    match steppers.find(|(_, steps)| steps % axes.full_steps_per_turn != 0) {
-        Some((_, steps)) => Err(SceneError::at(
+    let steps_per_turn = |number: usize| {
+        let own = scene.overrides(number).and_then(|own| own.steps_per_turn);
+        own.unwrap_or(axes.steps_per_turn)
+    };
+    let mut steps = (0..axes.count)
+        .filter(|&number| is_stepper(number))
+        .map(steps_per_turn);
+    match steps.find(|steps| steps % axes.full_steps_per_turn != 0) {
+        Some(steps) => Err(SceneError::at(
             "axes.steps_per_turn",
             format!(
                 "{steps} is not a whole number of microsteps to each of axes.full_steps_per_turn = {}; a stepper \

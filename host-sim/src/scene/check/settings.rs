@@ -75,9 +75,10 @@ fn axis(scene: &Scene, number: usize) -> AxisSettings {
     let own = |pick: fn(&AxisOverrides) -> Option<f64>| overrides.and_then(pick);
     let has_index = overrides.and_then(|own| own.index).unwrap_or(axes.index);
     let index_deg = own(|a| a.index_deg).unwrap_or(axes.index_deg);
-    let drive = match overrides.and_then(|a| a.drive).unwrap_or(axes.drive) {
+    let drive = match scene.drive(number) {
         Drive::Stepper => DriveKind::Stepper,
         Drive::Servo => DriveKind::Servo,
+        Drive::PulseServo => DriveKind::PulseServo,
     };
     let steps_per_turn = overrides
         .and_then(|a| a.steps_per_turn)

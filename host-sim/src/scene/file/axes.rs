@@ -10,7 +10,7 @@ pub struct Axes {
     pub count: usize,
     /// How they are driven.
     pub drive: Drive,
-    /// Steps, or encoder counts, to a turn of the crank.
+    /// Steps to a turn of the crank; the counts that a servo drive expects.
     pub steps_per_turn: u32,
     /// Full steps to a turn of the motor; a stepper slips by four of them.
     #[serde(default = "default_full_steps")]
@@ -59,7 +59,7 @@ pub struct Axes {
     pub servo: Option<ServoDrive>,
 }
 
-/// A servo's drive: a position loop around a velocity loop, with torque feed-forward.
+/// A servo's drive: a position loop around a velocity loop. A drive that takes setpoints has torque feed-forward besides.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct ServoDrive {
@@ -73,6 +73,12 @@ pub struct ServoDrive {
     /// Greatest torque, N·m: the current limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit_nm: Option<f64>,
+    /// Share of the commanded velocity that the velocity loop gets directly, 0 to 1.
+    #[serde(default = "one")]
+    pub velocity_feed_forward: f64,
+    /// Following-error window, degrees of the crank: beyond it the drive raises its alarm. Without it the drive has no alarm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub following_error_deg: Option<f64>,
 }
 
 /// How an axis is driven.
@@ -83,6 +89,15 @@ pub enum Drive {
     Stepper,
     /// Position, velocity and torque setpoints.
     Servo,
+    /// Step and direction pulses to a drive that closes its own position loop.
+    PulseServo,
+}
+
+impl Drive {
+    /// Whether the drive is commanded by STEP and DIR.
+    pub const fn takes_pulses(self) -> bool {
+        matches!(self, Self::Stepper | Self::PulseServo)
+    }
 }
 
 /// What one axis has apart from the others.

@@ -20,7 +20,7 @@ fn offsets(steps_per_turn: &[u32], rate_hz: f64, limit_turns: f64) -> PhaseOffse
 fn finish(offsets: &mut PhaseOffsets) -> (PerAxis<f64>, u32) {
     let (mut made, mut ticks) = ([0_i128; MAX_AXES], 0);
     while !offsets.is_idle() {
-        if let Some(motion) = offsets.advance() {
+        if let Some(motion) = offsets.advance(true) {
             made[motion.axis] += i128::from(motion.half_steps);
         }
         ticks += 1;
@@ -83,7 +83,7 @@ proptest! {
         }
         let mut moved = [0_i128; 2];
         for _ in 0..200_000 {
-            if let Some(motion) = offsets.advance() {
+            if let Some(motion) = offsets.advance(true) {
                 moved[motion.axis] += i128::from(motion.half_steps);
                 for (moved, steps) in moved.iter().zip([400.0, 700.0]) {
                     let turns = *moved as f64 / STEP as f64 / steps;
@@ -109,7 +109,7 @@ fn one_axis_moves_at_a_time_within_its_rate() {
     let mut positions: Vec<PerAxis<f64>> = Vec::new();
     let mut position = [0.0; MAX_AXES];
     while offsets.is_moving() {
-        if let Some(motion) = offsets.advance() {
+        if let Some(motion) = offsets.advance(true) {
             position[motion.axis] += motion.half_steps as f64 / STEP as f64;
         }
         positions.push(position);
@@ -142,12 +142,12 @@ fn an_interrupted_move_is_held_at_a_whole_step() {
     offsets.go_to(&target);
     let mut made = 0_i128;
     while offsets.displaced().is_none() {
-        let motion = offsets.advance();
+        let motion = offsets.advance(true);
         made += motion.map_or(0, |motion| i128::from(motion.half_steps));
     }
     offsets.hold();
     assert!(!offsets.is_moving());
-    while let Some(motion) = offsets.advance() {
+    while let Some(motion) = offsets.advance(true) {
         made += i128::from(motion.half_steps);
     }
     assert_eq!(offsets.displaced(), None);

@@ -28,7 +28,8 @@ pub const KINDS: [FaultName; 15] = [
 /// Whether a kind makes sense for axes that are driven so.
 pub const fn befalls(kind: FaultName, driven: Driven) -> bool {
     match kind {
-        FaultName::LostSteps | FaultName::StepFifoUnderrun => !matches!(driven, Driven::Servo),
+        FaultName::LostSteps => matches!(driven, Driven::Stepper | Driven::WatchedStepper),
+        FaultName::StepFifoUnderrun => !matches!(driven, Driven::Servo),
         // Of an axis with an index alone, which way round it turns cannot be detected: its pulses come once a turn either way.
         FaultName::Reversed | FaultName::EncoderGlitch => driven.has_encoder(),
         _ => true,
@@ -178,9 +179,11 @@ fn at_s(stream: &mut Stream, window: &Window) -> f64 {
 
 /// How an axis is driven and watched.
 pub fn driven(scene: &Scene, axis: usize) -> Driven {
-    let drive = scene.overrides(axis).and_then(|own| own.drive);
-    match drive.unwrap_or(scene.axes.drive) {
+    match scene.drive(axis) {
         Drive::Servo => Driven::Servo,
+        // Two wires more give it what a servo on a fieldbus has.
+        Drive::PulseServo if scene.axes.encoder => Driven::Servo,
+        Drive::PulseServo => Driven::PulseServo,
         Drive::Stepper if scene.axes.encoder => Driven::WatchedStepper,
         Drive::Stepper => Driven::Stepper,
     }

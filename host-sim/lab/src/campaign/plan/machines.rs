@@ -35,15 +35,17 @@ pub enum Driven {
     WatchedStepper,
     /// Servos, with their encoders and index sensors.
     Servo,
+    /// Servos that take pulses, each with an index sensor. Drawn only from a scene that has them.
+    PulseServo,
 }
 
 impl Driven {
-    /// All of them.
+    /// Those that are drawn where no scene is given.
     pub const ALL: [Self; 3] = [Self::Stepper, Self::WatchedStepper, Self::Servo];
 
     /// Whether it has encoders.
     pub const fn has_encoder(self) -> bool {
-        !matches!(self, Self::Stepper)
+        matches!(self, Self::WatchedStepper | Self::Servo)
     }
 }
 
@@ -198,9 +200,12 @@ fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven) {
     let (inertia, friction) = (scene.axes.rotor_inertia_kgm2 + load, scene.axes.friction_nm);
     let axes = &mut scene.axes;
     axes.encoder = driven.has_encoder();
-    if driven == Driven::Servo {
-        axes.drive = Drive::Servo;
-        axes.steps_per_turn = stream.one_of(&[4096, 10_000, 16_384]);
+    if matches!(driven, Driven::Servo | Driven::PulseServo) {
+        (axes.drive, axes.steps_per_turn) = if driven == Driven::Servo {
+            (Drive::Servo, stream.one_of(&[4096, 10_000, 16_384]))
+        } else {
+            (Drive::PulseServo, stream.one_of(&[4000, 10_000]))
+        };
         axes.pull_out = Vec::new();
         axes.damping_nms = 0.0;
         axes.servo = Some(ServoDrive {
@@ -208,6 +213,8 @@ fn motors(stream: &mut Stream, scene: &mut Scene, driven: Driven) {
             velocity_gain_nms: rounded(VELOCITY_RAD_S * inertia, 6),
             integral_s: None,
             limit_nm: Some(rounded(PLENTY * required_nm + friction, 3)),
+            velocity_feed_forward: 1.0,
+            following_error_deg: None,
         });
         return;
     }

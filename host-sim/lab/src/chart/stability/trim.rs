@@ -73,7 +73,7 @@ fn dies_out(gain: f64, delay_turns: u32) -> bool {
     let (mut early, mut late) = (0.0, 0.0);
     for turn in 0..PLAYED {
         for _ in 0..TICKS_A_TURN {
-            let moved = offsets.advance();
+            let moved = offsets.advance(true);
             phase_error_turns += moved.map_or(0.0, |moved| moved.turns.to_num::<f64>());
         }
         if (SETTLED..SETTLED + COMPARED).contains(&turn) {

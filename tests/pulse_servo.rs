@@ -1,0 +1,346 @@
+//! Servo drives on STEP and DIR: what they count, how they follow, and when they raise their alarm.
+//!
+//! The judges are independent of the simulation: edges are counted in `steps.vcd`, and following errors are those of the loop's
+//! transfer function. With the position gain g, the velocity gain k and the share f of velocity feed-forward, the drive gives the
+//! torque T = k (f φ′ + g (φ − α) − α′). At a steady speed ω the error is therefore φ − α = (1 − f) ω/g + T/(k g).
+
+use std::f64::consts::TAU;
+
+use cophase_tests::{Run, built_in, record, scene};
+use host_sim::scene::{Checked, library, load};
+use host_sim::trace::{Every, Window};
+
+const SCENE: &str = "pulse-servo";
+/// Counts to a turn, and control tick, of that scene.
+const COUNTS: f64 = 4000.0;
+const TICK_S: f64 = 5e-4;
+/// Its gains: position, 1/s, and velocity, N·m·s.
+const G_PER_S: f64 = 100.0;
+const K_NMS: f64 = 0.5;
+
+fn text() -> &'static str {
+    library::find(SCENE).expect("a built-in scene").text
+}
+
+/// The scene with pieces of its text replaced.
+#[track_caller]
+fn with(pairs: &[(&str, &str)]) -> String {
+    pairs.iter().fold(text().to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "the scene has no {from}");
+        text.replace(from, to)
+    })
+}
+
+/// The scene on a model level, with faults and commands after it.
+fn on(model_level: &str, more: &str) -> String {
+    let level = format!("fidelity = \"{model_level}\"\n\n[machine]");
+    with(&[("[machine]", &level)]) + "\n" + more
+}
+
+fn run(text: &str) -> Run {
+    record(&scene(text), Every::Ticks(1), Window::All)
+}
+
+#[track_caller]
+fn assert_parked(run: &Run) {
+    let ended = &run.report["ended"]["state"];
+    assert_eq!(ended, "parked", "{}", run.report["events"]);
+}
+
+fn refusal(text: &str) -> String {
+    let scene = load::parse(text).expect("its form is right");
+    Checked::new(scene)
+        .expect_err("no such machine")
+        .to_string()
+}
+
+/// Command less crank of an axis in each row, turns.
+fn following_turns(run: &Run, axis: usize) -> Vec<f64> {
+    let trace = run.trace();
+    let command = trace.axis("command_turns", axis);
+    let actual = trace.axis("actual_turns", axis);
+    command.iter().zip(actual).map(|(c, a)| c - a).collect()
+}
+
+/// If this were wrong, a drive would count other edges than the wires have, and its crank be off for ever.
+#[test]
+fn cranks_stand_at_the_end_where_the_edges_have_brought_them() {
+    let checked = built_in(SCENE);
+    let run = record(&checked, Every::Ticks(1), Window::All);
+    let (trace, edges) = (run.trace(), run.edges());
+    assert_parked(&run);
+    assert_eq!(run.report["faults"].as_array().map(Vec::len), Some(0));
+    // Friction of 0.1 N·m is less than what the integral holds; by when it has settled, a hundredth of that is left.
+    let settled_turns = 0.01 * 0.1 / (K_NMS * G_PER_S) / TAU;
+    for axis in 0..3 {
+        let counts = edges.steps(axis, axis == 2);
+        assert!(counts > 20_000, "axis {axis} moves");
+        let last = |name| *trace.axis(name, axis).last().expect("a row");
+        assert_eq!(last("steps") as i64, counts, "axis {axis}");
+        let off = last("actual_turns") - counts as f64 / COUNTS;
+        // The command between two edges is the phase that they are made of: up to a count from the last edge.
+        assert!(
+            off.abs() < 1.0 / COUNTS + settled_turns,
+            "axis {axis}: {off} turns"
+        );
+    }
+    // Where cranks are where they are commanded, counts and edges are equal.
+    let kinematic = self::run(&on("kinematic", ""));
+    for axis in 0..3 {
+        let counts = kinematic.edges().steps(axis, axis == 2);
+        let trace = kinematic.trace();
+        let actual = trace.axis("actual_turns", axis).last().copied();
+        assert_eq!(actual, Some(counts as f64 / COUNTS), "axis {axis}");
+    }
+}
+
+/// If this were wrong, a scene could not say how far its cranks lag, or `drift.lag_us` could not be computed from the drive's
+/// parameters.
+#[test]
+fn the_following_error_at_a_steady_speed_is_that_of_the_loop() {
+    for feed_forward in [0.0, 0.5, 0.9, 1.0] {
+        for integral in [true, false] {
+            let share = format!("velocity_feed_forward = {feed_forward}");
+            let kept = "integral_s = 0.02, ";
+            let text = on("phased", "");
+            let text = text
+                .replace("velocity_feed_forward = 0.9", &share)
+                .replace(kept, if integral { kept } else { "" })
+                .replace("following_error_deg = 15", "following_error_deg = 90")
+                // By up to 54°: no limit of the loop is for such cranks.
+                .replace("index_width_deg = 6", "index = false")
+                // The load's torque oscillates about zero twice a turn; a light one leaves the mean to the loop.
+                .replace("load_kg = 8", "load_kg = 0.5");
+            let run = self::run(&text);
+            assert_parked(&run);
+            let trace = run.trace();
+            // The last 0.4 s of the upper level, and of these whole turns, so that the load's torque averages out.
+            let requested = trace.column("amax_requested_mps2");
+            let most = requested.iter().copied().fold(0.0, f64::max);
+            let held = requested.iter().rposition(|&amax| amax == most);
+            let to = held.expect("a level") - 1;
+            let turns = trace.axis("actual_turns", 1);
+            let whole = (turns[to] - turns[to - 800]).floor();
+            let from = turns.partition_point(|&turn| turn < turns[to] - whole);
+            let errors = &following_turns(&run, 1)[from..to];
+            let mean_rad = TAU * errors.iter().sum::<f64>() / errors.len() as f64;
+
+            // The speed is that of the edges.
+            let between = (from as u64 * 500_000)..(to as u64 * 500_000);
+            let edges = run.edges();
+            let rises = edges.wire("step_1").rises();
+            let counted = rises.filter(|at| between.contains(at)).count();
+            let omega = TAU * counted as f64 / COUNTS / ((to - from) as f64 * TICK_S);
+            assert!(omega > 80.0, "{omega} rad/s");
+            // Friction is 0.1 N·m, and an integral gives all of it.
+            let friction_nm = if integral { 0.0 } else { 0.1 };
+            let expected_rad =
+                (1.0 - feed_forward) * omega / G_PER_S + friction_nm / (K_NMS * G_PER_S);
+            // An edge more or less in 0.4 s, and that whole turns end within a tick: 1e-3 of the lag, and 1e-4 rad.
+            assert!(
+                (mean_rad - expected_rad).abs() < 1e-3 * expected_rad + 1e-4,
+                "{share}, integral: {integral}: {mean_rad} rad, not {expected_rad}"
+            );
+        }
+    }
+}
+
+/// The row in which an axis first follows by more than the window, by the trace alone.
+fn first_beyond(run: &Run, axis: usize, window_deg: f64) -> Option<usize> {
+    let errors = following_turns(run, axis);
+    errors.iter().position(|e| e.abs() > window_deg / 360.0)
+}
+
+/// If this were wrong, the alarm would come before the window or after it, or for another axis.
+///
+/// A crank that is stuck stays behind by what its command goes on; one that is overloaded is dragged off. The alarm is read with
+/// the end of the tick in which the error passes the window.
+#[test]
+fn the_alarm_comes_at_the_window() {
+    let stuck = "[[fault]]\nat_s = 1.5\nkind = \"stuck\"\naxis = 1\n";
+    let load =
+        "[[fault]]\nat_s = 1.5\nkind = \"load-step\"\naxis = 1\ntorque_nm = 13\nfor_s = 0.05\n";
+    for (model_level, fault) in [("kinematic", stuck), ("phased", load), ("phased", stuck)] {
+        for window_deg in [15.0, 30.0] {
+            let window = format!("following_error_deg = {window_deg}");
+            let text = on(model_level, fault).replace("following_error_deg = 15", &window);
+            let run = run(&text);
+            let row = first_beyond(&run, 1, window_deg).expect("it goes beyond the window");
+            let first = &run.report["faults"][0];
+            assert_eq!(first["kind"], "drive-alarm", "{model_level}, {window}");
+            assert_eq!(first["axis"], 1);
+            let end_s = run.trace().column("t_s")[row] + TICK_S;
+            let t_s = first["t_s"].as_f64().expect("a time");
+            assert!(
+                (t_s - end_s).abs() < 1e-9,
+                "{model_level}, {window}: {t_s} s, not {end_s}"
+            );
+            for other in [0, 2] {
+                let before = &following_turns(&run, other)[..row];
+                assert!(before.iter().all(|e| e.abs() < window_deg / 360.0));
+            }
+        }
+    }
+}
+
+/// A lasting load T is held by an error of T/(k g) where the loop has no integral. If this were wrong, a window just above that
+/// would raise the alarm, or one just below would not.
+#[test]
+fn a_load_within_the_window_raises_no_alarm() {
+    let torque_nm = 6.0;
+    let error_deg = torque_nm / (K_NMS * G_PER_S) / TAU * 360.0;
+    // Far from resonance: the loop's damping ratio is above 1, so that the step of load overshoots nowhere. A light load, at
+    // a low speed, adds less than half a degree, friction a tenth.
+    for (window_deg, is_beyond) in [(error_deg + 1.0, false), (error_deg - 1.0, true)] {
+        let fault = format!(
+            "[[fault]]\nat_s = 0.8\nkind = \"load-step\"\naxis = 1\ntorque_nm = {torque_nm}\nfor_s = 0.2\n"
+        );
+        let text = on("phased", &fault)
+            .replace("integral_s = 0.02, ", "")
+            .replace("velocity_feed_forward = 0.9", "velocity_feed_forward = 1")
+            .replace("lag_us = 1000", "tilt_limit_mrad = 50\nwarp_limit_deg = 50")
+            .replace("load_kg = 8", "load_kg = 0.5")
+            .replace("amax_g = 6\n", "amax_g = 1\n")
+            .replace("amax_g = 13", "amax_g = 1")
+            .replace(
+                "following_error_deg = 15",
+                &format!("following_error_deg = {window_deg}"),
+            );
+        let run = run(&text);
+        let alarms = run.report["faults"].as_array().expect("a list");
+        assert_eq!(
+            alarms.len(),
+            usize::from(is_beyond),
+            "{window_deg}°: {alarms:?}"
+        );
+        assert!(alarms.iter().all(|fault| fault["kind"] == "drive-alarm"));
+    }
+}
+
+/// If this were wrong, one axis would stop while the others go on, or the drives be cut while the machine turns; or an alarm would
+/// stay on for ever.
+#[test]
+fn an_alarm_stops_all_axes_in_phase() {
+    let fault = "[[fault]]\nat_s = 1.5\nkind = \"load-step\"\naxis = 1\ntorque_nm = 13\nfor_s = 0.05\n\
+                 [[command]]\nat_s = 0\ndo = \"start\"\n[[command]]\nat_s = 3\ndo = \"reset\"\n\
+                 [[command]]\nat_s = 3.1\ndo = \"start\"\n";
+    let run = run(&on("phased", fault));
+    let faults = run.report["faults"].as_array().expect("a list");
+    assert_eq!(faults.len(), 1, "{faults:?}");
+    assert_eq!(faults[0]["kind"], "drive-alarm");
+    let trace = run.trace();
+    let (stop, fault) = (trace.first("stop"), trace.first("fault"));
+    assert!(
+        stop.end == fault.start && stop.len() > 100,
+        "{stop:?}, {fault:?}"
+    );
+    for row in stop.clone() {
+        for axis in [1, 2] {
+            assert_eq!(
+                trace.axis("command_turns", axis)[row],
+                trace.axis("command_turns", 0)[row],
+                "row {row}"
+            );
+        }
+    }
+    // All have followed by the time the drives go off: the lag of the last ticks, and what the load has left.
+    for axis in 0..3 {
+        let off = following_turns(&run, axis)[stop.end - 1] * 360.0;
+        assert!(off.abs() < 1.0, "axis {axis} stands {off}° off");
+    }
+    let speed = trace.column("omega_rad_s");
+    let most = TAU * 40.0 * TICK_S;
+    for row in stop.start + 1..stop.end {
+        assert!(
+            (speed[row] - speed[row - 1]).abs() <= most + 2e-6,
+            "row {row}"
+        );
+    }
+    assert!(speed[stop.start] > 60.0 && speed[stop.end - 1] < 1.0);
+    assert_parked(&run);
+}
+
+/// If this were wrong, a drive that was cut at speed would jump back by what its crank coasted, as soon as it is on again.
+#[test]
+fn a_drive_that_was_off_counts_on_from_where_its_crank_stands() {
+    let cut = "[[fault]]\nat_s = 1.5\nkind = \"enable-loss\"\nfor_s = 1\n\
+               [[command]]\nat_s = 0\ndo = \"start\"\n[[command]]\nat_s = 3\ndo = \"reset\"\n\
+               [[command]]\nat_s = 3.1\ndo = \"start\"\n";
+    for more in ["", "[noise]\nload_nm = 0.001\n"] {
+        let run = run(&on("phased", &format!("{cut}{more}")));
+        let kinds = run.report["faults"].as_array().expect("a list");
+        assert!(
+            kinds.iter().all(|fault| fault["kind"] != "drive-alarm"),
+            "{kinds:?}"
+        );
+        let trace = run.trace();
+        let at = |s: f64| trace.column("t_s").partition_point(|&t| t < s);
+        for axis in 0..3 {
+            let actual = trace.axis("actual_turns", axis);
+            let coasted = actual[at(2.9)] - trace.axis("command_turns", axis)[at(2.9)];
+            assert!(coasted.abs() > 0.1, "axis {axis}: {coasted} turns");
+            // It has nearly come to rest; on, it moves no more than that for the 20 ms that the drives settle.
+            let moved = actual[at(3.118)] - actual[at(3.1)];
+            assert!(moved.abs() < 1e-3, "axis {axis} jumps by {moved} turns");
+        }
+    }
+}
+
+/// If this were wrong, a crank of a servo would be reported to have lost steps, which its drive does not.
+#[test]
+fn a_crank_that_slips_by_an_electrical_cycle_of_a_stepper_slips() {
+    // 7.2°, four full steps of 1.8°, in one tick.
+    let slip = "[[fault]]\nat_s = 1.5\nkind = \"slip\"\naxis = 1\nrate_deg_per_s = 14400\nfor_s = 0.0005\n";
+    let named = |text: &str| {
+        let run = run(text);
+        let last = run.report["faults"].as_array().and_then(|all| all.last());
+        last.and_then(|fault| fault["kind"].as_str().map(str::to_owned))
+    };
+    assert_eq!(named(&on("kinematic", slip)).as_deref(), Some("slip"));
+    let stepper = on("kinematic", slip)
+        .replace("\"pulse-servo\"\nsteps", "\"stepper\"\nsteps")
+        .replace("lag_us = 1000", "lag_us = 0");
+    assert_eq!(named(&stepper).as_deref(), Some("lost-steps"));
+}
+
+/// If this were wrong, a scene would promise what such a drive does not do.
+#[test]
+fn what_does_not_apply_is_refused_by_name() {
+    let lost = on(
+        "kinematic",
+        "[[fault]]\nat_s = 1\nkind = \"lost-steps\"\naxis = 1\n",
+    );
+    let coupled = on("kinematic", "[correction]\ncouple = true\n").replace(
+        "drive = \"pulse-servo\"",
+        "encoder = true\ndrive = \"pulse-servo\"",
+    );
+    let damped = with(&[("friction_nm = 0.1", "damping_nms = 0.1")]);
+    let pulled = with(&[("friction_nm = 0.1", "pull_out = [[0, 5.0]]")]);
+    let swapped = on(
+        "kinematic",
+        "[[fault]]\nat_s = 0\nkind = \"swapped-wiring\"\naxis = 0\nwith = 1\nlines = \"drive\"\n",
+    )
+    .replace("number = 1", "number = 1\ndrive = \"servo\"");
+    for (text, key, said) in [
+        (lost, "fault[0].axis", "is a servo"),
+        (coupled, "correction.", "encoder"),
+        (damped, "axes.damping_nms", "no axis here is a stepper"),
+        (pulled, "axes.pull_out", "no axis here is a stepper"),
+        (swapped, "fault[0].with", "takes pulses"),
+    ] {
+        let refused = refusal(&text);
+        assert!(refused.contains(key) && refused.contains(said), "{refused}");
+    }
+}
+
+/// If this were wrong, the board would refuse the drives that this scene shows; or accept encoders, which it has no pins for.
+#[test]
+fn the_board_accepts_the_scene_and_refuses_encoders() {
+    use cophase_link::board::{Unfit, check};
+    let mut settings = built_in(SCENE).settings;
+    assert_eq!(check(&settings), Ok(()));
+    settings.axes[1].encoder = true;
+    assert_eq!(check(&settings), Err(Unfit::Encoder(1)));
+    settings.axes[2].drive = cophase_core::settings::DriveKind::Servo;
+    assert_eq!(check(&settings), Err(Unfit::Servo(2)));
+}
