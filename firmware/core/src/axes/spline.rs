@@ -240,7 +240,7 @@ fn product(a: i64, b: i64) -> i64 {
     let up = 64 - FRACTION_BITS as i32 - up_a as i32 - up_b as i32;
     let size = match up {
         ..=-64 => 0,
-        ..=0 => size >> -up,
+        -63..=0 => size >> -up,
         _ => size << up,
     };
     if (a < 0) == (b < 0) {
