@@ -6,7 +6,14 @@ use super::{Case, assert_all_refused, case};
 
 /// The built-in scene of an electronic cam with a piece of its text replaced.
 #[track_caller]
-fn edited(name: &str, from: &str, to: &str, key: &str, wrong: &str, right: &str) -> Case {
+fn edited(
+    name: &'static str,
+    from: &str,
+    to: &str,
+    key: &'static str,
+    wrong: &'static str,
+    right: &'static str,
+) -> Case {
     let text = library::find("electronic-cam").unwrap().text;
     assert!(text.contains(from), "the scene has no {from}");
     case(name, text.replacen(from, to, 1), key, wrong, right)
@@ -114,7 +121,7 @@ fn axes_that_follow() {
             "steps_per_turn = 1600",
             "steps_per_turn = 65536",
             "axis[0].cam",
-            "the table and its trims move the axis at up to 37.9",
+            "the table and its trims move the axis at up to 38.02",
             "flatten the steepest part",
         ),
     ]);
