@@ -1,6 +1,7 @@
 //! Align on whole machines: where cranks were left, what they are off from each other, and whose lines are whose.
 
 use cophase_core::supervisor::{FaultKind, State};
+use cophase_core::units::ONE_TURN;
 use cophase_tests::scene;
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
 
@@ -29,13 +30,14 @@ const STEPPERS: &str = "drive = \"stepper\"\nsteps_per_turn = 3200";
 const SERVOS: &str = "drive = \"servo\"\nsteps_per_turn = 8192\nencoder = true";
 
 /// Observations of a run: how far apart the cranks are as it begins to run and at most after it, where they stand at the end, and how
-/// far the trims' sum was from zero.
+/// far the corrections' sum was from zero, at most and at the end.
 #[derive(Default)]
 struct Recorded {
     spread_deg: Option<f64>,
     turns: f64,
     end_turns: Vec<f64>,
     worst_sum: i64,
+    last_sum: i64,
     largest_deg: f64,
     /// Time and master's turns at the end of each tick, and the number of the first that is played with a fault.
     ticks: Vec<(f64, f64)>,
@@ -47,6 +49,7 @@ impl Observer for Recorded {
         let correction = &moment.telemetry.correction;
         let sum: i64 = correction.iter().map(|turns| turns.to_bits()).sum();
         self.worst_sum = self.worst_sum.max(sum.abs());
+        self.last_sum = sum.abs();
         for turns in correction {
             self.largest_deg = self.largest_deg.max(turns.to_num::<f64>().abs() * 360.0);
         }
@@ -69,10 +72,11 @@ fn run(text: &str) -> (Recorded, Outcome) {
     let checked = scene(text);
     let mut recorded = Recorded::default();
     let outcome = simulate(&checked, &mut recorded, |_, _| {}).unwrap();
-    assert_eq!(
-        recorded.worst_sum, 0,
-        "the sum of all trims is zero at all times"
-    );
+    // One axis after the other moves by the steps of its slot, two at these rates; in the end all targets are reached.
+    let step = ONE_TURN / 3200;
+    let count = recorded.end_turns.len() as i64;
+    assert!(recorded.worst_sum <= 2 * step * count, "sum of corrections");
+    assert!(recorded.last_sum <= step / 2, "sum of corrections at rest");
     (recorded, outcome)
 }
 

@@ -131,6 +131,7 @@ judged! {
     scotch_yoke: "scotch-yoke",
     suspended: "suspended",
     wrapper: "wrapper",
+    electronic_cam: "electronic-cam",
 }
 
 /// A machine whose load moves its cranks by a good half degree.

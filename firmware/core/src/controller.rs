@@ -14,7 +14,7 @@ mod homing;
 mod punctuality;
 mod wiring_proof;
 
-use crate::axes::PhaseOffsets;
+use crate::axes::{Cams, PhaseOffsets};
 use crate::drift::{AxisSet, DriftMonitor, Finding, History, Sensed};
 use crate::mechanism::{AnyMechanism, Mechanism};
 use crate::program::{Cursor, Program};
@@ -52,7 +52,9 @@ pub struct Controller {
     /// Axis that has a plan of its own because its phase offset moves.
     apart: Option<usize>,
     /// Axes that do not make the master's own turns.
-    geared: AxisSet,
+    followers: AxisSet,
+    /// Curves of the cam tables.
+    cams: Cams,
     drift: DriftMonitor,
     homing: Homing,
     offsets: PhaseOffsets,

@@ -1,5 +1,6 @@
 //! Converts settings to a settings file and back.
 
+use cophase_core::axes::{CamSettings, MAX_CAM_POINTS, MAX_CAMS};
 use cophase_core::program::CAPACITY;
 use cophase_core::settings::{MAX_BANDS, NAME_BYTES, Settings};
 use cophase_core::units::MAX_AXES;
@@ -9,7 +10,7 @@ use crate::header::{HEADER_BYTES, Header};
 use crate::{CRC, SettingsFileError};
 
 /// Format version of the payload that is written and read here. Every change to the bytes of a [`Settings`] changes it.
-pub const VERSION: u16 = 3;
+pub const VERSION: u16 = 4;
 
 /// Length of the longest payload, bytes: the longest name, full lists, and the greatest numbers of variable length.
 pub const MAX_PAYLOAD_BYTES: usize = {
@@ -22,8 +23,13 @@ pub const MAX_PAYLOAD_BYTES: usize = {
     let pulse = 3 * F64;
     let index_width = F64;
     let index = (SMALL + F64) + 2 * F64;
-    let axis = SMALL + U32 + SMALL + 2 * U32 + F64 + index + SMALL + U32 + 3 * F64;
+    let gear = 2 * U32;
+    let cam = SMALL + F64;
+    let follower = SMALL + if gear > cam { gear } else { cam };
+    let axis = SMALL + U32 + SMALL + follower + F64 + index + SMALL + U32 + 3 * F64;
     let axes = SMALL + MAX_AXES * axis;
+    let table = U32 + 2 * SMALL + MAX_CAM_POINTS * F64; // The number of points takes two bytes.
+    let cams = SMALL + MAX_CAMS * table;
     let trims = SMALL + MAX_AXES * F64;
     let drift = 5 * F64;
     let correction = 3 * F64 + SMALL;
@@ -36,6 +42,7 @@ pub const MAX_PAYLOAD_BYTES: usize = {
         + pulse
         + index_width
         + axes
+        + cams
         + trims
         + drift
         + correction
@@ -135,8 +142,8 @@ pub fn decode(settings_file: &[u8]) -> Result<Settings, SettingsFileError> {
 
 /// Decodes the settings in a settings file in place.
 ///
-/// The numbers are returned as written; `Controller::configure` checks them. Settings have 5 KiB, most of it the
-/// program. So they are read field by field, and the program entry by entry. A board's stack then need not hold them
+/// The numbers are returned as written; `Controller::configure` checks them. Settings have 7 KiB, most of it the
+/// program and the cam tables. So they are read field by field, and long lists entry by entry. A board's stack then need not hold them
 /// twice.
 ///
 /// # Errors
@@ -155,6 +162,7 @@ pub fn decode_into(settings_file: &[u8], settings: &mut Settings) -> Result<(), 
         pulse,
         index,
         axes,
+        cams,
         trims_turns,
         drift,
         correction,
@@ -169,6 +177,7 @@ pub fn decode_into(settings_file: &[u8], settings: &mut Settings) -> Result<(), 
     *pulse = payload.take()?;
     *index = payload.take()?;
     payload.take_list(axes)?;
+    payload.take_cams(cams)?;
     payload.take_list(trims_turns)?;
     *drift = payload.take()?;
     *correction = payload.take()?;
@@ -190,6 +199,23 @@ impl<'a> Payload<'a> {
             postcard::take_from_bytes(self.0).map_err(|_| SettingsFileError::Unreadable)?;
         self.0 = rest;
         Ok(value)
+    }
+
+    /// Reads cam tables point by point, as each has a kilobyte.
+    fn take_cams(
+        &mut self,
+        cams: &mut heapless::Vec<CamSettings, MAX_CAMS>,
+    ) -> Result<(), SettingsFileError> {
+        cams.clear();
+        for _ in 0..self.take::<u32>()? {
+            cams.push(CamSettings::default())
+                .map_err(|_| SettingsFileError::Unreadable)?;
+            if let Some(cam) = cams.last_mut() {
+                cam.net_turns = self.take()?;
+                self.take_list(&mut cam.points_turns)?;
+            }
+        }
+        Ok(())
     }
 
     /// Reads a list: its length, then its values.

@@ -8,6 +8,8 @@
 mod axes;
 #[path = "bad_input/cam.rs"]
 mod cam;
+#[path = "bad_input/cam_table.rs"]
+mod cam_table;
 #[path = "bad_input/edit.rs"]
 mod edit;
 #[path = "bad_input/events.rs"]

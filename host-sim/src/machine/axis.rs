@@ -30,7 +30,7 @@ pub struct SimulatedAxis {
     friction_nm: f64,
     ratio: f64,
     /// Commanded phase at step 0, turns.
-    offset_turns: f64,
+    home_turns: f64,
     /// Crank phase at step 0, turns.
     origin_turns: f64,
     flag: Option<Flag>,
@@ -74,9 +74,11 @@ pub enum Overload {
 }
 
 impl SimulatedAxis {
-    /// At power-up; `start_turns` is where the crank is, against where the loop believes it.
+    /// At power-up. The loop believes the crank at `home_turns`, and it is `start_turns` further. It makes `ratio` turns per master turn.
     pub fn new(
         settings: &AxisSettings,
+        home_turns: f64,
+        ratio: f64,
         drive: AxisDrive,
         start_turns: f64,
         friction_nm: f64,
@@ -88,9 +90,9 @@ impl SimulatedAxis {
             steps_per_turn: f64::from(settings.steps_per_turn),
             rotor_inertia_kgm2: settings.rotor_inertia_kgm2,
             friction_nm,
-            ratio: f64::from(settings.ratio.0) / f64::from(settings.ratio.1),
-            offset_turns: settings.offset_turns,
-            origin_turns: settings.offset_turns + start_turns,
+            ratio,
+            home_turns,
+            origin_turns: home_turns + start_turns,
             flag,
             pulses: PulseCounter::new(),
             commanded: None,
@@ -168,7 +170,7 @@ impl SimulatedAxis {
         let torque_nm = if self.drive.takes_pulses() {
             self.pulses.count(runs, steps);
             let counted = self.pulses.counted() as f64;
-            let commanded = (command_turns - self.offset_turns) * self.steps_per_turn;
+            let commanded = (command_turns - self.home_turns) * self.steps_per_turn;
             self.commanded_turns =
                 commanded.clamp(counted - 1.0, counted + 1.0) / self.steps_per_turn;
             0.0

@@ -1,11 +1,14 @@
 //! Cam shafts, each with a follower of its own, instead of cranks under a platform.
 //!
+//! With *screws* there is no cam: axes follow cam tables ([`screw`]).
+//!
 //! On the *kinematic* model level a pusher is where its law has it. On the *elastic* one three masses hang between cam and pusher
 //! ([`Chain`]), and are integrated. On both the cam stands where its drive has turned it, and turns evenly within a tick:
 //! what the follower pushes back with does not turn the shaft.
 
 mod elastic;
 mod pusher;
+mod screw;
 
 pub use pusher::{Peaks, Pusher, Turned};
 
@@ -16,6 +19,7 @@ use cophase_methods::{Scheme, StepError};
 use crate::scene::file::Fidelity;
 use crate::scene::{Checked, SceneError};
 use elastic::Elastic;
+use screw::Screws;
 
 /// Looks a tick where nothing is integrated.
 const SAMPLES: u32 = 16;
@@ -24,6 +28,7 @@ const SAMPLES: u32 = 16;
 pub struct Followers {
     cam: Cam,
     elastic: Option<Elastic>,
+    screws: Option<Screws>,
     pushers: [Pusher; MAX_AXES],
     peaks: [Peaks; MAX_AXES],
     axes: usize,
@@ -41,9 +46,26 @@ impl Followers {
         };
         let tick_s = 1.0 / f64::from(checked.scene.control.tick_hz);
         let mut pushers = [Pusher::default(); MAX_AXES];
+        let screws = follower.screw_lead_m.map(|lead_m| {
+            Screws::new(
+                lead_m,
+                checked
+                    .settings
+                    .axes
+                    .iter()
+                    .map(|axis| axis.follower.shift_turns()),
+            )
+        });
         for (pusher, turns) in pushers.iter_mut().zip(turns) {
-            let law = follower.cam.at_angle(turns * std::f64::consts::TAU);
-            pusher.place_m = law.displacement;
+            pusher.place_m = match &screws {
+                Some(screws) => screws.place_m(*turns),
+                None => {
+                    follower
+                        .cam
+                        .at_angle(turns * std::f64::consts::TAU)
+                        .displacement
+                }
+            };
         }
         let elastic = match (checked.fidelity, &follower.links) {
             (Fidelity::Elastic, Some((links, shaft))) => {
@@ -60,6 +82,7 @@ impl Followers {
         Ok(Some(Self {
             cam: follower.cam,
             elastic,
+            screws,
             pushers,
             peaks: [Peaks::default(); MAX_AXES],
             axes: turns.len(),
@@ -98,8 +121,25 @@ impl Followers {
         }
     }
 
-    /// Plays a tick.
-    pub fn play(&mut self, turned: &[Turned]) {
+    /// Plays a tick in which the master makes `master_turns`; at its end the axes are commanded to `command_turns`.
+    pub fn play(&mut self, turned: &[Turned], master_turns: f64, command_turns: &[f64]) {
+        if let Some(screws) = &mut self.screws {
+            let mut turns = [0.0; MAX_AXES];
+            for (turns, turned) in turns.iter_mut().zip(turned) {
+                *turns = turned.to;
+            }
+            let (turns, pushers) = (&turns[..self.axes], &mut self.pushers[..self.axes]);
+            let outcome = (pushers, &mut self.peaks[..self.axes]);
+            screws.play(
+                &self.cam,
+                self.tick_s,
+                master_turns,
+                turns,
+                command_turns,
+                outcome,
+            );
+            return;
+        }
         let axes = self.pushers.iter_mut().zip(&mut self.peaks).enumerate();
         for ((axis, (pusher, peaks)), turned) in axes.zip(turned) {
             *peaks = Peaks::default();
@@ -134,6 +174,7 @@ fn by_law(cam: &Cam, turned: &Turned, tick_s: f64) -> (Pusher, Peaks) {
             off_m: 0.0,
             pusher_mps2: pusher.accel_mps2.abs(),
             cam_side_mps2: pusher.accel_mps2.abs(),
+            off_mps2: 0.0,
         });
     }
     (pusher, peaks)
@@ -163,6 +204,7 @@ mod tests {
         let mut followers = Followers {
             cam: Cam::wrapper(Law::ModifiedSine),
             elastic: Some(elastic),
+            screws: None,
             pushers: [Pusher::default(); MAX_AXES],
             peaks: [Peaks::default(); MAX_AXES],
             axes: 2,
@@ -176,7 +218,7 @@ mod tests {
                 omega_rad_s: 47.1,
                 acceleration_rad_s2: 0.0,
             };
-            followers.play(&[turned; 2]);
+            followers.play(&[turned; 2], 0.0, &[]);
         }
         assert!(matches!(
             followers.broken(),

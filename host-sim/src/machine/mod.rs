@@ -137,7 +137,17 @@ impl Machine {
                 .and_then(|own| own.friction_nm)
                 .unwrap_or(in_common.friction_nm);
             let flag = Flag::new(checked, i);
-            SimulatedAxis::new(own, drive, start_turns, friction_nm, flag)
+            let home_turns = settings.home_turns(own);
+            let ratio = own.follower.most_ratio(settings);
+            SimulatedAxis::new(
+                own,
+                home_turns,
+                ratio,
+                drive,
+                start_turns,
+                friction_nm,
+                flag,
+            )
         };
         let axes = per_axis(settings.axes.len(), make);
         let rotors = torque::rotors(checked, &pull_out, &axes)?;
@@ -334,7 +344,7 @@ impl Machine {
                 acceleration_rad_s2: acceleration * axis.ratio() * on,
             }
         });
-        followers.play(&turned);
+        followers.play(&turned, master_turns, command_turns);
     }
 
     /// Compares what this tick's motion needs with what each motor has.

@@ -11,6 +11,7 @@ pub use warnings::warnings;
 pub use words::{describe, is_notable};
 pub use written::Written;
 
+use cophase_core::settings::{AxisSettings, Settings};
 use cophase_core::supervisor::Fault;
 use serde::Serialize;
 
@@ -112,6 +113,30 @@ struct AxisReport {
     /// What the follower of its cam did.
     #[serde(flatten)]
     follower: Option<FollowerReport>,
+    /// Upper bounds on its motion at the limits of the master, of an axis that follows a cam table.
+    #[serde(flatten)]
+    bounds: Option<BoundsReport>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+struct BoundsReport {
+    speed_bound_hz: f64,
+    acceleration_bound_hz_per_s: f64,
+    jerk_bound_hz_per_s2: f64,
+}
+
+impl BoundsReport {
+    fn new(settings: &Settings, axis: &AxisSettings) -> Option<Self> {
+        let is_cam = axis.follower.constant_ratio().is_none();
+        is_cam.then(|| {
+            let bounds = settings.axis_bounds(axis);
+            Self {
+                speed_bound_hz: bounds.speed,
+                acceleration_bound_hz_per_s: bounds.acceleration,
+                jerk_bound_hz_per_s2: bounds.jerk,
+            }
+        })
+    }
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -130,6 +155,8 @@ struct FollowerReport {
     off_law_worst_mm: f64,
     pusher_accel_worst_mps2: f64,
     cam_side_accel_worst_mps2: f64,
+    /// How far its acceleration was from that of its law at most.
+    off_law_accel_worst_mps2: f64,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -195,7 +222,9 @@ impl<'a> Report<'a> {
                 off_law_worst_mm: peaks.off_m * 1e3,
                 pusher_accel_worst_mps2: peaks.pusher_mps2,
                 cam_side_accel_worst_mps2: peaks.cam_side_mps2,
+                off_law_accel_worst_mps2: peaks.off_mps2,
             }),
+            bounds: BoundsReport::new(&checked.settings, &checked.settings.axes[i]),
         };
         Self {
             name: &checked.scene.name,

@@ -288,6 +288,20 @@ fn followers(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fm
     let worst = |of: fn(&Peaks) -> f64| statistics.iter().map(of).fold(0.0, f64::max);
     match checked.fidelity {
         _ if statistics.is_empty() => Ok(()),
+        _ if checked
+            .cam
+            .is_some_and(|follower| follower.screw_lead_m.is_some()) =>
+        {
+            writeln!(
+                page,
+                "The pushers accelerated by at most {:.2} m/s², and those of a mechanical cam shaft by {:.2} m/s². They differ by at most {:.4} mm and \
+             {:.3} m/s².",
+                worst(|peaks| peaks.pusher_mps2),
+                worst(|peaks| peaks.cam_side_mps2),
+                worst(|peaks| peaks.off_m * 1e3),
+                worst(|peaks| peaks.off_mps2),
+            )
+        }
         Fidelity::Elastic => writeln!(
             page,
             "The pushers accelerated by at most {:.1} m/s² and were at most {:.3} mm off their law.",

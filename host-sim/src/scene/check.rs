@@ -5,6 +5,7 @@
 //! the file.
 
 mod cam;
+mod cam_table;
 mod correction;
 mod faults;
 mod level;
@@ -49,6 +50,8 @@ impl Checked {
         for (entry, overrides) in scene.axis.iter().enumerate() {
             numbers::check_overrides(&scene, entry, overrides)?;
         }
+        cam_table::check_axes(&scene)?;
+        cam::check_screws(&scene)?;
         PullOut::new(&scene.axes.pull_out)?;
         numbers::check_times(&scene)?;
         faults::check(&scene)?;
@@ -62,6 +65,7 @@ impl Checked {
                 machine,
                 drift,
                 correction::correction(&scene, &machine)?,
+                cam_table::tables(&scene)?,
                 program.into_iter().map(|(entry, _)| entry),
             ),
             fidelity: scene.fidelity,

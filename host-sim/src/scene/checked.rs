@@ -45,7 +45,13 @@ impl Checked {
         let differ = |one: fn(&AxisSettings) -> f64| {
             axes.windows(2).any(|pair| one(&pair[0]) != one(&pair[1]))
         };
-        if differ(|axis| f64::from(axis.ratio.0) / f64::from(axis.ratio.1)) {
+        let ratio = |axis: &AxisSettings| axis.follower.constant_ratio();
+        if axes.iter().any(|axis| ratio(axis).is_none()) {
+            Some("cam")
+        } else if axes
+            .windows(2)
+            .any(|pair| ratio(&pair[0]) != ratio(&pair[1]))
+        {
             Some("ratio")
         } else if differ(|axis| axis.offset_turns) {
             Some("offset_deg")
@@ -147,6 +153,8 @@ impl AxisOverrides {
             "steps_per_turn" => self.steps_per_turn.is_some(),
             "ratio" => self.ratio.is_some(),
             "offset_deg" => self.offset_deg.is_some(),
+            "index" => self.index.is_some(),
+            "cam" | "cam_shift_deg" => self.cam.is_some(),
             "index_deg" => self.index_deg.is_some(),
             "trim_deg" => true, // nothing else trims
             _ => false,

@@ -79,6 +79,9 @@ impl From<SettingsError> for SceneError {
     fn from(error: SettingsError) -> Self {
         let key = match (error.entry, error.key.split_once(".band.")) {
             (Some(band), Some((table, key))) => format!("{table}.band[{band}].{key}"),
+            (Some(table), None) if error.key.starts_with("cam_table.") => error
+                .key
+                .replace("cam_table.", &format!("cam_table[{table}].")),
             _ => error.key.to_owned(),
         };
         // "axes.ratio numerator": a key, and which part of its value.

@@ -28,6 +28,7 @@ pub const SCENES: &[BuiltIn] = scenes![
     "scotch-yoke",
     "suspended",
     "wrapper",
+    "electronic-cam",
 ];
 
 /// Finds one by its name.

@@ -1,5 +1,6 @@
 //! Reading a scene file, and saying what is wrong with its form and where.
 
+mod cam_file;
 mod explain;
 mod nearest;
 mod place;
@@ -26,7 +27,11 @@ pub fn checked_from_file(path: &Path) -> Result<Checked, SceneError> {
     let origin = path.display().to_string();
     let read = || {
         let text = from_path(path)?;
-        Checked::new(parse(&text)?).map_err(|error| SceneError {
+        let read = |mut scene: Scene| {
+            cam_file::read_all(&mut scene, path.parent().unwrap_or(Path::new("")))?;
+            Checked::new(scene)
+        };
+        read(parse(&text)?).map_err(|error| SceneError {
             line: place::line_of_key(&text, &error.key),
             ..error
         })

@@ -1,5 +1,6 @@
 //! Machines and programs: any that settings accept, as fast as cases are short.
 
+use cophase_core::axes::{CamSettings, CamTableSettings, FollowerSettings};
 use cophase_core::controller::Controller;
 use cophase_core::mechanism::{
     Mechanism, MechanismSettings, ScotchYokeSettings, SliderCrankSettings,
@@ -13,6 +14,33 @@ use cophase_core::settings::{
 use cophase_core::units::Turns;
 
 use crate::Script;
+
+/// The usual follower, or now and then a gear of another ratio, or the cam table at any shift.
+fn follower(script: &mut Script<'_>) -> FollowerSettings {
+    if !script.one_in(16) {
+        return FollowerSettings::DIRECT;
+    }
+    let byte = script.byte();
+    match byte % 4 {
+        3 => FollowerSettings::CamTable(CamTableSettings {
+            table: 0,
+            shift_turns: f64::from(byte) / 256.0,
+        }),
+        more => FollowerSettings::gear((1 + u32::from(more), 2)),
+    }
+}
+
+/// A turn in which the axis is at times faster than the master, and at times slower: it may have an index.
+fn cam() -> CamSettings {
+    let point = |i: u32| {
+        let turn = f64::from(i) / 32.0;
+        turn + 0.1 * (core::f64::consts::TAU * turn).sin()
+    };
+    CamSettings {
+        net_turns: 1,
+        points_turns: (0..32).map(point).collect(),
+    }
+}
 
 /// Settings; a few of them are refused, which is for the caller to see.
 pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
@@ -92,11 +120,7 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
                     },
                     steps_per_turn,
                     reversed: script.one_in(3),
-                    ratio: if script.one_in(16) {
-                        (1 + u32::from(script.byte() % 3), 2)
-                    } else {
-                        (1, 1)
-                    },
+                    follower: follower(script),
                     offset_turns: if script.one_in(4) {
                         script.between(0.01, 0.5)
                     } else {
@@ -114,6 +138,7 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
                 }
             })
             .collect(),
+        cams: core::iter::once(cam()).collect(),
         trims_turns: heapless::Vec::new(),
         program: heapless::Vec::new(),
         drift: DriftSettings {

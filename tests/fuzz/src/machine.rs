@@ -65,7 +65,7 @@ impl Machine {
                 .axes
                 .iter()
                 .map(|axis| {
-                    let at = units(axis.offset_turns);
+                    let at = units(settings.home_turns(axis));
                     Crank {
                         steps_per_turn: i64::from(axis.steps_per_turn),
                         reversed: axis.reversed,

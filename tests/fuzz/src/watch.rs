@@ -59,7 +59,7 @@ impl Watch {
             plain: axes
                 .iter()
                 .map(|axis| {
-                    let once = axis.ratio.0 == axis.ratio.1;
+                    let once = axis.follower.constant_ratio() == Some(1.0);
                     once.then(|| Turns::saturating_from_num(axis.offset_turns))
                 })
                 .collect(),

@@ -1,7 +1,57 @@
 //! Electronic gear with an exact ratio.
 
+use super::follower::{Bounds, Cams, Follower};
 use crate::functions::{Divisor, multiply_long};
+use crate::settings::{Settings, SettingsError, inside};
 use crate::units::Turns;
+
+/// Gear ratio of an axis, turns of the axis per turn of the master.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct GearSettings {
+    /// Turns of the axis, 1 to 1000.
+    pub numerator: u32,
+    /// Turns of the master, 1 to 1000.
+    pub denominator: u32,
+}
+
+impl GearSettings {
+    /// Checks both numbers.
+    ///
+    /// # Errors
+    /// The first number that is out of range.
+    #[cold]
+    pub fn check(&self, _: &Settings) -> Result<(), SettingsError> {
+        inside(
+            "axes.ratio numerator",
+            f64::from(self.numerator),
+            1.0,
+            1000.0,
+        )?;
+        inside(
+            "axes.ratio denominator",
+            f64::from(self.denominator),
+            1.0,
+            1000.0,
+        )?;
+        Ok(())
+    }
+
+    /// The ratio as one number.
+    pub fn ratio(&self) -> f64 {
+        f64::from(self.numerator) / f64::from(self.denominator)
+    }
+
+    /// Error as it is: it names the ratio, or the steps per turn.
+    pub const fn too_fast(&self, error: SettingsError, _: f64, _: f64) -> SettingsError {
+        error
+    }
+
+    /// Turns of the axis per turn of the master.
+    pub fn most_ratio(&self, _: &Settings) -> f64 {
+        self.ratio()
+    }
+}
 
 /// Gear ratio, turns of the axis per turn of the master, as a ratio of two integers. No fraction is lost.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -14,24 +64,20 @@ pub struct Gear {
 }
 
 impl Gear {
-    /// Gear with the ratio `numerator / denominator`, each 1 to 1000.
-    pub const fn new(numerator: u32, denominator: u32) -> Self {
+    /// Gear of checked settings.
+    pub const fn new(settings: &GearSettings, _: &Cams) -> Self {
         Self {
-            numerator,
-            denominator,
-            divisor: Divisor::new(denominator),
+            numerator: settings.numerator,
+            denominator: settings.denominator,
+            divisor: Divisor::new(settings.denominator),
             rest: 0,
         }
     }
+}
 
-    /// Whether the axis makes the master's own turns.
-    pub const fn is_direct(&self) -> bool {
-        self.numerator == self.denominator
-    }
-
-    /// Turns of the axis for turns of the master, which must be within ±1 turn.
+impl Follower for Gear {
     #[inline]
-    pub fn advance(&mut self, master: Turns) -> Turns {
+    fn advance(&mut self, master: Turns, _: &Cams) -> Turns {
         if self.is_direct() {
             return master; // The usual case needs no division.
         }
@@ -48,9 +94,8 @@ impl Gear {
         Turns::from_bits(-(turns as i64))
     }
 
-    /// Acceleration of the axis for one of the master, below 1 turn a tick², rounded towards zero; the remainder is
-    /// dropped.
-    pub fn share(&self, acceleration: Turns) -> Turns {
+    /// Rounded towards zero; the remainder is dropped. The master's acceleration must be below 1 turn a tick².
+    fn acceleration(&self, _: Turns, acceleration: Turns, _: &Cams) -> Turns {
         if self.is_direct() {
             return acceleration;
         }
@@ -58,11 +103,36 @@ impl Gear {
         let share = self.divisor.divide(all).0 as i64;
         Turns::from_bits(if acceleration < 0 { -share } else { share })
     }
+
+    fn is_direct(&self) -> bool {
+        self.numerator == self.denominator
+    }
+
+    #[cold]
+    fn start(&self) -> Turns {
+        Turns::ZERO
+    }
+
+    #[cold]
+    fn bounds(&self, master: &Bounds, _: &Cams) -> Bounds {
+        let ratio = f64::from(self.numerator) / f64::from(self.denominator);
+        Bounds {
+            speed: master.speed * ratio,
+            acceleration: master.acceleration * ratio,
+            jerk: master.jerk * ratio,
+        }
+    }
+
+    #[cold]
+    fn allows_index(&self, _: &Cams) -> bool {
+        true
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::axes::NO_CAMS;
     use crate::units::ONE_TURN;
     use proptest::prelude::*;
 
@@ -74,15 +144,15 @@ mod tests {
             denominator in 1_u32..=1000,
             master in prop::collection::vec(-ONE_TURN..ONE_TURN, 0..200),
         ) {
-            let mut gear = Gear::new(numerator, denominator);
+            let mut gear = Gear::new(&GearSettings { numerator, denominator }, &NO_CAMS);
             let (mut sum, mut axis) = (0_i128, 0_i128);
             for turns in master {
                 sum += i128::from(turns);
-                axis += i128::from(gear.advance(Turns::from_bits(turns)).to_bits());
+                axis += i128::from(gear.advance(Turns::from_bits(turns), &NO_CAMS).to_bits());
                 let exact = sum * i128::from(numerator);
                 prop_assert_eq!(axis, exact.div_euclid(i128::from(denominator)));
                 let share = i128::from(turns) * i128::from(numerator) / i128::from(denominator);
-                prop_assert_eq!(i128::from(gear.share(Turns::from_bits(turns)).to_bits()), share);
+                prop_assert_eq!(i128::from(gear.acceleration(Turns::ZERO, Turns::from_bits(turns), &NO_CAMS).to_bits()), share);
             }
         }
     }

@@ -1,13 +1,24 @@
-//! Axes: conversion of the master's phase to the phase of each crank by gear and phase offset.
+//! Axes: conversion of the master's phase to the phase of each crank by follower (gear or cam table) and phase offset.
 //!
 //! An axis never has a speed of its own. Each tick it converts the turns of the master to its own, exactly: the remainder
 //! of a ratio is kept for the next tick. The sense of rotation is not part of the phase either. A *reversed* axis counts
 //! its phase in its own sense, and only the outputs (DIR, and the signs of a servo's setpoints) are inverted. So the
 //! phases of axes of equal ratio are exactly equal, whatever their sense of rotation.
 
+mod cam_table;
+#[cfg(test)]
+mod conformance;
 mod correction;
+mod follower;
 mod gear;
 mod phase_offset;
+mod spline;
 
-pub use gear::Gear;
+pub use cam_table::{CamSettings, CamTable, CamTableSettings, MAX_CAMS};
+pub use follower::{AnyFollower, Bounds, Cams, Follower, FollowerSettings};
+pub use gear::{Gear, GearSettings};
 pub use phase_offset::{OffsetMotion, PhaseOffsets};
+pub use spline::{LEAST_CAM_POINTS, MAX_CAM_POINTS, Spline};
+
+/// Curves of a machine without cam tables.
+pub const NO_CAMS: Cams = [Spline::NONE; MAX_CAMS];

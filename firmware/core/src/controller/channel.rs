@@ -1,6 +1,6 @@
 //! One axis of the loop: its phase, its pulses or setpoints, and its commands of the last two ticks.
 
-use crate::axes::Gear;
+use crate::axes::AnyFollower;
 use crate::pulse::{Place, Planner, Runs, StepRates};
 use crate::servo::{FeedForward, Setpoint};
 use crate::units::{Phase, Turns};
@@ -8,7 +8,7 @@ use crate::units::{Phase, Turns};
 /// One axis, from the master's turns to the command of its drive.
 #[derive(Clone, Debug)]
 pub(super) struct Channel {
-    pub(super) gear: Gear,
+    pub(super) follower: AnyFollower,
     pub(super) planner: Planner,
     pub(super) reversed: bool,
     /// Of a servo axis; one without is a stepper.
@@ -21,17 +21,17 @@ impl Channel {
         self.feed_forward.is_none()
             && other.feed_forward.is_none()
             && self.planner.place() == other.planner.place()
-            && self.gear == other.gear
+            && self.follower == other.follower
     }
 
-    /// State of the axis's motion: its gear and its place within a step.
-    pub(super) fn motion(&self) -> (Gear, Place) {
-        (self.gear.clone(), *self.planner.place())
+    /// State of the axis's motion: its follower and its place within a step.
+    pub(super) fn motion(&self) -> (AnyFollower, Place) {
+        (self.follower.clone(), *self.planner.place())
     }
 
     /// Continues a motion.
-    pub(super) fn continue_from(&mut self, gear: Gear, place: Place) {
-        self.gear = gear;
+    pub(super) fn continue_from(&mut self, follower: AnyFollower, place: Place) {
+        self.follower = follower;
         self.planner.continue_from(place);
     }
 
@@ -51,8 +51,8 @@ impl Channel {
         }
     }
 
-    /// Setpoint of a servo at the end of a tick in which the master accelerated, in the axis's own sense. Its crank stands
-    /// `home_offset` further than `position`, its commanded phase.
+    /// Setpoint of a servo at the end of a tick in which it accelerated, in the axis's own sense. Its crank stands `home_offset`
+    /// further than `position`, its commanded phase.
     #[inline(never)]
     pub(super) fn setpoint(
         &self,
@@ -62,7 +62,6 @@ impl Channel {
         acceleration: Turns,
         home_offset: Turns,
     ) -> Setpoint {
-        let acceleration = self.gear.share(acceleration);
         Setpoint {
             position,
             velocity,

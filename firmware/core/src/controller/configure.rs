@@ -9,7 +9,7 @@ use super::correction::Correction;
 use super::homing::Homing;
 use super::punctuality::Punctuality;
 use super::wiring_proof::wiring_patterns;
-use crate::axes::{Gear, PhaseOffsets};
+use crate::axes::{Bounds, Cams, Follower, NO_CAMS, PhaseOffsets};
 use crate::drift::{AxisSet, DriftMonitor, History};
 use crate::mechanism::AnyMechanism;
 use crate::program::{Cursor, Program};
@@ -36,6 +36,47 @@ impl Settings {
     }
 }
 
+impl Settings {
+    /// Commanded phase of an axis of these settings at power-up, turns. The settings must have been checked.
+    #[cold]
+    pub fn home_turns(&self, axis: &AxisSettings) -> f64 {
+        let start: f64 = axis.follower.follower(&self.curves()).start().to_num();
+        axis.offset_turns + start
+    }
+
+    /// Upper bounds on the speed, the acceleration and the jerk of an axis of these settings: rev/s, rev/s², rev/s³. The settings must have been
+    /// checked. Phase offsets come on top.
+    #[cold]
+    pub fn axis_bounds(&self, axis: &AxisSettings) -> Bounds {
+        let curves = self.curves();
+        let follower = axis.follower.follower(&curves);
+        follower.bounds(&self.master_bounds(), &curves)
+    }
+
+    fn curves(&self) -> Cams {
+        let mut curves = NO_CAMS;
+        self.fill_curves(&mut curves);
+        curves
+    }
+
+    #[cold]
+    fn fill_curves(&self, curves: &mut Cams) {
+        for (curve, cam) in curves.iter_mut().zip(&self.cams) {
+            curve.fit(&cam.points_turns, cam.net_turns);
+        }
+    }
+
+    /// Greatest speed, acceleration and jerk of the master, those of a fault's stop included.
+    #[cold]
+    fn master_bounds(&self) -> Bounds {
+        Bounds {
+            speed: self.limits.speed_hz,
+            acceleration: self.limits.reachable_stop_acceleration_hz_per_s(),
+            jerk: self.limits.stop_jerk_hz_per_s2,
+        }
+    }
+}
+
 impl Controller {
     /// A controller without axes: it stays at rest until it is configured.
     pub const fn new() -> Self {
@@ -54,7 +95,8 @@ impl Controller {
             has_servos: false,
             step_rate: StepRates::new(62_500),
             apart: None,
-            geared: 0,
+            followers: 0,
+            cams: NO_CAMS,
             drift: DriftMonitor::new(),
             homing: Homing::new(),
             offsets: PhaseOffsets::new(),
@@ -95,6 +137,7 @@ impl Controller {
         // First of all: whatever follows relies on numbers that are within their ranges.
         settings.check()?;
         settings.fill_program(&mut self.program)?;
+        settings.fill_curves(&mut self.cams);
         self.fill_channels(settings)?;
         self.drift.configure(settings);
         self.offsets.configure(settings);
@@ -130,14 +173,20 @@ impl Controller {
         let timing = PulseTiming::new(&settings.pulse, tick_hz)?;
         let mut leads = [Turns::ZERO; MAX_AXES];
         for (i, (axis, lead)) in settings.axes.iter().zip(&mut leads).enumerate() {
-            let feed_forward = feed_forward(settings, axis, timing).map_err(|e| e.on_entry(i))?;
+            let follower = axis.follower.follower(&self.cams);
+            if axis.index_turns.is_some() && !follower.allows_index(&self.cams) {
+                return Err(SettingsError::new("axes.index", Problem::IndexOnCam).on_entry(i));
+            }
+            let bounds = follower.bounds(&settings.master_bounds(), &self.cams);
+            let feed_forward =
+                feed_forward(settings, axis, &bounds, timing).map_err(|e| e.on_entry(i))?;
+            *lead = turns(axis.offset_turns).wrapping_add(follower.start());
             let channel = Channel {
-                gear: Gear::new(axis.ratio.0, axis.ratio.1),
+                follower,
                 planner: Planner::new(timing, axis.steps_per_turn),
                 reversed: axis.reversed,
                 feed_forward,
             };
-            *lead = turns(axis.offset_turns);
             let pushed = self.channels.push(channel);
             debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
         }
@@ -145,8 +194,8 @@ impl Controller {
         self.has_servos = self.channels.iter().any(|c| c.feed_forward.is_some());
         self.step_rate = StepRates::new(timing.tick());
         let channels = self.channels.iter().enumerate();
-        self.geared = channels.fold(0, |geared, (axis, channel)| {
-            geared | AxisSet::from(!channel.gear.is_direct()) << axis
+        self.followers = channels.fold(0, |followers, (axis, channel)| {
+            followers | AxisSet::from(!channel.follower.is_direct()) << axis
         });
         self.output.reset(leads);
         self.group_axes();
@@ -161,8 +210,7 @@ impl Controller {
         } else {
             [PerAxis::default(); 2]
         };
-        let mut axes = settings.axes.iter();
-        let has_home_offset = axes.all(|axis| axis.ratio.0 == axis.ratio.1);
+        let has_home_offset = self.followers == 0;
         let lag = turns(settings.drift.common_limit_deg / 360.0 / LAG_PART);
         let tolerance = core::array::from_fn(|axis| self.drift.tolerance(axis));
         self.homing
@@ -201,40 +249,43 @@ impl Default for Controller {
 fn feed_forward(
     settings: &Settings,
     axis: &AxisSettings,
+    bounds: &Bounds,
     timing: PulseTiming,
 ) -> Result<Option<FeedForward>, SettingsError> {
     let tick_hz = settings.tick_hz;
     let hz = f64::from(tick_hz);
-    let ratio = f64::from(axis.ratio.0) / f64::from(axis.ratio.1);
     // In its slot, a phase offset moves up to the number of axes times as fast as its rate.
     let offset_hz = axis.trim_rate_hz * settings.axes.len() as f64;
-    let speed_hz = settings.limits.speed_hz * ratio + offset_hz;
-    if speed_hz > 0.5 * hz {
-        let problem = Problem::TooFastForTick {
-            turns_per_tick: speed_hz / hz,
-        };
-        return Err(SettingsError::new("axes.ratio", problem));
-    }
-    match axis.drive {
-        DriveKind::Stepper | DriveKind::PulseServo => {
-            timing.check_rate(axis.steps_per_turn, speed_hz, tick_hz)?;
-            Ok(None)
+    let speed_hz = bounds.speed + offset_hz;
+    let counts = axis.steps_per_turn;
+    let checked = match axis.drive {
+        _ if speed_hz > 0.5 * hz => {
+            let turns_per_tick = speed_hz / hz;
+            let problem = Problem::TooFastForTick { turns_per_tick };
+            Err(SettingsError::new("axes.ratio", problem))
         }
         DriveKind::Servo => {
-            PulseTiming::check_counts(axis.steps_per_turn, speed_hz, tick_hz)?;
-            let acceleration = settings.limits.reachable_stop_acceleration_hz_per_s() * ratio;
-            FeedForward::new(
-                &settings.machine,
-                settings.mechanism(),
-                settings.axes.len(),
-                axis.rotor_inertia_kgm2,
-                tick_hz,
-                turns(speed_hz / hz),
-                turns(acceleration / hz / hz),
-            )
-            .map(Some)
+            PulseTiming::check_counts(counts, speed_hz, tick_hz).map_err(SettingsError::from)
         }
+        DriveKind::Stepper | DriveKind::PulseServo => timing
+            .check_rate(counts, speed_hz, tick_hz)
+            .map_err(SettingsError::from),
+    };
+    let master_hz = settings.limits.speed_hz;
+    checked.map_err(|error| axis.follower.too_fast(error, master_hz, speed_hz))?;
+    if axis.drive != DriveKind::Servo {
+        return Ok(None);
     }
+    FeedForward::new(
+        &settings.machine,
+        settings.mechanism(),
+        settings.axes.len(),
+        axis.rotor_inertia_kgm2,
+        tick_hz,
+        turns(speed_hz / hz),
+        turns(bounds.acceleration / hz / hz),
+    )
+    .map(Some)
 }
 
 /// The cross-coupling of servos, if the settings have it and every axis is a servo with an encoder.

@@ -1,12 +1,12 @@
 //! From the master's turns to each axis's phase, pulses and setpoints.
 //!
-//! Axes with the same gear at the same place within a step have identical edges. One of them is planned, and the others share its
+//! Axes with equal followers at the same place within a step have identical edges. One of them is planned, and the others share its
 //! plan ([`Sharing`](crate::pulse::Sharing)). An axis leaves its group while its phase offset moves by a fraction of a step, and joins a group after it. As
 //! offsets are whole steps, that is the group it left.
 
 use super::Controller;
 use super::channel::Channel;
-use crate::axes::OffsetMotion;
+use crate::axes::{Follower, OffsetMotion};
 use crate::signals::Output;
 use crate::supervisor::State;
 use crate::units::{MAX_AXES, Turns};
@@ -31,8 +31,8 @@ impl Controller {
             Turns::ZERO
         };
         self.history.plan(master);
-        if moving && self.geared != 0 {
-            self.advance_gears(master);
+        if moving && self.followers != 0 {
+            self.advance_followers(master);
         }
         if let Some(moved) = &moved {
             self.advance_offset(moved);
@@ -65,16 +65,16 @@ impl Controller {
 
     /// Moves the axes that do not make the master's own turns.
     #[inline(never)]
-    fn advance_gears(&mut self, master: Turns) {
+    fn advance_followers(&mut self, master: Turns) {
         let sharing = self.output.telemetry.sharing;
         let mut turns_of = [master; MAX_AXES];
         for (axis, (channel, turns)) in self.channels.iter_mut().zip(&mut turns_of).enumerate() {
-            if self.geared & 1 << axis != 0 && sharing.first(axis) == axis {
-                *turns = channel.gear.advance(master);
+            if self.followers & 1 << axis != 0 && sharing.first(axis) == axis {
+                *turns = channel.follower.advance(master, &self.cams);
             }
         }
         for (axis, lead) in self.output.telemetry.lead.iter_mut().enumerate() {
-            if self.geared & 1 << axis != 0
+            if self.followers & 1 << axis != 0
                 && let Some(&turns) = turns_of.get(sharing.first(axis))
             {
                 self.history.plan_own(axis, turns);
@@ -157,11 +157,11 @@ impl Controller {
 
     /// Lets an axis continue the motion of the axis whose plan it shared.
     fn continue_from(&mut self, first: usize, axis: usize) {
-        let Some((gear, place)) = self.channels.get(first).map(Channel::motion) else {
+        let Some((follower, place)) = self.channels.get(first).map(Channel::motion) else {
             return;
         };
         if let Some(channel) = self.channels.get_mut(axis) {
-            channel.continue_from(gear, place);
+            channel.continue_from(follower, place);
         }
     }
 
@@ -181,11 +181,16 @@ impl Controller {
                 let coupled = self.coupling.as_ref().map(|coupling| coupling.of(axis));
                 let (position, speed) = coupled.unwrap_or_default();
                 let velocity = self.history.planned(axis);
+                let motion = &self.motion;
+                let acceleration =
+                    channel
+                        .follower
+                        .acceleration(motion.speed, motion.acceleration, &self.cams);
                 *setpoint = channel.setpoint(
                     forward,
                     phase.advanced(lead),
                     velocity,
-                    self.motion.acceleration,
+                    acceleration,
                     home_offset,
                 );
                 setpoint.position = setpoint.position.advanced(position);

@@ -1,6 +1,7 @@
 //! A whole tick: what the parts' own tests cannot see.
 
 use super::*;
+use crate::axes::FollowerSettings;
 use crate::drift::IndexPulse;
 use crate::program::{EntrySettings, SegmentSettings, Shape};
 use crate::settings::{BandSettings, DriveKind, LimitSettings, Platform, Settings, sample};
@@ -20,7 +21,7 @@ fn settings() -> Settings {
         axis.rotor_inertia_kgm2 = 1e-3;
     }
     settings.axes[1].reversed = true;
-    settings.axes[1].ratio = (1, 2);
+    settings.axes[1].follower = FollowerSettings::gear((1, 2));
     settings.machine.platform = Platform::Below;
     settings.limits = LimitSettings {
         speed_hz: 20.0,

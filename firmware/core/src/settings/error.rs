@@ -50,6 +50,27 @@ pub enum Problem {
     )]
     TooFastForTick { turns_per_tick: f64 },
     #[error(
+        "at limits.speed_hz = {} rev/s the table and its trims move the axis at up to {speed_hz:.2} rev/s, and {most_hz:.2} rev/s is the most that \
+         it can make; flatten the steepest part of the table, or lower limits.speed_hz or axes.steps_per_turn", Number(*master_hz)
+    )]
+    CamTooFast {
+        master_hz: f64,
+        speed_hz: f64,
+        most_hz: f64,
+    },
+    #[error(
+        "the table is too steep: up to {slope:.0} turns per turn of the master, and {bend:.0} turns per turn²; 1000 and 30000 are the most; \
+         spread its rises over larger angles"
+    )]
+    CamTooSteep { slope: f64, bend: f64 },
+    #[error("there is no table {table}; {tables} are given")]
+    NoSuchCam { table: u8, tables: usize },
+    #[error(
+        "the axis does not pass its index once in each turn of the master, always in the same sense; give index = false, or a table that \
+         rises everywhere, by one turn"
+    )]
+    IndexOnCam,
+    #[error(
         "the motors of this machine would need more than 30,000 N·m at full speed; lower limits.speed_hz, load_kg or crank_radius_mm"
     )]
     TorqueTooLarge,

@@ -14,6 +14,7 @@ pub use cophase_motion::settings::{
 };
 pub use error::{Problem, SettingsError};
 
+use crate::axes::{CamSettings, FollowerSettings, MAX_CAMS};
 use crate::drift::index_filter::MOST_OF_TICK;
 use crate::mechanism::{AnyMechanism, MechanismSettings, ScotchYokeSettings};
 use crate::program::{CAPACITY, EntrySettings, Program, ProgramBuilder};
@@ -43,6 +44,8 @@ pub struct Settings {
     pub index: IndexSettings,
     /// Axes, 1 to [`MAX_AXES`] entries.
     pub axes: heapless::Vec<AxisSettings, MAX_AXES>,
+    /// Cam tables, which axes may follow.
+    pub cams: heapless::Vec<CamSettings, MAX_CAMS>,
     /// Trims that are set at start, turns, axis by axis; an axis without an entry has none.
     pub trims_turns: heapless::Vec<f64, MAX_AXES>,
     /// Limits of the phase-drift monitor.
@@ -127,9 +130,9 @@ pub struct AxisSettings {
     pub steps_per_turn: u32,
     /// True if the crank turns in the opposite sense of axis 0.
     pub reversed: bool,
-    /// Crank turns per master turn, as an exact ratio: numerator (not 0) and denominator, 1 to 1000.
-    pub ratio: (u32, u32),
-    /// Crank phase relative to the master's, turns, −½ to ½.
+    /// How the crank follows the master.
+    pub follower: FollowerSettings,
+    /// Crank phase relative to the one that its follower gives, turns, −½ to ½.
     pub offset_turns: f64,
     /// Crank phase at which its index flag begins, going forward, turns, −½ to ½; none if it has no sensor.
     pub index_turns: Option<f64>,
@@ -227,6 +230,7 @@ impl Settings {
             },
             index: IndexSettings { width_us: 0.0 },
             axes: heapless::Vec::new(),
+            cams: heapless::Vec::new(),
             trims_turns: heapless::Vec::new(),
             drift: DriftSettings {
                 tilt_limit_mrad: 0.0,
@@ -260,8 +264,11 @@ impl Settings {
         self.limits.check(f64::from(self.tick_hz))?;
         self.pulse.check()?;
         self.index.check(self.tick_hz)?;
+        for (i, cam) in self.cams.iter().enumerate() {
+            cam.check().map_err(|e| e.on_entry(i))?;
+        }
         for (i, axis) in self.axes.iter().enumerate() {
-            axis.check().map_err(|e| e.on_entry(i))?;
+            axis.check(self).map_err(|e| e.on_entry(i))?;
         }
         inside(
             "drift.tilt_limit_mrad",
@@ -389,20 +396,14 @@ impl MachineSettings {
 
 impl AxisSettings {
     #[cold]
-    fn check(&self) -> Result<(), SettingsError> {
+    fn check(&self, settings: &Settings) -> Result<(), SettingsError> {
         inside(
             "axes.steps_per_turn",
             f64::from(self.steps_per_turn),
             4.0,
             65_536.0,
         )?;
-        inside("axes.ratio numerator", f64::from(self.ratio.0), 1.0, 1000.0)?;
-        inside(
-            "axes.ratio denominator",
-            f64::from(self.ratio.1),
-            1.0,
-            1000.0,
-        )?;
+        self.follower.check(settings)?;
         inside("axes.offset_deg", self.offset_turns * 360.0, -180.0, 180.0)?;
         if let Some(index_turns) = self.index_turns {
             inside("axes.index_deg", index_turns * 360.0, -180.0, 180.0)?;

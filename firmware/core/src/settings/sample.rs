@@ -16,7 +16,7 @@ const AXIS: AxisSettings = AxisSettings {
     drive: DriveKind::Stepper,
     steps_per_turn: 3200,
     reversed: false,
-    ratio: (1, 1),
+    follower: FollowerSettings::DIRECT,
     offset_turns: 0.0,
     index_turns: Some(0.0),
     index_width_turns: 0.0,
@@ -57,6 +57,7 @@ pub(crate) fn settings(axes: usize) -> Settings {
         },
         index: IndexSettings { width_us: 2.0 },
         axes: core::iter::repeat_n(AXIS, axes).collect(),
+        cams: heapless::Vec::new(),
         trims_turns: heapless::Vec::new(),
         drift: DriftSettings {
             tilt_limit_mrad: 3.0,

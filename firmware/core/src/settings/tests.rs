@@ -2,6 +2,7 @@
 
 use super::sample::{LEVEL, settings};
 use super::*;
+use crate::axes::CamTableSettings;
 use crate::program::SegmentSettings;
 use heapless::Vec;
 use std::string::ToString;
@@ -85,4 +86,81 @@ fn a_long_name_is_cut_between_characters() {
         short_name(&std::format!("a{}", "ü".repeat(20))).len(),
         NAME_BYTES - 1
     );
+}
+
+/// Settings of two axes, of which the second follows a table through these points.
+fn on_a_cam(net_turns: i32, points_turns: &[f64]) -> Settings {
+    let mut settings = settings(2);
+    settings.cams = heapless::Vec::from_array([CamSettings {
+        net_turns,
+        points_turns: points_turns.iter().copied().collect(),
+    }]);
+    settings.axes[1].follower = FollowerSettings::CamTable(CamTableSettings {
+        table: 0,
+        shift_turns: 0.0,
+    });
+    settings.axes[1].index_turns = None;
+    settings
+}
+
+/// If one were accepted, an axis would follow no table, or one that no motor can follow.
+#[test]
+fn cam_tables_are_refused_by_name() {
+    let lift = [0.0, 1.0, 2.0, 1.0];
+    on_a_cam(0, &lift).controller().unwrap();
+
+    let short = on_a_cam(0, &lift[..3]);
+    assert_eq!(
+        refused(&short),
+        "cam_table.points (number 0): 3 is outside 4 to 128"
+    );
+    let infinite = on_a_cam(0, &[0.0, 1.0, f64::NAN, 1.0]);
+    assert!(refused(&infinite).starts_with("cam_table.points (number 0): NaN is not a finite"));
+    let mut missing = on_a_cam(0, &lift);
+    missing.cams.clear();
+    assert!(refused(&missing).starts_with("axes.cam (number 1): there is no table 0"));
+    let steep = on_a_cam(0, &[0.0, 0.0, 500.0, 0.0]);
+    assert!(refused(&steep).starts_with("cam_table.points (number 0): the table is too steep"));
+
+    // The steepest part is 2 turns in half a turn of the master, half as much again at the middle: 20 rev/s make 120 rev/s. At 3200 steps a
+    // turn that is 384,000 steps/s, and pulses of 400 ns and the guard leave some 700,000.
+    let mut fast = on_a_cam(0, &lift);
+    fast.controller().unwrap();
+    fast.axes[1].steps_per_turn = 12_800;
+    let said = refused(&fast);
+    assert!(
+        said.starts_with("axes.cam (number 1): at limits.speed_hz = 20 rev/s the table"),
+        "{said}"
+    );
+    fast.axes[1].steps_per_turn = 50_000;
+    fast.axes[1].drive = DriveKind::Servo;
+    fast.controller().unwrap();
+}
+
+/// If an index were accepted where the axis turns back over its flag, its pulses would stop a sound machine.
+#[test]
+fn an_index_is_for_tables_that_rise_by_one_turn() {
+    for (net_turns, points, accepted) in [
+        (1, [0.0, 0.3, 0.5, 0.7], true),
+        (0, [0.0, 0.3, 0.5, 0.3], false),
+        (1, [0.0, 0.6, 0.4, 0.7], false),
+        (2, [0.0, 0.5, 1.0, 1.5], false),
+        (-1, [0.0, -0.25, -0.5, -0.75], false),
+    ] {
+        let mut settings = on_a_cam(net_turns, &points);
+        settings.controller().unwrap();
+        settings.axes[1].index_turns = Some(0.0);
+        match settings.controller() {
+            Ok(_) => assert!(accepted, "{points:?}"),
+            Err(error) => {
+                assert!(!accepted, "{points:?}: {error}");
+                let said = error.to_string();
+                assert!(
+                    said.starts_with("axes.index (number 1): the axis does not pass"),
+                    "{said}"
+                );
+                assert!(said.contains("index = false"), "{said}");
+            }
+        }
+    }
 }

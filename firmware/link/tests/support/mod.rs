@@ -4,6 +4,7 @@
 pub mod nor;
 pub mod slots;
 
+use cophase_core::axes::{CamSettings, FollowerSettings, MAX_CAM_POINTS, MAX_CAMS};
 use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
 use cophase_core::program::{CAPACITY, EntrySettings, SegmentSettings, Shape};
 use cophase_core::settings::Settings;
@@ -51,7 +52,7 @@ pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
                 drive: [DriveKind::Stepper, DriveKind::Servo][i % 2],
                 steps_per_turn: 3200,
                 reversed: i % 2 == 1,
-                ratio: (1, 1),
+                follower: FollowerSettings::DIRECT,
                 offset_turns: 0.1,
                 index_turns: Some(-0.25),
                 index_width_turns: 0.0,
@@ -63,6 +64,7 @@ pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
                 rotor_inertia_kgm2: 1e-4,
             })
             .collect(),
+        cams: Default::default(),
         trims_turns: (0..axes).map(|i| 1e-3 * i as f64).collect(),
         drift: DriftSettings {
             tilt_limit_mrad: 3.0,
@@ -92,10 +94,18 @@ pub fn longest() -> Settings {
     let mut longest = settings(MAX_AXES, MAX_BANDS, CAPACITY);
     longest.name = short_name(&"x".repeat(NAME_BYTES));
     longest.tick_hz = u32::MAX;
+    longest.cams = core::iter::repeat_n(
+        CamSettings {
+            net_turns: i32::MIN,
+            points_turns: [0.25; MAX_CAM_POINTS].into_iter().collect(),
+        },
+        MAX_CAMS,
+    )
+    .collect();
     for axis in &mut longest.axes {
         axis.steps_per_turn = u32::MAX;
         axis.cycle_steps = u32::MAX;
-        axis.ratio = (u32::MAX, u32::MAX);
+        axis.follower = FollowerSettings::gear((u32::MAX, u32::MAX));
     }
     longest
 }

@@ -168,7 +168,7 @@ fn cranks(checked: &Checked, driven: &Driven) -> Cranks {
         ratios: settings
             .axes
             .iter()
-            .map(|axis| f64::from(axis.ratio.0) / f64::from(axis.ratio.1))
+            .map(|axis| axis.follower.most_ratio(settings))
             .collect(),
         offsets: settings.axes.iter().map(|axis| axis.offset_turns).collect(),
         has_feed_forward: settings

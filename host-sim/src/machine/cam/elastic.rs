@@ -81,8 +81,10 @@ impl Elastic {
                 .step(&self.chain, f64::from(step) * step_s, state)?;
             let t_s = f64::from(step + 1) * step_s;
             self.chain.rates(t_s, state, &mut rates);
+            let by_law = self.chain.cam.at(t_s);
             peaks = peaks.or(Peaks {
-                off_m: (state[2] - self.chain.cam.at(t_s).displacement).abs(),
+                off_m: (state[2] - by_law.displacement).abs(),
+                off_mps2: (rates[5] - by_law.acceleration).abs(),
                 pusher_mps2: rates[5].abs(),
                 cam_side_mps2: rates[3].abs(),
             });

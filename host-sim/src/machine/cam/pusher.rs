@@ -16,8 +16,10 @@ pub struct Peaks {
     pub off_m: f64,
     /// Acceleration of the pusher, m/s².
     pub pusher_mps2: f64,
-    /// Acceleration of the mass next to the cam, m/s².
+    /// Acceleration of the mass next to the cam, m/s²; of a pusher without a cam, that of its law.
     pub cam_side_mps2: f64,
+    /// How far the acceleration of the pusher was from that of its law, m/s².
+    pub off_mps2: f64,
 }
 
 impl Peaks {
@@ -28,6 +30,7 @@ impl Peaks {
             off_m: self.off_m.max(other.off_m),
             pusher_mps2: self.pusher_mps2.max(other.pusher_mps2),
             cam_side_mps2: self.cam_side_mps2.max(other.cam_side_mps2),
+            off_mps2: self.off_mps2.max(other.off_mps2),
         }
     }
 }

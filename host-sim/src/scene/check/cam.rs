@@ -33,6 +33,8 @@ pub struct Follower {
     pub cam: Cam,
     /// What gives between it and the pusher, and where its first damper ends; none if the scene does not say.
     pub links: Option<(Links, Shaft)>,
+    /// Lead of the screws that carry the pushers, m a turn, where axes follow cam tables.
+    pub screw_lead_m: Option<f64>,
 }
 
 /// The follower of a scene that has cams.
@@ -86,7 +88,54 @@ pub(super) fn follower(shaft: &CamShaft) -> Result<Follower, SceneError> {
     Ok(Follower {
         cam,
         links: links(shaft)?.map(|links| (links, shaft.damper.into())),
+        screw_lead_m: shaft.screw_lead_mm.map(|lead_mm| lead_mm / 1e3),
     })
+}
+
+/// Checks that pushers on screws are on axes that follow tables, and the other way round.
+pub(super) fn check_screws(scene: &Scene) -> Result<(), SceneError> {
+    let follows = |number: usize| scene.overrides(number).is_some_and(|own| own.cam.is_some());
+    let Some(lead_mm) = scene.cam.as_ref().and_then(|cam| cam.screw_lead_mm) else {
+        return match scene.axis.iter().position(|own| own.cam.is_some()) {
+            None => Ok(()),
+            Some(entry) => Err(SceneError::at(
+                format!("axis[{entry}].cam"),
+                "turns neither a crank nor a cam evenly: only pushers on screws follow a table here, so give [cam] with cam.screw_lead_mm",
+            )),
+        };
+    };
+    range("cam.screw_lead_mm", lead_mm, 0.1, 1000.0)?;
+    if scene
+        .cam
+        .as_ref()
+        .is_some_and(|cam| cam.masses_kg.is_some())
+    {
+        return Err(SceneError::at(
+            "cam.masses_kg",
+            "hang on a cam shaft, and with cam.screw_lead_mm there is none; leave it out",
+        ));
+    }
+    if let Some(number) = (0..scene.axes.count).find(|&number| !follows(number)) {
+        return Err(SceneError::at(
+            "cam.screw_lead_mm",
+            format!(
+                "makes a cam of a table for each axis, and axis {number} has none; give its [[axis]] a cam = \"…\""
+            ),
+        ));
+    }
+    let servo = |number: usize| {
+        let own = scene.overrides(number).and_then(|own| own.drive);
+        own.unwrap_or(scene.axes.drive) == file::Drive::Servo
+    };
+    match (0..scene.axes.count).find(|&number| servo(number)) {
+        None => Ok(()),
+        Some(number) => Err(SceneError::at(
+            "axes.drive",
+            format!(
+                "axis {number} is a servo with torque setpoints, and those are for cranks, not for screws; give a drive that takes STEP and DIR"
+            ),
+        )),
+    }
 }
 
 fn links(shaft: &CamShaft) -> Result<Option<Links>, SceneError> {

@@ -1,6 +1,7 @@
 //! What the core is given, from a scene's words: units turned, what axes have in common and apart put
 //! together.
 
+use cophase_core::axes::{CamSettings, MAX_CAMS};
 use cophase_core::program::{CAPACITY, EntrySettings};
 use cophase_core::settings::{
     AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, IndexSettings,
@@ -8,6 +9,7 @@ use cophase_core::settings::{
 };
 use cophase_core::units::MAX_AXES;
 
+use super::cam_table;
 use crate::scene::file::{AxisOverrides, Drive, Scene};
 
 /// All settings that a scene gives the core, of the mechanism and drift what was made of them. Of axes, bands and program
@@ -17,6 +19,7 @@ pub(super) fn settings(
     machine: MachineSettings,
     drift: DriftSettings,
     correction: CorrectionSettings,
+    cams: heapless::Vec<CamSettings, MAX_CAMS>,
     program: impl IntoIterator<Item = EntrySettings>,
 ) -> Settings {
     let limits = &scene.limits;
@@ -55,6 +58,7 @@ pub(super) fn settings(
             width_us: scene.index.width_us,
         },
         axes: numbers.clone().map(|i| axis(scene, i)).collect(),
+        cams,
         trims_turns: numbers.map(|i| trim_deg(i) / 360.0).collect(),
         drift,
         correction,
@@ -83,7 +87,11 @@ fn axis(scene: &Scene, number: usize) -> AxisSettings {
         drive,
         steps_per_turn,
         reversed: overrides.is_some_and(|a| a.reversed),
-        ratio: overrides.and_then(|a| a.ratio).unwrap_or(axes.ratio),
+        follower: cam_table::follower(
+            scene,
+            number,
+            overrides.and_then(|a| a.ratio).unwrap_or(axes.ratio),
+        ),
         offset_turns: own(|a| a.offset_deg).unwrap_or(axes.offset_deg) / 360.0,
         index_turns: has_index.then_some(index_deg / 360.0),
         index_width_turns: axes.index_width_deg / 360.0,

@@ -127,6 +127,12 @@ pub struct AxisOverrides {
     /// Instead of the common one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub index_deg: Option<f64>,
+    /// Name of the `[[cam_table]]` that it follows, instead of a gear.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cam: Option<String>,
+    /// Angle of that table at the master's phase 0, degrees.
+    #[serde(default)]
+    pub cam_shift_deg: f64,
     /// Trim that is set from the start, degrees.
     #[serde(default)]
     pub trim_deg: f64,

@@ -18,6 +18,9 @@ pub struct CamShaft {
     pub dwell_deg: f64,
     /// Cam angle over which it returns, degrees; for the rest of the turn it rests.
     pub return_deg: f64,
+    /// Lead of the screws on which axes that follow cam tables carry the pushers, mm a turn; without it, each axis turns a cam.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub screw_lead_mm: Option<f64>,
     /// Masses of the follower from the shaft to the pusher, carried to the pusher, kg.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub masses_kg: Option<[f64; 3]>,

@@ -5,6 +5,7 @@
 
 mod axes;
 mod cam;
+mod cam_table;
 mod control;
 mod events;
 mod fault;
@@ -15,6 +16,7 @@ mod questions;
 
 pub use axes::{Axes, AxisOverrides, Drive, ServoDrive};
 pub use cam::{CamShaft, Damper, LawName};
+pub use cam_table::{CamSegment, CamTable};
 pub use control::{Band, Control, Correction, Drift, Index, Limits, Pulse};
 pub use events::{CommandAt, CommandName, InputAt, InputLine, LateAt, Scope};
 pub use fault::{FaultAt, FaultName, Lines, Noise};
@@ -49,6 +51,9 @@ pub struct Scene {
     /// A cam shaft an axis, each with a follower of its own; this or `machine`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cam: Option<CamShaft>,
+    /// Curves that axes follow.
+    #[serde(default, rename = "cam_table", skip_serializing_if = "Vec::is_empty")]
+    pub cam_table: Vec<CamTable>,
     /// What the cranks stand on, if that moves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<Frame>,

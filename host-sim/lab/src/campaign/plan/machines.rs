@@ -130,6 +130,8 @@ fn apart(number: usize, reversed: bool) -> AxisOverrides {
         offset_deg: None,
         index: None,
         index_deg: None,
+        cam: None,
+        cam_shift_deg: 0.0,
         trim_deg: 0.0,
         start_deg: 0.0,
         friction_nm: None,

@@ -9,7 +9,7 @@
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
-use cophase_core::axes::PhaseOffsets;
+use cophase_core::axes::{FollowerSettings, PhaseOffsets};
 use cophase_core::settings::{AxisSettings, DriveKind, Settings};
 use cophase_core::units::Turns;
 
@@ -53,7 +53,7 @@ fn dies_out(gain: f64, delay_turns: u32) -> bool {
         drive: DriveKind::Stepper,
         steps_per_turn: STEPS_PER_TURN,
         reversed: false,
-        ratio: (1, 1),
+        follower: FollowerSettings::DIRECT,
         offset_turns: 0.0,
         index_turns: Some(0.0),
         index_width_turns: 0.0,

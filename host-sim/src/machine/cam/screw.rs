@@ -1,0 +1,93 @@
+//! Pushers on screws: the electronic cam.
+//!
+//! Each axis turns a screw whose nut carries the pusher, and follows a cam table. The machine compares the pusher with the one of a
+//! mechanical cam shaft that turns with the master: the same law, and a lobe that stands where the axis's table is shifted to.
+//!
+//! The place of a pusher is that of its motor. Its acceleration is the second difference of the commanded place over two ticks, which belongs
+//! to the instant between them: whole steps have none that means anything. It is compared with the lobe's at that instant.
+
+use std::f64::consts::TAU;
+
+use cophase_core::units::{MAX_AXES, PerAxis};
+use cophase_methods::problems::Cam;
+
+use super::pusher::{Peaks, Pusher};
+
+/// The screws of all axes.
+#[derive(Debug)]
+pub(super) struct Screws {
+    lead_m: f64,
+    /// Phase of each axis's table at the master's phase 0, turns.
+    shifts: PerAxis<f64>,
+    /// Commanded places at the ends of the last two ticks, m.
+    commanded: Option<[PerAxis<f64>; 2]>,
+    /// Turns of the master since power-up, and those of the last tick.
+    master_turns: f64,
+    last_turns: f64,
+}
+
+impl Screws {
+    /// Screws of a lead, m a turn, with the shifts of the axes' tables, turns.
+    pub fn new(lead_m: f64, shifts: impl IntoIterator<Item = f64>) -> Self {
+        let mut all = [0.0; MAX_AXES];
+        for (one, shift) in all.iter_mut().zip(shifts) {
+            *one = shift;
+        }
+        Self {
+            lead_m,
+            shifts: all,
+            commanded: None,
+            master_turns: 0.0,
+            last_turns: 0.0,
+        }
+    }
+
+    /// Place of a pusher whose axis stands at `turns`, m.
+    pub fn place_m(&self, turns: f64) -> f64 {
+        self.lead_m * turns
+    }
+
+    /// Plays a tick of `tick_s` in which the master makes `master_turns`. At its end the axes stand at `turns`, and are commanded to
+    /// `command_turns`.
+    pub fn play(
+        &mut self,
+        cam: &Cam,
+        tick_s: f64,
+        master_turns: f64,
+        turns: &[f64],
+        command_turns: &[f64],
+        (pushers, peaks): (&mut [Pusher], &mut [Peaks]),
+    ) {
+        let between = self.master_turns;
+        self.master_turns += master_turns;
+        // Speed and acceleration of the master at the instant between this tick and the last.
+        let omega = TAU * (master_turns + self.last_turns) / 2.0 / tick_s;
+        let alpha = TAU * (master_turns - self.last_turns) / (tick_s * tick_s);
+        self.last_turns = master_turns;
+        let mut now = [0.0; MAX_AXES];
+        for (now, turns) in now.iter_mut().zip(command_turns) {
+            *now = self.place_m(*turns);
+        }
+        let [before, last] = self.commanded.unwrap_or([now; 2]);
+        let axes = pushers.iter_mut().zip(peaks).zip(turns).enumerate();
+        for (axis, ((pusher, peaks), turns)) in axes {
+            let shift = self.shifts[axis];
+            let lobe = cam.at_angle(TAU * (between + shift));
+            let by_law = lobe.acceleration * omega * omega + lobe.velocity * alpha;
+            let accel_mps2 = (now[axis] - 2.0 * last[axis] + before[axis]) / (tick_s * tick_s);
+            let place_m = self.place_m(*turns);
+            *pusher = Pusher {
+                place_m,
+                accel_mps2,
+            };
+            let lift_m = cam.at_angle(TAU * (self.master_turns + shift)).displacement;
+            *peaks = Peaks {
+                off_m: (place_m - lift_m).abs(),
+                pusher_mps2: accel_mps2.abs(),
+                cam_side_mps2: by_law.abs(),
+                off_mps2: (accel_mps2 - by_law).abs(),
+            };
+        }
+        self.commanded = Some([last, now]);
+    }
+}

@@ -1,0 +1,39 @@
+//! `[[cam_table]]`: curves that axes follow instead of a gear, over one turn of the master.
+
+use serde::{Deserialize, Serialize};
+
+use super::LawName;
+
+/// Cam table: from a motion law over segments, or from a file of points.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct CamTable {
+    /// Name by which axes choose it.
+    pub name: String,
+    /// Whole turns of the axis in one turn of the master; 0 if the axis comes back.
+    #[serde(default)]
+    pub net_turns: i32,
+    /// Motion law of the segments.
+    #[serde(default)]
+    pub law: LawName,
+    /// Segments from the master's phase 0 on; the axis rests for the remainder of the turn. Give these or `file`.
+    #[serde(default, rename = "segment", skip_serializing_if = "Vec::is_empty")]
+    pub segments: Vec<CamSegment>,
+    /// CSV file of points, relative to the scene's folder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// Points of that file, axis turns; filled in when the scene is loaded.
+    #[serde(skip)]
+    pub points_turns: Vec<f64>,
+}
+
+/// Segment of a cam table.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct CamSegment {
+    /// Angle of the master over which it extends, degrees.
+    pub deg: f64,
+    /// Travel of the axis over the segment, turns; 0 is a dwell.
+    #[serde(default)]
+    pub turns: f64,
+}

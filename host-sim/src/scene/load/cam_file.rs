@@ -1,0 +1,215 @@
+//! Points of a cam table from a CSV file.
+//!
+//! Each row has one number, the position of the axis in turns, or two: the phase of the master and the position, both in turns. Points are
+//! equally spaced over the turn, and the first is at phase 0. A row at phase 1 closes the curve: it must be the net travel further
+//! than the first. A first row of words is a heading; empty rows and those that begin with `#` are skipped.
+
+use std::path::Path;
+
+use cophase_core::axes::{LEAST_CAM_POINTS, MAX_CAM_POINTS};
+
+use crate::scene::SceneError;
+use crate::scene::file::{CamTable, Scene};
+
+/// Difference up to which two phases or positions are the same, turns: what six decimals leave.
+const SAME_TURNS: f64 = 2e-6;
+/// No table needs more.
+const MOST_BYTES: u64 = 1 << 20;
+
+/// Reads the files of all cam tables of a scene in `folder`.
+pub(super) fn read_all(scene: &mut Scene, folder: &Path) -> Result<(), SceneError> {
+    for (entry, table) in scene.cam_table.iter_mut().enumerate() {
+        let Some(name) = &table.file else {
+            continue;
+        };
+        let read = read_text(&folder.join(name)).and_then(|text| points(&text, table));
+        table.points_turns = read.map_err(|problem| {
+            SceneError::at(
+                format!("cam_table[{entry}].file"),
+                format!("{name}{problem}"),
+            )
+        })?;
+    }
+    Ok(())
+}
+
+fn read_text(path: &Path) -> Result<String, String> {
+    let length = std::fs::metadata(path).map(|file| file.len());
+    let length = length.map_err(|error| {
+        format!(" cannot be opened: {error}; its path is relative to the scene's folder")
+    })?;
+    if length > MOST_BYTES {
+        return Err(format!(
+            " is larger than 1 MiB; a table has at most {MAX_CAM_POINTS} rows"
+        ));
+    }
+    std::fs::read_to_string(path)
+        .map_err(|error| format!(" cannot be read: {error}; give a CSV file"))
+}
+
+/// Row of a file: its line, and its numbers.
+struct Row {
+    line: usize,
+    phase: Option<f64>,
+    turns: f64,
+}
+
+/// Points of a file, or the problem with it, in a sentence that follows the name of the file.
+fn points(text: &str, table: &CamTable) -> Result<Vec<f64>, String> {
+    let mut rows = rows(text)?;
+    close(&mut rows, f64::from(table.net_turns))?;
+    if !(LEAST_CAM_POINTS..=MAX_CAM_POINTS).contains(&rows.len()) {
+        return Err(format!(
+            " has {} points; a table has {LEAST_CAM_POINTS} to {MAX_CAM_POINTS}, equally spaced over a turn of the master",
+            rows.len()
+        ));
+    }
+    let count = rows.len() as f64;
+    for (i, row) in rows.iter().enumerate() {
+        let due = i as f64 / count;
+        if row
+            .phase
+            .is_some_and(|phase| (phase - due).abs() > SAME_TURNS)
+        {
+            return Err(format!(
+                ":{}: the master's phase is {}, where that of {count} equally spaced points is {due:.6}; space them equally, from 0 on",
+                row.line,
+                row.phase.unwrap_or_default()
+            ));
+        }
+    }
+    Ok(rows.into_iter().map(|row| row.turns).collect())
+}
+
+/// Takes the row at phase 1 away, which repeats the first one a turn later.
+fn close(rows: &mut Vec<Row>, net_turns: f64) -> Result<(), String> {
+    let closes = |row: &Row| {
+        row.phase
+            .is_some_and(|phase| (phase - 1.0).abs() <= SAME_TURNS)
+    };
+    let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
+        return Ok(());
+    };
+    if !closes(last) {
+        return Ok(());
+    }
+    let travel = last.turns - first.turns;
+    if (travel - net_turns).abs() > SAME_TURNS {
+        return Err(format!(
+            ":{}: the axis is {travel} turns from where it was at phase 0, and net_turns = {net_turns}; a table must close, so change one of the two",
+            last.line
+        ));
+    }
+    rows.pop();
+    Ok(())
+}
+
+fn rows(text: &str) -> Result<Vec<Row>, String> {
+    let mut rows: Vec<Row> = Vec::new();
+    let mut is_first = true;
+    for (line, source) in (1..).zip(text.trim_start_matches('\u{feff}').lines()) {
+        let source = source.trim();
+        if source.is_empty() || source.starts_with('#') {
+            continue;
+        }
+        let fields: Vec<&str> = source.split([',', ';', '\t']).map(str::trim).collect();
+        let numbers: Result<Vec<f64>, _> =
+            fields.iter().map(|field| field.parse::<f64>()).collect();
+        let is_heading = std::mem::take(&mut is_first)
+            && fields.iter().all(|field| field.parse::<f64>().is_err());
+        let row = match numbers.as_deref() {
+            _ if is_heading => continue,
+            Ok(&[turns]) => Row {
+                line,
+                phase: None,
+                turns,
+            },
+            Ok(&[phase, turns]) => Row {
+                line,
+                phase: Some(phase),
+                turns,
+            },
+            Ok(many) => {
+                return Err(format!(
+                    ":{line}: {} numbers; give the axis's turns, or the master's turns and the axis's",
+                    many.len()
+                ));
+            }
+            Err(_) => {
+                return Err(format!(
+                    ":{line}: not a number; give the axis's turns, or the master's turns and the axis's, with a comma between"
+                ));
+            }
+        };
+        if !row.turns.is_finite() || row.phase.is_some_and(|phase| !phase.is_finite()) {
+            return Err(format!(":{line}: not a finite number"));
+        }
+        if rows
+            .first()
+            .is_some_and(|first| first.phase.is_some() != row.phase.is_some())
+        {
+            return Err(format!(
+                ":{line}: one number and two numbers in the same file; give the same in every row"
+            ));
+        }
+        rows.push(row);
+    }
+    Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table(net_turns: i32) -> CamTable {
+        CamTable {
+            name: "t".to_owned(),
+            net_turns,
+            law: Default::default(),
+            segments: Vec::new(),
+            file: None,
+            points_turns: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn one_or_two_columns_with_or_without_heading() {
+        let expected = vec![0.0, 0.5, 1.0, 0.25];
+        for text in [
+            "0\n0.5\n1\n0.25\n",
+            "axis_turns\n# lift\n0\n0.5\n\n1\n0.25",
+            "\u{feff}master_turns,axis_turns\r\n0,0\r\n0.25,0.5\r\n0.5,1\r\n0.75,0.25\r\n",
+            "0;0\n0.25;0.5\n0.5;1\n0.75;0.25\n1;0\n",
+        ] {
+            assert_eq!(points(text, &table(0)), Ok(expected.clone()), "{text}");
+        }
+        assert_eq!(
+            points("0,0\n0.25,0.5\n0.5,1\n0.75,0.25\n1,-2\n", &table(-2)),
+            Ok(expected)
+        );
+    }
+
+    /// If these were accepted, an axis would follow another curve than the user's.
+    #[test]
+    fn what_is_no_table_is_refused_by_line() {
+        for (text, said) in [
+            ("0\n1\n", " has 2 points"),
+            ("", " has 0 points"),
+            ("turns\n0\nx\n", ":3: not a number"),
+            ("0,1,2\n", ":1: 3 numbers"),
+            ("0\n0,1\n", ":2: one number and two"),
+            ("0\nNaN\n", ":2: not a finite"),
+            (
+                "0,0\n0.2,1\n0.5,1\n0.75,0\n",
+                ":2: the master's phase is 0.2, where",
+            ),
+            (
+                "0,0\n0.25,1\n0.5,1\n0.75,0\n1,0.5\n",
+                ":5: the axis is 0.5 turns",
+            ),
+        ] {
+            let problem = points(text, &table(0)).unwrap_err();
+            assert!(problem.starts_with(said), "{text:?}: {problem}");
+        }
+    }
+}
