@@ -269,7 +269,9 @@ impl Controller {
             return None;
         }
         let found = self.drift.observe(&sensed);
-        if let Some(coupling) = &mut self.coupling {
+        if cfg!(feature = "servo")
+            && let Some(coupling) = &mut self.coupling
+        {
             // Before homing is over, phase errors say where cranks were left, and not what holds them up.
             if self.supervisor.drives_enabled() && self.homing.is_done() {
                 coupling.advance(self.drift.phase_error());

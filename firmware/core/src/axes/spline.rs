@@ -19,7 +19,7 @@ use crate::functions::{multiply, multiply_high, multiply_long, multiply_q30, nor
 use crate::units::{FRACTION_BITS, ONE_TURN, Turns};
 
 /// Greatest number of points of a curve.
-pub const MAX_CAM_POINTS: usize = 128;
+pub const MAX_CAM_POINTS: usize = 64;
 /// Least number of points of a curve.
 pub const LEAST_CAM_POINTS: usize = 4;
 

@@ -178,6 +178,10 @@ impl Controller {
                 return Err(SettingsError::new("axes.index", Problem::IndexOnCam).on_entry(i));
             }
             let bounds = follower.bounds(&settings.master_bounds(), &self.cams);
+            let is_servo = axis.drive == DriveKind::Servo || axis.encoder;
+            if is_servo && !cfg!(feature = "servo") {
+                return Err(SettingsError::new("axes.drive", Problem::ServoNotBuilt).on_entry(i));
+            }
             let feed_forward =
                 feed_forward(settings, axis, &bounds, timing).map_err(|e| e.on_entry(i))?;
             *lead = turns(axis.offset_turns).wrapping_add(follower.start());

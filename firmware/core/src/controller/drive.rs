@@ -38,7 +38,7 @@ impl Controller {
             self.advance_offset(moved);
         }
         self.plan_all(moved.as_ref());
-        if self.has_servos {
+        if cfg!(feature = "servo") && self.has_servos {
             self.set_points();
         }
     }

@@ -79,7 +79,7 @@ impl DriftMonitor {
                 let is_whole = !core::mem::take(&mut self.is_compared);
                 self.is_even = is_whole && others_moved <= self.limits.reading;
             }
-        } else if self.by_encoder != 0 || self.is_even && self.others_are_detected(updated) {
+        } else if self.encoders() != 0 || self.is_even && self.others_are_detected(updated) {
             // What all have in common is what it was in the round before, so that a crank may be held against others of a turn ago.
             self.update();
         } else {
@@ -103,7 +103,7 @@ impl DriftMonitor {
 
     pub(super) fn update(&mut self) {
         self.changed = true;
-        let mut stale = core::mem::take(&mut self.stale) | self.by_encoder;
+        let mut stale = core::mem::take(&mut self.stale) | self.encoders();
         for ((phase_error, peak), watch) in self
             .phase_error
             .iter_mut()

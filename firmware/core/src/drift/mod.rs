@@ -130,7 +130,7 @@ impl DriftMonitor {
     pub fn observe(&mut self, sensed: &Sensed<'_>) -> Option<Finding> {
         let before_is_known = core::mem::replace(&mut self.before_is_known, true);
         self.findings.pass(sensed.speed);
-        if self.by_encoder != 0 {
+        if self.encoders() != 0 {
             self.observe_encoders(sensed, before_is_known);
         }
         let arrived = self.queue_pulses(sensed, before_is_known);
@@ -138,11 +138,11 @@ impl DriftMonitor {
         if self.margin < 0 {
             self.check_timeouts(sensed);
         }
-        let has_updates = self.has_updates() && (sensed.may_process || self.by_encoder != 0);
+        let has_updates = self.has_updates() && (sensed.may_process || self.encoders() != 0);
         if has_updates {
             self.process_queue(sensed, arrived);
         }
-        self.is_busy = has_updates && self.by_encoder == 0;
+        self.is_busy = has_updates && self.encoders() == 0;
         self.findings.next()
     }
 
@@ -283,12 +283,22 @@ impl DriftMonitor {
 
     /// Axes that some sensor detects.
     pub const fn watched(&self) -> AxisSet {
-        self.sensed | self.by_encoder
+        self.sensed | self.encoders()
+    }
+
+    /// Axes with an encoder.
+    const fn encoders(&self) -> AxisSet {
+        // Without servos the compiler drops all code for encoders.
+        if cfg!(feature = "servo") {
+            self.by_encoder
+        } else {
+            0
+        }
     }
 
     /// Whether axes with an encoder are among them.
     pub const fn has_encoders(&self) -> bool {
-        self.by_encoder != 0
+        self.encoders() != 0
     }
 
     /// Phase error of each axis, as last measured: turns, −½ to ½.

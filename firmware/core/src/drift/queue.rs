@@ -87,7 +87,7 @@ impl Queue {
 
 impl DriftMonitor {
     pub(super) fn has_updates(&self) -> bool {
-        !self.queue.is_empty() || self.by_encoder != 0
+        !self.queue.is_empty() || self.encoders() != 0
     }
 
     /// Queues the pulses of a tick; returns their number.
@@ -168,7 +168,7 @@ impl DriftMonitor {
     /// Does one piece of the pending work. On a machine with encoders, which are read in every tick, does all of it.
     #[inline(never)]
     pub(super) fn process_queue(&mut self, sensed: &Sensed<'_>, arrived: usize) {
-        if self.by_encoder != 0 {
+        if self.encoders() != 0 {
             while let Some(axis) = self.queue.next() {
                 self.process_axis(axis, sensed);
             }

@@ -33,6 +33,11 @@ pub enum Problem {
     )]
     CouplingBlind,
     #[error(
+        "this build of the controller has no setpoints for servo drives and no encoders; give drive = \"stepper\" or \"pulse-servo\" without \
+         `encoder`, or build it with the feature `servo`"
+    )]
+    ServoNotBuilt,
+    #[error(
         "proving the wiring moves cranks by up to {deg:.2}°, which a trim limit or the limits on tilt and warp do not allow; raise \
          axes.trim_limit_deg or the limits in [drift], lower drift.reading_error_deg, or let it be false"
     )]
