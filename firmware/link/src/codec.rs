@@ -135,7 +135,8 @@ pub fn decode(settings_file: &[u8]) -> Result<Settings, SettingsFileError> {
 
 /// Decodes the settings in a settings file in place.
 ///
-/// The numbers are returned as written; `Controller::configure` checks them. Settings have 5 KiB, most of it the
+/// The numbers are returned as written; `Controller::configure` checks them. The clock stays as it was: it is the
+/// board's. Settings have 5 KiB, most of it the
 /// program. So they are read field by field, and the program entry by entry. A board's stack then need not hold them
 /// twice.
 ///
@@ -150,6 +151,7 @@ pub fn decode_into(settings_file: &[u8], settings: &mut Settings) -> Result<(), 
     let Settings {
         name,
         tick_hz,
+        clock_hz: _, // The board's; no file has it.
         machine,
         limits,
         pulse,

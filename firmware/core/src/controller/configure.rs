@@ -127,7 +127,7 @@ impl Controller {
     #[cold]
     fn fill_channels(&mut self, settings: &Settings) -> Result<(), SettingsError> {
         let tick_hz = settings.tick_hz;
-        let timing = PulseTiming::new(&settings.pulse, tick_hz)?;
+        let timing = PulseTiming::new(&settings.pulse, settings.clock_hz, tick_hz)?;
         let mut leads = [Turns::ZERO; MAX_AXES];
         for (i, (axis, lead)) in settings.axes.iter().zip(&mut leads).enumerate() {
             let feed_forward = feed_forward(settings, axis, timing).map_err(|e| e.on_entry(i))?;

@@ -86,3 +86,20 @@ fn a_long_name_is_cut_between_characters() {
         NAME_BYTES - 1
     );
 }
+
+/// If it were accepted, a machine whose clock nobody set would step at a wrong rate.
+#[test]
+fn a_clock_without_whole_ticks_is_refused() {
+    let mut clocked = settings(2);
+    for clock_hz in [125_000_000, 48_000_000] {
+        clocked.clock_hz = clock_hz;
+        clocked.controller().unwrap();
+        assert_eq!(clocked.tick_cycles(), clock_hz / 2000);
+    }
+    for clock_hz in [Settings::new().clock_hz, 125_000_001] {
+        clocked.clock_hz = clock_hz;
+        let said = refused(&clocked);
+        assert!(said.starts_with("clock_hz: "), "{said}");
+        assert!(said.contains(&std::format!("{clock_hz} Hz")), "{said}");
+    }
+}
