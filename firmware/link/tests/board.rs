@@ -125,7 +125,7 @@ fn a_tick_has_whole_cycles_of_the_clock() {
     }
 }
 
-/// If another axis were named, or none, a user could not tell what to change.
+/// If another axis were named, or none, a user would not know what to change.
 #[test]
 fn the_first_axis_that_the_board_cannot_run_is_named() {
     for board in boards() {
