@@ -336,11 +336,12 @@ fn what_does_not_apply_is_refused_by_name() {
 /// If this were wrong, the board would refuse the drives that this scene shows; or accept encoders, which it has no pins for.
 #[test]
 fn the_board_accepts_the_scene_and_refuses_encoders() {
-    use cophase_link::board::{Unfit, check};
+    use cophase_link::board::{Rp2040, Unfit, check};
     let mut settings = built_in(SCENE).settings;
-    assert_eq!(check(&settings), Ok(()));
+    assert_eq!(check::<Rp2040>(&settings), Ok(()));
     settings.axes[1].encoder = true;
-    assert_eq!(check(&settings), Err(Unfit::Encoder(1)));
+    assert_eq!(check::<Rp2040>(&settings), Err(Unfit::Encoder(1)));
+    settings.axes[1].encoder = false;
     settings.axes[2].drive = cophase_core::settings::DriveKind::Servo;
-    assert_eq!(check(&settings), Err(Unfit::Servo(2)));
+    assert_eq!(check::<Rp2040>(&settings), Err(Unfit::Servo(2)));
 }

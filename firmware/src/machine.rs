@@ -6,7 +6,7 @@ use cophase_core::panel::Button;
 use cophase_core::settings::{Settings, SettingsError};
 use cophase_core::supervisor::{Fault, FaultKind, State};
 use cophase_core::units::MAX_AXES;
-use cophase_link::board::{self, Unfit};
+use cophase_link::board::{self, Rp2040, Unfit};
 use embassy_rp::Peri;
 use embassy_rp::peripherals::WATCHDOG;
 use embassy_time::Duration;
@@ -56,7 +56,7 @@ pub fn make(
     static BUFFERS: ConstStaticCell<Buffers> = ConstStaticCell::new(Buffers::new());
     static BOARD: StaticCell<Board> = StaticCell::new();
 
-    board::check(settings).map_err(Refusal::Unfit)?;
+    board::check::<Rp2040>(settings).map_err(Refusal::Unfit)?;
     let controller = CONTROLLER.take();
     controller.configure(settings).map_err(Refusal::Settings)?;
     if after_watchdog_reset {
@@ -71,7 +71,7 @@ pub fn make(
     let axes = settings.axes.len();
     let tick = Duration::from_micros(tick_us.into());
     let levels = lines::read();
-    let width = settings.index.width_cycles();
+    let width = settings.index_width_cycles();
     let board = BOARD.init(Board {
         steps: Steps::new(BUFFERS.take(), &reversed[..axes], tick),
         index: Index::new(tick_us * CYCLES_PER_US),

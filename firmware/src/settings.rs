@@ -6,6 +6,7 @@
 
 use cophase_core::settings::Settings;
 use cophase_core::supervisor::FaultKind;
+use cophase_link::board::{Board as _, Rp2040};
 use cophase_link::layout::{FLASH_ADDRESS, FLASH_BYTES, SLOT_A_OFFSET, SLOT_B_OFFSET, SLOT_BYTES};
 use cophase_link::store::{Choice, Slot, Store, choose, inspect, settings_file_in};
 use cophase_link::{SettingsFileError, decode_into, verify};
@@ -25,6 +26,7 @@ pub fn load(flash: Peri<'static, FLASH>, settings: &mut Settings) -> bool {
         report::refused(FaultKind::SettingsRejected, error);
         return false;
     }
+    settings.clock_hz = Rp2040::CLOCK_HZ;
     defmt::info!(
         "settings: {=str}, {=usize} axes, {=u32} ticks a second",
         settings.name.as_str(),

@@ -15,7 +15,6 @@ use std::hint::black_box;
 
 use cophase_core::controller::Controller;
 use cophase_core::drift::IndexPulse;
-use cophase_core::settings::CLOCK_HZ;
 use cophase_core::signals::Feedback;
 use cophase_core::supervisor::{Command, State};
 use cophase_core::units::{MAX_AXES, PerAxis, Phase};
@@ -60,8 +59,9 @@ fn core(count: usize) -> Work {
     scene.axes.count = count;
     scene.axis.retain(|axis| axis.number < count);
     scene.axes.index_deg = INDEX_DEG;
-    let mut controller = Checked::new(scene).unwrap().controller().unwrap();
-    let mut sensors = Sensors::new(&controller);
+    let checked = Checked::new(scene).unwrap();
+    let mut controller = checked.controller().unwrap();
+    let mut sensors = Sensors::new(count, checked.settings.tick_cycles());
 
     let mut record = |controller: &mut Controller, command| {
         let feedback = Feedback {
@@ -107,10 +107,10 @@ struct Sensors {
 }
 
 impl Sensors {
-    fn new(controller: &Controller) -> Self {
+    fn new(count: usize, tick_cycles: u32) -> Self {
         Self {
-            count: controller.axis_count(),
-            cycles: f64::from(CLOCK_HZ / controller.tick_hz()),
+            count,
+            cycles: f64::from(tick_cycles),
             index: [None; MAX_AXES],
             phases: None,
         }

@@ -142,8 +142,9 @@ pub fn decode(settings_file: &[u8]) -> Result<Settings, SettingsFileError> {
 
 /// Decodes the settings in a settings file in place.
 ///
-/// The numbers are returned as written; `Controller::configure` checks them. Settings have 7 KiB, most of it the
-/// program and the cam tables. So they are read field by field, and long lists entry by entry. A board's stack then need not hold them
+/// The numbers are returned as written; `Controller::configure` checks them. The clock stays as it was: it is the
+/// board's. Settings have 7 KiB, most of it the program and the cam tables. So they are read field by field, and long
+/// lists entry by entry. A board's stack then need not hold them
 /// twice.
 ///
 /// # Errors
@@ -157,6 +158,7 @@ pub fn decode_into(settings_file: &[u8], settings: &mut Settings) -> Result<(), 
     let Settings {
         name,
         tick_hz,
+        clock_hz: _, // The board's; no file has it.
         machine,
         limits,
         pulse,

@@ -13,7 +13,7 @@
 //! An intact settings file may still hold invalid numbers. They are checked like those of a scene, when the controller
 //! is made ([`Settings::controller`]).
 //!
-//! [`board`] checks whether the board can run the settings.
+//! [`board`] checks whether a board can run the settings.
 //!
 //! `docs/settings-file.md` has the format as a table.
 #![no_std]

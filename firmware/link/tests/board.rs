@@ -1,11 +1,56 @@
-//! Settings that the board accepts. `tests/emulator/run cost` shows that it can run them.
+//! Conformance tests: each test puts every board through one question. `tests/emulator/run cost` shows that a board can
+//! run what it accepts.
 
 mod support;
 
-use cophase_core::settings::DriveKind;
+use std::ops::Range;
+
+use cophase_core::settings::{AxisSettings, DriveKind};
+use cophase_core::units::MAX_AXES;
 use cophase_link::Settings;
-use cophase_link::board::{Unfit, check};
+use cophase_link::board::{AnyBoard, BOARDS, Board, Rp2040, Unfit, check};
 use support::settings;
+
+/// A board that does not exist: with another clock and another cost, four axes, and encoder inputs for the first two.
+struct Fictitious;
+
+impl Board for Fictitious {
+    const NAME: &'static str = "fictitious";
+    const CLOCK_HZ: u32 = 48_000_000;
+    const MOST_AXES: usize = 4;
+    const LEAST_LEAD_US: u32 = 25;
+
+    fn check_axis(number: usize, axis: &AxisSettings) -> Result<(), Unfit> {
+        if axis.drive == DriveKind::Servo {
+            return Err(Unfit::Servo(number));
+        }
+        if axis.encoder && number >= 2 {
+            return Err(Unfit::Encoder(number));
+        }
+        Ok(())
+    }
+
+    fn tick_cycles(settings: &Settings, tick_hz: u32) -> f64 {
+        let step_cycles = |axis: &AxisSettings| {
+            let steps_hz = settings.limits.speed_hz * f64::from(axis.steps_per_turn);
+            900.0 + 5.0 * steps_hz / f64::from(tick_hz)
+        };
+        3000.0 + settings.axes.iter().map(step_cycles).sum::<f64>()
+    }
+}
+
+/// The boards of the list, and one that exists here only: a property of the one board alone would not hold for both.
+fn boards() -> impl Iterator<Item = AnyBoard> {
+    let fictitious = AnyBoard::of::<Fictitious>();
+    BOARDS.iter().copied().chain([fictitious])
+}
+
+/// Tick rates that settings can have, from the highest down, Hz.
+fn rates() -> impl Iterator<Item = u32> {
+    (500..=10_000).rev().filter(|hz| 1_000_000 % hz == 0)
+}
+
+const STEPS_PER_TURN: [u32; 3] = [200, 3200, 50_000];
 
 fn steppers(axes: usize, tick_hz: u32, steps_per_turn: u32) -> Settings {
     let mut settings = settings(axes, 0, 1);
@@ -17,31 +62,31 @@ fn steppers(axes: usize, tick_hz: u32, steps_per_turn: u32) -> Settings {
     settings
 }
 
-/// Highest tick rate, Hz, that settings and board accept.
-fn most_hz(axes: usize, steps_per_turn: u32) -> u32 {
-    match check(&steppers(axes, 10_000, steps_per_turn)) {
+/// Highest tick rate, Hz, that the board accepts.
+fn most_hz(board: AnyBoard, axes: usize, steps_per_turn: u32) -> u32 {
+    match (board.check)(&steppers(axes, 10_000, steps_per_turn)) {
         Ok(()) => 10_000,
         Err(Unfit::TickTooShort {
             tick_hz: 10_000,
             axes: given,
             most_hz,
         }) if given == axes => most_hz,
-        Err(other) => panic!("{axes} axes: {other}"),
+        Err(other) => panic!("{}, {axes} axes: {other}", board.name),
     }
 }
 
+/// If it named a lower one, users would lose speed; if a higher one, the board would refuse that, too.
 #[test]
 fn the_rate_that_is_named_is_the_highest_that_is_accepted() {
-    let rates = |above: u32| (above + 1..=10_000).filter(|hz| 1_000_000 % hz == 0);
-    for axes in 2..=6 {
-        for steps_per_turn in [200, 3200, 50_000] {
-            let most = most_hz(axes, steps_per_turn);
-            assert_eq!(check(&steppers(axes, most, steps_per_turn)), Ok(()));
-            for hz in rates(most) {
-                assert!(
-                    check(&steppers(axes, hz, steps_per_turn)).is_err(),
-                    "{hz} Hz"
-                );
+    for board in boards() {
+        for axes in 1..=board.most_axes {
+            for steps_per_turn in STEPS_PER_TURN {
+                let most = most_hz(board, axes, steps_per_turn);
+                for hz in rates() {
+                    let accepted = (board.check)(&steppers(axes, hz, steps_per_turn)).is_ok();
+                    let said = format!("{}, {axes} axes, {hz} of {most} Hz", board.name);
+                    assert_eq!(accepted, hz <= most, "{said}");
+                }
             }
         }
     }
@@ -50,30 +95,90 @@ fn the_rate_that_is_named_is_the_highest_that_is_accepted() {
 /// If this were wrong, the usual rate would be refused, or a machine accepted that misses every second deadline.
 #[test]
 fn more_axes_and_more_steps_leave_less_room() {
-    for axes in 2..=6 {
-        assert!(most_hz(axes, 3200) >= 2000, "{axes} axes");
-        assert!(most_hz(axes, 50_000) <= most_hz(axes, 200), "{axes} axes");
+    for board in boards() {
+        let most = |axes, steps_per_turn| most_hz(board, axes, steps_per_turn);
+        for axes in 1..=board.most_axes {
+            let rates_hz = STEPS_PER_TURN.map(|steps_per_turn| most(axes, steps_per_turn));
+            assert!(rates_hz.is_sorted_by(|less, more| less >= more));
+            assert!(most(axes, 3200) >= 2000, "{}, {axes} axes", board.name);
+            for steps_per_turn in STEPS_PER_TURN.into_iter().filter(|_| axes > 1) {
+                assert!(most(axes, steps_per_turn) <= most(axes - 1, steps_per_turn));
+            }
+        }
+        let (last, steps) = (board.most_axes, STEPS_PER_TURN[2]);
+        assert!(most(last, steps) < most(1, steps), "{}", board.name);
     }
-    assert!(most_hz(6, 50_000) < most_hz(2, 50_000));
-    assert!(most_hz(6, 3200) < 10_000);
 }
 
+/// If this were wrong, ticks of hardware and timer would drift apart, or the controller refuse what the board accepts.
 #[test]
-fn the_first_servo_that_takes_setpoints_is_named() {
-    let mut settings = steppers(4, 2000, 3200);
-    settings.axes[1].drive = DriveKind::PulseServo;
-    assert_eq!(check(&settings), Ok(()));
-    settings.axes[2].drive = DriveKind::Servo;
-    settings.axes[3].drive = DriveKind::Servo;
-    assert_eq!(check(&settings), Err(Unfit::Servo(2)));
+fn a_tick_has_whole_cycles_of_the_clock() {
+    for board in boards() {
+        for hz in rates() {
+            let mut settings = steppers(1, hz, 200);
+            if (board.check)(&settings).is_ok() {
+                settings.clock_hz = board.clock_hz;
+                assert_eq!(support::check(&settings), Ok(()), "{}, {hz} Hz", board.name);
+                assert_eq!(settings.tick_cycles() * hz, board.clock_hz);
+            }
+        }
+    }
 }
 
-/// If it were accepted, the loop would report a motor as stuck whose encoder nobody reads.
+/// If another axis were named, or none, a user would not know what to change.
 #[test]
-fn the_first_encoder_is_named() {
-    let mut settings = steppers(4, 2000, 3200);
+fn the_first_axis_that_the_board_cannot_run_is_named() {
+    for board in boards() {
+        for drive in [DriveKind::Stepper, DriveKind::PulseServo, DriveKind::Servo] {
+            for encoder in [false, true] {
+                let axes = board.most_axes;
+                let with = |numbers: Range<usize>| {
+                    let mut settings = steppers(axes, 500, 200);
+                    for axis in &mut settings.axes[numbers] {
+                        (axis.drive, axis.encoder) = (drive, encoder);
+                    }
+                    (board.check)(&settings)
+                };
+                for first in 0..axes {
+                    let mut alone = (first..axes).map(|number| with(number..number + 1));
+                    let expected = alone.find(Result::is_err).unwrap_or(Ok(()));
+                    assert_eq!(with(first..axes), expected, "{}", board.name);
+                    if let Err(unfit) = with(first..first + 1) {
+                        let said = unfit.to_string();
+                        assert!(said.starts_with(&format!("axis {first} ")), "{said}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// If they were accepted, the steps of some axes would have no pins.
+#[test]
+fn too_many_axes_are_refused() {
+    for board in boards() {
+        let most = board.most_axes;
+        assert_eq!((board.check)(&steppers(most, 500, 200)), Ok(()));
+        if let axes @ ..=MAX_AXES = most + 1 {
+            let refused = (board.check)(&steppers(axes, 500, 200));
+            assert_eq!(refused, Err(Unfit::TooManyAxes { axes, most }));
+        }
+    }
+}
+
+/// What each board has, beside the conformance: if an encoder were accepted that nobody reads, the loop would report its
+/// motor as stuck.
+#[test]
+fn each_board_has_its_own_capabilities() {
+    let mut settings = steppers(4, 500, 200);
+    settings.axes[0].drive = DriveKind::PulseServo;
     settings.axes[1].encoder = true;
-    assert_eq!(check(&settings), Err(Unfit::Encoder(1)));
-    let said = Unfit::Encoder(1).to_string();
-    assert!(said.starts_with("axis 1 has an encoder"), "{said}");
+    assert_eq!(check::<Rp2040>(&settings), Err(Unfit::Encoder(1)));
+    assert_eq!(check::<Fictitious>(&settings), Ok(()));
+    settings.axes[2].encoder = true;
+    assert_eq!(check::<Fictitious>(&settings), Err(Unfit::Encoder(2)));
+    settings.axes[1].encoder = false;
+    settings.axes[1].drive = DriveKind::Servo;
+    assert_eq!(check::<Rp2040>(&settings), Err(Unfit::Servo(1)));
+    assert_eq!(check::<Fictitious>(&settings), Err(Unfit::Servo(1)));
 }

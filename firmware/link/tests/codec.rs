@@ -2,16 +2,28 @@
 
 mod support;
 
+use cophase_link::board::{Board, Rp2040};
 use cophase_link::codec::{MAX_PAYLOAD_BYTES, VERSION};
 use cophase_link::header::{HEADER_BYTES, OUTSIDE};
 use cophase_link::store::settings_file_in;
-use cophase_link::{Header, MAX_FILE_BYTES, Settings, SettingsFileError, decode, encode};
+use cophase_link::{Header, MAX_FILE_BYTES, Settings, SettingsFileError, encode};
 use proptest::prelude::*;
 use support::{check, longest, settings};
 
 fn settings_file(settings: &Settings) -> Vec<u8> {
     let mut buffer = [0; MAX_FILE_BYTES];
     encode(settings, 7, OUTSIDE, &mut buffer).unwrap().to_vec()
+}
+
+/// Decodes settings, and gives them the clock that all settings have here: no file has one.
+fn decode(settings_file: &[u8]) -> Result<Settings, SettingsFileError> {
+    let settings = cophase_link::decode(settings_file)?;
+    assert_eq!(settings.clock_hz, 0);
+    let clock_hz = Rp2040::CLOCK_HZ;
+    Ok(Settings {
+        clock_hz,
+        ..settings
+    })
 }
 
 /// Makes a settings file of any payload, with a matching header.

@@ -16,6 +16,7 @@
 //! use cophase_motion::shaft::{Demand, Shaft, ShaftLimits, Target};
 //! use cophase_motion::units::Turns;
 //!
+//! const CLOCK_HZ: u32 = 125_000_000;
 //! const TICK_HZ: u32 = 2000;
 //! let limits = LimitSettings {
 //!     speed_hz: 10.0,
@@ -31,7 +32,7 @@
 //! lines.check()?;
 //!
 //! let mut shaft = Shaft::new(ShaftLimits::of(&limits, TICK_HZ));
-//! let timing = PulseTiming::new(&lines, TICK_HZ)?;
+//! let timing = PulseTiming::new(&lines, CLOCK_HZ, TICK_HZ)?;
 //! let mut planner = Planner::new(timing, 3200);
 //! let (mut rates, mut runs) = (StepRates::new(timing.tick()), Runs::new());
 //! let five_turns_a_second = Target::steady(Turns::from_num(5.0 / f64::from(TICK_HZ)));

@@ -19,6 +19,8 @@ pub mod pins;
 pub mod steps;
 pub mod watchdog;
 
+use cophase_link::board::{Board as _, Rp2040};
+
 /// Machine of the first block that times index pulses; those before it make steps.
 const INDEX_MACHINE: usize = 3;
 
@@ -26,7 +28,7 @@ const INDEX_MACHINE: usize = 3;
 const GUARD_MACHINE: usize = 3;
 
 /// Cycles per microsecond.
-pub const CYCLES_PER_US: u32 = cophase_core::settings::CLOCK_HZ / 1_000_000;
+pub const CYCLES_PER_US: u32 = Rp2040::CLOCK_HZ / 1_000_000;
 
 /// Returns true if an instant less than half an hour away has come, in a tenth of the time of `Instant::now`.
 pub fn has_passed(instant: embassy_time::Instant) -> bool {

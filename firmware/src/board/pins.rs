@@ -1,10 +1,13 @@
-//! Pin assignment. `docs/wiring.md` shows this table as a diagram, and a test compares the two.
+//! Pin assignment of this board: it belongs to this crate alone, and neither the core nor `cophase_link::board` reads it.
+//! `docs/wiring.md` shows this table as a diagram, and a test compares the two.
 //!
 //! Five axes fit the 26 pins that a Raspberry Pi Pico brings out. STEP, DIR and alarm of the sixth axis are on three
 //! pins that it does not bring out. Boards of the same class with all 30 pins have them.
 
+use cophase_link::board::{Board as _, Rp2040};
+
 /// Greatest number of axes.
-pub const AXES: usize = cophase_core::units::MAX_AXES;
+pub const AXES: usize = Rp2040::MOST_AXES;
 
 /// STEP of each axis.
 pub const STEP: [u8; AXES] = [0, 2, 4, 6, 8, 23];

@@ -76,8 +76,10 @@ fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, Co
             left_out.join(", ")
         );
     }
-    if let Err(unfit) = board::check(settings) {
-        text += &format!("The RP2040 board will refuse this: {unfit}.\n");
+    for board in board::BOARDS {
+        if let Err(unfit) = (board.check)(settings) {
+            text += &format!("The {} board will refuse this: {unfit}.\n", board.name);
+        }
     }
     text += "How to get it onto a board: docs/firmware.md, docs/settings-file.md.\n";
     Ok(text)

@@ -33,7 +33,6 @@ pub use rotors::{Broken, Chosen, DriveCommand, MOST_STEPS, RESOLUTION, Rotors};
 
 use cophase_core::pulse::Runs;
 use cophase_core::servo::Setpoint;
-use cophase_core::settings::CLOCK_HZ;
 use cophase_core::signals::Output;
 use cophase_methods::Scheme;
 
@@ -44,9 +43,9 @@ use crate::scene::file::{Drive, Fidelity};
 use crate::scene::{Checked, SceneError};
 use faulted_drive::FaultedDrives;
 
-/// How long an index line stays high: 20 µs, as wide as a sensor's flag is likely to be. Whoever has a filter
+/// How long an index line stays high, s: as wide as a sensor's flag is likely to be. Whoever has a filter
 /// for longer levels has wider flags.
-const FLAG_CYCLES: u32 = 2500;
+const FLAG_S: f64 = 20e-6;
 
 /// What a machine is given to play in one tick.
 #[derive(Clone, Debug)]
@@ -93,6 +92,7 @@ pub struct Machine {
     /// How long an index line stays high, cycles.
     pub index_cycles: u32,
     tick_s: f64,
+    tick_cycles: u32,
     torques: bool,
     omega_before: f64,
     /// Required torque of each motor, N·m, where torques are compared.
@@ -153,23 +153,30 @@ impl Machine {
         let rotors = torque::rotors(checked, &pull_out, &axes)?;
         let turns: Axes<f64> = axes.iter().map(SimulatedAxis::turns).collect();
         let tick_s = 1.0 / f64::from(settings.tick_hz);
-        let cycles = CLOCK_HZ / settings.tick_hz;
+        let tick_cycles = settings.tick_cycles();
+        let flag_cycles = (FLAG_S * f64::from(settings.clock_hz)).round() as u32;
         Ok(Self {
             has_encoder: settings.axes.iter().map(|axis| axis.encoder).collect(),
             faulted_drives: checked
                 .scene
                 .touches_drives()
-                .then(|| FaultedDrives::new(&axes, tick_s, cycles)),
+                .then(|| FaultedDrives::new(&axes, tick_s, tick_cycles)),
             followers: Followers::new(checked, &turns)?,
             rotors,
             axes,
             platform: Platform::new(checked),
-            index_cycles: FLAG_CYCLES.max(2 * settings.index.width_cycles()),
+            index_cycles: flag_cycles.max(2 * settings.index_width_cycles()),
             tick_s,
+            tick_cycles,
             torques: checked.fidelity == Fidelity::QuasiStatic,
             omega_before: 0.0,
             required_nm: None,
         })
+    }
+
+    /// Cycles of the step clock in a control tick.
+    pub const fn tick_cycles(&self) -> u32 {
+        self.tick_cycles
     }
 
     /// Speed and acceleration of the cranks, their means, rad/s and rad/s², where torque moves them.
@@ -295,7 +302,7 @@ impl Machine {
                 return;
             }
             rotors.play(&commanded, drives_enabled);
-            let cycles = (self.tick_s * f64::from(CLOCK_HZ)).round() as u32;
+            let cycles = self.tick_cycles;
             for (i, axis) in self.axes.iter_mut().enumerate() {
                 passages.put(i, axis.moved(rotors.turns(i), cycles, drives_enabled));
                 if axis.drive().follows_rotor(drives_enabled) {

@@ -1,6 +1,5 @@
 //! What a machine's sensors are, and what its encoders count.
 
-use cophase_core::settings::CLOCK_HZ;
 use cophase_core::units::PerAxis;
 
 use super::{IndexSensor, Machine};
@@ -13,8 +12,8 @@ impl Machine {
     pub fn sensors(&self, checked: &Checked) -> Axes<IndexSensor> {
         let settings = &checked.settings;
         let noise = &checked.scene.noise;
-        let width = settings.index.width_cycles();
-        let cycles = |seconds: f64| seconds * f64::from(CLOCK_HZ);
+        let width = settings.index_width_cycles();
+        let cycles = |seconds: f64| seconds * f64::from(settings.clock_hz);
         per_axis(self.axes.len(), |i| {
             let delay = cycles(settings.axes[i].index_delay_s).round() as u32;
             let deviation = cycles(noise.index_us * 1e-6);

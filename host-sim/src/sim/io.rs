@@ -8,7 +8,6 @@ use std::collections::VecDeque;
 
 use cophase_core::control_loop::{Io, SubmissionResult};
 use cophase_core::drift::IndexPulse;
-use cophase_core::settings::CLOCK_HZ;
 use cophase_core::signals::{Feedback, Output, Telemetry};
 use cophase_core::supervisor::{Command, Fault, State};
 use cophase_core::units::{PerAxis, Phase, Turns};
@@ -51,7 +50,6 @@ pub struct World {
 pub struct SimulatedIo<'a, O, P> {
     tick_us: u64,
     tick_hz: u32,
-    tick_cycles: u32,
     machine: Machine,
     sensors: Axes<IndexSensor>,
     /// Up to when the sensors have been read: the end of a tick.
@@ -110,7 +108,6 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
         Self {
             tick_us: 1_000_000 / u64::from(tick_hz),
             tick_hz,
-            tick_cycles: CLOCK_HZ / tick_hz,
             now: Now::new(machine.axes.len()),
             machine,
             sensors,
@@ -163,14 +160,15 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
     /// Reads the sensors over one tick, and when their lines rose. Of what is read at one deadline the latest counts: the
     /// loop needs no more than one tick, unless it was late.
     fn detect(&mut self, detected: &mut PerAxis<Option<IndexPulse>>) {
+        let tick_cycles = self.machine.tick_cycles();
         for (i, (sensor, rose)) in self.sensors.iter_mut().zip(&mut self.now.index).enumerate() {
             *rose = None;
             let passed = self.now.passages.get(i);
-            if passed.is_none() && sensor.is_quiet(self.tick_cycles) {
+            if passed.is_none() && sensor.is_quiet(tick_cycles) {
                 continue;
             }
             let passed = passed.unwrap_or_default();
-            let line = sensor.tick(passed, self.tick_cycles, || self.faults.misses(i));
+            let line = sensor.tick(passed, tick_cycles, || self.faults.misses(i));
             detected[i] = line.pulse.or(detected[i]);
             *rose = line.rose;
         }

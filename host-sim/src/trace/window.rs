@@ -55,9 +55,6 @@ impl Window {
 /// No viewer likes a file of more edges than this; it has about a gigabyte.
 const MOST_EDGES: u64 = 60_000_000;
 
-/// Nanoseconds in a cycle of the step clock.
-const CYCLE_NS: u64 = 1_000_000_000 / cophase_core::settings::CLOCK_HZ as u64;
-
 /// Edges of the window.
 pub(super) struct StepWindow<V: Write> {
     window: Window,
@@ -146,7 +143,7 @@ impl<V: Write> StepWindow<V> {
     fn pass(&mut self, moment: &Moment<'_>, reversed: &[bool]) {
         self.levels.enable = moment.drives_enabled;
         self.levels.sync = moment.sync;
-        let index_ns = u64::from(moment.machine.index_cycles) * CYCLE_NS;
+        let index_ns = moment.ns(moment.machine.index_cycles.into());
         for (i, &reversed) in reversed.iter().enumerate() {
             for run in &moment.played.runs[i] {
                 self.levels.step[i] ^= run.edges() % 2 == 1;
@@ -154,8 +151,8 @@ impl<V: Write> StepWindow<V> {
                     self.levels.dir[i] = run.forward() != reversed;
                 }
             }
-            let end = moment.index[i]
-                .map(|cycle| moment.start_ns + u64::from(cycle) * CYCLE_NS + index_ns);
+            let end =
+                moment.index[i].map(|cycle| moment.start_ns + moment.ns(cycle.into()) + index_ns);
             self.levels.index[i] = end.is_some_and(|end| end >= moment.end_ns);
             self.edges
                 .extend(end.map(|end| (end, Signal::Index(i), false)));
@@ -173,7 +170,7 @@ impl<V: Write> StepWindow<V> {
     /// Edges of one tick, in no order.
     fn gather(&mut self, moment: &Moment<'_>, reversed: &[bool]) {
         let start_ns = moment.start_ns;
-        let index_ns = u64::from(moment.machine.index_cycles) * CYCLE_NS;
+        let index_ns = moment.ns(moment.machine.index_cycles.into());
         self.edges
             .push((start_ns, Signal::Enable, moment.drives_enabled));
         self.edges.push((start_ns, Signal::Sync, moment.sync));
@@ -184,7 +181,7 @@ impl<V: Write> StepWindow<V> {
                 if run.is_pause() {
                     let turn = cycle + u64::from(Run::DIR_DELAY);
                     self.edges.push((
-                        start_ns + turn * CYCLE_NS,
+                        start_ns + moment.ns(turn),
                         Signal::Dir(i),
                         run.forward() != reversed,
                     ));
@@ -194,11 +191,11 @@ impl<V: Write> StepWindow<V> {
                     cycle += u64::from(run.period());
                     high = !high;
                     self.edges
-                        .push((start_ns + cycle * CYCLE_NS, Signal::Step(i), high));
+                        .push((start_ns + moment.ns(cycle), Signal::Step(i), high));
                 }
             }
             if let Some(cycle) = moment.index[i] {
-                let at = start_ns + u64::from(cycle) * CYCLE_NS;
+                let at = start_ns + moment.ns(cycle.into());
                 self.edges.push((at, Signal::Index(i), true));
                 self.edges.push((at + index_ns, Signal::Index(i), false));
             }

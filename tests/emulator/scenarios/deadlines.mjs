@@ -1,6 +1,6 @@
 // Deadlines: each number of axes at the highest tick rate that the board accepts, and six axes at the rate that is the goal.
 //
-// The board accepts or refuses a tick rate by a model of what a tick costs (firmware/link/src/board.rs). What it accepts it
+// The board accepts or refuses a tick rate by a model of what a tick costs (firmware/link/src/board/rp2040.rs). What it accepts it
 // must keep: no deadline may be missed, also with all index sensors at one crank angle and corrections in motion. A count
 // above zero is not exact: after a missed deadline the machine is behind the index pulses that the host predicts.
 

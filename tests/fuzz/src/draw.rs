@@ -66,6 +66,7 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
     Settings {
         name: heapless::String::new(),
         tick_hz,
+        clock_hz: 125_000_000,
         machine: MachineSettings {
             crank_radius_m: 0.01,
             mechanism: if script.one_in(4) {

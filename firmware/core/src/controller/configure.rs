@@ -170,7 +170,7 @@ impl Controller {
     #[cold]
     fn fill_channels(&mut self, settings: &Settings) -> Result<(), SettingsError> {
         let tick_hz = settings.tick_hz;
-        let timing = PulseTiming::new(&settings.pulse, tick_hz)?;
+        let timing = PulseTiming::new(&settings.pulse, settings.clock_hz, tick_hz)?;
         let mut leads = [Turns::ZERO; MAX_AXES];
         for (i, (axis, lead)) in settings.axes.iter().zip(&mut leads).enumerate() {
             let follower = axis.follower.follower(&self.cams);

@@ -5,7 +5,8 @@ use crate::settings::Settings;
 use crate::settings::sample;
 use std::vec::Vec;
 
-const TICK_CYCLES: u32 = 62_500;
+const CLOCK_HZ: u32 = 125_000_000;
+const TICK_CYCLES: u32 = CLOCK_HZ / 2000;
 
 fn settings(count: usize, tilt_mrad: f64, warp_deg: f64, common_deg: f64) -> Settings {
     let mut settings = sample::settings(count);

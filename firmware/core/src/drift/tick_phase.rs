@@ -20,7 +20,7 @@ pub struct TickPhase {
     pub turns: Turns,
 }
 
-/// A tick has at most 18 bits of cycles: 250,000.
+/// A tick has at most 18 bits of cycles.
 const CYCLE_SPARE_BITS: u32 = 14;
 
 /// How long a tick is.
@@ -32,11 +32,11 @@ pub(super) struct TickClock {
 }
 
 impl TickClock {
-    /// Of a tick of so many cycles, 12,500 and more.
+    /// Of a tick of so many cycles, 2048 and more.
     pub(super) const fn new(cycles: u32) -> Self {
         Self {
             cycles,
-            per_cycle: ((1 << (24 + 32 - CYCLE_SPARE_BITS)) / cycles as u64) as u32, // 29 bits
+            per_cycle: ((1 << (24 + 32 - CYCLE_SPARE_BITS)) / cycles as u64) as u32, // at most 2³¹
         }
     }
 }

@@ -10,7 +10,8 @@ pub(crate) mod sample;
 mod tests;
 
 pub use cophase_motion::settings::{
-    BandSettings, CLOCK_HZ, LimitSettings, MAX_BANDS, PulseSettings, inside, turns, turns_at_most,
+    BandSettings, LimitSettings, MAX_BANDS, PulseSettings, inside, tick_cycles, turns,
+    turns_at_most,
 };
 pub use error::{Problem, SettingsError};
 
@@ -34,6 +35,10 @@ pub struct Settings {
     pub name: heapless::String<NAME_BYTES>,
     /// Tick rate, Hz, 500 to 10,000; a tick is a whole number of microseconds.
     pub tick_hz: u32,
+    /// Cycles of the board's step clock per second; a tick is 2048 to 262,143 whole cycles. A settings file does not
+    /// have it: whoever runs the settings sets it from its board.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub clock_hz: u32,
     /// Mechanism and load.
     pub machine: MachineSettings,
     /// Limits of the master shaft.
@@ -206,6 +211,7 @@ impl Settings {
         Self {
             name: heapless::String::new(),
             tick_hz: 0,
+            clock_hz: 0,
             machine: MachineSettings {
                 crank_radius_m: 0.0,
                 mechanism: MechanismSettings::ScotchYoke(ScotchYokeSettings {}),
@@ -260,6 +266,7 @@ impl Settings {
                 Problem::NotWholeMicroseconds(self.tick_hz),
             ));
         }
+        tick_cycles(self.clock_hz, self.tick_hz)?;
         self.machine.check()?;
         self.limits.check(f64::from(self.tick_hz))?;
         self.pulse.check()?;
@@ -335,7 +342,12 @@ impl Settings {
 
     /// Cycles of the step clock in one control tick.
     pub const fn tick_cycles(&self) -> u32 {
-        CLOCK_HZ / self.tick_hz
+        self.clock_hz / self.tick_hz
+    }
+
+    /// Width of the index filter in cycles of the step clock, rounded to the nearest.
+    pub fn index_width_cycles(&self) -> u32 {
+        libm::round(self.index.width_us * 1e-6 * f64::from(self.clock_hz)) as u32
     }
 }
 
@@ -360,11 +372,6 @@ impl IndexSettings {
             return Err(SettingsError::new("index.width_us", problem));
         }
         Ok(())
-    }
-
-    /// Width in cycles of the step clock, rounded to the nearest.
-    pub fn width_cycles(&self) -> u32 {
-        libm::round(self.width_us * 1e-6 * f64::from(CLOCK_HZ)) as u32
     }
 }
 

@@ -112,7 +112,7 @@ fn cam_tables_are_refused_by_name() {
     let short = on_a_cam(0, &lift[..3]);
     assert_eq!(
         refused(&short),
-        "cam_table.points (number 0): 3 is outside 4 to 128"
+        "cam_table.points (number 0): 3 is outside 4 to 64"
     );
     let infinite = on_a_cam(0, &[0.0, 1.0, f64::NAN, 1.0]);
     assert!(refused(&infinite).starts_with("cam_table.points (number 0): NaN is not a finite"));
@@ -162,5 +162,22 @@ fn an_index_is_for_tables_that_rise_by_one_turn() {
                 assert!(said.contains("index = false"), "{said}");
             }
         }
+    }
+}
+
+/// If it were accepted, a machine whose clock nobody set would step at a wrong rate.
+#[test]
+fn a_clock_without_whole_ticks_is_refused() {
+    let mut clocked = settings(2);
+    for clock_hz in [125_000_000, 48_000_000] {
+        clocked.clock_hz = clock_hz;
+        clocked.controller().unwrap();
+        assert_eq!(clocked.tick_cycles(), clock_hz / 2000);
+    }
+    for clock_hz in [Settings::new().clock_hz, 125_000_001] {
+        clocked.clock_hz = clock_hz;
+        let said = refused(&clocked);
+        assert!(said.starts_with("clock_hz: "), "{said}");
+        assert!(said.contains(&std::format!("{clock_hz} Hz")), "{said}");
     }
 }

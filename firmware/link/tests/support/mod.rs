@@ -13,6 +13,7 @@ use cophase_core::settings::{
     LimitSettings, MAX_BANDS, MachineSettings, NAME_BYTES, Platform, PulseSettings, short_name,
 };
 use cophase_core::units::MAX_AXES;
+use cophase_link::board::{Board, Rp2040};
 
 /// Valid settings, with `entries` in their program.
 pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
@@ -20,6 +21,7 @@ pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
         index: IndexSettings { width_us: 2.0 },
         name: short_name("bench"),
         tick_hz: 2000,
+        clock_hz: Rp2040::CLOCK_HZ,
         machine: MachineSettings {
             crank_radius_m: 0.02,
             mechanism: MechanismSettings::SliderCrank(SliderCrankSettings { lambda: 0.3 }),

@@ -9,7 +9,7 @@ use core::fmt;
 /// | bits | field | |
 /// | --- | --- | --- |
 /// | 0 to 12 | edges | 0 to 8191; 0 is a pause |
-/// | 13 to 30 | cycles − 8 | period of a run's edges, or length of the pause: 8 to 262,151 cycles of 8 ns |
+/// | 13 to 30 | cycles − 8 | period of a run's edges, or length of the pause: 8 to 262,151 cycles of the step clock |
 /// | 31 | DIR | 1 counts up in the axis's own sense |
 ///
 /// In a run STEP changes its level at the end of each period. DIR changes only in a pause, [`Run::DIR_DELAY`] cycles

@@ -9,7 +9,7 @@ use crate::units::FRACTION_BITS;
 /// One half-step, in the planner's units of 2⁻⁴⁸.
 pub(super) const HALF_STEP: u64 = 1 << FRACTION_BITS;
 
-/// Fraction bits of times within a tick; with these the longest tick, 250,000 cycles, has 32 bits.
+/// Fraction bits of times within a tick; with these the longest tick, 2¹⁸ − 1 cycles, has 32 bits.
 pub(super) const TIME_BITS: u32 = 14;
 
 /// Cache of the last two computed step rates, for the next axes.

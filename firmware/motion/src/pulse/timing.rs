@@ -1,13 +1,13 @@
-//! Timing of a drive's STEP and DIR lines in cycles of 8 ns, and the step rates that it allows.
+//! Timing of a drive's STEP and DIR lines in cycles of the step clock, and the step rates that it allows.
 
 use super::planner::GUARD;
 use super::{MAX_EDGES, Run};
-use crate::settings::{CLOCK_HZ, Problem, PulseSettings, SettingsError};
+use crate::settings::{Problem, PulseSettings, SettingsError, tick_cycles};
 
 /// Greatest number of counts of a servo axis in a tick: half of what 64 bits hold, as half-steps of 2⁻⁴⁸.
 const MOST_COUNTS: f64 = 8192.0;
 
-/// Timing of the STEP and DIR lines for one tick rate, in cycles of 8 ns.
+/// Timing of the STEP and DIR lines for one tick rate, in cycles of the step clock.
 #[derive(Clone, Copy, Debug)]
 pub struct PulseTiming {
     pub(super) tick: u32,
@@ -19,13 +19,20 @@ pub struct PulseTiming {
 }
 
 impl PulseTiming {
-    /// Converts checked settings for a tick rate in Hz. Times in nanoseconds are rounded up to whole cycles.
+    /// Converts checked settings for a step clock of `clock_hz` cycles per second and a tick rate in Hz. Times in
+    /// nanoseconds are rounded up to whole cycles.
     ///
     /// # Errors
-    /// A direction change needs more than a quarter of a tick.
+    /// A tick does not have a usable number of cycles ([`tick_cycles`]), or a direction change needs more than a quarter
+    /// of a tick.
     #[cold]
-    pub fn new(settings: &PulseSettings, tick_hz: u32) -> Result<Self, SettingsError> {
-        let cycles = |ns: f64| libm::ceil(ns * f64::from(CLOCK_HZ) / 1e9) as u32;
+    pub fn new(
+        settings: &PulseSettings,
+        clock_hz: u32,
+        tick_hz: u32,
+    ) -> Result<Self, SettingsError> {
+        let tick = tick_cycles(clock_hz, tick_hz)?;
+        let cycles = |ns: f64| libm::ceil(ns * f64::from(clock_hz) / 1e9) as u32;
         let width = cycles(settings.width_ns);
         // DIR holds its level for this pause and changes DIR_DELAY after it.
         let before_turn = cycles(settings.dir_hold_ns)
@@ -38,14 +45,14 @@ impl PulseTiming {
             .max(width.saturating_sub(before_turn + GUARD))
             .max(Run::LEAST_CYCLES);
         let timing = Self {
-            tick: CLOCK_HZ / tick_hz,
+            tick,
             width,
             before_turn,
             turn,
         };
         let turn_round = width.max(GUARD) + before_turn + turn + 2 * GUARD;
         if turn_round > timing.tick / 4 {
-            let us = |cycles: u32| f64::from(cycles) * 1e6 / f64::from(CLOCK_HZ);
+            let us = |cycles: u32| f64::from(cycles) * 1e6 / f64::from(clock_hz);
             return Err(SettingsError::new(
                 "pulse.dir_setup_ns",
                 Problem::SetupTooLong {
@@ -63,7 +70,8 @@ impl PulseTiming {
     /// change of direction leaves.
     pub(super) fn most_step_hz(&self, tick_hz: u32) -> f64 {
         let half_step = f64::from((self.width + GUARD + 2).max(2 * GUARD)) * 4.0 / 3.0;
-        let by_width = f64::from(CLOCK_HZ) / (2.0 * half_step);
+        let clock_hz = f64::from(self.tick) * f64::from(tick_hz);
+        let by_width = clock_hz / (2.0 * half_step);
         let by_edges = f64::from(MAX_EDGES - 2) * f64::from(tick_hz) / 2.0;
         by_width.min(by_edges)
     }

@@ -72,6 +72,16 @@ pub enum Problem {
         "setting up a direction change takes {need_us:.2} µs, over a quarter of a tick ({most_us:.2} µs); shorten dir_setup_ns, dir_hold_ns or width_ns, or lower control.tick_hz"
     )]
     SetupTooLong { need_us: f64, most_us: f64 },
+    #[error(
+        "a tick of 1/{tick_hz} s must be {least} to {most} whole cycles of the step clock, which has {clock_hz} Hz; set the board's clock, or \
+         change control.tick_hz"
+    )]
+    StepClock {
+        clock_hz: u32,
+        tick_hz: u32,
+        least: u32,
+        most: u32,
+    },
 }
 
 impl Problem {

@@ -9,11 +9,33 @@ pub use error::{Number, Problem, SettingsError, inside};
 
 use crate::units::{FRACTION_BITS, Turns};
 
-/// Clock of the step hardware: one cycle is 8 ns.
-pub const CLOCK_HZ: u32 = 125_000_000;
+/// Range of a tick's length in cycles of the step clock, for which planner and monitor have the bits: times have 14
+/// fraction bits in 32.
+const LEAST_TICK_CYCLES: u32 = 1 << 11;
+const MOST_TICK_CYCLES: u32 = (1 << 18) - 1;
 
 /// Greatest number of forbidden bands of a shaft.
 pub const MAX_BANDS: usize = 4;
+
+/// Cycles in a tick, of a step clock of `clock_hz` cycles per second and `tick_hz` ticks per second, which is not 0.
+///
+/// # Errors
+/// A tick is not a whole number of cycles, or not 2048 to 262,143 of them.
+#[cold]
+pub const fn tick_cycles(clock_hz: u32, tick_hz: u32) -> Result<u32, SettingsError> {
+    let cycles = clock_hz / tick_hz;
+    let is_whole = clock_hz.is_multiple_of(tick_hz);
+    if !is_whole || cycles < LEAST_TICK_CYCLES || cycles > MOST_TICK_CYCLES {
+        let problem = Problem::StepClock {
+            clock_hz,
+            tick_hz,
+            least: LEAST_TICK_CYCLES,
+            most: MOST_TICK_CYCLES,
+        };
+        return Err(SettingsError::new("clock_hz", problem));
+    }
+    Ok(cycles)
+}
 
 /// Limits of the master shaft. [`LimitSettings::check`] checks their ranges.
 #[derive(Clone, Debug, PartialEq)]

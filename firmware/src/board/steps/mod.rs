@@ -24,7 +24,7 @@ use core::arch::asm;
 
 use cophase_core::pulse::{BLOCK, MAX_RUNS, Run, Runs, Sharing};
 use cophase_core::signals::Output;
-use cophase_link::board::LEAST_LEAD_US;
+use cophase_link::board::{Board as _, Rp2040};
 use critical_section::CriticalSection;
 use embassy_rp::pac;
 use embassy_rp::pac::pio::Pio;
@@ -47,6 +47,9 @@ const HOLD_US: u32 = 50;
 
 /// Machines that stand are not begun later than this before a tick is due, µs.
 const LEAST_BEGIN_US: u32 = HOLD_US + 20;
+
+/// Time by which words must be submitted before they are due, µs.
+const LEAST_LEAD_US: u32 = Rp2040::LEAST_LEAD_US;
 
 /// DIR in a word.
 const DIR: u32 = 1 << 31;

@@ -8,6 +8,7 @@ use cophase_core::settings::{
     LimitSettings, MAX_BANDS, MachineSettings, PulseSettings, Settings, short_name,
 };
 use cophase_core::units::MAX_AXES;
+use cophase_link::board::{Board, Rp2040};
 
 use super::cam_table;
 use crate::scene::file::{AxisOverrides, Drive, Scene};
@@ -37,6 +38,7 @@ pub(super) fn settings(
     Settings {
         name: short_name(&scene.name),
         tick_hz: scene.control.tick_hz,
+        clock_hz: Rp2040::CLOCK_HZ, // The board that scenes are simulated for.
         machine,
         limits: LimitSettings {
             speed_hz: limits.speed_hz,

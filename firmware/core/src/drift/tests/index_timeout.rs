@@ -13,7 +13,7 @@ fn tick_of(place: f64, speed: f64) -> (u32, f64) {
 /// it is out of place.
 #[test]
 fn an_overdue_pulse_is_reported_in_the_tick_in_which_it_is_overdue() {
-    let filter_cycles = 3.0 * 2e-6 * f64::from(crate::settings::CLOCK_HZ);
+    let filter_cycles = 3.0 * 2e-6 * f64::from(CLOCK_HZ);
     for speed in [0.0013, 0.01, 0.031, 0.0997] {
         for cycle_steps in [0, 64] {
             let mut settings = settings(4, 3.0, 5.0, 15.0);

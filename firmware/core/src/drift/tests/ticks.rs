@@ -6,11 +6,11 @@ use super::*;
 /// later one's, 2000 rev/s² would make 0.018° of 50 µs. One cycle at 200 rev/s is 0.0006°.
 #[test]
 fn a_pulse_of_the_tick_before_is_measured_as_well() {
-    let tick_s = f64::from(TICK_CYCLES) / f64::from(crate::settings::CLOCK_HZ);
+    let tick_s = f64::from(TICK_CYCLES) / f64::from(CLOCK_HZ);
     let error = [0.01, -0.02, 0.003, 0.0];
     for (hz_per_s, back_s) in [(2000.0, 50e-6), (-2000.0, 50e-6), (2000.0, 2e-6)] {
         let mut monitor = monitor(4, 100.0, 90.0, 180.0);
-        let back = (back_s * f64::from(crate::settings::CLOCK_HZ)) as u32;
+        let back = (back_s * f64::from(CLOCK_HZ)) as u32;
         // Speed is constant within a tick, by definition; the phase at the border is near the index.
         let before = (200.0 - hz_per_s * tick_s) * tick_s;
         let now = 200.0 * tick_s;

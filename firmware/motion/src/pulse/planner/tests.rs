@@ -1,10 +1,11 @@
 //! Integrates the runs edge by edge and compares them with the phase from which they were planned.
 
 use super::*;
-use crate::settings::{CLOCK_HZ, PulseSettings};
+use crate::settings::PulseSettings;
 use proptest::prelude::*;
 use std::vec::Vec;
 
+const CLOCK_HZ: u32 = 125_000_000;
 const QUARTER_MICROSECOND: f64 = 0.25e-6 * CLOCK_HZ as f64;
 
 fn timing(tick_hz: u32) -> Lines {
@@ -18,7 +19,7 @@ fn timing_of(tick_hz: u32, width_ns: f64, dir_setup_ns: f64, dir_hold_ns: f64) -
         dir_hold_ns,
     };
     Lines {
-        timing: PulseTiming::new(&settings, tick_hz).unwrap(),
+        timing: PulseTiming::new(&settings, CLOCK_HZ, tick_hz).unwrap(),
         settings,
     }
 }
@@ -266,8 +267,31 @@ fn a_long_set_up_is_refused() {
         dir_hold_ns: 5000.0,
     };
     assert_eq!(
-        PulseTiming::new(&settings, 10_000).unwrap_err().key,
+        PulseTiming::new(&settings, CLOCK_HZ, 10_000)
+            .unwrap_err()
+            .key,
         "pulse.dir_setup_ns"
     );
-    assert!(PulseTiming::new(&settings, 2000).is_ok());
+    assert!(PulseTiming::new(&settings, CLOCK_HZ, 2000).is_ok());
+}
+
+/// If another clock were accepted, edges would come at other times than planned.
+#[test]
+fn times_follow_the_step_clock() {
+    let settings = PulseSettings {
+        width_ns: 200.0,
+        dir_setup_ns: 300.0,
+        dir_hold_ns: 300.0,
+    };
+    let timing = |clock_hz, tick_hz| PulseTiming::new(&settings, clock_hz, tick_hz);
+    let slower = timing(48_000_000, 2000).unwrap();
+    assert_eq!((slower.tick(), slower.width), (24_000, 10));
+    for (clock_hz, tick_hz) in [
+        (0, 2000),
+        (125_000_001, 2000),
+        (4_000_000, 2000),
+        (150_000_000, 500),
+    ] {
+        assert_eq!(timing(clock_hz, tick_hz).unwrap_err().key, "clock_hz");
+    }
 }

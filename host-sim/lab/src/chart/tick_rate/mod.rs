@@ -10,7 +10,7 @@ mod ramp;
 
 use std::fmt::Write;
 
-use cophase_core::settings::CLOCK_HZ;
+use cophase_link::board::{Board, Rp2040};
 
 use super::axis::Axis;
 use super::ink::{Ink, Stroke};
@@ -132,7 +132,7 @@ impl Cycles {
 
     /// Part of the processor's time at a rate.
     fn share(&self, tick_hz: u32) -> f64 {
-        self.0 * f64::from(tick_hz) / f64::from(CLOCK_HZ)
+        self.0 * f64::from(tick_hz) / f64::from(Rp2040::CLOCK_HZ)
     }
 }
 

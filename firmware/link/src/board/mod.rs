@@ -1,0 +1,148 @@
+//! Boards: what the core does not know of the hardware that runs it.
+//!
+//! A [`Board`] states its step clock, its capabilities, and the cost of a tick. Its pins and registers are in the crate
+//! of its firmware. [`check()`] compares settings with a board.
+//!
+//! Settings of a simulated machine may exceed a board. This is reported when the settings file is made. The firmware
+//! refuses such settings too, before a deadline is missed.
+//!
+//! To add a board, write its file here and add one line to [`BOARDS`]; `docs/recipes/add-a-board.md` has all steps. The
+//! tests in `tests/board.rs` then cover it, too.
+
+mod rp2040;
+
+pub use rp2040::Rp2040;
+
+use cophase_core::settings::{AxisSettings, Settings};
+use cophase_core::units::MAX_AXES;
+
+/// Interface of a board to whoever makes, checks or runs settings.
+pub trait Board {
+    /// Name of the board, for messages.
+    const NAME: &'static str;
+
+    /// Cycles of the step clock per second, Hz: a multiple of 1 MHz, so that a tick of whole microseconds has whole cycles.
+    const CLOCK_HZ: u32;
+
+    /// Greatest number of axes, 1 to [`MAX_AXES`].
+    const MOST_AXES: usize;
+
+    /// Time by which the loop must submit its output before it is due, µs.
+    const LEAST_LEAD_US: u32;
+
+    /// Checks that the board has what an axis needs. `number` is the axis's place in the settings, counted from 0.
+    ///
+    /// # Errors
+    /// What the board lacks, with that number.
+    fn check_axis(number: usize, axis: &AxisSettings) -> Result<(), Unfit>;
+
+    /// Processor time of the longest tick at a tick rate in Hz, in cycles of the step clock. Only the axes and the limits
+    /// of the settings count.
+    fn tick_cycles(settings: &Settings, tick_hz: u32) -> f64;
+}
+
+/// Reason why a board cannot run settings that are valid in themselves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Unfit {
+    /// The board has no fieldbus for setpoints.
+    #[error(
+        "axis {0} is a servo that takes setpoints over a fieldbus, which the board does not have; give drive = \"pulse-servo\" for a drive \
+         that takes STEP and DIR"
+    )]
+    Servo(usize),
+    /// The board has no inputs for encoders.
+    #[error(
+        "axis {0} has an encoder, and the board has no pins left to count with; remove `encoder`, or run it on the host"
+    )]
+    Encoder(usize),
+    /// The board has outputs for fewer axes.
+    #[error(
+        "axes.count: the board has outputs for {most} axes, and the settings have {axes}; remove axes"
+    )]
+    TooManyAxes {
+        /// Number of axes of the settings.
+        axes: usize,
+        /// Greatest number of axes of the board.
+        most: usize,
+    },
+    /// The loop cannot finish its work within a tick.
+    #[error(
+        "control.tick_hz: at {tick_hz} Hz a tick is too short for {axes} axes at this step rate; \
+         give at most {most_hz} Hz"
+    )]
+    TickTooShort {
+        /// Tick rate of the settings, Hz.
+        tick_hz: u32,
+        /// Number of axes.
+        axes: usize,
+        /// Highest tick rate that the board can run, Hz.
+        most_hz: u32,
+    },
+}
+
+/// Checks that a board can run settings. Their numbers must be valid otherwise; their clock is not read.
+///
+/// # Errors
+/// The first reason why the board cannot run them.
+pub fn check<B: Board>(settings: &Settings) -> Result<(), Unfit> {
+    const {
+        assert!(B::CLOCK_HZ > 0 && B::CLOCK_HZ.is_multiple_of(1_000_000));
+        assert!(B::MOST_AXES > 0 && B::MOST_AXES <= MAX_AXES);
+    }
+    let axes = settings.axes.len();
+    if axes > B::MOST_AXES {
+        let most = B::MOST_AXES;
+        return Err(Unfit::TooManyAxes { axes, most });
+    }
+    for (number, axis) in settings.axes.iter().enumerate() {
+        B::check_axis(number, axis)?;
+    }
+    if has_time::<B>(settings, settings.tick_hz) {
+        return Ok(());
+    }
+    // A tick is a whole number of microseconds (`control.tick_hz`).
+    let rates = (1..settings.tick_hz).rev();
+    let most_hz = rates
+        .filter(|hz| 1_000_000 % hz == 0)
+        .find(|&hz| has_time::<B>(settings, hz));
+    Err(Unfit::TickTooShort {
+        tick_hz: settings.tick_hz,
+        axes,
+        most_hz: most_hz.unwrap_or(1),
+    })
+}
+
+fn has_time<B: Board>(settings: &Settings, tick_hz: u32) -> bool {
+    let lead_cycles = B::LEAST_LEAD_US * (B::CLOCK_HZ / 1_000_000);
+    let cycles = B::tick_cycles(settings, tick_hz) + f64::from(lead_cycles);
+    cycles <= f64::from(B::CLOCK_HZ / tick_hz)
+}
+
+/// A board as a value, for lists of boards.
+#[derive(Clone, Copy, Debug)]
+pub struct AnyBoard {
+    /// [`Board::NAME`].
+    pub name: &'static str,
+    /// [`Board::CLOCK_HZ`].
+    pub clock_hz: u32,
+    /// [`Board::MOST_AXES`].
+    pub most_axes: usize,
+    /// [`check()`] for this board.
+    pub check: fn(&Settings) -> Result<(), Unfit>,
+}
+
+impl AnyBoard {
+    /// Value of a board.
+    pub const fn of<B: Board>() -> Self {
+        Self {
+            name: B::NAME,
+            clock_hz: B::CLOCK_HZ,
+            most_axes: B::MOST_AXES,
+            check: check::<B>,
+        }
+    }
+}
+
+/// All boards.
+pub const BOARDS: &[AnyBoard] = &[AnyBoard::of::<Rp2040>()];
