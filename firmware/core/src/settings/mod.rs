@@ -346,6 +346,7 @@ impl Settings {
     }
 
     /// Width of the index filter in cycles of the step clock, rounded to the nearest.
+    #[cold]
     pub fn index_width_cycles(&self) -> u32 {
         libm::round(self.index.width_us * 1e-6 * f64::from(self.clock_hz)) as u32
     }
