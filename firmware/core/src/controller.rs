@@ -80,8 +80,7 @@ pub struct Controller {
     output: Output,
 }
 
-/// Ticks after a stop in which the last pulses still lead to a report. A tick is read two ticks after it was computed, and a pulse is
-/// evaluated up to `MAX_AXES` + 3 ticks later.
+/// Ticks after a stop in which its last pulses still lead to a report: 2 until a tick is read, `MAX_AXES` + 3 until it is evaluated.
 const LAST_PULSES: u64 = 7 + MAX_AXES as u64;
 
 /// Busy ticks in a row after which further work is no longer postponed: more than the pulses of all axes and a correction take.
