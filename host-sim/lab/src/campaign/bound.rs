@@ -1,7 +1,7 @@
 //! How far a platform may tilt after a fault, at most: the limit, and what the kind can add until all cranks stand, or the drives are
 //! off and torque moves the cranks: then nothing holds them together.
 //!
-//! Up to the limit L nothing need be reported. A crank that has passed it is detected within a turn and two ticks, and the stop takes
+//! Up to the limit L nothing need be reported. A crank that has passed it is detected within a turn and N + 5 ticks, and the stop takes
 //! what the stop limits make of it; in that time the crank goes on as its kind has it. What it goes on by, e, tilts the platform
 //! by g(e) at most, true geometry at the worst crank angle, one crank against all others in phase ([`Geometry::worst_tilt_mrad`]);
 //! half a turn is the most that a crank can be off. The bound is L + g(e):
@@ -9,7 +9,7 @@
 //! | kind | e |
 //! | --- | --- |
 //! | lost steps | the cycles, at once |
-//! | slip | rate × (turn + two ticks + stop), or rate × how long it goes on |
+//! | slip | rate × (turn + N + 5 ticks + stop), or rate × how long it goes on |
 //! | stuck, runaway, reversed | ½ |
 //! | underrun | the way of two ticks |
 //! | swapped wiring | what homing trims a crank by to prove it: as far as a crank may be off |
@@ -69,7 +69,7 @@ fn growth_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, beyond_limi
         FaultName::Slip => {
             let rate = fault.rate_deg_per_s.unwrap_or_default().abs() / 360.0;
             let until_s = turn_s(&scene.limits, beyond_limit)
-                + 2.0 * tick_s
+                + super::detection_ticks(scene.axes.count) as f64 * tick_s
                 + stop_s(&scene.limits, beyond_limit);
             rate * until_s.min(fault.for_s.unwrap_or(f64::INFINITY))
         }

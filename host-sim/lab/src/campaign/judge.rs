@@ -46,10 +46,10 @@ pub enum Verdict {
 pub struct Judgement {
     /// Whether the report was right.
     pub verdict: Verdict,
-    /// Whether it was detected within one turn and two ticks of a crank passing its limit; none where no crank did, or where the
+    /// Whether it was detected within one turn and N + 5 ticks of a crank passing its limit; none where no crank did, or where the
     /// machine stood before the turn was over, and not for another crank's sake.
     pub in_time: Option<bool>,
-    /// Turns of the master from the crank passing its limit to two ticks before it was detected; below 0, it was before.
+    /// Turns of the master from the crank passing its limit to N + 5 ticks before it was detected; below 0, it was before.
     pub turns: Option<f64>,
     /// When it was detected, s since power-up.
     pub detected_s: Option<f64>,

@@ -2,7 +2,7 @@
 //!
 //! The *claim* that it tests, run by run:
 //! 1. every fault that moves a crank beyond a limit (tilt or warp, as the true cranks have it) is detected within one turn of the
-//!    master and two ticks: the loop has found something of the axis that it befell, or of one that it moved ([`moved`]), or
+//!    master and N + 5 ticks, with N axes: the loop has found something of the axis that it befell, or of one that it moved ([`moved`]), or
 //!    something that is of no axis, and stops or disables the machine for it, or has trimmed the crank back
 //!    ([`judge::detection`]), and this is played by then;
 //! 2. what is reported is the right name, by one table ([`names`]), and of the right axis: in 99 of 100 at least;
@@ -41,6 +41,12 @@ use host_sim::sim::simulate;
 use plan::{Case, Plan};
 use row::Row;
 use watch::Watch;
+
+/// Ticks that a machine of `axes` axes has to detect what an index pulse shows: one until the loop reads it, one until its response is
+/// played, one for each axis, as a tick processes one pulse, and three to evaluate them.
+pub const fn detection_ticks(axes: usize) -> usize {
+    axes + 5
+}
 
 /// Runs one of the two runs of a case.
 ///

@@ -50,9 +50,9 @@ pub struct Row {
     pub reported_s: Option<f64>,
     /// When what counts was reported: what stopped the machine for it, or had the crank trimmed back.
     pub detected_s: Option<f64>,
-    /// Turns of the master from the fault to two ticks before anything was reported.
+    /// Turns of the master from the fault to N + 5 ticks before anything was reported.
     pub turns_from_fault: Option<f64>,
-    /// … and from the crank passing its limit to two ticks before that was detected; below 0, it was before.
+    /// … and from the crank passing its limit to N + 5 ticks before that was detected; below 0, it was before.
     pub turns_from_limit: Option<f64>,
     /// Whether it was detected in time; empty where no crank passed its limit, or the machine stood before a turn was over.
     pub in_time: Option<bool>,

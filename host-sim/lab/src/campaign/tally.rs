@@ -15,7 +15,7 @@ pub struct Group {
     pub runs: u64,
     /// In how many a crank was beyond its limit.
     pub beyond_limit: u64,
-    /// Of these, detected within one turn and two ticks.
+    /// Of these, detected within one turn and N + 5 ticks.
     pub in_time: Rate,
     /// Of what was reported, or had to be, rightly named.
     pub named: Rate,

@@ -11,6 +11,7 @@ use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::reaction::{Reaction, reaction};
 use cophase_core::supervisor::{Fault, FaultKind, State};
 
+use super::detection_ticks;
 use super::flag::{Extra, Flag};
 use super::geometry::Geometry;
 use super::moved::Moved;
@@ -62,7 +63,7 @@ pub struct FaultEvent {
     pub done: Reaction,
     /// The beginning of the moment in which it was played.
     pub place: Place,
-    /// Turns of the master two ticks before that.
+    /// Turns of the master so many ticks before that as detection may take.
     pub turns: f64,
     /// The true crank of its axis had been moved since the fault.
     pub is_moved: bool,
@@ -124,8 +125,8 @@ pub struct Watch<'a> {
     beyond_since: Option<f64>,
     moments: u64,
     event_watch: EventWatch,
-    /// Turns of the master at the end of the last three moments, latest first.
-    turns: [f64; 3],
+    /// Turns of the master at the end of the last moments, latest first: of as many as detection may take, and one.
+    turns: Vec<f64>,
     before: Option<(Axes<f64>, Axes<f64>)>,
     /// For how many moments an axis has stood while another was moved.
     apart: u32,
@@ -156,7 +157,7 @@ impl<'a> Watch<'a> {
             beyond_since: None,
             moments: 0,
             event_watch: EventWatch::default(),
-            turns: [0.0; 3],
+            turns: vec![0.0; detection_ticks(checked.settings.axes.len()) + 1],
             before: None,
             apart: 0,
             run_on: per_axis(checked.settings.axes.len(), |_| 0.0),
@@ -204,7 +205,7 @@ impl<'a> Watch<'a> {
                     reported,
                     done,
                     place,
-                    turns: self.turns[2],
+                    turns: self.turns.last().copied().unwrap_or_default(),
                     is_moved: reported.axis.is_some_and(|axis| self.moved.has(axis)),
                     is_beyond_limit: observation.is_beyond_limit,
                 });
@@ -331,7 +332,8 @@ impl Observer for Watch<'_> {
         if !self.observation.fault_events.is_empty() && index.is_some_and(Option::is_some) {
             self.observation.passed_after = true;
         }
-        self.turns = [moment.master_turns, self.turns[0], self.turns[1]];
+        self.turns.rotate_right(1);
+        self.turns[0] = moment.master_turns;
         self.moments += 1;
         self.observation.end = Some(end);
     }
