@@ -32,7 +32,7 @@ class Rules:
         chosen = {}
         for options in (self.options.get("all", []), self.options.get(scene, [])):
             chosen.update(zip(options[::2], options[1::2]))
-        return [word for option in chosen.items() for word in option]
+        return [word for option in chosen.items() for word in option] + self.options.get("flags", [])
 
     def old_name(self, name):
         """The name that a present series had, or None if it is a new one."""

@@ -159,6 +159,7 @@ pub fn decode_into(settings_file: &[u8], settings: &mut Settings) -> Result<(), 
         name,
         tick_hz,
         clock_hz: _, // The board's; no file has it.
+        detect_at_once: _,
         machine,
         limits,
         pulse,

@@ -29,6 +29,9 @@ pub(super) struct RunArgs {
     /// What steps.vcd shows, in seconds, or `all` [default: the scene's window, 200 ms around the first fault that is put in, or the first 200 ms of motion]
     #[arg(long, value_name = "FROM..TO", value_parser = window)]
     window: Option<Window>,
+    /// Process all index pulses of a tick in that tick, where a board processes one per tick: reactions come up to N + 3 ticks earlier
+    #[arg(long)]
+    detect_at_once: bool,
     /// Print nothing but errors
     #[arg(long, short)]
     quiet: bool,
@@ -42,6 +45,7 @@ impl RunArgs {
             out: out.to_path_buf(),
             every: None,
             window: None,
+            detect_at_once: false,
             quiet,
         }
     }
@@ -77,7 +81,8 @@ fn window(text: &str) -> Result<Window, String> {
 
 pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, CommandError> {
     let began = Instant::now();
-    let checked = scenes::read(&args.scene).map_err(CommandError::Input)?;
+    let mut checked = scenes::read(&args.scene).map_err(CommandError::Input)?;
+    checked.settings.detect_at_once = args.detect_at_once;
     let checked = fidelity::check(checked)
         .map_err(|error| CommandError::Input(error.in_file(&args.scene).to_string()))?;
     let (outcome, written) = record(args, &checked, began).map_err(CommandError::Input)?;

@@ -26,6 +26,7 @@ impl DriftMonitor {
             sensed: 0,
             by_index: 0,
             by_encoder: 0,
+            at_once: false,
             clock: TickClock::new(62_500),
             before_is_known: false,
             finding_out: true,
@@ -78,6 +79,7 @@ impl DriftMonitor {
         self.sensed = sensed;
         self.by_index = sensed & !by_encoder;
         self.by_encoder = by_encoder;
+        self.at_once = by_encoder != 0 || settings.detect_at_once;
         self.clock = TickClock::new(settings.tick_cycles());
         self.before_is_known = false;
         self.start_check();

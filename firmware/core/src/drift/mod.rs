@@ -86,6 +86,8 @@ pub struct DriftMonitor {
     sensed: AxisSet,
     by_index: AxisSet,
     by_encoder: AxisSet,
+    /// All updates of a tick are processed in it.
+    at_once: bool,
     clock: TickClock,
     /// The last call of [`Self::observe`] covered the tick before the one that is over.
     before_is_known: bool,
@@ -138,11 +140,11 @@ impl DriftMonitor {
         if self.margin < 0 {
             self.check_timeouts(sensed);
         }
-        let has_updates = self.has_updates() && (sensed.may_process || self.encoders() != 0);
+        let has_updates = self.has_updates() && (sensed.may_process || self.is_at_once());
         if has_updates {
             self.process_queue(sensed, arrived);
         }
-        self.is_busy = has_updates && self.encoders() == 0;
+        self.is_busy = has_updates && !self.is_at_once();
         self.findings.next()
     }
 
@@ -284,6 +286,11 @@ impl DriftMonitor {
     /// Axes that some sensor detects.
     pub const fn watched(&self) -> AxisSet {
         self.sensed | self.encoders()
+    }
+
+    /// Whether all updates of a tick are processed in it.
+    const fn is_at_once(&self) -> bool {
+        cfg!(feature = "servo") && self.at_once
     }
 
     /// Axes with an encoder.

@@ -165,17 +165,19 @@ impl DriftMonitor {
         }
     }
 
-    /// Does one piece of the pending work. On a machine with encoders, which are read in every tick, does all of it.
+    /// Does one piece of the pending work. On a machine with encoders, which are read in every tick, or where the
+    /// settings ask for it, does all of it.
     #[inline(never)]
     pub(super) fn process_queue(&mut self, sensed: &Sensed<'_>, arrived: usize) {
-        if self.encoders() != 0 {
+        if self.is_at_once() {
             while let Some(axis) = self.queue.next() {
                 self.process_axis(axis, sensed);
             }
-            self.queue.work = Work::Conclude;
-            self.conclude_batch();
-            self.take_modes(sensed);
-            self.check_batch(sensed);
+            if self.queue.updated != 0 || self.encoders() != 0 {
+                self.conclude_batch();
+                self.take_modes(sensed);
+                self.check_batch(sensed);
+            }
             return;
         }
         match self.queue.work {

@@ -112,7 +112,7 @@ fn cam_tables_are_refused_by_name() {
     let short = on_a_cam(0, &lift[..3]);
     assert_eq!(
         refused(&short),
-        "cam_table.points (number 0): 3 is outside 4 to 64"
+        "cam_table.points (number 0): 3 is outside 4 to 96"
     );
     let infinite = on_a_cam(0, &[0.0, 1.0, f64::NAN, 1.0]);
     assert!(refused(&infinite).starts_with("cam_table.points (number 0): NaN is not a finite"));

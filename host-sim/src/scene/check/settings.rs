@@ -39,6 +39,7 @@ pub(super) fn settings(
         name: short_name(&scene.name),
         tick_hz: scene.control.tick_hz,
         clock_hz: Rp2040::CLOCK_HZ, // The board that scenes are simulated for.
+        detect_at_once: false,
         machine,
         limits: LimitSettings {
             speed_hz: limits.speed_hz,

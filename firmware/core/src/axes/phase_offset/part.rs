@@ -60,7 +60,8 @@ impl Part {
         if self.rounds_left > 0 {
             self.rounds_left -= 1;
         } else if self.is_moving {
-            self.is_moving = self.now != self.target;
+            let mut axes = self.now.iter().zip(&self.target);
+            self.is_moving = axes.any(|(now, target)| now != target);
         }
     }
 
@@ -79,7 +80,7 @@ impl Part {
             target - ahead
         };
         let most = lane.slot_steps as i32;
-        let steps = (aim - *now).clamp(-most, most);
+        let steps = (aim - *now).max(-most).min(most); // `clamp` may panic
         if steps == 0 || (offset + steps).abs() > lane.limit_steps.max(offset.abs()) {
             return None;
         }
