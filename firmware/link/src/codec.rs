@@ -28,7 +28,8 @@ pub const MAX_PAYLOAD_BYTES: usize = {
     let follower = SMALL + if gear > cam { gear } else { cam };
     let axis = SMALL + U32 + SMALL + follower + F64 + index + SMALL + U32 + 3 * F64;
     let axes = SMALL + MAX_AXES * axis;
-    let table = U32 + 2 * SMALL + MAX_CAM_POINTS * F64; // The number of points takes two bytes.
+    const { assert!(MAX_CAM_POINTS < 128) }; // The number of points takes one byte.
+    let table = U32 + SMALL + MAX_CAM_POINTS * F64;
     let cams = SMALL + MAX_CAMS * table;
     let trims = SMALL + MAX_AXES * F64;
     let drift = 5 * F64;

@@ -46,7 +46,7 @@ fn tables_and_keys_that_are_not_there() {
             before("machine.lambda", "colour = 3"),
             "machine.colour",
             "unknown key",
-            "known here: crank_radius_mm, lambda",
+            "known here: mechanism, crank_radius_mm, lambda",
         ),
         case(
             "no name",
