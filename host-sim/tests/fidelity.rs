@@ -55,6 +55,9 @@ fn judge(name: &'static str) {
 
 fn judge_scene(name: &'static str, checked: Checked) {
     let climbed = climb(name, checked);
+    if climbed.model_levels.len() == 1 {
+        return; // A scene that says too little for a second level has nothing to be compared with.
+    }
     let bounds = Bounds::new(&climbed.checked).expect("built-in scenes say enough");
     for (model_level, found) in &climbed.model_levels {
         for output in Output::ALL {

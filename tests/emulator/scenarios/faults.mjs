@@ -42,7 +42,7 @@ const CASES = [
   ['lost-steps', 'correct', parks, ['lost-steps'], { corrects: true }],
   ['lost-steps-beyond-limit', 'stop', stops, ['index-timeout', 'lost-steps']],
   ['slip', 'correct', parks, ['slip', 'slip'], { corrects: true }],
-  ['slip-beyond-limit', 'correct, stop', stops, ['slip', 'index-timeout', 'slip'], { corrects: true }],
+  ['slip-beyond-limit', 'correct, stop', stops, ['index-timeout', 'slip'], { corrects: true }],
   ['stuck', 'stop', stops, ['index-timeout']],
   ['runaway', 'stop, disable', stops, ['slip', 'runaway']],
   ['index-missing', 'stop', stops, ['index-timeout', 'index-missing']],
