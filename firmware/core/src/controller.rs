@@ -45,7 +45,7 @@ pub struct Controller {
     park_crank: Turns,
     park: Turns,
     channels: heapless::Vec<Channel, MAX_AXES>,
-    /// What the axes were commanded in the last outputs.
+    /// Turns that the axes were commanded in the last outputs.
     history: History,
     has_servos: bool,
     step_rate: StepRates,
@@ -203,7 +203,7 @@ impl Controller {
         &self.output
     }
 
-    /// What has been detected since the last tick; what of it is reported, whatever is done about it.
+    /// Collects what was detected since the last tick; returns the event to report, if there is one.
     #[inline(never)]
     fn observe(&mut self, feedback: &Feedback, input: &mut SupervisorInput) -> Option<Fault> {
         let mut found = self.measure(feedback);
@@ -300,7 +300,7 @@ impl Controller {
         found.map(Finding::of)
     }
 
-    /// Whether work that can wait may be done in this tick. It waits for a tick that is not busy, but not for ever.
+    /// True if work that can wait may be done in this tick: in one that is not busy, or after too many that were.
     const fn has_time(&self) -> bool {
         !self.is_busy || self.busy_ticks >= MOST_BUSY_TICKS
     }

@@ -18,7 +18,7 @@ pub(super) struct Correction {
     steps: PerAxis<i32>,
 }
 
-/// What the next tick does.
+/// Work of the next tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Step {
     /// Wait for the end of a turn.

@@ -1,8 +1,8 @@
 //! From the master's turns to each axis's phase, pulses and setpoints.
 //!
 //! Axes with equal followers at the same place within a step have identical edges. One of them is planned, and the others share its
-//! plan ([`Sharing`](crate::pulse::Sharing)). An axis leaves its group while its phase offset moves by a fraction of a step, and joins a group after it. As
-//! offsets are whole steps, that is the group it left.
+//! plan ([`Sharing`](crate::pulse::Sharing)). An axis leaves its group while its phase offset moves by a fraction of a step. Offsets
+//! are whole steps, so it joins the same group again.
 
 use super::Controller;
 use super::channel::Channel;

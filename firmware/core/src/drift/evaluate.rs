@@ -88,13 +88,13 @@ impl DriftMonitor {
         true
     }
 
-    /// What all axes but one are off by in common, with their corrections. Not the mean of all: that one would be held against
-    /// what it did itself.
+    /// Common error of all axes except one, with their corrections. It is not the mean of all, which would contain the
+    /// error of that axis itself.
     pub(super) fn in_common_but(&self, axis: usize, correction: &PerAxis<Turns>) -> Turns {
         in_common(&self.phase_error, correction, self.watched() & !(1 << axis))
     }
 
-    /// Whether none but the axes in `moved` is late.
+    /// True if no axis is late except those in `moved`.
     pub(super) fn others_are_detected(&self, moved: AxisSet) -> bool {
         let others = self.by_index & !moved;
         let mut axes = self.axes.iter().enumerate();

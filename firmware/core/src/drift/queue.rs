@@ -4,8 +4,8 @@
 //! therefore queued with the phase that was commanded when it came.
 //!
 //! Updates that are queued together are a *batch*. Each tick processes one axis. When the last of a batch has been processed, the
-//! next tick compares the axes, the one after that takes their phase errors apart into modes, and one more checks the limits. The measured phase errors are those of the pulses' own
-//! ticks.
+//! next tick compares the axes. The tick after that separates their phase errors into modes, and one more checks the limits. The
+//! measured phase errors are those of the pulses' own ticks.
 //!
 //! **Delay.** A single update is checked three ticks after its own. If n axes have updates in one tick, that is n + 3 ticks after it.
 //! Later updates belong to the next batch, so that every axis has its turn. If an axis has a second pulse while the first is queued

@@ -9,7 +9,8 @@ use super::{Board, Unfit};
 const TICK_CYCLES: u32 = 10_700;
 /// Cycles that each axis adds then.
 const AXIS_CYCLES: u32 = 450;
-/// Cycles that an axis adds which does not make the master's own turns: 614 were measured for a cam table, and less for a gear.
+/// Cycles that an axis adds which does not make the master's own turns: 614 were measured for a cam table
+/// (`tests/emulator/run --profile`), and less for a gear.
 const FOLLOWER_CYCLES: u32 = 650;
 /// Cycles that each chunk of an axis's step pulses adds; the planner processes a chunk at once.
 const CHUNK_CYCLES: u32 = 80;

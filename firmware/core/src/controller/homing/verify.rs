@@ -71,7 +71,7 @@ impl Homing {
         (self.checks >= CONFIRMED).then_some(fault.with_size(swapped.off))
     }
 
-    /// Where cranks are now that were moved, next to [`Self::before`]. What loads do to a crank differs by its angle, which is the same at
+    /// Phase errors of cranks that were moved, to compare with [`Self::before`]. The effect of loads differs by the crank's angle, which is the same at
     /// its flag, and by how fast the machine goes, which it does not yet at the first: so the less of both counts.
     pub(super) fn error_since(&self, monitor: &DriftMonitor) -> PerAxis<Turns> {
         let mut phase_error = monitor.errors_at_flags();

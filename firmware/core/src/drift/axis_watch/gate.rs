@@ -3,7 +3,7 @@
 use crate::settings::{AxisSettings, turns};
 use crate::units::Turns;
 
-/// What a reading of an axis may be off by: that, and two steps.
+/// Largest error of a reading of an axis: that of the settings, and two steps.
 pub(super) fn tolerance(axis: &AxisSettings, reading: Turns) -> Turns {
     let step = turns(1.0 / f64::from(axis.steps_per_turn));
     reading.saturating_add(step).saturating_add(step)
