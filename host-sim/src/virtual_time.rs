@@ -22,17 +22,20 @@ pub const TICKS_PER_S: u64 = embassy_time::TICK_HZ;
 
 thread_local! {
     static NOW: Cell<u64> = const { Cell::new(0) };
+    /// When the future that runs goes on: see [`until`].
+    static DEADLINE: Cell<u64> = const { Cell::new(NEVER) };
     static ARMED: Cell<u64> = const { Cell::new(0) };
     static ALARMS: RefCell<BinaryHeap<Reverse<Alarm>>> = const { RefCell::new(BinaryHeap::new()) };
-    static RUNNING: RefCell<Option<Waker>> = const { RefCell::new(None) };
+    static IS_RUNNING: Cell<bool> = const { Cell::new(false) };
 }
+
+const NEVER: u64 = u64::MAX;
 
 struct Alarm {
     at: u64,
-    /// How many alarms were armed before.
+    /// Number of alarms that were armed before.
     number: u64,
-    /// Waker of a part of the future; none is the future itself, which most alarms wake.
-    waker: Option<Waker>,
+    waker: Waker,
 }
 
 impl Alarm {
@@ -72,15 +75,27 @@ impl embassy_time_driver::Driver for VirtualClock {
 
     fn schedule_wake(&self, at: u64, waker: &Waker) {
         let number = ARMED.replace(ARMED.get() + 1);
-        let is_own =
-            RUNNING.with_borrow(|own| own.as_ref().is_some_and(|own| own.will_wake(waker)));
         let alarm = Alarm {
             at,
             number,
-            waker: (!is_own).then(|| waker.clone()),
+            waker: waker.clone(),
         };
         ALARMS.with_borrow_mut(|alarms| alarms.push(Reverse(alarm)));
     }
+}
+
+/// Waits until a time, in clock ticks (µs), as a timer of embassy-time does, and arms no alarm: a tenth of the cost.
+///
+/// Only for the future that [`run`] was given. A part of it that is polled only after its own waker was called would wait
+/// for ever.
+pub fn until(at: u64) -> impl Future<Output = ()> {
+    std::future::poll_fn(move |_| {
+        if NOW.get() >= at {
+            return Poll::Ready(());
+        }
+        DEADLINE.set(DEADLINE.get().min(at));
+        Poll::Pending
+    })
 }
 
 /// Polled when woken.
@@ -101,54 +116,60 @@ impl Wake for Ready {
 /// # Panics
 /// If called from within itself, or if the future waits for something that no alarm will bring.
 pub fn run<F: Future>(future: F, mut lateness: impl FnMut(u64) -> u64) -> F::Output {
-    let ready = Arc::new(Ready(AtomicBool::new(true)));
+    let _guard = Guard::new();
+    let ready = Arc::new(Ready::default());
     let waker = Waker::from(ready.clone());
-    let _guard = Guard::new(waker.clone());
     let mut context = Context::from_waker(&waker);
     let mut future = pin!(future);
+    let mut is_due = true;
     loop {
-        while ready.0.load(Ordering::Relaxed) {
-            ready.0.store(false, Ordering::Relaxed);
+        while is_due {
             if let Poll::Ready(output) = future.as_mut().poll(&mut context) {
                 return output;
             }
+            is_due = ready.0.swap(false, Ordering::Relaxed);
         }
-        let next = ALARMS.with_borrow(|alarms| alarms.peek().map(|alarm| alarm.0.at));
-        let next = next.expect("the future waits, and no alarm is armed that could wake it");
+        let alarm = ALARMS.with_borrow(|alarms| alarms.peek().map_or(NEVER, |alarm| alarm.0.at));
+        let next = alarm.min(DEADLINE.get());
+        assert!(
+            next != NEVER,
+            "the future waits, and no alarm is armed that could wake it"
+        );
         let next = next.max(NOW.get());
-        if go_to(next + lateness(next)) {
-            ready.0.store(true, Ordering::Relaxed);
+        let now = next + lateness(next);
+        NOW.set(now);
+        if DEADLINE.get() <= now {
+            DEADLINE.set(NEVER);
+            is_due = true;
+        }
+        if alarm <= now {
+            wake(now);
+            is_due |= ready.0.swap(false, Ordering::Relaxed);
         }
     }
 }
 
-/// Sets the clock, and wakes all whose alarms are due; whether the future that runs is one of them.
-fn go_to(time: u64) -> bool {
-    NOW.set(time);
-    let mut is_due = false;
+/// Wakes all whose alarms are due.
+fn wake(now: u64) {
     while let Some(alarm) = ALARMS.with_borrow_mut(|alarms| {
-        let due = alarms.peek().is_some_and(|alarm| alarm.0.at <= time);
+        let due = alarms.peek().is_some_and(|alarm| alarm.0.at <= now);
         if due { alarms.pop() } else { None }
     }) {
-        match alarm.0.waker {
-            None => is_due = true,
-            Some(waker) => waker.wake(),
-        }
+        alarm.0.waker.wake();
     }
-    is_due
 }
 
 /// A clean clock while it lives.
 struct Guard;
 
 impl Guard {
-    fn new(waker: Waker) -> Self {
+    fn new() -> Self {
         assert!(
-            RUNNING.with_borrow(Option::is_none),
+            !IS_RUNNING.replace(true),
             "virtual time is already running on this thread"
         );
-        RUNNING.set(Some(waker));
         NOW.set(0);
+        DEADLINE.set(NEVER);
         ARMED.set(0);
         ALARMS.with_borrow_mut(BinaryHeap::clear);
         Self
@@ -157,7 +178,7 @@ impl Guard {
 
 impl Drop for Guard {
     fn drop(&mut self) {
-        RUNNING.set(None);
+        IS_RUNNING.set(false);
     }
 }
 
@@ -180,6 +201,30 @@ mod tests {
             |_| 0,
         );
         assert_eq!(times, [5_000, 6_000, 3_600_006_000]);
+    }
+
+    /// Were it wrong, a loop that waits without alarms would see other times than one with timers.
+    #[test]
+    fn a_deadline_and_alarms_come_in_order() {
+        let times = run(
+            async {
+                let mut alarm = pin!(Timer::at(Instant::from_micros(2_000)));
+                let mut times = Vec::new();
+                for at in [1_000, 2_500] {
+                    let mut deadline = pin!(until(at));
+                    std::future::poll_fn(|context| {
+                        let _ = alarm.as_mut().poll(context);
+                        times.push(Instant::now().as_micros());
+                        deadline.as_mut().poll(context)
+                    })
+                    .await;
+                }
+                until(2_500).await; // is over already
+                times
+            },
+            |at| if at == 1_000 { 30 } else { 0 },
+        );
+        assert_eq!(times, [0, 1_030, 1_030, 2_000, 2_500]);
     }
 
     #[test]

@@ -63,8 +63,8 @@ impl Faults {
     }
 
     /// What has begun since this was last asked.
-    pub fn new_faults(&mut self) -> Vec<FaultAt> {
-        std::mem::take(&mut self.new_faults)
+    pub fn new_faults(&mut self) -> impl Iterator<Item = FaultAt> {
+        self.new_faults.drain(..)
     }
 
     /// Marks what begins up to `at_us`, of the kinds that `which` picks; what of it is new.

@@ -117,6 +117,12 @@ impl SimulatedAxis {
         self.ratio
     }
 
+    /// Steps that its drive has counted since power-up, in its own sense; none if it takes no pulses.
+    pub fn counted_steps(&self) -> Option<i64> {
+        let takes_pulses = self.drive.takes_pulses();
+        takes_pulses.then(|| self.pulses.counted())
+    }
+
     /// Electrical cycles slipped since power-up: negative behind, positive ahead of the field.
     pub fn slipped_cycles(&self) -> i64 {
         self.lost_cycles
@@ -164,11 +170,10 @@ impl SimulatedAxis {
         &mut self,
         runs: &Runs,
         setpoint: &Setpoint,
-        steps: i64,
         command_turns: f64,
     ) -> DriveCommand {
         let torque_nm = if self.drive.takes_pulses() {
-            self.pulses.count(runs, steps);
+            self.pulses.count(runs);
             let counted = self.pulses.counted() as f64;
             let commanded = (command_turns - self.home_turns) * self.steps_per_turn;
             self.commanded_turns =
@@ -284,16 +289,16 @@ impl SimulatedAxis {
     }
 
     /// Plays one tick; what came before the index sensor in it, if anything did.
+    #[inline]
     pub fn play(
         &mut self,
         runs: &Runs,
         setpoint: &Setpoint,
-        steps: i64,
         drives_enabled: bool,
     ) -> Option<Passed> {
         let before = self.turns();
         if self.drive.takes_pulses() {
-            let counted = self.pulses.count(runs, steps);
+            let counted = self.pulses.count(runs);
             if !drives_enabled {
                 self.slipped -= counted; // the field is off: the crank stays where it is
             } else if let Some(cycle_steps) = self.drive.cycle_steps() {

@@ -35,7 +35,16 @@ pub struct Flag {
     /// Pulses to come without it: the first in this tick, and others at a place.
     begins: Option<Extra>,
     again: Option<(f64, u32)>,
+    /// The crank meets nothing as long as it stays between these places: most ticks need no rounding to whole turns, which is
+    /// slow.
+    clear: (f64, f64),
 }
+
+/// No place lies between these.
+const NOWHERE: (f64, f64) = (0.0, 0.0);
+
+/// Rounding of places, turns, after a month of them at 200 rev/s.
+const ROUNDING: f64 = 1e-6;
 
 impl Flag {
     /// Of axis `number` of a scene; none if it has no sensor.
@@ -50,6 +59,7 @@ impl Flag {
             end: Edge::new(end_turns, stream(Sensor::FlagEnd)),
             begins: None,
             again: None,
+            clear: NOWHERE,
         })
     }
 
@@ -69,19 +79,39 @@ impl Flag {
     /// Has pulses come that no flag makes, from the next tick that is played on.
     pub fn add(&mut self, extra: Extra) {
         self.begins = Some(extra);
+        self.clear = NOWHERE;
     }
 
     /// What a crank meets that goes from `before` to `after`, if anything.
     #[inline]
     pub(super) fn meet(&mut self, before: f64, after: f64) -> Option<Met> {
-        let is_clear = self.start.is_clear(before, after)
-            && (!self.has_length() || self.end.is_clear(before, after));
-        if is_clear && self.begins.is_none() && self.again.is_none() {
+        let (from, to) = self.clear;
+        if from < before && before < to && from < after && after < to {
             return None;
         }
+        self.look(before, after)
+    }
+
+    #[inline(never)]
+    fn look(&mut self, before: f64, after: f64) -> Option<Met> {
         let mut met = self.pass(before, after);
         met.extra = self.extra(before, after);
+        self.clear = if self.again.is_some() {
+            NOWHERE
+        } else {
+            self.clear_around(after)
+        };
         (met != Met::default()).then_some(met)
+    }
+
+    /// Places around this one between which no edge lies, whatever its noise.
+    fn clear_around(&self, turns: f64) -> (f64, f64) {
+        let (from, to) = self.start.clear_around(turns);
+        if !self.has_length() {
+            return (from, to);
+        }
+        let end = self.end.clear_around(turns);
+        (from.max(end.0), to.min(end.1))
     }
 
     fn pass(&self, before: f64, after: f64) -> Met {
@@ -130,8 +160,6 @@ struct Edge {
     noise: Option<Stream>,
     /// Distance from there that noise never exceeds, turns.
     reach: f64,
-    /// The whole turn below the place at which the crank was looked at last.
-    turn: f64,
 }
 
 impl Edge {
@@ -140,7 +168,6 @@ impl Edge {
             nominal,
             reach: noise.as_ref().map_or(0.0, Stream::reach),
             noise,
-            turn: 0.0,
         }
     }
 
@@ -153,17 +180,14 @@ impl Edge {
                 .map_or(0.0, |noise| noise.draw(turn as i64))
     }
 
-    /// Whether it surely does not lie between two places of a crank: most ticks are so, and need no rounding to whole turns,
-    /// which is slow.
-    #[inline]
-    fn is_clear(&mut self, before: f64, after: f64) -> bool {
-        let low = before.min(after) - self.nominal - self.reach;
-        let high = before.max(after) - self.nominal + self.reach;
-        if self.turn < low && high < self.turn + 1.0 {
-            return true;
-        }
-        self.turn = low.floor();
-        false
+    /// Places around this one between which it does not lie, whatever its noise.
+    fn clear_around(&self, turns: f64) -> (f64, f64) {
+        let turn = (turns - self.nominal).floor();
+        let beyond = self.reach + ROUNDING;
+        (
+            turn + self.nominal + beyond,
+            turn + 1.0 + self.nominal - beyond,
+        )
     }
 
     /// The place at which it lies between two of a crank.
@@ -199,6 +223,7 @@ mod tests {
                 end: Edge::new(0.3 + 6.0 / 360.0, noise(Sensor::FlagEnd)),
                 begins: None,
                 again: None,
+                clear: NOWHERE,
             };
             let mut is_over = flag.is_over(0.28);
             assert!(!is_over);

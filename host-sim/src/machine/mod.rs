@@ -31,7 +31,7 @@ pub use platform::{Platform, Pose};
 pub use pull_out::PullOut;
 pub use rotors::{Broken, Chosen, DriveCommand, MOST_STEPS, RESOLUTION, Rotors};
 
-use cophase_core::pulse::Runs;
+use cophase_core::pulse::{Runs, Sharing};
 use cophase_core::servo::Setpoint;
 use cophase_core::signals::Output;
 use cophase_methods::Scheme;
@@ -50,35 +50,39 @@ const FLAG_S: f64 = 20e-6;
 /// What a machine is given to play in one tick.
 #[derive(Clone, Debug)]
 pub struct Played {
-    /// Pulses, for axes that take them.
-    pub runs: Axes<Runs>,
+    /// Plans of pulses, each at the number of the first axis that plays it.
+    plans: Axes<Runs>,
+    sharing: Sharing,
     /// Setpoints, for servo axes.
     pub setpoints: Axes<Setpoint>,
-    /// Steps that the loop will have commanded at the tick's end.
-    pub steps: Axes<i64>,
 }
 
 impl Played {
     /// Nothing, with room for the pulses of `count` axes.
     pub fn nothing(count: usize) -> Self {
         Self {
-            runs: per_axis(count, |_| Runs::new()),
+            plans: per_axis(count, |_| Runs::new()),
+            sharing: Sharing::NONE,
             setpoints: per_axis(count, |_| Setpoint::default()),
-            steps: per_axis(count, |_| 0),
         }
+    }
+
+    /// Pulses of an axis, if it takes them.
+    #[inline]
+    pub fn runs(&self, axis: usize) -> &Runs {
+        &self.plans[self.sharing.first(axis)]
     }
 
     /// Takes over an output, reusing the room there is.
     pub fn copy_from(&mut self, output: &Output) {
-        for (i, mine) in self.runs.iter_mut().enumerate() {
-            mine.clear();
-            mine.extend(output.runs(i).iter().copied());
+        self.sharing = output.sharing();
+        for (axis, plan) in self.plans.iter_mut().enumerate() {
+            if self.sharing.first(axis) == axis {
+                plan.clone_from(output.runs(axis));
+            }
         }
-        let count = self.runs.len();
+        let count = self.setpoints.len();
         self.setpoints.copy_from_slice(&output.setpoints[..count]);
-        for (axis, steps) in self.steps.iter_mut().enumerate() {
-            *steps = output.telemetry.steps(axis);
-        }
     }
 }
 
@@ -330,8 +334,7 @@ impl Machine {
         }
         let Some(followers) = &mut self.followers else {
             for (i, axis) in self.axes.iter_mut().enumerate() {
-                let (runs, setpoint) = (&played.runs[i], &played.setpoints[i]);
-                let passed = axis.play(runs, setpoint, played.steps[i], drives_enabled);
+                let passed = axis.play(played.runs(i), &played.setpoints[i], drives_enabled);
                 passages.put(i, passed);
             }
             return;
@@ -341,8 +344,7 @@ impl Machine {
         let turned = per_axis(self.axes.len(), |i| {
             let axis = &mut self.axes[i];
             let from = axis.turns();
-            let (runs, setpoint) = (&played.runs[i], &played.setpoints[i]);
-            let passed = axis.play(runs, setpoint, played.steps[i], drives_enabled);
+            let passed = axis.play(played.runs(i), &played.setpoints[i], drives_enabled);
             passages.put(i, passed);
             Turned {
                 from,
@@ -377,13 +379,7 @@ fn command(
     command_turns: &[f64],
 ) -> Axes<DriveCommand> {
     let drives = axes.iter_mut().enumerate();
-    let commanded = drives.map(|(i, axis)| {
-        axis.command(
-            &played.runs[i],
-            &played.setpoints[i],
-            played.steps[i],
-            command_turns[i],
-        )
-    });
+    let commanded = drives
+        .map(|(i, axis)| axis.command(played.runs(i), &played.setpoints[i], command_turns[i]));
     commanded.collect()
 }

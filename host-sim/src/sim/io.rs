@@ -20,9 +20,9 @@ use super::schedule::Schedule;
 use super::statistics::Statistics;
 use crate::axes::{Axes, per_axis};
 use crate::faults::Faults;
-use crate::machine::{IndexSensor, Machine, Passages, Played};
+use crate::machine::{IndexSensor, Machine, Passages, Played, SimulatedAxis};
 use crate::units::turns;
-use crate::virtual_time::TICKS_PER_S;
+use crate::virtual_time::{self, TICKS_PER_S};
 
 /// An output that waits for its time, or plays.
 #[derive(Debug)]
@@ -67,6 +67,8 @@ pub struct SimulatedIo<'a, O, P> {
         reason = "boxes move between here and the queue; what is in them is kilobytes"
     )]
     spare: Vec<Box<Waiting>>,
+    /// The output that was played last.
+    last: Option<Box<Waiting>>,
     drives_enabled: bool,
     master: Unwrapped,
     axes: Axes<Unwrapped>,
@@ -119,6 +121,7 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
             progress,
             waiting: VecDeque::new(),
             spare: Vec::new(),
+            last: None,
             drives_enabled: false,
             master: Unwrapped::default(),
             axes: Axes::new(),
@@ -137,7 +140,8 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
         let let_go = self.quiet > self.tail_ticks && self.statistics.coast.is_on();
         let broken = self.machine.broken().filter(|_| !let_go);
         let mut statistics = self.statistics;
-        statistics.finish(&self.machine);
+        let last = self.last.as_ref().map(|last| &last.telemetry);
+        statistics.finish(&self.machine, last, &self.now.command_turns);
         Outcome {
             method: self.machine.method(),
             diverged: broken.map(|error| error.to_string()),
@@ -210,6 +214,12 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
             disturbance.as_deref(),
             &mut self.now.passages,
         );
+        debug_assert!(
+            (self.machine.axes.iter().enumerate()).all(|(i, axis)| axis
+                .counted_steps()
+                .is_none_or(|steps| steps == telemetry.steps(i))),
+            "the drives count what the loop commands"
+        );
         self.detect(detected);
         self.faults.swap(&mut self.now.index);
         self.take_note(*start_us);
@@ -254,7 +264,7 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
 impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
     fn read(&mut self) -> Feedback {
         let now = Instant::now().as_micros();
-        let mut feedback = Feedback::of(None);
+        let mut index = PerAxis::default();
         while self
             .waiting
             .front()
@@ -263,12 +273,12 @@ impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
             let Some(waiting) = self.waiting.pop_front() else {
                 break;
             };
-            self.stand(waiting.start_us, &mut feedback.index);
-            self.play(&waiting, &mut feedback.index);
-            self.spare.push(waiting);
+            self.stand(waiting.start_us, &mut index);
+            self.play(&waiting, &mut index);
+            self.spare.extend(self.last.replace(waiting));
         }
         if self.sensed_us + self.tick_us <= now {
-            self.stand(now - now % self.tick_us, &mut feedback.index);
+            self.stand(now - now % self.tick_us, &mut index);
         }
         let now_s = now as f64 / TICKS_PER_S as f64;
         while let Some(input) = self.schedule.input(now) {
@@ -279,15 +289,25 @@ impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
         if let Some(command) = command.filter(|command| now > 0 || *command != Command::Start) {
             self.statistics.commanded(now_s, command);
         }
-        feedback.encoder = self.machine.encoders();
-        for (alarm, axis) in feedback.alarm.iter_mut().zip(&self.machine.axes) {
-            *alarm = axis.drive().alarm();
-        }
-        feedback.inputs = self.schedule.lines();
-        feedback.command = command;
+        let alarm = |i| {
+            let axis: Option<&SimulatedAxis> = self.machine.axes.get(i);
+            axis.is_some_and(|axis| axis.drive().alarm())
+        };
+        let mut feedback = Feedback {
+            index,
+            encoder: self.machine.encoders(),
+            alarm: std::array::from_fn(alarm),
+            fifo_underrun: None,
+            inputs: self.schedule.lines(),
+            command,
+        };
         self.faults.read(now, &mut feedback);
         self.take_note(now);
         feedback
+    }
+
+    fn until(&mut self, deadline: Instant) -> impl Future<Output = ()> {
+        virtual_time::until(deadline.as_micros())
     }
 
     fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult {

@@ -89,8 +89,6 @@ pub struct Statistics {
     /// Deadlines missed altogether.
     pub missed_deadlines: u32,
 
-    /// What was so at the end of the last tick.
-    last: Last,
     /// What makes an amplitude of a speed: for cams, the crank of equal κ.
     mechanism: AnyMechanism,
     /// Speed in the last tick, and what it amounts to: most ticks have that of the one before.
@@ -110,16 +108,6 @@ pub struct Statistics {
     level: Amax,
     level_mps2: f64,
     level_ticks: u64,
-}
-
-/// What only its last value is reported of; made into the report's form once, at the end.
-#[derive(Clone, Copy, Debug, Default)]
-struct Last {
-    steps: PerAxis<i64>,
-    command_turns: PerAxis<f64>,
-    actual_turns: PerAxis<f64>,
-    peak: PerAxis<Turns>,
-    correction: PerAxis<Turns>,
 }
 
 /// Enough for any scene that is looked at; a campaign looks at the numbers.
@@ -155,7 +143,6 @@ impl Statistics {
             stopped_by: None,
             late_deadlines: 0,
             missed_deadlines: 0,
-            last: Last::default(),
             mechanism: *mechanism,
             speed: Turns::ZERO,
             speed_hz: 0.0,
@@ -255,8 +242,9 @@ impl Statistics {
     fn cranks(&mut self, moment: &Moment<'_>, t_s: f64) {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for (i, error) in moment.errors().enumerate() {
-            low = low.min(error);
-            high = high.max(error);
+            // `f64::min` takes four times as long, for numbers that are none.
+            low = if error < low { error } else { low };
+            high = if error > high { error } else { high };
             let slipped = moment.machine.axes[i].slipped_cycles();
             // A motor that is off has no field to slip against.
             if slipped != self.slipped_cycles[i] && moment.drives_enabled {
@@ -269,15 +257,7 @@ impl Statistics {
                     },
                 );
             }
-            self.last.command_turns[i] = moment.command_turns[i];
-            self.last.actual_turns[i] = moment.actual_turns[i];
         }
-        let telemetry = moment.telemetry;
-        for (axis, steps) in self.last.steps.iter_mut().enumerate() {
-            *steps = telemetry.steps(axis);
-        }
-        self.last.peak = telemetry.peak;
-        self.last.correction = telemetry.correction;
         if let Some(followers) = moment.machine.followers() {
             for (worst, peaks) in self.followers.iter_mut().zip(followers.peaks()) {
                 *worst = worst.or(*peaks);
@@ -396,21 +376,30 @@ impl Statistics {
         }
     }
 
-    /// Closes what is still open at the end of a run.
-    pub fn finish(&mut self, machine: &Machine) {
+    /// Closes what is still open at the end of a run. Steps, drift and corrections are those of the last tick that was played,
+    /// with where each axis was commanded to be at its end, turns; without one they are 0.
+    pub fn finish(&mut self, machine: &Machine, last: Option<&Telemetry>, command_turns: &[f64]) {
         self.torque_used = machine
             .axes
             .iter()
             .map(SimulatedAxis::torque_used)
             .collect();
-        let last = &self.last;
         let axes = 0..machine.axes.len();
-        self.steps = last.steps[axes.clone()].to_vec();
-        let of = |i| (last.command_turns[i], last.actual_turns[i]);
-        self.turns = axes.clone().map(of).collect();
-        let in_degrees = |angles: &[Turns]| angles.iter().copied().map(degrees).collect();
-        self.phase_error_peak_deg = in_degrees(&last.peak[axes.clone()]);
-        self.correction_deg = in_degrees(&last.correction[axes]);
+        self.steps = axes
+            .clone()
+            .map(|i| last.map_or(0, |last| last.steps(i)))
+            .collect();
+        let played = |i: usize| match last {
+            Some(_) => (command_turns[i], machine.axes[i].turns()),
+            None => (0.0, 0.0),
+        };
+        self.turns = axes.clone().map(played).collect();
+        let in_degrees = |angles: fn(&Telemetry) -> &PerAxis<Turns>| {
+            let of = |i| last.map_or(0.0, |last| degrees(angles(last)[i]));
+            axes.clone().map(of).collect()
+        };
+        self.phase_error_peak_deg = in_degrees(|last| &last.peak);
+        self.correction_deg = in_degrees(|last| &last.correction);
         if self.running_ticks > 0 {
             self.rms_spread_deg = (self.spread_squares / self.running_ticks as f64).sqrt();
         }

@@ -145,7 +145,7 @@ impl<V: Write> StepWindow<V> {
         self.levels.sync = moment.sync;
         let index_ns = moment.ns(moment.machine.index_cycles.into());
         for (i, &reversed) in reversed.iter().enumerate() {
-            for run in &moment.played.runs[i] {
+            for run in moment.played.runs(i) {
                 self.levels.step[i] ^= run.edges() % 2 == 1;
                 if run.is_pause() {
                     self.levels.dir[i] = run.forward() != reversed;
@@ -177,7 +177,7 @@ impl<V: Write> StepWindow<V> {
         for (i, &reversed) in reversed.iter().enumerate() {
             let mut cycle = 0_u64;
             let mut high = self.levels.step[i];
-            for run in &moment.played.runs[i] {
+            for run in moment.played.runs(i) {
                 if run.is_pause() {
                     let turn = cycle + u64::from(Run::DIR_DELAY);
                     self.edges.push((

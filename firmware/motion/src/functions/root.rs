@@ -7,7 +7,8 @@
 //! No 64-bit division is used, as a Cortex-M0+ has none. The reciprocal root y ≈ 1/√high of the upper word comes from
 //! a table and never exceeds the exact value. It replaces a division twice. √high ≈ high · y gives the upper half of
 //! the root. The remainder of that, times y, gives the lower half (one step of Newton's method). Each half falls short
-//! by a few units at most. It is raised until its remainder shows that it is the floor.
+//! by a few units at most. It is raised until its remainder shows that it is the floor. A processor with 64-bit registers
+//! also has a root of floating-point numbers. That is within one of the floor, and is corrected likewise.
 
 /// A root as `mantissa / 2^shift`; the mantissa has its top bit set, except for the root of zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,7 +21,30 @@ pub struct Root {
 
 /// Square root of `x`, rounded down; the relative error is below 2⁻³¹ (tested). Defined for every `x`.
 #[inline(always)] // It has few callers, and a call would cost an eighth more.
-pub const fn root(x: u64) -> Root {
+pub fn root(x: u64) -> Root {
+    if cfg!(target_pointer_width = "64") && x != 0 {
+        let shift = x.leading_zeros() / 2;
+        return Root {
+            mantissa: root_of_normalised(x << (2 * shift)),
+            shift,
+        };
+    }
+    root_in_words(x)
+}
+
+/// Floor of √x, for `x` from 2⁶² up.
+fn root_of_normalised(x: u64) -> u32 {
+    // The number and its root are rounded, each by 2⁻⁵³ of it: the root by less than 2⁻²⁰.
+    let near = (libm::sqrt(x as f64) as u64).min(u64::from(u32::MAX));
+    let floor = match x.checked_sub(near * near) {
+        None => near - 1,
+        Some(rest) => near + u64::from(rest > 2 * near),
+    };
+    floor as u32
+}
+
+#[inline(always)]
+const fn root_in_words(x: u64) -> Root {
     let (mut high, mut low, mut shift) = ((x >> 32) as u32, x as u32, 0);
     if high == 0 {
         if low == 0 {
@@ -50,7 +74,7 @@ pub const fn root(x: u64) -> Root {
 }
 
 /// Integer square root of `x`, rounded down. Exact, as `u64::isqrt` is, in a tenth of its time on a Cortex-M0+.
-pub const fn isqrt(x: u64) -> u32 {
+pub fn isqrt(x: u64) -> u32 {
     let Root { mantissa, shift } = root(x);
     mantissa >> shift
 }
@@ -126,7 +150,8 @@ mod tests {
 
     fn is_floor(x: u64) {
         assert_eq!(isqrt(x), x.isqrt() as u32, "of {x}");
-        let Root { mantissa, shift } = root(x);
+        assert_eq!(root(x), root_in_words(x), "of {x}");
+        let Root { mantissa, shift } = root_in_words(x);
         let normalised = x << (2 * shift);
         assert_eq!(mantissa, normalised.isqrt() as u32, "of {x}");
         assert!(x == 0 || mantissa >> 31 == 1, "of {x}: {mantissa}");
