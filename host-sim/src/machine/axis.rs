@@ -12,13 +12,14 @@
 use cophase_core::pulse::Runs;
 use cophase_core::servo::Setpoint;
 use cophase_core::settings::AxisSettings;
-use cophase_core::units::{Phase, Turns};
+use cophase_core::units::Phase;
 
 use super::drive::AxisDrive;
 use super::flag::{Extra, Flag, Met};
 use super::index::Passed;
-use super::pulse_counter::PulseCounter;
+use super::pulse_counter::{PulseCounter, Tally};
 use super::rotors::DriveCommand;
+use crate::units::{nm, turns};
 
 /// One motor with its crank.
 #[derive(Clone, Debug)]
@@ -51,6 +52,20 @@ pub struct SimulatedAxis {
     /// Whole electrical cycles slipped.
     lost_cycles: i64,
     travelled_turns: f64,
+}
+
+/// Plan of pulses of one tick, and what a drive that plays it has counted.
+#[derive(Debug)]
+pub struct Plan<'a> {
+    runs: &'a Runs,
+    tally: Option<Tally>,
+}
+
+impl<'a> Plan<'a> {
+    /// Plan that no drive has played.
+    pub const fn new(runs: &'a Runs) -> Self {
+        Self { runs, tally: None }
+    }
 }
 
 /// How a crank turns within a tick.
@@ -168,12 +183,12 @@ impl SimulatedAxis {
     /// edges, which have their own times, do not have.
     pub fn command(
         &mut self,
-        runs: &Runs,
+        plan: &mut Plan<'_>,
         setpoint: &Setpoint,
         command_turns: f64,
     ) -> DriveCommand {
         let torque_nm = if self.drive.takes_pulses() {
-            self.pulses.count(runs);
+            self.pulses.count(plan.runs, &mut plan.tally);
             let counted = self.pulses.counted() as f64;
             let commanded = (command_turns - self.home_turns) * self.steps_per_turn;
             self.commanded_turns =
@@ -181,7 +196,7 @@ impl SimulatedAxis {
             0.0
         } else {
             self.commanded_turns += self.follow(setpoint);
-            self.own(setpoint).torque.to_num()
+            nm(self.own(setpoint).torque)
         };
         DriveCommand {
             turns: self.origin_turns + self.field_turns(),
@@ -276,7 +291,7 @@ impl SimulatedAxis {
     fn follow(&mut self, setpoint: &Setpoint) -> f64 {
         let position = self.own(setpoint).position;
         let commanded = self.commanded.replace(position).unwrap_or(position);
-        Turns::to_num(position.since(commanded))
+        turns(position.since(commanded))
     }
 
     /// A setpoint in the axis's own sense.
@@ -292,17 +307,17 @@ impl SimulatedAxis {
     #[inline]
     pub fn play(
         &mut self,
-        runs: &Runs,
+        plan: &mut Plan<'_>,
         setpoint: &Setpoint,
         drives_enabled: bool,
     ) -> Option<Passed> {
         let before = self.turns();
         if self.drive.takes_pulses() {
-            let counted = self.pulses.count(runs);
+            let counted = self.pulses.count(plan.runs, &mut plan.tally);
             if !drives_enabled {
                 self.slipped -= counted; // the field is off: the crank stays where it is
-            } else if let Some(cycle_steps) = self.drive.cycle_steps() {
-                self.slip(counted, cycle_steps);
+            } else if self.overload != Overload::None || self.slipping != 0 {
+                self.slip(counted);
             }
             let made = self.pulses.counted() + self.slipped;
             self.travelled_turns = made as f64 / self.steps_per_turn;
@@ -312,7 +327,7 @@ impl SimulatedAxis {
                 self.travelled_turns += commanded_turns;
             }
         }
-        self.pass(before, Turning::By(runs))
+        self.pass(before, Turning::By(plan.runs))
     }
 
     /// What the sensor sees of the way from `before`, if anything: as if the crank had turned evenly, or, where edges took it
@@ -349,11 +364,14 @@ impl SimulatedAxis {
     }
 
     /// What the motor makes of `counted` steps of its field.
-    fn slip(&mut self, counted: i64, cycle_steps: i64) {
+    #[cold]
+    fn slip(&mut self, counted: i64) {
+        let Some(cycle_steps) = self.drive.cycle_steps() else {
+            return;
+        };
         match self.overload {
             Overload::Driving => self.slipping -= counted,
             Overload::Driven => self.slipping += counted,
-            Overload::None if self.slipping == 0 => return,
             Overload::None => {
                 // The nearest place where the field holds the rotor again.
                 let rest = self.slipping.rem_euclid(cycle_steps);

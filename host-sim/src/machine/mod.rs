@@ -22,6 +22,7 @@ mod rotors;
 mod sensors;
 mod torque;
 
+use axis::Plan;
 pub use axis::{Overload, SimulatedAxis};
 pub use cam::{Followers, Peaks, Pusher, Turned};
 pub use drive::{AxisDrive, FollowingError};
@@ -68,9 +69,17 @@ impl Played {
     }
 
     /// Pulses of an axis, if it takes them.
-    #[inline]
     pub fn runs(&self, axis: usize) -> &Runs {
         &self.plans[self.sharing.first(axis)]
+    }
+
+    /// Plans of all axes, for the drives that play them.
+    fn plans(&self) -> Plans<'_> {
+        Plans {
+            played: self,
+            first: 0,
+            last: Plan::new(&self.plans[0]),
+        }
     }
 
     /// Takes over an output, reusing the room there is.
@@ -83,6 +92,26 @@ impl Played {
         }
         let count = self.setpoints.len();
         self.setpoints.copy_from_slice(&output.setpoints[..count]);
+    }
+}
+
+/// Plans of the axes of a tick, one after the other.
+struct Plans<'a> {
+    played: &'a Played,
+    /// Number and plan of the axis that was looked at last: the next mostly plays the same.
+    first: usize,
+    last: Plan<'a>,
+}
+
+impl<'a> Plans<'a> {
+    #[inline]
+    fn of(&mut self, axis: usize) -> &mut Plan<'a> {
+        let first = self.played.sharing.first(axis);
+        if first != self.first {
+            self.first = first;
+            self.last = Plan::new(&self.played.plans[first]);
+        }
+        &mut self.last
     }
 }
 
@@ -332,9 +361,10 @@ impl Machine {
             );
             return;
         }
+        let mut plans = played.plans();
         let Some(followers) = &mut self.followers else {
-            for (i, axis) in self.axes.iter_mut().enumerate() {
-                let passed = axis.play(played.runs(i), &played.setpoints[i], drives_enabled);
+            for (i, (axis, setpoint)) in self.axes.iter_mut().zip(&played.setpoints).enumerate() {
+                let passed = axis.play(plans.of(i), setpoint, drives_enabled);
                 passages.put(i, passed);
             }
             return;
@@ -344,7 +374,7 @@ impl Machine {
         let turned = per_axis(self.axes.len(), |i| {
             let axis = &mut self.axes[i];
             let from = axis.turns();
-            let passed = axis.play(played.runs(i), &played.setpoints[i], drives_enabled);
+            let passed = axis.play(plans.of(i), &played.setpoints[i], drives_enabled);
             passages.put(i, passed);
             Turned {
                 from,
@@ -378,8 +408,9 @@ fn command(
     played: &Played,
     command_turns: &[f64],
 ) -> Axes<DriveCommand> {
+    let mut plans = played.plans();
     let drives = axes.iter_mut().enumerate();
-    let commanded = drives
-        .map(|(i, axis)| axis.command(played.runs(i), &played.setpoints[i], command_turns[i]));
+    let commanded =
+        drives.map(|(i, axis)| axis.command(plans.of(i), &played.setpoints[i], command_turns[i]));
     commanded.collect()
 }

@@ -12,7 +12,7 @@ use crate::machine::{Machine, Peaks, SimulatedAxis};
 use crate::mechanism::{AnyMechanism, Mechanism};
 use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName, InputLine};
-use crate::units::{degrees, speed_hz};
+use crate::units::{degrees, mps2, speed_hz};
 
 /// How well amax was held where the program holds and the shaft has come to its speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -106,7 +106,6 @@ pub struct Statistics {
     held: Option<f64>,
     lag: Option<(f64, f64)>,
     level: Amax,
-    level_mps2: f64,
     level_ticks: u64,
 }
 
@@ -158,7 +157,6 @@ impl Statistics {
             held: None,
             lag: None,
             level: Amax::ZERO,
-            level_mps2: 0.0,
             level_ticks: 0,
         }
     }
@@ -335,7 +333,7 @@ impl Statistics {
         }
         // Only in running is there a program to be behind of.
         if motion.lagging && moment.telemetry.state == State::Run {
-            let off = (self.speed_mps2 - moment.telemetry.amax_requested.to_num::<f64>()).abs();
+            let off = (self.speed_mps2 - mps2(moment.telemetry.amax_requested)).abs();
             let (since_s, worst) = self.lag.unwrap_or((t_s, 0.0));
             self.lag = Some((since_s, worst.max(off)));
         } else if let Some((since_s, worst_mps2)) = self.lag.take() {
@@ -360,7 +358,6 @@ impl Statistics {
         let telemetry = moment.telemetry;
         if telemetry.state != State::Run || telemetry.amax_requested != self.level {
             self.level = telemetry.amax_requested;
-            self.level_mps2 = self.level.to_num();
             self.level_ticks = 0;
             return;
         }
@@ -369,9 +366,9 @@ impl Statistics {
             && !telemetry.motion.held_at_band
             && !telemetry.motion.lagging
             && self.level_ticks > 2;
-        if steady && self.level_mps2 > 0.0 {
+        if steady && self.level > 0 {
             self.holding.held_s += self.tick_s;
-            let relative = (self.speed_mps2 / self.level_mps2 - 1.0).abs();
+            let relative = (self.speed_mps2 / mps2(self.level) - 1.0).abs();
             self.holding.worst_relative = self.holding.worst_relative.max(relative);
         }
     }
