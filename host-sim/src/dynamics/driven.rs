@@ -25,6 +25,8 @@ pub enum Freedom {
 pub struct Driven {
     freedom: Freedom,
     motors: Vec<Motor>,
+    /// For each motor, the first that is equal to it.
+    equal_to: [usize; MOST],
     /// For each motor that integrates, its number and its integral time, s: in the order of the state.
     integrals: Vec<(usize, f64)>,
     /// Where each field is at the tick's beginning, and its speed through the tick.
@@ -39,8 +41,10 @@ impl Driven {
     /// A machine with one motor an axis, drives off.
     pub fn new(freedom: Freedom, motors: Vec<Motor>) -> Self {
         let integral = |(i, motor): (usize, &Motor)| Some((i, motor.integral_s()?));
+        let first = |i: usize| motors.iter().position(|motor| Some(motor) == motors.get(i));
         let driven = Self {
             fields: vec![Field::default(); motors.len()],
+            equal_to: std::array::from_fn(|i| first(i).unwrap_or(i)),
             integrals: motors.iter().enumerate().filter_map(integral).collect(),
             freedom,
             motors,
@@ -161,26 +165,58 @@ impl Driven {
             return torques;
         }
         let positions = self.positions();
-        let mut integrals = self
-            .integrals
-            .iter()
-            .zip(&state[2 * positions..])
-            .peekable();
+        let mut integral_nm = [0.0; MOST];
+        for (&(i, _), &integral) in self.integrals.iter().zip(&state[2 * positions..]) {
+            integral_nm[i] = integral;
+        }
+        let mut inputs = [(Field::default(), [0.0; 3]); MOST];
         for (i, motor) in self.motors.iter().enumerate() {
-            let field = Field {
-                alpha_rad: self.fields[i].alpha_rad + self.fields[i].omega_rad_s * t_s,
-                ..self.fields[i]
-            };
-            let own = integrals.next_if(|((of, _), _)| *of == i);
+            let field = self.fields[i];
             let angle = self.angle(i);
-            torques[i] = motor.torque_nm(
-                &field,
-                state[angle],
-                state[positions + angle],
-                own.map_or(0.0, |(_, &integral)| integral),
-            );
+            let [alpha_rad, omega_rad_s] = [state[angle], state[positions + angle]];
+            inputs[i] = (field, [alpha_rad, omega_rad_s, integral_nm[i]]);
+            // Equal motors under equal commands give equal torques: on one shaft, most do.
+            let first = self.equal_to[i];
+            torques[i] = if first < i && inputs[first] == inputs[i] {
+                torques[first]
+            } else {
+                let field = Field {
+                    alpha_rad: field.alpha_rad + field.omega_rad_s * t_s,
+                    ..field
+                };
+                motor.torque_nm(&field, alpha_rad, omega_rad_s, integral_nm[i])
+            };
         }
         torques
+    }
+
+    /// Rates of a state in which motors give these torques, N·m: see [`Equations::rates`].
+    pub fn rates_under(&self, torques_nm: &[f64; MOST], state: &[f64], rates: &mut [f64]) {
+        let n = self.positions();
+        let mut net = *torques_nm;
+        for (net, load) in net.iter_mut().zip(&self.loads_nm) {
+            *net -= load;
+        }
+        let (q, rest) = state.split_at(n);
+        let (v, integrals) = rest.split_at(n);
+        let (speeds, rest) = rates.split_at_mut(n);
+        let (accelerations, integral_rates) = rest.split_at_mut(n);
+        speeds.copy_from_slice(v);
+        match &self.freedom {
+            Freedom::Rigid(rigid) => {
+                accelerations[0] = rigid.acceleration_rad_s2(q[0], v[0], net.iter().sum());
+            }
+            Freedom::Phased(phased) => phased.accelerations(q, v, &net, accelerations),
+            Freedom::Elastic(elastic) => elastic.accelerations(q, v, &net, accelerations),
+        }
+        let of_each = self.integrals.iter().zip(integrals).zip(integral_rates);
+        for ((&(i, integral_s), integral), rate) in of_each {
+            *rate = if self.energised {
+                (torques_nm[i] - self.fields[i].torque_nm - integral) / integral_s
+            } else {
+                0.0
+            };
+        }
     }
 
     /// Forgets what servos have integrated, as their drives do when they are switched off.
@@ -224,32 +260,7 @@ impl Equations for Driven {
     }
 
     fn rates(&self, t_s: f64, state: &[f64], rates: &mut [f64]) {
-        let n = self.positions();
-        let torques = self.torques_nm(t_s, state);
-        let mut net = torques;
-        for (net, load) in net.iter_mut().zip(&self.loads_nm) {
-            *net -= load;
-        }
-        let (q, rest) = state.split_at(n);
-        let (v, integrals) = rest.split_at(n);
-        let (speeds, rest) = rates.split_at_mut(n);
-        let (accelerations, integral_rates) = rest.split_at_mut(n);
-        speeds.copy_from_slice(v);
-        match &self.freedom {
-            Freedom::Rigid(rigid) => {
-                accelerations[0] = rigid.acceleration_rad_s2(q[0], v[0], net.iter().sum());
-            }
-            Freedom::Phased(phased) => phased.accelerations(q, v, &net, accelerations),
-            Freedom::Elastic(elastic) => elastic.accelerations(q, v, &net, accelerations),
-        }
-        let of_each = self.integrals.iter().zip(integrals).zip(integral_rates);
-        for ((&(i, integral_s), integral), rate) in of_each {
-            *rate = if self.energised {
-                (torques[i] - self.fields[i].torque_nm - integral) / integral_s
-            } else {
-                0.0
-            };
-        }
+        self.rates_under(&self.torques_nm(t_s, state), state, rates);
     }
 
     fn is_second_order(&self) -> bool {

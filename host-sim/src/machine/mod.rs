@@ -256,20 +256,18 @@ impl Machine {
                 ..Pose::default()
             };
         }
-        let (omega, acceleration) = self.motion().unwrap_or(commanded);
-        let pose = self
-            .platform
-            .pose(turns, command_turns, omega, acceleration);
-        match self.rotors.as_ref().and_then(Rotors::platform) {
-            Some(plane) => Pose {
+        if let Some(plane) = self.rotors.as_ref().and_then(Rotors::platform) {
+            return Pose {
                 z_m: plane.place[0],
                 accel_mps2: plane.acceleration[0],
                 tilt_x_mrad: plane.place[1] * 1e3,
                 tilt_y_mrad: plane.place[2] * 1e3,
-                ..pose
-            },
-            None => pose,
+                warp_deg: self.platform.warp_deg(turns, command_turns),
+            };
         }
+        let (omega, acceleration) = self.motion().unwrap_or(commanded);
+        self.platform
+            .pose(turns, command_turns, omega, acceleration)
     }
 
     /// Tilt of the platform, mrad, both ways together; pushers have none.

@@ -6,7 +6,7 @@
 //! what bends rods and platform.
 
 use crate::axes::Axes;
-use crate::dynamics::Corners;
+use crate::dynamics::{Corners, MOST};
 use crate::mechanism::{AnyMechanism, Load, Mechanism};
 use crate::scene::Checked;
 
@@ -79,19 +79,21 @@ impl Platform {
         omega_rad_s: f64,
         acceleration_rad_s2: f64,
     ) -> Pose {
-        let alphas = turns.iter().map(|turns| turns * std::f64::consts::TAU);
-        let heights: Axes<f64> = alphas
-            .clone()
-            .map(|alpha| self.upwards() * self.mechanism.x_m(alpha))
-            .collect();
-        let accelerations: Axes<f64> = alphas
-            .map(|alpha| {
-                self.mechanism
-                    .x_ddot_mps2(alpha, omega_rad_s, acceleration_rad_s2)
-            })
-            .collect();
-        let [accel_mps2, _, _] = self.corners.plane(&accelerations);
-        let [z_m, tilt_x, tilt_y] = self.corners.plane(&heights);
+        let (mut heights, mut accelerations) = ([0.0; MOST], [0.0; MOST]);
+        for (i, &crank) in turns.iter().enumerate() {
+            // On one shaft all cranks are at one angle.
+            (heights[i], accelerations[i]) = if i > 0 && crank == turns[i - 1] {
+                (heights[i - 1], accelerations[i - 1])
+            } else {
+                let alpha = crank * std::f64::consts::TAU;
+                let acceleration =
+                    self.mechanism
+                        .x_ddot_mps2(alpha, omega_rad_s, acceleration_rad_s2);
+                (self.upwards() * self.mechanism.x_m(alpha), acceleration)
+            };
+        }
+        let [accel_mps2, _, _] = self.corners.plane(&accelerations[..turns.len()]);
+        let [z_m, tilt_x, tilt_y] = self.corners.plane(&heights[..turns.len()]);
         Pose {
             z_m,
             accel_mps2: self.upwards() * accel_mps2,

@@ -5,7 +5,7 @@
 //! whose drives are off run on under load and friction.
 
 use cophase_core::units::MAX_AXES;
-use cophase_methods::{Equations, Method, Scheme, StepError, Unstable};
+use cophase_methods::{Method, Scheme, StepError, Unstable};
 
 use crate::dynamics::{Driven, Field, FrameMotion, Mode, PlaneMotion};
 
@@ -97,6 +97,8 @@ pub struct Rotors {
     /// Rates of the state, and torques of the motors, N·m, at the last tick's end.
     rates: Vec<f64>,
     torques_nm: [f64; MAX_AXES],
+    /// Motion of the platform at the last tick's end; none where it follows the shaft.
+    platform: Option<PlaneMotion>,
     commanded: Vec<DriveCommand>,
     tick_s: f64,
     were_on: bool,
@@ -159,8 +161,10 @@ impl Rotors {
             .map(|commanded| commanded.turns * std::f64::consts::TAU)
             .collect();
         let state = driven.at_rest(&angles);
+        let rates = vec![0.0; state.len()];
         Ok(Self {
-            rates: vec![0.0; state.len()],
+            platform: driven.platform(&state, &rates),
+            rates,
             torques_nm: [0.0; MAX_AXES],
             driven,
             scheme,
@@ -248,12 +252,15 @@ impl Rotors {
             if let Err(error) = self.method.step(&self.driven, t_s, &mut self.state) {
                 let since_s = (self.ticks - 1) as f64 * self.tick_s;
                 self.broken = Some(error.later(since_s).into());
+                self.platform = self.driven.platform(&self.state, &self.rates);
                 return;
             }
         }
         self.broken = self.ran_away();
         self.torques_nm = self.driven.torques_nm(self.tick_s, &self.state);
-        self.driven.rates(self.tick_s, &self.state, &mut self.rates);
+        self.driven
+            .rates_under(&self.torques_nm, &self.state, &mut self.rates);
+        self.platform = self.driven.platform(&self.state, &self.rates);
     }
 
     /// A crank that turns as no machine does.
@@ -290,7 +297,7 @@ impl Rotors {
 
     /// Where the platform is and how it moves; none where it follows the shaft.
     pub fn platform(&self) -> Option<PlaneMotion> {
-        self.driven.platform(&self.state, &self.rates)
+        self.platform
     }
 
     /// What the frame does, if it moves.

@@ -58,6 +58,8 @@ pub enum SliderCrankError {
 pub struct SliderCrank {
     crank_radius_m: f64,
     rod_length_m: f64,
+    /// Their ratio: equations of motion ask for it at every evaluation.
+    lambda: f64,
 }
 
 impl SliderCrank {
@@ -72,14 +74,19 @@ impl SliderCrank {
         if !is_length(rod_length_m) {
             return Err(SliderCrankError::Rod(rod_length_m));
         }
-        let made = Self {
-            crank_radius_m,
-            rod_length_m,
-        };
+        let made = Self::of_lengths(crank_radius_m, rod_length_m);
         if made.lambda() > LAMBDA_MAX {
             return Err(SliderCrankError::Ratio(made.lambda()));
         }
         Ok(made)
+    }
+
+    fn of_lengths(crank_radius_m: f64, rod_length_m: f64) -> Self {
+        Self {
+            crank_radius_m,
+            rod_length_m,
+            lambda: crank_radius_m / rod_length_m,
+        }
     }
 
     /// Makes the mechanism whose largest acceleration at `omega_rad_s` is `amax_mps2`:
@@ -102,7 +109,7 @@ impl SliderCrank {
 
     /// Crank/rod ratio λ = R / L, above 0 up to [`LAMBDA_MAX`].
     pub fn lambda(&self) -> f64 {
-        self.crank_radius_m / self.rod_length_m
+        self.lambda
     }
 
     /// Distance between the platform's two dead centres, m: 2 R.

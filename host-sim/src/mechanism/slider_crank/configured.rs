@@ -16,10 +16,7 @@ impl Configured for SliderCrank {
     }
 
     fn of(settings: &SliderCrankSettings, crank_radius_m: f64) -> Self {
-        Self {
-            crank_radius_m,
-            rod_length_m: crank_radius_m / settings.lambda,
-        }
+        Self::of_lengths(crank_radius_m, crank_radius_m / settings.lambda)
     }
 
     #[cfg(test)]
