@@ -169,22 +169,23 @@ impl Driven {
         for (&(i, _), &integral) in self.integrals.iter().zip(&state[2 * positions..]) {
             integral_nm[i] = integral;
         }
-        let mut inputs = [(Field::default(), [0.0; 3]); MOST];
-        for (i, motor) in self.motors.iter().enumerate() {
-            let field = self.fields[i];
+        let rotor = |i: usize| {
             let angle = self.angle(i);
-            let [alpha_rad, omega_rad_s] = [state[angle], state[positions + angle]];
-            inputs[i] = (field, [alpha_rad, omega_rad_s, integral_nm[i]]);
+            (state[angle], state[positions + angle], integral_nm[i])
+        };
+        for (i, motor) in self.motors.iter().enumerate() {
+            let field = &self.fields[i];
             // Equal motors under equal commands give equal torques: on one shaft, most do.
             let first = self.equal_to[i];
-            torques[i] = if first < i && inputs[first] == inputs[i] {
+            torques[i] = if first < i && rotor(first) == rotor(i) && self.fields[first] == *field {
                 torques[first]
             } else {
+                let (alpha_rad, omega_rad_s, integral_nm) = rotor(i);
                 let field = Field {
                     alpha_rad: field.alpha_rad + field.omega_rad_s * t_s,
-                    ..field
+                    ..*field
                 };
-                motor.torque_nm(&field, alpha_rad, omega_rad_s, integral_nm[i])
+                motor.torque_nm(&field, alpha_rad, omega_rad_s, integral_nm)
             };
         }
         torques
