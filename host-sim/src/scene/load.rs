@@ -113,12 +113,11 @@ pub fn parse(text: &str) -> Result<Scene, SceneError> {
         let line = error.span().map(|span| place::line_at(text, span.start));
         let source = line.and_then(|line| text.lines().nth(line - 1));
         let key = line.map(|line| place::key_on_line(text, line));
+        let key = key.unwrap_or_default();
+        let problem = not_toml(&key, error.message(), source.unwrap_or_default());
         SceneError {
             line,
-            ..SceneError::at(
-                key.unwrap_or_default(),
-                not_toml(error.message(), source.unwrap_or_default()),
-            )
+            ..SceneError::at(key, problem)
         }
     })?;
     serde_path_to_error::deserialize(deserializer).map_err(|error| {

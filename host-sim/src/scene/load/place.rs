@@ -43,7 +43,7 @@ pub(super) fn key_on_line(text: &str, line: usize) -> String {
             table = name.to_owned();
         } else if number == line {
             let key = line_text
-                .split(|c: char| c == '=' || c.is_whitespace())
+                .split(|c: char| c == '=' || c == ':' || c.is_whitespace())
                 .next()
                 .unwrap_or_default();
             return match (bare(key), table.is_empty()) {
@@ -62,7 +62,7 @@ fn between<'a>(line: &'a str, open: &str, close: &str) -> Option<&'a str> {
 }
 
 /// Whether a person could have meant this as a key.
-fn bare(key: &str) -> bool {
+pub(super) fn bare(key: &str) -> bool {
     (1..=64).contains(&key.len())
         && key
             .bytes()
@@ -96,14 +96,29 @@ pub(super) fn example(path: &str) -> Option<String> {
     })
 }
 
-/// The heading under which a key belongs, if it is a scene's key.
-pub(super) fn heading_of(key: &str) -> Option<String> {
-    SCENES.iter().find_map(|built_in| {
-        let whole = toml::Table::try_from(toml::from_str::<Scene>(built_in.text).ok()?).ok()?;
-        whole.into_iter().find_map(|(name, value)| match value {
-            toml::Value::Table(table) if table.contains_key(key) => Some(format!("[{name}]")),
+/// Where a key belongs, if it is a scene's key: at the top, or under a heading.
+pub(super) fn home_of(key: &str) -> Option<String> {
+    let scenes: Vec<toml::Table> = SCENES
+        .iter()
+        .filter_map(|built_in| {
+            toml::Table::try_from(toml::from_str::<Scene>(built_in.text).ok()?).ok()
+        })
+        .collect();
+    let is_at_top = |scene: &toml::Table| {
+        scene
+            .get(key)
+            .is_some_and(|value| !value.is_table() && !value.is_array())
+    };
+    if scenes.iter().any(is_at_top) {
+        return Some("at the top, above the first [table]".to_owned());
+    }
+    scenes
+        .into_iter()
+        .flatten()
+        .find_map(|(name, value)| match value {
+            toml::Value::Table(table) if table.contains_key(key) => Some(format!("under [{name}]")),
             toml::Value::Array(entries) if entries.iter().any(|e| e.get(key).is_some()) => {
-                Some(format!("[[{name}]]"))
+                Some(format!("under [[{name}]]"))
             }
             _ => None,
         })
@@ -171,8 +186,9 @@ mod tests {
         ] {
             assert_eq!(example(path).as_deref(), written, "{path}");
         }
-        assert_eq!(heading_of("load_kg").as_deref(), Some("[machine]"));
-        assert_eq!(heading_of("amax_g").as_deref(), Some("[[program]]"));
-        assert_eq!(heading_of("colour"), None);
+        assert_eq!(home_of("load_kg").as_deref(), Some("under [machine]"));
+        assert_eq!(home_of("amax_g").as_deref(), Some("under [[program]]"));
+        assert!(home_of("fidelity").unwrap().starts_with("at the top"));
+        assert_eq!(home_of("colour"), None);
     }
 }
