@@ -204,6 +204,7 @@ fn mark(scope: &mut ScopeData, outcome: &Outcome) {
     {
         match &event.what {
             EventKind::BandCrossed { .. } => scope.mark(event.t_s, "band crossed"),
+            EventKind::TurnedBackInBand { .. } => scope.mark(event.t_s, "turned back in band"),
             EventKind::HeldAtBand { .. } => scope.mark(event.t_s, "held at band"),
             EventKind::Missed { .. } => scope.mark(event.t_s, "deadlines missed"),
             EventKind::Slipped { axis, .. } => {
