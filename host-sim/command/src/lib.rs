@@ -23,8 +23,8 @@ use clap::{Parser, Subcommand};
 
 use design::{DesignArgs, DesignCommandError};
 
-const STATUS_HELP: &str = "Exit status: 0 done; 1 a run ended in a fault, or a simulated motor slipped unseen (everything \
-                           is written); 2 bad input (nothing is written).";
+const STATUS_HELP: &str = "Exit status: 0 done; 1 a run ended in a fault, a simulated motor slipped unseen, or no board takes \
+                           the settings (everything is written); 2 bad input (nothing is written).";
 
 /// Multi-axis motion control that stays in phase: simulate, look, design.
 #[derive(Debug, Parser)]
