@@ -165,6 +165,17 @@ impl Statistics {
         }
     }
 
+    /// When the first motor slipped or the first fault latched, s; none if all went well.
+    pub fn first_effect_s(&self) -> Option<f64> {
+        let first = self.events.iter().find(|event| {
+            matches!(
+                event.what,
+                EventKind::Slipped { .. } | EventKind::Fault { .. }
+            )
+        });
+        first.map(|event| event.t_s)
+    }
+
     /// Takes in one tick.
     pub fn tick(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
