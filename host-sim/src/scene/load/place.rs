@@ -122,16 +122,30 @@ pub(super) fn home_of(key: &str) -> Option<String> {
             }
             _ => None,
         })
+}
+
+/// A plain value that a built-in scene has at a key path.
+pub(super) fn example_value(path: &str) -> Option<toml::Value> {
+    SCENES.iter().find_map(|scene| {
+        let mut value = toml::Value::Table(toml::from_str(scene.text).ok()?);
+        for step in steps(path) {
+            value = match step {
+                Step::Name(name) => value.get(name)?.clone(),
+                // Any entry is as good an example as another.
+                Step::Entry(_) => value.get(0)?.clone(),
+            };
+        }
+        Some(value).filter(|value| !value.is_table() && !value.is_array())
     })
 }
 
 #[derive(Clone, Copy)]
-enum Step<'a> {
+pub(super) enum Step<'a> {
     Name(&'a str),
     Entry(usize),
 }
 
-fn steps(path: &str) -> impl Iterator<Item = Step<'_>> {
+pub(super) fn steps(path: &str) -> impl Iterator<Item = Step<'_>> {
     path.split('.').flat_map(|part| {
         let (name, entries) = part.split_once('[').unwrap_or((part, ""));
         let entries = entries
