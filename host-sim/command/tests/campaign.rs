@@ -167,7 +167,7 @@ fn a_case_run_alone_is_the_campaigns() {
         let title = said.lines().next().unwrap();
         let row = said.split_once("As the campaign has it:\n").unwrap().1;
         let row: serde_json::Value = serde_json::from_str(row).unwrap();
-        let fault = row["fault"].as_str().unwrap();
+        let fault = row["kind"].as_str().unwrap();
         assert!(
             title.contains(&format!("case {number} of seed 5: {fault} on the machine ")),
             "{title}"
