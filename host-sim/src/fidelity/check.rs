@@ -43,6 +43,10 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
         checked.choice = Some(choice);
         return Ok(checked);
     };
+    if below.first() == Some(&choice.model_level) && is_plain(&checked, &choice) {
+        checked.choice = Some(choice);
+        return Ok(checked);
+    }
     let right = answers(&checked, top)?;
     // The lowest first: bounds are wide.
     for &model_level in below {
@@ -58,6 +62,18 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
     }
     let judged = judge(top);
     Ok(taken(checked, &choice, top, judged))
+}
+
+/// Whether bounds alone are enough for the lowest model level, which no sample can lower: they are well within each tolerance, and
+/// nothing happens to the machine that they do not know of.
+fn is_plain(checked: &Checked, choice: &Choice) -> bool {
+    let is_well_within = |judged: &Judged| {
+        let bound = judged.bound.unwrap_or(f64::INFINITY);
+        bound <= WELL_WITHIN * judged.tolerance
+    };
+    let scene = &checked.scene;
+    let is_disturbed = !scene.fault.is_empty() || scene.noise.load_nm != 0.0;
+    !is_disturbed && choice.judged.iter().all(is_well_within)
 }
 
 /// Whether the sample shows an output to be well within its tolerance, where it may say so at all.

@@ -89,9 +89,12 @@ impl Cranks {
     pub fn numbers(&self) -> String {
         let worst = &self.worst;
         let most = |used: &[f64]| used.iter().copied().fold(0.0, f64::max);
+        let required = most(&worst.torque_ratio_required);
+        if !required.is_finite() {
+            return "at top speed a motor has no torque left".to_owned();
+        }
         format!(
-            "torque ratio {:.2} ({:.2} with what oscillates), frequency ratio {:.2}, lag of at most {:.2}°",
-            most(&worst.torque_ratio_required),
+            "torque ratio {required:.2} ({:.2} with what oscillates), frequency ratio {:.2}, lag of at most {:.2}°",
             most(&worst.torque_ratio),
             worst.frequency_ratio,
             degrees(worst.lag_rad)
@@ -195,36 +198,16 @@ impl Cranks {
         }
     }
 
-    /// By how many motors a model level may be wrong about which of them slip.
+    /// By how many motors a model level may be wrong about which of them slip. Where one may, only cranks of their own show which
+    /// do, and how far: a motor that slips leaves its load to the others.
     fn slips(&self, model_level: Fidelity) -> f64 {
-        let is_known = match model_level {
-            Fidelity::Auto | Fidelity::Kinematic => false,
-            Fidelity::QuasiStatic => self.is_decided(),
-            Fidelity::Rigid => false,
-            Fidelity::Phased | Fidelity::Elastic => true,
-        };
+        if model_level >= Fidelity::Phased {
+            return 0.0;
+        }
         let worst = &self.worst.torque_ratio;
         let may_slip =
             |i: &usize| self.steppers[*i] && !(self.in_phase && MARGIN * worst[*i] < 1.0);
-        if is_known {
-            return 0.0;
-        }
         (0..worst.len()).filter(may_slip).count() as f64
-    }
-
-    /// Whether the required torque alone shows who slips: far more than each motor has is required of it, or far less
-    /// even if those carry nothing any more.
-    fn is_decided(&self) -> bool {
-        let worst = &self.worst;
-        let slips = |i: usize| self.steppers[i] && worst.torque_ratio_required[i] > MARGIN;
-        if !self.in_phase {
-            return false;
-        }
-        let axes = self.steppers.len();
-        let left = (0..axes).filter(|&i| !slips(i)).count();
-        let more = axes as f64 / left.max(1) as f64;
-        (0..axes)
-            .all(|i| !self.steppers[i] || slips(i) || MARGIN * more * worst.torque_ratio[i] < 1.0)
     }
 
     fn apart_rad(&self) -> f64 {
