@@ -54,26 +54,8 @@ impl Board {
             return pulses;
         };
         while has_passed(deadline) {
-            let filters = &mut self.filters;
-            self.index.read(|change| {
-                let (mut changed, mut levels) = (change.changed, change.levels);
-                for filter in filters.iter_mut() {
-                    if changed == 0 {
-                        break;
-                    }
-                    if changed & 1 != 0 {
-                        filter.change(change.cycle, levels & 1 != 0);
-                    }
-                    changed >>= 1;
-                    levels >>= 1;
-                }
-            });
-            // In most ticks no line did anything, and all filters can be passed over: half of what reading costs.
-            let pending = self.index.pending() & ((1 << self.filters.len()) - 1);
-            if pending != 0 {
-                self.end_index_tick(pending, &mut pulses);
-            }
-            self.index.end_tick();
+            self.index.read(&mut self.filters);
+            self.index.end_tick(&mut self.filters, &mut pulses);
             let next = deadline
                 .as_ticks()
                 .wrapping_add(self.steps.tick().as_ticks());
@@ -81,23 +63,6 @@ impl Board {
         }
         self.read_to = Some(deadline);
         pulses
-    }
-
-    /// Ends a tick for those filters that have something under way, and takes what pulses they confirmed.
-    #[inline(never)]
-    fn end_index_tick(&mut self, mut pending: u8, pulses: &mut PerAxis<Option<IndexPulse>>) {
-        let cycles = self.index.tick_cycles();
-        for (axis, (filter, pulse)) in self.filters.iter_mut().zip(pulses).enumerate() {
-            if pending & 1 != 0 {
-                if let Some(confirmed) = filter.end_tick(cycles) {
-                    *pulse = Some(confirmed);
-                }
-                if filter.is_quiet(cycles) {
-                    self.index.clear_pending(axis);
-                }
-            }
-            pending >>= 1;
-        }
     }
 }
 
