@@ -16,6 +16,7 @@
 //! Everything is exact modulo 2⁶⁴, as 3, by which a sum of squares is divided, has an inverse there. So the difference of
 //! two distances is exact, and so is a distance modulo a turn. Speeds and all compared values stay below 2⁵⁰.
 
+use super::gain::Step;
 use super::limits::RampLimits;
 use crate::functions::{isqrt, multiply, multiply_long, normalised, reciprocal};
 
@@ -166,12 +167,16 @@ impl RampLimits {
     fn letting_go(&self, speed: i64, b: i64) -> i64 {
         let least = (b - self.jerk).max(0);
         let most = (b + self.jerk).min(self.acceleration);
+        let mut step = Step::ZERO;
         let first = self.gain.inverse(
             speed.unsigned_abs(),
             least.unsigned_abs(),
             most.unsigned_abs(),
+            &mut step,
         );
-        let step = self.gain.step(first);
+        if first.wrapping_sub(step.base) >= self.jerk.unsigned_abs() {
+            step = self.gain.step(first);
+        }
         let n = step.number;
         let more = speed - self.gain.above(&step, first) as i64;
         let sum = triangle(n);
