@@ -21,29 +21,30 @@ use crate::board::{has_passed, lines};
 use crate::report::Reporter;
 
 /// The world of the loop.
+#[repr(C)] // What every tick needs comes first: instructions reach 32 bytes, or 128 by words.
 pub struct Board {
-    /// Where step edges are made.
-    pub steps: Steps,
-    /// Where index pulses are timed.
-    pub index: Index,
-    /// What makes pulses of the index lines' changes.
-    pub filters: heapless::Vec<IndexFilter, MAX_AXES>,
-    /// What restarts a loop that hangs.
-    pub watchdog: Fed,
-    /// Start and reset.
-    pub button: Button,
-    /// Control ticks since power-up.
-    pub ticks: u32,
     /// What the machine was last said to be doing.
     pub state: State,
-    /// What is reported.
-    pub reporter: Reporter,
     /// The trigger's level while the output that was handed over last is played.
     pub sync: bool,
+    /// Control ticks since power-up.
+    pub ticks: u32,
     /// An axis that underran, until it has been reported to the loop.
     pub fifo_underrun: Option<usize>,
     /// The deadline that ends the tick whose index pulses are read next; none before the machines were let go.
     pub read_to: Option<Instant>,
+    /// What restarts a loop that hangs.
+    pub watchdog: Fed,
+    /// Start and reset.
+    pub button: Button,
+    /// Where index pulses are timed.
+    pub index: Index,
+    /// What is reported.
+    pub reporter: Reporter,
+    /// Where step edges are made.
+    pub steps: Steps,
+    /// What makes pulses of the index lines' changes.
+    pub filters: heapless::Vec<IndexFilter, MAX_AXES>,
 }
 
 impl Board {

@@ -32,51 +32,52 @@ use punctuality::Punctuality;
 
 /// The control loop's state, less its waiting.
 #[derive(Clone, Debug)]
+#[repr(C)] // What every tick needs comes first: the board's instructions reach 32 bytes, or 128 by words.
 pub struct Controller {
-    tick_hz: u32,
-    mechanism: AnyMechanism,
-    program: Program,
-    cursor: Cursor,
-    target: Target,
-    /// The level towards which the program goes, and the speed that belongs to it.
-    end: (Amax, Turns),
-    shaft: Shaft,
-    /// Phase at which the cranks park, as they stand, and as the master counts it.
-    park_crank: Turns,
-    park: Turns,
-    channels: heapless::Vec<Channel, MAX_AXES>,
-    /// Turns that the axes were commanded in the last outputs.
-    history: History,
-    has_servos: bool,
-    step_rate: StepRates,
-    /// Axis that has a plan of its own because its phase offset moves.
-    apart: Option<usize>,
-    /// Axes that do not make the master's own turns.
-    followers: AxisSet,
-    /// Curves of the cam tables.
-    cams: Cams,
-    drift: DriftMonitor,
-    homing: Homing,
-    offsets: PhaseOffsets,
-    correction: Correction,
-    coupling: Option<Coupling>,
-    supervisor: Supervisor,
-    /// Event that is published a tick later, as another was published in this one.
-    unpublished: Option<Fault>,
-    /// The stop input's level in the last tick.
-    stop_input: bool,
-    /// The tick in which the drives were on last.
-    driven: u64,
-    motion: Motion,
-    ticks: u64,
-    punctuality: Punctuality,
-    overrun: Option<Fault>,
     /// This tick has done work that is not due in every tick.
     is_busy: bool,
     /// Ticks in a row that were busy.
     busy_ticks: u8,
     /// Deadlines were missed: what the index sensors said since belongs to no known phase.
     was_late: bool,
+    /// The stop input's level in the last tick.
+    stop_input: bool,
+    has_servos: bool,
+    /// Axes that do not make the master's own turns.
+    followers: AxisSet,
+    /// Axis that has a plan of its own because its phase offset moves.
+    apart: Option<usize>,
+    punctuality: Punctuality,
+    tick_hz: u32,
+    motion: Motion,
+    target: Target,
+    ticks: u64,
+    /// The tick in which the drives were on last.
+    driven: u64,
+    /// The level towards which the program goes, and the speed that belongs to it.
+    end: (Amax, Turns),
+    /// Phase at which the cranks park, as they stand, and as the master counts it.
+    park_crank: Turns,
+    park: Turns,
+    supervisor: Supervisor,
+    /// Event that is published a tick later, as another was published in this one.
+    unpublished: Option<Fault>,
+    overrun: Option<Fault>,
+    shaft: Shaft,
+    step_rate: StepRates,
+    /// Turns that the axes were commanded in the last outputs.
+    history: History,
+    cursor: Cursor,
+    program: Program,
+    mechanism: AnyMechanism,
+    channels: heapless::Vec<Channel, MAX_AXES>,
+    drift: DriftMonitor,
+    offsets: PhaseOffsets,
+    correction: Correction,
+    homing: Homing,
+    /// Curves of the cam tables.
+    cams: Cams,
+    coupling: Option<Coupling>,
     output: Output,
 }
 

@@ -34,9 +34,8 @@ impl QueuedPulse {
 
 /// Updates that are to be processed.
 #[derive(Clone, Debug)]
+#[repr(C)] // as the monitor
 pub(super) struct Queue {
-    /// Pulses, of the axes that have one queued.
-    pulses: PerAxis<QueuedPulse>,
     /// Axes with a queued pulse.
     pulsed: AxisSet,
     /// Axes with another update, an index timeout or one of an encoder, which is kept by their watch.
@@ -47,6 +46,8 @@ pub(super) struct Queue {
     updated: AxisSet,
     moved: AxisSet,
     work: Work,
+    /// Pulses, of the axes that have one queued.
+    pulses: PerAxis<QueuedPulse>,
 }
 
 /// Piece of work of a tick.
