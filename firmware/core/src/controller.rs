@@ -188,7 +188,7 @@ impl Controller {
         self.stop_input = feedback.inputs.stop;
         self.output.telemetry.event = None;
         if is_new || stop || reported.is_some() || self.unpublished.is_some() {
-            self.publish(is_new, reported, stop);
+            self.publish(is_new, reported.as_ref(), stop);
         }
         let demand = self.demand(action);
         self.motion = self.shaft.advance(demand);
@@ -210,29 +210,16 @@ impl Controller {
         let mut found = self.measure(feedback);
         // To plan a stop takes as long as any of the work that can wait.
         self.is_busy = self.drift.is_busy() || self.is_about_to_stop(feedback);
-        let drives_on = self.supervisor.drives_enabled();
-        if drives_on {
+        if self.supervisor.drives_enabled() {
             self.driven = self.ticks;
         }
-        if let Some(finding) = &mut found {
-            // What cranks do that nothing drives is nobody's fault. But a name may come with the last of a stop's pulses.
-            let in_time = finding.supersedes && self.ticks - self.driven <= LAST_PULSES;
-            if !drives_on && !in_time {
-                found = None;
-            } else if finding.fault.kind == FaultKind::HomingRangeExceeded
-                && let Some(fault) = self.homing.explain(&self.drift, &self.offsets)
-            {
-                finding.fault = fault;
-            }
+        if found.is_some() {
+            found = self.judge(found);
         }
-        if self.supervisor.state() == State::Homing && found.is_none() {
-            found = self.find_out();
-        } else if self.offsets.corrects() && self.supervisor.state() == State::Run {
-            let swapped = self.correct();
-            // What is reported within limits of cranks that are driven apart comes of that.
-            if swapped.is_some() {
-                found = found.filter(|found| !found.within_limits).or(swapped);
-            }
+        match self.supervisor.state() {
+            State::Homing if found.is_none() => found = self.find_out(),
+            State::Run if self.has_correction_to_do() => found = self.correct(found),
+            _ => {}
         }
         input.at_rest = self.motion.at_rest;
         input.homed = self.homing.is_done();
@@ -249,6 +236,23 @@ impl Controller {
             self.highest_priority_fault(feedback, input);
         }
         reported
+    }
+
+    /// Drops a finding that is nobody's fault, and names one that homing has a better name for.
+    #[inline(never)] // A finding has 48 bytes: it is moved about only where there is one.
+    fn judge(&self, found: Option<Finding>) -> Option<Finding> {
+        let mut finding = found?;
+        // What cranks do that nothing drives is nobody's fault. But a name may come with the last of a stop's pulses.
+        let in_time = finding.supersedes && self.ticks - self.driven <= LAST_PULSES;
+        if !self.supervisor.drives_enabled() && !in_time {
+            return None;
+        }
+        if finding.fault.kind == FaultKind::HomingRangeExceeded
+            && let Some(fault) = self.homing.explain(&self.drift, &self.offsets)
+        {
+            finding.fault = fault;
+        }
+        Some(finding)
     }
 
     /// Reads the sensors.
@@ -292,6 +296,7 @@ impl Controller {
     }
 
     /// Continues homing.
+    #[inline(never)]
     fn find_out(&mut self) -> Option<Finding> {
         let found = self
             .homing

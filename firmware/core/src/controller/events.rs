@@ -8,7 +8,7 @@ use crate::supervisor::{Fault, FaultKind, Reaction, Supervisor, SupervisorInput,
 impl Controller {
     /// Shows what has happened, one thing a tick: a fault that latched or has a better name, what else was detected, the stop input.
     #[inline(never)]
-    pub(super) fn publish(&mut self, is_new: bool, reported: Option<Fault>, stop: bool) {
+    pub(super) fn publish(&mut self, is_new: bool, reported: Option<&Fault>, stop: bool) {
         let (tick, phase) = (self.ticks, self.crank_phase());
         let new_faults = [
             self.supervisor.fault().filter(|_| is_new),
