@@ -207,9 +207,10 @@ impl Controller {
     /// Collects what was detected since the last tick; returns the event to report, if there is one.
     #[inline(never)]
     fn observe(&mut self, feedback: &Feedback, input: &mut SupervisorInput) -> Option<Fault> {
-        let mut found = self.measure(feedback);
         // To plan a stop takes as long as any of the work that can wait.
-        self.is_busy = self.drift.is_busy() || self.is_about_to_stop(feedback);
+        let is_about_to_stop = self.is_about_to_stop(feedback);
+        let mut found = self.measure(feedback, !is_about_to_stop);
+        self.is_busy = self.drift.is_busy() || is_about_to_stop;
         if self.supervisor.drives_enabled() {
             self.driven = self.ticks;
         }
@@ -257,7 +258,7 @@ impl Controller {
 
     /// Reads the sensors.
     #[inline(never)]
-    fn measure(&mut self, feedback: &Feedback) -> Option<Finding> {
+    fn measure(&mut self, feedback: &Feedback, may_process: bool) -> Option<Finding> {
         let sensed = Sensed {
             index: &feedback.index,
             encoder: &feedback.encoder,
@@ -266,7 +267,7 @@ impl Controller {
             history: &self.history,
             correction: self.offsets.now(),
             speed: self.motion.speed,
-            may_process: !self.is_about_to_stop(feedback),
+            may_process,
         };
         if core::mem::take(&mut self.was_late) {
             self.drift.disregard(&sensed);
@@ -385,7 +386,10 @@ impl Controller {
         output.sync = within.to_bits() < ONE_TURN / 2;
         let telemetry = &mut output.telemetry;
         telemetry.state = self.supervisor.state();
-        telemetry.fault = self.supervisor.fault();
+        // Mostly there is none, before and after.
+        if telemetry.fault.is_some() || self.supervisor.has_fault() {
+            telemetry.fault = self.supervisor.fault();
+        }
         if !matches!(action, Action::Play | Action::Hold) {
             telemetry.amax_requested = Amax::ZERO;
         }
