@@ -118,6 +118,13 @@ impl Index {
         // A line changed in the middle of the interval since the poll before: within ±3.5 cycles, or ±7 if the change before
         // it is less than 14 away.
         let offset = (SAMPLED_AFTER - POLL_CYCLES / 2) as i32 - self.rest as i32;
+        if self.is_first
+            && let Some(word) = self.ring.peek()
+        {
+            // All lines may have changed.
+            self.is_first = false;
+            self.levels = word >> COUNT_BITS ^ ALL;
+        }
         while let Some(word) = self.ring.peek() {
             // The count of the n-th poll is −n. Relative to the polls before the tick it is small and may be negative.
             const UNUSED_BITS: u32 = u32::BITS - COUNT_BITS;
@@ -129,10 +136,6 @@ impl Index {
             self.ring.advance();
             let levels = word >> COUNT_BITS;
             let mut changed = levels ^ self.levels;
-            if self.is_first {
-                self.is_first = false;
-                changed = ALL;
-            }
             self.levels = levels;
             self.pending |= changed;
             while let Some(axis) = lowest(changed) {

@@ -31,7 +31,7 @@ use embassy_rp::pac::pio::vals::SmExecctrlStatusSel;
 use embassy_time::{Duration, Instant};
 use pio::Wrap;
 pub use words::Buffers;
-use words::Words;
+use words::{Span, Words};
 
 use super::pins::{self, AXES};
 use super::{CYCLES_PER_US, GUARD_MACHINE, INDEX_MACHINE, now_us};
@@ -100,8 +100,9 @@ pub struct Steps {
     /// Which axes share a plan, and the axis whose words the channel of each reads.
     sharing: Option<Sharing>,
     reads: [u8; AXES],
-    /// Axes whose words are read.
+    /// Axes whose words are read, and where these words are.
     read: heapless::Vec<u8, AXES>,
+    spans: [Span; AXES],
     /// What turns a word's DIR round, or not, for each axis.
     reversed: [u32; AXES],
     tick: Duration,
@@ -141,6 +142,7 @@ impl Steps {
             sharing: None,
             reads: [0; AXES],
             read: heapless::Vec::new(),
+            spans: [Span::EMPTY; AXES],
             reversed: turned,
             tick,
             until: None,
@@ -164,10 +166,13 @@ impl Steps {
         } else {
             for &axis in &self.read {
                 let axis = usize::from(axis);
-                if let (Some(words), Some(&reversed)) =
-                    (self.free.get_mut(axis), self.reversed.get(axis))
-                {
+                if let (Some(words), Some(&reversed), Some(span)) = (
+                    self.free.get_mut(axis),
+                    self.reversed.get(axis),
+                    self.spans.get_mut(axis),
+                ) {
                     words.copy(output.runs(axis), reversed);
+                    *span = words.tick();
                 }
             }
         }
@@ -230,8 +235,8 @@ impl Steps {
             }
             feed::publish();
             for (axis, &read) in self.reads.iter().enumerate().take(self.axes) {
-                if let Some(words) = self.free.get(usize::from(read)) {
-                    feed::feed(cs, axis, words.tick());
+                if let Some(&span) = self.spans.get(usize::from(read)) {
+                    feed::feed(cs, axis, span);
                 }
             }
             Submission::Taken

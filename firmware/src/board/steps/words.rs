@@ -88,6 +88,12 @@ pub struct Span {
 }
 
 impl Span {
+    /// No words.
+    pub const EMPTY: Self = Self {
+        address: 0,
+        count: 0,
+    };
+
     /// The first `count` of `words`, or all if there are fewer.
     #[inline(always)]
     fn new(words: &[u32], count: u32) -> Self {
