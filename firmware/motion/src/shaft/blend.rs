@@ -8,7 +8,7 @@
 //! the acceleration by less than two and the jerk by less than four. The shaft never turns back, as rounding down keeps
 //! the order of phases.
 
-use super::brake::{about, times};
+use super::brake::{Inverse, times};
 use super::gain::Step;
 use super::limits::RampLimits;
 use super::regulator;
@@ -104,9 +104,10 @@ impl Blend {
 fn share(rest: i64, whole: i64) -> u64 {
     const DIGIT: u32 = 21;
     let (mut share, mut rest) = (0, rest);
+    let inverse = Inverse::of(whole);
     // Long division in three digits; the estimate of each is off by at most one.
     for _ in 0..63 / DIGIT {
-        let mut digit = about(rest, whole, DIGIT);
+        let mut digit = inverse.times(rest, DIGIT) as u32;
         rest = (rest << DIGIT).wrapping_sub(times(digit, whole));
         if rest < 0 {
             (digit, rest) = (digit - 1, rest + whole);
