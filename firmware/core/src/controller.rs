@@ -81,9 +81,6 @@ pub struct Controller {
     output: Output,
 }
 
-/// Ticks after a stop in which its last pulses still lead to a report: 2 until a tick is read, `MAX_AXES` + 3 until it is evaluated.
-const LAST_PULSES: u64 = 7 + MAX_AXES as u64;
-
 /// Busy ticks in a row after which further work is no longer postponed: more than the pulses of all axes and a correction take.
 const MOST_BUSY_TICKS: u8 = MAX_AXES as u8 + 12;
 
@@ -237,23 +234,6 @@ impl Controller {
             self.highest_priority_fault(feedback, input);
         }
         reported
-    }
-
-    /// Drops a finding that is nobody's fault, and names one that homing has a better name for.
-    #[inline(never)] // A finding has 48 bytes: it is moved about only where there is one.
-    fn judge(&self, found: Option<Finding>) -> Option<Finding> {
-        let mut finding = found?;
-        // What cranks do that nothing drives is nobody's fault. But a name may come with the last of a stop's pulses.
-        let in_time = finding.supersedes && self.ticks - self.driven <= LAST_PULSES;
-        if !self.supervisor.drives_enabled() && !in_time {
-            return None;
-        }
-        if finding.fault.kind == FaultKind::HomingRangeExceeded
-            && let Some(fault) = self.homing.explain(&self.drift, &self.offsets)
-        {
-            finding.fault = fault;
-        }
-        Some(finding)
     }
 
     /// Reads the sensors.
