@@ -79,7 +79,7 @@ proptest! {
     fn easing_takes_no_more_slack_than_computed((limits, state) in any_state(any_limits())) {
         let easing = Easing::new(state, &limits);
         prop_assume!(easing.is_ready(state, &limits));
-        let later = easing.step(state, &limits, &mut Near::ZERO);
+        let later = easing.step(state, &limits, &mut { Near::ZERO });
         let distance = |state: State| limits.parking.braking_distance(state.speed, state.acceleration);
         let taken = distance(later).wrapping_add(later.speed).wrapping_sub(distance(state));
         prop_assert!(taken <= easing.longest_distance(state), "{taken} from {state:?} to {easing:?}");
