@@ -30,7 +30,7 @@ pub use flag::{Extra, Flag};
 pub use index::{IndexSensor, Line, Passages, Passed};
 pub use platform::{Platform, Pose};
 pub use pull_out::PullOut;
-pub use rotors::{Broken, Chosen, DriveCommand, MOST_STEPS, RESOLUTION, Rotors};
+pub use rotors::{Broken, Cause, Chosen, DriveCommand, MOST_STEPS, RESOLUTION, Rotors};
 
 use cophase_core::pulse::{Runs, Sharing};
 use cophase_core::servo::Setpoint;
