@@ -43,7 +43,8 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
         checked.choice = Some(choice);
         return Ok(checked);
     };
-    if below.first() == Some(&choice.model_level) && is_plain(&checked, &choice) {
+    let is_lowest = below.first() == Some(&choice.model_level);
+    if is_lowest && is_undisturbed(&checked) && judge(choice.model_level).iter().all(is_plain) {
         checked.choice = Some(choice);
         return Ok(checked);
     }
@@ -64,16 +65,15 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
     Ok(taken(checked, &choice, top, judged))
 }
 
-/// Whether bounds alone are enough for the lowest model level, which no sample can lower: they are well within each tolerance, and
-/// nothing happens to the machine that they do not know of.
-fn is_plain(checked: &Checked, choice: &Choice) -> bool {
-    let is_well_within = |judged: &Judged| {
-        let bound = judged.bound.unwrap_or(f64::INFINITY);
-        bound <= WELL_WITHIN * judged.tolerance
-    };
-    let scene = &checked.scene;
-    let is_disturbed = !scene.fault.is_empty() || scene.noise.load_nm != 0.0;
-    !is_disturbed && choice.judged.iter().all(is_well_within)
+/// Whether the bound alone is enough for the lowest model level, which no sample can lower.
+fn is_plain(judged: &Judged) -> bool {
+    let bound = judged.bound.unwrap_or(f64::INFINITY);
+    bound <= WELL_WITHIN * judged.tolerance
+}
+
+/// Whether nothing happens to the machine that bounds do not know of.
+fn is_undisturbed(checked: &Checked) -> bool {
+    checked.scene.fault.is_empty() && checked.scene.noise.load_nm == 0.0
 }
 
 /// Whether the sample shows an output to be well within its tolerance, where it may say so at all.

@@ -194,7 +194,8 @@ impl Statistics {
             self.note(t_s, EventKind::Reported(fault));
         }
         if let Some(fault) = new_events.latched {
-            let leading_deg = telemetry.modes.tilt_direction_deg().rem_euclid(360.0);
+            let leading_deg = telemetry.modes.tilt_direction_deg();
+            let leading_deg = leading_deg.map(|deg| deg.rem_euclid(360.0));
             self.note(t_s, EventKind::Fault { fault, leading_deg });
         }
     }
