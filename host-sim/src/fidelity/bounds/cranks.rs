@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::linear::{Drive, Worst};
 use super::{frame, rods};
-use crate::dynamics::{Driven, Motor};
+use crate::dynamics::Driven;
 use crate::fidelity::Output;
 use crate::mechanism::Mechanism;
 use crate::scene::file::Fidelity;
@@ -31,7 +31,8 @@ pub struct Cranks {
     tilt_mrad: f64,
     /// What is missed of a peak between two ticks, as a part of it.
     sampling: f64,
-    steppers: Vec<bool>,
+    /// Motors whose torque has a limit: steppers beyond it slip, servos fall behind.
+    limited: Vec<bool>,
     alike: bool,
     /// Whether all cranks are to turn as one, which is all that the linear computation knows; on up to three, apart but for where
     /// they stand at the start, as no rod then pulls on them.
@@ -63,10 +64,10 @@ impl Cranks {
             } else {
                 0.0
             },
-            steppers: driven
+            limited: driven
                 .motors()
                 .iter()
-                .map(|motor| matches!(motor, Motor::Stepper(_)))
+                .map(|motor| motor.most_nm(0.0).is_finite())
                 .collect(),
             in_phase: !leads_apart && (body.axes() <= 3 || standing_apart_rad == 0.0),
             alike: worst.spread_rad == 0.0,
@@ -99,6 +100,15 @@ impl Cranks {
             worst.frequency_ratio,
             degrees(worst.lag_rad)
         )
+    }
+
+    /// Axis whose motor has the smallest part of the torque that the motion requires of it, and required over available torque:
+    /// infinite where the motor has none left.
+    pub fn torque_ratio(&self) -> (usize, f64) {
+        let ratios = self.worst.torque_ratio_required.iter().copied();
+        // Of equal ones the first.
+        let most = ratios.enumerate().rev().max_by(|a, b| a.1.total_cmp(&b.1));
+        most.unwrap_or((0, 0.0))
     }
 
     /// How far the platform is from where quasi-static rods have it at most, m.
@@ -205,8 +215,7 @@ impl Cranks {
             return 0.0;
         }
         let worst = &self.worst.torque_ratio;
-        let may_slip =
-            |i: &usize| self.steppers[*i] && !(self.in_phase && MARGIN * worst[*i] < 1.0);
+        let may_slip = |i: &usize| self.limited[*i] && !(self.in_phase && MARGIN * worst[*i] < 1.0);
         (0..worst.len()).filter(may_slip).count() as f64
     }
 
