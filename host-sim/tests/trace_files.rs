@@ -73,9 +73,12 @@ fn mixing(slips: &[f64], mut each: impl FnMut(&Row)) {
             .collect();
         let (sin, cos) = (phase_turns * TAU).sin_cos();
         let spread = (axes[2].phase_error_deg - axes[0].phase_error_deg) / 360.0 * TAU;
+        let states = ["idle", "homing", "run", "stop", "parked", "fault"];
+        let state_code = states.iter().position(|name| *name == state).unwrap() as u8;
         each(&Row {
             t_s,
             state,
+            state_code,
             amax_requested_mps2: requested,
             amax_commanded_mps2,
             omega_rad_s,
@@ -225,7 +228,7 @@ fn the_header_is_as_the_contract_names_it() {
     let text = TraceCsv::new(Vec::new(), 2).unwrap().finish().unwrap();
     assert_eq!(
         String::from_utf8(text).unwrap(),
-        "t_s,state,amax_requested_mps2,amax_commanded_mps2,omega_rad_s,phase_turns,\
+        "t_s,state,state_code,amax_requested_mps2,amax_commanded_mps2,omega_rad_s,phase_turns,\
          steps_0,command_turns_0,actual_turns_0,phase_error_deg_0,\
          steps_1,command_turns_1,actual_turns_1,phase_error_deg_1,\
          tilt_x_mrad,tilt_y_mrad,warp_deg,z_m,accel_mps2\n"
@@ -260,6 +263,7 @@ fn a_trace_reads_back_to_the_stated_resolution() {
             assert!(off <= 0.51 * resolution, "{name} {value} became {back}");
         };
         assert_eq!(field("state"), row.state);
+        assert_eq!(field("state_code"), row.state_code.to_string());
         near("t_s", row.t_s, 1e-9);
         near("amax_requested_mps2", row.amax_requested_mps2, 1e-4);
         near("amax_commanded_mps2", row.amax_commanded_mps2, 1e-4);

@@ -1,7 +1,8 @@
 //! The `cophase` command.
 //!
 //! Exit status: 0 done; 1 the run ended in a fault, or a simulated motor slipped and the controller did not
-//! see it, and everything was still written; 2 bad input, and nothing was written.
+//! see it, or no board takes the settings, and everything was still written; 2 bad input, and nothing was written; 130 and 143 ended by SIGINT and SIGTERM, and
+//! nothing was written.
 #![forbid(unsafe_code)]
 
 mod campaign;
@@ -10,8 +11,10 @@ pub mod design;
 mod run;
 mod scenes;
 mod settings;
+mod signals;
 mod status;
 
+pub use signals::clean_up_on_signals;
 pub use status::{CommandError, Status};
 
 use std::io::{self, Write};
@@ -20,8 +23,8 @@ use clap::{Parser, Subcommand};
 
 use design::{DesignArgs, DesignCommandError};
 
-const STATUS_HELP: &str = "Exit status: 0 done; 1 a run ended in a fault, or a simulated motor slipped unseen (everything \
-                           is written); 2 bad input (nothing is written).";
+const STATUS_HELP: &str = "Exit status: 0 done; 1 a run ended in a fault, a simulated motor slipped unseen, or no board takes \
+                           the settings (everything is written); 2 bad input (nothing is written).";
 
 /// Multi-axis motion control that stays in phase: simulate, look, design.
 #[derive(Debug, Parser)]

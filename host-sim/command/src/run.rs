@@ -9,8 +9,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::{CommandError, Status, scenes};
 use host_sim::fidelity;
 use host_sim::report::{self, Report, Written};
-use host_sim::scene::Checked;
 use host_sim::scene::library::SCENES;
+use host_sim::scene::{Checked, SceneError};
 use host_sim::sim::events::EventKind;
 use host_sim::sim::{Outcome, simulate};
 use host_sim::trace::{Every, Recorder, RunFiles, ScopeData, ScopeFrame, Window};
@@ -26,7 +26,8 @@ pub(super) struct RunArgs {
     /// A row of trace.csv every N control ticks [default: so that there are at most 20,000]
     #[arg(long, value_name = "N", value_parser = ticks)]
     every: Option<u64>,
-    /// What steps.vcd shows, in seconds, or `all` [default: the scene's window, 200 ms around the first fault that is put in, or the first 200 ms of motion]
+    /// What steps.vcd shows, in seconds, or `all` [default: the scene's window, or 200 ms: around the first fault that is put in, around
+    /// the first slip or latched fault, or the first of motion]
     #[arg(long, value_name = "FROM..TO", value_parser = window)]
     window: Option<Window>,
     /// Process all index pulses of a tick in that tick, where a board processes one per tick: reactions come up to N + 3 ticks earlier
@@ -124,6 +125,56 @@ fn record(args: &RunArgs, checked: &Checked, began: Instant) -> Result<(Outcome,
             ));
         }
     }
+    let window = args.window.unwrap_or_else(|| Window::of(&checked.scene));
+    let (files, outcome, written) = record_window(args, checked, began, window)?;
+    // What went wrong by itself is known after a run only. The same run again shows the edges at that time.
+    let by_itself = window == Window::FirstMotion && checked.scene.fault.is_empty();
+    let (files, outcome, written) = match outcome.statistics.first_effect_s().filter(|_| by_itself)
+    {
+        Some(at_s) => {
+            drop(files);
+            record_window(args, checked, began, Window::around(at_s))?
+        }
+        None => (files, outcome, written),
+    };
+    if written.is_empty() && window != Window::FirstMotion {
+        return Err(outside(args, checked, &outcome));
+    }
+    files.commit().map_err(|e| place(&e))?;
+    Ok((outcome, written))
+}
+
+/// That a window that was requested shows nothing.
+fn outside(args: &RunArgs, checked: &Checked, outcome: &Outcome) -> String {
+    let lasted_s = outcome.simulated_s();
+    let wrong = |from_s: f64, to_s: f64| {
+        format!(
+            "{from_s} to {to_s} s is outside the run, which lasted {lasted_s:.2} s; give a window inside it"
+        )
+    };
+    match (args.window, checked.scene.scope) {
+        (Some(Window::Between(from_ns, to_ns)), _) => {
+            let seconds = |ns: u64| ns as f64 * 1e-9;
+            format!("--window: {}", wrong(seconds(from_ns), seconds(to_ns)))
+        }
+        (_, Some(scope)) => {
+            let problem = wrong(scope.from_s, scope.to_s);
+            SceneError::at("scope.from_s", problem)
+                .in_file(&args.scene)
+                .to_string()
+        }
+        _ => format!("--window: nothing of it is inside the run, which lasted {lasted_s:.2} s"),
+    }
+}
+
+/// Runs a scene, and writes its files with the edges of a window; they are not in place yet.
+fn record_window(
+    args: &RunArgs,
+    checked: &Checked,
+    began: Instant,
+    window: Window,
+) -> Result<(RunFiles, Outcome, Written), String> {
+    let place = |error: &dyn std::fmt::Display| error.to_string();
     let mut files = RunFiles::create(&args.out)
         .map_err(|e| format!("--out: {e}; give a directory that is there or can be made"))?;
     let mut file = |name| files.file(name).map_err(|e| place(&e));
@@ -135,7 +186,6 @@ fn record(args: &RunArgs, checked: &Checked, began: Instant) -> Result<(Outcome,
     );
 
     let every = args.every.map_or(Every::Fitting, Every::Ticks);
-    let window = args.window.unwrap_or_else(|| Window::of(&checked.scene));
     let mut recorder = Recorder::new(
         checked,
         csv,
@@ -171,8 +221,7 @@ fn record(args: &RunArgs, checked: &Checked, began: Instant) -> Result<(Outcome,
         .and_then(|()| report_file.flush())
         .map_err(|e| place(&e))?;
     drop((report_file, svg));
-    files.commit().map_err(|e| place(&e))?;
-    Ok((outcome, written))
+    Ok((files, outcome, written))
 }
 
 fn frame(checked: &Checked) -> ScopeFrame {
@@ -204,6 +253,7 @@ fn mark(scope: &mut ScopeData, outcome: &Outcome) {
     {
         match &event.what {
             EventKind::BandCrossed { .. } => scope.mark(event.t_s, "band crossed"),
+            EventKind::TurnedBackInBand { .. } => scope.mark(event.t_s, "turned back in band"),
             EventKind::HeldAtBand { .. } => scope.mark(event.t_s, "held at band"),
             EventKind::Missed { .. } => scope.mark(event.t_s, "deadlines missed"),
             EventKind::Slipped { axis, .. } => {

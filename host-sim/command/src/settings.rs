@@ -37,7 +37,12 @@ pub(super) fn settings(args: &SettingsArgs, out: &mut impl Write) -> Result<Stat
     let summary = summary(&checked, &header, &args.out)?;
     put(&args.out, settings_file).map_err(|error| refused(&error))?;
     out.write_all(summary.as_bytes())?;
-    Ok(Status::Done)
+    let fits = |board: &board::AnyBoard| (board.check)(&checked.settings).is_ok();
+    Ok(if board::BOARDS.iter().any(fits) {
+        Status::Done
+    } else {
+        Status::Fault
+    })
 }
 
 /// What was made, and what of the scene is not in it.

@@ -1,4 +1,4 @@
-//! Bad input is met well: status 2, one line that names the file, the line, the key, what is wrong and
+//! Bad input is met well: status 2, one line an error that names the file, the line, the key, what is wrong and
 //! what would be right, and nothing is written.
 //!
 //! Each case breaks one thing in a scene that runs; that it does run is tested too, or every case could
@@ -159,6 +159,72 @@ fn assert_all_refused(cases: &[Case]) {
     for case in cases {
         assert_refused(case);
     }
+}
+
+/// What is said of a scene with these values instead of its own, line by line.
+fn lines_of(changes: &[(&str, &str)]) -> Vec<String> {
+    let mut text = BASE.to_owned();
+    for (from, to) in changes {
+        assert_eq!(text.matches(from).count(), 1, "{from}");
+        text = text.replace(from, to);
+    }
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("scene.toml"), text).unwrap();
+    let output = cophase(dir.path(), &["run", "scene.toml", "--out", "out"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(!dir.path().join("out").exists());
+    let words = String::from_utf8(output.stderr).unwrap();
+    words.lines().map(str::to_owned).collect()
+}
+
+/// Were it wrong, whoever mends a scene would run it once for each error; or errors would be made up by mending another.
+#[test]
+fn all_errors_are_reported_together() {
+    let wrong = [
+        ("load_kg = 10", "load_kg = 500", "machine.load_kg"),
+        ("settle_s = 0.1", "settle_s = -1", "control.settle_s"),
+        (
+            "speed_hz = 20\nacc",
+            "speed_hz = -4\nacc",
+            "limits.speed_hz",
+        ),
+        ("width_ns = 2000", "width_ns = 0", "pulse.width_ns"),
+        ("count = 3", "count = 9", "axes.count"),
+        (
+            "trim_limit_deg = 5",
+            "trim_limit_deg = 99",
+            "axes.trim_limit_deg",
+        ),
+        (
+            "pull_out_scale = 1",
+            "pull_out_scale = 11",
+            "axis[0].pull_out_scale",
+        ),
+        (
+            "warp_limit_deg = 3",
+            "warp_limit_deg = nan",
+            "drift.warp_limit_deg",
+        ),
+        ("by_us = 50", "by_us = -1", "late[0].by_us"),
+        ("from_s = 0.5", "from_s = -0.5", "scope.from_s"),
+    ];
+    let changes = wrong.map(|(from, to, _)| (from, to));
+    let lines = lines_of(&changes);
+    assert_eq!(lines.len(), wrong.len(), "{lines:#?}");
+    for (line, (_, _, key)) in lines.iter().zip(wrong) {
+        assert!(line.starts_with("cophase: scene.toml:"), "{line}");
+        assert!(line.contains(&format!(": {key}: ")), "not {key}: {line}");
+    }
+    let places = lines.iter().map(|line| line.split(':').nth(2).unwrap());
+    let numbers: Vec<u32> = places.map(|place| place.parse().unwrap()).collect();
+    assert!(numbers.is_sorted(), "{numbers:?}");
+
+    // Ten are enough.
+    let more = [("full_steps_per_turn = 200", "full_steps_per_turn = 1")];
+    assert_eq!(lines_of(&[&changes[..], &more].concat()).len(), 10);
+    // A level that is too much for the speed, and what is wrong with the speed, are one error: which level is known after that.
+    let program = [changes[2], ("amax_g = 5", "amax_g = 190")];
+    assert_eq!(lines_of(&program).len(), 1);
 }
 
 /// The positive control: the scene that all others are made of runs, and writes its files and no other.

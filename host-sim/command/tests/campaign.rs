@@ -164,8 +164,14 @@ fn a_case_run_alone_is_the_campaigns() {
         ]);
         ran(&output);
         let said = String::from_utf8(output.stdout).unwrap();
+        let title = said.lines().next().unwrap();
         let row = said.split_once("As the campaign has it:\n").unwrap().1;
         let row: serde_json::Value = serde_json::from_str(row).unwrap();
+        let fault = row["kind"].as_str().unwrap();
+        assert!(
+            title.contains(&format!("case {number} of seed 5: {fault} on the machine ")),
+            "{title}"
+        );
         let line = rows
             .lines()
             .find(|line| line.starts_with(&format!("{number},false,")));

@@ -244,6 +244,28 @@ fn only_ramps_gain_by_a_faster_tick() {
     }
 }
 
+/// What a picture says of the processor, its lines joined.
+fn processor_share(svg: &str) -> String {
+    let texts = svg.split("<text").skip(1).filter_map(|text| {
+        let (_, text) = text.split_once('>')?;
+        text.split('<').next()
+    });
+    let page = texts.collect::<Vec<_>>().join(" ");
+    let (_, share) = page.split_once("The default takes ").expect("a sentence");
+    share.split_once('.').expect("its end").0.to_owned()
+}
+
+/// Were it wrong, the docs would show the cost of a firmware that is no more: their picture is of the ticks that were counted last.
+#[test]
+fn the_processor_share_in_the_docs_is_that_of_the_counted_ticks() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/tick-rate.svg");
+    let docs = std::fs::read_to_string(docs).unwrap();
+    assert_eq!(
+        processor_share(&docs),
+        processor_share(&drawn("tick-rate").svg)
+    );
+}
+
 /// Were it wrong, a reader of the data would not know what a column is, or look for one that is gone.
 #[test]
 fn columns_are_those_of_the_docs() {

@@ -266,7 +266,10 @@ fn what_the_board_will_refuse_is_said() {
     let (text, _) = text.split_once("[[command]]").unwrap();
     let text = text.replace("pull_out = [[0, 20.0], [10, 18.0], [20, 15.0]]\n", "");
     fs::write(dir.path().join("scene.toml"), text).unwrap();
-    let summary = said(&settings(dir.path(), &["scene.toml"]));
+    let output = settings(dir.path(), &["scene.toml"]);
+    assert_eq!(output.status.code(), Some(1), "no board takes it");
+    assert!(dir.path().join("cophase.settings").exists());
+    let summary = String::from_utf8(output.stdout).unwrap();
     assert!(
         summary.contains(
             "RP2040 board will refuse this: axis 0 is a servo that takes setpoints over a fieldbus"

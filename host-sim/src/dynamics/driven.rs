@@ -113,7 +113,7 @@ impl Driven {
     }
 
     /// Where the angle of crank `i` is among the positions.
-    fn angle(&self, i: usize) -> usize {
+    pub(crate) fn angle(&self, i: usize) -> usize {
         match self.freedom {
             Freedom::Rigid(_) => 0,
             _ => i,

@@ -225,7 +225,8 @@ impl Rotors {
     /// Has field and rotor of crank `i` fall back together, at once.
     pub fn fall_back(&mut self, i: usize, turns: f64) {
         self.commanded[i].turns -= turns;
-        self.state[i] -= turns * std::f64::consts::TAU;
+        let angle = self.driven.angle(i);
+        self.state[angle] -= turns * std::f64::consts::TAU;
     }
 
     /// Has the command of crank `i` be where the crank is, at once.
@@ -237,7 +238,8 @@ impl Rotors {
     pub fn hold(&mut self, i: usize, held: bool) {
         self.driven.hold(i, held);
         if held {
-            self.state[self.driven.positions() + i] = 0.0;
+            let speed = self.driven.positions() + self.driven.angle(i);
+            self.state[speed] = 0.0;
         }
     }
 

@@ -220,11 +220,18 @@ fn write_page(
         .enumerate()
         .filter_map(|(axis, used)| Some((axis, (*used)?)));
     if let Some((axis, (used, hz))) = closest.max_by(|a, b| a.1.0.total_cmp(&b.1.0)) {
-        writeln!(
-            page,
-            "Closest to pull-out: axis {axis}, loaded to {:.0} % of the torque that it has at {hz:.2} rev/s.",
-            used * 100.0
-        )?;
+        if used.is_finite() {
+            writeln!(
+                page,
+                "Closest to pull-out: axis {axis}, loaded to {:.0} % of the torque that it has at {hz:.2} rev/s.",
+                used * 100.0
+            )?;
+        } else {
+            writeln!(
+                page,
+                "Axis {axis} was loaded at {hz:.2} rev/s, where its pull-out torque counts as zero."
+            )?;
+        }
     }
     let torques = statistics.worst_torque_nm.iter().copied().enumerate();
     if let Some((axis, torque_nm)) = torques.max_by(|a, b| a.1.total_cmp(&b.1)) {
@@ -243,11 +250,8 @@ fn write_page(
     for warning in warnings(checked, outcome) {
         writeln!(page, "Warning: {warning}")?;
     }
-    if written.is_some_and(|written| written.window_from_s >= written.window_to_s) {
-        writeln!(
-            page,
-            "Warning: steps.vcd is empty: its window lies outside the run."
-        )?;
+    if written.is_some_and(|written| written.is_empty()) {
+        writeln!(page, "Warning: steps.vcd is empty: the shaft did not move.")?;
     }
     writeln!(page)?;
     steps(page, checked, outcome)?;

@@ -6,7 +6,7 @@ use cophase_core::supervisor::State;
 
 use crate::fidelity::Bounds;
 use crate::scene::Checked;
-use crate::scene::file::{FaultAt, FaultName};
+use crate::scene::file::{CommandAt, CommandName, Drive, FaultAt, FaultName};
 use crate::sim::Outcome;
 
 /// Warnings, a sentence each.
@@ -15,6 +15,8 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     let mut warnings = Vec::new();
     warnings.extend(unwatched(checked));
     warnings.extend(lacking(checked));
+    warnings.extend(beyond_pull_out(checked));
+    warnings.extend(before_start(&scene.command));
     if let Some(why) = &outcome.diverged {
         warnings.push(format!(
             "The simulated machine diverged, and the run was ended there: {why}."
@@ -70,18 +72,53 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     warnings
 }
 
-/// Motors that lack torque for the program, whatever the model level shows of them.
+/// Motors that lack torque for the program, whatever the model level shows of them. Where none is left, [`beyond_pull_out`]
+/// says why.
 fn lacking(checked: &Checked) -> Option<String> {
     let (axis, ratio) = Bounds::new(checked).ok()?.torque_ratio()?;
-    let needs = match ratio {
-        ratio if ratio <= 1.0 => return None,
-        ratio if ratio.is_finite() => format!("needs {ratio:.1} times what it has"),
-        _ => "has none left at its greatest speed".to_owned(),
-    };
-    Some(format!(
-        "The motors lack torque: that of axis {axis} {needs}. Lower the program's speed or the load, or take stronger motors \
-         (axes.pull_out, axes.servo.limit_nm)."
-    ))
+    (ratio > 1.0 && ratio.is_finite()).then(|| {
+        format!(
+            "The motors lack torque: that of axis {axis} needs {ratio:.1} times what it has. Lower the program's speed or the load, \
+             or take stronger motors (axes.pull_out, axes.servo.limit_nm)."
+        )
+    })
+}
+
+/// That steppers turn faster than their pull-out curve goes.
+fn beyond_pull_out(checked: &Checked) -> Option<String> {
+    let (end_hz, _) = *checked.scene.axes.pull_out.last()?;
+    let steppers = (0..checked.scene.axes.count)
+        .filter(|&axis| checked.scene.drive(axis) == Drive::Stepper)
+        .filter_map(|axis| checked.settings.axes[axis].follower.constant_ratio());
+    let ratio = steppers.map(f64::abs).reduce(f64::max)?;
+    let top_hz = checked.top_speed_hz() * ratio;
+    (top_hz > end_hz).then(|| {
+        format!(
+            "axes.pull_out ends at {end_hz} rev/s, and the program turns the motors at up to {top_hz:.2} rev/s: beyond the curve's \
+             last speed their torque counts as zero, so give points up to there."
+        )
+    })
+}
+
+/// That commands come while the machine still waits for its first start.
+fn before_start(commands: &[CommandAt]) -> Option<String> {
+    let is_start = |command: &&CommandAt| command.action == CommandName::Start;
+    let starts = commands.iter().filter(is_start);
+    let first_s = starts.map(|start| start.at_s).reduce(f64::min)?;
+    let mut early: Vec<f64> = commands
+        .iter()
+        .filter(|command| !is_start(command) && command.at_s < first_s)
+        .map(|command| command.at_s)
+        .collect();
+    early.sort_by(f64::total_cmp);
+    let early: Vec<String> = early.iter().map(f64::to_string).collect();
+    (!early.is_empty()).then(|| {
+        format!(
+            "Commands at {} s come before the first start, at {first_s} s, and have no effect: the machine stands idle until then. \
+             Give a start at 0 s.",
+            early.join(", ")
+        )
+    })
 }
 
 /// What is not known of cranks that neither an index sensor nor an encoder watches, and of the platform then.
@@ -131,7 +168,8 @@ mod tests {
                  [[program]]\namax_g = 3\nramp_s = 0.2\nhold_s = 0.2\n"
             );
             let checked = Checked::new(load::parse(&text).unwrap()).unwrap();
-            (checked.fidelity, lacking(&checked))
+            let said = lacking(&checked).or_else(|| beyond_pull_out(&checked));
+            (checked.fidelity, said)
         };
         assert_eq!(run(50.0, ""), (Fidelity::Kinematic, None));
         // The load alone, 20 kg, requires 20 · 10 · 0.01 / 3 = 0.67 N·m of each motor.
@@ -187,5 +225,65 @@ mod tests {
         }
         let said = said(5, &[4], false).expect("one is not watched");
         assert!(said.ends_with("the best through the others."), "{said}");
+    }
+
+    fn scene(more: &str, axes: &str) -> Checked {
+        let text = format!(
+            "name = \"warnings\"\nfidelity = \"kinematic\"\n{more}\n\
+             [machine]\ncrank_radius_mm = 10\nlambda = 0.25\nload_kg = 5\n\
+             [limits]\nspeed_hz = 10\nacceleration_hz_per_s = 20\njerk_hz_per_s2 = 200\n\
+             [axes]\ncount = 3\ndrive = \"stepper\"\nsteps_per_turn = 3200\n{axes}\
+             [[program]]\namax_g = 2\nhold_s = 1\n"
+        );
+        Checked::new(load::parse(&text).unwrap()).unwrap()
+    }
+
+    /// Were it wrong, a curve that is given too short would be blamed on the motors: they slip where it ends.
+    #[test]
+    fn a_pull_out_curve_that_ends_too_early_is_said() {
+        let warned = |axes: &str| beyond_pull_out(&scene("", axes));
+        let top_hz = scene("", "").top_speed_hz();
+        assert!((5.0..9.9).contains(&top_hz), "{top_hz}");
+        assert_eq!(warned(""), None);
+        assert_eq!(warned("pull_out = [[0, 30], [10, 28]]\n"), None);
+        let words = warned("pull_out = [[0, 30], [5, 28]]\n").unwrap();
+        let expected = format!(
+            "axes.pull_out ends at 5 rev/s, and the program turns the motors at up to {top_hz:.2} rev/s"
+        );
+        assert!(words.starts_with(&expected), "{words}");
+        assert!(words.contains("torque counts as zero"), "{words}");
+        // A motor that makes two turns for one of the master's needs twice the speed.
+        let geared = "pull_out = [[0, 30], [10, 28]]\nratio = [2, 1]\n";
+        assert!(warned(geared).is_some());
+    }
+
+    /// Were it wrong, a scene would stand idle for its whole length, and its report would say nothing.
+    #[test]
+    fn commands_before_the_first_start_are_said() {
+        let warned = |commands: &str| {
+            before_start(&scene(&format!("command = [{commands}]"), "").scene.command)
+        };
+        assert_eq!(warned(""), None);
+        assert_eq!(
+            warned("{ at_s = 2, do = \"stop\" }"),
+            None,
+            "started at once"
+        );
+        let start = "{ at_s = 9, do = \"start\" }";
+        assert_eq!(warned(start), None);
+        let words = warned(&format!(
+            "{start}, {{ at_s = 5, do = \"stop\" }}, {{ at_s = 3, do = \"hold\" }}"
+        ));
+        let words = words.unwrap();
+        assert!(
+            words.starts_with("Commands at 3, 5 s come before the first start, at 9 s"),
+            "{words}"
+        );
+        assert_eq!(
+            warned(&format!(
+                "{{ at_s = 0, do = \"start\" }}, {{ at_s = 5, do = \"stop\" }}, {start}"
+            )),
+            None
+        );
     }
 }

@@ -33,6 +33,17 @@ pub fn describe(what: &EventKind) -> String {
             let direction = if upwards { "upwards" } else { "downwards" };
             format!("band crossed {direction} in {in_s:.3} s")
         }
+        EventKind::TurnedBackInBand {
+            in_s,
+            entered_upwards,
+        } => {
+            let direction = if entered_upwards {
+                "upwards"
+            } else {
+                "downwards"
+            };
+            format!("band entered {direction}, turned back, and left after {in_s:.3} s")
+        }
         EventKind::HeldAtBand { for_s } => {
             format!(
                 "the program asks for a forbidden band, for {for_s:.2} s: kept at its nearer edge"

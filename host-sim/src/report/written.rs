@@ -14,3 +14,10 @@ pub struct Written {
     /// To where.
     pub window_to_s: f64,
 }
+
+impl Written {
+    /// Whether `steps.vcd` shows nothing: its window lies outside the run.
+    pub fn is_empty(&self) -> bool {
+        self.window_from_s >= self.window_to_s
+    }
+}

@@ -15,6 +15,8 @@ pub struct SceneError {
     pub key: String,
     /// What is wrong, and what would be right.
     pub problem: String,
+    /// What else is wrong, in the order of its lines.
+    pub others: Vec<SceneError>,
 }
 
 impl SceneError {
@@ -25,7 +27,17 @@ impl SceneError {
             line: None,
             key: key.into(),
             problem: problem.into(),
+            others: Vec::new(),
         }
+    }
+
+    /// Several errors of a file, as one.
+    pub(super) fn together(mut errors: Vec<Self>) -> Option<Self> {
+        // What stands on no line is missing: at the end.
+        errors.sort_by_key(|error| error.line.unwrap_or(usize::MAX));
+        let others = errors.split_off(errors.len().min(1));
+        let first = errors.pop()?;
+        Some(Self { others, ..first })
     }
 
     /// One of the core's problems, at a key: with the unit that the key carries, and why its range is what it is.
@@ -49,6 +61,8 @@ impl SceneError {
     #[must_use]
     pub fn in_file(mut self, origin: &str) -> Self {
         self.origin = origin.to_owned();
+        let others = std::mem::take(&mut self.others).into_iter();
+        self.others = others.map(|other| other.in_file(origin)).collect();
         self
     }
 }
@@ -101,7 +115,7 @@ impl fmt::Display for SceneError {
         if !self.key.is_empty() {
             whole.push_str(&format!(": {}", self.key));
         }
-        // Part of it comes from the file, which may hold anything: a message is one line, and moves no cursor.
+        // Part of it comes from the file, which may hold anything: a message is one line an error, and moves no cursor.
         for c in format!("{whole}: {}", self.problem).chars() {
             if c.is_control() {
                 write!(f, "{}", c.escape_default())?;
@@ -109,7 +123,9 @@ impl fmt::Display for SceneError {
                 write!(f, "{c}")?;
             }
         }
-        Ok(())
+        self.others
+            .iter()
+            .try_for_each(|other| write!(f, "\n{other}"))
     }
 }
 

@@ -3,6 +3,7 @@
 mod cam_file;
 mod explain;
 mod nearest;
+mod others;
 mod place;
 
 use std::io::Read;
@@ -22,19 +23,17 @@ const START_FROM: &str = "`cophase scenes default > my.toml` writes a scene to s
 ///
 /// # Errors
 /// The file cannot be read, is too large, is not TOML, its keys are not those of a scene, or their
-/// values are not those of a machine that can run. The error names the file, and the line if there is one.
+/// values are not those of a machine that can run. The error names the file, and the line if there is one. Of a wrong form the first
+/// error is reported, of wrong values up to ten together.
 pub fn checked_from_file(path: &Path) -> Result<Checked, SceneError> {
     let origin = path.display().to_string();
     let read = || {
         let text = from_path(path)?;
-        let read = |mut scene: Scene| {
+        let check = |mut scene: Scene| {
             cam_file::read_all(&mut scene, path.parent().unwrap_or(Path::new("")))?;
             Checked::new(scene)
         };
-        read(parse(&text)?).map_err(|error| SceneError {
-            line: place::line_of_key(&text, &error.key),
-            ..error
-        })
+        check(parse(&text)?).map_err(|first| others::find(&text, first, check))
     };
     read().map_err(|error| error.in_file(&origin))
 }
@@ -113,12 +112,11 @@ pub fn parse(text: &str) -> Result<Scene, SceneError> {
         let line = error.span().map(|span| place::line_at(text, span.start));
         let source = line.and_then(|line| text.lines().nth(line - 1));
         let key = line.map(|line| place::key_on_line(text, line));
+        let key = key.unwrap_or_default();
+        let problem = not_toml(&key, error.message(), source.unwrap_or_default());
         SceneError {
             line,
-            ..SceneError::at(
-                key.unwrap_or_default(),
-                not_toml(error.message(), source.unwrap_or_default()),
-            )
+            ..SceneError::at(key, problem)
         }
     })?;
     serde_path_to_error::deserialize(deserializer).map_err(|error| {

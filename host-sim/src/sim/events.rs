@@ -36,8 +36,16 @@ pub enum EventKind {
     BandCrossed {
         /// Time inside, s.
         in_s: f64,
-        /// Whether the shaft came out faster than it went in.
+        /// Whether it went in at the lower edge and came out at the upper one.
         upwards: bool,
+    },
+    /// The shaft went into a forbidden band, and came out after that many seconds at the edge where it went in: a stop turned
+    /// it back.
+    TurnedBackInBand {
+        /// Time inside, s.
+        in_s: f64,
+        /// Whether it went in at the lower edge.
+        entered_upwards: bool,
     },
     /// The program requested a speed in a forbidden band, for that many seconds, and an edge of the band was commanded.
     HeldAtBand {

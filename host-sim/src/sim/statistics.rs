@@ -95,6 +95,8 @@ pub struct Statistics {
     speed: Turns,
     speed_hz: f64,
     speed_mps2: f64,
+    /// Whether the shaft was faster in this tick than in the one before.
+    is_rising: bool,
     tick_hz: u32,
     tick_s: f64,
     running_ticks: u64,
@@ -102,7 +104,8 @@ pub struct Statistics {
     stop_requested: bool,
     state: Option<State>,
     event_watch: EventWatch,
-    band: Option<(f64, f64)>,
+    /// Since when the shaft is in a band, and whether it was rising when it entered.
+    band: Option<(f64, bool)>,
     held: Option<f64>,
     lag: Option<(f64, f64)>,
     level: Amax,
@@ -146,6 +149,7 @@ impl Statistics {
             speed: Turns::ZERO,
             speed_hz: 0.0,
             speed_mps2: mechanism.amax_mps2(0.0),
+            is_rising: false,
             tick_hz: checked.scene.control.tick_hz,
             tick_s: 1.0 / f64::from(checked.scene.control.tick_hz),
             running_ticks: 0,
@@ -161,12 +165,24 @@ impl Statistics {
         }
     }
 
+    /// When the first motor slipped or the first fault latched, s; none if all went well.
+    pub fn first_effect_s(&self) -> Option<f64> {
+        let first = self.events.iter().find(|event| {
+            matches!(
+                event.what,
+                EventKind::Slipped { .. } | EventKind::Fault { .. }
+            )
+        });
+        first.map(|event| event.t_s)
+    }
+
     /// Takes in one tick.
     pub fn tick(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
         let t_s = moment.start_ns as f64 * 1e-9;
         self.time_in_state_s[telemetry.state as usize] += self.tick_s;
         if telemetry.motion.speed != self.speed {
+            self.is_rising = telemetry.motion.speed > self.speed;
             self.speed = telemetry.motion.speed;
             self.speed_hz = speed_hz(self.speed, self.tick_hz);
             let omega_rad_s = std::f64::consts::TAU * self.speed_hz;
@@ -305,14 +321,22 @@ impl Statistics {
     /// Limits that bit: when each began, and what it came to.
     fn limits(&mut self, moment: &Moment<'_>, t_s: f64) {
         let (motion, limits) = (&moment.telemetry.motion, &moment.telemetry.limits);
-        let hz = self.speed_hz;
+        // A speed inside differs from one outside: the shaft rises or falls in the ticks in which it goes in and out.
         match (motion.crossing_band, self.band) {
-            (true, None) => self.band = Some((t_s, hz)),
-            (false, Some((since_s, from_hz))) => {
+            (true, None) => self.band = Some((t_s, self.is_rising)),
+            (false, Some((since_s, entered_upwards))) => {
                 self.band = None;
-                let what = EventKind::BandCrossed {
-                    in_s: t_s - since_s,
-                    upwards: hz > from_hz,
+                let in_s = t_s - since_s;
+                let what = if self.is_rising == entered_upwards {
+                    EventKind::BandCrossed {
+                        in_s,
+                        upwards: self.is_rising,
+                    }
+                } else {
+                    EventKind::TurnedBackInBand {
+                        in_s,
+                        entered_upwards,
+                    }
                 };
                 self.note(since_s, what);
             }

@@ -57,7 +57,7 @@ mod decimals {
 /// let mut trace = TraceCsv::new(Vec::new(), 0)?;
 /// trace.write(&Row { t_s: 0.0005, state: "idle", ..Row::default() })?;
 /// let text = String::from_utf8(trace.finish()?).unwrap();
-/// assert!(text.ends_with("\n0.0005,idle,0,0,0,0,0,0,0,0,0\n"));
+/// assert!(text.ends_with("\n0.0005,idle,0,0,0,0,0,0,0,0,0,0\n"));
 /// # Ok::<(), host_sim::trace::TraceError>(())
 /// ```
 pub struct TraceCsv<W: Write> {
@@ -97,6 +97,7 @@ impl<W: Write> TraceCsv<W> {
         }
         self.number(row.t_s, decimals::TIME)?;
         self.lines.write_field(row.state)?;
+        self.number(row.state_code.into(), 0)?;
         self.number(row.amax_requested_mps2, decimals::ACCELERATION)?;
         self.number(row.amax_commanded_mps2, decimals::ACCELERATION)?;
         self.number(row.omega_rad_s, decimals::SPEED)?;
@@ -141,6 +142,7 @@ fn columns(axes: usize) -> Vec<String> {
     let first = [
         "t_s",
         "state",
+        "state_code",
         "amax_requested_mps2",
         "amax_commanded_mps2",
         "omega_rad_s",

@@ -5,11 +5,13 @@
 //!
 //! Dropping [`RunFiles`] without [`RunFiles::commit`] takes the temporaries away, and the folders too that
 //! were made for them, unless somebody else has put something there meanwhile. An earlier run's files stay as
-//! they were until the moment of the commit. A killed process leaves its temporaries; it cannot do otherwise.
+//! they were until the moment of the commit. A process that is ended by a signal leaves its temporaries, unless it catches the
+//! signal and calls [`RunFiles::take_all_away`].
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Component, Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use thiserror::Error;
 
@@ -32,6 +34,37 @@ pub enum RunFilesError {
     /// The name was requested before.
     #[error("`{0}` is already being written")]
     Twice(String),
+}
+
+/// Temporaries and folders of all runs that are not committed yet, innermost folders first.
+static UNFINISHED: Mutex<Unfinished> = Mutex::new(Unfinished {
+    files: Vec::new(),
+    folders: Vec::new(),
+});
+
+#[derive(Debug)]
+struct Unfinished {
+    files: Vec<PathBuf>,
+    folders: Vec<PathBuf>,
+}
+
+impl Unfinished {
+    fn lock() -> MutexGuard<'static, Self> {
+        UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Nobody is left to report a failure to; whatever cannot be removed stays.
+    fn take_away(&mut self, files: &[PathBuf], folders: &[PathBuf]) {
+        for file in files {
+            let _ = fs::remove_file(file);
+        }
+        for folder in folders {
+            // Refuses a folder that is not empty, as it should.
+            let _ = fs::remove_dir(folder);
+        }
+        self.files.retain(|file| !files.contains(file));
+        self.folders.retain(|folder| !folders.contains(folder));
+    }
 }
 
 /// The files of one run, on their way into their folder.
@@ -76,6 +109,8 @@ impl RunFiles {
             dir,
             names: Vec::new(),
         };
+        let mut unfinished = Unfinished::lock();
+        unfinished.folders.extend(files.made.iter().cloned());
         fs::create_dir_all(&files.dir).map_err(|source| RunFilesError::Io {
             operation: "create the folder",
             path: files.dir.clone(),
@@ -101,11 +136,13 @@ impl RunFiles {
             return Err(RunFilesError::Twice(name.to_owned()));
         }
         let path = self.temporary(name);
+        let mut unfinished = Unfinished::lock();
         let file = File::create(&path).map_err(|source| RunFilesError::Io {
             operation: "create",
-            path,
+            path: path.clone(),
             source,
         })?;
+        unfinished.files.push(path);
         self.names.push(name.to_owned());
         Ok(BufWriter::with_capacity(1 << 16, file))
     }
@@ -117,19 +154,34 @@ impl RunFiles {
     /// When one cannot be put in place: those before it are, it and those after it are taken away.
     pub fn commit(mut self) -> Result<Vec<PathBuf>, RunFilesError> {
         let mut written = Vec::with_capacity(self.names.len());
+        let mut unfinished = Unfinished::lock();
         while let Some(name) = self.names.first() {
             let path = self.dir.join(name);
-            fs::rename(self.temporary(name), &path).map_err(|source| RunFilesError::Io {
+            let temporary = self.temporary(name);
+            fs::rename(&temporary, &path).map_err(|source| RunFilesError::Io {
                 operation: "put in place",
                 path: path.clone(),
                 source,
             })?;
+            unfinished.files.retain(|file| *file != temporary);
             self.names.remove(0);
             written.push(path);
         }
         // The folder is wanted now, even if nothing was written into it.
+        unfinished
+            .folders
+            .retain(|folder| !self.made.contains(folder));
         self.made.clear();
         Ok(written)
+    }
+
+    /// Takes away the temporaries of all runs of this process, and the folders that were made for them. From then on no run
+    /// creates or commits a file: the thread that tries waits for the process to end.
+    pub fn take_all_away() {
+        let mut unfinished = Unfinished::lock();
+        let (files, folders) = (unfinished.files.clone(), unfinished.folders.clone());
+        unfinished.take_away(&files, &folders);
+        std::mem::forget(unfinished);
     }
 
     fn temporary(&self, name: &str) -> PathBuf {
@@ -141,13 +193,9 @@ impl RunFiles {
 
 impl Drop for RunFiles {
     fn drop(&mut self) {
-        // Nobody is left to report a failure to; whatever cannot be removed stays.
-        for name in &self.names {
-            let _ = fs::remove_file(self.temporary(name));
-        }
-        for folder in &self.made {
-            // Refuses a folder that is not empty, as it should.
-            let _ = fs::remove_dir(folder);
+        let files: Vec<_> = self.names.iter().map(|name| self.temporary(name)).collect();
+        if !(files.is_empty() && self.made.is_empty()) {
+            Unfinished::lock().take_away(&files, &self.made);
         }
     }
 }

@@ -93,6 +93,7 @@ impl<C: Write, V: Write> Recorder<C, V> {
         let row = &mut self.row;
         row.t_s = moment.end_ns as f64 * 1e-9;
         row.state = telemetry.state.name();
+        row.state_code = telemetry.state as u8;
         row.amax_requested_mps2 = telemetry.amax_requested.to_num();
         row.amax_commanded_mps2 = self.mechanism.amax(telemetry.motion.speed).to_num();
         row.omega_rad_s = omega;

@@ -10,6 +10,8 @@ pub struct Row {
     pub t_s: f64,
     /// The supervisor's state, in lower case.
     pub state: &'static str,
+    /// Its number: 0 idle, 1 homing, 2 run, 3 stop, 4 parked, 5 fault.
+    pub state_code: u8,
     /// What the program asks for, m/s².
     pub amax_requested_mps2: f64,
     /// What the commanded speed amounts to, m/s².

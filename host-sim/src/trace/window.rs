@@ -38,12 +38,15 @@ impl Window {
         }
         let begins = scene.fault.iter().map(|fault| Planned::new(fault).from_us);
         match begins.filter(|&from_us| from_us > 0).min() {
-            Some(from_us) => {
-                let from_ns = (from_us * 1000).saturating_sub(BEFORE_FAULT_NS);
-                Self::Between(from_ns, from_ns + SHOWN_NS)
-            }
+            Some(from_us) => Self::around(from_us as f64 * 1e-6),
             None => Self::FirstMotion,
         }
+    }
+
+    /// Around what goes wrong at a time, s.
+    pub fn around(at_s: f64) -> Self {
+        let from_ns = ((at_s * 1e9).round() as u64).saturating_sub(BEFORE_FAULT_NS);
+        Self::Between(from_ns, from_ns + SHOWN_NS)
     }
 
     /// Between two times, s.

@@ -69,14 +69,14 @@ function withScene({ text }, use) {
 export function settingsOf(played) {
   return withScene(played, (file, folder) => {
     const settings = path.join(folder, 'scene.settings');
-    cophase(['settings', file, '-o', settings], [0]);
+    cophase(['settings', file, '-o', settings], [0, 1]);
     return fs.readFileSync(settings);
   });
 }
 
 /** Why the board will refuse the scene; undefined if it will not. */
 export function refusedBy(played) {
-  const said = withScene(played, (file, folder) => cophase(['settings', file, '-o', path.join(folder, 'scene.settings')], [0]));
+  const said = withScene(played, (file, folder) => cophase(['settings', file, '-o', path.join(folder, 'scene.settings')], [0, 1]));
   return said.match(/board will refuse this: (.*)/)?.[1];
 }
 

@@ -86,6 +86,13 @@ fn what_all_have() {
             "a list of two numbers",
         ),
         key(
+            "a ratio of three",
+            "axes.ratio",
+            "[1, 1, 9]",
+            "`[1, 1, 9]` has 3 in it",
+            "a list of two numbers",
+        ),
+        key(
             "ratio as a number",
             "axes.ratio",
             "2",
@@ -170,6 +177,20 @@ fn pull_out_torque() {
             "axes.pull_out[1]",
             "`[5]` has 1 in it",
             "a list of two numbers belongs; such as `[0, 60.0]`",
+        ),
+        pull_out(
+            "a point of three",
+            "[[0, 20], [5, 18, 99]]",
+            "axes.pull_out[1]",
+            "`[5, 18, 99]` has 3 in it",
+            "a list of two numbers belongs; such as `[0, 60.0]`",
+        ),
+        pull_out(
+            "decimal commas",
+            "[[0, 20,5], [5, 18,5]]",
+            "axes.pull_out[0]",
+            "`[0, 20,5]` has 3 in it",
+            "a list of two numbers",
         ),
         pull_out(
             "no number",
@@ -265,6 +286,13 @@ fn what_one_has_apart() {
             "axis[1].offset_deg",
             "500° is outside",
             "-180 to 180°",
+        ),
+        own(
+            "own ratio of three",
+            "ratio = [1, 1, 1]",
+            "axis[1].ratio",
+            "has 3 in it",
+            "a list of two numbers",
         ),
         own(
             "own ratio",

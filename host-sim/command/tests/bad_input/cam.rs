@@ -133,6 +133,14 @@ fn what_gives_between_cam_and_pusher() {
             "such as",
         ),
         number(
+            "four dampers",
+            DAMPERS,
+            "dampers_ns_per_m = [402, 175, 2030, 1]",
+            "cam.dampers_ns_per_m",
+            "has 4 in it, where a list of three numbers belongs",
+            "such as",
+        ),
+        number(
             "a mass of nothing",
             MASSES,
             "masses_kg = [0.5, 0, 1]",

@@ -209,3 +209,42 @@ fn arguments() {
         assert_eq!(super::listing(dir.path()), before, "{argument}");
     }
 }
+
+/// Were it wrong, a window after the end would give a file without an edge, and a status that says all is well.
+#[test]
+fn a_window_outside_the_run() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("scene.toml"), BASE).unwrap();
+    let window = ["run", "scene.toml", "--out", "out", "--window", "100..101"];
+    let line = refusal("--window", dir.path(), &window);
+    let words = [
+        "--window: 100 to 101 s is outside the run, which lasted ",
+        "give a window inside it",
+    ];
+    assert_holds(&line, &words);
+
+    let scope = BASE.replace("from_s = 0.5\nto_s = 1", "from_s = 50\nto_s = 51");
+    assert_ne!(scope, BASE);
+    fs::write(dir.path().join("scene.toml"), scope).unwrap();
+    let line = refusal("scope", dir.path(), &["run", "scene.toml", "--out", "out"]);
+    let words = ["cophase: scene.toml: scope.from_s: 50 to 51 s is outside the run"];
+    assert_holds(&line, &words);
+}
+
+/// Were it wrong, the edges would be shown at the first motion, and not where the run went wrong by itself.
+#[test]
+fn the_window_is_where_a_run_goes_wrong() {
+    let dir = tempfile::tempdir().unwrap();
+    let (scene, _) = BASE.split_once("[scope]").unwrap();
+    let scene = format!("{scene}[[input]]\nat_s = 2.2\nline = \"enable\"\nactive = false\n");
+    fs::write(dir.path().join("scene.toml"), scene).unwrap();
+    let output = cophase(dir.path(), &["run", "scene.toml", "--out", "out"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let report = fs::read(dir.path().join("out/report.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+    let at_s = report["faults"][0]["t_s"].as_f64().unwrap();
+    let [from_s, to_s] =
+        ["window_from_s", "window_to_s"].map(|key| report["written"][key].as_f64().unwrap());
+    assert!((at_s - 0.05 - from_s).abs() < 1e-6, "{from_s} to {to_s}");
+    assert!(to_s > at_s, "{from_s} to {to_s}");
+}

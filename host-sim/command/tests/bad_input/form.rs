@@ -1,6 +1,6 @@
 //! The form of a scene: tables, keys, types, and TOML itself.
 
-use super::edit::{before, replace, set, with_line, without};
+use super::edit::{append, before, replace, set, with_line, without};
 use super::{assert_all_refused, case};
 
 #[test]
@@ -40,6 +40,20 @@ fn tables_and_keys_that_are_not_there() {
             "control.speed_hz",
             "unknown key",
             "it belongs under [limits]",
+        ),
+        case(
+            "a key of the top below a table",
+            append("fidelity = \"kinematic\""),
+            "scope.fidelity",
+            "unknown key",
+            "it belongs at the top, above the first [table]",
+        ),
+        case(
+            "the name below a list",
+            append("[[fault]]\nat_s = 1\nkind = \"stop-input\"\nname = \"x\""),
+            "fault[0].name",
+            "unknown key",
+            "it belongs at the top, above the first [table]",
         ),
         case(
             "invented key",
@@ -153,11 +167,6 @@ fn what_is_not_toml() {
             "is not TOML, at `load_kg = 10 kg`",
         ),
         line(
-            "a comma",
-            "load_kg = 10,5",
-            "is not TOML, at `load_kg = 10,5`",
-        ),
-        line(
             "no end",
             "load_kg = \"10",
             "is not TOML, at `load_kg = \"10`",
@@ -168,6 +177,13 @@ fn what_is_not_toml() {
             "machine.load_kg",
             "given before",
             "keep one of the two",
+        ),
+        case(
+            "an entry of a list without its second brackets",
+            append("[program]\namax_g = 1"),
+            "program",
+            "given before",
+            "write [[program]] at each of its entries",
         ),
         case(
             "table twice",
@@ -203,6 +219,45 @@ fn what_is_not_toml() {
             "",
             "is empty",
             "cophase scenes default > my.toml",
+        ),
+    ]);
+}
+
+/// Were it wrong, a habit of another language would be answered with the reader's own words, which name no way out.
+#[test]
+fn habits_of_other_languages() {
+    let line = |name, line, right| {
+        let text = with_line("machine.load_kg", line);
+        case(name, text, "machine.load_kg", "is not TOML, at `", right)
+    };
+    assert_all_refused(&[
+        line("a decimal comma", "load_kg = 10,5", "write 10.5"),
+        line(
+            "a decimal comma and a comment",
+            "load_kg = 10,5 # kg",
+            "a number has a decimal point: write 10.5",
+        ),
+        line(
+            "a comment of C",
+            "load_kg = 10 // kg",
+            "a comment begins with #: write `load_kg = 10  # …`",
+        ),
+        line("a semicolon", "load_kg = 10;", "write `load_kg = 10`"),
+        line("a comma", "load_kg = 10,", "write `load_kg = 10`"),
+        line("a colon", "load_kg: 10", "write `load_kg = 10`"),
+        case(
+            "a line of comment of C",
+            before("name", "// my scene"),
+            "",
+            "is not TOML, at `// my scene`",
+            "a comment begins with #",
+        ),
+        case(
+            "a line of comment of an INI file",
+            before("name", "; heavy"),
+            "",
+            "is not TOML, at `; heavy`",
+            "a comment begins with #",
         ),
     ]);
 }

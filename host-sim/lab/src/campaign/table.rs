@@ -121,12 +121,17 @@ fn bounds(rate: Rate) -> String {
     )
 }
 
-/// What is not as claimed, each with cases to replay.
+/// What went wrong, each with cases to replay: what is not as claimed apart from wrong names within the claim.
 fn failures(text: &mut String, tally: &Tally) {
-    let mut lines = Vec::new();
+    let (mut broken, mut within) = (Vec::new(), Vec::new());
     for ((kind, encoder), group) in &tally.groups {
         let with = if *encoder { "encoder" } else { "index" };
         for (what, cases) in &group.failed {
+            let lines = if tally.breaks_claim(what) {
+                &mut broken
+            } else {
+                &mut within
+            };
             lines.push(format!(
                 "- {} ({with}), {what}: {}",
                 kind.name(),
@@ -135,17 +140,22 @@ fn failures(text: &mut String, tally: &Tally) {
         }
     }
     if !tally.tripped.is_empty() {
-        lines.push(format!(
+        broken.push(format!(
             "- clean, something reported: {}",
             list(&tally.tripped)
         ));
     }
-    if lines.is_empty() {
-        return;
-    }
-    text.push_str("\nNot as claimed, by case (--replay shows one):\n\n");
-    for line in lines {
-        let _ = writeln!(text, "{line}");
+    for (heading, lines) in [
+        ("Not as claimed", broken),
+        ("Misnamed, within the 1 in 100 that is claimed", within),
+    ] {
+        if !lines.is_empty() {
+            let lines = lines.join("\n");
+            let _ = writeln!(
+                text,
+                "\n{heading}, by case (--replay shows one):\n\n{lines}"
+            );
+        }
     }
 }
 
@@ -195,4 +205,37 @@ fn in_columns(rows: &[Vec<String>]) -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use host_sim::scene::file::FaultName;
+
+    /// Were it wrong, a campaign would list as not as claimed what its exit status says is.
+    #[test]
+    fn wrong_names_within_the_claim_are_listed_apart() {
+        let of = |named: u64, what: &'static str| {
+            let mut group = Group::default();
+            for number in 0..100 {
+                group.named.count(number < named);
+            }
+            group.failed.insert(what, vec![7]);
+            let tally = Tally {
+                groups: vec![((FaultName::Slip, false), group.clone())],
+                all: group,
+                ..Tally::default()
+            };
+            let mut text = String::new();
+            failures(&mut text, &tally);
+            (text, tally.is_kept())
+        };
+        let within = "\nMisnamed, within the 1 in 100 that is claimed, by case (--replay shows one):\n\n- slip (index), misnamed: 1 (7)\n";
+        assert_eq!(of(99, "misnamed"), (within.to_owned(), true));
+        for (named, what) in [(98, "misnamed"), (99, "late"), (100, "left running")] {
+            let (text, is_kept) = of(named, what);
+            assert!(text.starts_with("\nNot as claimed, by case"), "{text}");
+            assert!(!is_kept, "{what}");
+        }
+    }
 }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::lengths::{pair, pairs, some_pair};
+
 /// What all axes have in common, unless an `[[axis]]` says otherwise.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -16,7 +18,7 @@ pub struct Axes {
     #[serde(default = "default_full_steps")]
     pub full_steps_per_turn: u32,
     /// Crank turns per master turn, as `[numerator, denominator]`.
-    #[serde(default = "one_to_one")]
+    #[serde(default = "one_to_one", deserialize_with = "pair")]
     pub ratio: (u32, u32),
     /// Crank phase relative to the master's, degrees.
     #[serde(default)]
@@ -52,7 +54,11 @@ pub struct Axes {
     #[serde(default)]
     pub damping_nms: f64,
     /// Pull-out torque of a stepper as `[speed_hz, torque_nm]` points, lowest speed first; straight lines between.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(
+        default,
+        deserialize_with = "pairs",
+        skip_serializing_if = "Vec::is_empty"
+    )]
     pub pull_out: Vec<(f64, f64)>,
     /// The drives of servos.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -116,7 +122,11 @@ pub struct AxisOverrides {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steps_per_turn: Option<u32>,
     /// Instead of the common one.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "some_pair",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub ratio: Option<(u32, u32)>,
     /// Instead of the common one.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -3,6 +3,8 @@
 use cophase_methods::problems::{Law, Shaft};
 use serde::{Deserialize, Serialize};
 
+use super::lengths::some_three;
+
 /// A cam shaft and its follower; every axis has one of them.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -22,13 +24,25 @@ pub struct CamShaft {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub screw_lead_mm: Option<f64>,
     /// Masses of the follower from the shaft to the pusher, carried to the pusher, kg.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "some_three",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub masses_kg: Option<[f64; 3]>,
     /// Stiffnesses before these masses: shaft, arm, link; N/mm.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "some_three",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub stiffness_n_per_mm: Option<[f64; 3]>,
     /// Dampers beside them, N·s/m; give these or `zeta`.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "some_three",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub dampers_ns_per_m: Option<[f64; 3]>,
     /// Damping factor of each link, from which its damper follows; give this or `dampers_ns_per_m`.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -10,6 +10,7 @@ mod control;
 mod events;
 mod fault;
 mod fidelity;
+mod lengths;
 mod machine;
 mod program;
 mod questions;
@@ -96,8 +97,8 @@ pub struct Scene {
     /// Lateness of the loop.
     #[serde(default, rename = "late", skip_serializing_if = "Vec::is_empty")]
     pub late: Vec<LateAt>,
-    /// Which part of the run `steps.vcd` shows; without it, 200 ms around the first fault that is put in, or else the
-    /// first of motion.
+    /// Which part of the run `steps.vcd` shows; without it, 200 ms around the first fault that is put in, around the
+    /// first slip or latched fault, or the first of motion.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scope: Option<Scope>,
 }

@@ -3,7 +3,7 @@
 use cophase_core::settings::Problem;
 
 use super::nearest::nearest;
-use super::place::{example, heading_of};
+use super::place::{bare, example, home_of};
 
 /// Longest piece of a file that a message repeats, in characters.
 const MOST_QUOTED: usize = 48;
@@ -13,21 +13,70 @@ const TABLES: [&str; 9] = [
     "machine", "cam", "control", "limits", "pulse", "axes", "index", "drift", "scope",
 ];
 
-/// What is wrong with a line that is not TOML.
-pub(super) fn not_toml(message: &str, source: &str) -> String {
+/// Lists of tables: each entry has a heading of its own.
+const LISTS: [&str; 9] = [
+    "program",
+    "axis",
+    "command",
+    "input",
+    "fault",
+    "late",
+    "cam_table",
+    "cam_table.segment",
+    "limits.band",
+];
+
+/// What is wrong with a line that is not TOML; `key` is the key on it, as far as it can be made out.
+pub(super) fn not_toml(key: &str, message: &str, source: &str) -> String {
     let message = one_line(message);
+    let source = source.trim_start_matches('\u{feff}').trim();
     if message.starts_with("duplicate key") {
-        return "given before; keep one of the two".to_owned();
+        return if source.starts_with('[') && LISTS.contains(&key) {
+            format!("given before, and it is a list; write [[{key}]] at each of its entries")
+        } else {
+            "given before; keep one of the two".to_owned()
+        };
     }
     if message.contains("recurs") {
         return "lists and tables are nested too deep; a program's blocks go 8 deep at most"
             .to_owned();
     }
-    format!(
-        "is not TOML, at `{}`: {message}; write `key = value`, a line each, under `[table]` headings: \
-         text in quotes, numbers without units",
-        quoted(source.trim_start_matches('\u{feff}').trim())
-    )
+    let right = meant(source).unwrap_or_else(|| {
+        "write `key = value`, a line each, under `[table]` headings: text in quotes, numbers without units".to_owned()
+    });
+    format!("is not TOML, at `{}`: {message}; {right}", quoted(source))
+}
+
+/// What a line should have been, where habits of other languages show.
+fn meant(line: &str) -> Option<String> {
+    if line.starts_with("//") || line.starts_with(';') {
+        return Some("a comment begins with #".to_owned());
+    }
+    let Some((key, value)) = line.split_once('=') else {
+        let (key, value) = line.split_once(':')?;
+        let (key, value) = (key.trim(), value.trim());
+        return bare(key).then(|| format!("write `{} = {}`", quoted(key), quoted(value)));
+    };
+    let value = value.trim();
+    let before = value.split("//").next().unwrap_or_default().trim();
+    if before.len() < value.len() {
+        return Some(format!(
+            "a comment begins with #: write `{} = {}  # …`",
+            quoted(key.trim()),
+            quoted(before)
+        ));
+    }
+    if let Some(value) = value.strip_suffix([';', ',']) {
+        let (key, value) = (quoted(key.trim()), quoted(value.trim_end()));
+        return Some(format!(
+            "nothing ends a line but its end: write `{key} = {value}`"
+        ));
+    }
+    let number = value.split('#').next().unwrap_or_default().trim();
+    let (whole, fraction) = number.split_once(',')?;
+    let point = format!("{}.{}", whole.trim(), fraction.trim());
+    let is_number = point.parse::<f64>().is_ok();
+    is_number.then(|| format!("a number has a decimal point: write {point}"))
 }
 
 /// Key and sentence for one of serde's messages; `written` is the text that it is about.
@@ -84,8 +133,8 @@ fn unknown_key(unknown: &str, known: &[&str]) -> String {
             "" => format!("did you mean `{key}`? "),
             unit => format!("did you mean `{key}`, in {unit}? "),
         }
-    } else if let Some(heading) = heading_of(unknown) {
-        format!("it belongs under {heading}; ")
+    } else if let Some(home) = home_of(unknown) {
+        format!("it belongs {home}; ")
     } else {
         String::new()
     };
@@ -129,7 +178,7 @@ fn wrong_type(path: &str, message: &str, written: &str) -> String {
         "usize" | "u32" | "u64" => "a whole number, 0 or more,",
         "a string" => "text in quotes",
         "a boolean" => "true or false",
-        "a tuple of size 2" => "a list of two numbers",
+        "an array of length 2" => "a list of two numbers",
         "an array of length 3" => "a list of three numbers",
         _ if expected.starts_with("a sequence") => "a list",
         _ if expected.starts_with("struct") => "a table",

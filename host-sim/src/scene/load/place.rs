@@ -43,7 +43,7 @@ pub(super) fn key_on_line(text: &str, line: usize) -> String {
             table = name.to_owned();
         } else if number == line {
             let key = line_text
-                .split(|c: char| c == '=' || c.is_whitespace())
+                .split(|c: char| c == '=' || c == ':' || c.is_whitespace())
                 .next()
                 .unwrap_or_default();
             return match (bare(key), table.is_empty()) {
@@ -62,7 +62,7 @@ fn between<'a>(line: &'a str, open: &str, close: &str) -> Option<&'a str> {
 }
 
 /// Whether a person could have meant this as a key.
-fn bare(key: &str) -> bool {
+pub(super) fn bare(key: &str) -> bool {
     (1..=64).contains(&key.len())
         && key
             .bytes()
@@ -96,27 +96,56 @@ pub(super) fn example(path: &str) -> Option<String> {
     })
 }
 
-/// The heading under which a key belongs, if it is a scene's key.
-pub(super) fn heading_of(key: &str) -> Option<String> {
-    SCENES.iter().find_map(|built_in| {
-        let whole = toml::Table::try_from(toml::from_str::<Scene>(built_in.text).ok()?).ok()?;
-        whole.into_iter().find_map(|(name, value)| match value {
-            toml::Value::Table(table) if table.contains_key(key) => Some(format!("[{name}]")),
+/// Where a key belongs, if it is a scene's key: at the top, or under a heading.
+pub(super) fn home_of(key: &str) -> Option<String> {
+    let scenes: Vec<toml::Table> = SCENES
+        .iter()
+        .filter_map(|built_in| {
+            toml::Table::try_from(toml::from_str::<Scene>(built_in.text).ok()?).ok()
+        })
+        .collect();
+    let is_at_top = |scene: &toml::Table| {
+        scene
+            .get(key)
+            .is_some_and(|value| !value.is_table() && !value.is_array())
+    };
+    if scenes.iter().any(is_at_top) {
+        return Some("at the top, above the first [table]".to_owned());
+    }
+    scenes
+        .into_iter()
+        .flatten()
+        .find_map(|(name, value)| match value {
+            toml::Value::Table(table) if table.contains_key(key) => Some(format!("under [{name}]")),
             toml::Value::Array(entries) if entries.iter().any(|e| e.get(key).is_some()) => {
-                Some(format!("[[{name}]]"))
+                Some(format!("under [[{name}]]"))
             }
             _ => None,
         })
+}
+
+/// A plain value that a built-in scene has at a key path.
+pub(super) fn example_value(path: &str) -> Option<toml::Value> {
+    SCENES.iter().find_map(|scene| {
+        let mut value = toml::Value::Table(toml::from_str(scene.text).ok()?);
+        for step in steps(path) {
+            value = match step {
+                Step::Name(name) => value.get(name)?.clone(),
+                // Any entry is as good an example as another.
+                Step::Entry(_) => value.get(0)?.clone(),
+            };
+        }
+        Some(value).filter(|value| !value.is_table() && !value.is_array())
     })
 }
 
 #[derive(Clone, Copy)]
-enum Step<'a> {
+pub(super) enum Step<'a> {
     Name(&'a str),
     Entry(usize),
 }
 
-fn steps(path: &str) -> impl Iterator<Item = Step<'_>> {
+pub(super) fn steps(path: &str) -> impl Iterator<Item = Step<'_>> {
     path.split('.').flat_map(|part| {
         let (name, entries) = part.split_once('[').unwrap_or((part, ""));
         let entries = entries
@@ -171,8 +200,9 @@ mod tests {
         ] {
             assert_eq!(example(path).as_deref(), written, "{path}");
         }
-        assert_eq!(heading_of("load_kg").as_deref(), Some("[machine]"));
-        assert_eq!(heading_of("amax_g").as_deref(), Some("[[program]]"));
-        assert_eq!(heading_of("colour"), None);
+        assert_eq!(home_of("load_kg").as_deref(), Some("under [machine]"));
+        assert_eq!(home_of("amax_g").as_deref(), Some("under [[program]]"));
+        assert!(home_of("fidelity").unwrap().starts_with("at the top"));
+        assert_eq!(home_of("colour"), None);
     }
 }

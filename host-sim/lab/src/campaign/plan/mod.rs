@@ -25,8 +25,9 @@ const ON_ROTORS_PERCENT: u32 = 10;
 /// One case.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Its number.
+    /// Its number, and the seed of its campaign.
     pub number: u64,
+    seed: u64,
     /// What its machine is called.
     pub machine: String,
     /// Its scene, with its fault.
@@ -44,6 +45,7 @@ impl Case {
         let mut scene = self.scene.clone();
         if clean {
             scene.name.push_str("-clean");
+            scene.description = title(self.number, self.seed, "no fault", &self.machine);
             scene.fault.clear();
         }
         scene
@@ -109,7 +111,7 @@ impl Plan {
             None => window(&scene, geometry.as_ref()),
         };
         scene.name = format!("case-{number}");
-        scene.description = format!("case {number} of seed {}: {machine}", self.seed);
+        scene.description = title(number, self.seed, kind.name(), &machine);
         scene.fault = vec![faults::draw(
             &mut stream,
             &scene,
@@ -119,10 +121,16 @@ impl Plan {
         )];
         Case {
             number,
+            seed: self.seed,
             machine,
             scene,
         }
     }
+}
+
+/// The description of a case's scene.
+fn title(number: u64, seed: u64, what: &str, machine: &str) -> String {
+    format!("case {number} of seed {seed}: {what} on the machine {machine}")
 }
 
 /// A machine for a kind of fault.

@@ -1,0 +1,66 @@
+//! Lists of a fixed length: the TOML reader fills a tuple with the first values and ignores the rest.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
+
+/// `N` values, no fewer and no more.
+struct Exactly<T, const N: usize>([T; N]);
+
+impl<'de, T: Deserialize<'de>, const N: usize> Deserialize<'de> for Exactly<T, N> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_seq(List(PhantomData))
+    }
+}
+
+struct List<T, const N: usize>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>, const N: usize> Visitor<'de> for List<T, N> {
+    type Value = Exactly<T, N>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "an array of length {N}")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
+        let mut values = Vec::with_capacity(N);
+        while values.len() < N
+            && let Some(value) = list.next_element()?
+        {
+            values.push(value);
+        }
+        let mut length = values.len();
+        while list.next_element::<IgnoredAny>()?.is_some() {
+            length += 1;
+        }
+        match values.try_into() {
+            Ok(values) if length == N => Ok(Exactly(values)),
+            _ => Err(A::Error::invalid_length(length, &self)),
+        }
+    }
+}
+
+/// Reads `[a, b]`.
+pub(super) fn pair<'de, D: Deserializer<'de>>(from: D) -> Result<(u32, u32), D::Error> {
+    let Exactly([a, b]) = Exactly::deserialize(from)?;
+    Ok((a, b))
+}
+
+/// Reads `[a, b]` of a key that may be missing; give the field `default` as well.
+pub(super) fn some_pair<'de, D: Deserializer<'de>>(
+    from: D,
+) -> Result<Option<(u32, u32)>, D::Error> {
+    pair(from).map(Some)
+}
+
+/// Reads `[[a, b], …]`.
+pub(super) fn pairs<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<(f64, f64)>, D::Error> {
+    let pairs = Vec::<Exactly<f64, 2>>::deserialize(from)?;
+    Ok(pairs.into_iter().map(|Exactly([a, b])| (a, b)).collect())
+}
+
+/// Reads `[a, b, c]` of a key that may be missing; give the field `default` as well.
+pub(super) fn some_three<'de, D: Deserializer<'de>>(from: D) -> Result<Option<[f64; 3]>, D::Error> {
+    Exactly::deserialize(from).map(|Exactly(values)| Some(values))
+}

@@ -1,0 +1,166 @@
+//! What else is wrong with the values of a scene, beside what was found first.
+//!
+//! Checks end at the first error. To find the next one, the value of the last is *mended*: left out, so that its default holds, or
+//! else as a built-in scene has it. Then the scene is checked again. An error that a mended value may have caused is not reported.
+
+use std::collections::BTreeMap;
+
+use toml::{Table, Value};
+
+use super::place::{Step, example_value, line_of_key, steps};
+use crate::scene::{Checked, Scene, SceneError};
+
+/// Errors that are reported together; after so many a file is not what was meant.
+const MOST: usize = 10;
+/// Times that a scene is checked for that.
+const MOST_CHECKS: usize = 40;
+
+/// The first error of a scene's text, with the others beside it in the order of their lines.
+pub(super) fn find(
+    text: &str,
+    first: SceneError,
+    check: impl Fn(Scene) -> Result<Checked, SceneError>,
+) -> SceneError {
+    let Ok(mut table) = toml::from_str::<Table>(text) else {
+        return first;
+    };
+    let mut found = vec![first.clone()];
+    let mut mended = Mended::default();
+    let mut last = first;
+    for _ in 0..MOST_CHECKS {
+        let Some((better, scene)) = mended.mend(&table, &last.key) else {
+            break;
+        };
+        table = better;
+        let Err(error) = check(scene) else { break };
+        if mended.is_not_the_cause_of(&error) && !found.iter().any(|other| is_one(&error, other)) {
+            found.push(error.clone());
+        }
+        if found.len() == MOST {
+            break;
+        }
+        last = error;
+    }
+    let on_its_line = |error: SceneError| SceneError {
+        line: line_of_key(text, &error.key),
+        ..error
+    };
+    let found = found.into_iter().map(on_its_line).collect();
+    SceneError::together(found).expect("the first is among them")
+}
+
+/// Keys whose values are mended, each with how often: left out at first, then as in a built-in scene.
+#[derive(Default)]
+struct Mended(BTreeMap<String, usize>);
+
+impl Mended {
+    /// The scene with another value at a key, or else without the table around it; none if it cannot be mended so.
+    fn mend(&mut self, table: &Table, key: &str) -> Option<(Table, Scene)> {
+        let mut place = without_entry(key);
+        while !place.is_empty() {
+            let times = self.0.entry(place.to_owned()).or_insert(0);
+            while *times < 2 {
+                *times += 1;
+                let is_value = place == without_entry(key);
+                let value = match (*times, is_value) {
+                    (1, _) => None,
+                    // Of a number that no built-in scene has, 1 is within the range of most.
+                    (_, true) => Some(example_value(place).unwrap_or(Value::Integer(1))),
+                    (_, false) => break,
+                };
+                let mut better = table.clone();
+                if put(&mut better, place, value).is_some()
+                    && let Ok(scene) = better.clone().try_into()
+                {
+                    return Some((better, scene));
+                }
+            }
+            place = without_entry(place.rsplit_once('.').map_or("", |(around, _)| around));
+        }
+        None
+    }
+
+    fn is_not_the_cause_of(&self, error: &SceneError) -> bool {
+        let mut keys = self.0.keys();
+        let is_range = is_range(error);
+        keys.all(|mended| {
+            error.key != *mended
+                && !error.problem.contains(mended.as_str())
+                && (is_range || !depends(&error.key, mended))
+        })
+    }
+}
+
+/// The list of an entry: without one entry, those behind it would have other numbers.
+fn without_entry(key: &str) -> &str {
+    let list = key.strip_suffix(']').and_then(|open| open.rsplit_once('['));
+    list.map_or(key, |(list, _)| list)
+}
+
+/// Whether a value is out of its range, whatever the other values are.
+fn is_range(error: &SceneError) -> bool {
+    [" is outside ", " finite number"]
+        .iter()
+        .any(|words| error.problem.contains(words))
+}
+
+/// Whether two errors, such as those of two axes, have one cause.
+fn is_one(error: &SceneError, other: &SceneError) -> bool {
+    error.problem == other.problem && !is_range(error)
+}
+
+/// Whether a check at `key`, beyond that of its own range, may look at the value of `other`.
+fn depends(key: &str, other: &str) -> bool {
+    let table = |key: &'_ str| key.rsplit_once('.').map(|(table, _)| table.to_owned());
+    if table(key) == table(other) {
+        return true;
+    }
+    let root = |key: &str| key.split(['.', '[']).next().unwrap_or_default().to_owned();
+    let other = root(other);
+    let among = |roots: &[&str]| roots.contains(&other.as_str());
+    match root(key).as_str() {
+        "program" => among(&["machine", "cam", "limits", "control", "program"]),
+        "limits" => among(&["machine", "cam", "control", "limits"]),
+        "axes" | "axis" => among(&["machine", "cam", "limits", "control", "cam_table", "axes"]),
+        "command" | "input" | "late" | "fault" | "cam_table" => among(&["axes"]),
+        _ => true,
+    }
+}
+
+/// Puts a value at a key, or takes the key out; none if there is no such place, or the machine itself would be taken out.
+fn put(table: &mut Table, key: &str, value: Option<Value>) -> Option<()> {
+    let (parent, name) = key.rsplit_once('.').unwrap_or(("", key));
+    let parent = steps(parent)
+        .filter(|step| !matches!(step, Step::Name("")))
+        .try_fold(Place::Table(table), |place, step| match (place, step) {
+            (Place::Table(table), Step::Name(name)) => place_of(table.get_mut(name)?),
+            (Place::List(list), Step::Entry(entry)) => place_of(list.get_mut(entry)?),
+            _ => None,
+        })?;
+    let Place::Table(parent) = parent else {
+        return None;
+    };
+    match value {
+        Some(value) => {
+            parent.insert(name.to_owned(), value);
+        }
+        None if ["machine", "cam"].contains(&key) => return None,
+        None => {
+            parent.remove(name)?;
+        }
+    }
+    Some(())
+}
+
+enum Place<'a> {
+    Table(&'a mut Table),
+    List(&'a mut Vec<Value>),
+}
+
+fn place_of(value: &mut Value) -> Option<Place<'_>> {
+    match value {
+        Value::Table(table) => Some(Place::Table(table)),
+        Value::Array(list) => Some(Place::List(list)),
+        _ => None,
+    }
+}

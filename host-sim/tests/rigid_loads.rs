@@ -1,0 +1,50 @@
+//! Loads on machines whose cranks are all on one shaft.
+
+use host_sim::fidelity::{Output, answers, check};
+use host_sim::scene::file::Fidelity;
+use host_sim::scene::{Checked, load};
+
+fn scene(axes: usize, more: &str) -> Checked {
+    let text = format!(
+        "name = \"loads\"\n{more}\
+         [machine]\ncrank_radius_mm = 10\nlambda = 0.25\nload_kg = 4\n\
+         [limits]\nspeed_hz = 20\nacceleration_hz_per_s = 20\njerk_hz_per_s2 = 200\n\
+         [axes]\ncount = {axes}\nsteps_per_turn = 3200\nrotor_inertia_kgm2 = 1e-3\nfriction_nm = 0.2\n\
+         drive = \"servo\"\nservo = {{ position_gain_per_s = 100, velocity_gain_nms = 1.0 }}\n\
+         [[program]]\namax_g = 5\nramp_s = 0.3\nhold_s = 0.3\n"
+    );
+    Checked::new(load::parse(&text).unwrap()).unwrap()
+}
+
+const NOISE: &str = "noise = { load_nm = 0.3 }\n";
+const STEP: &str = "fault = [{ at_s = 0.5, kind = \"load-step\", axis = 1, torque_nm = 2 }]\n";
+
+/// Were it wrong, a load on one crank would be written into the state of a crank that the one shaft does not have.
+#[test]
+fn loads_act_on_one_shaft() {
+    for axes in 2..=6 {
+        let torque = |more: &str| {
+            let checked = scene(axes, &format!("fidelity = \"rigid\"\n{more}"));
+            let found = answers(&checked, Fidelity::Rigid).unwrap();
+            found.of(Output::Torque).expect("torque moves the shaft")
+        };
+        let unloaded = torque("");
+        // The step is shared by all motors, which carry it alike.
+        let shared = torque(STEP) - unloaded;
+        assert!(
+            (0.5..2.0).contains(&(shared * axes as f64 / 2.0)),
+            "{shared}"
+        );
+        assert_ne!(torque(NOISE), unloaded, "{axes} axes");
+    }
+}
+
+/// Were it wrong, the default model level would fail in the sample that it is checked with.
+#[test]
+fn auto_runs_its_sample_under_loads() {
+    for more in [NOISE, STEP] {
+        let questions = "questions = { lag_deg = 0.05, torque_percent = 3 }\n";
+        let checked = scene(6, &format!("fidelity = \"auto\"\n{questions}{more}"));
+        assert!(check(checked).is_ok(), "{more}");
+    }
+}
