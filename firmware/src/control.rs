@@ -21,29 +21,30 @@ use crate::board::{has_passed, lines};
 use crate::report::Reporter;
 
 /// The world of the loop.
+#[repr(C)] // What every tick needs comes first: instructions reach 32 bytes, or 128 by words.
 pub struct Board {
-    /// Where step edges are made.
-    pub steps: Steps,
-    /// Where index pulses are timed.
-    pub index: Index,
-    /// What makes pulses of the index lines' changes.
-    pub filters: heapless::Vec<IndexFilter, MAX_AXES>,
-    /// What restarts a loop that hangs.
-    pub watchdog: Fed,
-    /// Start and reset.
-    pub button: Button,
-    /// Control ticks since power-up.
-    pub ticks: u32,
     /// What the machine was last said to be doing.
     pub state: State,
-    /// What is reported.
-    pub reporter: Reporter,
     /// The trigger's level while the output that was handed over last is played.
     pub sync: bool,
+    /// Control ticks since power-up.
+    pub ticks: u32,
     /// An axis that underran, until it has been reported to the loop.
     pub fifo_underrun: Option<usize>,
     /// The deadline that ends the tick whose index pulses are read next; none before the machines were let go.
     pub read_to: Option<Instant>,
+    /// What restarts a loop that hangs.
+    pub watchdog: Fed,
+    /// Start and reset.
+    pub button: Button,
+    /// Where index pulses are timed.
+    pub index: Index,
+    /// What is reported.
+    pub reporter: Reporter,
+    /// Where step edges are made.
+    pub steps: Steps,
+    /// What makes pulses of the index lines' changes.
+    pub filters: heapless::Vec<IndexFilter, MAX_AXES>,
 }
 
 impl Board {
@@ -54,26 +55,8 @@ impl Board {
             return pulses;
         };
         while has_passed(deadline) {
-            let filters = &mut self.filters;
-            self.index.read(|change| {
-                let (mut changed, mut levels) = (change.changed, change.levels);
-                for filter in filters.iter_mut() {
-                    if changed == 0 {
-                        break;
-                    }
-                    if changed & 1 != 0 {
-                        filter.change(change.cycle, levels & 1 != 0);
-                    }
-                    changed >>= 1;
-                    levels >>= 1;
-                }
-            });
-            // In most ticks no line did anything, and all filters can be passed over: half of what reading costs.
-            let pending = self.index.pending() & ((1 << self.filters.len()) - 1);
-            if pending != 0 {
-                self.end_index_tick(pending, &mut pulses);
-            }
-            self.index.end_tick();
+            self.index.read(&mut self.filters);
+            self.index.end_tick(&mut self.filters, &mut pulses);
             let next = deadline
                 .as_ticks()
                 .wrapping_add(self.steps.tick().as_ticks());
@@ -81,23 +64,6 @@ impl Board {
         }
         self.read_to = Some(deadline);
         pulses
-    }
-
-    /// Ends a tick for those filters that have something under way, and takes what pulses they confirmed.
-    #[inline(never)]
-    fn end_index_tick(&mut self, mut pending: u8, pulses: &mut PerAxis<Option<IndexPulse>>) {
-        let cycles = self.index.tick_cycles();
-        for (axis, (filter, pulse)) in self.filters.iter_mut().zip(pulses).enumerate() {
-            if pending & 1 != 0 {
-                if let Some(confirmed) = filter.end_tick(cycles) {
-                    *pulse = Some(confirmed);
-                }
-                if filter.is_quiet(cycles) {
-                    self.index.clear_pending(axis);
-                }
-            }
-            pending >>= 1;
-        }
     }
 }
 

@@ -32,56 +32,54 @@ use punctuality::Punctuality;
 
 /// The control loop's state, less its waiting.
 #[derive(Clone, Debug)]
+#[repr(C)] // What every tick needs comes first: the board's instructions reach 32 bytes, or 128 by words.
 pub struct Controller {
-    tick_hz: u32,
-    mechanism: AnyMechanism,
-    program: Program,
-    cursor: Cursor,
-    target: Target,
-    /// The level towards which the program goes, and the speed that belongs to it.
-    end: (Amax, Turns),
-    shaft: Shaft,
-    /// Phase at which the cranks park, as they stand, and as the master counts it.
-    park_crank: Turns,
-    park: Turns,
-    channels: heapless::Vec<Channel, MAX_AXES>,
-    /// Turns that the axes were commanded in the last outputs.
-    history: History,
-    has_servos: bool,
-    step_rate: StepRates,
-    /// Axis that has a plan of its own because its phase offset moves.
-    apart: Option<usize>,
-    /// Axes that do not make the master's own turns.
-    followers: AxisSet,
-    /// Curves of the cam tables.
-    cams: Cams,
-    drift: DriftMonitor,
-    homing: Homing,
-    offsets: PhaseOffsets,
-    correction: Correction,
-    coupling: Option<Coupling>,
-    supervisor: Supervisor,
-    /// Event that is published a tick later, as another was published in this one.
-    unpublished: Option<Fault>,
-    /// The stop input's level in the last tick.
-    stop_input: bool,
-    /// The tick in which the drives were on last.
-    driven: u64,
-    motion: Motion,
-    ticks: u64,
-    punctuality: Punctuality,
-    overrun: Option<Fault>,
     /// This tick has done work that is not due in every tick.
     is_busy: bool,
     /// Ticks in a row that were busy.
     busy_ticks: u8,
     /// Deadlines were missed: what the index sensors said since belongs to no known phase.
     was_late: bool,
+    /// The stop input's level in the last tick.
+    stop_input: bool,
+    has_servos: bool,
+    /// Axes that do not make the master's own turns.
+    followers: AxisSet,
+    /// Axis that has a plan of its own because its phase offset moves.
+    apart: Option<usize>,
+    punctuality: Punctuality,
+    tick_hz: u32,
+    motion: Motion,
+    target: Target,
+    ticks: u64,
+    /// The tick in which the drives were on last.
+    driven: u64,
+    /// The level towards which the program goes, and the speed that belongs to it.
+    end: (Amax, Turns),
+    /// Phase at which the cranks park, as they stand, and as the master counts it.
+    park_crank: Turns,
+    park: Turns,
+    supervisor: Supervisor,
+    /// Event that is published a tick later, as another was published in this one.
+    unpublished: Option<Fault>,
+    overrun: Option<Fault>,
+    shaft: Shaft,
+    step_rate: StepRates,
+    /// Turns that the axes were commanded in the last outputs.
+    history: History,
+    cursor: Cursor,
+    program: Program,
+    mechanism: AnyMechanism,
+    channels: heapless::Vec<Channel, MAX_AXES>,
+    drift: DriftMonitor,
+    offsets: PhaseOffsets,
+    correction: Correction,
+    homing: Homing,
+    /// Curves of the cam tables.
+    cams: Cams,
+    coupling: Option<Coupling>,
     output: Output,
 }
-
-/// Ticks after a stop in which its last pulses still lead to a report: 2 until a tick is read, `MAX_AXES` + 3 until it is evaluated.
-const LAST_PULSES: u64 = 7 + MAX_AXES as u64;
 
 /// Busy ticks in a row after which further work is no longer postponed: more than the pulses of all axes and a correction take.
 const MOST_BUSY_TICKS: u8 = MAX_AXES as u8 + 12;
@@ -187,7 +185,7 @@ impl Controller {
         self.stop_input = feedback.inputs.stop;
         self.output.telemetry.event = None;
         if is_new || stop || reported.is_some() || self.unpublished.is_some() {
-            self.publish(is_new, reported, stop);
+            self.publish(is_new, reported.as_ref(), stop);
         }
         let demand = self.demand(action);
         self.motion = self.shaft.advance(demand);
@@ -206,32 +204,20 @@ impl Controller {
     /// Collects what was detected since the last tick; returns the event to report, if there is one.
     #[inline(never)]
     fn observe(&mut self, feedback: &Feedback, input: &mut SupervisorInput) -> Option<Fault> {
-        let mut found = self.measure(feedback);
         // To plan a stop takes as long as any of the work that can wait.
-        self.is_busy = self.drift.is_busy() || self.is_about_to_stop(feedback);
-        let drives_on = self.supervisor.drives_enabled();
-        if drives_on {
+        let is_about_to_stop = self.is_about_to_stop(feedback);
+        let mut found = self.measure(feedback, !is_about_to_stop);
+        self.is_busy = self.drift.is_busy() || is_about_to_stop;
+        if self.supervisor.drives_enabled() {
             self.driven = self.ticks;
         }
-        if let Some(finding) = &mut found {
-            // What cranks do that nothing drives is nobody's fault. But a name may come with the last of a stop's pulses.
-            let in_time = finding.supersedes && self.ticks - self.driven <= LAST_PULSES;
-            if !drives_on && !in_time {
-                found = None;
-            } else if finding.fault.kind == FaultKind::HomingRangeExceeded
-                && let Some(fault) = self.homing.explain(&self.drift, &self.offsets)
-            {
-                finding.fault = fault;
-            }
+        if found.is_some() {
+            found = self.judge(found);
         }
-        if self.supervisor.state() == State::Homing && found.is_none() {
-            found = self.find_out();
-        } else if self.offsets.corrects() && self.supervisor.state() == State::Run {
-            let swapped = self.correct();
-            // What is reported within limits of cranks that are driven apart comes of that.
-            if swapped.is_some() {
-                found = found.filter(|found| !found.within_limits).or(swapped);
-            }
+        match self.supervisor.state() {
+            State::Homing if found.is_none() => found = self.find_out(),
+            State::Run if self.has_correction_to_do() => found = self.correct(found),
+            _ => {}
         }
         input.at_rest = self.motion.at_rest;
         input.homed = self.homing.is_done();
@@ -252,7 +238,7 @@ impl Controller {
 
     /// Reads the sensors.
     #[inline(never)]
-    fn measure(&mut self, feedback: &Feedback) -> Option<Finding> {
+    fn measure(&mut self, feedback: &Feedback, may_process: bool) -> Option<Finding> {
         let sensed = Sensed {
             index: &feedback.index,
             encoder: &feedback.encoder,
@@ -261,7 +247,7 @@ impl Controller {
             history: &self.history,
             correction: self.offsets.now(),
             speed: self.motion.speed,
-            may_process: !self.is_about_to_stop(feedback),
+            may_process,
         };
         if core::mem::take(&mut self.was_late) {
             self.drift.disregard(&sensed);
@@ -291,6 +277,7 @@ impl Controller {
     }
 
     /// Continues homing.
+    #[inline(never)]
     fn find_out(&mut self) -> Option<Finding> {
         let found = self
             .homing
@@ -379,7 +366,10 @@ impl Controller {
         output.sync = within.to_bits() < ONE_TURN / 2;
         let telemetry = &mut output.telemetry;
         telemetry.state = self.supervisor.state();
-        telemetry.fault = self.supervisor.fault();
+        // Mostly there is none, before and after.
+        if telemetry.fault.is_some() || self.supervisor.has_fault() {
+            telemetry.fault = self.supervisor.fault();
+        }
         if !matches!(action, Action::Play | Action::Hold) {
             telemetry.amax_requested = Amax::ZERO;
         }

@@ -5,6 +5,11 @@
 //! has not after [`CHORD_LIMIT`] iterations, it starts over with a Jacobian of its own at each, up to
 //! [`NEWTON_LIMIT`].
 //!
+//! **Damping.** Where a rate levels off, as dry friction does beside standstill, whole corrections jump from one level side to
+//! the other without end. So in these later iterations a correction is halved, up to [`HALVINGS`] times, until the next one,
+//! by the same Jacobian, would be shorter: the natural monotonicity test of P. Deuflhard, *Newton Methods for Nonlinear
+//! Problems*, 2004, section 3.3.
+//!
 //! **Tolerance.** The iteration ends when no component is moved by more than [`TOLERANCE`] of its own size (|y| + |z|)
 //! plus what rounding alone can move it: [`ROUNDINGS`] ε of hγ Σ |J_ij| |y_j|, the sum that its rate is computed from. (And what has decayed to below 2e-308, where `f64` loses its digits, may move by that.) The
 //! correction is still made, so what is left is smaller by the factor at which the iteration converges. If the iteration
@@ -26,7 +31,10 @@ pub const ROUNDINGS: f64 = 16.0;
 pub const CHORD_LIMIT: u32 = 10;
 
 /// Most iterations, after those, with a Jacobian of their own.
-pub const NEWTON_LIMIT: u32 = 25;
+pub const NEWTON_LIMIT: u32 = 50;
+
+/// Most halvings of one correction.
+pub const HALVINGS: u32 = 12;
 
 /// Solves the stages of one method, at one hγ.
 #[derive(Clone, Debug)]
@@ -41,6 +49,11 @@ pub(crate) struct Stage {
     rates: Vec<f64>,
     guess: Vec<f64>,
     correction: DVector<f64>,
+    /// Where a damped correction starts, and the whole of it.
+    start: Vec<f64>,
+    whole: DVector<f64>,
+    /// Tolerance of each component's correction.
+    allowed: Vec<f64>,
     /// What rounding can move each component by.
     rounding: Vec<f64>,
 }
@@ -58,6 +71,9 @@ impl Stage {
             rates: zeros(),
             guess: zeros(),
             correction: DVector::zeros(dimension),
+            start: zeros(),
+            whole: DVector::zeros(dimension),
+            allowed: zeros(),
             rounding: zeros(),
         }
     }
@@ -97,7 +113,7 @@ impl Stage {
         for _ in 0..NEWTON_LIMIT {
             self.place(base, z);
             self.linearise(equations, t_s)?;
-            excess = self.correct(equations, t_s, base, z);
+            excess = self.correct_damped(equations, t_s, base, z);
             if excess <= 1.0 {
                 return Ok(());
             }
@@ -115,20 +131,76 @@ impl Stage {
         })
     }
 
-    /// One iteration. Gives the correction as a multiple of the tolerance, NaN if it is not a number.
+    /// One iteration. Returns the correction as a multiple of the tolerance, NaN if it is not a number.
     fn correct(&mut self, equations: &dyn Equations, t_s: f64, base: &[f64], z: &mut [f64]) -> f64 {
         self.place(base, z);
+        self.find_correction(equations, t_s, z);
+        for (z, correction) in z.iter_mut().zip(&self.correction) {
+            *z += correction;
+        }
+        self.allow(z);
+        self.excess()
+    }
+
+    /// One iteration with the Jacobian at `z`, damped. Returns as [`Self::correct`] does; a damped correction is never within
+    /// the tolerance.
+    fn correct_damped(
+        &mut self,
+        equations: &dyn Equations,
+        t_s: f64,
+        base: &[f64],
+        z: &mut [f64],
+    ) -> f64 {
+        self.start.copy_from_slice(z);
+        self.place(base, z);
+        self.find_correction(equations, t_s, z);
+        self.whole.copy_from(&self.correction);
+        let mut damping = 1.0;
+        let mut excess = f64::INFINITY;
+        for _ in 0..=HALVINGS {
+            for ((z, start), correction) in z.iter_mut().zip(&self.start).zip(&self.whole) {
+                *z = start + damping * correction;
+            }
+            if damping == 1.0 {
+                self.allow(z);
+                excess = self.excess();
+                if excess <= 1.0 || !excess.is_finite() {
+                    return excess;
+                }
+            }
+            self.place(base, z);
+            self.find_correction(equations, t_s, z);
+            let next = self.excess();
+            // What is not a number is reported by the next iteration, and not avoided.
+            if next.is_nan() || next <= (1.0 - 0.5 * damping) * excess {
+                break;
+            }
+            damping *= 0.5;
+        }
+        excess.max(2.0)
+    }
+
+    /// Solves for the correction of `z`, where the state of the stage is `self.at`.
+    fn find_correction(&mut self, equations: &dyn Equations, t_s: f64, z: &[f64]) {
         equations.rates(t_s, &self.at, &mut self.rates);
         for (i, correction) in self.correction.iter_mut().enumerate() {
             *correction = self.h_gamma_s * self.rates[i] - z[i];
         }
         self.factors.solve(&mut self.correction);
+    }
+
+    /// Sets the tolerance of each component for a stage whose state is `self.at` and that moves to `z`.
+    fn allow(&mut self, z: &[f64]) {
+        for (i, allowed) in self.allowed.iter_mut().enumerate() {
+            let size = self.at[i].abs() + z[i].abs();
+            *allowed = TOLERANCE * size + self.rounding[i] + f64::MIN_POSITIVE;
+        }
+    }
+
+    /// The correction as a multiple of the tolerance, NaN if it is not a number.
+    fn excess(&self) -> f64 {
         let mut excess = 0.0;
-        for (i, z) in z.iter_mut().enumerate() {
-            let correction = self.correction[i];
-            *z += correction;
-            let allowed =
-                TOLERANCE * (self.at[i].abs() + z.abs()) + self.rounding[i] + f64::MIN_POSITIVE;
+        for (correction, allowed) in self.correction.iter().zip(&self.allowed) {
             // Not f64::max, which passes over NaN.
             let this = correction.abs() / allowed;
             if this > excess || this.is_nan() {

@@ -52,6 +52,60 @@ impl Equations for Growth {
     }
 }
 
+/// A rotor with dry friction that turns round over 0.06 rad/s: ω′ = push − rate · tanh(ω/0.06), in rad/s².
+struct Friction {
+    push: f64,
+    rate: f64,
+}
+
+impl Equations for Friction {
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    fn rates(&self, _: f64, y: &[f64], rates: &mut [f64]) {
+        rates[0] = self.push - self.rate * (y[0] / 0.06).tanh();
+    }
+}
+
+/// Were corrections not damped, they would jump from one side of standstill to the other, and a machine with strong friction
+/// could not come to rest.
+#[test]
+fn friction_brings_a_rotor_to_rest() {
+    for scheme in [Scheme::ImplicitMidpoint, Scheme::Sdirk4] {
+        for rate in [10.0, 100.0, 1e3, 1e4, 1e5] {
+            for part in [-0.9, 0.0, 0.3, 0.9] {
+                let friction = Friction {
+                    push: part * rate,
+                    rate,
+                };
+                for speed in [-40.0_f64, -0.7, 0.01, 3.0, 20.0] {
+                    let mut method = scheme.prepare(&friction, 5e-4).unwrap();
+                    let mut y = [speed];
+                    // Twice the time that what is left of friction takes.
+                    let steps = 2.0 * speed.abs() / (rate * 0.1 * 5e-4) + 100.0;
+                    for step in 0..(steps as u32).min(5_000) {
+                        let stepped = method.step(&friction, f64::from(step) * 5e-4, &mut y);
+                        assert_eq!(
+                            stepped,
+                            Ok(()),
+                            "{scheme}, {rate} from {speed}, step {step}"
+                        );
+                    }
+                    if scheme == Scheme::Sdirk4 && (1e3..=1e4).contains(&rate) {
+                        let at_rest = 0.06 * f64::atanh(part);
+                        assert!(
+                            (y[0] - at_rest).abs() < 1e-6,
+                            "{rate} from {speed}: {}",
+                            y[0]
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Were NaN passed on, or half a step kept, the machine would be somewhere it never was.
 #[test]
 fn a_value_that_is_none_is_reported_and_the_state_kept() {

@@ -81,10 +81,16 @@ impl Faults {
     }
 
     /// What is wrong with each drive in the tick that begins at `start_us`; none in a scene where nothing ever is.
+    #[inline]
     pub fn disturbance(&mut self, start_us: u64) -> Option<Axes<Disturbance>> {
         if self.planned.is_empty() && !self.touches_drives {
             return None;
         }
+        self.disturb(start_us)
+    }
+
+    #[inline(never)]
+    fn disturb(&mut self, start_us: u64) -> Option<Axes<Disturbance>> {
         let new = self.begin(start_us, is_of_a_tick);
         if !self.touches_drives {
             return None;
@@ -137,14 +143,17 @@ impl Faults {
     }
 
     /// Extra index pulses that begin in the tick from `start_us`: on which axis, after which part of it, and how many.
+    #[inline]
     pub fn extra(&mut self, start_us: u64) -> Vec<(usize, Extra)> {
-        if !self
-            .planned
-            .iter()
-            .any(|planned| is_of_index(planned.fault.kind))
-        {
+        let is_of_index = |planned: &Planned| is_of_index(planned.fault.kind);
+        if !self.planned.iter().any(is_of_index) {
             return Vec::new();
         }
+        self.begin_extra(start_us)
+    }
+
+    #[inline(never)]
+    fn begin_extra(&mut self, start_us: u64) -> Vec<(usize, Extra)> {
         let end_us = start_us + self.tick_us - 1;
         let new = self.begin(end_us, is_of_index);
         let mut extra = Vec::new();

@@ -43,6 +43,11 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
         checked.choice = Some(choice);
         return Ok(checked);
     };
+    let is_lowest = below.first() == Some(&choice.model_level);
+    if is_lowest && is_undisturbed(&checked) && judge(choice.model_level).iter().all(is_plain) {
+        checked.choice = Some(choice);
+        return Ok(checked);
+    }
     let right = answers(&checked, top)?;
     // The lowest first: bounds are wide.
     for &model_level in below {
@@ -58,6 +63,17 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
     }
     let judged = judge(top);
     Ok(taken(checked, &choice, top, judged))
+}
+
+/// Whether the bound alone is enough for the lowest model level, which no sample can lower.
+fn is_plain(judged: &Judged) -> bool {
+    let bound = judged.bound.unwrap_or(f64::INFINITY);
+    bound <= WELL_WITHIN * judged.tolerance
+}
+
+/// Whether nothing happens to the machine that bounds do not know of.
+fn is_undisturbed(checked: &Checked) -> bool {
+    checked.scene.fault.is_empty() && checked.scene.noise.load_nm == 0.0
 }
 
 /// Whether the sample shows an output to be well within its tolerance, where it may say so at all.

@@ -18,7 +18,9 @@ pub const LADDER: [Fidelity; 5] = [
 /// What a scene asks: what it declares, or else whether its motors keep step, if it says what they can.
 pub fn questions(checked: &Checked) -> Questions {
     let declared = checked.scene.questions;
-    if declared.is_none() && !checked.scene.axes.pull_out.is_empty() {
+    let axes = &checked.scene.axes;
+    let limits_servos = axes.servo.is_some_and(|servo| servo.limit_nm.is_some());
+    if declared.is_none() && (limits_servos || !axes.pull_out.is_empty()) {
         return Questions {
             slips: Some(true),
             ..declared
@@ -62,6 +64,10 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
     let bounds = Bounds::new(checked);
     let bounds = match bounds {
         Ok(bounds) => bounds,
+        // Of servos the torques cannot be compared without rotors.
+        Err(_) if checked.scene.questions.is_none() && checked.scene.axes.pull_out.is_empty() => {
+            return Ok(without_questions(checked));
+        }
         // Nothing was requested explicitly: the torques are compared, and that is said.
         Err(_) if checked.scene.questions.is_none() => {
             return Ok(Choice {

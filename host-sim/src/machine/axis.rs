@@ -304,7 +304,7 @@ impl SimulatedAxis {
     }
 
     /// Plays one tick; what came before the index sensor in it, if anything did.
-    #[inline]
+    #[inline(always)] // One axis is independent of the next, and its division takes long.
     pub fn play(
         &mut self,
         plan: &mut Plan<'_>,

@@ -54,6 +54,11 @@ impl Passages {
         }
     }
 
+    /// Axes before whose sensors something came, a bit each.
+    pub const fn brought(&self) -> u8 {
+        self.brought
+    }
+
     /// What came before the sensor of an axis, if anything did.
     #[inline]
     pub fn get(&self, axis: usize) -> Option<Passed> {

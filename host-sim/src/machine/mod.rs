@@ -30,7 +30,7 @@ pub use flag::{Extra, Flag};
 pub use index::{IndexSensor, Line, Passages, Passed};
 pub use platform::{Platform, Pose};
 pub use pull_out::PullOut;
-pub use rotors::{Broken, Chosen, DriveCommand, MOST_STEPS, RESOLUTION, Rotors};
+pub use rotors::{Broken, Cause, Chosen, DriveCommand, MOST_STEPS, RESOLUTION, Rotors};
 
 use cophase_core::pulse::{Runs, Sharing};
 use cophase_core::servo::Setpoint;
@@ -134,8 +134,8 @@ pub struct Machine {
     rotors: Option<Rotors>,
     /// Where axes are cam shafts.
     followers: Option<Followers>,
-    /// Which motors have encoders that are read.
-    has_encoder: Axes<bool>,
+    /// Which motors have encoders that are read, a bit each.
+    has_encoder: u8,
     /// What has become of drives that do not do as commanded; none where all do.
     faulted_drives: Option<FaultedDrives>,
 }
@@ -189,7 +189,8 @@ impl Machine {
         let tick_cycles = settings.tick_cycles();
         let flag_cycles = (FLAG_S * f64::from(settings.clock_hz)).round() as u32;
         Ok(Self {
-            has_encoder: settings.axes.iter().map(|axis| axis.encoder).collect(),
+            has_encoder: (settings.axes.iter().rev())
+                .fold(0, |bits, axis| bits << 1 | u8::from(axis.encoder)),
             faulted_drives: checked
                 .scene
                 .touches_drives()

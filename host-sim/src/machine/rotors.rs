@@ -5,7 +5,7 @@
 //! whose drives are off run on under load and friction.
 
 use cophase_core::units::MAX_AXES;
-use cophase_methods::{Method, Scheme, StepError, Unstable};
+use cophase_methods::{Method, Scheme, StepError, Unstable, advance};
 
 use crate::dynamics::{Driven, Field, FrameMotion, Mode, PlaneMotion};
 
@@ -94,6 +94,8 @@ pub struct Rotors {
     method: Box<dyn Method>,
     steps: u32,
     state: Vec<f64>,
+    /// State at the beginning of the last tick.
+    before: Vec<f64>,
     /// Rates of the state, and torques of the motors, N·m, at the last tick's end.
     rates: Vec<f64>,
     torques_nm: [f64; MAX_AXES],
@@ -115,10 +117,9 @@ pub enum Broken {
     /// A step was not made.
     #[error(transparent)]
     Step(#[from] StepError),
-    /// A method that fails no step made what no machine does.
+    /// A crank turns faster than any of its machine is to.
     #[error(
-        "crank {axis} turns at {speed_hz:.0} rev/s at t = {t_s} s, which is beyond any speed of this machine: the step is too long for \
-         this method on motors whose torque is no straight line; take more method.steps_per_tick, or RK4"
+        "crank {axis} turns at {speed_hz:.0} rev/s at t = {t_s:.4} s, which is beyond any speed of this machine: {cause}"
     )]
     RanAway {
         /// When, s.
@@ -127,8 +128,31 @@ pub enum Broken {
         axis: usize,
         /// Its speed.
         speed_hz: f64,
+        /// Why.
+        cause: Cause,
     },
 }
+
+/// Why a crank turns faster than any of its machine is to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Cause {
+    /// With shorter steps it turns at another speed.
+    #[error(
+        "the step is too long for this method on motors whose torque is no straight line; take more method.steps_per_tick, or RK4"
+    )]
+    Step,
+    /// With shorter steps it turns at the same speed.
+    #[error(
+        "shorter steps give the same speed, so the torque on this crank is that large; look at its drive (axes.servo.limit_nm \
+         limits its torque), at its load, and at cranks that stand apart and bend rods (offset_deg, start_deg, machine.rod_n_per_um)"
+    )]
+    Torque,
+}
+
+/// A tick is replayed with so many times the steps, to find out why a crank ran away; speeds within this part of each other are
+/// the same.
+const REPLAY_STEPS: u32 = 16;
+const REPLAY_PART: f64 = 0.02;
 
 impl Rotors {
     /// At rest where `commanded` has them, to be advanced by ticks of `tick_s`, as chosen.
@@ -164,6 +188,7 @@ impl Rotors {
         let rates = vec![0.0; state.len()];
         Ok(Self {
             platform: driven.platform(&state, &rates),
+            before: state.clone(),
             rates,
             torques_nm: [0.0; MAX_AXES],
             driven,
@@ -249,6 +274,7 @@ impl Rotors {
         if !energised {
             self.driven.forget(&mut self.state);
         }
+        self.before.copy_from_slice(&self.state);
         for step in 0..self.steps {
             let t_s = f64::from(step) * self.method.step_s();
             if let Err(error) = self.method.step(&self.driven, t_s, &mut self.state) {
@@ -276,7 +302,25 @@ impl Rotors {
             t_s: self.ticks as f64 * self.tick_s,
             axis,
             speed_hz: speeds[axis].abs() / std::f64::consts::TAU,
+            cause: self.cause(from + axis),
         })
+    }
+
+    /// Why this component of the state went where it is: the last tick is replayed with shorter steps.
+    fn cause(&self, component: usize) -> Cause {
+        let steps = REPLAY_STEPS * self.steps;
+        let step_s = self.tick_s / f64::from(steps);
+        let replayed = self.scheme.prepare(&self.driven, step_s).ok();
+        let replayed = replayed.and_then(|mut method| {
+            let mut state = self.before.clone();
+            advance(method.as_mut(), &self.driven, 0.0, steps, &mut state).ok()?;
+            Some(state[component])
+        });
+        let here = self.state[component];
+        match replayed {
+            Some(there) if (there - here).abs() <= REPLAY_PART * here.abs() => Cause::Torque,
+            _ => Cause::Step,
+        }
     }
 
     /// Speed and acceleration of the cranks, their means, rad/s and rad/s².

@@ -44,9 +44,11 @@ impl Machine {
     /// Counts of all encoders; 0 of those that are not read.
     pub fn encoders(&self) -> PerAxis<i32> {
         let mut counts = PerAxis::default();
-        for (i, (counts, &has_encoder)) in counts.iter_mut().zip(&self.has_encoder).enumerate() {
-            if has_encoder {
-                *counts = self.encoder(i);
+        if self.has_encoder != 0 {
+            for (i, counts) in counts.iter_mut().enumerate() {
+                if self.has_encoder >> i & 1 != 0 {
+                    *counts = self.encoder(i);
+                }
             }
         }
         counts

@@ -46,10 +46,6 @@ fn answered(judged: &Judged) -> String {
         _ => format!(", required to {} {}", judged.tolerance, output.unit()),
     };
     let bound = match judged.bound {
-        // Nothing above it to be off from.
-        Some(bound) if judged.measured.is_none() && bound < judged.tolerance => {
-            "this is the top model level that the scene says enough for".to_owned()
-        }
         Some(bound) if bound.is_finite() => format!("off by at most {}", with_unit(bound)),
         _ => "nothing bounds how far it is off".to_owned(),
     };

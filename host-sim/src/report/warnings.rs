@@ -4,6 +4,7 @@
 use cophase_core::drift::{Knowledge, Mount};
 use cophase_core::supervisor::State;
 
+use crate::fidelity::Bounds;
 use crate::scene::Checked;
 use crate::scene::file::{CommandAt, CommandName, Drive, FaultAt, FaultName};
 use crate::sim::Outcome;
@@ -13,6 +14,7 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     let (scene, statistics) = (&checked.scene, &outcome.statistics);
     let mut warnings = Vec::new();
     warnings.extend(unwatched(checked));
+    warnings.extend(lacking(checked));
     warnings.extend(beyond_pull_out(checked));
     warnings.extend(before_start(&scene.command));
     if let Some(why) = &outcome.diverged {
@@ -68,6 +70,18 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
         ));
     }
     warnings
+}
+
+/// Motors that lack torque for the program, whatever the model level shows of them. Where none is left, [`beyond_pull_out`]
+/// says why.
+fn lacking(checked: &Checked) -> Option<String> {
+    let (axis, ratio) = Bounds::new(checked).ok()?.torque_ratio()?;
+    (ratio > 1.0 && ratio.is_finite()).then(|| {
+        format!(
+            "The motors lack torque: that of axis {axis} needs {ratio:.1} times what it has. Lower the program's speed or the load, \
+             or take stronger motors (axes.pull_out, axes.servo.limit_nm)."
+        )
+    })
 }
 
 /// That steppers turn faster than their pull-out curve goes.
@@ -133,7 +147,48 @@ fn unwatched(checked: &Checked) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::file::Fidelity;
     use crate::scene::load;
+
+    /// Were it wrong, motors that cannot turn their load would pass for a machine that runs, or be taken for a broken axis.
+    #[test]
+    fn motors_that_lack_torque_are_named() {
+        let run = |limit_nm: f64, curve: &str| {
+            let drive = if curve.is_empty() {
+                format!(
+                    "drive = \"servo\"\nservo = {{ position_gain_per_s = 60, velocity_gain_nms = 2.0, limit_nm = {limit_nm} }}"
+                )
+            } else {
+                format!("drive = \"stepper\"\ndamping_nms = 0.2\npull_out = {curve}")
+            };
+            let text = format!(
+                "name = \"weak\"\n[machine]\ncrank_radius_mm = 10\nlambda = 0.25\nload_kg = 20\n\
+                 [limits]\nspeed_hz = 10\nacceleration_hz_per_s = 20\njerk_hz_per_s2 = 200\n\
+                 [axes]\ncount = 3\n{drive}\nsteps_per_turn = 3200\nrotor_inertia_kgm2 = 1e-3\n\
+                 [[program]]\namax_g = 3\nramp_s = 0.2\nhold_s = 0.2\n"
+            );
+            let checked = Checked::new(load::parse(&text).unwrap()).unwrap();
+            let said = lacking(&checked).or_else(|| beyond_pull_out(&checked));
+            (checked.fidelity, said)
+        };
+        assert_eq!(run(50.0, ""), (Fidelity::Kinematic, None));
+        // The load alone, 20 kg, requires 20 · 10 · 0.01 / 3 = 0.67 N·m of each motor.
+        let (fidelity, said) = run(0.1, "");
+        assert_eq!(fidelity, Fidelity::Phased, "the limit implies the question");
+        let said = said.expect("a tenth of a newton metre is too little");
+        let times = said
+            .split(" needs ")
+            .nth(1)
+            .and_then(|rest| rest.split(' ').next());
+        let times: f64 = times.unwrap().parse().unwrap();
+        assert!(said.contains("axis 0 needs") && times > 6.7, "{said}");
+        let (fidelity, said) = run(0.0, "[[0, 20], [2, 20]]");
+        assert_eq!(fidelity, Fidelity::Phased);
+        assert!(
+            said.expect("the curve ends at 2 rev/s")
+                .contains("has none left")
+        );
+    }
 
     /// Were it wrong, a run would promise to watch a tilt that nothing measures, or warn of cranks that encoders watch.
     #[test]

@@ -67,7 +67,10 @@ pub fn describe(what: &EventKind) -> String {
         }
         EventKind::Injected(fault) => format!("put in: {}", injected_words(&fault)),
         EventKind::Reported(fault) => format!("reported: {}", fault_words(&fault)),
-        EventKind::Fault { fault, leading_deg } if fault.kind == FaultKind::Tilt => format!(
+        EventKind::Fault {
+            fault,
+            leading_deg: Some(leading_deg),
+        } if fault.kind == FaultKind::Tilt => format!(
             "fault: {}; the cranks lead at {leading_deg:.0}° around the platform",
             fault_words(&fault)
         ),

@@ -79,8 +79,8 @@ pub enum EventKind {
     Fault {
         /// What was seen.
         fault: Fault,
-        /// Which side of the platform led then, degrees around it from axis 0 towards axis 1.
-        leading_deg: f32,
+        /// Side of the platform that led then, degrees around it from axis 0 towards axis 1, if one did.
+        leading_deg: Option<f32>,
     },
 }
 

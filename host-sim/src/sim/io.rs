@@ -52,6 +52,8 @@ pub struct SimulatedIo<'a, O, P> {
     tick_hz: u32,
     machine: Machine,
     sensors: Axes<IndexSensor>,
+    /// Sensors whose lines or filters may still change, a bit each; the others need not be looked at before something comes.
+    awake: u8,
     /// Up to when the sensors have been read: the end of a tick.
     sensed_us: u64,
     schedule: Schedule,
@@ -113,6 +115,7 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
             now: Now::new(machine.axes.len()),
             machine,
             sensors,
+            awake: u8::MAX,
             sensed_us: 0,
             schedule,
             faults,
@@ -164,19 +167,28 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
     /// Reads the sensors over one tick, and when their lines rose. Of what is read at one deadline the latest counts: the
     /// loop needs no more than one tick, unless it was late.
     fn detect(&mut self, detected: &mut PerAxis<Option<IndexPulse>>) {
+        self.now.index.fill(None);
+        let active = self.now.passages.brought() | self.awake;
+        if active != 0 {
+            self.read_sensors(active, detected);
+        }
+        self.sensed_us += self.tick_us;
+    }
+
+    #[inline(never)]
+    fn read_sensors(&mut self, active: u8, detected: &mut PerAxis<Option<IndexPulse>>) {
         let tick_cycles = self.machine.tick_cycles();
+        self.awake = 0;
         for (i, (sensor, rose)) in self.sensors.iter_mut().zip(&mut self.now.index).enumerate() {
-            *rose = None;
-            let passed = self.now.passages.get(i);
-            if passed.is_none() && sensor.is_quiet(tick_cycles) {
+            if active >> i & 1 == 0 {
                 continue;
             }
-            let passed = passed.unwrap_or_default();
+            let passed = self.now.passages.get(i).unwrap_or_default();
             let line = sensor.tick(passed, tick_cycles, || self.faults.misses(i));
             detected[i] = line.pulse.or(detected[i]);
             *rose = line.rose;
+            self.awake |= u8::from(!sensor.is_quiet(tick_cycles)) << i;
         }
-        self.sensed_us += self.tick_us;
     }
 
     /// Plays one output, reads the sensors, and passes it to the observers.
@@ -328,7 +340,9 @@ impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
         self.drives_enabled = output.drives_enabled;
         self.ticks += 1;
         self.state = output.telemetry.state;
-        self.fault = self.fault.or(output.telemetry.fault);
+        if self.fault.is_none() {
+            self.fault = output.telemetry.fault;
+        }
 
         if self.ticks.is_multiple_of(PROGRESS_TICKS) {
             (self.progress)(self.ticks, self.schedule.expected_us() / self.tick_us);

@@ -68,14 +68,13 @@ impl Moment<'_> {
 
     /// Tilt of the platform at the tick's end, mrad.
     pub fn tilt_mrad(&self) -> f64 {
-        *self.tilt_mrad.get_or_init(|| {
-            // Tilt is a difference of cranks: where they are all alike, there is none.
-            let first = self.actual_turns[0];
-            if self.actual_turns.iter().all(|&turns| turns == first) {
-                return 0.0;
-            }
-            self.machine.tilt_mrad(self.actual_turns)
-        })
+        // Tilt is a difference of cranks: where they are all alike, there is none.
+        let first = self.actual_turns[0];
+        if self.actual_turns.iter().all(|&turns| turns == first) {
+            return 0.0;
+        }
+        let tilt = || self.machine.tilt_mrad(self.actual_turns);
+        *self.tilt_mrad.get_or_init(tilt)
     }
 
     /// Where the platform is at the tick's end.

@@ -53,18 +53,34 @@ impl Correction {
 }
 
 impl Controller {
-    /// Continues the correction; returns a fault if the cranks do not follow the corrections.
-    #[inline(never)]
-    pub(super) fn correct(&mut self) -> Option<Finding> {
+    /// True if the correction has work to do in this tick.
+    #[inline(always)]
+    pub(super) fn has_correction_to_do(&mut self) -> bool {
+        if !self.offsets.corrects() {
+            return false;
+        }
         if self.correction.step == Step::Wait {
             if self.is_correction_due() {
                 self.correction.step = Step::Verify;
             }
-            return None;
+            return false;
         }
-        if !self.has_time() {
-            return None;
+        self.has_time()
+    }
+
+    /// Continues the correction. What is reported within limits of cranks that are driven apart comes of that: a fault that they do
+    /// not follow the corrections replaces it.
+    #[inline(never)]
+    pub(super) fn correct(&mut self, found: Option<Finding>) -> Option<Finding> {
+        let swapped = self.continue_correction();
+        if swapped.is_some() {
+            return found.filter(|found| !found.within_limits).or(swapped);
         }
+        found
+    }
+
+    /// Continues the correction; returns a fault if the cranks do not follow the corrections.
+    fn continue_correction(&mut self) -> Option<Finding> {
         self.is_busy = true;
         self.correction.step = match self.correction.step {
             // Encoders were read, or a round has ended, and the cranks stand where they were commanded.

@@ -4,11 +4,32 @@ use super::Controller;
 use crate::drift::{Finding, is_better};
 use crate::signals::Feedback;
 use crate::supervisor::{Fault, FaultKind, Reaction, Supervisor, SupervisorInput, reaction};
+use crate::units::MAX_AXES;
+
+/// Ticks after a stop in which its last pulses still lead to a report: 2 until a tick is read, `MAX_AXES` + 3 until it is evaluated.
+const LAST_PULSES: u64 = 7 + MAX_AXES as u64;
 
 impl Controller {
+    /// Drops a finding that is nobody's fault, and names one that homing has a better name for.
+    #[inline(never)] // A finding has 48 bytes: it is moved about only where there is one.
+    pub(super) fn judge(&self, found: Option<Finding>) -> Option<Finding> {
+        let mut finding = found?;
+        // What cranks do that nothing drives is nobody's fault. But a name may come with the last of a stop's pulses.
+        let in_time = finding.supersedes && self.ticks - self.driven <= LAST_PULSES;
+        if !self.supervisor.drives_enabled() && !in_time {
+            return None;
+        }
+        if finding.fault.kind == FaultKind::HomingRangeExceeded
+            && let Some(fault) = self.homing.explain(&self.drift, &self.offsets)
+        {
+            finding.fault = fault;
+        }
+        Some(finding)
+    }
+
     /// Shows what has happened, one thing a tick: a fault that latched or has a better name, what else was detected, the stop input.
     #[inline(never)]
-    pub(super) fn publish(&mut self, is_new: bool, reported: Option<Fault>, stop: bool) {
+    pub(super) fn publish(&mut self, is_new: bool, reported: Option<&Fault>, stop: bool) {
         let (tick, phase) = (self.ticks, self.crank_phase());
         let new_faults = [
             self.supervisor.fault().filter(|_| is_new),

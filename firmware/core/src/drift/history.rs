@@ -43,6 +43,24 @@ pub struct Recent<'a> {
 }
 
 impl Recent<'_> {
+    /// Axes that made other turns than the master in one of the ticks.
+    #[inline(always)]
+    pub const fn own(&self) -> AxisSet {
+        self.planned.own | self.played.own | self.before.own
+    }
+
+    /// As [`Self::over`], of the axes that made the master's turns.
+    #[inline(always)]
+    pub fn over_by_master(&self, phase: Phase) -> (TickPhase, Turns) {
+        let turns = self.played.master;
+        let since = self.planned.master.wrapping_add(turns);
+        let over = TickPhase {
+            start: phase.advanced(since.wrapping_neg()),
+            turns,
+        };
+        (over, self.before.master)
+    }
+
     /// Phase of an axis over the tick that is over, and its turns in the tick before. `phase` is its commanded phase at the end of
     /// the tick that was planned last.
     #[inline(always)]

@@ -29,6 +29,9 @@ pub const MOST_OF_TICK: u32 = 4;
 /// from the ends of 32 bits that differences of times fit too.
 const LONG_AGO: i32 = -(1 << 29);
 
+/// No pulse was confirmed. It lies before every time.
+const NO_PULSE: i32 = i32::MIN;
+
 /// The filter of one line. Each change and each tick cost the same, few operations.
 #[derive(Clone, Copy, Debug)]
 pub struct IndexFilter {
@@ -36,6 +39,8 @@ pub struct IndexFilter {
     width: i32,
     /// Cycles that are bridged: [`BRIDGE_WIDTHS`] widths.
     bridged: i32,
+    /// Cycles after which nothing of a change matters: [`MOST_OF_TICK`] widths.
+    remembered: i32,
     /// The line's level, and since when: cycles from the beginning of the present tick.
     level: bool,
     since: i32,
@@ -43,8 +48,8 @@ pub struct IndexFilter {
     steady: bool,
     /// First edge of what may become a pulse.
     first: i32,
-    /// What was confirmed in the present tick.
-    pulse: Option<IndexPulse>,
+    /// First edge of the pulse that was confirmed in the present tick, or [`NO_PULSE`].
+    pulse: i32,
     glitches: u32,
 }
 
@@ -53,14 +58,16 @@ impl IndexFilter {
     /// that stands before its sensor at power-up makes no pulse.
     #[cold]
     pub fn new(width: u32, level: bool) -> Self {
+        let width = at_most_long(width);
         Self {
-            width: at_most_long(width),
-            bridged: at_most_long(width).saturating_mul(BRIDGE_WIDTHS as i32),
+            width,
+            bridged: width.saturating_mul(BRIDGE_WIDTHS as i32),
+            remembered: width.saturating_mul(MOST_OF_TICK as i32),
             level,
             since: LONG_AGO,
             steady: level,
             first: LONG_AGO,
-            pulse: None,
+            pulse: NO_PULSE,
             glitches: 0,
         }
     }
@@ -68,17 +75,24 @@ impl IndexFilter {
     /// Takes note that the line has been at `level` from `cycle` of the present tick on, negative for
     /// the time before it. Changes come in the order of their times; one that is reported too late counts
     /// from the change before it on, and a level that the line has already is no change.
+    #[inline(never)] // It has all registers for itself.
     pub fn change(&mut self, cycle: i32, level: bool) {
         if level == self.level {
             return;
         }
         let cycle = cycle.min(-LONG_AGO).max(self.since);
-        let counted = self.settle(cycle);
-        if !counted {
+        if cycle - self.since >= self.width {
+            if self.level != self.steady {
+                self.confirm();
+            }
+            if level {
+                self.first = cycle;
+            }
+        } else {
             self.glitches = self.glitches.saturating_add(1);
-        }
-        if level && (counted || cycle - self.first > self.bridged) {
-            self.first = cycle;
+            if level && cycle - self.first > self.bridged {
+                self.first = cycle;
+            }
         }
         self.level = level;
         self.since = cycle;
@@ -88,23 +102,25 @@ impl IndexFilter {
     /// next tick's beginning then.
     ///
     /// Were there more, the first is given, and the others count as glitches: no crank turns that fast.
+    #[inline(never)] // as `change`
     pub fn end_tick(&mut self, cycles: u32) -> Option<IndexPulse> {
         let cycles = at_most_long(cycles);
-        if self.level != self.steady {
-            self.settle(cycles);
+        if self.level != self.steady && cycles - self.since >= self.width {
+            self.confirm();
         }
         self.since = (self.since - cycles).max(LONG_AGO);
         self.first = (self.first - cycles).max(LONG_AGO);
-        self.pulse.take()
+        let cycle = core::mem::replace(&mut self.pulse, NO_PULSE);
+        (cycle != NO_PULSE).then_some(IndexPulse { cycle })
     }
 
-    /// Whether nothing is under way, and has been for a tick of `cycles`. Then [`Self::end_tick`] has nothing to report, and
-    /// need not be called until the next change: all that a change looks back for, [`BRIDGE_WIDTHS`] widths and one, is
-    /// less than a tick.
+    /// Whether nothing is under way, and has been for [`MOST_OF_TICK`] widths, or for a tick of `cycles` if that is less. Then
+    /// [`Self::end_tick`] has nothing to report, and need not be called until the next change: that is more than all that a
+    /// change looks back for, [`BRIDGE_WIDTHS`] widths and one.
+    #[inline(always)]
     pub fn is_quiet(&self, cycles: u32) -> bool {
-        self.level == self.steady
-            && self.pulse.is_none()
-            && self.since.max(self.first) <= -at_most_long(cycles)
+        // A pulse that was not taken yet ended in this tick.
+        self.level == self.steady && self.since <= -(cycles.min(self.remembered as u32) as i32)
     }
 
     /// Stretches that were too short to count, and pulses too many, since the start; stays at its
@@ -113,20 +129,17 @@ impl IndexFilter {
         self.glitches
     }
 
-    /// Whether the present stretch, detected at `now`, counts; takes it in if so.
-    fn settle(&mut self, now: i32) -> bool {
-        let counts = now - self.since >= self.width;
-        if counts && self.level != self.steady {
-            self.steady = self.level;
-            if self.level {
-                if self.pulse.is_none() {
-                    self.pulse = Some(IndexPulse { cycle: self.first });
-                } else {
-                    self.glitches = self.glitches.saturating_add(1);
-                }
+    /// Takes in the present stretch, which has lasted for the width and is the first to do so at its level.
+    #[inline(always)]
+    const fn confirm(&mut self) {
+        self.steady = self.level;
+        if self.level {
+            if self.pulse == NO_PULSE {
+                self.pulse = self.first;
+            } else {
+                self.glitches = self.glitches.saturating_add(1);
             }
         }
-        counts
     }
 }
 

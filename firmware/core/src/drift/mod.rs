@@ -78,25 +78,21 @@ impl Sensed<'_> {
 
 /// Watches the drift of all axes.
 #[derive(Clone, Debug)]
+#[repr(C)] // What every tick needs comes first: the board's instructions reach 32 bytes, or 128 by words.
 pub struct DriftMonitor {
-    limits: DriftLimits,
-    mount: Mount,
-    axes: heapless::Vec<AxisWatch, MAX_AXES>,
+    /// The last call of [`Self::observe`] covered the tick before the one that is over.
+    before_is_known: bool,
+    is_busy: bool,
+    /// Phase errors, peaks or modes may have changed since [`Self::take_changed`] was called last.
+    changed: bool,
     /// Axes that have an index sensor; that have no encoder besides; that have an encoder.
     sensed: AxisSet,
     by_index: AxisSet,
     by_encoder: AxisSet,
     /// All updates of a tick are processed in it.
     at_once: bool,
-    clock: TickClock,
-    /// The last call of [`Self::observe`] covered the tick before the one that is over.
-    before_is_known: bool,
     /// Where the cranks stand is not known yet: what they are off by is nobody's fault.
     finding_out: bool,
-    /// Meanwhile a crank was detected elsewhere than in the turn before, by so much.
-    moved: Option<(usize, Turns)>,
-    phase_error: PerAxis<Turns>,
-    peak: PerAxis<Turns>,
     /// Axes whose phase error or peak may have changed.
     stale: AxisSet,
     /// Axes by index detected in this round.
@@ -108,19 +104,24 @@ pub struct DriftMonitor {
     /// The two sets before, as of the last batch that was evaluated.
     evaluated: AxisSet,
     evaluated_checked: AxisSet,
-    rounds: u32,
     /// In the last round, axes by index were off by about what they were in the one before: all but those that moved of themselves.
     is_even: bool,
     /// They have been compared since, so that the end of this round shows nothing.
     is_compared: bool,
-    modes: Modes,
-    /// Phase errors, peaks or modes may have changed since [`Self::take_changed`] was called last.
-    changed: bool,
-    findings: Findings,
     queue: Queue,
-    is_busy: bool,
     /// No pulse of an axis by index is due before its axis has made so many more turns; negative if that is not known.
     margin: Turns,
+    rounds: u32,
+    clock: TickClock,
+    findings: Findings,
+    phase_error: PerAxis<Turns>,
+    peak: PerAxis<Turns>,
+    modes: Modes,
+    limits: DriftLimits,
+    mount: Mount,
+    /// Meanwhile a crank was detected elsewhere than in the turn before, by so much.
+    moved: Option<(usize, Turns)>,
+    axes: heapless::Vec<AxisWatch, MAX_AXES>,
 }
 
 /// The margin is not known.

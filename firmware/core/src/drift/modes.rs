@@ -38,12 +38,12 @@ impl Modes {
         warp_axis: 0,
     };
 
-    /// Which side leads, degrees around the platform from axis 0 towards axis 1; for people to read.
-    ///
-    /// Positive errors lead there. Error below 0.2 degrees (micromath's arctangent).
-    pub fn tilt_direction_deg(&self) -> f32 {
+    /// Side on which the errors are positive, degrees around the platform from axis 0 towards axis 1, from −180 to 180; none if
+    /// the errors do not tilt it. The error is below 0.2 degrees (micromath's arctangent).
+    pub fn tilt_direction_deg(&self) -> Option<f32> {
         let (x, y) = (self.tilt_x.to_num::<f32>(), self.tilt_y.to_num::<f32>());
-        micromath::F32(y).atan2(micromath::F32(x)).0.to_degrees()
+        let tilts = (x, y) != (0.0, 0.0);
+        tilts.then(|| micromath::F32(y).atan2(micromath::F32(x)).0.to_degrees())
     }
 }
 
@@ -279,9 +279,20 @@ mod tests {
                 tilt_y: Turns::from_num(0.01 * theta.sin()),
                 ..Modes::default()
             };
-            let error = f64::from(modes.tilt_direction_deg()) - f64::from(degree);
+            let direction = modes.tilt_direction_deg().unwrap();
+            let error = f64::from(direction) - f64::from(degree);
             assert!(error.abs() < 0.2, "{degree}: {error}");
         }
+    }
+
+    /// If errors that are alike had a direction, a report would say that cranks lead at NaN degrees.
+    #[test]
+    fn errors_that_do_not_tilt_have_no_direction() {
+        let modes = Modes {
+            common: Turns::from_num(0.1),
+            ..Modes::default()
+        };
+        assert_eq!(modes.tilt_direction_deg(), None);
     }
 
     proptest! {

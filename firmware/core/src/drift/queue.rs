@@ -13,7 +13,7 @@
 
 use super::tick_phase::{IndexPulse, TickPhase};
 use super::{AxisSet, DriftMonitor, Sensed};
-use crate::units::{MAX_AXES, PerAxis, Turns};
+use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
 
 /// An index pulse, and what was commanded when it came.
 #[derive(Clone, Copy, Debug)]
@@ -24,10 +24,18 @@ pub(super) struct QueuedPulse {
     pub before: Option<Turns>,
 }
 
+impl QueuedPulse {
+    const NONE: Self = Self {
+        pulse: IndexPulse { cycle: 0 },
+        commanded: TickPhase::still(Phase::ZERO),
+        before: None,
+    };
+}
+
 /// Updates that are to be processed.
 #[derive(Clone, Debug)]
+#[repr(C)] // as the monitor
 pub(super) struct Queue {
-    pulses: PerAxis<Option<QueuedPulse>>,
     /// Axes with a queued pulse.
     pulsed: AxisSet,
     /// Axes with another update, an index timeout or one of an encoder, which is kept by their watch.
@@ -38,6 +46,8 @@ pub(super) struct Queue {
     updated: AxisSet,
     moved: AxisSet,
     work: Work,
+    /// Pulses, of the axes that have one queued.
+    pulses: PerAxis<QueuedPulse>,
 }
 
 /// Piece of work of a tick.
@@ -56,7 +66,7 @@ enum Work {
 impl Queue {
     pub(super) const fn new() -> Self {
         Self {
-            pulses: [None; MAX_AXES],
+            pulses: [QueuedPulse::NONE; MAX_AXES],
             pulsed: 0,
             other: 0,
             batch: 0,
@@ -107,25 +117,43 @@ impl DriftMonitor {
 
     #[inline(never)]
     fn queue_arrived(&mut self, arrived: AxisSet, sensed: &Sensed<'_>, before_is_known: bool) {
-        // A pulse that is still queued is processed at once: the axis has room for one.
-        for axis in 0..MAX_AXES {
-            while arrived & self.queue.pulsed & 1 << axis != 0 {
-                self.process_axis(axis, sensed);
-            }
+        if arrived & self.queue.pulsed != 0 {
+            self.make_room(arrived, sensed);
         }
         self.queue.pulsed |= arrived;
         let recent = sensed.history.recent();
+        let own = recent.own();
+        // Most axes made the master's turns.
+        let (by_master, before_by_master) = recent.over_by_master(sensed.phase);
         let slots = self.queue.pulses.iter_mut().zip(sensed.index);
         for (axis, ((slot, pulse), &lead)) in slots.zip(sensed.lead).enumerate() {
             if let Some(pulse) = pulse
                 && arrived & 1 << axis != 0
             {
-                let (commanded, before) = recent.over(axis, sensed.phase.advanced(lead));
-                *slot = Some(QueuedPulse {
-                    pulse: *pulse,
-                    commanded,
-                    before: before_is_known.then_some(before),
-                });
+                slot.pulse = *pulse;
+                slot.before = None;
+                let before = if own & 1 << axis == 0 {
+                    slot.commanded.start = by_master.start.advanced(lead);
+                    slot.commanded.turns = by_master.turns;
+                    before_by_master
+                } else {
+                    let (commanded, before) = recent.over(axis, sensed.phase.advanced(lead));
+                    slot.commanded = commanded;
+                    before
+                };
+                if before_is_known {
+                    slot.before = Some(before);
+                }
+            }
+        }
+    }
+
+    /// Processes the pulses that are still queued of axes that have another: an axis has room for one.
+    #[inline(never)]
+    fn make_room(&mut self, arrived: AxisSet, sensed: &Sensed<'_>) {
+        for axis in 0..MAX_AXES {
+            while arrived & self.queue.pulsed & 1 << axis != 0 {
+                self.process_axis(axis, sensed);
             }
         }
     }
@@ -249,7 +277,7 @@ impl DriftMonitor {
         } else {
             self.queue.pulsed &= !own;
             self.queue.batch &= !own;
-            let queued = self.queue.pulses.get(axis).and_then(Option::as_ref);
+            let queued = self.queue.pulses.get(axis);
             queued.is_some_and(|queued| watch.detect(queued, self.clock))
         };
         if is_updated {

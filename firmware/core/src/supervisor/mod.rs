@@ -210,28 +210,35 @@ impl Supervisor {
         command: Option<Command>,
         input: &SupervisorInput,
     ) -> Action {
-        self.latch(input);
+        if let Some(fault) = &input.fault {
+            self.latch(fault, input);
+        }
         self.state = self.next_state(inputs, command, input);
         self.action()
     }
 
     /// Keeps the first fault, as later ones may be its consequences. Only a better name replaces it.
-    fn latch(&mut self, input: &SupervisorInput) {
-        let Some(fault) = input.fault else {
-            return;
-        };
+    #[inline(never)]
+    fn latch(&mut self, fault: &Fault, input: &SupervisorInput) {
         let on = self.drives_enabled();
         match &mut self.fault {
             Some(first) if input.supersedes => {
                 *first = Fault {
                     tick: first.tick,
                     phase: first.phase,
-                    ..fault
+                    ..*fault
                 };
             }
             None if on => self.fault = Some(fault.at(input.tick, input.phase)),
             _ => {}
         }
+    }
+
+    #[inline(never)]
+    fn lose_enable(&mut self, input: &SupervisorInput) -> State {
+        let lost = Fault::new(FaultKind::EnableLost).at(input.tick, input.phase);
+        self.fault.get_or_insert(lost);
+        State::Fault
     }
 
     fn next_state(
@@ -243,9 +250,7 @@ impl Supervisor {
         let stop = inputs.stop || command == Some(Command::Stop);
         let moving = matches!(self.state, State::Homing | State::Run | State::Stop);
         if moving && !inputs.enable {
-            let lost = Fault::new(FaultKind::EnableLost).at(input.tick, input.phase);
-            self.fault.get_or_insert(lost);
-            return State::Fault;
+            return self.lose_enable(input);
         }
         // A later fault may require the drives to be off in this tick, whichever fault was the first.
         let disable = input.fault.is_some() && input.reaction == Reaction::Disable;

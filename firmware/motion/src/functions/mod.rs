@@ -13,7 +13,7 @@ mod reciprocal;
 mod root;
 mod sine;
 
-pub use divide::Divisor;
+pub use divide::{Divisor, quotient};
 pub use inverse_root::inverse_root_of_one_minus;
 pub use multiply::{multiply, multiply_high, multiply_long, multiply_q30};
 pub use normalise::{normalised, upper_word};

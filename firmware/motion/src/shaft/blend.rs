@@ -8,7 +8,8 @@
 //! the acceleration by less than two and the jerk by less than four. The shaft never turns back, as rounding down keeps
 //! the order of phases.
 
-use super::brake::{about, times};
+use super::brake::{Inverse, times};
+use super::gain::Step;
 use super::limits::RampLimits;
 use super::regulator;
 use crate::functions::multiply;
@@ -30,8 +31,13 @@ impl State {
     }
 
     /// State after a tick of braking.
-    pub fn braked(self, limits: &RampLimits) -> Self {
-        self.after(regulator::brake(limits, self.speed, self.acceleration))
+    pub fn braked(self, limits: &RampLimits, near: &mut Step) -> Self {
+        self.after(regulator::brake(
+            limits,
+            self.speed,
+            self.acceleration,
+            near,
+        ))
     }
 
     /// Distance of the fastest brake, in units modulo 2⁶⁴.
@@ -55,6 +61,8 @@ pub(super) struct Blend {
     lead: i64,
     /// Part of the lead that the shaft has covered.
     taken: i64,
+    /// Steps of the gain near the decelerations of the two.
+    near: [Step; 2],
 }
 
 impl Blend {
@@ -69,6 +77,7 @@ impl Blend {
             share: share(rest, further),
             lead: 0,
             taken: 0,
+            near: [Step::ZERO; 2],
         }
     }
 
@@ -79,8 +88,9 @@ impl Blend {
         let taken = share_of(self.lead, self.share);
         let speed = speed + taken - self.taken;
         self.taken = taken;
-        self.earlier = self.earlier.braked(limits);
-        self.later = self.later.braked(limits);
+        let [earlier, later] = &mut self.near;
+        self.earlier = self.earlier.braked(limits, earlier);
+        self.later = self.later.braked(limits, later);
         speed
     }
 
@@ -94,9 +104,10 @@ impl Blend {
 fn share(rest: i64, whole: i64) -> u64 {
     const DIGIT: u32 = 21;
     let (mut share, mut rest) = (0, rest);
+    let inverse = Inverse::of(whole);
     // Long division in three digits; the estimate of each is off by at most one.
     for _ in 0..63 / DIGIT {
-        let mut digit = about(rest, whole, DIGIT);
+        let mut digit = inverse.times(rest, DIGIT) as u32;
         rest = (rest << DIGIT).wrapping_sub(times(digit, whole));
         if rest < 0 {
             (digit, rest) = (digit - 1, rest + whole);

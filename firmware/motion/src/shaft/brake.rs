@@ -16,6 +16,7 @@
 //! Everything is exact modulo 2⁶⁴, as 3, by which a sum of squares is divided, has an inverse there. So the difference of
 //! two distances is exact, and so is a distance modulo a turn. Speeds and all compared values stay below 2⁵⁰.
 
+use super::gain::Step;
 use super::limits::RampLimits;
 use crate::functions::{isqrt, multiply, multiply_long, normalised, reciprocal};
 
@@ -32,23 +33,46 @@ pub(super) const fn times(n: u32, x: i64) -> i64 {
     multiply_long(x as u64, n) as i64
 }
 
-/// Approximate quotient `x · 2^up / d`, for quotients below 2³²; 0 ≤ x < 2⁶⁰, 0 < d, `up` at most 21.
-///
-/// It is within a relative error of 2⁻²⁵ plus one unit.
-pub(super) fn about(x: i64, d: i64, up: u32) -> u32 {
-    about_long(x, d, up) as u32
+/// Approximate reciprocal of a divisor, to divide by it several times.
+pub(super) struct Inverse {
+    inverse: u32,
+    /// Bits by which the divisor was shifted up.
+    up: u32,
 }
 
-fn about_long(x: i64, d: i64, up: u32) -> u64 {
-    let (x, x_up) = normalised(x.unsigned_abs());
-    let (d, d_up) = normalised(d.unsigned_abs());
-    let quotient = multiply(x, reciprocal(d));
-    quotient.checked_shr(63 + x_up - d_up - up).unwrap_or(0)
+impl Inverse {
+    /// Of 0 < `d`.
+    pub fn of(d: i64) -> Self {
+        let (d, up) = normalised(d.unsigned_abs());
+        Self {
+            inverse: reciprocal(d),
+            up,
+        }
+    }
+
+    /// Approximate quotient `x · 2^up / d`; 0 ≤ x < 2⁶⁰, `up` at most 21.
+    ///
+    /// It is within a relative error of 2⁻²⁵ plus one unit.
+    pub fn times(&self, x: i64, up: u32) -> u64 {
+        let (x, x_up) = normalised(x.unsigned_abs());
+        let quotient = multiply(x, self.inverse);
+        let down = 63 + x_up - self.up - up;
+        if down >= 64 {
+            return 0;
+        }
+        // Shifts of words: that of a long is a call.
+        let (high, low) = ((quotient >> 32) as u32, quotient as u32);
+        if down >= 32 {
+            return u64::from(high >> (down - 32));
+        }
+        let low = low >> down | high << 1 << (31 - down);
+        u64::from(high >> down) << 32 | u64::from(low)
+    }
 }
 
 /// Quotient `x / d`, rounded down, for quotients below 2²⁴.
 pub(super) fn quotient(x: i64, d: i64) -> u32 {
-    let about = about(x, d, 0);
+    let about = Inverse::of(d).times(x, 0) as u32;
     let rest = x - times(about, d);
     if rest < 0 {
         about - 1
@@ -135,7 +159,7 @@ impl RampLimits {
             return None;
         }
         // J n² alone gives an n that is at most one too high, and the approximation is off by less than one.
-        let mut n = isqrt(about_long(most, jerk, 0)) + 1;
+        let mut n = isqrt(Inverse::of(jerk).times(most, 0)) + 1;
         n = n.min(self.gain.step(room.unsigned_abs()).number);
         while times(n, times(n, jerk) + 2 * f) > most {
             n -= 1;
@@ -166,12 +190,16 @@ impl RampLimits {
     fn letting_go(&self, speed: i64, b: i64) -> i64 {
         let least = (b - self.jerk).max(0);
         let most = (b + self.jerk).min(self.acceleration);
+        let mut step = Step::ZERO;
         let first = self.gain.inverse(
             speed.unsigned_abs(),
             least.unsigned_abs(),
             most.unsigned_abs(),
+            &mut step,
         );
-        let step = self.gain.step(first);
+        if first.wrapping_sub(step.base) >= self.jerk.unsigned_abs() {
+            step = self.gain.step(first);
+        }
         let n = step.number;
         let more = speed - self.gain.above(&step, first) as i64;
         let sum = triangle(n);

@@ -6,7 +6,7 @@
 use super::bands;
 use super::blend::State;
 use super::limits::{RampLimits, ShaftLimits};
-use super::regulator::{self, Aim};
+use super::regulator::{self, Aim, Near};
 
 /// Easing towards a speed.
 #[derive(Clone, Copy, Debug)]
@@ -34,16 +34,22 @@ impl Easing {
     }
 
     /// State after a tick, within the limits for parking.
-    pub fn step(self, state: State, limits: &ShaftLimits) -> State {
-        self.step_within(&limits.parking, state, limits)
+    pub fn step(self, state: State, limits: &ShaftLimits, near: &mut Near) -> State {
+        self.step_within(&limits.parking, state, limits, near)
     }
 
     /// State after a tick, within the usual limits, where the shaft must not brake yet.
     pub fn step_unready(self, state: State, limits: &ShaftLimits) -> State {
-        self.step_within(&limits.usual, state, limits)
+        self.step_within(&limits.usual, state, limits, &mut { Near::ZERO })
     }
 
-    fn step_within(self, ramp: &RampLimits, state: State, limits: &ShaftLimits) -> State {
+    fn step_within(
+        self,
+        ramp: &RampLimits,
+        state: State,
+        limits: &ShaftLimits,
+        near: &mut Near,
+    ) -> State {
         state.after(regulator::acceleration(
             ramp,
             state.speed,
@@ -51,6 +57,7 @@ impl Easing {
             Aim::steady(self.coasting),
             0,
             limits.speed,
+            near,
         ))
     }
 

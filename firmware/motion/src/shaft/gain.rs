@@ -7,9 +7,9 @@
 //! Taking acceleration a for one tick and then releasing it gains g(a) = a + D(a) in total. With n = ⌊a/J⌋ and b = n J
 //! that is b (n + 1)/2 + (n + 1) (a − b), which is linear between multiples of J and increases. The inverse needs a root
 //! to find n. But the acceleration of a tick differs by at most a jerk from the one before. So n is known within one or
-//! two and is searched from above.
+//! two and is searched from that of the tick before.
 
-use crate::functions::{Divisor, multiply_high, multiply_long, reciprocal};
+use crate::functions::{multiply_high, multiply_long, quotient, reciprocal};
 
 /// The function g and its inverse, for one jerk limit.
 #[derive(Clone, Debug)]
@@ -24,6 +24,7 @@ pub(super) struct Gain {
 }
 
 /// Multiple of the jerk at or below an acceleration.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     /// n, below 2²³: settings bound the length of a ramp.
     pub number: u32,
@@ -31,6 +32,22 @@ pub(super) struct Step {
     pub base: u64,
     /// g(b) = b (n + 1)/2.
     gain: u64,
+}
+
+impl Step {
+    /// No acceleration, for every jerk.
+    pub const ZERO: Self = Self {
+        number: 0,
+        base: 0,
+        gain: 0,
+    };
+
+    /// Moves on to the multiple below.
+    const fn lower(&mut self, jerk: u64) {
+        self.gain -= self.base;
+        self.base -= jerk;
+        self.number -= 1;
+    }
 }
 
 impl Gain {
@@ -84,28 +101,40 @@ impl Gain {
 
     /// Largest acceleration a from `least` to `most` with g(a) ≤ `gain`, or `least` if there is none.
     ///
-    /// The search costs a step for each jerk by which `most` exceeds the result.
-    pub fn inverse(&self, gain: u64, least: u64, most: u64) -> u64 {
+    /// The search begins at `near`, a step of this gain, and leaves it at the step where it ended. It costs a step for each
+    /// jerk between the two. If `near` is not within some jerks of `most`, the search begins there.
+    #[inline(never)]
+    pub fn inverse(&self, gain: u64, least: u64, most: u64, near: &mut Step) -> u64 {
         let most = most.min(self.most);
         if most <= least {
             return least;
         }
-        let mut step = self.step(most);
-        if self.above(&step, most) <= gain {
+        let jerk = self.jerk;
+        let mut step = *near;
+        if (most.wrapping_sub(step.base) as i64).unsigned_abs() >> 2 > jerk {
+            step = self.step(most);
+        }
+        while step.gain > gain || step.base > most {
+            if step.base <= least {
+                *near = step;
+                return least;
+            }
+            step.lower(jerk);
+        }
+        let mut next = step.base + jerk;
+        while next <= most && step.gain + next <= gain {
+            step = Step {
+                number: step.number + 1,
+                base: next,
+                gain: step.gain + next,
+            };
+            next += jerk;
+        }
+        *near = step;
+        if next > most && self.above(&step, most) <= gain {
             return most;
         }
-        while step.gain > gain && step.base > least {
-            step.gain -= step.base;
-            step.base -= self.jerk;
-            step.number -= 1;
-        }
-        match gain.checked_sub(step.gain) {
-            Some(more) => {
-                let (above, _) = Divisor::new(step.number + 1).divide(more);
-                (step.base + above).max(least).min(most)
-            }
-            None => least,
-        }
+        (step.base + quotient(gain - step.gain, step.number + 1)).max(least)
     }
 }
 
@@ -152,14 +181,19 @@ mod tests {
             part in any::<u64>(),
             below in 0_u64..3 << 40,
             above in 0_u64..3 << 40,
+            near in -9_i64..9,
         ) {
             let desired = part % speed;
             let a = settling(desired, gain.jerk);
             let within = |x: u64| x % (3 * gain.jerk);
             let (least, most) = (a.saturating_sub(within(below)), (a + within(above)).min(gain.most));
-            prop_assert_eq!(gain.inverse(desired, least, most), a.clamp(least, most));
+            let near = a.saturating_add_signed(near * gain.jerk as i64).min(gain.most);
+            let mut near = gain.step(near);
+            prop_assert_eq!(gain.inverse(desired, least, most, &mut near), a.clamp(least, most));
+            let ended = gain.step(near.base);
+            prop_assert_eq!((near.number, near.base, near.gain), (ended.number, ended.base, ended.gain));
             let (least, most) = (a + 1, a + 1 + within(above));
-            prop_assert_eq!(gain.inverse(desired, least, most), least, "all is above");
+            prop_assert_eq!(gain.inverse(desired, least, most, &mut near), least, "all is above");
         }
 
         /// The closed form of g equals its sum.

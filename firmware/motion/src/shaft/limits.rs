@@ -47,6 +47,7 @@ impl RampLimits {
     }
 
     /// Ramp limits in units. The gain covers accelerations up to `requested`.
+    #[cold]
     const fn within(acceleration: i64, jerk: i64, requested: i64, speed: i64) -> Self {
         let gain = Gain::new(
             jerk.unsigned_abs(),

@@ -20,13 +20,12 @@ mod regulator;
 mod stop;
 
 pub use bands::Band;
-use limits::RampLimits;
 pub use limits::ShaftLimits;
 
 use crate::units::{Phase, Turns};
 use bands::{Corridor, Passage};
 use blend::State;
-use regulator::Aim;
+use regulator::{Aim, Near};
 use stop::StopPlan;
 
 /// Demand on the shaft for the coming tick.
@@ -96,15 +95,18 @@ impl Motion {
 
 /// The master shaft: phase, speed and acceleration, and what it is doing.
 #[derive(Clone, Debug)]
+#[repr(C)] // What every tick needs comes first: the board's instructions reach 128 bytes.
 pub struct Shaft {
-    limits: ShaftLimits,
     phase: Phase,
     speed: i64,
     acceleration: i64,
-    mode: Mode,
-    passage: Passage,
     /// Speeds around the last that lie in no band: as long as the speed and what is required of it stay there, bands need not be looked at.
     gap: Corridor,
+    passage: Passage,
+    /// Steps of the gain near the acceleration, for the limits of the present mode.
+    near: Near,
+    mode: Mode,
+    limits: ShaftLimits,
 }
 
 #[derive(Clone, Debug)]
@@ -128,6 +130,7 @@ impl Shaft {
             mode: Mode::Rest,
             passage: Passage::new(),
             gap: Corridor::NONE,
+            near: Near::ZERO,
         }
     }
 
@@ -156,10 +159,7 @@ impl Shaft {
                 Demand::Follow(target) => self.follow(target, &mut motion),
                 _ => 0,
             },
-            Mode::StopFast => {
-                let top = self.limits.speed;
-                self.regulate(&self.limits.fault, Aim::steady(0), 0, top)
-            }
+            Mode::StopFast => self.stop_fast(),
             Mode::StopAt(plan) => plan.advance(self.phase, state, &self.limits),
         };
         motion.speed = Turns::from_bits(speed);
@@ -189,7 +189,15 @@ impl Shaft {
     }
 
     /// Changes the mode when the demand has changed.
+    #[inline(always)]
     fn obey(&mut self, demand: Demand) {
+        if !matches!((demand, &self.mode), (Demand::Follow(_), Mode::Follow)) {
+            self.change_mode(demand);
+        }
+    }
+
+    #[inline(never)]
+    fn change_mode(&mut self, demand: Demand) {
         match (demand, &self.mode) {
             (Demand::Halt, _) => {
                 self.speed = 0;
@@ -199,9 +207,15 @@ impl Shaft {
             // A fault stop may brake harder than the usual limits could release before standstill, so it continues to
             // its end.
             (Demand::Follow(_), Mode::Follow | Mode::StopFast) => {}
-            (Demand::Follow(_), _) => self.mode = Mode::Follow,
+            (Demand::Follow(_), _) => {
+                self.mode = Mode::Follow;
+                self.near = Near::ZERO;
+            }
             (Demand::Stop(_), Mode::Rest | Mode::StopFast) => {}
-            (Demand::Stop(None), _) => self.mode = Mode::StopFast,
+            (Demand::Stop(None), _) => {
+                self.mode = Mode::StopFast;
+                self.near = Near::ZERO;
+            }
             (Demand::Stop(Some(at)), Mode::Follow) => {
                 self.mode = Mode::StopAt(StopPlan::new(self.state(), at, &self.limits));
             }
@@ -217,7 +231,21 @@ impl Shaft {
     }
 
     #[inline(never)]
-    fn follow(&self, target: Target, motion: &mut Motion) -> i64 {
+    fn stop_fast(&mut self) -> i64 {
+        let acceleration = regulator::acceleration(
+            &self.limits.fault,
+            self.speed,
+            self.acceleration,
+            Aim::steady(0),
+            0,
+            self.limits.speed,
+            &mut self.near,
+        );
+        self.speed + acceleration
+    }
+
+    #[inline(never)]
+    fn follow(&mut self, target: Target, motion: &mut Motion) -> i64 {
         let requested = (target.now.to_bits(), target.next.to_bits());
         let end = target.end.to_bits();
         let (corridor, aim, end) =
@@ -252,16 +280,18 @@ impl Shaft {
         } else {
             (corridor.floor.max(end), corridor.ceiling)
         };
-        let speed = self.regulate(&self.limits.usual, aim, floor, ceiling);
+        let acceleration = regulator::acceleration(
+            &self.limits.usual,
+            self.speed,
+            self.acceleration,
+            aim,
+            floor,
+            ceiling,
+            &mut self.near,
+        );
+        let speed = self.speed + acceleration;
         motion.lagging = speed.abs_diff(aim.next) > aim.next.unsigned_abs() >> 8;
         speed
-    }
-
-    /// Next speed on the way to `aim`, between `floor` and `ceiling` where that is still possible.
-    fn regulate(&self, limits: &RampLimits, aim: Aim, floor: i64, ceiling: i64) -> i64 {
-        let acceleration =
-            regulator::acceleration(limits, self.speed, self.acceleration, aim, floor, ceiling);
-        self.speed + acceleration
     }
 }
 

@@ -12,7 +12,25 @@
 //! The jerk leaves a range for the next acceleration. The search is limited to that range, and most often the result is
 //! one of its ends.
 
+use super::gain::Step;
 use super::limits::RampLimits;
+
+/// Steps of the gain at which the searches of the tick before ended, to begin the next ones there. For one set of limits.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Near {
+    /// Relative to the rate of the aim.
+    pursuit: Step,
+    /// Towards a bound.
+    bound: Step,
+}
+
+impl Near {
+    /// Of a shaft without acceleration, for all limits.
+    pub const ZERO: Self = Self {
+        pursuit: Step::ZERO,
+        bound: Step::ZERO,
+    };
+}
 
 /// Speed to reach. If it moves, its rate is the change over the coming tick.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +78,7 @@ impl Range {
 }
 
 /// Greatest acceleration, up to `limit`, that gains at most `change` (not negative); clamped to the range.
-fn settling(change: i64, limit: i64, range: Range, limits: &RampLimits) -> i64 {
+fn settling(change: i64, limit: i64, range: Range, limits: &RampLimits, near: &mut Step) -> i64 {
     let most = range.most.min(limit);
     if most <= 0 || most <= range.least {
         return range.clamp(most);
@@ -75,20 +93,21 @@ fn settling(change: i64, limit: i64, range: Range, limits: &RampLimits) -> i64 {
         change.unsigned_abs(),
         least.unsigned_abs(),
         most.unsigned_abs(),
+        near,
     ) as i64
 }
 
 /// Acceleration that gains at most `change`, of either sign.
-fn towards(change: i64, limit: i64, range: Range, limits: &RampLimits) -> i64 {
+fn towards(change: i64, limit: i64, range: Range, limits: &RampLimits, near: &mut Step) -> i64 {
     if change < 0 {
-        -settling(-change, limit, range.mirrored(), limits)
+        -settling(-change, limit, range.mirrored(), limits, near)
     } else {
-        settling(change, limit, range, limits)
+        settling(change, limit, range, limits, near)
     }
 }
 
 /// Acceleration, within the range, that meets an aim which moves at `rate` and is `change` ahead.
-fn pursuing(change: i64, rate: i64, range: Range, limits: &RampLimits) -> i64 {
+fn pursuing(change: i64, rate: i64, range: Range, limits: &RampLimits, near: &mut Step) -> i64 {
     if change == 0 {
         return range.clamp(rate);
     }
@@ -100,17 +119,17 @@ fn pursuing(change: i64, rate: i64, range: Range, limits: &RampLimits) -> i64 {
     } else {
         limits.acceleration
     };
-    rate + towards(change, limit, range.relative_to(rate), limits)
+    rate + towards(change, limit, range.relative_to(rate), limits, near)
 }
 
 /// Limits `desired` so that it still meets a ceiling that is `change` above. Beyond the ceiling it is the fastest return.
-fn bounded(desired: i64, change: i64, range: Range, limits: &RampLimits) -> i64 {
+fn bounded(desired: i64, change: i64, range: Range, limits: &RampLimits, near: &mut Step) -> i64 {
     if change >= 0 && desired <= 0 {
         return desired;
     }
     let most = if change < 0 { range.most } else { desired };
     let range = Range { most, ..range };
-    towards(change, limits.acceleration, range, limits).min(desired)
+    towards(change, limits.acceleration, range, limits, near).min(desired)
 }
 
 /// Acceleration of the coming tick.
@@ -124,24 +143,37 @@ pub(super) fn acceleration(
     aim: Aim,
     floor: i64,
     ceiling: i64,
+    near: &mut Near,
 ) -> i64 {
     let range = Range {
         least: acceleration - limits.jerk,
         most: acceleration + limits.jerk,
     };
-    let desired = pursuing(aim.now - speed, aim.next - aim.now, range, limits);
+    let desired = pursuing(
+        aim.now - speed,
+        aim.next - aim.now,
+        range,
+        limits,
+        &mut near.pursuit,
+    );
     // Outside floor and ceiling these are the fastest return.
-    let below = bounded(desired, ceiling - speed, range, limits);
-    -bounded(-below, speed - floor, range.mirrored(), limits)
+    let below = bounded(desired, ceiling - speed, range, limits, &mut near.bound);
+    -bounded(
+        -below,
+        speed - floor,
+        range.mirrored(),
+        limits,
+        &mut near.bound,
+    )
 }
 
 /// Acceleration of the coming tick in the fastest stop, regardless of other bounds.
-pub(super) fn brake(limits: &RampLimits, speed: i64, acceleration: i64) -> i64 {
+pub(super) fn brake(limits: &RampLimits, speed: i64, acceleration: i64, near: &mut Step) -> i64 {
     let range = Range {
         least: acceleration - limits.jerk,
         most: acceleration + limits.jerk,
     };
-    -settling(speed, limits.acceleration, range.mirrored(), limits)
+    -settling(speed, limits.acceleration, range.mirrored(), limits, near)
 }
 
 #[cfg(test)]
@@ -167,12 +199,13 @@ mod tests {
         let fall = limits.acceleration * 3 / 10;
         let start = top / 2;
         let (mut speed, mut a, mut ticks) = (0, 0, 0_i64);
+        let mut near = Near::ZERO;
         loop {
             let aim = Aim {
                 now: start - fall * ticks,
                 next: start - fall * (ticks + 1),
             };
-            a = acceleration(&limits, speed, a, aim, 0, top);
+            a = acceleration(&limits, speed, a, aim, 0, top, &mut near);
             speed += a;
             ticks += 1;
             if speed == aim.next && a == -fall {

@@ -12,7 +12,9 @@
 use super::blend::{Blend, State};
 use super::brake::quotient;
 use super::easing::Easing;
+use super::gain::Step;
 use super::limits::{RampLimits, ShaftLimits};
+use super::regulator::Near;
 use crate::units::{ONE_TURN, Phase, Turns};
 
 /// A stop in progress.
@@ -26,6 +28,8 @@ pub(super) struct StopPlan {
     /// Braking distance from here, if the last tick computed it.
     distance: Option<i64>,
     brake: Option<Blend>,
+    /// Steps of the gain of parking near the acceleration.
+    near: Near,
 }
 
 impl StopPlan {
@@ -37,10 +41,12 @@ impl StopPlan {
             lasts: 0,
             distance: None,
             brake: None,
+            near: Near::ZERO,
         }
     }
 
     /// Speed of the coming tick, from the phase and state of the shaft.
+    #[inline(never)] // The shaft's tick has no registers for it.
     pub fn advance(&mut self, phase: Phase, state: State, limits: &ShaftLimits) -> i64 {
         if let Some(brake) = &mut self.brake {
             return brake.advance(&limits.parking);
@@ -49,7 +55,7 @@ impl StopPlan {
         if self.lasts == 0 && !self.easing.is_ready(state, limits) {
             return self.easing.step_unready(state, limits).speed;
         }
-        let later = self.easing.step(state, limits);
+        let later = self.easing.step(state, limits, &mut self.near);
         if self.lasts > 0 {
             self.lasts -= 1;
             if self.lasts == 0 {
@@ -88,7 +94,7 @@ impl StopPlan {
             self.distance = Some(later_distance);
             return None;
         }
-        let earlier = state.braked(limits);
+        let earlier = state.braked(limits, &mut { Step::ZERO });
         // A tick that speeds up delays standstill by up to five ticks, any other tick by up to two.
         if !self.easing.speeds_up(state) {
             return Some(Blend::new(earlier, later, slack, most));

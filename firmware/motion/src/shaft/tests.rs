@@ -94,6 +94,7 @@ impl Watch {
 /// Ticks from one constant speed to another, by the regulator itself.
 fn ticks_between(limits: &ShaftLimits, from: i64, to: i64) -> u64 {
     let (mut speed, mut acceleration, mut ticks) = (from, 0, 0);
+    let mut near = Near::ZERO;
     while speed != to || acceleration != 0 {
         acceleration = regulator::acceleration(
             &limits.usual,
@@ -102,6 +103,7 @@ fn ticks_between(limits: &ShaftLimits, from: i64, to: i64) -> u64 {
             Aim::steady(to),
             0,
             i64::MAX / 4,
+            &mut near,
         );
         speed += acceleration;
         ticks += 1;

@@ -10,6 +10,8 @@
 mod program;
 mod ring;
 
+use cophase_core::drift::{IndexFilter, IndexPulse};
+use cophase_core::units::PerAxis;
 use embassy_rp::pac;
 use embassy_rp::pac::pio::vals::SmExecctrlStatusSel;
 
@@ -17,19 +19,26 @@ use super::{INDEX_MACHINE, lines, pins, relocated, steps};
 use program::{COUNT_BITS, POLL_CYCLES, SAMPLED_AFTER};
 use ring::Ring;
 
-/// Bits of a word that count polls.
-const COUNT: u32 = (1 << COUNT_BITS) - 1;
+/// Set of all lines.
+const ALL: u32 = (1 << pins::AXES) - 1;
 
-/// A change of the lines.
-#[derive(Clone, Copy, Debug)]
-pub struct Change {
-    /// All levels after the change, a bit an axis.
-    pub levels: u8,
-    /// Lines that differ from the change before; all lines for the first change.
-    pub changed: u8,
-    /// Time in cycles from the beginning of the tick that is over; within ±3.5, or ±7 if the change before it is less
-    /// than 14 away.
-    pub cycle: i32,
+/// Lowest line of a set, if there is one.
+#[inline(always)]
+fn lowest(lines: u32) -> Option<usize> {
+    // The board has no instruction that counts zeros.
+    const LOWEST: [u8; 1 << pins::AXES] = {
+        let mut lowest = [0; 1 << pins::AXES];
+        let mut lines = 1;
+        while lines < lowest.len() {
+            lowest[lines] = lines.trailing_zeros() as u8;
+            lines += 1;
+        }
+        lowest
+    };
+    if lines == 0 {
+        return None;
+    }
+    LOWEST.get(lines as usize).copied().map(usize::from)
 }
 
 /// Index inputs, and the time up to which the loop has read them.
@@ -43,11 +52,11 @@ pub struct Index {
     /// of polls wraps with that in the words.
     polls: u32,
     rest: u32,
-    /// Levels of the lines after the last change that was read, and the lines whose levels are unknown.
-    levels: u8,
-    unknown: u8,
-    /// Lines that changed and have not been cleared since.
-    pending: u8,
+    /// Levels of the lines after the last change that was read; there was none yet, and all levels are unknown.
+    levels: u32,
+    is_first: bool,
+    /// Lines that changed and whose filters are not quiet since.
+    pending: u32,
 }
 
 impl Index {
@@ -83,8 +92,8 @@ impl Index {
             polls: 0,
             rest: 0,
             levels: 0,
-            unknown: u8::MAX,
-            pending: u8::MAX,
+            is_first: true,
+            pending: ALL,
         }
     }
 
@@ -96,60 +105,95 @@ impl Index {
         self.rest = since.rem_euclid(POLL_CYCLES as i32) as u32;
     }
 
-    /// Reads the changes of the tick that is over, in order.
-    pub fn read(&mut self, mut change: impl FnMut(Change)) {
-        let mut waiting = self.ring.waiting();
-        while waiting > 0 {
-            let word = self.ring.peek();
-            let cycle = self.cycle(word);
-            if cycle >= self.tick_cycles {
-                return; // It belongs to the next tick.
-            }
-            let levels = (word >> COUNT_BITS) as u8;
-            let changed = (levels ^ self.levels) | self.unknown;
-            (self.levels, self.unknown) = (levels, 0);
-            self.pending |= changed;
-            change(Change {
-                levels,
-                changed,
-                cycle,
-            });
-            self.ring.advance();
-            waiting -= 1;
+    /// Reads the changes of the tick that is over, in order, into the filters of the lines.
+    #[inline(always)]
+    pub fn read(&mut self, filters: &mut [IndexFilter]) {
+        if self.ring.has_unread() {
+            self.read_changes(filters);
         }
     }
 
-    /// Lines, a bit each, that have changed since they were [cleared](Self::clear_pending).
-    pub const fn pending(&self) -> u8 {
-        self.pending
+    #[inline(never)] // seldom
+    fn read_changes(&mut self, filters: &mut [IndexFilter]) {
+        // A line changed in the middle of the interval since the poll before: within ±3.5 cycles, or ±7 if the change before
+        // it is less than 14 away.
+        let offset = (SAMPLED_AFTER - POLL_CYCLES / 2) as i32 - self.rest as i32;
+        if self.is_first
+            && let Some(word) = self.ring.peek()
+        {
+            // All lines may have changed.
+            self.is_first = false;
+            self.levels = word >> COUNT_BITS ^ ALL;
+        }
+        while let Some(word) = self.ring.peek() {
+            // The count of the n-th poll is −n. Relative to the polls before the tick it is small and may be negative.
+            const UNUSED_BITS: u32 = u32::BITS - COUNT_BITS;
+            let polls = ((!self.polls).wrapping_sub(word) << UNUSED_BITS) as i32 >> UNUSED_BITS;
+            let cycle = polls * POLL_CYCLES as i32 + offset;
+            if cycle >= self.tick_cycles {
+                return; // It belongs to the next tick.
+            }
+            self.ring.advance();
+            let levels = word >> COUNT_BITS;
+            let mut changed = levels ^ self.levels;
+            self.levels = levels;
+            self.pending |= changed;
+            while let Some(axis) = lowest(changed) {
+                let others = changed & (changed - 1);
+                if let Some(filter) = filters.get_mut(axis) {
+                    filter.change(cycle, levels & (changed ^ others) != 0);
+                }
+                changed = others;
+            }
+        }
     }
 
-    /// Marks a line as processed until it changes again.
-    pub const fn clear_pending(&mut self, axis: usize) {
-        self.pending &= !(1 << axis);
+    /// Ends the tick for the filters of lines that changed, and takes the pulses that they confirmed.
+    #[inline(always)]
+    pub fn end_tick(
+        &mut self,
+        filters: &mut [IndexFilter],
+        pulses: &mut PerAxis<Option<IndexPulse>>,
+    ) {
+        // In most ticks no line did anything, and all filters can be passed over: half of what reading costs.
+        if self.pending != 0 {
+            self.end_pending(filters, pulses);
+        }
+        self.advance();
     }
 
-    /// Length of a tick in cycles.
-    pub const fn tick_cycles(&self) -> u32 {
-        self.tick_cycles as u32
+    #[inline(never)]
+    fn end_pending(
+        &mut self,
+        filters: &mut [IndexFilter],
+        pulses: &mut PerAxis<Option<IndexPulse>>,
+    ) {
+        let cycles = self.tick_cycles as u32;
+        let mut pending = self.pending;
+        while let Some(axis) = lowest(pending) {
+            pending &= pending - 1;
+            let filter = filters.get_mut(axis);
+            let is_quiet = filter.is_none_or(|filter| {
+                if let Some(confirmed) = filter.end_tick(cycles)
+                    && let Some(pulse) = pulses.get_mut(axis)
+                {
+                    *pulse = Some(confirmed);
+                }
+                filter.is_quiet(cycles)
+            });
+            if is_quiet {
+                self.pending &= !(1 << axis);
+            }
+        }
     }
 
     /// Advances to the next tick.
-    pub const fn end_tick(&mut self) {
+    const fn advance(&mut self) {
         self.polls = self.polls.wrapping_add(self.tick_polls);
         self.rest += self.tick_rest;
         if self.rest >= POLL_CYCLES {
             self.rest -= POLL_CYCLES;
             self.polls = self.polls.wrapping_add(1);
         }
-    }
-
-    /// Time at which the lines changed: the middle of the interval since the poll before.
-    const fn cycle(&self, word: u32) -> i32 {
-        // The count of the n-th poll is −n. Relative to the polls before the tick it is small and may be negative.
-        let polls = word.wrapping_neg().wrapping_sub(1).wrapping_sub(self.polls) & COUNT;
-        const UNUSED_BITS: u32 = u32::BITS - COUNT_BITS;
-        let polls = (polls << UNUSED_BITS) as i32 >> UNUSED_BITS;
-        polls * POLL_CYCLES as i32 + (SAMPLED_AFTER - POLL_CYCLES / 2) as i32 - self.rest as i32
     }
 }

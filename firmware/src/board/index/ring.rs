@@ -33,6 +33,8 @@ static MEMORY: Memory = Memory([const { AtomicU32::new(0) }; CHANGES]);
 pub struct Ring {
     /// The channel's count of remaining words at the next word to be read.
     unread_from: u32,
+    /// The same at the end of the words that are to be read.
+    unread_to: u32,
 }
 
 impl Ring {
@@ -54,34 +56,41 @@ impl Ring {
         ctrl.set_chain_to(CHANNEL as u8); // A channel that is chained to itself is chained to none.
         ctrl.set_en(true);
         channel.ctrl_trig().write_value(ctrl);
-        Self { unread_from: WORDS }
+        Self {
+            unread_from: WORDS,
+            unread_to: WORDS,
+        }
     }
 
-    /// Number of unread words. If more came than the ring holds, all of them are skipped: some are overwritten, and the
-    /// order of the rest is unknown.
-    pub fn waiting(&mut self) -> u32 {
+    /// Returns true if words are to be read, up to the last that came so far. If more came than the ring holds, all of them
+    /// are skipped: some are overwritten, and the order of the rest is unknown.
+    #[inline(always)]
+    pub fn has_unread(&mut self) -> bool {
         let channel = pac::DMA.ch(CHANNEL);
         let left = channel.trans_count().read();
         let waiting = self.unread_from.wrapping_sub(left);
+        self.unread_to = left;
         if waiting as usize > CHANGES {
             self.unread_from = left;
-            return 0;
+            return false;
         }
         if left == 0 && waiting == 0 {
             // After four billion changes, all of them read, the channel has stopped. Later ones wait in the FIFO.
             channel.al1_trans_count_trig().write_value(WORDS);
             self.unread_from = WORDS;
+            self.unread_to = WORDS;
         }
-        waiting
+        waiting != 0
     }
 
-    /// Next unread word; valid only if one is waiting.
-    pub fn peek(&self) -> u32 {
+    /// Next unread word.
+    #[inline(always)]
+    pub fn peek(&self) -> Option<u32> {
+        if self.unread_from == self.unread_to {
+            return None;
+        }
         let place = WORDS.wrapping_sub(self.unread_from) as usize % CHANGES;
-        MEMORY
-            .0
-            .get(place)
-            .map_or(0, |word| word.load(Ordering::Relaxed))
+        MEMORY.0.get(place).map(|word| word.load(Ordering::Relaxed))
     }
 
     /// Advances to the next word.

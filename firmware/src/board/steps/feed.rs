@@ -15,20 +15,14 @@ use embassy_rp::pac;
 use embassy_rp::pac::dma::regs::CtrlTrig;
 use embassy_rp::pac::dma::vals::{DataSize, TreqSel};
 
+use super::words::Span;
 use super::{BLOCKS, block_of, machine_of};
 use crate::board::pins::AXES;
-
-/// What a channel is to move: an address, and how many words stand there.
-#[derive(Clone, Copy)]
-struct Words {
-    address: u32,
-    count: u32,
-}
 
 /// Axes, a bit each, whose words came too late: their machine had underrun, or those before them were never begun.
 static LATE: AtomicU8 = AtomicU8::new(0);
 
-static QUEUED: Mutex<[Cell<Option<Words>>; AXES]> = Mutex::new([const { Cell::new(None) }; AXES]);
+static QUEUED: Mutex<[Cell<Option<Span>>; AXES]> = Mutex::new([const { Cell::new(None) }; AXES]);
 
 /// Sets up the channel of an axis: channel i is axis i's.
 #[cold]
@@ -58,13 +52,10 @@ pub fn listen() {
 
 /// Moves `words` into an axis's FIFO: now, or when those before them are done.
 ///
-/// The words must stay as they are until then. [`super::Steps`] owns them, and writes to a buffer again only
+/// The words must be [published](publish), and stay as they are until then. [`super::Steps`] owns them, and writes to a buffer again only
 /// when the one after it has been begun.
-pub fn feed(cs: CriticalSection<'_>, axis: usize, words: &[u32]) {
-    let words = Words {
-        address: words.as_ptr() as u32,
-        count: words.len() as u32,
-    };
+#[inline(always)]
+pub fn feed(cs: CriticalSection<'_>, axis: usize, words: Span) {
     if is_busy(axis) {
         if let Some(queued) = QUEUED.borrow(cs).get(axis)
             && queued.replace(Some(words)).is_some()
@@ -106,10 +97,14 @@ pub fn take_late() -> Option<usize> {
     (0..AXES).find(|&axis| late & 1 << axis != 0)
 }
 
-fn begin(axis: usize, words: Words) {
-    let channel = pac::DMA.ch(axis);
-    // The channel reads memory behind the compiler's back: what was written there must be there.
+/// Completes all writes to memory: the channels read it behind the compiler's back.
+#[inline(always)]
+pub fn publish() {
     cortex_m::asm::dmb();
+}
+
+fn begin(axis: usize, words: Span) {
+    let channel = pac::DMA.ch(axis);
     channel.al3_trans_count().write_value(words.count);
     channel.al3_read_addr_trig().write_value(words.address);
 }

@@ -19,10 +19,9 @@
 mod feed;
 mod program;
 mod release;
+mod words;
 
-use core::arch::asm;
-
-use cophase_core::pulse::{BLOCK, MAX_RUNS, Run, Runs, Sharing};
+use cophase_core::pulse::Sharing;
 use cophase_core::signals::Output;
 use cophase_link::board::{Board as _, Rp2040};
 use critical_section::CriticalSection;
@@ -31,6 +30,8 @@ use embassy_rp::pac::pio::Pio;
 use embassy_rp::pac::pio::vals::SmExecctrlStatusSel;
 use embassy_time::{Duration, Instant};
 use pio::Wrap;
+pub use words::Buffers;
+use words::{Span, Words};
 
 use super::pins::{self, AXES};
 use super::{CYCLES_PER_US, GUARD_MACHINE, INDEX_MACHINE, now_us};
@@ -50,9 +51,6 @@ const LEAST_BEGIN_US: u32 = HOLD_US + 20;
 
 /// Time by which words must be submitted before they are due, µs.
 const LEAST_LEAD_US: u32 = Rp2040::LEAST_LEAD_US;
-
-/// DIR in a word.
-const DIR: u32 = 1 << 31;
 
 /// The block of an axis. Looked up: the board has no instruction that divides.
 const fn block_of(axis: usize) -> usize {
@@ -97,9 +95,14 @@ pub struct Steps {
     /// What the channels were given last.
     given: &'static mut [Words; AXES],
     axes: usize,
+    /// Machines of each block that make steps, a bit each.
+    machines: [u8; 2],
     /// Which axes share a plan, and the axis whose words the channel of each reads.
     sharing: Option<Sharing>,
     reads: [u8; AXES],
+    /// Axes whose words are read, and where these words are.
+    read: heapless::Vec<u8, AXES>,
+    spans: [Span; AXES],
     /// What turns a word's DIR round, or not, for each axis.
     reversed: [u32; AXES],
     tick: Duration,
@@ -126,17 +129,20 @@ impl Steps {
         for (axis, &is_reversed) in reversed.iter().enumerate().take(axes) {
             set_up_machine(axis, program.wrap);
             feed::set_up(axis);
-            turned[axis] = if is_reversed { DIR } else { 0 };
+            turned[axis] = if is_reversed { words::DIR } else { 0 };
         }
         feed::listen();
         release::set_up();
-        let Buffers([free, given]) = buffers;
+        let [free, given] = buffers.split();
         Self {
             free,
             given,
             axes,
+            machines: [0, 1].map(|block| machines(block, axes)),
             sharing: None,
             reads: [0; AXES],
+            read: heapless::Vec::new(),
+            spans: [Span::EMPTY; AXES],
             reversed: turned,
             tick,
             until: None,
@@ -155,13 +161,25 @@ impl Steps {
         }
         // Machines that stand are to begin with a pause, which is not the same in both blocks: they share no words.
         let is_first = self.until != Some(start);
-        let axes = self.free.iter_mut().zip(&self.reads).zip(&self.reversed);
-        for (axis, ((words, &read), &reversed)) in axes.enumerate().take(self.axes) {
-            if usize::from(read) == axis || is_first {
-                words.copy(output.runs(axis), reversed);
+        if is_first {
+            self.copy_all(output);
+        } else {
+            for &axis in &self.read {
+                let axis = usize::from(axis);
+                if let (Some(words), Some(&reversed), Some(span)) = (
+                    self.free.get_mut(axis),
+                    self.reversed.get(axis),
+                    self.spans.get_mut(axis),
+                ) {
+                    words.copy(output.runs(axis), reversed);
+                    *span = words.tick();
+                }
             }
         }
-        let submission = critical_section::with(|cs| self.hand_over(cs, start));
+        let submission = cortex_m::interrupt::free(|_| {
+            // SAFETY: only this core runs, and its interrupts are shut off.
+            self.hand_over(unsafe { CriticalSection::new() }, start)
+        });
         if matches!(submission, Submission::Taken | Submission::Begun(_)) {
             self.until = start.checked_add(self.tick);
             core::mem::swap(&mut self.free, &mut self.given);
@@ -173,10 +191,31 @@ impl Steps {
     #[inline(never)]
     fn assign_words(&mut self, sharing: Sharing) {
         self.sharing = Some(sharing);
-        let like = |axis: usize| (sharing.first(axis), self.reversed.get(axis));
-        for (axis, read) in self.reads.iter_mut().enumerate() {
-            let first = (0..axis).find(|&first| like(first) == like(axis));
-            *read = first.unwrap_or(axis) as u8;
+        self.read.clear();
+        // For each plan and sense of rotation, the first axis that has both.
+        let mut readers = [[None; 2]; AXES];
+        let axes = self.reads.iter_mut().zip(&self.reversed);
+        for (axis, (read, &reversed)) in axes.enumerate().take(self.axes) {
+            let plan = readers.get_mut(sharing.first(axis));
+            let reader = plan.map(|[forward, backward]| match reversed {
+                0 => forward,
+                _ => backward,
+            });
+            let own = axis as u8;
+            *read = reader.map_or(own, |reader| *reader.get_or_insert(own));
+            if *read == own {
+                // There is room for all axes.
+                let _ = self.read.push(own);
+            }
+        }
+    }
+
+    /// Takes over the runs of every axis: those that share a plan too.
+    #[inline(never)] // once a start
+    fn copy_all(&mut self, output: &Output) {
+        let axes = self.free.iter_mut().zip(&self.reversed);
+        for (axis, (words, &reversed)) in axes.enumerate().take(self.axes) {
+            words.copy(output.runs(axis), reversed);
         }
     }
 
@@ -194,9 +233,10 @@ impl Steps {
                 self.until = None;
                 return Submission::Underrun(axis);
             }
+            feed::publish();
             for (axis, &read) in self.reads.iter().enumerate().take(self.axes) {
-                if let Some(words) = self.free.get(usize::from(read)) {
-                    feed::feed(cs, axis, words.tick());
+                if let Some(&span) = self.spans.get(usize::from(read)) {
+                    feed::feed(cs, axis, span);
                 }
             }
             Submission::Taken
@@ -210,7 +250,7 @@ impl Steps {
     /// Lets all machines go, so that `start` finds them at the end of a pause: of so many cycles.
     fn begin(&mut self, cs: CriticalSection<'_>, start: Instant) -> u32 {
         let enabled = |pio: Pio| pio.ctrl().read().sm_enable();
-        let [first, second] = [0, 1].map(|block| machines(block, self.axes));
+        let [first, second] = self.machines;
         pac::PIO0
             .ctrl()
             .write(|w| w.set_sm_enable(enabled(pac::PIO0) & !first));
@@ -222,7 +262,11 @@ impl Steps {
         let pause = (start.as_ticks() as u32).wrapping_sub(go_us) * CYCLES_PER_US;
         for (axis, words) in self.free.iter_mut().enumerate().take(self.axes) {
             let earlier = release::SKEW * block_of(axis) as u32;
-            feed::feed(cs, axis, words.after_pause(pause - earlier));
+            words.begin_with_pause(pause - earlier);
+        }
+        feed::publish();
+        for (axis, words) in self.free.iter().enumerate().take(self.axes) {
+            feed::feed(cs, axis, words.with_pause());
         }
         for (pio, machines) in BLOCKS.into_iter().zip([first, second]) {
             // Until the channels have moved a first word into every FIFO.
@@ -248,10 +292,9 @@ impl Steps {
     /// An axis whose machine has waited for words since it was let go.
     fn underrun_axis(&self) -> Option<usize> {
         // Most often none has, which two registers show.
-        let stalled = |block: usize, pio: Pio| {
-            pio.fdebug().read().txstall() & machines(block, self.axes) != 0
-        };
-        if !stalled(0, pac::PIO0) && !stalled(1, pac::PIO1) {
+        let stalled = |machines: u8, pio: Pio| pio.fdebug().read().txstall() & machines != 0;
+        let [first, second] = self.machines;
+        if !stalled(first, pac::PIO0) && !stalled(second, pac::PIO1) {
             return None;
         }
         (0..self.axes.min(AXES)).find(|&axis| has_underrun(axis))
@@ -322,76 +365,4 @@ fn set_up_machine(axis: usize, wrap: Wrap) {
     });
     const JMP_0: u16 = 0;
     sm.instr().write(|w| w.set_instr(JMP_0));
-}
-
-/// Room for the words of one tick of one axis, behind one for the pause with which to begin.
-struct Words {
-    words: [u32; MAX_RUNS + 1],
-    /// How many of them are used, the first included.
-    used: usize,
-}
-
-impl Words {
-    const EMPTY: Self = Self {
-        words: [0; MAX_RUNS + 1],
-        used: 0,
-    };
-
-    /// Takes a tick's runs over, DIR turned round for an axis that is.
-    ///
-    /// What the compiler makes of such a loop is for long copies, and takes twice as long for the 5 to 10 runs of a tick.
-    fn copy(&mut self, runs: &Runs, reversed: u32) {
-        const { assert!(BLOCK == 4 && size_of::<Run>() == size_of::<u32>()) };
-        let blocks = runs.blocks();
-        if !blocks.is_empty() {
-            let [_, words @ ..] = &mut self.words;
-            // SAFETY: there are at most MAX_RUNS runs in whole blocks, which is what there is room for behind the first
-            // word; a run is a word; and nothing but that room and these registers is changed.
-            unsafe {
-                asm!(
-                    "2:",
-                    "ldmia {from}!, {{r2, r3}}",
-                    "eors r2, {reversed}",
-                    "eors r3, {reversed}",
-                    "stmia {to}!, {{r2, r3}}",
-                    "ldmia {from}!, {{r2, r3}}",
-                    "eors r2, {reversed}",
-                    "eors r3, {reversed}",
-                    "stmia {to}!, {{r2, r3}}",
-                    "subs {blocks}, #1",
-                    "bne 2b",
-                    from = inout(reg) blocks.as_ptr() => _,
-                    to = inout(reg) words.as_mut_ptr() => _,
-                    blocks = inout(reg) blocks.len() => _,
-                    reversed = in(reg) reversed,
-                    out("r2") _,
-                    out("r3") _,
-                    options(nostack),
-                );
-            }
-        }
-        self.used = 1 + runs.len();
-    }
-
-    /// The tick's words.
-    fn tick(&self) -> &[u32] {
-        self.words.get(1..self.used).unwrap_or_default()
-    }
-
-    /// A pause of `cycles`, with DIR as the tick begins with it, and the tick's words.
-    fn after_pause(&mut self, cycles: u32) -> &[u32] {
-        let [pause, first, ..] = &mut self.words;
-        *pause = Run::pause(cycles, *first & DIR != 0).bits();
-        self.words.get(..self.used).unwrap_or_default()
-    }
-}
-
-/// Room for two ticks of every axis: the one that is played, and the one to come.
-pub struct Buffers([[Words; AXES]; 2]);
-
-impl Buffers {
-    /// Empty.
-    pub const fn new() -> Self {
-        Self([const { [const { Words::EMPTY }; AXES] }; 2])
-    }
 }

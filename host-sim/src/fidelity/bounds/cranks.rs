@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::linear::{Drive, Worst};
 use super::{frame, rods};
-use crate::dynamics::{Driven, Motor};
+use crate::dynamics::Driven;
 use crate::fidelity::Output;
 use crate::mechanism::Mechanism;
 use crate::scene::file::Fidelity;
@@ -31,7 +31,8 @@ pub struct Cranks {
     tilt_mrad: f64,
     /// What is missed of a peak between two ticks, as a part of it.
     sampling: f64,
-    steppers: Vec<bool>,
+    /// Motors whose torque has a limit: steppers beyond it slip, servos fall behind.
+    limited: Vec<bool>,
     alike: bool,
     /// Whether all cranks are to turn as one, which is all that the linear computation knows; on up to three, apart but for where
     /// they stand at the start, as no rod then pulls on them.
@@ -63,10 +64,10 @@ impl Cranks {
             } else {
                 0.0
             },
-            steppers: driven
+            limited: driven
                 .motors()
                 .iter()
-                .map(|motor| matches!(motor, Motor::Stepper(_)))
+                .map(|motor| motor.most_nm(0.0).is_finite())
                 .collect(),
             in_phase: !leads_apart && (body.axes() <= 3 || standing_apart_rad == 0.0),
             alike: worst.spread_rad == 0.0,
@@ -89,13 +90,25 @@ impl Cranks {
     pub fn numbers(&self) -> String {
         let worst = &self.worst;
         let most = |used: &[f64]| used.iter().copied().fold(0.0, f64::max);
+        let required = most(&worst.torque_ratio_required);
+        if !required.is_finite() {
+            return "at top speed a motor has no torque left".to_owned();
+        }
         format!(
-            "torque ratio {:.2} ({:.2} with what oscillates), frequency ratio {:.2}, lag of at most {:.2}°",
-            most(&worst.torque_ratio_required),
+            "torque ratio {required:.2} ({:.2} with what oscillates), frequency ratio {:.2}, lag of at most {:.2}°",
             most(&worst.torque_ratio),
             worst.frequency_ratio,
             degrees(worst.lag_rad)
         )
+    }
+
+    /// Axis whose motor has the smallest part of the torque that the motion requires of it, and required over available torque:
+    /// infinite where the motor has none left.
+    pub fn torque_ratio(&self) -> (usize, f64) {
+        let ratios = self.worst.torque_ratio_required.iter().copied();
+        // Of equal ones the first.
+        let most = ratios.enumerate().rev().max_by(|a, b| a.1.total_cmp(&b.1));
+        most.unwrap_or((0, 0.0))
     }
 
     /// How far the platform is from where quasi-static rods have it at most, m.
@@ -195,36 +208,15 @@ impl Cranks {
         }
     }
 
-    /// By how many motors a model level may be wrong about which of them slip.
+    /// By how many motors a model level may be wrong about which of them slip. Where one may, only cranks of their own show which
+    /// do, and how far: a motor that slips leaves its load to the others.
     fn slips(&self, model_level: Fidelity) -> f64 {
-        let is_known = match model_level {
-            Fidelity::Auto | Fidelity::Kinematic => false,
-            Fidelity::QuasiStatic => self.is_decided(),
-            Fidelity::Rigid => false,
-            Fidelity::Phased | Fidelity::Elastic => true,
-        };
-        let worst = &self.worst.torque_ratio;
-        let may_slip =
-            |i: &usize| self.steppers[*i] && !(self.in_phase && MARGIN * worst[*i] < 1.0);
-        if is_known {
+        if model_level >= Fidelity::Phased {
             return 0.0;
         }
+        let worst = &self.worst.torque_ratio;
+        let may_slip = |i: &usize| self.limited[*i] && !(self.in_phase && MARGIN * worst[*i] < 1.0);
         (0..worst.len()).filter(may_slip).count() as f64
-    }
-
-    /// Whether the required torque alone shows who slips: far more than each motor has is required of it, or far less
-    /// even if those carry nothing any more.
-    fn is_decided(&self) -> bool {
-        let worst = &self.worst;
-        let slips = |i: usize| self.steppers[i] && worst.torque_ratio_required[i] > MARGIN;
-        if !self.in_phase {
-            return false;
-        }
-        let axes = self.steppers.len();
-        let left = (0..axes).filter(|&i| !slips(i)).count();
-        let more = axes as f64 / left.max(1) as f64;
-        (0..axes)
-            .all(|i| !self.steppers[i] || slips(i) || MARGIN * more * worst.torque_ratio[i] < 1.0)
     }
 
     fn apart_rad(&self) -> f64 {

@@ -110,6 +110,15 @@ impl Bounds {
         }
     }
 
+    /// Axis whose motor has the smallest part of the torque that the motion requires of it, and required over available torque;
+    /// none for cams, whose motors' torque is not modelled.
+    pub fn torque_ratio(&self) -> Option<(usize, f64)> {
+        match &self.of {
+            Of::Cranks(cranks) => Some(cranks.torque_ratio()),
+            Of::Followers(_) => None,
+        }
+    }
+
     /// The numbers that they are made of, in words.
     pub fn numbers(&self) -> String {
         match &self.of {

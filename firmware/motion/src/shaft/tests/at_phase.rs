@@ -2,6 +2,7 @@
 
 use super::earliest::{Coasting, Earliest};
 use super::*;
+use crate::shaft::gain::Step;
 
 /// Result of a stop.
 #[derive(Debug)]
@@ -24,8 +25,9 @@ pub(super) struct Found {
 fn least_distance(watch: &Watch) -> i64 {
     let ramp = &watch.shaft.limits().usual;
     let (mut state, mut distance) = (watch.shaft.state(), 0);
+    let mut near = Step::ZERO;
     while state.speed != 0 || state.acceleration > 0 {
-        state = state.braked(ramp);
+        state = state.braked(ramp, &mut near);
         distance += state.speed;
     }
     distance

@@ -3,6 +3,7 @@
 use super::*;
 use crate::shaft::blend::State;
 use crate::shaft::easing::Easing;
+use crate::shaft::gain::Step;
 
 /// Any state from which the shaft can brake: accelerations up to the usual limit, which is above that of the brake.
 fn any_state(
@@ -42,8 +43,9 @@ proptest! {
         let ramp = &limits.parking;
         let expected = ramp.braking_distance(from.speed, from.acceleration);
         let (mut state, mut distance, mut ticks) = (from, 0_i64, 0);
+        let mut near = Step::ZERO;
         while (state.speed, state.acceleration) != (0, 0) {
-            let next = state.braked(ramp);
+            let next = state.braked(ramp, &mut near);
             prop_assert!(next.speed >= 0, "back from {state:?}");
             prop_assert!((next.acceleration - state.acceleration).abs() <= ramp.jerk);
             prop_assert!(next.acceleration.abs() <= ramp.acceleration.max(state.acceleration.abs()));
@@ -63,8 +65,9 @@ proptest! {
     ) {
         let distance = |state: State| limits.parking.braking_distance(state.speed, state.acceleration);
         let mut state = state;
+        let mut near = Step::ZERO;
         for _ in 0..=braking {
-            let next = state.braked(&limits.parking);
+            let next = state.braked(&limits.parking, &mut near);
             prop_assert!(next.speed >= 0);
             prop_assert_eq!(distance(state), distance(next).wrapping_add(next.speed), "{:?}", state);
             state = next;
@@ -76,7 +79,7 @@ proptest! {
     fn easing_takes_no_more_slack_than_computed((limits, state) in any_state(any_limits())) {
         let easing = Easing::new(state, &limits);
         prop_assume!(easing.is_ready(state, &limits));
-        let later = easing.step(state, &limits);
+        let later = easing.step(state, &limits, &mut { Near::ZERO });
         let distance = |state: State| limits.parking.braking_distance(state.speed, state.acceleration);
         let taken = distance(later).wrapping_add(later.speed).wrapping_sub(distance(state));
         prop_assert!(taken <= easing.longest_distance(state), "{taken} from {state:?} to {easing:?}");

@@ -6,6 +6,7 @@
 //! lower bound of the ticks that any shaft needs. Nothing here uses the regulator's own computation.
 
 use super::*;
+use crate::shaft::limits::RampLimits;
 
 /// Least time to standstill without acceleration, in ticks.
 pub(super) fn least_ticks(ramp: &RampLimits, speed: f64, acceleration: f64) -> f64 {
