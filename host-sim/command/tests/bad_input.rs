@@ -177,7 +177,7 @@ fn lines_of(changes: &[(&str, &str)]) -> Vec<String> {
     words.lines().map(str::to_owned).collect()
 }
 
-/// Were it wrong, whoever mends a scene would run it once for each error; or errors would be made up by mending another.
+/// Were it wrong, whoever fixes a scene would run it once for each error; or errors would be made up by fixing another.
 #[test]
 fn all_errors_are_reported_together() {
     let wrong = [

@@ -236,7 +236,7 @@ mod tests {
         Checked::new(load::parse(&text).unwrap()).unwrap()
     }
 
-    /// Were it wrong, a curve that is given too short would be blamed on the motors: they slip where it ends.
+    /// Were it wrong, a curve that is given too short would look like motors that are too weak: they slip where it ends.
     #[test]
     fn a_pull_out_curve_that_ends_too_early_is_said() {
         let warned = |axes: &str| beyond_pull_out(&scene("", axes));

@@ -1,7 +1,7 @@
 //! What else is wrong with the values of a scene, beside what was found first.
 //!
-//! Checks end at the first error. To find the next one, the value of the last is *mended*: left out, so that its default holds, or
-//! else as a built-in scene has it. Then the scene is checked again. An error that a mended value may have caused is not reported.
+//! Checks end at the first error. To find the next one, the value of the last is *replaced*: left out, so that its default holds, or
+//! else as a built-in scene has it. Then the scene is checked again. An error that a replaced value may have caused is not reported.
 
 use std::collections::BTreeMap;
 
@@ -25,15 +25,15 @@ pub(super) fn find(
         return first;
     };
     let mut found = vec![first.clone()];
-    let mut mended = Mended::default();
+    let mut replaced = Replaced::default();
     let mut last = first;
     for _ in 0..MOST_CHECKS {
-        let Some((better, scene)) = mended.mend(&table, &last.key) else {
+        let Some((better, scene)) = replaced.replace(&table, &last.key) else {
             break;
         };
         table = better;
         let Err(error) = check(scene) else { break };
-        if mended.is_not_the_cause_of(&error) && !found.iter().any(|other| is_one(&error, other)) {
+        if replaced.is_not_the_cause_of(&error) && !found.iter().any(|other| is_one(&error, other)) {
             found.push(error.clone());
         }
         if found.len() == MOST {
@@ -49,13 +49,13 @@ pub(super) fn find(
     SceneError::together(found).expect("the first is among them")
 }
 
-/// Keys whose values are mended, each with how often: left out at first, then as in a built-in scene.
+/// Keys whose values are replaced, each with how often: left out at first, then as in a built-in scene.
 #[derive(Default)]
-struct Mended(BTreeMap<String, usize>);
+struct Replaced(BTreeMap<String, usize>);
 
-impl Mended {
-    /// The scene with another value at a key, or else without the table around it; none if it cannot be mended so.
-    fn mend(&mut self, table: &Table, key: &str) -> Option<(Table, Scene)> {
+impl Replaced {
+    /// The scene with another value at a key, or else without the table around it; none if it cannot be replaced so.
+    fn replace(&mut self, table: &Table, key: &str) -> Option<(Table, Scene)> {
         let mut place = without_entry(key);
         while !place.is_empty() {
             let times = self.0.entry(place.to_owned()).or_insert(0);
@@ -83,10 +83,10 @@ impl Mended {
     fn is_not_the_cause_of(&self, error: &SceneError) -> bool {
         let mut keys = self.0.keys();
         let is_range = is_range(error);
-        keys.all(|mended| {
-            error.key != *mended
-                && !error.problem.contains(mended.as_str())
-                && (is_range || !depends(&error.key, mended))
+        keys.all(|replaced| {
+            error.key != *replaced
+                && !error.problem.contains(replaced.as_str())
+                && (is_range || !depends(&error.key, replaced))
         })
     }
 }
