@@ -33,7 +33,8 @@ pub(super) fn find(
         };
         table = better;
         let Err(error) = check(scene) else { break };
-        if replaced.is_not_the_cause_of(&error) && !found.iter().any(|other| is_one(&error, other)) {
+        if replaced.is_not_the_cause_of(&error) && !found.iter().any(|other| is_one(&error, other))
+        {
             found.push(error.clone());
         }
         if found.len() == MOST {
