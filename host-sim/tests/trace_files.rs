@@ -182,6 +182,49 @@ fn the_same_run_gives_the_same_page() {
     keep("scope-six.svg", &page());
 }
 
+/// Were it wrong, the page would show what was commanded as what the platform did, or twice the amplitude of a level that is over.
+#[test]
+fn three_amplitudes_are_drawn_by_their_names() {
+    let page = |has_pushers: bool| {
+        let frame = ScopeFrame {
+            has_pushers,
+            ..frame("amplitudes", "")
+        };
+        let mut scope = ScopeData::new(1, frame);
+        for tick in 0..8000_u32 {
+            let t_s = f64::from(tick) * TICK_S;
+            let phase_turns = 10.0 * t_s;
+            // The last tick but one is a spike in a turn that is never whole.
+            let spike = if tick == 7998 { 90.0 } else { 1.0 };
+            scope.push(&Row {
+                t_s,
+                state: "run",
+                amax_requested_mps2: 36.0 * GRAVITY_MPS2,
+                amax_commanded_mps2: 35.0 * GRAVITY_MPS2,
+                accel_mps2: -32.25 * spike * GRAVITY_MPS2 * (phase_turns * TAU).cos(),
+                omega_rad_s: 10.0 * TAU,
+                phase_turns,
+                axes: axes(1),
+                ..Row::default()
+            });
+        }
+        scope.render()
+    };
+    let platform = page(false);
+    keep("scope-amplitudes.svg", &platform);
+    for entry in [
+        "requested, peak 36.0",
+        "commanded, peak 35.0",
+        "actual, peak 32.2",
+    ] {
+        assert!(platform.contains(entry), "{entry}");
+    }
+    assert!(
+        !page(true).contains("actual"),
+        "pushers have a panel of their own"
+    );
+}
+
 #[test]
 fn poor_runs_give_pages_too() {
     keep(

@@ -8,6 +8,7 @@ use cophase_link::header::{FIRST_SEQUENCE, HEADER_BYTES, MAGIC, OUTSIDE};
 use cophase_link::{Header, MAX_FILE_BYTES, board, encode};
 
 use super::{CommandError, Status, scenes};
+use host_sim::report;
 use host_sim::scene::file::{AxisOverrides, CamShaft, Fidelity, Rods};
 use host_sim::scene::{Checked, Scene};
 use host_sim::trace::RunFiles;
@@ -73,6 +74,9 @@ fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, Co
     );
     if *settings.name != *checked.scene.name {
         text += &format!("Its name is cut to `{}`.\n", settings.name);
+    }
+    if let Some(coupling) = report::coupling(checked) {
+        text += &format!("{coupling}\n");
     }
     let left_out = left_out(&checked.scene);
     if !left_out.is_empty() {

@@ -177,7 +177,7 @@ fn lines_of(changes: &[(&str, &str)]) -> Vec<String> {
     words.lines().map(str::to_owned).collect()
 }
 
-/// Were it wrong, whoever fixes a scene would run it once for each error; or errors would be made up by fixing another.
+/// Were it wrong, whoever corrects a scene would run it once for each error; or errors would be invented by correcting another.
 #[test]
 fn all_errors_are_reported_together() {
     let wrong = [

@@ -277,3 +277,23 @@ fn what_the_board_will_refuse_is_said() {
         "{summary}"
     );
 }
+
+/// Were it wrong, gains that a scene leaves to be derived would get onto a board without anybody having seen them.
+#[test]
+fn derived_coupling_gains_are_said() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = "name = \"servos\"\n[machine]\ncrank_radius_mm = 12\nlambda = 0.25\nload_kg = 5\n\
+                [limits]\nspeed_hz = 40\nacceleration_hz_per_s = 30\njerk_hz_per_s2 = 300\n\
+                [axes]\ncount = 3\ndrive = \"servo\"\nsteps_per_turn = 32768\nencoder = true\n\
+                rotor_inertia_kgm2 = 1e-3\nservo = { position_gain_per_s = 120, velocity_gain_nms = 1.0 }\n\
+                [correction]\ncouple = true\n[[program]]\namax_g = 10\nramp_s = 1\nhold_s = 1\n";
+    fs::write(dir.path().join("scene.toml"), text).unwrap();
+    let output = settings(dir.path(), &["scene.toml"]);
+    let summary = String::from_utf8(output.stdout.clone()).unwrap();
+    assert_ne!(output.status.code(), Some(2), "{output:?}");
+    assert!(
+        summary.contains("Cross-coupling of the setpoints: gain "),
+        "{summary}"
+    );
+    assert!(summary.contains(" 1/s (derived)."), "{summary}");
+}

@@ -6,7 +6,7 @@ mod warnings;
 mod words;
 mod written;
 
-pub use summary::summary;
+pub use summary::{coupling, summary};
 pub use warnings::warnings;
 pub use words::{describe, is_notable};
 pub use written::Written;
@@ -32,6 +32,9 @@ pub struct Report<'a> {
     fidelity: FidelityReport<'a>,
     method: MethodReport,
     ended: Ended,
+    /// Gains of the cross-coupling, where it acts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    coupling: Option<CouplingReport>,
     warnings: Vec<String>,
     simulated_s: f64,
     control_ticks: u64,
@@ -82,6 +85,12 @@ struct Ended {
     /// What made the machine stop last.
     #[serde(skip_serializing_if = "Option::is_none")]
     stopped_by: Option<&'static str>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+struct CouplingReport {
+    proportional: f64,
+    per_s: f64,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -239,6 +248,10 @@ impl<'a> Report<'a> {
                     StoppedBy::Fault => "fault",
                 }),
             },
+            coupling: coupling(checked).map(|_| CouplingReport {
+                proportional: checked.settings.correction.coupling,
+                per_s: checked.settings.correction.coupling_per_s,
+            }),
             warnings: warnings(checked, outcome),
             simulated_s: outcome.simulated_s(),
             control_ticks: outcome.ticks,

@@ -213,6 +213,9 @@ fn write_page(
             trims.join(", ")
         )?;
     }
+    if let Some(coupling) = coupling(checked) {
+        writeln!(page, "{coupling}")?;
+    }
     followers(page, checked, outcome)?;
     let closest = statistics
         .torque_used
@@ -314,6 +317,24 @@ fn followers(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fm
             worst(|peaks| peaks.pusher_mps2),
         ),
     }
+}
+
+/// The gains of the cross-coupling, if it acts.
+pub fn coupling(checked: &Checked) -> Option<String> {
+    let settings = &checked.settings.correction;
+    let given = &checked.scene.correction;
+    (settings.coupling != 0.0 || settings.coupling_per_s != 0.0).then(|| {
+        let derived = match (given.coupling, given.coupling_per_s) {
+            (Some(_), Some(_)) => "given",
+            _ if !given.couple => "given",
+            (None, None) => "derived",
+            _ => "one given, one derived",
+        };
+        format!(
+            "Cross-coupling of the setpoints: gain {:.4}, integral gain {:.3} 1/s ({derived}).",
+            settings.coupling, settings.coupling_per_s
+        )
+    })
 }
 
 fn steps(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {

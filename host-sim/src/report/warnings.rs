@@ -184,8 +184,10 @@ mod tests {
         assert!(said.contains("axis 0 needs") && times > 6.7, "{said}");
         let (fidelity, said) = run(0.0, "[[0, 20], [2, 20]]");
         assert_eq!(fidelity, Fidelity::Phased);
-        let said = said.expect("the curve ends below the top speed");
-        assert!(said.contains("ends at 2 rev/s"), "{said}");
+        assert!(
+            said.expect("the curve ends at 2 rev/s")
+                .contains("has none left")
+        );
     }
 
     /// Were it wrong, a run would promise to watch a tilt that nothing measures, or warn of cranks that encoders watch.
@@ -236,7 +238,7 @@ mod tests {
         Checked::new(load::parse(&text).unwrap()).unwrap()
     }
 
-    /// Were it wrong, a curve that is given too short would look like motors that are too weak: they slip where it ends.
+    /// Were it wrong, a curve that is given too short would look like weak motors: they slip where it ends.
     #[test]
     fn a_pull_out_curve_that_ends_too_early_is_said() {
         let warned = |axes: &str| beyond_pull_out(&scene("", axes));

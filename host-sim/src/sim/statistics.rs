@@ -217,13 +217,17 @@ impl Statistics {
     }
 
     fn enter(&mut self, state: State, telemetry: &Telemetry, t_s: f64) {
-        if state == State::Stop {
-            self.stopped_by = Some(match telemetry.fault {
+        // A fault may switch the drives off in any state, and in a stop that something else began.
+        let stopped_by = match state {
+            State::Fault => Some(StoppedBy::Fault),
+            State::Stop => Some(match telemetry.fault {
                 Some(_) => StoppedBy::Fault,
                 None if self.stop_requested => StoppedBy::Request,
                 None => StoppedBy::ProgramEnd,
-            });
-        }
+            }),
+            _ => None,
+        };
+        self.stopped_by = stopped_by.or(self.stopped_by);
         let what = if state == State::Run {
             self.stop_requested = false;
             // The first tick of the program is over already.

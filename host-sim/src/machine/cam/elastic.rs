@@ -10,8 +10,9 @@ use super::pusher::{Peaks, Pusher, Turned};
 use crate::machine::Chosen;
 use crate::machine::MOST_STEPS;
 
-/// How far the slowest mode may turn in a step of exact discretisation, rad: a peak lies within half a step of one that is
-/// looked at, where its cosine is 1 − (0.05/2)²/2, 0.03 % off.
+/// How far the slowest mode may turn in a step of exact discretisation, rad: a peak of the pusher lies within half a step of one that is
+/// looked at, where its cosine is 1 − (0.05/2)²/2, 0.03 % off. The cam side feels the cam's motion directly, which the method takes as
+/// straight within a step: its peak is off by up to ten times that, in proportion to the step squared.
 const RESOLVED_RAD_A_STEP: f64 = 0.05;
 /// How far the fastest mode may turn in a step of any other method, rad: RK4 is off by 3.3e-5 a radian there.
 const FOLLOWED_RAD_A_STEP: f64 = 0.25;

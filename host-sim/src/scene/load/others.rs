@@ -55,7 +55,7 @@ pub(super) fn find(
 struct Replaced(BTreeMap<String, usize>);
 
 impl Replaced {
-    /// The scene with another value at a key, or else without the table around it; none if it cannot be replaced so.
+    /// The scene with another value at a key, or else without the table around it; none if no other value fits.
     fn replace(&mut self, table: &Table, key: &str) -> Option<(Table, Scene)> {
         let mut place = without_entry(key);
         while !place.is_empty() {

@@ -31,7 +31,43 @@ pub(super) mod channel {
     pub const TILT_X: usize = 3;
     pub const TILT_Y: usize = 4;
     pub const ACCEL: usize = 5;
-    pub const PHASE_ERROR: usize = 6;
+    pub const ACTUAL: usize = 6;
+    pub const PHASE_ERROR: usize = 7;
+}
+
+/// Acceleration amplitude as it is measured: the greatest of a turn of the master, known when the turn is over.
+#[derive(Clone, Copy, Debug)]
+struct TurnAmplitude {
+    turn: f64,
+    /// Greatest magnitude in this turn so far; none of a turn whose beginning was not seen.
+    greatest: Option<f64>,
+    /// That of the last whole turn; NaN where there is none.
+    measured: f64,
+}
+
+impl TurnAmplitude {
+    const NONE: Self = Self {
+        turn: f64::NAN,
+        greatest: None,
+        measured: f64::NAN,
+    };
+
+    fn measure(&mut self, row: &Row) -> f64 {
+        if row.omega_rad_s == 0.0 {
+            *self = Self::NONE;
+            return f64::NAN;
+        }
+        // Turns are counted from half-way: the peak, at phase 0, is then in the middle of one.
+        let (turn, accel) = ((row.phase_turns + 0.5).floor(), row.accel_mps2.abs());
+        if turn == self.turn {
+            self.greatest = self.greatest.map(|greatest| greatest.max(accel));
+        } else {
+            self.measured = self.greatest.unwrap_or(f64::NAN);
+            self.greatest = (!self.turn.is_nan()).then_some(accel);
+            self.turn = turn;
+        }
+        self.measured
+    }
 }
 
 /// Collects a run and draws it.
@@ -53,6 +89,7 @@ pub struct ScopeData {
     pub(super) frame: ScopeFrame,
     pub(super) envelope: Envelope,
     pub(super) timeline: Timeline,
+    amplitude: TurnAmplitude,
     /// One row's values in channel order; kept to save an allocation a row.
     values: Vec<f64>,
 }
@@ -66,6 +103,7 @@ impl ScopeData {
             frame,
             envelope: Envelope::new(channels),
             timeline: Timeline::default(),
+            amplitude: TurnAmplitude::NONE,
             values: vec![f64::NAN; channels],
         }
     }
@@ -84,6 +122,7 @@ impl ScopeData {
         fixed[channel::TILT_X] = row.tilt_x_mrad;
         fixed[channel::TILT_Y] = row.tilt_y_mrad;
         fixed[channel::ACCEL] = row.accel_mps2;
+        fixed[channel::ACTUAL] = self.amplitude.measure(row);
         for (i, phase_error) in phase_errors.iter_mut().enumerate() {
             *phase_error = row
                 .axes

@@ -1,6 +1,6 @@
 //! `scope.svg`: one page that shows a run as a scope would.
 //!
-//! Four panels share the time axis: acceleration requested and commanded, speed, phase error of each axis, tilt (of a machine without a
+//! Four panels share the time axis: acceleration amplitude requested, commanded and actual (the greatest of each turn), speed, phase error of each axis, tilt (of a machine without a
 //! platform, the mean acceleration of its pushers instead). Above them a
 //! *ribbon* shows the supervisor's states, and *marks* (events with a name) cross all panels.
 //!

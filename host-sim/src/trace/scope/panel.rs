@@ -1,8 +1,8 @@
 //! The panels: what each one shows, in which colours, with which legend.
 //!
 //! Colours are those of Okabe and Ito, which the colour-blind distinguish; vermilion is kept for limits and
-//! faults. Where two curves are meant to coincide, the requested one is thick and pale, the one commanded
-//! thin and dark, so that both are seen.
+//! faults. Where curves are meant to coincide, the requested one is thick and pale, the actual one green, the one commanded
+//! thin and dark, so that all are seen.
 
 use std::f64::consts::TAU;
 
@@ -19,8 +19,9 @@ const DARK_BLUE: &str = "#0B2F5B";
 const BAND: &str = "#E69F00";
 const BLUE: &str = "#0072B2";
 const ORANGE: &str = "#E69F00";
+const GREEN: &str = "#009E73";
 /// One an axis, in turn.
-const AXES: [&str; 6] = [BLUE, ORANGE, "#009E73", "#CC79A7", "#56B4E9", "#444444"];
+const AXES: [&str; 6] = [BLUE, ORANGE, GREEN, "#CC79A7", "#56B4E9", "#444444"];
 /// What an axis of a magnitude shows at least.
 const FROM_REST: Extent = Extent {
     low: 0.0,
@@ -28,22 +29,30 @@ const FROM_REST: Extent = Extent {
 };
 const STANDARD_GRAVITY_MPS2: f64 = 9.80665;
 
-/// Requested and commanded acceleration, in g.
+/// Acceleration amplitude in g: requested, commanded and, of a platform, actual.
 pub fn acceleration(scope: &ScopeData, time: TimeAxis) -> Panel {
     let per_mps2 = in_g(scope);
     let requested = scope.envelope.total(channel::PROGRAM).times(per_mps2);
     let commanded = scope.envelope.total(channel::COMMAND).times(per_mps2);
-    let mut draft = Draft::new(
-        scope,
-        time,
-        "amax, g",
-        padded(requested.and(commanded).and(FROM_REST), 0.5),
-    );
+    // Pushers have a panel of their own.
+    let actual = if scope.frame.has_pushers {
+        Extent::EMPTY
+    } else {
+        scope.envelope.total(channel::ACTUAL).times(per_mps2)
+    };
+    let shown = requested.and(commanded).and(actual).and(FROM_REST);
+    let mut draft = Draft::new(scope, time, "amax, g", padded(shown, 0.5));
     let pen = |colour, width| Pen { colour, width };
     draft.curve(channel::PROGRAM, per_mps2, pen(PALE_BLUE, 5.0));
-    draft.curve(channel::COMMAND, per_mps2, pen(DARK_BLUE, 1.4));
+    if !actual.is_empty() {
+        draft.curve(channel::ACTUAL, per_mps2, pen(GREEN, 2.6));
+    }
+    draft.curve(channel::COMMAND, per_mps2, pen(DARK_BLUE, 1.2));
     draft.entry(LegendShape::Rect, PALE_BLUE, peak("requested", requested));
     draft.entry(LegendShape::Line, DARK_BLUE, peak("commanded", commanded));
+    if !actual.is_empty() {
+        draft.entry(LegendShape::Line, GREEN, peak("actual", actual));
+    }
     draft.done()
 }
 
