@@ -89,11 +89,11 @@ impl Flag {
         if from < before && before < to && from < after && after < to {
             return None;
         }
-        self.look(before, after)
+        self.find_edges(before, after)
     }
 
     #[inline(never)]
-    fn look(&mut self, before: f64, after: f64) -> Option<Met> {
+    fn find_edges(&mut self, before: f64, after: f64) -> Option<Met> {
         let mut met = self.pass(before, after);
         met.extra = self.extra(before, after);
         self.clear = if self.again.is_some() {
