@@ -83,7 +83,7 @@ impl Observer for Exact<'_> {
                 continue;
             }
             let (high, forward, counted) = &mut self.counters[i];
-            for run in &played.runs[i] {
+            for run in played.runs(i) {
                 if run.is_pause() {
                     *forward = run.forward();
                 }
