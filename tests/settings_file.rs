@@ -13,14 +13,14 @@ use host_sim::scene::library::SCENES;
 /// The default scene as a settings file, as it was when its format got its version.
 const GOLDEN: &[u8] = include_bytes!("../firmware/link/golden/default.settings");
 
-/// What `cophase settings SCENE` writes.
+/// What `cophase settings SCENE` writes, whether a board takes it or not.
 fn settings(scene: &str) -> Vec<u8> {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("it.settings");
     let path = Path::new(&file).to_str().expect("UTF-8");
     let command = Command::try_parse_from(["cophase", "settings", scene, "-o", path]);
     let status = command.expect("arguments").carry_out(&mut Vec::new());
-    assert_eq!(status, Status::Done);
+    assert_ne!(status, Status::BadInput);
     std::fs::read(file).expect("a file")
 }
 

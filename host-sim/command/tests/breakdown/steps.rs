@@ -88,7 +88,7 @@ fn a_run_that_diverges_says_so_and_is_written() {
     let report = failed(&diverging::scene());
     let warnings = report["warnings"].to_string();
     assert!(
-        warnings.contains("diverged") && warnings.contains("implicit equation"),
+        warnings.contains("diverged") && warnings.contains("the step is too long"),
         "{warnings}"
     );
     assert_eq!(report["ended"]["fault"], false);

@@ -2,7 +2,7 @@
 //!
 //! Implicit midpoint has no limit, so none binds. But rotors of 0.1 g cm² on motors of 1000 N·m/rad go through 158 rad in the
 //! one step that a tick is given here, and a motor's field then has many places at which the step could end: the method finds
-//! none of them. It says so, the run ends there, and what was seen until then is written.
+//! one that lies far away, and cranks fly off. The run ends there and says so, and what was seen until then is written.
 
 use super::runs::three_steppers;
 
