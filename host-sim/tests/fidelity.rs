@@ -1,8 +1,10 @@
 //! `fidelity = "auto"`: its bounds hold, it takes no more model than is needed, and it does not believe itself.
 
-use host_sim::fidelity::{Answers, Bounds, Output, answers, available, check, questions};
+use host_sim::fidelity::{self, Answers, Bounds, Output, answers, available, check, questions};
+use host_sim::report::Report;
 use host_sim::scene::file::Fidelity;
 use host_sim::scene::{Checked, library, load};
+use host_sim::sim::simulate;
 
 /// A scene on all its model levels: what each comes to in the sample.
 struct Climbed {
@@ -290,6 +292,31 @@ fn a_question_that_cannot_be_answered_is_refused() {
         .unwrap_err()
         .to_string();
     assert!(said.contains("questions.lag_deg"), "{said}");
+}
+
+/// Were it wrong, the answer to a question would not be printed, or be that of another time: a crank that stands off at power-up tilts
+/// the platform in homing alone.
+#[test]
+fn an_answer_is_that_of_running_and_stopping() {
+    let apart = SOFT
+        .replace("lag_deg = 0.05", "spread_deg = 0.5")
+        .replace("lambda = 0.25", "lambda = 0.25\nmount_radius_mm = 200")
+        + "[correction]\ngain = 0.5\n[[axis]]\nnumber = 1\nstart_deg = 2\n";
+    let checked = checked(&apart);
+    let mut answers = Answers::default();
+    let outcome = simulate(&checked, &mut answers, |_, _| {}).unwrap();
+    let answered = fidelity::answered(checked, &answers);
+    let judged = &answered.choice.as_ref().unwrap().judged;
+    let spread_deg = judged[0].value.expect("it was asked");
+    assert_eq!(judged[0].output, Output::Spread);
+    assert!(
+        spread_deg < 0.5 && outcome.statistics.worst_spread_deg > 1.9,
+        "{spread_deg} of {}",
+        outcome.statistics.worst_spread_deg
+    );
+    let report = Report::new(&answered, &outcome, None, 1.0);
+    let report = serde_json::to_value(&report).unwrap();
+    assert_eq!(report["fidelity"]["outputs"][0]["value"], spread_deg);
 }
 
 /// Were it wrong, a model level that has all cranks on one shaft would confirm that none of them slips: here one does, by itself.

@@ -30,7 +30,7 @@ use events::select_reaction;
 use homing::Homing;
 use punctuality::Punctuality;
 
-/// The control loop's state, less its waiting.
+/// State of the control loop.
 #[derive(Clone, Debug)]
 #[repr(C)] // What every tick needs comes first: the board's instructions reach 32 bytes, or 128 by words.
 pub struct Controller {

@@ -7,7 +7,7 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{CommandError, Status, scenes};
-use host_sim::fidelity;
+use host_sim::fidelity::{self, Answers};
 use host_sim::report::{self, Report, Written};
 use host_sim::scene::library::SCENES;
 use host_sim::scene::{Checked, SceneError};
@@ -86,7 +86,7 @@ pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, Comman
     checked.settings.detect_at_once = args.detect_at_once;
     let checked = fidelity::check(checked)
         .map_err(|error| CommandError::Input(error.in_file(&args.scene).to_string()))?;
-    let (outcome, written) = record(args, &checked, began).map_err(CommandError::Input)?;
+    let (checked, outcome, written) = record(args, checked, began).map_err(CommandError::Input)?;
     if !args.quiet {
         let wall_s = began.elapsed().as_secs_f64();
         out.write_all(report::summary(&checked, &outcome, Some(written), wall_s).as_bytes())?;
@@ -113,8 +113,12 @@ pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, Comman
 
 const FILES: [&str; 4] = ["report.json", "trace.csv", "steps.vcd", "scope.svg"];
 
-/// Runs a scene and writes its files: all of them, or none.
-fn record(args: &RunArgs, checked: &Checked, began: Instant) -> Result<(Outcome, Written), String> {
+/// Runs a scene and writes its files: all of them, or none. Returns the scene with the values of what was requested.
+fn record(
+    args: &RunArgs,
+    checked: Checked,
+    began: Instant,
+) -> Result<(Checked, Outcome, Written), String> {
     let place = |error: &dyn std::fmt::Display| error.to_string();
     // Found before the run, not after it, when the files before it would be in place already.
     for path in FILES.map(|name| args.out.join(name)) {
@@ -126,22 +130,22 @@ fn record(args: &RunArgs, checked: &Checked, began: Instant) -> Result<(Outcome,
         }
     }
     let window = args.window.unwrap_or_else(|| Window::of(&checked.scene));
-    let (files, outcome, written) = record_window(args, checked, began, window)?;
+    let (files, checked, outcome, written) = record_window(args, checked, began, window)?;
     // What went wrong by itself is known after a run only. The same run again shows the edges at that time.
     let by_itself = window == Window::FirstMotion && checked.scene.fault.is_empty();
-    let (files, outcome, written) = match outcome.statistics.first_effect_s().filter(|_| by_itself)
-    {
+    let effect_s = outcome.statistics.first_effect_s().filter(|_| by_itself);
+    let (files, checked, outcome, written) = match effect_s {
         Some(at_s) => {
             drop(files);
             record_window(args, checked, began, Window::around(at_s))?
         }
-        None => (files, outcome, written),
+        None => (files, checked, outcome, written),
     };
     if written.is_empty() && window != Window::FirstMotion {
-        return Err(outside(args, checked, &outcome));
+        return Err(outside(args, &checked, &outcome));
     }
     files.commit().map_err(|e| place(&e))?;
-    Ok((outcome, written))
+    Ok((checked, outcome, written))
 }
 
 /// That a window that was requested shows nothing.
@@ -170,10 +174,10 @@ fn outside(args: &RunArgs, checked: &Checked, outcome: &Outcome) -> String {
 /// Runs a scene, and writes its files with the edges of a window; they are not in place yet.
 fn record_window(
     args: &RunArgs,
-    checked: &Checked,
+    checked: Checked,
     began: Instant,
     window: Window,
-) -> Result<(RunFiles, Outcome, Written), String> {
+) -> Result<(RunFiles, Checked, Outcome, Written), String> {
     let place = |error: &dyn std::fmt::Display| error.to_string();
     let mut files = RunFiles::create(&args.out)
         .map_err(|e| format!("--out: {e}; give a directory that is there or can be made"))?;
@@ -186,31 +190,38 @@ fn record_window(
     );
 
     let every = args.every.map_or(Every::Fitting, Every::Ticks);
-    let mut recorder = Recorder::new(
-        checked,
+    let recorder = Recorder::new(
+        &checked,
         csv,
         vcd,
         every,
         window,
-        ScopeData::new(checked.scene.axes.count, frame(checked)),
+        ScopeData::new(checked.scene.axes.count, frame(&checked)),
     )
     .map_err(|e| place(&e))?;
 
     let bar = progress_bar(args.quiet);
-    let outcome = simulate(checked, &mut recorder, |done, about| {
+    let is_asked = checked
+        .choice
+        .as_ref()
+        .is_some_and(|choice| !choice.judged.is_empty());
+    let mut observers = (recorder, is_asked.then(Answers::default));
+    let outcome = simulate(&checked, &mut observers, |done, about| {
         bar.set_length(about.max(done));
         bar.set_position(done);
     })
     .map_err(|e| e.in_file(&args.scene).to_string())?;
     bar.finish_and_clear();
 
+    let (recorder, answers) = observers;
+    let checked = fidelity::answered(checked, &answers.unwrap_or_default());
     let (written, mut scope) = recorder.finish().map_err(|e| place(&e))?;
     mark(&mut scope, &outcome);
     svg.write_all(scope.render().as_bytes())
         .and_then(|()| svg.flush())
         .map_err(|e| place(&e))?;
     let report = Report::new(
-        checked,
+        &checked,
         &outcome,
         Some(written),
         began.elapsed().as_secs_f64(),
@@ -221,7 +232,8 @@ fn record_window(
         .and_then(|()| report_file.flush())
         .map_err(|e| place(&e))?;
     drop((report_file, svg));
-    Ok((files, outcome, written))
+    drop(report);
+    Ok((files, checked, outcome, written))
 }
 
 fn frame(checked: &Checked) -> ScopeFrame {

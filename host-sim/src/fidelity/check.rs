@@ -123,6 +123,23 @@ fn why(choice: &Choice, model_level: Fidelity) -> String {
     }
 }
 
+/// A scene with the values that its run has for what was requested.
+#[must_use]
+pub fn answered(mut checked: Checked, answers: &Answers) -> Checked {
+    let judged = checked
+        .choice
+        .iter_mut()
+        .flat_map(|choice| &mut choice.judged);
+    for judged in judged {
+        let value = answers.of(judged.output);
+        judged.value = match judged.output {
+            Output::Slips => value.map(|axes| f64::from((axes as u64).count_ones())),
+            _ => value,
+        };
+    }
+    checked
+}
+
 /// Puts how far a run's answers are off another's, on the model level `against`, beside each bound.
 pub fn compare(judged: &mut [Judged], found: &Answers, right: &Answers, against: Fidelity) {
     for judged in judged {

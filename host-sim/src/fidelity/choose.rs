@@ -44,6 +44,7 @@ pub fn judge(
             output,
             tolerance,
             bound: bounds.map(|bounds| bounds.with_steps(model_level, output, resolution)),
+            value: None,
             measured: None,
         })
         .collect()

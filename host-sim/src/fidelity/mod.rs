@@ -24,7 +24,7 @@ pub mod sample;
 
 pub use answers::Answers;
 pub use bounds::Bounds;
-pub use check::{answers, check, compare};
+pub use check::{answered, answers, check, compare};
 pub use choice::{Choice, Judged};
 pub use choose::{LADDER, available, choose, judge, questions};
 pub use output::Output;

@@ -26,6 +26,8 @@ struct OutputReport {
     /// Its key in `[questions]`; the numbers are in the unit that it carries.
     output: &'static str,
     tolerance: f64,
+    /// Value in running and stopping; none where the model level does not know it.
+    value: Option<f64>,
     /// By how much it is off at most, by what is known without a run; none where nothing bounds it.
     bound: Option<f64>,
     /// By how much it was off in a sample of the scene, run on another model level.
@@ -38,6 +40,7 @@ impl OutputReport {
         Self {
             output: judged.output.key(),
             tolerance: judged.tolerance,
+            value: judged.value,
             bound: judged.bound.filter(|bound| bound.is_finite()),
             measured: judged.measured.map(|(off, _)| off),
             against: judged.measured.map(|(_, model_level)| model_level.name()),

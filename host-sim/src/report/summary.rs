@@ -56,7 +56,12 @@ fn answered(judged: &Judged) -> String {
             against.name()
         )
     });
-    format!("{}{requested}: {bound}{measured}.", output.words())
+    let value = match judged.value {
+        Some(value) if output == Output::Slips => format!("{value} of the motors, "),
+        Some(value) => format!("{}, ", with_unit(value)),
+        None => String::new(),
+    };
+    format!("{}{requested}: {value}{bound}{measured}.", output.words())
 }
 
 /// Two digits are enough for a bound.

@@ -18,6 +18,23 @@ impl Observer for () {
     fn tick(&mut self, _: &Moment<'_>) {}
 }
 
+/// Both look.
+impl<A: Observer, B: Observer> Observer for (A, B) {
+    fn tick(&mut self, moment: &Moment<'_>) {
+        self.0.tick(moment);
+        self.1.tick(moment);
+    }
+}
+
+/// None looks, or one.
+impl<A: Observer> Observer for Option<A> {
+    fn tick(&mut self, moment: &Moment<'_>) {
+        if let Some(observer) = self {
+            observer.tick(moment);
+        }
+    }
+}
+
 /// One tick that was just played: what was commanded, and what became of it.
 #[derive(Debug)]
 pub struct Moment<'a> {
