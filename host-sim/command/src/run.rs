@@ -201,11 +201,11 @@ fn record_window(
     .map_err(|e| place(&e))?;
 
     let bar = progress_bar(args.quiet);
-    let is_asked = checked
+    let has_questions = checked
         .choice
         .as_ref()
         .is_some_and(|choice| !choice.judged.is_empty());
-    let mut observers = (recorder, is_asked.then(Answers::default));
+    let mut observers = (recorder, has_questions.then(Answers::default));
     let outcome = simulate(&checked, &mut observers, |done, about| {
         bar.set_length(about.max(done));
         bar.set_position(done);

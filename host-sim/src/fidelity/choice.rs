@@ -25,7 +25,7 @@ pub struct Judged {
     pub tolerance: f64,
     /// By how much it is off at most; infinite where nothing bounds it, none where the scene does not say enough to compute it.
     pub bound: Option<f64>,
-    /// Value in the run, in [`Output::unit`]; none before the run, and where the model level does not know it.
+    /// Value in the run, in [`Output::value_unit`]; none before the run, and where the model level does not know it.
     pub value: Option<f64>,
     /// By how much it differed over a sample, and from which model level; none before that was run.
     pub measured: Option<(f64, Fidelity)>,

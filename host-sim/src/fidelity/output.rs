@@ -69,6 +69,16 @@ impl Output {
         }
     }
 
+    /// The unit of its value.
+    pub const fn value_unit(self) -> &'static str {
+        match self {
+            Self::Amax => "m/s²",
+            Self::Torque => "N·m",
+            Self::Ground => "N",
+            Self::Lag | Self::Spread | Self::Tilt | Self::Slips => self.unit(),
+        }
+    }
+
     /// By how much it may be off, if it is requested.
     pub fn tolerance(self, questions: &Questions) -> Option<f64> {
         match self {

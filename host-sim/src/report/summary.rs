@@ -36,10 +36,11 @@ pub fn summary(
 /// How well an output that was requested is answered.
 fn answered(judged: &Judged) -> String {
     let output = judged.output;
-    let with_unit = |value: f64| match output.unit() {
+    let in_unit = |value: f64, unit: &str| match unit {
         "°" => format!("{}°", significant(value)),
         unit => format!("{} {unit}", significant(value)),
     };
+    let with_unit = |value: f64| in_unit(value, output.unit());
     let requested = match output {
         Output::Slips => String::new(),
         Output::Lag | Output::Spread => format!(", required to {}°", judged.tolerance),
@@ -58,7 +59,7 @@ fn answered(judged: &Judged) -> String {
     });
     let value = match judged.value {
         Some(value) if output == Output::Slips => format!("{value} of the motors, "),
-        Some(value) => format!("{}, ", with_unit(value)),
+        Some(value) => format!("{}, ", in_unit(value, output.value_unit())),
         None => String::new(),
     };
     format!("{}{requested}: {value}{bound}{measured}.", output.words())
