@@ -33,17 +33,17 @@ pub struct Board {
     pub fifo_underrun: Option<usize>,
     /// The deadline that ends the tick whose index pulses are read next; none before the machines were let go.
     pub read_to: Option<Instant>,
-    /// What restarts a loop that hangs.
+    /// Watchdog, which restarts a loop that hangs.
     pub watchdog: Fed,
     /// Start and reset.
     pub button: Button,
-    /// Where index pulses are timed.
+    /// Timing of the index pulses.
     pub index: Index,
-    /// What is reported.
+    /// Log of states and faults.
     pub reporter: Reporter,
-    /// Where step edges are made.
+    /// Generation of the step edges.
     pub steps: Steps,
-    /// What makes pulses of the index lines' changes.
+    /// Filters that make pulses of the index lines' changes.
     pub filters: heapless::Vec<IndexFilter, MAX_AXES>,
 }
 

@@ -114,7 +114,7 @@ impl IndexFilter {
         (cycle != NO_PULSE).then_some(IndexPulse { cycle })
     }
 
-    /// Whether nothing is under way, and has been for [`MOST_OF_TICK`] widths, or for a tick of `cycles` if that is less. Then
+    /// True if nothing is under way, and has been for [`MOST_OF_TICK`] widths, or for a tick of `cycles` if that is less. Then
     /// [`Self::end_tick`] has nothing to report, and need not be called until the next change: that is more than all that a
     /// change looks back for, [`BRIDGE_WIDTHS`] widths and one.
     #[inline(always)]

@@ -41,7 +41,7 @@ pub(super) struct Inverse {
 }
 
 impl Inverse {
-    /// Of 0 < `d`.
+    /// Reciprocal of `d`, which must be above 0.
     pub fn of(d: i64) -> Self {
         let (d, up) = normalised(d.unsigned_abs());
         Self {

@@ -25,7 +25,7 @@ pub(super) struct Near {
 }
 
 impl Near {
-    /// Of a shaft without acceleration, for all limits.
+    /// Steps of a shaft without acceleration, for all limits.
     pub const ZERO: Self = Self {
         pursuit: Step::ZERO,
         bound: Step::ZERO,

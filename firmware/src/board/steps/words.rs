@@ -24,7 +24,7 @@ impl Words {
 
     /// Takes a tick's runs over, DIR turned round for an axis that is.
     ///
-    /// What the compiler makes of such a loop is for long copies, and takes twice as long for the 5 to 10 runs of a tick.
+    /// The compiler's own loop is for long copies, and takes twice as long for the 5 to 10 runs of a tick.
     #[inline(always)]
     pub fn copy(&mut self, runs: &Runs, reversed: u32) {
         const { assert!(BLOCK == 4 && size_of::<Run>() == size_of::<u32>()) };
