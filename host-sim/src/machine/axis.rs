@@ -17,7 +17,8 @@ use cophase_core::units::Phase;
 use super::drive::AxisDrive;
 use super::flag::{Extra, Flag, Met};
 use super::index::Passed;
-use super::pulse_counter::{PulseCounter, Tally};
+use super::played::Plan;
+use super::pulse_counter::PulseCounter;
 use super::rotors::DriveCommand;
 use crate::units::{nm, turns};
 
@@ -52,20 +53,6 @@ pub struct SimulatedAxis {
     /// Whole electrical cycles slipped.
     lost_cycles: i64,
     travelled_turns: f64,
-}
-
-/// Plan of pulses of one tick, and what a drive that plays it has counted.
-#[derive(Debug)]
-pub struct Plan<'a> {
-    runs: &'a Runs,
-    tally: Option<Tally>,
-}
-
-impl<'a> Plan<'a> {
-    /// Plan that no drive has played.
-    pub const fn new(runs: &'a Runs) -> Self {
-        Self { runs, tally: None }
-    }
 }
 
 /// How a crank turns within a tick.

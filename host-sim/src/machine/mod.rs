@@ -16,25 +16,23 @@ mod faulted_drive;
 mod flag;
 mod index;
 mod platform;
+mod played;
 mod pull_out;
 mod pulse_counter;
 mod rotors;
 mod sensors;
 mod torque;
 
-use axis::Plan;
 pub use axis::{Overload, SimulatedAxis};
 pub use cam::{Followers, Peaks, Pusher, Turned};
 pub use drive::{AxisDrive, FollowingError};
 pub use flag::{Extra, Flag};
 pub use index::{IndexSensor, Line, Passages, Passed};
 pub use platform::{Platform, Pose};
+pub use played::Played;
 pub use pull_out::PullOut;
 pub use rotors::{Broken, Cause, Chosen, DriveCommand, MOST_STEPS, RESOLUTION, Rotors};
 
-use cophase_core::pulse::{Runs, Sharing};
-use cophase_core::servo::Setpoint;
-use cophase_core::signals::Output;
 use cophase_methods::Scheme;
 
 use crate::axes::{Axes, per_axis};
@@ -47,73 +45,6 @@ use faulted_drive::FaultedDrives;
 /// How long an index line stays high, s: as wide as a sensor's flag is likely to be. Whoever has a filter
 /// for longer levels has wider flags.
 const FLAG_S: f64 = 20e-6;
-
-/// What a machine is given to play in one tick.
-#[derive(Clone, Debug)]
-pub struct Played {
-    /// Plans of pulses, each at the number of the first axis that plays it.
-    plans: Axes<Runs>,
-    sharing: Sharing,
-    /// Setpoints, for servo axes.
-    pub setpoints: Axes<Setpoint>,
-}
-
-impl Played {
-    /// Nothing, with room for the pulses of `count` axes.
-    pub fn nothing(count: usize) -> Self {
-        Self {
-            plans: per_axis(count, |_| Runs::new()),
-            sharing: Sharing::NONE,
-            setpoints: per_axis(count, |_| Setpoint::default()),
-        }
-    }
-
-    /// Pulses of an axis, if it takes them.
-    pub fn runs(&self, axis: usize) -> &Runs {
-        &self.plans[self.sharing.first(axis)]
-    }
-
-    /// Plans of all axes, for the drives that play them.
-    fn plans(&self) -> Plans<'_> {
-        Plans {
-            played: self,
-            first: 0,
-            last: Plan::new(&self.plans[0]),
-        }
-    }
-
-    /// Takes over an output, reusing the room there is.
-    pub fn copy_from(&mut self, output: &Output) {
-        self.sharing = output.sharing();
-        for (axis, plan) in self.plans.iter_mut().enumerate() {
-            if self.sharing.first(axis) == axis {
-                plan.clone_from(output.runs(axis));
-            }
-        }
-        let count = self.setpoints.len();
-        self.setpoints.copy_from_slice(&output.setpoints[..count]);
-    }
-}
-
-/// Plans of the axes of a tick, one after the other.
-struct Plans<'a> {
-    played: &'a Played,
-    /// Number and plan of the axis that was looked at last: the next mostly plays the same.
-    first: usize,
-    last: Plan<'a>,
-}
-
-impl<'a> Plans<'a> {
-    #[inline]
-    fn of(&mut self, axis: usize) -> &mut Plan<'a> {
-        let first = self.played.sharing.first(axis);
-        if first != self.first {
-            self.first = first;
-            self.last = Plan::new(&self.played.plans[first]);
-        }
-        &mut self.last
-    }
-}
 
 /// A machine.
 #[derive(Debug)]

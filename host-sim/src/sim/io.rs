@@ -10,7 +10,7 @@ use cophase_core::control_loop::{Io, SubmissionResult};
 use cophase_core::drift::IndexPulse;
 use cophase_core::signals::{Feedback, Output, Telemetry};
 use cophase_core::supervisor::{Command, Fault, State};
-use cophase_core::units::{PerAxis, Phase, Turns};
+use cophase_core::units::PerAxis;
 use embassy_time::Instant;
 
 use super::coast::STANDS_S;
@@ -18,6 +18,7 @@ use super::moment::{Moment, Observer};
 use super::outcome::Outcome;
 use super::schedule::Schedule;
 use super::statistics::Statistics;
+use super::unwrapped::Unwrapped;
 use crate::axes::{Axes, per_axis};
 use crate::faults::Faults;
 use crate::machine::{IndexSensor, Machine, Passages, Played, SimulatedAxis};
@@ -385,31 +386,5 @@ impl Now {
             aim_turns: nowhere(),
             actual_turns: nowhere(),
         }
-    }
-}
-
-/// A wrapping phase, counted on: whole turns and the rest apart, so that no digit of the rest is lost after a month of turns.
-#[derive(Clone, Copy, Debug, Default)]
-struct Unwrapped {
-    last: Phase,
-    turns: i64,
-    rest: i64,
-}
-
-impl Unwrapped {
-    /// Counting on from a phase: an axis at its offset.
-    fn starting_at(phase: Phase) -> Self {
-        let mut unwrapped = Self::default();
-        unwrapped.follow(phase);
-        unwrapped
-    }
-
-    fn follow(&mut self, phase: Phase) -> f64 {
-        const ONE: i64 = Turns::ONE.to_bits();
-        let rest = self.rest + phase.since(self.last).to_bits();
-        self.last = phase;
-        self.turns += rest >> Turns::FRAC_NBITS;
-        self.rest = rest & (ONE - 1);
-        self.turns as f64 + self.rest as f64 / ONE as f64
     }
 }

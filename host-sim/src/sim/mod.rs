@@ -11,6 +11,7 @@ mod moment;
 mod outcome;
 mod schedule;
 pub mod statistics;
+mod unwrapped;
 
 pub use moment::{Moment, Observer};
 pub use outcome::Outcome;

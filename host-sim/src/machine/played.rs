@@ -1,0 +1,92 @@
+//! Output of the loop as the machine plays it: each plan of pulses once, for all axes that share it.
+
+use cophase_core::pulse::{Runs, Sharing};
+use cophase_core::servo::Setpoint;
+use cophase_core::signals::Output;
+
+use super::pulse_counter::Tally;
+use crate::axes::{Axes, per_axis};
+
+/// Pulses and setpoints of one tick, of all axes.
+#[derive(Clone, Debug)]
+pub struct Played {
+    /// Plans of pulses, each at the number of the first axis that plays it.
+    plans: Axes<Runs>,
+    sharing: Sharing,
+    /// Setpoints, for servo axes.
+    pub setpoints: Axes<Setpoint>,
+}
+
+impl Played {
+    /// No pulse and no setpoint, with room for the pulses of `count` axes.
+    pub fn nothing(count: usize) -> Self {
+        Self {
+            plans: per_axis(count, |_| Runs::new()),
+            sharing: Sharing::NONE,
+            setpoints: per_axis(count, |_| Setpoint::default()),
+        }
+    }
+
+    /// Pulses of an axis, if it takes them.
+    pub fn runs(&self, axis: usize) -> &Runs {
+        &self.plans[self.sharing.first(axis)]
+    }
+
+    /// Plans of all axes, for the drives that play them.
+    pub(super) fn plans(&self) -> Plans<'_> {
+        Plans {
+            played: self,
+            first: 0,
+            last: Plan::new(&self.plans[0]),
+        }
+    }
+
+    /// Takes over an output, reusing the room there is.
+    pub fn copy_from(&mut self, output: &Output) {
+        self.sharing = output.sharing();
+        for (axis, plan) in self.plans.iter_mut().enumerate() {
+            if self.sharing.first(axis) == axis {
+                plan.clone_from(output.runs(axis));
+            }
+        }
+        let count = self.setpoints.len();
+        self.setpoints.copy_from_slice(&output.setpoints[..count]);
+    }
+}
+
+/// Plans of the axes of a tick, one after the other.
+pub(super) struct Plans<'a> {
+    played: &'a Played,
+    /// Number and plan of the axis that was looked at last: the next mostly plays the same.
+    first: usize,
+    last: Plan<'a>,
+}
+
+impl<'a> Plans<'a> {
+    /// Plan of an axis.
+    #[inline]
+    pub fn of(&mut self, axis: usize) -> &mut Plan<'a> {
+        let first = self.played.sharing.first(axis);
+        if first != self.first {
+            self.first = first;
+            self.last = Plan::new(&self.played.plans[first]);
+        }
+        &mut self.last
+    }
+}
+
+/// Plan of pulses of one tick, and what a drive that plays it has counted.
+#[derive(Debug)]
+pub struct Plan<'a> {
+    /// The pulses.
+    pub runs: &'a Runs,
+    /// Result of counting them, once a drive has.
+    pub tally: Option<Tally>,
+}
+
+impl<'a> Plan<'a> {
+    /// Plan that no drive has played.
+    pub const fn new(runs: &'a Runs) -> Self {
+        Self { runs, tally: None }
+    }
+}

@@ -1,0 +1,30 @@
+//! A wrapping phase as turns since power-up.
+
+use cophase_core::units::{Phase, Turns};
+
+/// Turns since power-up: whole turns and the rest apart, so that no digit of the rest is lost after a month of turns.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Unwrapped {
+    last: Phase,
+    turns: i64,
+    rest: i64,
+}
+
+impl Unwrapped {
+    /// Turns of an axis that is at a phase at power-up: at its offset.
+    pub fn starting_at(phase: Phase) -> Self {
+        let mut unwrapped = Self::default();
+        unwrapped.follow(phase);
+        unwrapped
+    }
+
+    /// Takes the next phase, less than half a wrap from the last. Returns the turns since power-up.
+    pub fn follow(&mut self, phase: Phase) -> f64 {
+        const ONE: i64 = Turns::ONE.to_bits();
+        let rest = self.rest + phase.since(self.last).to_bits();
+        self.last = phase;
+        self.turns += rest >> Turns::FRAC_NBITS;
+        self.rest = rest & (ONE - 1);
+        self.turns as f64 + self.rest as f64 / ONE as f64
+    }
+}
