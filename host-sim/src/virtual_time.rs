@@ -87,7 +87,7 @@ impl embassy_time_driver::Driver for VirtualClock {
     }
 }
 
-/// Waits until a time, in clock ticks (µs), as a timer of embassy-time does, and arms no alarm: a tenth of the cost.
+/// Waits until a time, in clock ticks (µs), as a timer of embassy-time does, without an alarm and a waker.
 ///
 /// Only for the future that [`run`] was given. A part of it that is polled only after its own waker was called would wait
 /// for ever.
@@ -108,7 +108,7 @@ struct Ready(AtomicBool);
 impl Ready {
     /// Whether it was woken since the last call.
     fn take(&self) -> bool {
-        // An exchange takes ten times as long, and all of this is on one thread.
+        // No exchange is needed, as all of this is on one thread.
         let ready = self.0.load(Ordering::Relaxed);
         if ready {
             self.0.store(false, Ordering::Relaxed);
