@@ -45,7 +45,7 @@ pub struct Body {
 }
 
 /// Speed over which dry friction turns round, rad/s: a hundredth of a turn a second is as good as standing.
-const STICTION_RAD_S: f64 = 0.06;
+pub const STICTION_RAD_S: f64 = 0.06;
 
 impl Body {
     /// Number of axes.
@@ -84,6 +84,13 @@ impl Body {
     /// Torque of rotor `i`'s friction, N·m.
     pub fn drag_nm(&self, i: usize, omega_rad_s: f64) -> f64 {
         drag_nm(self.friction_nm[i], omega_rad_s)
+    }
+
+    /// How fast friction changes a crank's speed about standstill at most, 1/s.
+    pub fn fastest_friction_per_s(&self) -> f64 {
+        let each = self.friction_nm.iter().zip(&self.rotors_kgm2);
+        each.map(|(friction, rotor)| friction / (rotor * STICTION_RAD_S))
+            .fold(0.0, f64::max)
     }
 
     /// Weight of the load, N.

@@ -225,6 +225,14 @@ impl Driven {
         state[2 * self.positions()..].fill(0.0);
     }
 
+    /// Speed and acceleration of the cranks, their means, rad/s and rad/s², in a state with these rates.
+    pub fn mean_motion(&self, state: &[f64], rates: &[f64]) -> (f64, f64) {
+        let (angles, positions) = (self.angles(), self.positions());
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / angles as f64;
+        let speeds = positions..positions + angles;
+        (mean(&state[speeds.clone()]), mean(&rates[speeds]))
+    }
+
     /// Where the platform is and how it moves, in a state with these rates; none where it follows the shaft.
     pub fn platform(&self, state: &[f64], rates: &[f64]) -> Option<PlaneMotion> {
         let n = self.positions();

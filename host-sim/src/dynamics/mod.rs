@@ -29,7 +29,7 @@ mod motor;
 mod phased;
 mod rigid;
 
-pub use body::{Body, Crank, PlaneMotion};
+pub use body::{Body, Crank, PlaneMotion, STICTION_RAD_S};
 pub use corners::{Corners, FREEDOMS, MOST};
 pub use driven::{Driven, Freedom};
 pub use elastic::Elastic;

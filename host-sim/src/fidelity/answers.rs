@@ -1,23 +1,89 @@
-//! The outputs of a run, gathered tick by tick.
+//! The outputs of a run, gathered tick by tick, and within a tick step by step.
 
 use cophase_core::supervisor::State;
+use cophase_core::units::PerAxis;
 
 use super::Output;
+use crate::axes::per_axis;
+use crate::machine::Pose;
 use crate::sim::{Moment, Observer};
 
 /// What a run answered, an entry for each of [`Output::ALL`]; none where its model level does not know.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Answers([Option<f64>; Output::ALL.len()]);
+pub struct Answers {
+    greatest: [Option<f64>; Output::ALL.len()],
+    /// Where the cranks were to be at the end of the last tick, turns.
+    aim_before: PerAxis<f64>,
+}
 
 impl Answers {
     /// One of them.
     pub fn of(&self, output: Output) -> Option<f64> {
-        self.0[output as usize]
+        self.greatest[output as usize]
     }
 
     fn most(&mut self, output: Output, value: f64) {
-        let most = &mut self.0[output as usize];
+        let most = &mut self.greatest[output as usize];
         *most = Some(most.map_or(value, |most| most.max(value)));
+    }
+
+    /// How far cranks are from where they are to be, turns.
+    fn errors(&mut self, errors: impl Iterator<Item = f64>) {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for error in errors {
+            low = low.min(error * 360.0);
+            high = high.max(error * 360.0);
+        }
+        self.most(Output::Lag, high.max(-low));
+        self.most(Output::Spread, high - low);
+    }
+
+    /// Where the platform is, and how it accelerates.
+    fn posed(&mut self, pose: &Pose) {
+        self.most(Output::Tilt, pose.tilt_x_mrad.hypot(pose.tilt_y_mrad));
+        self.most(Output::Amax, pose.accel_mps2.abs());
+    }
+
+    /// The tick's end.
+    fn at_end(&mut self, moment: &Moment<'_>) {
+        self.errors(moment.errors());
+        self.posed(&moment.pose());
+        if let Some(frame) = moment.machine.frame() {
+            self.most(Output::Ground, frame.ground_n.abs());
+        }
+        let torques = (0..moment.axis_count()).filter_map(|i| moment.machine.motor_torque_nm(i));
+        if let Some(torque) = torques.map(f64::abs).max_by(f64::total_cmp) {
+            self.most(Output::Torque, torque);
+        }
+    }
+
+    /// Between the ticks' ends: extremes fall there, and torques jump with what drives are commanded.
+    fn within(&mut self, moment: &Moment<'_>) {
+        let machine = moment.machine;
+        for accel_mps2 in machine.followers().into_iter().flat_map(|it| it.within_mps2()) {
+            self.most(Output::Amax, accel_mps2.abs());
+        }
+        let Some(rotors) = machine.rotors() else {
+            return;
+        };
+        let per_tick = 1e9 / (moment.end_ns - moment.start_ns) as f64;
+        let before = self.aim_before;
+        for instant in rotors.within() {
+            let part = instant.t_s * per_tick;
+            let turns = per_axis(moment.axis_count(), |i| {
+                moment.actual_turns[i] - (rotors.turns(i) - instant.turns(i))
+            });
+            let aims = per_axis(moment.axis_count(), |i| {
+                before[i] + part * (moment.aim_turns[i] - before[i])
+            });
+            self.errors(turns.iter().zip(&aims).map(|(turns, aim)| turns - aim));
+            let forces = instant.forces();
+            self.most(Output::Torque, forces.torque_nm);
+            self.posed(&machine.pose_within(&turns, &aims, &forces));
+            if let Some(frame) = instant.frame() {
+                self.most(Output::Ground, frame.ground_n.abs());
+            }
+        }
     }
 }
 
@@ -31,26 +97,11 @@ impl Observer for Answers {
             .map(|(i, _)| 1_u64 << i)
             .sum::<u64>();
         let before = self.of(Output::Slips).unwrap_or(0.0) as u64;
-        self.0[Output::Slips as usize] = Some((before | slipped) as f64);
-        if !matches!(moment.telemetry.state, State::Run | State::Stop) {
-            return;
+        self.greatest[Output::Slips as usize] = Some((before | slipped) as f64);
+        if matches!(moment.telemetry.state, State::Run | State::Stop) {
+            self.within(moment);
+            self.at_end(moment);
         }
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for error in moment.errors() {
-            low = low.min(error * 360.0);
-            high = high.max(error * 360.0);
-        }
-        self.most(Output::Lag, high.max(-low));
-        self.most(Output::Spread, high - low);
-        let pose = moment.pose();
-        self.most(Output::Tilt, pose.tilt_x_mrad.hypot(pose.tilt_y_mrad));
-        self.most(Output::Amax, pose.accel_mps2.abs());
-        if let Some(frame) = moment.machine.frame() {
-            self.most(Output::Ground, frame.ground_n.abs());
-        }
-        let torques = (0..moment.axis_count()).filter_map(|i| moment.machine.motor_torque_nm(i));
-        if let Some(torque) = torques.map(f64::abs).max_by(f64::total_cmp) {
-            self.most(Output::Torque, torque);
-        }
+        self.aim_before[..moment.axis_count()].copy_from_slice(moment.aim_turns);
     }
 }

@@ -23,12 +23,14 @@ pub struct Judged {
     pub output: Output,
     /// By how much it may be off, in [`Output::unit`].
     pub tolerance: f64,
-    /// By how much it is off at most; infinite where nothing bounds it, none where the scene does not say enough to compute it.
+    /// By how much it is off at most; none where nothing bounds it, or the scene does not say enough to compute it.
     pub bound: Option<f64>,
     /// Value in the run, in [`Output::value_unit`]; none before the run, and where the model level does not know it.
     pub value: Option<f64>,
     /// By how much it differed over a sample, and from which model level; none before that was run.
     pub measured: Option<(f64, Fidelity)>,
+    /// By how much half the step changes it over a sample; none where nothing is integrated, and before that was run.
+    pub step_error: Option<f64>,
 }
 
 impl Judged {

@@ -6,6 +6,9 @@ use crate::machine::RESOLUTION;
 use crate::scene::file::{Fidelity, Questions};
 use crate::scene::{Checked, SceneError};
 
+/// Part of each tolerance that the method's step may use up.
+pub(super) const STEP_PART: f64 = 0.1;
+
 /// All model levels, the lowest first.
 pub const LADDER: [Fidelity; 5] = [
     Fidelity::Kinematic,
@@ -43,9 +46,10 @@ pub fn judge(
         .map(|(output, tolerance)| Judged {
             output,
             tolerance,
-            bound: bounds.map(|bounds| bounds.with_steps(model_level, output, resolution)),
+            bound: bounds.and_then(|bounds| bounds.with_steps(model_level, output, resolution)),
             value: None,
             measured: None,
+            step_error: None,
         })
         .collect()
 }
@@ -130,13 +134,14 @@ fn what_is_needed(problem: &str) -> &str {
     given.split(", or let fidelity").next().unwrap_or(given)
 }
 
-/// How well a method has to follow what swings: to a tenth of the tightest tolerance, by what torque does to that output at most. Never
-/// worse than a percent, as what slips is a matter of more than its size, nor better than is ever seen.
+/// How well a method has to follow what swings, as far as that is known without a run: to [`STEP_PART`] of the tightest tolerance, by
+/// what torque does to that output at most. Never worse than a percent, as what slips is a matter of more than its size, nor better than
+/// is ever seen.
 fn resolution(bounds: &Bounds, questions: &Questions) -> f64 {
     let parts = Output::ALL.into_iter().filter_map(|output| {
-        let whole = bounds.of(Fidelity::QuasiStatic, output);
+        let whole = bounds.of(Fidelity::QuasiStatic, output)?;
         let tolerance = output.tolerance(questions)?;
-        (whole.is_finite() && output != Output::Slips).then_some(0.1 * tolerance / whole)
+        (output != Output::Slips).then_some(STEP_PART * tolerance / whole)
     });
     parts.fold(1e-2, f64::min).max(1e-6)
 }

@@ -97,6 +97,7 @@ impl Output {
     pub fn difference(self, found: f64, right: f64) -> f64 {
         match self {
             Self::Lag | Self::Spread | Self::Tilt => (found - right).abs(),
+            Self::Amax | Self::Torque | Self::Ground if found == right => 0.0,
             Self::Amax | Self::Torque | Self::Ground => (found / right - 1.0).abs() * 100.0,
             Self::Slips => f64::from((found as u64 ^ right as u64).count_ones()),
         }

@@ -13,7 +13,10 @@ pub const HOLD_S: f64 = 0.3;
 /// The sample of a scene.
 pub fn of(scene: &Scene) -> Scene {
     let mut sample = scene.clone();
-    let is_timed = !(scene.command.is_empty() && scene.input.is_empty() && scene.late.is_empty());
+    let is_timed = !(scene.command.is_empty()
+        && scene.input.is_empty()
+        && scene.late.is_empty()
+        && scene.fault.is_empty());
     if !is_timed {
         shorten(&mut sample.program);
     }

@@ -31,6 +31,8 @@ pub struct Followers {
     screws: Option<Screws>,
     pushers: [Pusher; MAX_AXES],
     peaks: [Peaks; MAX_AXES],
+    /// Mean acceleration of the pushers at each instant looked at within the tick, m/s².
+    within_mps2: Vec<f64>,
     axes: usize,
     tick_s: f64,
 }
@@ -85,6 +87,7 @@ impl Followers {
             screws,
             pushers,
             peaks: [Peaks::default(); MAX_AXES],
+            within_mps2: Vec::new(),
             axes: turns.len(),
             tick_s,
         }))
@@ -109,6 +112,11 @@ impl Followers {
     /// The greatest of what each did in the tick.
     pub fn peaks(&self) -> &[Peaks] {
         &self.peaks[..self.axes]
+    }
+
+    /// Acceleration on the whole at each instant looked at within the last tick, its end among them, m/s².
+    pub fn within_mps2(&self) -> &[f64] {
+        &self.within_mps2
     }
 
     /// How they move on the whole: the means.
@@ -138,15 +146,23 @@ impl Followers {
                 command_turns,
                 outcome,
             );
+            self.within_mps2 = vec![self.mean().accel_mps2];
             return;
         }
+        let looks = self.elastic.as_ref().map_or(SAMPLES, |elastic| elastic.steps);
+        self.within_mps2.clear();
+        self.within_mps2.resize(looks as usize, 0.0);
+        let share = 1.0 / self.axes as f64;
         let axes = self.pushers.iter_mut().zip(&mut self.peaks).enumerate();
         for ((axis, (pusher, peaks)), turned) in axes.zip(turned) {
             *peaks = Peaks::default();
+            let mut look = |at: u32, pusher: &Pusher| {
+                self.within_mps2[at as usize] += share * pusher.accel_mps2;
+            };
             match &mut self.elastic {
-                None => (*pusher, *peaks) = by_law(&self.cam, turned, self.tick_s),
+                None => (*pusher, *peaks) = by_law(&self.cam, turned, self.tick_s, &mut look),
                 Some(elastic) if elastic.broken.is_none() => {
-                    match elastic.play(axis, turned, self.tick_s) {
+                    match elastic.play(axis, turned, self.tick_s, &mut look) {
                         Ok(played) => (*pusher, *peaks) = played,
                         Err(error) => elastic.broken = Some(error),
                     }
@@ -157,8 +173,13 @@ impl Followers {
     }
 }
 
-/// A tick of a pusher that its law moves.
-fn by_law(cam: &Cam, turned: &Turned, tick_s: f64) -> (Pusher, Peaks) {
+/// A tick of a pusher that its law moves; `look` sees it at each sample.
+fn by_law(
+    cam: &Cam,
+    turned: &Turned,
+    tick_s: f64,
+    mut look: impl FnMut(u32, &Pusher),
+) -> (Pusher, Peaks) {
     let (mut pusher, mut peaks) = (Pusher::default(), Peaks::default());
     for sample in 1..=SAMPLES {
         let part = f64::from(sample) / f64::from(SAMPLES);
@@ -170,6 +191,7 @@ fn by_law(cam: &Cam, turned: &Turned, tick_s: f64) -> (Pusher, Peaks) {
             accel_mps2: law.acceleration * omega * omega
                 + law.velocity * turned.acceleration_rad_s2,
         };
+        look(sample - 1, &pusher);
         peaks = peaks.or(Peaks {
             off_m: 0.0,
             pusher_mps2: pusher.accel_mps2.abs(),
@@ -207,6 +229,7 @@ mod tests {
             screws: None,
             pushers: [Pusher::default(); MAX_AXES],
             peaks: [Peaks::default(); MAX_AXES],
+            within_mps2: Vec::new(),
             axes: 2,
             tick_s,
         };

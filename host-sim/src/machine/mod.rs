@@ -10,33 +10,39 @@
 //! others' torque changes once one axis has slipped.
 
 mod axis;
+mod broken;
 mod cam;
 mod drive;
 mod faulted_drive;
 mod flag;
 mod index;
+mod instant;
 mod platform;
 mod played;
 mod pull_out;
 mod pulse_counter;
 mod rotors;
 mod sensors;
+mod step;
 mod torque;
 
 pub use axis::{Overload, SimulatedAxis};
+pub use broken::{Broken, Cause};
 pub use cam::{Followers, Peaks, Pusher, Turned};
 pub use drive::{AxisDrive, FollowingError};
 pub use flag::{Extra, Flag};
+pub use instant::{Forces, Instant};
 pub use index::{IndexSensor, Line, Passages, Passed};
 pub use platform::{Platform, Pose};
 pub use played::Played;
 pub use pull_out::PullOut;
-pub use rotors::{Broken, Cause, Chosen, DriveCommand, MOST_STEPS, RESOLUTION, Rotors};
+pub use rotors::{DriveCommand, Rotors};
+pub use step::{Chosen, MOST_STEPS, RESOLUTION};
 
 use cophase_methods::Scheme;
 
 use crate::axes::{Axes, per_axis};
-use crate::dynamics::FrameMotion;
+use crate::dynamics::{FrameMotion, PlaneMotion};
 use crate::faults::Disturbance;
 use crate::scene::file::{Drive, Fidelity};
 use crate::scene::{Checked, SceneError};
@@ -188,7 +194,24 @@ impl Machine {
                 ..Pose::default()
             };
         }
-        if let Some(plane) = self.rotors.as_ref().and_then(Rotors::platform) {
+        let plane = self.rotors.as_ref().and_then(Rotors::platform);
+        let motion = self.motion().unwrap_or(commanded);
+        self.posed(turns, command_turns, plane, motion)
+    }
+
+    /// The same at an instant within the tick, with what acts there.
+    pub fn pose_within(&self, turns: &[f64], command_turns: &[f64], forces: &Forces) -> Pose {
+        self.posed(turns, command_turns, forces.platform, forces.cranks)
+    }
+
+    fn posed(
+        &self,
+        turns: &[f64],
+        command_turns: &[f64],
+        plane: Option<PlaneMotion>,
+        (omega_rad_s, acceleration_rad_s2): (f64, f64),
+    ) -> Pose {
+        if let Some(plane) = plane {
             return Pose {
                 z_m: plane.place[0],
                 accel_mps2: plane.acceleration[0],
@@ -197,9 +220,8 @@ impl Machine {
                 warp_deg: self.platform.warp_deg(turns, command_turns),
             };
         }
-        let (omega, acceleration) = self.motion().unwrap_or(commanded);
         self.platform
-            .pose(turns, command_turns, omega, acceleration)
+            .pose(turns, command_turns, omega_rad_s, acceleration_rad_s2)
     }
 
     /// Tilt of the platform, mrad, both ways together; pushers have none.

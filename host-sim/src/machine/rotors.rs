@@ -5,19 +5,12 @@
 //! whose drives are off run on under load and friction.
 
 use cophase_core::units::MAX_AXES;
-use cophase_methods::{Method, Scheme, StepError, Unstable, advance};
+use cophase_methods::{Method, Scheme, advance};
 
-use crate::dynamics::{Driven, Field, FrameMotion, Mode, PlaneMotion};
-
-/// By how much what swings may be off, of itself, where nothing says how well it is to be known. RK4 at a damping ratio of 0.05
-/// then makes four steps a radian.
-pub const RESOLUTION: f64 = 3e-4;
-
-/// Less damping than this is not counted on: what swings longer than a hundred radians is seen by its phase no more.
-const LEAST_ZETA: f64 = 0.005;
-
-/// Steps a tick beyond which a scene would take longer than anyone waits.
-pub const MOST_STEPS: u32 = 1000;
+use super::broken::{Broken, Cause};
+use super::instant::Instant;
+use super::step::{Chosen, in_steps_per_tick, steps_for};
+use crate::dynamics::{Driven, Field, FrameMotion, PlaneMotion, STICTION_RAD_S};
 
 /// Where drives would have their rotors at the end of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,64 +21,6 @@ pub struct DriveCommand {
     pub torque_nm: f64,
 }
 
-/// What a scene wants of the method; what it leaves open is chosen here.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Chosen {
-    /// Which one.
-    pub scheme: Option<Scheme>,
-    /// How many steps it makes in a tick.
-    pub steps_per_tick: Option<u32>,
-    /// By how much what swings may be off, of itself.
-    pub resolution: f64,
-}
-
-impl Default for Chosen {
-    fn default() -> Self {
-        Self {
-            scheme: None,
-            steps_per_tick: None,
-            resolution: RESOLUTION,
-        }
-    }
-}
-
-/// How far a mode may turn in a step, rad, for its swing to be off by no more than `resolution` of itself, and half of what is
-/// stable not to be passed. An error made in a radian is forgotten within 1/2ζ of them.
-pub(super) fn step_rad(scheme: Scheme, zeta: f64, resolution: f64) -> f64 {
-    let stable = scheme
-        .stability_limit(zeta)
-        .map_or(f64::INFINITY, |limit| 0.5 * limit);
-    let below_critical = zeta.min(0.99);
-    let error_a_radian = resolution * 2.0 * zeta.max(LEAST_ZETA);
-    scheme.step_for(below_critical, error_a_radian).min(stable)
-}
-
-/// Steps a tick by which the fastest mode is followed.
-fn steps_for(scheme: Scheme, mode: Mode, tick_s: f64, resolution: f64) -> Result<u32, String> {
-    let steps = (mode.omega_rad_s * tick_s / step_rad(scheme, mode.zeta, resolution))
-        .ceil()
-        .max(1.0);
-    if steps <= f64::from(MOST_STEPS) {
-        return Ok(steps as u32);
-    }
-    Err(format!(
-        "{scheme} would take {steps:.0} steps a tick for the fastest mode, {:.3e} rad/s at a damping ratio of {:.3}; at \
-         most {MOST_STEPS} are made: give rotors more inertia, softer rods and motors, or another method.name",
-        mode.omega_rad_s, mode.zeta
-    ))
-}
-
-/// What is unstable, with what would be right in the scene's own key.
-fn in_steps_per_tick(unstable: &Unstable, tick_s: f64) -> String {
-    match *unstable {
-        Unstable::Step { limit_s, .. } if limit_s > 0.0 => {
-            let steps = (tick_s / limit_s).ceil();
-            format!("{unstable}; that is method.steps_per_tick = {steps:.0} or more")
-        }
-        _ => unstable.to_string(),
-    }
-}
-
 /// All cranks of a machine, in motion.
 #[derive(Debug)]
 pub struct Rotors {
@@ -93,9 +28,11 @@ pub struct Rotors {
     scheme: Scheme,
     method: Box<dyn Method>,
     steps: u32,
+    /// What steps near standstill, where dry friction changes faster than the chosen method's step follows; none if it does not.
+    near_rest: Option<Box<dyn Method>>,
     state: Vec<f64>,
-    /// State at the beginning of the last tick.
-    before: Vec<f64>,
+    /// States of the last tick, one before each step.
+    within: Vec<f64>,
     /// Rates of the state, and torques of the motors, N·m, at the last tick's end.
     rates: Vec<f64>,
     torques_nm: [f64; MAX_AXES],
@@ -111,43 +48,8 @@ pub struct Rotors {
     broken: Option<Broken>,
 }
 
-/// Why a machine went no further.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum Broken {
-    /// A step was not made.
-    #[error(transparent)]
-    Step(#[from] StepError),
-    /// A crank turns faster than any of its machine is to.
-    #[error(
-        "crank {axis} turns at {speed_hz:.0} rev/s at t = {t_s:.4} s, which is beyond any speed of this machine: {cause}"
-    )]
-    RanAway {
-        /// When, s.
-        t_s: f64,
-        /// Which crank.
-        axis: usize,
-        /// Its speed.
-        speed_hz: f64,
-        /// Why.
-        cause: Cause,
-    },
-}
-
-/// Why a crank turns faster than any of its machine is to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Cause {
-    /// With shorter steps it turns at another speed.
-    #[error(
-        "the step is too long for this method on motors whose torque is no straight line; take more method.steps_per_tick, or RK4"
-    )]
-    Step,
-    /// With shorter steps it turns at the same speed.
-    #[error(
-        "shorter steps give the same speed, so the torque on this crank is that large; look at its drive (axes.servo.limit_nm \
-         limits its torque), at its load, and at cranks that stand apart and bend rods (offset_deg, start_deg, machine.rod_n_per_um)"
-    )]
-    Torque,
-}
+/// Speed beyond which dry friction is constant, rad/s: five times that over which it turns round, where tanh is 1 to 1e-4.
+const NEAR_REST_RAD_S: f64 = 5.0 * STICTION_RAD_S;
 
 /// A tick is replayed with so many times the steps, to find out why a crank ran away; speeds within this part of each other are
 /// the same.
@@ -167,10 +69,7 @@ impl Rotors {
     ) -> Result<Self, String> {
         let scheme = chosen.scheme.unwrap_or(Scheme::Rk4);
         let mode = driven.fastest_mode();
-        let steps = match chosen.steps_per_tick {
-            Some(steps) => steps,
-            None => steps_for(scheme, mode, tick_s, chosen.resolution)?,
-        };
+        let steps = chosen.steps(|| steps_for(scheme, mode, tick_s, chosen.resolution))?;
         let step_s = tick_s / f64::from(steps);
         for mode in std::iter::once(mode).chain(driven.own_modes()) {
             scheme
@@ -180,6 +79,14 @@ impl Rotors {
         let method = scheme
             .prepare(&driven, step_s)
             .map_err(|refused| refused.to_string())?;
+        let friction_per_s = driven.body().fastest_friction_per_s();
+        let follows_friction = chosen.scheme.is_some()
+            || friction_per_s == 0.0
+            || scheme.check_step(step_s, friction_per_s, 1.0).is_ok();
+        let near_rest = (!follows_friction)
+            .then(|| Scheme::Sdirk4.prepare(&driven, step_s))
+            .transpose()
+            .map_err(|refused| refused.to_string())?;
         let angles: Vec<f64> = commanded
             .iter()
             .map(|commanded| commanded.turns * std::f64::consts::TAU)
@@ -188,12 +95,13 @@ impl Rotors {
         let rates = vec![0.0; state.len()];
         Ok(Self {
             platform: driven.platform(&state, &rates),
-            before: state.clone(),
+            within: Vec::with_capacity(steps as usize * state.len()),
             rates,
             torques_nm: [0.0; MAX_AXES],
             driven,
             scheme,
             method,
+            near_rest,
             steps,
             state,
             commanded,
@@ -267,6 +175,7 @@ impl Rotors {
             };
         }
         self.commanded.copy_from_slice(commanded);
+        self.within.clear();
         if !self.were_on || self.broken.is_some() {
             return;
         }
@@ -274,10 +183,15 @@ impl Rotors {
         if !energised {
             self.driven.forget(&mut self.state);
         }
-        self.before.copy_from_slice(&self.state);
+        let is_near_rest = self.near_rest.is_some() && self.is_near_rest();
+        let method = match &mut self.near_rest {
+            Some(near_rest) if is_near_rest => near_rest,
+            _ => &mut self.method,
+        };
         for step in 0..self.steps {
-            let t_s = f64::from(step) * self.method.step_s();
-            if let Err(error) = self.method.step(&self.driven, t_s, &mut self.state) {
+            let t_s = f64::from(step) * method.step_s();
+            self.within.extend_from_slice(&self.state);
+            if let Err(error) = method.step(&self.driven, t_s, &mut self.state) {
                 let since_s = (self.ticks - 1) as f64 * self.tick_s;
                 self.broken = Some(error.later(since_s).into());
                 self.platform = self.driven.platform(&self.state, &self.rates);
@@ -289,6 +203,16 @@ impl Rotors {
         self.driven
             .rates_under(&self.torques_nm, &self.state, &mut self.rates);
         self.platform = self.driven.platform(&self.state, &self.rates);
+    }
+
+    /// Whether a crank is as slow as friction turns round, or may become so within a tick.
+    fn is_near_rest(&self) -> bool {
+        let from = self.driven.positions();
+        let cranks = from..from + self.driven.angles();
+        let cranks = self.state[cranks.clone()].iter().zip(&self.rates[cranks]);
+        cranks
+            .into_iter()
+            .any(|(omega, rate)| omega.abs() < NEAR_REST_RAD_S + rate.abs() * self.tick_s)
     }
 
     /// A crank that turns as no machine does.
@@ -312,7 +236,7 @@ impl Rotors {
         let step_s = self.tick_s / f64::from(steps);
         let replayed = self.scheme.prepare(&self.driven, step_s).ok();
         let replayed = replayed.and_then(|mut method| {
-            let mut state = self.before.clone();
+            let mut state = self.within[..self.state.len()].to_vec();
             advance(method.as_mut(), &self.driven, 0.0, steps, &mut state).ok()?;
             Some(state[component])
         });
@@ -325,10 +249,18 @@ impl Rotors {
 
     /// Speed and acceleration of the cranks, their means, rad/s and rad/s².
     pub fn motion(&self) -> (f64, f64) {
-        let (angles, positions) = (self.driven.angles(), self.driven.positions());
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / angles as f64;
-        let speeds = positions..positions + angles;
-        (mean(&self.state[speeds.clone()]), mean(&self.rates[speeds]))
+        self.driven.mean_motion(&self.state, &self.rates)
+    }
+
+    /// What the machine went through within the last tick, before each of its steps; nothing if it stood still.
+    pub fn within(&self) -> impl ExactSizeIterator<Item = Instant<'_>> {
+        let states = self.within.chunks_exact(self.state.len());
+        let step_s = self.method.step_s();
+        states.enumerate().map(move |(step, state)| Instant {
+            driven: &self.driven,
+            t_s: step as f64 * step_s,
+            state,
+        })
     }
 
     /// Where crank `i` is, turns.

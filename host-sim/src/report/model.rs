@@ -28,11 +28,13 @@ struct OutputReport {
     tolerance: f64,
     /// Value in running and stopping; none where the model level does not know it.
     value: Option<f64>,
-    /// By how much it is off at most, by what is known without a run; none where nothing bounds it.
+    /// By how much it is off at most; none where nothing bounds it.
     bound: Option<f64>,
     /// By how much it was off in a sample of the scene, run on another model level.
     measured: Option<f64>,
     against: Option<&'static str>,
+    /// By how much half the method's step changed it in the sample; none where nothing is integrated.
+    step_error: Option<f64>,
 }
 
 impl OutputReport {
@@ -41,9 +43,10 @@ impl OutputReport {
             output: judged.output.key(),
             tolerance: judged.tolerance,
             value: judged.value,
-            bound: judged.bound.filter(|bound| bound.is_finite()),
+            bound: judged.bound,
             measured: judged.measured.map(|(off, _)| off),
             against: judged.measured.map(|(_, model_level)| model_level.name()),
+            step_error: judged.step_error,
         }
     }
 }

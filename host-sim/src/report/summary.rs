@@ -47,8 +47,8 @@ fn answered(judged: &Judged) -> String {
         _ => format!(", required to {} {}", judged.tolerance, output.unit()),
     };
     let bound = match judged.bound {
-        Some(bound) if bound.is_finite() => format!("off by at most {}", with_unit(bound)),
-        _ => "nothing bounds how far it is off".to_owned(),
+        Some(bound) => format!("off by at most {}", with_unit(bound)),
+        None => "nothing bounds how far it is off".to_owned(),
     };
     let measured = judged.measured.map_or_else(String::new, |(off, against)| {
         format!(
@@ -57,12 +57,15 @@ fn answered(judged: &Judged) -> String {
             against.name()
         )
     });
+    let step_error = judged.step_error.map_or_else(String::new, |off| {
+        format!("; half the step changes it by {}", with_unit(off))
+    });
     let value = match judged.value {
         Some(value) if output == Output::Slips => format!("{value} of the motors, "),
         Some(value) => format!("{}, ", in_unit(value, output.value_unit())),
         None => String::new(),
     };
-    format!("{}{requested}: {value}{bound}{measured}.", output.words())
+    format!("{}{requested}: {value}{bound}{measured}{step_error}.", output.words())
 }
 
 /// Two digits are enough for a bound.

@@ -71,6 +71,7 @@ impl Checked {
             fidelity: scene.fidelity,
             choice: None,
             resolution: RESOLUTION,
+            halvings: 0,
             mechanism: AnyMechanism::of(&machine.mechanism, machine.crank_radius_m),
             cam,
             scene,

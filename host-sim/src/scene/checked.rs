@@ -28,6 +28,8 @@ pub struct Checked {
     pub choice: Option<Choice>,
     /// By how much what swings in the machine may be off by the method's step, of itself.
     pub resolution: f64,
+    /// How often the step is halved that follows from it, or that the scene asks for.
+    pub halvings: u32,
 }
 
 impl Checked {
@@ -73,6 +75,7 @@ impl Checked {
             scheme: method.name.scheme(),
             steps_per_tick: method.steps_per_tick,
             resolution: self.resolution,
+            halvings: self.halvings,
         }
     }
 

@@ -128,7 +128,7 @@ impl Cranks {
     /// answer, or nothing bounds it.
     pub fn of(&self, model_level: Fidelity, output: Output) -> f64 {
         if output == Output::Slips {
-            return self.slips(model_level);
+            return self.slips();
         }
         if output == Output::Ground {
             let knows = model_level == Fidelity::Elastic;
@@ -208,15 +208,16 @@ impl Cranks {
         }
     }
 
-    /// By how many motors a model level may be wrong about which of them slip. Where one may, only cranks of their own show which
-    /// do, and how far: a motor that slips leaves its load to the others.
-    fn slips(&self, model_level: Fidelity) -> f64 {
-        if model_level >= Fidelity::Phased {
-            return 0.0;
-        }
+    /// By how many motors a model level may be wrong about which of them slip. Where one may, nothing bounds it: a motor that
+    /// slips leaves its load to the others, and a step of the method may decide which does.
+    fn slips(&self) -> f64 {
         let worst = &self.worst.torque_ratio;
-        let may_slip = |i: &usize| self.limited[*i] && !(self.in_phase && MARGIN * worst[*i] < 1.0);
-        (0..worst.len()).filter(may_slip).count() as f64
+        let may_slip = |i: usize| self.limited[i] && !(self.in_phase && MARGIN * worst[i] < 1.0);
+        if (0..worst.len()).any(may_slip) {
+            f64::INFINITY
+        } else {
+            0.0
+        }
     }
 
     fn apart_rad(&self) -> f64 {

@@ -15,7 +15,7 @@ use cophase_methods::problems::Chain;
 use super::Output;
 use crate::dynamics::{Driven, Mode};
 use crate::machine::{Machine, Rotors};
-use crate::scene::file::{Fidelity, MethodName, Rods};
+use crate::scene::file::{Fidelity, Rods};
 use crate::scene::{Checked, SceneError};
 use cranks::Cranks;
 use followers::Followers;
@@ -67,9 +67,9 @@ impl Bounds {
         })
     }
 
-    /// By how much a model level's output may be off the top model level's, in the unit of its tolerance; infinite where the model level cannot
-    /// answer, or nothing bounds it.
-    pub fn of(&self, model_level: Fidelity, output: Output) -> f64 {
+    /// By how much a model level's output may be off the top model level's, in the unit of its tolerance; none where the model level
+    /// cannot answer, or nothing bounds it.
+    pub fn of(&self, model_level: Fidelity, output: Output) -> Option<f64> {
         let left_out = match &self.of {
             Of::Cranks(cranks) => cranks.of(model_level, output),
             Of::Followers(followers) => followers.of(model_level, output),
@@ -80,7 +80,7 @@ impl Bounds {
             Output::Amax | Output::Torque => f64::INFINITY,
             _ => left_out,
         };
-        off + ROUNDING
+        off.is_finite().then_some(off + ROUNDING)
     }
 
     /// By how much what swings is off by a method or step that the scene asks for, of itself; none where it leaves both open.
@@ -88,15 +88,20 @@ impl Bounds {
         self.imposed
     }
 
-    /// The same with what the steps of two model levels' methods may be apart, each being off what swings by `resolution` of it.
-    pub fn with_steps(&self, model_level: Fidelity, output: Output, resolution: f64) -> f64 {
-        let whole = self.of(Fidelity::QuasiStatic, output);
-        let steps = if whole.is_finite() && output != Output::Slips {
-            2.0 * resolution * whole
-        } else {
-            0.0
-        };
-        self.of(model_level, output) + steps
+    /// The same with what the steps of two model levels' methods may be apart, each being off what swings by `resolution` of it; none
+    /// where it is not known how much that is.
+    pub fn with_steps(
+        &self,
+        model_level: Fidelity,
+        output: Output,
+        resolution: f64,
+    ) -> Option<f64> {
+        let left_out = self.of(model_level, output)?;
+        if output == Output::Slips {
+            return Some(left_out);
+        }
+        let whole = self.of(Fidelity::QuasiStatic, output)?;
+        Some(left_out + 2.0 * resolution * whole)
     }
 
     /// How far a platform on quasi-static rods is from where it would be on springs at most, µm: the oscillation that was
@@ -130,8 +135,7 @@ impl Bounds {
 
 /// How far off a mode is by the method and step that a scene asks for, of itself.
 fn imposed(top: &Checked, mode: Mode) -> Result<Option<f64>, SceneError> {
-    let requested = &top.scene.method;
-    if requested.name == MethodName::Auto && requested.steps_per_tick.is_none() {
+    if top.chosen().is_open() {
         return Ok(None);
     }
     let method = Machine::new(top)?.method();

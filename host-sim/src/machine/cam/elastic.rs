@@ -42,10 +42,7 @@ impl Elastic {
         let limit_s = scheme
             .longest_stable_step_s(&chain, SHORTEST_S, tick_s)
             .map_err(|refused| refused.to_string())?;
-        let steps = match chosen.steps_per_tick {
-            Some(steps) => steps,
-            None => steps_for(scheme, &chain, limit_s, tick_s)?,
-        };
+        let steps = chosen.steps(|| steps_for(scheme, &chain, limit_s, tick_s))?;
         let step_s = tick_s / f64::from(steps);
         if let Some(limit_s) = limit_s.filter(|limit_s| step_s > *limit_s) {
             return Err(unstable(scheme, step_s, limit_s, tick_s));
@@ -63,18 +60,20 @@ impl Elastic {
         })
     }
 
-    /// A tick of one follower.
+    /// A tick of one follower; `look` sees its pusher after each step.
     pub fn play(
         &mut self,
         axis: usize,
         turned: &Turned,
         tick_s: f64,
+        mut look: impl FnMut(u32, &Pusher),
     ) -> Result<(Pusher, Peaks), StepError> {
         let cam = &mut self.chain.cam;
         cam.start_rad = turned.from.rem_euclid(1.0) * std::f64::consts::TAU;
         cam.speed_rad_s = (turned.to - turned.from) * std::f64::consts::TAU / tick_s;
         let state = &mut self.states[axis];
         let mut rates = [0.0; 6];
+        let mut pusher = Pusher::default();
         let mut peaks = Peaks::default();
         let step_s = self.method.step_s();
         for step in 0..self.steps {
@@ -89,11 +88,12 @@ impl Elastic {
                 pusher_mps2: rates[5].abs(),
                 cam_side_mps2: rates[3].abs(),
             });
+            pusher = Pusher {
+                place_m: state[2],
+                accel_mps2: rates[5],
+            };
+            look(step, &pusher);
         }
-        let pusher = Pusher {
-            place_m: state[2],
-            accel_mps2: rates[5],
-        };
         Ok((pusher, peaks))
     }
 }

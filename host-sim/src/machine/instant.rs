@@ -1,0 +1,48 @@
+//! A machine that torque moves, at a time within a control tick.
+
+use crate::dynamics::{Driven, FrameMotion, PlaneMotion};
+
+/// The machine before one of a tick's steps. At a tick's beginning the commands are already those of that tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Instant<'a> {
+    pub(super) driven: &'a Driven,
+    /// Time since the tick's beginning, s.
+    pub t_s: f64,
+    pub(super) state: &'a [f64],
+}
+
+/// Torque and acceleration at an [`Instant`].
+#[derive(Clone, Debug)]
+pub struct Forces {
+    /// Greatest torque of a motor, N·m.
+    pub torque_nm: f64,
+    /// Motion of the platform; none where it follows the shaft.
+    pub platform: Option<PlaneMotion>,
+    /// Speed and acceleration of the cranks, their means, rad/s and rad/s².
+    pub cranks: (f64, f64),
+}
+
+impl Instant<'_> {
+    /// Where crank `i` is, turns.
+    pub fn turns(&self, i: usize) -> f64 {
+        self.driven.alpha_rad(self.state, i) / std::f64::consts::TAU
+    }
+
+    /// What acts, and what it makes of the platform.
+    pub fn forces(&self) -> Forces {
+        let torques_nm = self.driven.torques_nm(self.t_s, self.state);
+        let mut rates = vec![0.0; self.state.len()];
+        self.driven
+            .rates_under(&torques_nm, self.state, &mut rates);
+        Forces {
+            torque_nm: torques_nm.iter().copied().map(f64::abs).fold(0.0, f64::max),
+            platform: self.driven.platform(self.state, &rates),
+            cranks: self.driven.mean_motion(self.state, &rates),
+        }
+    }
+
+    /// What the frame does, if it moves.
+    pub fn frame(&self) -> Option<FrameMotion> {
+        self.driven.frame_motion(self.state)
+    }
+}
