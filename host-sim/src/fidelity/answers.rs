@@ -22,6 +22,11 @@ impl Answers {
         self.greatest[output as usize]
     }
 
+    /// Whether a motor fell out of step.
+    pub fn has_slipped(&self) -> bool {
+        self.of(Output::Slips).is_some_and(|axes| axes != 0.0)
+    }
+
     fn most(&mut self, output: Output, value: f64) {
         let most = &mut self.greatest[output as usize];
         *most = Some(most.map_or(value, |most| most.max(value)));

@@ -21,6 +21,7 @@ mod choice;
 mod choose;
 mod output;
 pub mod sample;
+mod settled;
 
 pub use answers::Answers;
 pub use bounds::Bounds;

@@ -10,6 +10,23 @@ use crate::scene::file::Segment;
 /// What is left of a hold, s: time for what a change of speed sets swinging to die away, and for some turns.
 pub const HOLD_S: f64 = 0.3;
 
+/// Programs up to this length, s, are run whole where nothing bounds an output, as a part of them is no evidence then.
+pub const WHOLE_S: f64 = 30.0;
+
+/// How long a scene's program takes, s.
+pub fn program_s(scene: &Scene) -> f64 {
+    length_s(&scene.program)
+}
+
+fn length_s(program: &[Segment]) -> f64 {
+    let lengths = program.iter().map(|segment| {
+        let inner = segment.segments.as_deref().map_or(0.0, length_s);
+        let times = f64::from(segment.repeat.unwrap_or(1));
+        segment.ramp_s.unwrap_or(0.0) + segment.hold_s.unwrap_or(0.0) + times * inner
+    });
+    lengths.sum()
+}
+
 /// The sample of a scene.
 pub fn of(scene: &Scene) -> Scene {
     let mut sample = scene.clone();
