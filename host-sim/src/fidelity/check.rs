@@ -2,7 +2,7 @@
 
 use super::choice::{Choice, Judged};
 use super::choose::{STEP_PART, available, judge, questions};
-use super::settled::{Settled, settle};
+use super::settled::Settled;
 use super::{Answers, Bounds, Output, sample};
 use crate::scene::file::{Fidelity, Questions};
 use crate::scene::{Checked, SceneError};
@@ -46,22 +46,24 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
         checked.choice = Some(choice);
         return Ok(checked);
     };
-    let trial = Trial::new(&checked, choice.resolution, top)?;
+    let trial = Trial::new(&checked, choice.resolution);
     let is_lowest = below.first() == Some(&choice.model_level);
     if is_lowest && trial.judge(choice.model_level).iter().all(is_plain) {
         checked.choice = Some(choice);
         return Ok(checked);
     }
-    let right = trial.settle(top)?;
+    let right = trial.run(top)?.settled(&trial.questions)?;
     // The lowest first: bounds are wide.
     for &model_level in below {
-        let found = trial.settle(model_level)?;
         let mut judged = trial.judge(model_level);
-        found.add_steps(&mut judged);
-        compare(&mut judged, &found.answers, &right.answers, top);
-        if judged.iter().all(|judged| trial.is_fair(judged, &right)) {
-            return Ok(taken(checked, choice, model_level, judged, &found));
+        let first = trial.run(model_level)?;
+        compare(&mut judged, &first.answers, &right.answers, top);
+        if !judged.iter().all(|judged| trial.is_fair(judged, &right)) {
+            continue;
         }
+        let found = first.settled(&trial.questions)?;
+        found.add_steps(&mut judged);
+        return Ok(taken(checked, choice, model_level, judged, &found));
     }
     let mut judged = trial.judge(top);
     right.add_steps(&mut judged);
@@ -82,33 +84,28 @@ struct Trial {
 }
 
 impl Trial {
-    fn new(checked: &Checked, resolution: f64, top: Fidelity) -> Result<Self, SceneError> {
-        let mut trial = Self {
+    fn new(checked: &Checked, resolution: f64) -> Self {
+        let mut sample = checked.clone();
+        sample.scene = sample::of(&checked.scene);
+        Self {
             questions: questions(checked),
             is_imposed: !checked.chosen().is_open(),
             bounds: Bounds::new(checked)
                 .ok()
                 .filter(|_| is_undisturbed(checked)),
             resolution,
-            is_whole: true,
-            sample: checked.clone(),
-        };
-        let is_bounded = trial.judge(top).iter().all(|judged| judged.bound.is_some());
-        if is_bounded || sample::program_s(&checked.scene) > sample::WHOLE_S {
-            let sample = sample::of(&checked.scene);
-            trial.is_whole = sample == checked.scene;
-            trial.sample.scene = sample;
+            is_whole: sample.scene == checked.scene,
+            sample,
         }
-        Ok(trial)
     }
 
-    /// The sample on a model level, with a step that is short enough.
-    fn settle(&self, model_level: Fidelity) -> Result<Settled, SceneError> {
+    /// The sample on a model level, with the step that theory has.
+    fn run(&self, model_level: Fidelity) -> Result<Settled, SceneError> {
         let mut scene = self.sample.scene.clone();
         scene.fidelity = model_level;
         let mut sample = Checked::new(scene)?;
         sample.resolution = self.resolution;
-        settle(sample, &self.questions)
+        Settled::new(sample)
     }
 
     fn judge(&self, model_level: Fidelity) -> Vec<Judged> {
@@ -130,7 +127,7 @@ impl Trial {
     /// Whether the sample shows an output to be well within its tolerance, where it may say so at all.
     fn is_borne_out(&self, judged: &Judged, right: &Settled) -> bool {
         // A motor that slips decides what comes after; nor does a part of a scene show what nothing bounds.
-        let may_say = judged.output != Output::Slips && !right.has_slipped;
+        let may_say = judged.output != Output::Slips && right.is_regular;
         let part = match (self.is_whole, judged.bound.is_some()) {
             _ if !may_say => return false,
             (true, _) => 1.0 - STEP_PART,
@@ -170,7 +167,7 @@ fn taken(
     settled: &Settled,
 ) -> Checked {
     checked.fidelity = model_level;
-    checked.halvings = settled.halvings;
+    checked.halvings = settled.halvings();
     checked.choice = Some(Choice {
         why: why(&choice, model_level),
         model_level,
@@ -194,17 +191,15 @@ fn why(choice: &Choice, model_level: Fidelity) -> String {
     }
 }
 
-/// A scene with the values that its run has for what was requested. A motor that slipped in the run voids the bounds, which are those
-/// of motors that keep step.
+/// A scene with the values that its run has for what was requested. Bounds are those of a run in which all is regular.
 #[must_use]
 pub fn answered(mut checked: Checked, answers: &Answers) -> Checked {
     let judged = checked
         .choice
         .iter_mut()
         .flat_map(|choice| &mut choice.judged);
-    let has_slipped = answers.has_slipped();
     for judged in judged {
-        judged.bound = judged.bound.filter(|_| !has_slipped);
+        judged.bound = judged.bound.filter(|_| answers.is_regular());
         let value = answers.of(judged.output);
         judged.value = match judged.output {
             Output::Slips => value.map(|axes| f64::from((axes as u64).count_ones())),

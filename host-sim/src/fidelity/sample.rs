@@ -2,7 +2,7 @@
 //!
 //! Lags and torques come of speeds and of changing them; holding a speed for longer shows the same turns again. So holds are
 //! cut, repeated blocks are played once, and ramps stay as they are. A scene in which something happens at a time stays
-//! whole, as that would come at another moment of its program.
+//! whole, as that would come at another moment of its program. So does a short scene.
 
 use crate::scene::Scene;
 use crate::scene::file::Segment;
@@ -10,11 +10,11 @@ use crate::scene::file::Segment;
 /// What is left of a hold, s: time for what a change of speed sets swinging to die away, and for some turns.
 pub const HOLD_S: f64 = 0.3;
 
-/// Programs up to this length, s, are run whole where nothing bounds an output, as a part of them is no evidence then.
-pub const WHOLE_S: f64 = 30.0;
+/// Programs up to this length, s, stay whole: what the whole scene shows needs no bound to be believed.
+pub const WHOLE_S: f64 = 10.0;
 
 /// How long a scene's program takes, s.
-pub fn program_s(scene: &Scene) -> f64 {
+fn program_s(scene: &Scene) -> f64 {
     length_s(&scene.program)
 }
 
@@ -34,7 +34,7 @@ pub fn of(scene: &Scene) -> Scene {
         && scene.input.is_empty()
         && scene.late.is_empty()
         && scene.fault.is_empty());
-    if !is_timed {
+    if !is_timed && program_s(scene) > WHOLE_S {
         shorten(&mut sample.program);
     }
     sample
