@@ -15,6 +15,10 @@ use crate::scene::file::Fidelity;
 /// at most; where both are within their ranges of a resonance the worst over the ranges has been taken already.
 const MARGIN: f64 = 1.5;
 
+/// What a mode that carries no crank, of a frame or of rods, adds to its steady answer as a ramp sets it swinging: at most that once
+/// more, as if the ramp came at once.
+const SET_SWINGING: f64 = 2.0;
+
 /// What is to be known of a platform on cranks to bound what a model level leaves out.
 #[derive(Clone, Debug)]
 pub struct Cranks {
@@ -71,9 +75,9 @@ impl Cranks {
                 .collect(),
             in_phase: !leads_apart && (body.axes() <= 3 || standing_apart_rad == 0.0),
             alike: worst.spread_rad == 0.0,
-            frame: frame::share(driven, drive),
+            frame: SET_SWINGING * frame::share(driven, drive),
             rods: if elastic {
-                rods::share(body, rod_zeta, drive)
+                SET_SWINGING * rods::share(body, rod_zeta, drive)
             } else {
                 0.0
             },
@@ -102,10 +106,10 @@ impl Cranks {
         )
     }
 
-    /// Axis whose motor has the smallest part of the torque that the motion requires of it, and required over available torque:
+    /// Axis whose motor has the smallest part of the torque that steady turning requires of it, and required over available torque:
     /// infinite where the motor has none left.
     pub fn torque_ratio(&self) -> (usize, f64) {
-        let ratios = self.worst.torque_ratio_required.iter().copied();
+        let ratios = self.worst.torque_ratio_steady.iter().copied();
         // Of equal ones the first.
         let most = ratios.enumerate().rev().max_by(|a, b| a.1.total_cmp(&b.1));
         most.unwrap_or((0, 0.0))

@@ -34,6 +34,8 @@ pub struct Drive {
     pub top_rad_s: f64,
     /// Its greatest acceleration, rad/s².
     pub acceleration_rad_s2: f64,
+    /// How fast that changes at most, rad/s³.
+    pub jerk_rad_s3: f64,
     /// Control tick, s.
     pub tick_s: f64,
     /// Crank turns to a master turn, each axis.
@@ -64,6 +66,9 @@ pub struct Worst {
     pub torque_ratio: Vec<f64>,
     /// The same as the load alone asks it, without what oscillation adds.
     pub torque_ratio_required: Vec<f64>,
+    /// The same at a steady speed, and with the load's greatest torque in a turn instead of the sum of its harmonics: an estimate from
+    /// below where those two are bounds.
+    pub torque_ratio_steady: Vec<f64>,
     /// Highest frequency that the load has at top speed (its second harmonic), over the lowest of motor and crank.
     pub frequency_ratio: f64,
 }
@@ -144,6 +149,7 @@ pub fn worst(driven: &Driven, drive: &Drive) -> Worst {
     let mut worst = Worst {
         torque_ratio: vec![0.0; axes],
         torque_ratio_required: vec![0.0; axes],
+        torque_ratio_steady: vec![0.0; axes],
         ..Worst::default()
     };
     for omega in speeds(driven, drive, &required) {
@@ -151,8 +157,13 @@ pub fn worst(driven: &Driven, drive: &Drive) -> Worst {
             .map(|i| crank(driven, drive, &required, i, omega))
             .collect();
         at_speed(&cranks, driven, drive, &mut worst);
+        for (i, crank) in cranks.iter().enumerate() {
+            let steady_nm = greatest_nm(body, crank.omega_rad_s) + body.friction_nm[i];
+            let ratio = steady_nm / crank.most_nm;
+            worst.torque_ratio_steady[i] = worst.torque_ratio_steady[i].max(ratio);
+        }
     }
-    let greatest_nm = greatest_nm(body, drive);
+    let greatest_nm = greatest_nm(body, drive.top_rad_s);
     worst.torque /= greatest_nm;
     let mechanism = &body.mechanism;
     let lever_m = mechanism.crank_radius_m() * required.lever_squared.sqrt();
@@ -160,6 +171,7 @@ pub fn worst(driven: &Driven, drive: &Drive) -> Worst {
     worst.torque_of_amax =
         (share_kg * lever_m * mechanism.amax_mps2(drive.top_rad_s) / greatest_nm).max(1.0);
     worst.spring_per_rad /= greatest_nm;
+    worst.amax += of_ramps(driven, drive, &required);
     worst.frequency_ratio = frequency_ratio(driven, drive, &required);
     worst
 }
@@ -295,17 +307,37 @@ fn load_inertia_kgm2(body: &Body, required: &RequiredTorque) -> f64 {
     mass * radius * radius * required.lever_squared
 }
 
-/// The greatest torque that the load asks of a crank, N·m.
-fn greatest_nm(body: &Body, drive: &Drive) -> f64 {
+/// The greatest torque that the load asks of a crank at a steady speed, N·m.
+fn greatest_nm(body: &Body, omega_rad_s: f64) -> f64 {
     let at = |alpha| {
         let torque = body
             .mechanism
-            .torque_nm(&body.load, alpha, drive.top_rad_s, 0.0);
+            .torque_nm(&body.load, alpha, omega_rad_s, 0.0);
         torque.abs() / body.axes() as f64
     };
     (0..SAMPLES)
         .map(|i| at(TAU / f64::from(SAMPLES) * f64::from(i)))
         .fold(f64::MIN_POSITIVE, f64::max)
+}
+
+/// What changes of acceleration make of the platform's, as a part of amax at top speed. Feed-forward holds each tick's torque, and so is
+/// ahead by up to a tick; without it, motor and crank swing at their own frequency.
+fn of_ramps(driven: &Driven, drive: &Drive, required: &RequiredTorque) -> f64 {
+    let body = driven.body();
+    let load = load_inertia_kgm2(body, required);
+    let late_s = |(i, motor): (usize, &Motor)| {
+        if drive.has_feed_forward[i] {
+            drive.tick_s
+        } else {
+            2.0 * ((body.rotors_kgm2[i] + load) / motor.stiffness_nm(drive.top_rad_s).0).sqrt()
+        }
+    };
+    let late_s = driven.motors().iter().enumerate().map(late_s);
+    let late_s = late_s.fold(0.0, f64::max);
+    let off_rad_s2 = (drive.jerk_rad_s3 * late_s).min(drive.acceleration_rad_s2);
+    let mechanism = &body.mechanism;
+    let lever_m = mechanism.crank_radius_m() * mechanism.greatest_s();
+    lever_m * off_rad_s2 / mechanism.amax_mps2(drive.top_rad_s)
 }
 
 /// Speeds of the master to look at: evenly up to the top, and where a harmonic meets the ends of the range that

@@ -115,7 +115,7 @@ impl Bounds {
         }
     }
 
-    /// Axis whose motor has the smallest part of the torque that the motion requires of it, and required over available torque;
+    /// Axis whose motor has the smallest part of the torque that steady turning requires of it, and required over available torque;
     /// none for cams, whose motors' torque is not modelled.
     pub fn torque_ratio(&self) -> Option<(usize, f64)> {
         match &self.of {
@@ -177,6 +177,7 @@ fn cranks(checked: &Checked, driven: &Driven) -> Cranks {
         top_rad_s: std::f64::consts::TAU * checked.top_speed_hz(),
         // A fault's stop is the hardest of all ramps.
         acceleration_rad_s2: std::f64::consts::TAU * settings.limits.stop_acceleration_hz_per_s,
+        jerk_rad_s3: std::f64::consts::TAU * settings.limits.jerk_hz_per_s2,
         tick_s: 1.0 / f64::from(settings.tick_hz),
         ratios: settings
             .axes
