@@ -267,15 +267,17 @@ fn crank(
     let rotor = body.rotors_kgm2[i];
     let has_feed_forward = drive.has_feed_forward[i];
     let mut torque_nm = [0.0; HARMONICS + 1];
-    // Friction is not in the feed-forward; while the speed changes, rotor and load require more.
-    torque_nm[0] = body.friction_nm[i];
-    let ramp_nm = (rotor + load) * drive.acceleration_rad_s2 * drive.ratios[i].abs();
-    let mut required_nm = body.friction_nm[i] + ramp_nm;
-    if !has_feed_forward {
-        // It comes at once, and so is twice that at worst.
-        torque_nm[0] += 2.0 * ramp_nm;
-        required_nm += ramp_nm;
-    }
+    // While the speed changes, rotor and load require more. Feed-forward has that but for what a tick's hold leaves of it, and has no
+    // friction. What comes at once makes a swing of twice that at worst.
+    let inertia = (rotor + load) * drive.ratios[i].abs();
+    let ramp_nm = inertia * drive.acceleration_rad_s2;
+    let at_once_nm = if has_feed_forward {
+        (inertia * drive.jerk_rad_s3 * drive.tick_s).min(ramp_nm)
+    } else {
+        ramp_nm
+    };
+    torque_nm[0] = body.friction_nm[i] + 2.0 * at_once_nm;
+    let mut required_nm = body.friction_nm[i] + ramp_nm + at_once_nm;
     for (n, torque) in torque_nm.iter_mut().enumerate().skip(1) {
         let left = if has_feed_forward {
             (n as f64 * omega * drive.tick_s).min(1.0)
