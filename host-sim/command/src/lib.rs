@@ -51,8 +51,8 @@ enum What {
 }
 
 impl Command {
-    /// Carries the command out, printing to `out`.
-    pub fn carry_out(self, out: &mut impl Write) -> Status {
+    /// Carries the command out, printing to `out`, and errors to `err`.
+    pub fn carry_out(self, out: &mut impl Write, err: &mut impl Write) -> Status {
         let done = match self.what {
             What::Run(args) => run::run(&args, out),
             What::Settings(args) => settings::settings(&args, out),
@@ -75,7 +75,8 @@ impl Command {
             }
             Err(error) => {
                 for line in error.to_string().lines() {
-                    eprintln!("cophase: {line}");
+                    // Where errors cannot be written, the status still says that there was one.
+                    let _ = writeln!(err, "cophase: {line}");
                 }
                 Status::BadInput
             }
