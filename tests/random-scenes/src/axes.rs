@@ -3,7 +3,7 @@
 use cophase_link::board::{Board, Rp2040};
 use cophase_motion::pulse::PulseTiming;
 use cophase_motion::settings::PulseSettings;
-use host_sim::scene::file::{Axes, AxisOverrides, CamTable, Drive, Limits, Pulse};
+use host_sim::scene::file::{Axes, AxisOverrides, CamTable, Drive, Fidelity, Limits, Pulse};
 
 use crate::source::Source;
 use crate::{Basis, Kind, cam, motors};
@@ -11,8 +11,10 @@ use crate::{Basis, Kind, cam, motors};
 /// Steps per turn that a scene may have.
 const STEPS: (f64, f64) = (4.0, 65_536.0);
 
-pub fn drive(source: &mut Source, kind: Kind) -> Drive {
+pub fn drive(source: &mut Source, kind: Kind, fidelity: Fidelity) -> Drive {
     match kind {
+        // The quasi-static level compares the torques of steppers.
+        _ if fidelity == Fidelity::QuasiStatic => Drive::Stepper,
         // Setpoints are for cranks, not for screws.
         Kind::Screws => source.one_of(&[Drive::Stepper, Drive::PulseServo]),
         _ => source.one_of(&[Drive::Stepper, Drive::Stepper, Drive::Servo, Drive::PulseServo]),

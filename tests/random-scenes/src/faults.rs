@@ -39,7 +39,7 @@ pub fn noise(source: &mut Source, basis: &Basis) -> Noise {
         index_deg: source.usual((1e-3, 0.2), (0.0, 5.0)),
         index_us: source.usual((0.01, 5.0), (0.0, 50.0)),
         encoder_counts: if basis.has_encoder {
-            source.usual((0.1, 3.0), (0.0, 1000.0))
+            source.usual((0.01, 0.3), (0.0, 1000.0))
         } else {
             0.0
         },
@@ -69,7 +69,7 @@ pub fn faults(
     axes: &Axes,
     apart: &[AxisOverrides],
 ) -> Vec<FaultAt> {
-    if !basis.kinds.disturbed || !source.percent(45) {
+    if !basis.kinds.disturbed || !source.percent(35) {
         return Vec::new();
     }
     let machine = Machine { basis, axes, apart };

@@ -33,10 +33,15 @@ pub fn level(source: &mut Source, kind: Kind, kinds: Kinds, has_links: bool) -> 
 }
 
 /// Questions where the level is left open and can be chosen for them.
-pub fn questions(source: &mut Source, basis: &Basis, has_frame: bool) -> Questions {
+pub fn questions(
+    source: &mut Source,
+    basis: &Basis,
+    has_links: bool,
+    has_frame: bool,
+) -> Questions {
     let can_answer = match basis.kind {
         Kind::Cranks => basis.has_torque,
-        Kind::Shafts => true,
+        Kind::Shafts => has_links,
         Kind::Screws => false,
     };
     let is_asked = basis.kinds.asks || source.percent(60);
@@ -71,9 +76,12 @@ pub fn method(source: &mut Source, basis: &Basis, axes: &Axes) -> Method {
         return Method::default();
     }
     let has_integral = axes.servo.is_some_and(|servo| servo.integral_s.is_some());
+    // Explicit Euler makes hundreds of steps a tick where there is little damping.
     let of_positions = [
         MethodName::ExplicitEuler,
         MethodName::SymplecticEuler,
+        MethodName::SymplecticEuler,
+        MethodName::VelocityVerlet,
         MethodName::VelocityVerlet,
     ];
     let of_all = [

@@ -164,7 +164,7 @@ impl Basis {
         );
         let has_links = shaft.as_ref().is_some_and(|shaft| shaft.masses_kg.is_some());
         let (fidelity, has_torque) = fidelity::level(source, kind, kinds, has_links);
-        let drive = axes::drive(source, kind);
+        let drive = axes::drive(source, kind, fidelity);
         let speed_hz = control::speed_hz(source, &mechanism, tick_hz);
         let ramp_s = control::ramp_s(source, tick_hz);
         let mut basis = Self {
@@ -198,10 +198,10 @@ impl Basis {
         let frame = machine
             .as_ref()
             .and_then(|machine| machine::frame(source, machine, fidelity));
-        let machine = machine.map(|machine| machine::rods(source, &basis, machine));
+        let machine = machine.map(|machine| machine::rods(source, &basis, &axes, machine));
         let noise = faults::noise(source, &basis);
         let fault = faults::faults(source, &basis, &axes, &axis);
-        let questions = fidelity::questions(source, &basis, frame.is_some());
+        let questions = fidelity::questions(source, &basis, has_links, frame.is_some());
         let method = fidelity::method(source, &basis, &axes);
         let events = events::events(source, &basis);
         let scene = Scene {
@@ -238,7 +238,7 @@ impl Basis {
         self.fidelity == Fidelity::Rigid
     }
 
-    /// Drives of all axes.
+    /// Whether an axis has this drive.
     fn has_drive(&self, drive: Drive) -> bool {
         self.drive == drive || self.other_drive == Some(drive)
     }

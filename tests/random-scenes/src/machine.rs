@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::mechanism::{AnyMechanism, Configured, MechanismName};
-use host_sim::scene::file::{Fidelity, Foundation, Frame, Machine, Platform, Rods};
+use host_sim::mechanism::{AnyMechanism, Configured, Mechanism, MechanismName};
+use host_sim::scene::file::{Axes, Fidelity, Foundation, Frame, Machine, Platform, Rods};
 
-use crate::source::Source;
+use crate::source::{Source, at_most};
 use crate::Basis;
 
 /// Cranks under a platform.
@@ -54,13 +54,22 @@ pub fn mechanism(machine: &Machine) -> AnyMechanism {
     AnyMechanism::of(&settings, machine.crank_radius_mm * 1e-3)
 }
 
-/// The machine, with default rods where nothing bends them in half of the scenes.
-pub fn rods(source: &mut Source, basis: &Basis, machine: Machine) -> Machine {
-    if basis.count > 3 || machine.rods == Rods::Elastic || source.percent(50) {
+/// The machine, on default rods in half of the scenes where nothing bends them, and mostly on such that rotors swing slowly on them.
+pub fn rods(source: &mut Source, basis: &Basis, axes: &Axes, machine: Machine) -> Machine {
+    if basis.count <= 3 && machine.rods == Rods::QuasiStatic && source.percent(50) {
+        return Machine {
+            rod_n_per_um: 50.0,
+            ..machine
+        };
+    }
+    if axes.rotor_inertia_kgm2 == 0.0 || source.percent(5) {
         return machine;
     }
+    let lever_m = basis.mechanism.crank_radius_m() * basis.mechanism.greatest_s();
+    let fastest_rad_s = source.log_between(0.1, 1.0) * f64::from(basis.tick_hz);
+    let most = axes.rotor_inertia_kgm2 * (fastest_rad_s / lever_m).powi(2) * 1e-6;
     Machine {
-        rod_n_per_um: 50.0,
+        rod_n_per_um: at_most(machine.rod_n_per_um.min(most)).max(0.01),
         ..machine
     }
 }

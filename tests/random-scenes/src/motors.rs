@@ -17,7 +17,7 @@ pub struct Motors {
 }
 
 /// Radians that what swings fastest usually makes in a tick: few steps follow that.
-const RADIANS_A_TICK: (f64, f64) = (0.02, 2.0);
+const RADIANS_A_TICK: (f64, f64) = (0.02, 0.7);
 
 pub fn motors(source: &mut Source, basis: &Basis, limits: &Limits, full_steps: u32) -> Motors {
     if basis.kind != Kind::Cranks {
@@ -37,14 +37,14 @@ pub fn motors(source: &mut Source, basis: &Basis, limits: &Limits, full_steps: u
     let load_nm = share_kg * lever_m * (0.6 * top_mps2 + 9.81);
     let has_stepper = basis.has_drive(Drive::Stepper);
     let cycles = f64::from(full_steps) / 4.0;
-    // The rotor is as heavy as what it swings in, a field or a loop, leaves few steps to follow.
+    // The rotor is so heavy that what it swings in takes few steps to follow.
     let plenty = if source.percent(80) {
         source.log_between(1.5, 20.0)
     } else {
         source.log_between(0.05, 1.5)
     };
     let radians = source.log_between(RADIANS_A_TICK.0, RADIANS_A_TICK.1) * f64::from(basis.tick_hz);
-    let stiffness = plenty * load_nm * cycles;
+    let stiffness = plenty * (load_nm + load_kgm2 * 10.0 * TAU * basis.speed_hz) * cycles;
     let least_kgm2 = if has_stepper { stiffness / (radians * radians) } else { 0.0 };
     let least_kgm2 = least_kgm2.clamp(1e-6, 5.0);
     let rotor_inertia_kgm2 = source
@@ -67,9 +67,8 @@ pub fn motors(source: &mut Source, basis: &Basis, limits: &Limits, full_steps: u
             servo: None,
         };
     }
-    let inertia_kgm2 = rotor_inertia_kgm2 + load_kgm2;
-    let swings_rad_s = (most_nm * cycles / inertia_kgm2).sqrt();
-    let critical_nms = 2.0 * inertia_kgm2 * swings_rad_s;
+    let swings_rad_s = (most_nm * cycles / rotor_inertia_kgm2).sqrt();
+    let critical_nms = 2.0 * rotor_inertia_kgm2 * swings_rad_s;
     let damping_nms = source.usual((0.02 * critical_nms, critical_nms), (0.0, 1000.0));
     Motors {
         rotor_inertia_kgm2,
@@ -81,7 +80,7 @@ pub fn motors(source: &mut Source, basis: &Basis, limits: &Limits, full_steps: u
             Vec::new()
         },
         servo: (basis.has_drive(Drive::Servo) || basis.has_drive(Drive::PulseServo))
-            .then(|| servo(source, basis, inertia_kgm2, most_nm)),
+            .then(|| servo(source, basis, rotor_inertia_kgm2, most_nm)),
     }
 }
 

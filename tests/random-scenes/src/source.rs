@@ -102,11 +102,11 @@ fn within(value: f64, low: f64, high: f64) -> f64 {
 
 /// Rounds to five digits, downwards: a number that must not pass a limit.
 pub fn at_most(value: f64) -> f64 {
-    if value == 0.0 {
-        return 0.0;
+    let nearest = within(value, f64::MIN, f64::MAX);
+    if nearest <= value {
+        return nearest;
     }
-    let digit = 10_f64.powf(value.abs().log10().floor() - 4.0);
-    (value / digit).floor() * digit
+    within(value * (1.0 - 1e-4), f64::MIN, f64::MAX)
 }
 
 #[cfg(test)]
