@@ -8,6 +8,7 @@
 mod campaign;
 mod chart;
 pub mod design;
+mod expected;
 mod run;
 mod scenes;
 mod settings;
@@ -54,9 +55,9 @@ impl Command {
     /// Carries the command out, printing to `out`, and errors to `err`.
     pub fn carry_out(self, out: &mut impl Write, err: &mut impl Write) -> Status {
         let done = match self.what {
-            What::Run(args) => run::run(&args, out),
+            What::Run(args) => run::run(&args, out, err),
             What::Settings(args) => settings::settings(&args, out),
-            What::Campaign(args) => campaign::campaign(&args, out),
+            What::Campaign(args) => campaign::campaign(&args, out, err),
             What::Chart(args) => chart::chart(&args, out),
             What::Scenes(args) => scenes::scenes(&args, out),
             What::Design(args) => match design::run(&args, out) {

@@ -60,7 +60,11 @@ impl Answers {
     /// Between the ticks' ends: extremes fall there, and torques jump with what drives are commanded.
     fn within(&mut self, moment: &Moment<'_>) {
         let machine = moment.machine;
-        for accel_mps2 in machine.followers().into_iter().flat_map(|it| it.within_mps2()) {
+        for accel_mps2 in machine
+            .followers()
+            .into_iter()
+            .flat_map(|it| it.within_mps2())
+        {
             self.most(Output::Amax, accel_mps2.abs());
         }
         let Some(rotors) = machine.rotors() else {

@@ -19,6 +19,7 @@ mod bounds;
 mod check;
 mod choice;
 mod choose;
+mod effort;
 mod output;
 pub mod sample;
 
@@ -27,4 +28,5 @@ pub use bounds::Bounds;
 pub use check::{answered, answers, check, compare};
 pub use choice::{Choice, Judged};
 pub use choose::{LADDER, available, choose, judge, questions};
+pub use effort::{SampleRuns, sample_runs};
 pub use output::Output;

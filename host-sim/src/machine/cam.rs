@@ -149,7 +149,10 @@ impl Followers {
             self.within_mps2 = vec![self.mean().accel_mps2];
             return;
         }
-        let looks = self.elastic.as_ref().map_or(SAMPLES, |elastic| elastic.steps);
+        let looks = self
+            .elastic
+            .as_ref()
+            .map_or(SAMPLES, |elastic| elastic.steps);
         self.within_mps2.clear();
         self.within_mps2.resize(looks as usize, 0.0);
         let share = 1.0 / self.axes as f64;

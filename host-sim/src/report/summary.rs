@@ -65,7 +65,10 @@ fn answered(judged: &Judged) -> String {
         Some(value) => format!("{}, ", in_unit(value, output.value_unit())),
         None => String::new(),
     };
-    format!("{}{requested}: {value}{bound}{measured}{step_error}.", output.words())
+    format!(
+        "{}{requested}: {value}{bound}{measured}{step_error}.",
+        output.words()
+    )
 }
 
 /// Two digits are enough for a bound.

@@ -17,7 +17,12 @@ pub fn drive(source: &mut Source, kind: Kind, fidelity: Fidelity) -> Drive {
         _ if fidelity == Fidelity::QuasiStatic => Drive::Stepper,
         // Setpoints are for cranks, not for screws.
         Kind::Screws => source.one_of(&[Drive::Stepper, Drive::PulseServo]),
-        _ => source.one_of(&[Drive::Stepper, Drive::Stepper, Drive::Servo, Drive::PulseServo]),
+        _ => source.one_of(&[
+            Drive::Stepper,
+            Drive::Stepper,
+            Drive::Servo,
+            Drive::PulseServo,
+        ]),
     }
 }
 
@@ -173,8 +178,16 @@ fn one(
             0.0
         },
         cam,
-        trim_deg: if is_free && source.percent(20) { trim_deg } else { 0.0 },
-        start_deg: if is_free && source.percent(20) { start_deg } else { 0.0 },
+        trim_deg: if is_free && source.percent(20) {
+            trim_deg
+        } else {
+            0.0
+        },
+        start_deg: if is_free && source.percent(20) {
+            start_deg
+        } else {
+            0.0
+        },
         friction_nm: source
             .maybe(10, |_| own_friction)
             .filter(|_| basis.kind == Kind::Cranks),

@@ -36,8 +36,7 @@ pub fn shaft(source: &mut Source, kind: Kind, kinds: Kinds, tick_hz: u32) -> Cam
         masses_kg: has_links.then(|| three(source, (0.05, 5.0), (1e-4, 1000.0))),
         stiffness_n_per_mm: has_links
             .then(|| three(source, (0.01 * most_n_per_mm, most_n_per_mm), (0.1, 1e7))),
-        dampers_ns_per_m: (has_links && !has_zeta)
-            .then(|| three(source, (1.0, 1e3), (0.0, 1e7))),
+        dampers_ns_per_m: (has_links && !has_zeta).then(|| three(source, (1.0, 1e3), (0.0, 1e7))),
         zeta: (has_links && has_zeta).then(|| source.usual((0.01, 0.5), (0.0, 2.0))),
         damper: source.one_of(&[Damper::Cam, Damper::Ground]),
     };
@@ -172,7 +171,10 @@ pub fn steepest(tables: &[CamTable]) -> f64 {
     let of_points = tables.iter().map(|table| {
         let count = table.points_turns.len() as f64;
         let rises = table.points_turns.windows(2);
-        1.5 * count * rises.map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max)
+        1.5 * count
+            * rises
+                .map(|pair| (pair[1] - pair[0]).abs())
+                .fold(0.0, f64::max)
     });
     of_segments.chain(of_points).fold(1.0, f64::max)
 }

@@ -161,7 +161,9 @@ pub fn correction(source: &mut Source, basis: &Basis, axes: &Axes) -> Correction
         gain: source.number(0.0, 1.0),
         prove_wiring: source.percent(8),
         couple: is_coupled && source.percent(40),
-        coupling: source.maybe(20, |source| source.number(0.0, 20.0)).filter(|_| is_coupled),
+        coupling: source
+            .maybe(20, |source| source.number(0.0, 20.0))
+            .filter(|_| is_coupled),
         coupling_per_s: source
             .maybe(20, |source| source.number(0.0, 10_000.0))
             .filter(|_| is_coupled),

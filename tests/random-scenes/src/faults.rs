@@ -138,7 +138,8 @@ impl Machine<'_> {
             }
             FaultName::Overrun => {
                 // A million missed deadlines would be minutes.
-                fault.count = source.maybe(70, |source| source.usual((1.0, 10.0), (1.0, 2000.0)) as u32);
+                fault.count =
+                    source.maybe(70, |source| source.usual((1.0, 10.0), (1.0, 2000.0)) as u32);
             }
             FaultName::LoadStep => {
                 fault.torque_nm = Some(signed(source, (1e-3, 20.0), 1000.0));

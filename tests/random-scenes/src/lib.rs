@@ -158,11 +158,12 @@ impl Basis {
             Kind::Cranks => (Some(machine::machine(source, tick_hz)), None),
             Kind::Shafts | Kind::Screws => (None, Some(cam::shaft(source, kind, kinds, tick_hz))),
         };
-        let mechanism = machine.as_ref().map_or_else(
-            || cam::mechanism(shaft.as_ref()),
-            machine::mechanism,
-        );
-        let has_links = shaft.as_ref().is_some_and(|shaft| shaft.masses_kg.is_some());
+        let mechanism = machine
+            .as_ref()
+            .map_or_else(|| cam::mechanism(shaft.as_ref()), machine::mechanism);
+        let has_links = shaft
+            .as_ref()
+            .is_some_and(|shaft| shaft.masses_kg.is_some());
         let (fidelity, has_torque) = fidelity::level(source, kind, kinds, has_links);
         let drive = axes::drive(source, kind, fidelity);
         let speed_hz = control::speed_hz(source, &mechanism, tick_hz);

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use host_sim::mechanism::{AnyMechanism, Configured, Mechanism, MechanismName};
 use host_sim::scene::file::{Axes, Fidelity, Foundation, Frame, Machine, Platform, Rods};
 
-use crate::source::{Source, at_most};
 use crate::Basis;
+use crate::source::{Source, at_most};
 
 /// Cranks under a platform.
 pub fn machine(source: &mut Source, tick_hz: u32) -> Machine {

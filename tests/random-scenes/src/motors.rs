@@ -45,7 +45,11 @@ pub fn motors(source: &mut Source, basis: &Basis, limits: &Limits, full_steps: u
     };
     let radians = source.log_between(RADIANS_A_TICK.0, RADIANS_A_TICK.1) * f64::from(basis.tick_hz);
     let stiffness = plenty * (load_nm + load_kgm2 * 10.0 * TAU * basis.speed_hz) * cycles;
-    let least_kgm2 = if has_stepper { stiffness / (radians * radians) } else { 0.0 };
+    let least_kgm2 = if has_stepper {
+        stiffness / (radians * radians)
+    } else {
+        0.0
+    };
     let least_kgm2 = least_kgm2.clamp(1e-6, 5.0);
     let rotor_inertia_kgm2 = source
         .usual((0.1 * load_kgm2, 10.0 * load_kgm2), (1e-6, 10.0))
@@ -102,7 +106,10 @@ fn pull_out(source: &mut Source, basis: &Basis, most_nm: f64) -> Vec<(f64, f64)>
 
 fn servo(source: &mut Source, basis: &Basis, inertia_kgm2: f64, most_nm: f64) -> ServoDrive {
     let velocity_rad_s = f64::from(basis.tick_hz) * source.log_between(0.05, 1.0);
-    let usual_nms = (0.5 * velocity_rad_s * inertia_kgm2, velocity_rad_s * inertia_kgm2);
+    let usual_nms = (
+        0.5 * velocity_rad_s * inertia_kgm2,
+        velocity_rad_s * inertia_kgm2,
+    );
     let usual_per_s = (0.05 * velocity_rad_s, 0.25 * velocity_rad_s);
     let limit_nm = source.usual((0.5 * most_nm, 2.0 * most_nm), (1e-3, 1e5));
     ServoDrive {
@@ -113,9 +120,11 @@ fn servo(source: &mut Source, basis: &Basis, inertia_kgm2: f64, most_nm: f64) ->
             source.usual(usual, (1e-5, 1e3))
         }),
         limit_nm: source.maybe(60, |_| limit_nm),
-        velocity_feed_forward: if source.percent(60) { 1.0 } else { source.number(0.0, 1.0) },
-        following_error_deg: source.maybe(30, |source| {
-            source.usual((1.0, 90.0), (0.01, 180.0))
-        }),
+        velocity_feed_forward: if source.percent(60) {
+            1.0
+        } else {
+            source.number(0.0, 1.0)
+        },
+        following_error_deg: source.maybe(30, |source| source.usual((1.0, 90.0), (0.01, 180.0))),
     }
 }

@@ -21,7 +21,9 @@ pub fn program(source: &mut Source, basis: &Basis) -> Vec<Segment> {
     let whole_s = source.log_between(0.1, most_s);
     let count = 1 + source.below(4);
     let each_s = whole_s / count as f64;
-    (0..count).map(|_| entry(source, basis, each_s, 0)).collect()
+    (0..count)
+        .map(|_| entry(source, basis, each_s, 0))
+        .collect()
 }
 
 /// A level, or now and then a block, which takes about so long.
@@ -46,9 +48,16 @@ fn entry(source: &mut Source, basis: &Basis, takes_s: f64, depth: usize) -> Segm
 
 fn level(source: &mut Source, basis: &Basis, takes_s: f64) -> Segment {
     let part = source.one_of(&[0.0, 0.3, 0.6, 0.6, 0.8, 1.0]);
-    let part = if source.percent(70) { source.log_between(0.05, 1.0) } else { part };
+    let part = if source.percent(70) {
+        source.log_between(0.05, 1.0)
+    } else {
+        part
+    };
     let most_mps2 = basis.most_amax_mps2().min(MOST_MPS2);
-    let amax_mps2 = basis.mechanism.amax_mps2(part * basis.speed_hz * TAU).min(most_mps2);
+    let amax_mps2 = basis
+        .mechanism
+        .amax_mps2(part * basis.speed_hz * TAU)
+        .min(most_mps2);
     let ramp_s = takes_s * source.between(0.1, 0.9);
     let (ramp_s, hold_s) = match source.below(12) {
         0 => (None, Some(takes_s)),
@@ -57,7 +66,13 @@ fn level(source: &mut Source, basis: &Basis, takes_s: f64) -> Segment {
         _ => (Some(ramp_s), Some(takes_s - ramp_s)),
     };
     // At least a tick.
-    let seconds = |s: f64| if s > 0.0 { (s.max(0.003) * 1e4).round() * 1e-4 } else { 0.0 };
+    let seconds = |s: f64| {
+        if s > 0.0 {
+            (s.max(0.003) * 1e4).round() * 1e-4
+        } else {
+            0.0
+        }
+    };
     Segment {
         amax_g: Some(at_most(amax_mps2 / STANDARD_GRAVITY_MPS2)),
         ramp_s: ramp_s.map(seconds),
@@ -70,9 +85,11 @@ fn level(source: &mut Source, basis: &Basis, takes_s: f64) -> Segment {
 
 /// Time that a program takes, s.
 pub fn length_s(program: &[Segment]) -> f64 {
-    let each = program.iter().map(|entry| match (&entry.segments, entry.repeat) {
-        (Some(segments), Some(repeat)) => f64::from(repeat) * length_s(segments),
-        _ => entry.ramp_s.unwrap_or(0.0) + entry.hold_s.unwrap_or(0.0),
-    });
+    let each = program
+        .iter()
+        .map(|entry| match (&entry.segments, entry.repeat) {
+            (Some(segments), Some(repeat)) => f64::from(repeat) * length_s(segments),
+            _ => entry.ramp_s.unwrap_or(0.0) + entry.hold_s.unwrap_or(0.0),
+        });
     each.sum()
 }

@@ -51,7 +51,7 @@ impl Source {
     /// A number of a range: evenly over its logarithm, now and then at one of its ends. A range from 0 has its logarithm from a
     /// millionth of its upper end on; one with negative numbers has either sign.
     pub fn number(&mut self, low: f64, high: f64) -> f64 {
-        if self.percent(AT_AN_END) {
+        if low == high || self.percent(AT_AN_END) {
             return low;
         }
         if self.percent(AT_AN_END) {
@@ -117,6 +117,7 @@ mod tests {
     #[test]
     fn numbers_cover_a_range_and_reach_its_ends() {
         let mut source = Source::new(1);
+        assert_eq!(source.number(-0.0, 0.0), 0.0);
         for (low, high) in [(0.0, 5.0), (1e-3, 50.0), (-180.0, 180.0)] {
             let drawn: Vec<f64> = (0..2000).map(|_| source.number(low, high)).collect();
             assert!(drawn.iter().all(|value| (low..=high).contains(value)));

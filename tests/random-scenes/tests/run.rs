@@ -192,8 +192,12 @@ fn every_scene_runs_or_is_refused() {
             thread::sleep(Duration::from_millis(50));
             if said.elapsed() > PROGRESS {
                 said = Instant::now();
-                let done = tally.lock().expect("no thread left it locked").all();
-                eprintln!("{done} of {count} scenes, {:.0} s", began.elapsed().as_secs_f64());
+                let tally = tally.lock().expect("no thread left it locked");
+                eprintln!(
+                    "{} of {count} scenes, {:.0} s",
+                    tally.all(),
+                    began.elapsed().as_secs_f64()
+                );
             }
         }
     });

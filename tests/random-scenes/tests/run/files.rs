@@ -121,7 +121,9 @@ fn check_null(place: &str, value: &Value) -> Result<(), String> {
         Value::Null => Err(format!("report.json: {place} is null")),
         Value::Array(entries) => {
             let place = inside("*");
-            entries.iter().try_for_each(|entry| check_null(&place, entry))
+            entries
+                .iter()
+                .try_for_each(|entry| check_null(&place, entry))
         }
         Value::Object(entries) => entries
             .iter()
@@ -169,7 +171,9 @@ fn check_words(report: &Value, run: &Run) -> Result<(), String> {
         (_, false, state) => format!("The machine ended in state `{state}`."),
     };
     if !out.lines().any(|line| line.starts_with(&ending)) {
-        return Err(format!("the text has no line \"{ending}\", and ended is {ended}"));
+        return Err(format!(
+            "the text has no line \"{ending}\", and ended is {ended}"
+        ));
     }
     if has_fault != (faults > 0) {
         return Err(format!("ended is {ended}, and there are {faults} faults"));

@@ -6,16 +6,29 @@ use super::files::no_number;
 
 /// What a message says that is to be done, or what would be right.
 const FIXES: [&str; 18] = [
-    "give", "leave", "let ", "raise", "lower", "set ", "shorten", "swap", "is outside", "join",
-    "use ", "part ", "at most", "trim less", "start from", "put ", "damp", "or more",
+    "give",
+    "leave",
+    "let ",
+    "raise",
+    "lower",
+    "set ",
+    "shorten",
+    "swap",
+    "is outside",
+    "join",
+    "use ",
+    "part ",
+    "at most",
+    "trim less",
+    "start from",
+    "put ",
+    "damp",
+    "or more",
 ];
 
 /// Checks the lines that a refused scene prints.
 pub fn check(err: &str, scene: &Path) -> Result<(), String> {
-    let documented = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../docs/scenes.md"
-    );
+    let documented = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scenes.md");
     let documented = std::fs::read_to_string(documented).map_err(|error| error.to_string())?;
     let start = format!("cophase: {}", scene.display());
     if err.is_empty() {
@@ -32,7 +45,9 @@ pub fn check(err: &str, scene: &Path) -> Result<(), String> {
         if key.is_empty() || key.bytes().all(|byte| byte.is_ascii_digit()) {
             key = parts.next().unwrap_or_default();
         }
-        let problem = rest.split_once(&format!("{key}: ")).map_or("", |(_, problem)| problem);
+        let problem = rest
+            .split_once(&format!("{key}: "))
+            .map_or("", |(_, problem)| problem);
         let name = key.rsplit('.').next().unwrap_or_default();
         let name = name.split('[').next().unwrap_or_default();
         if name.is_empty() || !documented.contains(name) {
