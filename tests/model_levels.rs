@@ -311,3 +311,19 @@ fn implicit_methods_find_standstill() {
         assert_eq!(outcome.diverged, None, "{method}");
     }
 }
+
+/// Were it wrong, a crank that friction is to hold would shake by the method's step. Its index would pass early, and homing end a turn sooner.
+#[test]
+fn friction_near_standstill_is_followed_by_the_chosen_method() {
+    let stiff = host_sim::scene::library::find("stiff-bearing").expect("a built-in scene");
+    let running_s = |text: &str| {
+        let run = run(text);
+        let trace = run.trace();
+        let at = trace.states.iter().position(|state| state == "run");
+        trace.column("t_s")[at.expect("it runs")]
+    };
+    let short = "[method]\nname = \"rk4\"\nsteps_per_tick = 40\n";
+    let auto_s = running_s(stiff.text);
+    assert_eq!(auto_s, running_s(&format!("{}{short}", stiff.text)));
+    assert!(auto_s > 1.0, "{auto_s}: a turn at 1 rev/s");
+}

@@ -14,6 +14,7 @@ class Rules:
 
     def __init__(self, content):
         self.options = content.get("options", {})
+        self.appended = content.get("append", {})
         self.renamed = {new: old for old, new in content.get("columns", {}).items()}
         self.states = {new: old for old, new in content.get("states", {}).items()}
         self.new = content.get("new", {}).get("columns", [])

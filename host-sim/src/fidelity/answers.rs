@@ -12,6 +12,8 @@ use crate::sim::{Moment, Observer};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Answers {
     greatest: [Option<f64>; Output::ALL.len()],
+    /// Whether the machine's equations went no further.
+    is_broken: bool,
     /// Where the cranks were to be at the end of the last tick, turns.
     aim_before: PerAxis<f64>,
 }
@@ -20,6 +22,12 @@ impl Answers {
     /// One of them.
     pub fn of(&self, output: Output) -> Option<f64> {
         self.greatest[output as usize]
+    }
+
+    /// Whether every motor kept step, and the machine's equations came to their end: with a slip, or a solution that ran away, what comes
+    /// after may be another answer with every step and model level.
+    pub fn is_regular(&self) -> bool {
+        !self.is_broken && self.of(Output::Slips).is_none_or(|axes| axes == 0.0)
     }
 
     fn most(&mut self, output: Output, value: f64) {
@@ -102,6 +110,7 @@ impl Observer for Answers {
             .sum::<u64>();
         let before = self.of(Output::Slips).unwrap_or(0.0) as u64;
         self.greatest[Output::Slips as usize] = Some((before | slipped) as f64);
+        self.is_broken |= moment.machine.broken().is_some();
         if matches!(moment.telemetry.state, State::Run | State::Stop) {
             self.within(moment);
             self.at_end(moment);

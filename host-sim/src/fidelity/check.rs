@@ -1,23 +1,16 @@
-//! Whether the model level that was chosen does, by running a sample of the scene on it and on others; and whether the method's
-//! step does, by running the sample with half of it.
+//! Whether the model level that was chosen does, by running a sample of the scene on it and on others.
 
 use super::choice::{Choice, Judged};
 use super::choose::{STEP_PART, available, judge, questions};
+use super::settled::Settled;
 use super::{Answers, Bounds, Output, sample};
-use crate::machine::Machine;
 use crate::scene::file::{Fidelity, Questions};
 use crate::scene::{Checked, SceneError};
 use crate::sim::simulate;
 
-/// A model level below the chosen one is taken if the sample shows no more of a difference than this part of each tolerance: what
-/// the rest of the scene may add has the other part.
+/// A model level is taken by what a sample shows if that is no more of a difference than this part of each tolerance: what the rest
+/// of the scene may add has the other part.
 const WELL_WITHIN: f64 = 0.5;
-
-/// Steps are halved so often at most: what they still change then is not a matter of the step.
-const MOST_HALVINGS: u32 = 6;
-
-/// A method of order 1 is off by twice what half its step changes, and those of higher orders by less than that.
-const OF_HALF_A_STEP: f64 = 2.0;
 
 /// The sample of a scene, run on one of its model levels.
 ///
@@ -29,8 +22,13 @@ pub fn answers(checked: &Checked, model_level: Fidelity) -> Result<Answers, Scen
     let mut sample = Checked::new(sample)?;
     sample.resolution = checked.resolution;
     sample.halvings = checked.halvings;
+    run(&sample)
+}
+
+/// What all of a scene comes to.
+pub(super) fn run(checked: &Checked) -> Result<Answers, SceneError> {
     let mut answers = Answers::default();
-    simulate(&sample, &mut answers, |_, _| {})?;
+    simulate(checked, &mut answers, |_, _| {})?;
     Ok(answers)
 }
 
@@ -43,33 +41,38 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
     let Some(choice) = checked.choice.take_if(|choice| !choice.judged.is_empty()) else {
         return Ok(checked);
     };
-    let sampled = Sampled::new(&checked, choice.resolution);
     let model_levels = available(&checked);
     let Some((&top, below)) = model_levels.split_last() else {
         checked.choice = Some(choice);
         return Ok(checked);
     };
+    let trial = Trial::new(&checked, choice.resolution);
     let is_lowest = below.first() == Some(&choice.model_level);
-    if is_lowest && sampled.judge(choice.model_level).iter().all(is_plain) {
+    if is_lowest && trial.judge(choice.model_level).iter().all(is_plain) {
         checked.choice = Some(choice);
         return Ok(checked);
     }
-    let right = answers(&checked, top)?;
+    let right = trial.run(top)?.settled(&trial.questions)?;
     // The lowest first: bounds are wide.
     for &model_level in below {
-        let mut judged = sampled.judge(model_level);
-        let found = answers(&checked, model_level)?;
-        compare(&mut judged, &found, &right, top);
-        if judged.iter().all(|judged| sampled.is_fair(judged)) {
-            return with_short_steps(taken(checked, &choice, model_level, judged), found);
+        let mut judged = trial.judge(model_level);
+        let first = trial.run(model_level)?;
+        compare(&mut judged, &first.answers, &right.answers, top);
+        if !judged.iter().all(|judged| trial.is_fair(judged, &right)) {
+            continue;
         }
+        let found = first.settled(&trial.questions)?;
+        found.add_steps(&mut judged);
+        return Ok(taken(checked, choice, model_level, judged, &found));
     }
-    let judged = sampled.judge(top);
-    with_short_steps(taken(checked, &choice, top, judged), right)
+    let mut judged = trial.judge(top);
+    right.add_steps(&mut judged);
+    Ok(taken(checked, choice, top, judged, &right))
 }
 
-/// What the sample of a scene is evidence of.
-struct Sampled {
+/// The sample of a scene, and what it is evidence of.
+struct Trial {
+    sample: Checked,
     questions: Questions,
     /// Bounds of the scene's machine; none where something happens to it that they do not know of.
     bounds: Option<Bounds>,
@@ -80,8 +83,10 @@ struct Sampled {
     is_imposed: bool,
 }
 
-impl Sampled {
+impl Trial {
     fn new(checked: &Checked, resolution: f64) -> Self {
+        let mut sample = checked.clone();
+        sample.scene = sample::of(&checked.scene);
         Self {
             questions: questions(checked),
             is_imposed: !checked.chosen().is_open(),
@@ -89,8 +94,18 @@ impl Sampled {
                 .ok()
                 .filter(|_| is_undisturbed(checked)),
             resolution,
-            is_whole: sample::of(&checked.scene) == checked.scene,
+            is_whole: sample.scene == checked.scene,
+            sample,
         }
+    }
+
+    /// The sample on a model level, with the step that theory has.
+    fn run(&self, model_level: Fidelity) -> Result<Settled, SceneError> {
+        let mut scene = self.sample.scene.clone();
+        scene.fidelity = model_level;
+        let mut sample = Checked::new(scene)?;
+        sample.resolution = self.resolution;
+        Settled::new(sample)
     }
 
     fn judge(&self, model_level: Fidelity) -> Vec<Judged> {
@@ -103,17 +118,19 @@ impl Sampled {
     }
 
     /// Whether an output is known to be within its tolerance, and no sample denies it.
-    fn is_fair(&self, judged: &Judged) -> bool {
-        let is_known = judged.is_bounded() || !self.is_imposed && self.is_borne_out(judged);
+    fn is_fair(&self, judged: &Judged, right: &Settled) -> bool {
+        let is_known =
+            judged.is_bounded() || !self.is_imposed && self.is_borne_out(judged, right);
         is_known && !is_denied(judged)
     }
 
     /// Whether the sample shows an output to be well within its tolerance, where it may say so at all.
-    fn is_borne_out(&self, judged: &Judged) -> bool {
-        // Where nothing bounds it, and with a slip, what comes a turn after the sample is another answer altogether.
-        let may_say = judged.output != Output::Slips && judged.bound.is_some();
-        let part = match (self.is_whole, may_say) {
-            (true, _) => 1.0,
+    fn is_borne_out(&self, judged: &Judged, right: &Settled) -> bool {
+        // A motor that slips decides what comes after; nor does a part of a scene show what nothing bounds.
+        let may_say = judged.output != Output::Slips && right.is_regular;
+        let part = match (self.is_whole, judged.bound.is_some()) {
+            _ if !may_say => return false,
+            (true, _) => 1.0 - STEP_PART,
             (false, true) => WELL_WITHIN,
             (false, false) => return false,
         };
@@ -142,66 +159,20 @@ fn is_denied(judged: &Judged) -> bool {
     })
 }
 
-/// A scene whose method's step is short enough for its tolerances: it is halved until half of it changes no answer over the sample by
-/// more than [`STEP_PART`] of its tolerance. A step of the scene's own stays. `found` is what the sample comes to as it is.
-fn with_short_steps(mut checked: Checked, mut found: Answers) -> Result<Checked, SceneError> {
-    if Machine::new(&checked)?.method().is_none() {
-        return Ok(checked);
-    }
-    let is_imposed = !checked.chosen().is_open();
-    let each = |checked: &mut Checked, by: &mut dyn FnMut(&mut Judged)| {
-        let judged = checked.choice.iter_mut();
-        judged.flat_map(|choice| &mut choice.judged).for_each(by);
-    };
-    loop {
-        checked.halvings += 1;
-        let finer = answers(&checked, checked.fidelity)?;
-        checked.halvings -= 1;
-        // With a slip, a shorter step may well be followed by another slip: which motors do is all that can be compared.
-        let has_slipped = [&found, &finer].iter().any(|answers| slipped(answers));
-        let mut is_short = true;
-        each(&mut checked, &mut |judged| {
-            let both = found.of(judged.output).zip(finer.of(judged.output));
-            judged.step_error = both.map(|(found, finer)| judged.output.difference(found, finer));
-            let compared = judged.output == Output::Slips || !has_slipped;
-            is_short &= !compared
-                || judged
-                    .step_error
-                    .is_none_or(|off| off <= STEP_PART * judged.tolerance);
-        });
-        if is_short || is_imposed || checked.halvings == MOST_HALVINGS {
-            each(&mut checked, &mut |judged| {
-                let step_error = judged.step_error.filter(|_| is_short || is_imposed);
-                judged.bound = judged
-                    .bound
-                    .filter(|_| judged.output == Output::Slips || !has_slipped)
-                    .zip(step_error)
-                    .map(|(bound, step_error)| bound + OF_HALF_A_STEP * step_error);
-            });
-            return Ok(checked);
-        }
-        checked.halvings += 1;
-        found = finer;
-    }
-}
-
-/// Whether a motor fell out of step.
-fn slipped(answers: &Answers) -> bool {
-    answers.of(Output::Slips).is_some_and(|axes| axes != 0.0)
-}
-
 fn taken(
     mut checked: Checked,
-    choice: &Choice,
+    choice: Choice,
     model_level: Fidelity,
     judged: Vec<Judged>,
+    settled: &Settled,
 ) -> Checked {
     checked.fidelity = model_level;
+    checked.halvings = settled.halvings();
     checked.choice = Some(Choice {
+        why: why(&choice, model_level),
         model_level,
-        why: why(choice, model_level),
         judged,
-        resolution: choice.resolution,
+        ..choice
     });
     checked
 }
@@ -220,17 +191,15 @@ fn why(choice: &Choice, model_level: Fidelity) -> String {
     }
 }
 
-/// A scene with the values that its run has for what was requested. A motor that slipped in the run voids the bounds, which are those
-/// of motors that keep step.
+/// A scene with the values that its run has for what was requested. Bounds are those of a run in which all is regular.
 #[must_use]
 pub fn answered(mut checked: Checked, answers: &Answers) -> Checked {
     let judged = checked
         .choice
         .iter_mut()
         .flat_map(|choice| &mut choice.judged);
-    let has_slipped = slipped(answers);
     for judged in judged {
-        judged.bound = judged.bound.filter(|_| !has_slipped);
+        judged.bound = judged.bound.filter(|_| answers.is_regular());
         let value = answers.of(judged.output);
         judged.value = match judged.output {
             Output::Slips => value.map(|axes| f64::from((axes as u64).count_ones())),

@@ -84,8 +84,10 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
                 resolution: RESOLUTION,
             });
         }
-        // Nothing is lacking: what it says of the method does not go.
-        Err(wrong) if wrong.key.starts_with("method") => return Err(wrong),
+        // Nothing is lacking: what it says of the method, or of cranks apart, does not go.
+        Err(wrong) if ["method", "axes.offset_deg", "axes.ratio"].iter().any(|key| wrong.key.starts_with(key)) => {
+            return Err(wrong);
+        }
         Err(lacking) => {
             let requested = judge(None, &questions, Fidelity::Rigid, RESOLUTION);
             let key = requested.first().map_or("", |judged| judged.output.key());

@@ -22,6 +22,7 @@ mod choose;
 mod effort;
 mod output;
 pub mod sample;
+mod settled;
 
 pub use answers::Answers;
 pub use bounds::Bounds;

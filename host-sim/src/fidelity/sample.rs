@@ -2,13 +2,30 @@
 //!
 //! Lags and torques come of speeds and of changing them; holding a speed for longer shows the same turns again. So holds are
 //! cut, repeated blocks are played once, and ramps stay as they are. A scene in which something happens at a time stays
-//! whole, as that would come at another moment of its program.
+//! whole, as that would come at another moment of its program. So does a short scene.
 
 use crate::scene::Scene;
 use crate::scene::file::Segment;
 
 /// What is left of a hold, s: time for what a change of speed sets swinging to die away, and for some turns.
 pub const HOLD_S: f64 = 0.3;
+
+/// Programs up to this length, s, stay whole: what the whole scene shows needs no bound to be believed.
+pub const WHOLE_S: f64 = 10.0;
+
+/// How long a scene's program takes, s.
+fn program_s(scene: &Scene) -> f64 {
+    length_s(&scene.program)
+}
+
+fn length_s(program: &[Segment]) -> f64 {
+    let lengths = program.iter().map(|segment| {
+        let inner = segment.segments.as_deref().map_or(0.0, length_s);
+        let times = f64::from(segment.repeat.unwrap_or(1));
+        segment.ramp_s.unwrap_or(0.0) + segment.hold_s.unwrap_or(0.0) + times * inner
+    });
+    lengths.sum()
+}
 
 /// The sample of a scene.
 pub fn of(scene: &Scene) -> Scene {
@@ -17,7 +34,7 @@ pub fn of(scene: &Scene) -> Scene {
         && scene.input.is_empty()
         && scene.late.is_empty()
         && scene.fault.is_empty());
-    if !is_timed {
+    if !is_timed && program_s(scene) > WHOLE_S {
         shorten(&mut sample.program);
     }
     sample

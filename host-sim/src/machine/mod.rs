@@ -9,6 +9,7 @@
 //! What the lower two leave out: inertia's effect on the motion (the cranks never lag by less than a slip), and how the
 //! others' torque changes once one axis has slipped.
 
+mod assembly;
 mod axis;
 mod broken;
 mod cam;

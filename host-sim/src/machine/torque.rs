@@ -2,6 +2,7 @@
 
 use cophase_methods::{Needs, Scheme};
 
+use super::assembly;
 use super::{DriveCommand, PullOut, Rotors, SimulatedAxis};
 use crate::dynamics::{
     Body, Driven, Elastic, Frame, Freedom, Layer, Motor, Phased, Rigid, Servo, Stepper,
@@ -39,6 +40,7 @@ pub fn rotors(
         .collect::<Result<Vec<_>, _>>()?;
     let body = body(checked, machine)?;
     let driven = Driven::new(freedom(checked, machine, body)?, motors);
+    assembly::check(checked, &driven)?;
     let commanded = axes.iter().map(|axis| DriveCommand {
         turns: axis.turns(),
         torque_nm: 0.0,

@@ -82,6 +82,8 @@ pub struct Report<'a> {
 struct Ended {
     state: &'static str,
     fault: bool,
+    /// The simulated machine's equations went no further.
+    diverged: bool,
     /// What made the machine stop last.
     #[serde(skip_serializing_if = "Option::is_none")]
     stopped_by: Option<&'static str>,
@@ -242,6 +244,7 @@ impl<'a> Report<'a> {
             ended: Ended {
                 state: outcome.state.name(),
                 fault: outcome.fault.is_some(),
+                diverged: outcome.diverged.is_some(),
                 stopped_by: statistics.stopped_by.map(|by| match by {
                     StoppedBy::ProgramEnd => "program end",
                     StoppedBy::Request => "request",

@@ -255,12 +255,15 @@ fn crank(
     let rotor = body.rotors_kgm2[i];
     let has_feed_forward = drive.has_feed_forward[i];
     let mut torque_nm = [0.0; HARMONICS + 1];
-    // Friction is not in the feed-forward; while the speed changes, rotor and load require more, twice at worst, as it comes at once.
+    // Friction is not in the feed-forward; while the speed changes, rotor and load require more.
     torque_nm[0] = body.friction_nm[i];
+    let ramp_nm = (rotor + load) * drive.acceleration_rad_s2 * drive.ratios[i].abs();
+    let mut required_nm = body.friction_nm[i] + ramp_nm;
     if !has_feed_forward {
-        torque_nm[0] += 2.0 * (rotor + load) * drive.acceleration_rad_s2 * drive.ratios[i];
+        // It comes at once, and so is twice that at worst.
+        torque_nm[0] += 2.0 * ramp_nm;
+        required_nm += ramp_nm;
     }
-    let mut required_nm = torque_nm[0].abs();
     for (n, torque) in torque_nm.iter_mut().enumerate().skip(1) {
         let left = if has_feed_forward {
             (n as f64 * omega * drive.tick_s).min(1.0)

@@ -1,0 +1,60 @@
+//! Whether a platform fits its cranks: more than three over-constrain it, and stand apart only as far as rods bend.
+
+use std::f64::consts::TAU;
+
+use crate::dynamics::{Corners, Driven, MOST};
+use crate::scene::{Checked, SceneError};
+
+/// Rods that are to bend by more than this, m, belong to another machine, whatever the motors have.
+const MOST_BENT_M: f64 = 1e-3;
+
+/// Turns of the master that are looked at, and places in each: ratios are those of small whole numbers.
+const TURNS: u32 = 8;
+const PLACES: u32 = 64;
+
+/// Refuses cranks that are commanded so far apart that no motor turns them against the rods.
+///
+/// # Errors
+/// The key that has them apart, by how much rods would bend, and the torque that it takes.
+pub(super) fn check(checked: &Checked, driven: &Driven) -> Result<(), SceneError> {
+    let body = driven.body();
+    let settings = &checked.settings;
+    let ratios = settings.axes.iter().map(|axis| axis.follower.constant_ratio());
+    let Some(ratios) = ratios.collect::<Option<Vec<_>>>() else {
+        return Ok(()); // cam tables are for screws
+    };
+    let key = match checked.cranks_apart() {
+        Some("ratio") => "ratio",
+        Some("offset_deg") => "offset_deg",
+        _ => return Ok(()),
+    };
+    if body.axes() <= 3 {
+        return Ok(());
+    }
+    let corners = Corners::new(body.axes(), body.mount_radius_m);
+    for place in 0..TURNS * PLACES {
+        let master = f64::from(place) / f64::from(PLACES);
+        let mut heights = [0.0; MOST];
+        let mut levers = [0.0; MOST];
+        for (i, (ratio, axis)) in ratios.iter().zip(&settings.axes).enumerate() {
+            let crank = body.crank((master * ratio + axis.offset_turns) * TAU);
+            (heights[i], levers[i]) = (crank.height_m, crank.lever_m);
+        }
+        let plane = corners.plane(&heights[..body.axes()]);
+        for (i, motor) in driven.motors().iter().enumerate() {
+            let bent_m = (heights[i] - corners.height(&plane, i)).abs();
+            let torque_nm = body.rod_n_per_m * bent_m * levers[i].abs();
+            if bent_m > MOST_BENT_M || torque_nm > motor.most_nm(0.0) {
+                return Err(SceneError::at(
+                    format!("axes.{key}"),
+                    format!(
+                        "has cranks apart on a platform that more than three hold: the rods would bend by {:.2} mm, and crank {i} would \
+                         have to give {torque_nm:.0} N·m; turn all cranks alike, or take at most three",
+                        bent_m * 1e3
+                    ),
+                ));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,144 @@
+//! Machines as people build them, by seed: motors with a part to some times the torque that the load requires, on tolerances from
+//! far too tight to far too wide.
+
+use std::f64::consts::TAU;
+use std::fmt::Write;
+
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+
+/// Draws of one scene.
+struct Draw(ChaCha8Rng);
+
+impl Draw {
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0.random_range(low..high)
+    }
+
+    /// Evenly on a logarithmic scale.
+    fn scale(&mut self, low: f64, high: f64) -> f64 {
+        self.between(low.ln(), high.ln()).exp()
+    }
+
+    fn chance(&mut self, of: f64) -> bool {
+        self.0.random_bool(of)
+    }
+}
+
+/// The scene of a seed, as TOML.
+pub fn scene(seed: u64) -> String {
+    let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
+    let mut text = String::new();
+    write(&mut text, seed, &mut draw).expect("writing to a string does not fail");
+    text
+}
+
+fn write(text: &mut String, seed: u64, draw: &mut Draw) -> std::fmt::Result {
+    let axes = draw.0.random_range(2..=6_usize);
+    let radius_mm = draw.scale(3.0, 15.0);
+    let load_kg = draw.scale(1.0, 20.0);
+    let top_hz = draw.scale(4.0, 30.0);
+    let tick_hz = [1000, 2000, 4000, 8000][draw.0.random_range(0..4_usize)];
+    let has_frame = draw.chance(0.25);
+    writeln!(text, "name = \"machine-{seed}\"\n[control]\ntick_hz = {tick_hz}")?;
+    writeln!(text, "[machine]\ncrank_radius_mm = {radius_mm:.4}\nlambda = {:.3}", draw.between(0.1, 0.45))?;
+    writeln!(text, "load_kg = {load_kg:.3}\nmount_radius_mm = {:.1}", draw.between(80.0, 400.0))?;
+    writeln!(text, "rod_n_per_um = {:.1}", draw.scale(10.0, 150.0))?;
+    if draw.chance(0.3) {
+        writeln!(text, "platform = \"below\"")?;
+    }
+    if draw.chance(0.2) {
+        writeln!(text, "rods = \"elastic\"")?;
+    }
+    if has_frame {
+        writeln!(text, "[frame]\nmass_kg = {:.1}", draw.scale(20.0, 300.0))?;
+        writeln!(text, "suspension_n_per_mm = {:.1}", draw.scale(20.0, 600.0))?;
+        writeln!(text, "suspension_zeta = {:.3}", draw.between(0.03, 0.3))?;
+    }
+    questions(text, has_frame, draw)?;
+    writeln!(text, "[limits]\nspeed_hz = {:.4}", 1.1 * top_hz)?;
+    writeln!(text, "acceleration_hz_per_s = {:.3}", top_hz * draw.between(2.0, 5.0))?;
+    writeln!(text, "jerk_hz_per_s2 = {:.1}\nhoming_speed_hz = 4", 100.0 * top_hz)?;
+    writeln!(text, "[drift]\ntilt_limit_mrad = 60\nwarp_limit_deg = 40\ncommon_limit_deg = 40")?;
+
+    let omega = TAU * top_hz;
+    let radius_m = radius_mm * 1e-3;
+    let peak_nm = load_kg / axes as f64 * radius_m * (9.8 + 0.6 * radius_m * omega * omega);
+    let rotor = draw.scale(1e-4, 5e-3);
+    let whole = rotor + load_kg / axes as f64 * radius_m * radius_m;
+    let friction = peak_nm * draw.scale(0.005, 0.2);
+    let turned = draw.chance(0.1) && axes <= 3;
+    writeln!(text, "[axes]\ncount = {axes}\nsteps_per_turn = 3200\nrotor_inertia_kgm2 = {rotor:.3e}")?;
+    writeln!(text, "friction_nm = {friction:.4}")?;
+    let is_stepper = draw.chance(0.5);
+    if is_stepper {
+        let torque = peak_nm * draw.scale(0.8, 8.0);
+        let ends = top_hz * draw.between(1.15, 2.0);
+        writeln!(text, "drive = \"stepper\"\ndamping_nms = {:.4}", whole * draw.scale(4.0, 200.0))?;
+        writeln!(text, "pull_out = [[0, {torque:.3}], [{ends:.3}, {:.3}]]", 0.8 * torque)?;
+    } else {
+        writeln!(text, "drive = \"servo\"\n[axes.servo]")?;
+        writeln!(text, "position_gain_per_s = {:.1}", draw.scale(30.0, 300.0))?;
+        writeln!(text, "velocity_gain_nms = {:.4}", whole * draw.scale(60.0, 800.0))?;
+        if draw.chance(0.3) {
+            writeln!(text, "integral_s = {:.4}", draw.scale(0.02, 0.3))?;
+        }
+        if draw.chance(0.4) {
+            writeln!(text, "limit_nm = {:.3}", peak_nm * draw.scale(1.0, 8.0))?;
+        }
+        if draw.chance(0.3) {
+            writeln!(text, "velocity_feed_forward = {:.3}", draw.between(0.5, 1.0))?;
+        }
+    }
+    for axis in 0..axes {
+        if !draw.chance(0.35) {
+            continue;
+        }
+        writeln!(text, "[[axis]]\nnumber = {axis}\nfriction_nm = {:.4}", friction + peak_nm * draw.scale(0.01, 0.3))?;
+        if is_stepper && draw.chance(0.3) {
+            writeln!(text, "pull_out_scale = {:.3}", draw.between(0.5, 1.0))?;
+        }
+        if draw.chance(0.2) {
+            writeln!(text, "start_deg = {:.3}", draw.between(-0.5, 0.5))?;
+        }
+        if turned {
+            writeln!(text, "offset_deg = {:.1}", draw.between(-90.0, 90.0))?;
+        }
+    }
+    // Implicit methods take fewer steps, as each costs as much as dozens of RK4.
+    if draw.chance(0.1) {
+        writeln!(text, "[method]\nname = \"rk4\"\nsteps_per_tick = {}", draw.0.random_range(8..=32))?;
+    } else if draw.chance(0.1) {
+        let method = ["sdirk4", "implicit-midpoint"][draw.0.random_range(0..2_usize)];
+        writeln!(text, "[method]\nname = \"{method}\"\nsteps_per_tick = {}", draw.0.random_range(1..=4))?;
+    }
+    for _ in 0..draw.0.random_range(1..=2) {
+        let speed = omega * draw.between(0.3, 1.0);
+        let amax_g = (radius_m * speed * speed / 9.80665).max(0.02);
+        writeln!(text, "[[program]]\namax_g = {amax_g:.4}")?;
+        writeln!(text, "ramp_s = {:.3}\nhold_s = {:.3}", draw.between(0.2, 0.6), draw.between(0.1, 0.4))?;
+    }
+    Ok(())
+}
+
+fn questions(text: &mut String, has_frame: bool, draw: &mut Draw) -> std::fmt::Result {
+    let mut asked = String::new();
+    let mut ask = |key: &str, chance: f64, low: f64, high: f64| {
+        if draw.chance(chance) {
+            let tolerance = draw.scale(low, high);
+            let _ = writeln!(asked, "{key} = {tolerance:.4}");
+        }
+    };
+    ask("lag_deg", 0.6, 0.02, 6.0);
+    ask("spread_deg", 0.6, 0.02, 3.0);
+    ask("tilt_mrad", 0.6, 0.004, 1.0);
+    ask("amax_percent", 0.6, 1.0, 50.0);
+    ask("torque_percent", 0.6, 1.0, 20.0);
+    if has_frame {
+        ask("ground_percent", 0.4, 1.0, 20.0);
+    }
+    if draw.chance(0.4) || asked.is_empty() {
+        asked.push_str("slips = true\n");
+    }
+    write!(text, "[questions]\n{asked}")
+}

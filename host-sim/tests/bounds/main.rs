@@ -1,0 +1,247 @@
+//! What `auto` answers on random machines, against converged solutions: no bound is violated, no tolerance missed, and no bound is
+//! printed where none is known; and it takes at most one model level too many.
+//!
+//! 200 machines a run. More, and others, by command:
+//!
+//!     COPHASE_MACHINES=10000 COPHASE_SEED=1000000 cargo test --release -p host-sim --test bounds -- --nocapture
+
+mod machines;
+
+use std::fmt::Write;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use host_sim::fidelity::{Answers, Choice, Output, answered, available, check, questions};
+use host_sim::machine::{MOST_STEPS, Machine};
+use host_sim::scene::file::{Fidelity, MethodName, Questions};
+use host_sim::scene::{Checked, load};
+use host_sim::sim::simulate;
+
+/// A solution has converged where half its step changes it by no more than this part of each tolerance.
+const CONVERGED: f64 = 0.02;
+
+/// What a solution is off at most where it has converged, as a part of the tolerance: extremes between steps converge by the square.
+const LEFT: f64 = CONVERGED;
+
+/// The part of a tolerance that a model level may use up by what it leaves out; its step has the rest.
+const WELL_WITHIN: f64 = 0.9;
+
+/// What was found, counted.
+#[derive(Default)]
+struct Tally {
+    /// Answers that were compared with a converged solution, and those of them that have a bound.
+    answers: u32,
+    bounded: u32,
+    /// Machines whose motors slipped, whose solution did not converge, and that were refused.
+    slipped: u32,
+    not_converged: u32,
+    refused: u32,
+    /// Machines by how many model levels too high `auto` went.
+    too_high: [u32; 5],
+    /// What is not as claimed.
+    wrong: Vec<String>,
+}
+
+fn number(name: &str, otherwise: u64) -> u64 {
+    std::env::var(name).map_or(otherwise, |text| {
+        text.parse().unwrap_or_else(|_| panic!("{name} is {text}; give a whole number"))
+    })
+}
+
+/// Known machines whose bounds were wrong once: each output is judged as those of random ones are.
+#[test]
+fn known_machines() {
+    let known = [
+        include_str!("known/amplitude-near-limit.toml"),
+        include_str!("known/friction.toml"),
+        include_str!("known/ground.toml"),
+        include_str!("known/on-a-frame.toml"),
+        include_str!("known/slips-and-tolerance.toml"),
+        include_str!("known/slips.toml"),
+        include_str!("known/torque-near-limit.toml"),
+    ];
+    let tally = Mutex::new(Tally::default());
+    for (seed, text) in (0..).zip(known) {
+        judge(seed, text, &tally);
+    }
+    let wrong = tally.into_inner().unwrap().wrong;
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn answers_are_as_good_as_claimed() {
+    let machines = number("COPHASE_MACHINES", 200);
+    let first = number("COPHASE_SEED", 1);
+    let next = AtomicU64::new(first);
+    let tally = Mutex::new(Tally::default());
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+            scope.spawn(|| {
+                loop {
+                    let seed = next.fetch_add(1, Ordering::Relaxed);
+                    if seed >= first + machines {
+                        return;
+                    }
+                    let text = machines::scene(seed);
+                    judge(seed, &text, &tally);
+                    let done = seed - first;
+                    if done % 500 == 499 {
+                        eprintln!("{} of {machines} machines", done + 1);
+                    }
+                }
+            });
+        }
+    });
+    let tally = tally.into_inner().unwrap();
+    println!(
+        "{machines} machines from seed {first}: {} answers against converged solutions, {} of them bounded; {} machines slip, {} do \
+         not converge, {} are refused; model levels too high: {:?}",
+        tally.answers, tally.bounded, tally.slipped, tally.not_converged, tally.refused, tally.too_high
+    );
+    let wrong = tally.wrong.join("\n");
+    assert!(tally.wrong.is_empty(), "{} wrong:\n{wrong}", tally.wrong.len());
+    assert!(tally.answers > machines as u32, "too little is compared");
+}
+
+/// A scene's run, and what was asked of it.
+fn run(checked: &Checked) -> (Answers, bool) {
+    let mut answers = Answers::default();
+    let outcome = simulate(checked, &mut answers, |_, _| {}).unwrap();
+    (answers, outcome.diverged.is_some())
+}
+
+fn judge(seed: u64, text: &str, tally: &Mutex<Tally>) {
+    let scene = load::parse(text).unwrap_or_else(|error| panic!("{seed}: {error}\n{text}"));
+    let checked = match Checked::new(scene) {
+        Ok(checked) => checked,
+        Err(error) => {
+            eprintln!("{seed}: {error}");
+            tally.lock().unwrap().refused += 1;
+            return;
+        }
+    };
+    let model_levels = available(&checked);
+    let top = *model_levels.last().expect("kinematic is always there");
+    let questions = questions(&checked);
+    let taken = check(checked.clone()).unwrap();
+    let (answers, diverged) = run(&taken);
+    let has_slipped = answers.of(Output::Slips) != Some(0.0);
+    let taken = answered(taken, &answers);
+    let choice = taken.choice.as_ref().expect("it was asked");
+    let right = converged(&checked, top, &questions);
+    let mut tally = tally.lock().unwrap();
+    let mut wrong = String::new();
+    let unbounded = choice.judged.iter().all(|judged| judged.bound.is_none());
+    if has_slipped || diverged {
+        tally.slipped += 1;
+        if !unbounded {
+            let _ = writeln!(wrong, "  a bound beside a slip");
+        }
+    }
+    match right {
+        None => {
+            tally.not_converged += 1;
+            if !unbounded {
+                let _ = writeln!(wrong, "  a bound where nothing converges");
+            }
+        }
+        Some(_) if has_slipped || diverged => {}
+        Some(right) => {
+            let is_open = checked.chosen().is_open();
+            compare(choice, is_open, &answers, &right, &mut tally, &mut wrong);
+            let lowest = lowest(&checked, &model_levels, &questions, &right);
+            let place = model_levels.iter().position(|&level| level == choice.model_level);
+            let too_high = place.unwrap_or(0).saturating_sub(lowest);
+            tally.too_high[too_high] += 1;
+            if too_high > 1 && is_open && questions.slips != Some(true) {
+                let _ = writeln!(wrong, "  {} taken, {} would do", choice.model_level.name(), model_levels[lowest].name());
+            }
+        }
+    }
+    if !wrong.is_empty() {
+        if std::env::var_os("COPHASE_SHOW").is_some() {
+            eprintln!("{text}");
+        }
+        tally.wrong.push(format!("seed {seed}, {} ({}, {:?}):\n{wrong}", choice.model_level.name(), choice.why, Machine::new(&taken).unwrap().method()));
+    }
+}
+
+/// Holds answers against right ones. A step of the scene's own may miss a tolerance, and its bound says so.
+fn compare(choice: &Choice, is_open: bool, answers: &Answers, right: &Answers, tally: &mut Tally, wrong: &mut String) {
+    for judged in &choice.judged {
+        let (Some(found), Some(right)) = (answers.of(judged.output), right.of(judged.output)) else {
+            let _ = writeln!(wrong, "  {}: no answer", judged.output.key());
+            continue;
+        };
+        let off = judged.output.difference(found, right);
+        let sure = LEFT * judged.tolerance;
+        tally.answers += 1;
+        if let Some(bound) = judged.bound {
+            tally.bounded += 1;
+            if off > bound + sure {
+                let _ = writeln!(wrong, "  {}: off by {off}, at most {bound}; required to {}", judged.output.key(), judged.tolerance);
+            }
+        }
+        if is_open && off > judged.tolerance + sure {
+            let _ = writeln!(wrong, "  {}: off by {off} of {found}, required to {}", judged.output.key(), judged.tolerance);
+        }
+    }
+}
+
+/// The top model level's answers by plain RK4, whose step is halved until that changes nothing; none where it always does.
+fn converged(checked: &Checked, top: Fidelity, questions: &Questions) -> Option<Answers> {
+    let mut scene = checked.scene.clone();
+    scene.fidelity = top;
+    scene.method.name = MethodName::Rk4;
+    scene.method.steps_per_tick = None;
+    let method = Machine::new(&Checked::new(scene.clone()).ok()?).ok()?.method();
+    let tick_s = 1.0 / f64::from(scene.control.tick_hz);
+    // What dry friction needs: RK4 is stable up to 2.78 of its rate.
+    let rotor = scene.axes.rotor_inertia_kgm2;
+    let frictions = scene.axis.iter().filter_map(|axis| axis.friction_nm);
+    let friction = frictions.fold(scene.axes.friction_nm, f64::max);
+    let least = (friction / (0.06 * rotor) * tick_s / 1.5).ceil() as u32;
+    let mut steps = method.map_or(1, |(_, steps)| steps).max(least).max(1);
+    let mut before: Option<Answers> = None;
+    loop {
+        scene.method.steps_per_tick = Some(steps);
+        let (now, diverged) = run(&Checked::new(scene.clone()).ok()?);
+        if diverged {
+            return None;
+        }
+        let same = before.is_some_and(|before| {
+            Output::ALL.into_iter().all(|output| {
+                let Some(tolerance) = output.tolerance(questions) else {
+                    return true;
+                };
+                let both = before.of(output).zip(now.of(output));
+                both.is_some_and(|(before, now)| output.difference(before, now) <= CONVERGED * tolerance)
+            })
+        });
+        if same {
+            return Some(now);
+        }
+        steps *= 2;
+        if steps > MOST_STEPS {
+            return None;
+        }
+        before = Some(now);
+    }
+}
+
+/// The lowest model level whose answers are within the tolerances of what is right.
+fn lowest(checked: &Checked, model_levels: &[Fidelity], questions: &Questions, right: &Answers) -> usize {
+    let is_within = |model_level: &Fidelity| {
+        let mut scene = checked.scene.clone();
+        scene.fidelity = *model_level;
+        let Ok(mut checked) = Checked::new(scene) else { return false };
+        checked.halvings = 2;
+        let (answers, _) = run(&checked);
+        Output::ALL.into_iter().all(|output| {
+            let Some(tolerance) = output.tolerance(questions) else { return true };
+            let both = answers.of(output).zip(right.of(output));
+            both.is_some_and(|(found, right)| output.difference(found, right) <= WELL_WITHIN * tolerance)
+        })
+    };
+    model_levels.iter().position(is_within).unwrap_or(model_levels.len() - 1)
+}
