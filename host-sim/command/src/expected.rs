@@ -5,12 +5,15 @@
 //!
 //! A run that ends earlier, by a fault, takes less. One that slips is run twice, for its edges ([`super::run`]).
 
-use std::io::Write;
+use std::io::{self, Write};
 use std::time::Instant;
 
-use host_sim::fidelity::{SampleRuns, sample_runs};
+use host_sim::fidelity::{Answers, SampleRuns, sample_runs};
 use host_sim::scene::{Checked, SceneError};
-use host_sim::sim::{expected_ticks, simulate_first};
+use host_sim::sim::{Observer, expected_ticks, simulate_first};
+use host_sim::trace::{Every, Recorder, ScopeData, Window};
+
+use super::run::frame;
 
 /// Only what takes longer is said, s.
 const LONG_S: f64 = 3.0;
@@ -20,7 +23,7 @@ const FIRST_TICKS: u64 = 16;
 const MORE: u64 = 4;
 
 /// The longer of two pieces takes so much longer in the end, s: then differences in setting up, and the clock's, count for little.
-const TIMED_S: f64 = 0.03;
+const TIMED_S: f64 = 0.1;
 
 /// Says how long the choice of a model level will take, if that is long.
 ///
@@ -65,10 +68,26 @@ fn run_s(checked: &Checked) -> Result<f64, SceneError> {
     let ticks = expected_ticks(checked)?;
     let time = |ticks| {
         let began = Instant::now();
-        simulate_first(ticks, checked, &mut (), |_, _| {})?;
+        let mut observer = recorder(checked);
+        simulate_first(ticks, checked, &mut observer, |_, _| {})?;
         Ok(began.elapsed().as_secs_f64())
     };
     expected_s(ticks, time)
+}
+
+/// What looks on while a scene runs, as it takes a part of the time; it keeps nothing.
+fn recorder(checked: &Checked) -> impl Observer {
+    let scope = ScopeData::new(checked.scene.axes.count, frame(checked));
+    let (csv, vcd) = (io::sink(), io::sink());
+    let recorder = Recorder::new(
+        checked,
+        csv,
+        vcd,
+        Every::Fitting,
+        Window::FirstMotion,
+        scope,
+    );
+    (recorder.ok(), Answers::default())
 }
 
 /// Time that `ticks` take, s, where `time` gives what the first of them do.

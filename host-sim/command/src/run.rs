@@ -254,7 +254,7 @@ fn record_window(
     Ok((files, checked, outcome, written))
 }
 
-fn frame(checked: &Checked) -> ScopeFrame {
+pub(super) fn frame(checked: &Checked) -> ScopeFrame {
     let scene = &checked.scene;
     ScopeFrame {
         title: scene.name.clone(),

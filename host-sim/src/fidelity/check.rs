@@ -119,8 +119,7 @@ impl Trial {
 
     /// Whether an output is known to be within its tolerance, and no sample denies it.
     fn is_fair(&self, judged: &Judged, right: &Settled) -> bool {
-        let is_known =
-            judged.is_bounded() || !self.is_imposed && self.is_borne_out(judged, right);
+        let is_known = judged.is_bounded() || !self.is_imposed && self.is_borne_out(judged, right);
         is_known && !is_denied(judged)
     }
 

@@ -85,7 +85,11 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
             });
         }
         // Nothing is lacking: what it says of the method, or of cranks apart, does not go.
-        Err(wrong) if ["method", "axes.offset_deg", "axes.ratio"].iter().any(|key| wrong.key.starts_with(key)) => {
+        Err(wrong)
+            if ["method", "axes.offset_deg", "axes.ratio"]
+                .iter()
+                .any(|key| wrong.key.starts_with(key)) =>
+        {
             return Err(wrong);
         }
         Err(lacking) => {

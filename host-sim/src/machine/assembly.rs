@@ -19,7 +19,10 @@ const PLACES: u32 = 64;
 pub(super) fn check(checked: &Checked, driven: &Driven) -> Result<(), SceneError> {
     let body = driven.body();
     let settings = &checked.settings;
-    let ratios = settings.axes.iter().map(|axis| axis.follower.constant_ratio());
+    let ratios = settings
+        .axes
+        .iter()
+        .map(|axis| axis.follower.constant_ratio());
     let Some(ratios) = ratios.collect::<Option<Vec<_>>>() else {
         return Ok(()); // cam tables are for screws
     };

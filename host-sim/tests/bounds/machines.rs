@@ -40,9 +40,20 @@ fn write(text: &mut String, seed: u64, draw: &mut Draw) -> std::fmt::Result {
     let top_hz = draw.scale(4.0, 30.0);
     let tick_hz = [1000, 2000, 4000, 8000][draw.0.random_range(0..4_usize)];
     let has_frame = draw.chance(0.25);
-    writeln!(text, "name = \"machine-{seed}\"\n[control]\ntick_hz = {tick_hz}")?;
-    writeln!(text, "[machine]\ncrank_radius_mm = {radius_mm:.4}\nlambda = {:.3}", draw.between(0.1, 0.45))?;
-    writeln!(text, "load_kg = {load_kg:.3}\nmount_radius_mm = {:.1}", draw.between(80.0, 400.0))?;
+    writeln!(
+        text,
+        "name = \"machine-{seed}\"\n[control]\ntick_hz = {tick_hz}"
+    )?;
+    writeln!(
+        text,
+        "[machine]\ncrank_radius_mm = {radius_mm:.4}\nlambda = {:.3}",
+        draw.between(0.1, 0.45)
+    )?;
+    writeln!(
+        text,
+        "load_kg = {load_kg:.3}\nmount_radius_mm = {:.1}",
+        draw.between(80.0, 400.0)
+    )?;
     writeln!(text, "rod_n_per_um = {:.1}", draw.scale(10.0, 150.0))?;
     if draw.chance(0.3) {
         writeln!(text, "platform = \"below\"")?;
@@ -57,9 +68,20 @@ fn write(text: &mut String, seed: u64, draw: &mut Draw) -> std::fmt::Result {
     }
     questions(text, has_frame, draw)?;
     writeln!(text, "[limits]\nspeed_hz = {:.4}", 1.1 * top_hz)?;
-    writeln!(text, "acceleration_hz_per_s = {:.3}", top_hz * draw.between(2.0, 5.0))?;
-    writeln!(text, "jerk_hz_per_s2 = {:.1}\nhoming_speed_hz = 4", 100.0 * top_hz)?;
-    writeln!(text, "[drift]\ntilt_limit_mrad = 60\nwarp_limit_deg = 40\ncommon_limit_deg = 40")?;
+    writeln!(
+        text,
+        "acceleration_hz_per_s = {:.3}",
+        top_hz * draw.between(2.0, 5.0)
+    )?;
+    writeln!(
+        text,
+        "jerk_hz_per_s2 = {:.1}\nhoming_speed_hz = 4",
+        100.0 * top_hz
+    )?;
+    writeln!(
+        text,
+        "[drift]\ntilt_limit_mrad = 60\nwarp_limit_deg = 40\ncommon_limit_deg = 40"
+    )?;
 
     let omega = TAU * top_hz;
     let radius_m = radius_mm * 1e-3;
@@ -68,18 +90,33 @@ fn write(text: &mut String, seed: u64, draw: &mut Draw) -> std::fmt::Result {
     let whole = rotor + load_kg / axes as f64 * radius_m * radius_m;
     let friction = peak_nm * draw.scale(0.005, 0.2);
     let turned = draw.chance(0.1) && axes <= 3;
-    writeln!(text, "[axes]\ncount = {axes}\nsteps_per_turn = 3200\nrotor_inertia_kgm2 = {rotor:.3e}")?;
+    writeln!(
+        text,
+        "[axes]\ncount = {axes}\nsteps_per_turn = 3200\nrotor_inertia_kgm2 = {rotor:.3e}"
+    )?;
     writeln!(text, "friction_nm = {friction:.4}")?;
     let is_stepper = draw.chance(0.5);
     if is_stepper {
         let torque = peak_nm * draw.scale(0.8, 8.0);
         let ends = top_hz * draw.between(1.15, 2.0);
-        writeln!(text, "drive = \"stepper\"\ndamping_nms = {:.4}", whole * draw.scale(4.0, 200.0))?;
-        writeln!(text, "pull_out = [[0, {torque:.3}], [{ends:.3}, {:.3}]]", 0.8 * torque)?;
+        writeln!(
+            text,
+            "drive = \"stepper\"\ndamping_nms = {:.4}",
+            whole * draw.scale(4.0, 200.0)
+        )?;
+        writeln!(
+            text,
+            "pull_out = [[0, {torque:.3}], [{ends:.3}, {:.3}]]",
+            0.8 * torque
+        )?;
     } else {
         writeln!(text, "drive = \"servo\"\n[axes.servo]")?;
         writeln!(text, "position_gain_per_s = {:.1}", draw.scale(30.0, 300.0))?;
-        writeln!(text, "velocity_gain_nms = {:.4}", whole * draw.scale(60.0, 800.0))?;
+        writeln!(
+            text,
+            "velocity_gain_nms = {:.4}",
+            whole * draw.scale(60.0, 800.0)
+        )?;
         if draw.chance(0.3) {
             writeln!(text, "integral_s = {:.4}", draw.scale(0.02, 0.3))?;
         }
@@ -87,14 +124,22 @@ fn write(text: &mut String, seed: u64, draw: &mut Draw) -> std::fmt::Result {
             writeln!(text, "limit_nm = {:.3}", peak_nm * draw.scale(1.0, 8.0))?;
         }
         if draw.chance(0.3) {
-            writeln!(text, "velocity_feed_forward = {:.3}", draw.between(0.5, 1.0))?;
+            writeln!(
+                text,
+                "velocity_feed_forward = {:.3}",
+                draw.between(0.5, 1.0)
+            )?;
         }
     }
     for axis in 0..axes {
         if !draw.chance(0.35) {
             continue;
         }
-        writeln!(text, "[[axis]]\nnumber = {axis}\nfriction_nm = {:.4}", friction + peak_nm * draw.scale(0.01, 0.3))?;
+        writeln!(
+            text,
+            "[[axis]]\nnumber = {axis}\nfriction_nm = {:.4}",
+            friction + peak_nm * draw.scale(0.01, 0.3)
+        )?;
         if is_stepper && draw.chance(0.3) {
             writeln!(text, "pull_out_scale = {:.3}", draw.between(0.5, 1.0))?;
         }
@@ -107,16 +152,29 @@ fn write(text: &mut String, seed: u64, draw: &mut Draw) -> std::fmt::Result {
     }
     // Implicit methods take fewer steps, as each costs as much as dozens of RK4.
     if draw.chance(0.1) {
-        writeln!(text, "[method]\nname = \"rk4\"\nsteps_per_tick = {}", draw.0.random_range(8..=32))?;
+        writeln!(
+            text,
+            "[method]\nname = \"rk4\"\nsteps_per_tick = {}",
+            draw.0.random_range(8..=32)
+        )?;
     } else if draw.chance(0.1) {
         let method = ["sdirk4", "implicit-midpoint"][draw.0.random_range(0..2_usize)];
-        writeln!(text, "[method]\nname = \"{method}\"\nsteps_per_tick = {}", draw.0.random_range(1..=4))?;
+        writeln!(
+            text,
+            "[method]\nname = \"{method}\"\nsteps_per_tick = {}",
+            draw.0.random_range(1..=4)
+        )?;
     }
     for _ in 0..draw.0.random_range(1..=2) {
         let speed = omega * draw.between(0.3, 1.0);
         let amax_g = (radius_m * speed * speed / 9.80665).max(0.02);
         writeln!(text, "[[program]]\namax_g = {amax_g:.4}")?;
-        writeln!(text, "ramp_s = {:.3}\nhold_s = {:.3}", draw.between(0.2, 0.6), draw.between(0.1, 0.4))?;
+        writeln!(
+            text,
+            "ramp_s = {:.3}\nhold_s = {:.3}",
+            draw.between(0.2, 0.6),
+            draw.between(0.1, 0.4)
+        )?;
     }
     Ok(())
 }

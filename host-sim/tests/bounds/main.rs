@@ -44,7 +44,8 @@ struct Tally {
 
 fn number(name: &str, otherwise: u64) -> u64 {
     std::env::var(name).map_or(otherwise, |text| {
-        text.parse().unwrap_or_else(|_| panic!("{name} is {text}; give a whole number"))
+        text.parse()
+            .unwrap_or_else(|_| panic!("{name} is {text}; give a whole number"))
     })
 }
 
@@ -96,10 +97,19 @@ fn answers_are_as_good_as_claimed() {
     println!(
         "{machines} machines from seed {first}: {} answers against converged solutions, {} of them bounded; {} machines slip, {} do \
          not converge, {} are refused; model levels too high: {:?}",
-        tally.answers, tally.bounded, tally.slipped, tally.not_converged, tally.refused, tally.too_high
+        tally.answers,
+        tally.bounded,
+        tally.slipped,
+        tally.not_converged,
+        tally.refused,
+        tally.too_high
     );
     let wrong = tally.wrong.join("\n");
-    assert!(tally.wrong.is_empty(), "{} wrong:\n{wrong}", tally.wrong.len());
+    assert!(
+        tally.wrong.is_empty(),
+        "{} wrong:\n{wrong}",
+        tally.wrong.len()
+    );
     assert!(tally.answers > machines as u32, "too little is compared");
 }
 
@@ -150,11 +160,18 @@ fn judge(seed: u64, text: &str, tally: &Mutex<Tally>) {
             let is_open = checked.chosen().is_open();
             compare(choice, is_open, &answers, &right, &mut tally, &mut wrong);
             let lowest = lowest(&checked, &model_levels, &questions, &right);
-            let place = model_levels.iter().position(|&level| level == choice.model_level);
+            let place = model_levels
+                .iter()
+                .position(|&level| level == choice.model_level);
             let too_high = place.unwrap_or(0).saturating_sub(lowest);
             tally.too_high[too_high] += 1;
             if too_high > 1 && is_open && questions.slips != Some(true) {
-                let _ = writeln!(wrong, "  {} taken, {} would do", choice.model_level.name(), model_levels[lowest].name());
+                let _ = writeln!(
+                    wrong,
+                    "  {} taken, {} would do",
+                    choice.model_level.name(),
+                    model_levels[lowest].name()
+                );
             }
         }
     }
@@ -162,14 +179,27 @@ fn judge(seed: u64, text: &str, tally: &Mutex<Tally>) {
         if std::env::var_os("COPHASE_SHOW").is_some() {
             eprintln!("{text}");
         }
-        tally.wrong.push(format!("seed {seed}, {} ({}, {:?}):\n{wrong}", choice.model_level.name(), choice.why, Machine::new(&taken).unwrap().method()));
+        tally.wrong.push(format!(
+            "seed {seed}, {} ({}, {:?}):\n{wrong}",
+            choice.model_level.name(),
+            choice.why,
+            Machine::new(&taken).unwrap().method()
+        ));
     }
 }
 
 /// Holds answers against right ones. A step of the scene's own may miss a tolerance, and its bound says so.
-fn compare(choice: &Choice, is_open: bool, answers: &Answers, right: &Answers, tally: &mut Tally, wrong: &mut String) {
+fn compare(
+    choice: &Choice,
+    is_open: bool,
+    answers: &Answers,
+    right: &Answers,
+    tally: &mut Tally,
+    wrong: &mut String,
+) {
     for judged in &choice.judged {
-        let (Some(found), Some(right)) = (answers.of(judged.output), right.of(judged.output)) else {
+        let (Some(found), Some(right)) = (answers.of(judged.output), right.of(judged.output))
+        else {
             let _ = writeln!(wrong, "  {}: no answer", judged.output.key());
             continue;
         };
@@ -179,11 +209,21 @@ fn compare(choice: &Choice, is_open: bool, answers: &Answers, right: &Answers, t
         if let Some(bound) = judged.bound {
             tally.bounded += 1;
             if off > bound + sure {
-                let _ = writeln!(wrong, "  {}: off by {off}, at most {bound}; required to {}", judged.output.key(), judged.tolerance);
+                let _ = writeln!(
+                    wrong,
+                    "  {}: off by {off}, at most {bound}; required to {}",
+                    judged.output.key(),
+                    judged.tolerance
+                );
             }
         }
         if is_open && off > judged.tolerance + sure {
-            let _ = writeln!(wrong, "  {}: off by {off} of {found}, required to {}", judged.output.key(), judged.tolerance);
+            let _ = writeln!(
+                wrong,
+                "  {}: off by {off} of {found}, required to {}",
+                judged.output.key(),
+                judged.tolerance
+            );
         }
     }
 }
@@ -194,7 +234,9 @@ fn converged(checked: &Checked, top: Fidelity, questions: &Questions) -> Option<
     scene.fidelity = top;
     scene.method.name = MethodName::Rk4;
     scene.method.steps_per_tick = None;
-    let method = Machine::new(&Checked::new(scene.clone()).ok()?).ok()?.method();
+    let method = Machine::new(&Checked::new(scene.clone()).ok()?)
+        .ok()?
+        .method();
     let tick_s = 1.0 / f64::from(scene.control.tick_hz);
     // What dry friction needs: RK4 is stable up to 2.78 of its rate.
     let rotor = scene.axes.rotor_inertia_kgm2;
@@ -215,7 +257,9 @@ fn converged(checked: &Checked, top: Fidelity, questions: &Questions) -> Option<
                     return true;
                 };
                 let both = before.of(output).zip(now.of(output));
-                both.is_some_and(|(before, now)| output.difference(before, now) <= CONVERGED * tolerance)
+                both.is_some_and(|(before, now)| {
+                    output.difference(before, now) <= CONVERGED * tolerance
+                })
             })
         });
         if same {
@@ -230,18 +274,32 @@ fn converged(checked: &Checked, top: Fidelity, questions: &Questions) -> Option<
 }
 
 /// The lowest model level whose answers are within the tolerances of what is right.
-fn lowest(checked: &Checked, model_levels: &[Fidelity], questions: &Questions, right: &Answers) -> usize {
+fn lowest(
+    checked: &Checked,
+    model_levels: &[Fidelity],
+    questions: &Questions,
+    right: &Answers,
+) -> usize {
     let is_within = |model_level: &Fidelity| {
         let mut scene = checked.scene.clone();
         scene.fidelity = *model_level;
-        let Ok(mut checked) = Checked::new(scene) else { return false };
+        let Ok(mut checked) = Checked::new(scene) else {
+            return false;
+        };
         checked.halvings = 2;
         let (answers, _) = run(&checked);
         Output::ALL.into_iter().all(|output| {
-            let Some(tolerance) = output.tolerance(questions) else { return true };
+            let Some(tolerance) = output.tolerance(questions) else {
+                return true;
+            };
             let both = answers.of(output).zip(right.of(output));
-            both.is_some_and(|(found, right)| output.difference(found, right) <= WELL_WITHIN * tolerance)
+            both.is_some_and(|(found, right)| {
+                output.difference(found, right) <= WELL_WITHIN * tolerance
+            })
         })
     };
-    model_levels.iter().position(is_within).unwrap_or(model_levels.len() - 1)
+    model_levels
+        .iter()
+        .position(is_within)
+        .unwrap_or(model_levels.len() - 1)
 }
