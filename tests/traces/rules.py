@@ -14,6 +14,7 @@ class Rules:
 
     def __init__(self, content):
         self.options = content.get("options", {})
+        self.flags = self.options.get("flags", [])
         self.appended = content.get("append", {})
         self.renamed = {new: old for old, new in content.get("columns", {}).items()}
         self.states = {new: old for old, new in content.get("states", {}).items()}
@@ -33,7 +34,7 @@ class Rules:
         chosen = {}
         for options in (self.options.get("all", []), self.options.get(scene, [])):
             chosen.update(zip(options[::2], options[1::2]))
-        return [word for option in chosen.items() for word in option] + self.options.get("flags", [])
+        return [word for option in chosen.items() for word in option]
 
     def old_name(self, name):
         """The name that a present series had, or None if it is a new one."""

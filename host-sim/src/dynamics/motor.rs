@@ -79,6 +79,14 @@ impl Motor {
         }
     }
 
+    /// Torque beyond which a servo's drive gives no more, N·m, if it has that.
+    pub fn limit_nm(&self) -> Option<f64> {
+        match self {
+            Self::Stepper(_) => None,
+            Self::Servo(servo) => Some(servo.limit_nm).filter(|limit_nm| limit_nm.is_finite()),
+        }
+    }
+
     /// Torque to an error of speed, N·m·s.
     pub fn damping_nms(&self) -> f64 {
         match self {

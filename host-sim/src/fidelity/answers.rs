@@ -24,7 +24,7 @@ impl Answers {
         self.greatest[output as usize]
     }
 
-    /// Whether every motor kept step, and the machine's equations came to their end: with a slip, or a solution that ran away, what comes
+    /// Whether every motor kept step, none was at its torque limit, and the machine's equations came to their end. Otherwise what comes
     /// after may be another answer with every step and model level.
     pub fn is_regular(&self) -> bool {
         !self.is_broken && self.of(Output::Slips).is_none_or(|axes| axes == 0.0)
@@ -103,15 +103,17 @@ impl Answers {
 /// requested.
 impl Observer for Answers {
     fn tick(&mut self, moment: &Moment<'_>) {
-        let axes = moment.machine.axes.iter().enumerate();
-        let slipped = axes
-            .filter(|(_, axis)| axis.slipped_cycles() != 0)
+        let machine = moment.machine;
+        let moves = matches!(moment.telemetry.state, State::Run | State::Stop);
+        let axes = machine.axes.iter().enumerate();
+        let overloaded = axes
+            .filter(|(i, axis)| axis.slipped_cycles() != 0 || moves && machine.is_at_limit(*i))
             .map(|(i, _)| 1_u64 << i)
             .sum::<u64>();
         let before = self.of(Output::Slips).unwrap_or(0.0) as u64;
-        self.greatest[Output::Slips as usize] = Some((before | slipped) as f64);
-        self.is_broken |= moment.machine.broken().is_some();
-        if matches!(moment.telemetry.state, State::Run | State::Stop) {
+        self.greatest[Output::Slips as usize] = Some((before | overloaded) as f64);
+        self.is_broken |= machine.broken().is_some();
+        if moves {
             self.within(moment);
             self.at_end(moment);
         }

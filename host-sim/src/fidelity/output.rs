@@ -15,7 +15,7 @@ pub enum Output {
     Amax,
     /// Largest torque of a motor, N·m; requested in percent of itself.
     Torque,
-    /// Which motors fell out of step, a bit each; requested exactly.
+    /// Which steppers fell out of step, and which servos reached their torque limit, a bit each; requested exactly.
     Slips,
     /// Largest force on the ground beyond the weight, N; requested in percent of itself.
     Ground,
@@ -54,7 +54,7 @@ impl Output {
             Self::Tilt => "tilt",
             Self::Amax => "greatest acceleration",
             Self::Torque => "greatest motor torque",
-            Self::Slips => "which motors slip",
+            Self::Slips => "motors that slip, or reach their torque limit",
             Self::Ground => "greatest force on the ground",
         }
     }

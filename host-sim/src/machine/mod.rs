@@ -167,6 +167,15 @@ impl Machine {
         self.rotors.as_ref().map(Rotors::torques_nm)
     }
 
+    /// Whether motor `i` is a servo that gives all the torque that its limit allows.
+    pub fn is_at_limit(&self, i: usize) -> bool {
+        let Some(rotors) = &self.rotors else {
+            return false;
+        };
+        let limit_nm = rotors.driven().motors()[i].limit_nm();
+        limit_nm.is_some_and(|limit_nm| rotors.torques_nm()[i].abs() >= limit_nm)
+    }
+
     /// What the frame does, where it moves.
     pub fn frame(&self) -> Option<FrameMotion> {
         self.rotors.as_ref().and_then(Rotors::frame)

@@ -61,7 +61,7 @@ fn answered(judged: &Judged) -> String {
         format!("; half the step changes it by {}", with_unit(off))
     });
     let value = match judged.value {
-        Some(value) if output == Output::Slips => format!("{value} of the motors, "),
+        Some(value) if output == Output::Slips => format!("{value}, "),
         Some(value) => format!("{}, ", in_unit(value, output.value_unit())),
         None => String::new(),
     };
