@@ -19,7 +19,9 @@ fn settings(scene: &str) -> Vec<u8> {
     let file = folder.path().join("it.settings");
     let path = Path::new(&file).to_str().expect("UTF-8");
     let command = Command::try_parse_from(["cophase", "settings", scene, "-o", path]);
-    let status = command.expect("arguments").carry_out(&mut Vec::new());
+    let status = command
+        .expect("arguments")
+        .carry_out(&mut Vec::new(), &mut Vec::new());
     assert_ne!(status, Status::BadInput);
     std::fs::read(file).expect("a file")
 }

@@ -54,7 +54,11 @@ pub(super) struct CampaignArgs {
     quiet: bool,
 }
 
-pub(super) fn campaign(args: &CampaignArgs, out: &mut impl Write) -> Result<Status, CommandError> {
+pub(super) fn campaign(
+    args: &CampaignArgs,
+    out: &mut impl Write,
+    err: &mut impl Write,
+) -> Result<Status, CommandError> {
     if !args.join.is_empty() {
         let shard = join(shards(&args.join)?).map_err(|error| input("--join", &error))?;
         return print_result(args, &shard, out);
@@ -68,7 +72,7 @@ pub(super) fn campaign(args: &CampaignArgs, out: &mut impl Write) -> Result<Stat
         CommandError::Input(error.in_file(scene.unwrap_or_default()).to_string())
     })?;
     match args.replay {
-        Some(number) => replay(args, &plan, number, out),
+        Some(number) => replay(args, &plan, number, out, err),
         None => print_result(args, &run_shard(args, &plan)?, out),
     }
 }
@@ -181,6 +185,7 @@ fn replay(
     plan: &Plan,
     number: u64,
     out: &mut impl Write,
+    err: &mut impl Write,
 ) -> Result<Status, CommandError> {
     let case = plan.case(number);
     let row =
@@ -189,7 +194,7 @@ fn replay(
         toml::to_string(&case.scene_of(args.clean)).map_err(|error| input("scene.toml", &error))?;
     write_all(&args.out, &[("scene.toml", &text)])?;
     let scene = args.out.join("scene.toml");
-    let status = run::run(&run::RunArgs::of(&scene, &args.out, args.quiet), out)?;
+    let status = run::run(&run::RunArgs::of(&scene, &args.out, args.quiet), out, err)?;
     if !args.quiet {
         let row = serde_json::to_string_pretty(&row).map_err(|error| input("row", &error))?;
         writeln!(

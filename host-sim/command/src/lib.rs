@@ -8,6 +8,7 @@
 mod campaign;
 mod chart;
 pub mod design;
+mod expected;
 mod run;
 mod scenes;
 mod settings;
@@ -51,12 +52,12 @@ enum What {
 }
 
 impl Command {
-    /// Carries the command out, printing to `out`.
-    pub fn carry_out(self, out: &mut impl Write) -> Status {
+    /// Carries the command out, printing to `out`, and errors to `err`.
+    pub fn carry_out(self, out: &mut impl Write, err: &mut impl Write) -> Status {
         let done = match self.what {
-            What::Run(args) => run::run(&args, out),
+            What::Run(args) => run::run(&args, out, err),
             What::Settings(args) => settings::settings(&args, out),
-            What::Campaign(args) => campaign::campaign(&args, out),
+            What::Campaign(args) => campaign::campaign(&args, out, err),
             What::Chart(args) => chart::chart(&args, out),
             What::Scenes(args) => scenes::scenes(&args, out),
             What::Design(args) => match design::run(&args, out) {
@@ -75,7 +76,8 @@ impl Command {
             }
             Err(error) => {
                 for line in error.to_string().lines() {
-                    eprintln!("cophase: {line}");
+                    // Where errors cannot be written, the status still says that there was one.
+                    let _ = writeln!(err, "cophase: {line}");
                 }
                 Status::BadInput
             }

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{CommandError, Status, scenes};
+use super::{CommandError, Status, expected, scenes};
 use host_sim::fidelity::{self, Answers};
 use host_sim::report::{self, Report, Written};
 use host_sim::scene::library::SCENES;
@@ -80,12 +80,23 @@ fn window(text: &str) -> Result<Window, String> {
     Ok(Window::seconds(from_s, to_s))
 }
 
-pub(super) fn run(args: &RunArgs, out: &mut impl Write) -> Result<Status, CommandError> {
+/// Runs a scene: prints what it came to to `out`, and how long that will take to `err` if it is long.
+pub(super) fn run(
+    args: &RunArgs,
+    out: &mut impl Write,
+    err: &mut impl Write,
+) -> Result<Status, CommandError> {
     let began = Instant::now();
     let mut checked = scenes::read(&args.scene).map_err(CommandError::Input)?;
     checked.settings.detect_at_once = args.detect_at_once;
-    let checked = fidelity::check(checked)
-        .map_err(|error| CommandError::Input(error.in_file(&args.scene).to_string()))?;
+    let refused = |error: SceneError| CommandError::Input(error.in_file(&args.scene).to_string());
+    if !args.quiet {
+        expected::before_choice(&checked, err).map_err(refused)?;
+    }
+    let checked = fidelity::check(checked).map_err(refused)?;
+    if !args.quiet {
+        expected::before_run(&checked, err).map_err(refused)?;
+    }
     let (checked, outcome, written) = record(args, checked, began).map_err(CommandError::Input)?;
     if !args.quiet {
         let wall_s = began.elapsed().as_secs_f64();
@@ -129,19 +140,26 @@ fn record(
             ));
         }
     }
+    let is_requested = args.window.is_some() || checked.scene.scope.is_some();
     let window = args.window.unwrap_or_else(|| Window::of(&checked.scene));
     let (files, checked, outcome, written) = record_window(args, checked, began, window)?;
-    // What went wrong by itself is known after a run only. The same run again shows the edges at that time.
+    // What went wrong by itself is known after a run only, as is that the run ended before its first fault. The same run again shows
+    // the edges at that time.
+    let never_began = !is_requested && window != Window::FirstMotion && written.is_empty();
     let by_itself = window == Window::FirstMotion && checked.scene.fault.is_empty();
-    let effect_s = outcome.statistics.first_effect_s().filter(|_| by_itself);
-    let (files, checked, outcome, written) = match effect_s {
-        Some(at_s) => {
+    let effect_s = outcome.statistics.first_effect_s();
+    let other = match effect_s.filter(|_| by_itself || never_began) {
+        Some(at_s) => Some(Window::around(at_s)),
+        None => never_began.then_some(Window::FirstMotion),
+    };
+    let (files, checked, outcome, written) = match other {
+        Some(window) => {
             drop(files);
-            record_window(args, checked, began, Window::around(at_s))?
+            record_window(args, checked, began, window)?
         }
         None => (files, checked, outcome, written),
     };
-    if written.is_empty() && window != Window::FirstMotion {
+    if is_requested && written.is_empty() {
         return Err(outside(args, &checked, &outcome));
     }
     files.commit().map_err(|e| place(&e))?;
@@ -236,7 +254,7 @@ fn record_window(
     Ok((files, checked, outcome, written))
 }
 
-fn frame(checked: &Checked) -> ScopeFrame {
+pub(super) fn frame(checked: &Checked) -> ScopeFrame {
     let scene = &checked.scene;
     ScopeFrame {
         title: scene.name.clone(),

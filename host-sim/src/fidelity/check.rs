@@ -140,7 +140,7 @@ impl Trial {
 }
 
 /// Whether the bound alone is enough for the lowest model level, which no sample can lower.
-fn is_plain(judged: &Judged) -> bool {
+pub(super) fn is_plain(judged: &Judged) -> bool {
     judged
         .bound
         .is_some_and(|bound| bound <= WELL_WITHIN * judged.tolerance)

@@ -149,7 +149,7 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
         Outcome {
             method: self.machine.method(),
             diverged: broken.map(|error| error.to_string()),
-            state: self.state,
+            state: last.map_or(self.state, |last| last.state),
             fault: self.fault,
             ticks: self.played,
             tick_hz: self.tick_hz,
@@ -255,6 +255,8 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
             tilt_mrad: OnceCell::new(),
         };
         self.played += 1;
+        // Of ticks that are played: a run may end before the next, and then nothing else shows what latched in it.
+        self.fault = self.fault.or(telemetry.fault);
         self.statistics.tick(&moment);
         self.observer.tick(&moment);
     }
@@ -341,9 +343,6 @@ impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
         self.drives_enabled = output.drives_enabled;
         self.ticks += 1;
         self.state = output.telemetry.state;
-        if self.fault.is_none() {
-            self.fault = output.telemetry.fault;
-        }
 
         if self.ticks.is_multiple_of(PROGRESS_TICKS) {
             (self.progress)(self.ticks, self.schedule.expected_us() / self.tick_us);

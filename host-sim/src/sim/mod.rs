@@ -46,8 +46,22 @@ pub fn simulate(
     observer: &mut impl Observer,
     progress: impl FnMut(u64, u64),
 ) -> Result<Outcome, SceneError> {
+    simulate_first(u64::MAX, checked, observer, progress)
+}
+
+/// The same for so many ticks at most: how a run begins, and how long a tick takes.
+///
+/// # Errors
+/// As of [`simulate`].
+pub fn simulate_first(
+    ticks: u64,
+    checked: &Checked,
+    observer: &mut impl Observer,
+    progress: impl FnMut(u64, u64),
+) -> Result<Outcome, SceneError> {
     let mut controller = checked.controller()?;
-    let schedule = Schedule::new(checked, controller.program().0.duration());
+    let end_us = ticks.saturating_mul(tick_us(checked));
+    let schedule = Schedule::new(checked, controller.program().0.duration()).ending_by(end_us);
     let mut lateness = schedule.lateness();
     let machine = Machine::new(checked)?;
     let sensors = machine.sensors(checked);
@@ -63,4 +77,17 @@ pub fn simulate(
         lateness.overshoot(at)
     });
     Ok(io.finish())
+}
+
+/// Control ticks that a run of a scene is expected to take: its program, homing, parking, and what happens from outside.
+///
+/// # Errors
+/// As of [`simulate`].
+pub fn expected_ticks(checked: &Checked) -> Result<u64, SceneError> {
+    let program_ticks = checked.controller()?.program().0.duration();
+    Ok(Schedule::new(checked, program_ticks).expected_us() / tick_us(checked))
+}
+
+fn tick_us(checked: &Checked) -> u64 {
+    virtual_time::TICKS_PER_S / u64::from(checked.settings.tick_hz)
 }

@@ -19,6 +19,8 @@ pub struct Schedule {
     next_input: usize,
     lines: SafetyInputs,
     expected_us: u64,
+    /// The run ends here at the latest.
+    end_us: u64,
 }
 
 /// After the last thing that is to happen, a machine that still runs is given this long, µs.
@@ -74,6 +76,7 @@ impl Schedule {
         let program_s = program_ticks as f64 / f64::from(scene.control.tick_hz);
         // Switching on, a turn of homing, a turn to park.
         let around_s = scene.control.settle_s + 2.5 / scene.limits.homing_speed_hz;
+        let expected_us = clock(program_s + around_s) + last.unwrap_or(0);
         Self {
             commands,
             inputs,
@@ -86,7 +89,8 @@ impl Schedule {
                 enable: true,
                 stop: false,
             },
-            expected_us: clock(program_s + around_s) + last.unwrap_or(0),
+            expected_us,
+            end_us: expected_us + PATIENCE_US,
         }
     }
 
@@ -134,7 +138,14 @@ impl Schedule {
 
     /// When to stop looking, µs.
     pub const fn end_us(&self) -> u64 {
-        self.expected_us + PATIENCE_US
+        self.end_us
+    }
+
+    /// The same, and the run ends after so many µs at the latest.
+    #[must_use]
+    pub fn ending_by(mut self, end_us: u64) -> Self {
+        self.end_us = self.end_us.min(end_us);
+        self
     }
 
     /// What makes the loop late.

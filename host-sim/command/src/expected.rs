@@ -1,0 +1,195 @@
+//! Time that a run is expected to take, said before long ones.
+//!
+//! The first ticks of the run are timed, of two lengths: their difference is what a tick takes, without what it takes to set the run
+//! up. Most scenes are done long before anyone waits for them; those are left alone after the first few ticks.
+//!
+//! A run that ends earlier, by a fault, takes less. One that slips is run twice, for its edges ([`super::run`]).
+
+use std::io::{self, Write};
+use std::time::Instant;
+
+use host_sim::fidelity::{Answers, SampleRuns, sample_runs};
+use host_sim::scene::{Checked, SceneError};
+use host_sim::sim::{Observer, expected_ticks, simulate_first};
+use host_sim::trace::{Every, Recorder, ScopeData, Window};
+
+use super::run::frame;
+
+/// Only what takes longer is said, s.
+const LONG_S: f64 = 3.0;
+
+/// The first ticks that are timed, and by how many times more until it is known what one takes.
+const FIRST_TICKS: u64 = 16;
+const MORE: u64 = 4;
+
+/// The longer of two pieces takes so much longer in the end, s: then differences in setting up, and the clock's, count for little.
+const TIMED_S: f64 = 0.05;
+
+/// A tick that moves takes up to so many times what one at rest does, as the first are.
+const MOVING: f64 = 4.0;
+
+/// Says how long the choice of a model level will take, if that is long.
+///
+/// # Errors
+/// The scene cannot be run.
+pub(super) fn before_choice(checked: &Checked, err: &mut impl Write) -> Result<(), SceneError> {
+    let Some(SampleRuns { sample, times }) = sample_runs(checked)? else {
+        return Ok(());
+    };
+    let time = |ticks| time_s(ticks, &sample, Answers::default());
+    let run_s = expected_s(expected_ticks(&sample)?, LONG_S / times, time)?;
+    say(
+        err,
+        "choosing the model level takes",
+        run_s.map(|s| s * times),
+    );
+    Ok(())
+}
+
+/// Says how long the run will take, if that is long.
+///
+/// # Errors
+/// As of [`before_choice`].
+pub(super) fn before_run(checked: &Checked, err: &mut impl Write) -> Result<(), SceneError> {
+    let time = |ticks| time_s(ticks, checked, recorder(checked));
+    let run_s = expected_s(expected_ticks(checked)?, LONG_S, time)?;
+    say(err, "this takes", run_s);
+    Ok(())
+}
+
+fn say(err: &mut impl Write, what: &str, seconds: Option<f64>) {
+    if let Some(about) = seconds.and_then(about) {
+        // A run goes on without these words.
+        let _ = writeln!(err, "cophase: {what} about {about}");
+    }
+}
+
+/// A time in words, to two digits; none if it is short.
+fn about(seconds: f64) -> Option<String> {
+    (seconds > LONG_S).then(|| match seconds {
+        s if s < 99.5 => format!("{s:.0} s"),
+        s if s < 99.5 * 60.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.0} h", s / 3600.0),
+    })
+}
+
+/// Time that the first ticks of a run take, s.
+fn time_s(ticks: u64, checked: &Checked, mut observer: impl Observer) -> Result<f64, SceneError> {
+    let began = Instant::now();
+    simulate_first(ticks, checked, &mut observer, |_, _| {})?;
+    Ok(began.elapsed().as_secs_f64())
+}
+
+/// Time that `ticks` take, s, where `time` gives what the first of them do; none where it is surely less than `long_s`.
+fn expected_s(
+    ticks: u64,
+    long_s: f64,
+    mut time: impl FnMut(u64) -> Result<f64, SceneError>,
+) -> Result<Option<f64>, SceneError> {
+    let (mut timed, mut took_s) = (FIRST_TICKS, time(FIRST_TICKS)?);
+    while timed < ticks {
+        // Setting up is in it, so that it is rather too much.
+        if took_s * ticks as f64 / (timed as f64) < long_s / MOVING {
+            return Ok(None);
+        }
+        let (more, more_s) = (timed * MORE, time(timed * MORE)?);
+        if more_s - took_s > TIMED_S && more < ticks {
+            return Ok(Some(
+                (more_s - took_s) / (more - timed) as f64 * ticks as f64,
+            ));
+        }
+        (timed, took_s) = (more, more_s);
+    }
+    Ok(Some(took_s)) // that was all of it
+}
+
+/// What looks on while a scene runs, as it takes a part of the time; it keeps nothing.
+fn recorder(checked: &Checked) -> impl Observer {
+    let scope = ScopeData::new(checked.scene.axes.count, frame(checked));
+    let (csv, vcd) = (io::sink(), io::sink());
+    let recorder = Recorder::new(
+        checked,
+        csv,
+        vcd,
+        Every::Fitting,
+        Window::FirstMotion,
+        scope,
+    );
+    (recorder.ok(), Answers::default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use host_sim::scene::load;
+
+    /// Were it wrong, setting up would pass for what all ticks take, or nothing would be said where a run takes minutes.
+    #[test]
+    fn the_whole_follows_from_two_pieces() {
+        let expected = |set_up_s: f64, tick_s: f64, ticks: u64| {
+            let mut timed = 0;
+            let time = |first: u64| {
+                timed += first.min(ticks);
+                Ok(set_up_s + tick_s * first.min(ticks) as f64)
+            };
+            (expected_s(ticks, LONG_S, time).unwrap(), timed)
+        };
+        let is_near = |found: Option<f64>, right_s: f64| {
+            found.is_some_and(|found_s| (found_s / right_s - 1.0).abs() < 1e-6)
+        };
+        let (long_s, timed) = expected(0.2, 1e-3, 100_000);
+        assert!(is_near(long_s, 100.0) && timed < 400, "{long_s:?}");
+        let (long_s, _) = expected(1e-4, 1e-6, 1_000_000_000);
+        assert!(is_near(long_s, 1000.0), "{long_s:?}");
+        // A short run is left alone after its first few ticks.
+        assert_eq!(expected(1e-4, 1e-6, 100_000), (None, FIRST_TICKS));
+        // What takes long to set up is not long for that.
+        let (short_s, _) = expected(0.5, 1e-6, 100_000);
+        assert_eq!(short_s.and_then(about), None, "{short_s:?}");
+    }
+
+    #[test]
+    fn only_long_times_are_said() {
+        assert_eq!(about(2.9), None);
+        for (seconds, words) in [
+            (3.4, "3 s"),
+            (61.0, "61 s"),
+            (240.0, "4 min"),
+            (7200.0, "2 h"),
+        ] {
+            assert_eq!(about(seconds).as_deref(), Some(words));
+        }
+    }
+
+    fn scene(program: &str) -> Checked {
+        let text = format!(
+            "name = \"long\"\n[machine]\ncrank_radius_mm = 10\nlambda = 0.25\nload_kg = 20\n\
+             [questions]\nlag_deg = 0.01\n\
+             [limits]\nspeed_hz = 10\nacceleration_hz_per_s = 20\njerk_hz_per_s2 = 200\n\
+             [axes]\ncount = 3\ndrive = \"servo\"\nsteps_per_turn = 3200\nrotor_inertia_kgm2 = 1e-3\n\
+             servo = {{ position_gain_per_s = 60, velocity_gain_nms = 2.0 }}\n\
+             [[program]]\namax_g = 3\n{program}\n"
+        );
+        Checked::new(load::parse(&text).unwrap()).unwrap()
+    }
+
+    /// Were it wrong, someone would wait for hours without a word, or be told of a run that is over at once. No machine runs days of
+    /// simulated time in seconds, or a second of it in three.
+    #[test]
+    fn long_runs_are_announced() {
+        let said = |program: &str| {
+            let (checked, mut choice, mut run) = (scene(program), Vec::new(), Vec::new());
+            before_choice(&checked, &mut choice).unwrap();
+            before_run(&checked, &mut run).unwrap();
+            [choice, run].map(|said| String::from_utf8(said).unwrap())
+        };
+        assert_eq!(said("ramp_s = 0.2\nhold_s = 0.2"), ["", ""]);
+        let [choice, run] = said("ramp_s = 0.2\nhold_s = 1e6");
+        assert_eq!(choice, "", "a sample cuts holds");
+        assert!(run.starts_with("cophase: this takes about "), "{run}");
+        let [choice, run] = said("ramp_s = 1e5\nhold_s = 1");
+        let start = "cophase: choosing the model level takes about ";
+        assert!(choice.starts_with(start), "{choice}");
+        assert!(!run.is_empty());
+    }
+}

@@ -1,0 +1,200 @@
+//! `[axes]` and `[[axis]]`.
+
+use cophase_link::board::{Board, Rp2040};
+use cophase_motion::pulse::PulseTiming;
+use cophase_motion::settings::PulseSettings;
+use host_sim::scene::file::{Axes, AxisOverrides, CamTable, Drive, Fidelity, Limits, Pulse};
+
+use crate::source::Source;
+use crate::{Basis, Kind, cam, motors};
+
+/// Steps per turn that a scene may have.
+const STEPS: (f64, f64) = (4.0, 65_536.0);
+
+pub fn drive(source: &mut Source, kind: Kind, fidelity: Fidelity) -> Drive {
+    match kind {
+        // The quasi-static level compares the torques of steppers.
+        _ if fidelity == Fidelity::QuasiStatic => Drive::Stepper,
+        // Setpoints are for cranks, not for screws.
+        Kind::Screws => source.one_of(&[Drive::Stepper, Drive::PulseServo]),
+        _ => source.one_of(&[
+            Drive::Stepper,
+            Drive::Stepper,
+            Drive::Servo,
+            Drive::PulseServo,
+        ]),
+    }
+}
+
+/// Drive of the axes that have one of their own.
+pub fn other_drive(source: &mut Source, common: Drive) -> Option<Drive> {
+    let others = match common {
+        Drive::Stepper | Drive::Servo => [Drive::PulseServo, Drive::PulseServo],
+        Drive::PulseServo => [Drive::Stepper, Drive::Stepper],
+    };
+    source.maybe(10, |source| source.one_of(&others))
+}
+
+/// Crank turns per master turn: mostly one.
+pub fn ratio(source: &mut Source, kind: Kind) -> (u32, u32) {
+    if kind == Kind::Screws || !source.percent(15) {
+        return (1, 1);
+    }
+    let part = |source: &mut Source| {
+        if source.percent(5) {
+            source.one_of(&[1, 1000])
+        } else {
+            1 + source.below(12) as u32
+        }
+    };
+    (part(source), part(source))
+}
+
+pub fn axes(
+    source: &mut Source,
+    basis: &Basis,
+    pulse: &Pulse,
+    limits: &Limits,
+    tables: &[CamTable],
+    rises: bool,
+) -> Axes {
+    let has_sensors = basis.kind != Kind::Screws || rises;
+    let trim_rate_deg_per_s = source.usual((0.3, 30.0), (1e-3, 360.0));
+    let offset_hz = trim_rate_deg_per_s / 360.0 * basis.count as f64;
+    let fastest_hz = basis.crank_hz() * cam::steepest(tables) + offset_hz;
+    let (full_steps_per_turn, steps_per_turn) = steps(source, basis, pulse, fastest_hz);
+    let motors = motors::motors(source, basis, limits, full_steps_per_turn);
+    Axes {
+        count: basis.count,
+        drive: basis.drive,
+        steps_per_turn,
+        full_steps_per_turn,
+        ratio: basis.ratio,
+        offset_deg: if source.percent(90) {
+            0.0
+        } else {
+            source.number(-180.0, 180.0)
+        },
+        index: has_sensors && source.percent(90),
+        index_deg: source.or_default(0.0, -180.0, 180.0),
+        index_width_deg: source.or_default(0.0, 0.0, 90.0),
+        index_delay_us: source.or_default(0.0, 0.0, 1000.0),
+        encoder: basis.has_encoder,
+        trim_limit_deg: source.or_default(5.0, 0.0, 36.0),
+        trim_rate_deg_per_s,
+        rotor_inertia_kgm2: motors.rotor_inertia_kgm2,
+        friction_nm: motors.friction_nm,
+        damping_nms: motors.damping_nms,
+        pull_out: motors.pull_out,
+        servo: motors.servo,
+    }
+}
+
+/// Full steps, and steps, of a turn: as many as the drives can make at their greatest speed.
+fn steps(source: &mut Source, basis: &Basis, pulse: &Pulse, fastest_hz: f64) -> (u32, u32) {
+    let full_steps = source.one_of(&[200, 200, 200, 400, 48, 4]);
+    let settings = PulseSettings {
+        width_ns: pulse.width_ns,
+        dir_setup_ns: pulse.dir_setup_ns,
+        dir_hold_ns: pulse.dir_hold_ns,
+    };
+    let timing = PulseTiming::new(&settings, Rp2040::CLOCK_HZ, basis.tick_hz);
+    let has_pulses = basis.has_drive(Drive::Stepper) || basis.has_drive(Drive::PulseServo);
+    let fits = |steps: u32| {
+        let counts = PulseTiming::check_counts(steps, fastest_hz, basis.tick_hz).is_ok();
+        let pulses = timing
+            .as_ref()
+            .is_ok_and(|timing| timing.check_rate(steps, fastest_hz, basis.tick_hz).is_ok());
+        counts && (pulses || !has_pulses)
+    };
+    let mut steps = source.usual((400.0, 20_000.0), STEPS) as u32;
+    while !fits(steps) && steps > STEPS.0 as u32 {
+        steps = (steps * 2 / 3).max(STEPS.0 as u32);
+    }
+    if !basis.has_drive(Drive::Stepper) {
+        return (full_steps, steps);
+    }
+    // A stepper has whole microsteps.
+    let full_steps = if steps < full_steps { 4 } else { full_steps };
+    (full_steps, (steps / full_steps).max(1) * full_steps)
+}
+
+/// What single axes have apart.
+pub fn apart(
+    source: &mut Source,
+    basis: &Basis,
+    axes: &Axes,
+    tables: &[CamTable],
+) -> Vec<AxisOverrides> {
+    let all = (0..basis.count).map(|number| {
+        let has_own = basis.kind == Kind::Screws
+            || basis.other_drive.is_some() && number > 0
+            || source.percent(35);
+        has_own.then(|| one(source, basis, axes, tables, number))
+    });
+    all.flatten().collect()
+}
+
+fn one(
+    source: &mut Source,
+    basis: &Basis,
+    axes: &Axes,
+    tables: &[CamTable],
+    number: usize,
+) -> AxisOverrides {
+    let names: Vec<&str> = tables.iter().map(|table| table.name.as_str()).collect();
+    let cam = (!names.is_empty()).then(|| source.one_of(&names).to_owned());
+    // At the rigid level all cranks are at one angle.
+    let is_free = !basis.is_rigid();
+    let drive = basis
+        .other_drive
+        .filter(|_| number > 0 && source.percent(60));
+    let is_stepper = drive.unwrap_or(basis.drive) == Drive::Stepper;
+    let trim_deg = source.number(-axes.trim_limit_deg, axes.trim_limit_deg);
+    let own_friction = source.usual((1e-3, 1.0), (0.0, 1000.0));
+    let start_deg = source.usual((1e-3, 3.0), (-180.0, 180.0));
+    let pull_out_scale = source.usual((0.3, 3.0), (0.0, 10.0));
+    AxisOverrides {
+        number,
+        reversed: source.percent(30),
+        drive,
+        // Fewer are made where more are.
+        steps_per_turn: source.maybe(15, |source| {
+            let part = 1 + source.below(4) as u32;
+            let full = axes.full_steps_per_turn;
+            ((axes.steps_per_turn / part / full).max(1) * full).min(axes.steps_per_turn)
+        }),
+        ratio: source
+            .maybe(3, |_| (basis.ratio.0, basis.ratio.1 + 1))
+            .filter(|_| is_free && cam.is_none()),
+        offset_deg: source
+            .maybe(5, |source| source.usual((1e-3, 2.0), (-180.0, 180.0)))
+            .filter(|_| is_free),
+        index: source.maybe(10, |_| false),
+        index_deg: source.maybe(30, |source| source.number(-180.0, 180.0)),
+        cam_shift_deg: if cam.is_some() {
+            source.number(-360.0, 360.0)
+        } else {
+            0.0
+        },
+        cam,
+        trim_deg: if is_free && source.percent(20) {
+            trim_deg
+        } else {
+            0.0
+        },
+        start_deg: if is_free && source.percent(20) {
+            start_deg
+        } else {
+            0.0
+        },
+        friction_nm: source
+            .maybe(10, |_| own_friction)
+            .filter(|_| basis.kind == Kind::Cranks),
+        pull_out_scale: if is_stepper && !axes.pull_out.is_empty() && source.percent(25) {
+            pull_out_scale
+        } else {
+            1.0
+        },
+    }
+}

@@ -1,0 +1,171 @@
+//! `[control]`, `[limits]`, `[pulse]`, `[index]`, `[drift]` and `[correction]`.
+
+use std::f64::consts::TAU;
+
+use host_sim::mechanism::{AnyMechanism, Mechanism};
+use host_sim::scene::file::{Axes, Band, Control, Correction, Drift, Drive, Index, Limits, Pulse};
+
+use crate::source::Source;
+use crate::{Basis, Kind};
+
+/// A tick rate: each of those whose tick is a whole number of microseconds, the default most often.
+pub fn tick_hz(source: &mut Source) -> u32 {
+    let all: Vec<u32> = (500..=10_000).filter(|hz| 1_000_000 % hz == 0).collect();
+    if source.percent(40) {
+        2000
+    } else {
+        source.one_of(&all)
+    }
+}
+
+/// Greatest speed: mostly one at which the platform's acceleration is one that a program can ask for.
+pub fn speed_hz(source: &mut Source, mechanism: &AnyMechanism, tick_hz: u32) -> f64 {
+    const MOST_AMAX_MPS2: f64 = 10_000.0;
+    let most = mechanism.speed_for_amax_rad_s(MOST_AMAX_MPS2) / TAU;
+    let usual = (0.02 * most.min(60.0), most.min(60.0));
+    let most_hz = (0.4 * f64::from(tick_hz)).min(200.0);
+    source.usual(usual, (0.1, most_hz))
+}
+
+/// Time to the greatest speed, s.
+pub fn ramp_s(source: &mut Source, tick_hz: u32) -> f64 {
+    source.usual((0.05, 1.5), (1.0 / f64::from(tick_hz), 3.0))
+}
+
+/// Homing speed; a turn at the least one would take 100 s.
+pub fn homing_hz(source: &mut Source, speed_hz: f64) -> f64 {
+    let most_hz = speed_hz.min(10.0);
+    if source.percent(2) {
+        return source.log_between(0.05, most_hz.max(0.06)).min(speed_hz);
+    }
+    source.usual((0.8, most_hz), (0.3 * most_hz, most_hz))
+}
+
+pub fn control(source: &mut Source, tick_hz: u32) -> Control {
+    Control {
+        tick_hz,
+        park_deg: source.or_default(180.0, 0.0, 360.0),
+        settle_s: if source.percent(97) {
+            source.number(0.0, 0.3)
+        } else {
+            source.number(0.0, 10.0)
+        },
+    }
+}
+
+pub fn limits(source: &mut Source, basis: &Basis) -> Limits {
+    let hz = f64::from(basis.tick_hz);
+    let speed_hz = basis.speed_hz;
+    let acceleration_hz_per_s = (speed_hz / basis.ramp_s).clamp(0.01, speed_hz * hz);
+    let round_s = source.usual((0.05 * basis.ramp_s, basis.ramp_s), (1.0 / hz, 2.0));
+    // What a tick can resolve, at any tick rate, is below this.
+    let jerk_hz_per_s2 = (acceleration_hz_per_s / round_s).clamp(0.3, speed_hz * hz * hz);
+    let harder = source.maybe(40, |source| source.log_between(1.0, 20.0));
+    Limits {
+        speed_hz,
+        acceleration_hz_per_s,
+        jerk_hz_per_s2,
+        stop_acceleration_hz_per_s: harder
+            .map(|harder| (acceleration_hz_per_s * harder).min(speed_hz * hz)),
+        stop_jerk_hz_per_s2: harder
+            .map(|harder| (jerk_hz_per_s2 * harder * harder).min(speed_hz * hz * hz)),
+        homing_speed_hz: basis.homing_hz,
+        band: bands(source, basis),
+    }
+}
+
+/// Up to four bands between the homing speed and the greatest.
+fn bands(source: &mut Source, basis: &Basis) -> Vec<Band> {
+    let (from, to) = (1.1 * basis.homing_hz, 0.98 * basis.speed_hz);
+    if to < 1.3 * from || to - from < 0.2 || !source.percent(30) {
+        return Vec::new();
+    }
+    let count = 1 + source.below(4);
+    let edges: Vec<f64> = {
+        let mut edges: Vec<f64> = (0..2 * count).map(|_| source.between(from, to)).collect();
+        edges.sort_by(f64::total_cmp);
+        edges
+    };
+    let bands = edges.chunks(2).map(|edge| Band {
+        from_hz: edge[0],
+        to_hz: edge[1],
+    });
+    // Neighbours that are too close for the shaft are left out.
+    let mut below = 0.0;
+    bands
+        .filter(|band| {
+            let fits = band.to_hz > band.from_hz && band.from_hz > below + 2e-3;
+            below = if fits { band.to_hz } else { below };
+            fits
+        })
+        .collect()
+}
+
+pub fn pulse(source: &mut Source, tick_hz: u32) -> Pulse {
+    // A change of direction takes about their sum, and has a quarter of a tick.
+    let most_ns = 0.05 * 1e9 / f64::from(tick_hz);
+    if source.percent(60) {
+        return Pulse::default();
+    }
+    Pulse {
+        width_ns: source.usual((100.0, 3000.0), (8.0, most_ns)),
+        dir_setup_ns: source.usual((100.0, 5000.0), (0.0, most_ns)),
+        dir_hold_ns: source.usual((100.0, 5000.0), (0.0, most_ns)),
+    }
+}
+
+pub fn index(source: &mut Source, tick_hz: u32) -> Index {
+    let most_us = (0.25e6 / f64::from(tick_hz)).min(100.0);
+    Index {
+        width_us: source.or_default(2.0, 0.1, most_us),
+    }
+}
+
+/// Limits of the monitor: a lag that servos have by their nature is subtracted in most scenes.
+pub fn drift(source: &mut Source, basis: &Basis, axes: &Axes) -> Drift {
+    let default = Drift::default();
+    let lag_us = axes.servo.filter(|_| source.percent(80)).map(|servo| {
+        let lag_s = (1.0 - servo.velocity_feed_forward) / servo.position_gain_per_s;
+        (1e6 * lag_s).min(100_000.0).round()
+    });
+    if source.percent(60) {
+        return Drift {
+            lag_us: lag_us.unwrap_or(default.lag_us),
+            ..default
+        };
+    }
+    let tilt_limit_mrad = source.usual((1.0, 30.0), (1e-3, 100.0));
+    Drift {
+        tilt_limit_mrad: if basis.kind == Kind::Cranks {
+            tilt_limit_mrad
+        } else {
+            default.tilt_limit_mrad
+        },
+        warp_limit_deg: source.usual((1.0, 30.0), (1e-3, 90.0)),
+        common_limit_deg: source.usual((5.0, 90.0), (1e-3, 180.0)),
+        reading_error_deg: source.usual((0.05, 1.0), (0.01, 5.0)),
+        lag_us: lag_us.unwrap_or_else(|| source.number(0.0, 100_000.0)),
+    }
+}
+
+pub fn correction(source: &mut Source, basis: &Basis, axes: &Axes) -> Correction {
+    let default = Correction::default();
+    if source.percent(40) {
+        return default;
+    }
+    let is_coupled = basis.drive == Drive::Servo
+        && basis.other_drive.is_none()
+        && basis.has_encoder
+        && axes.servo.is_some();
+    Correction {
+        gain: source.number(0.0, 1.0),
+        prove_wiring: source.percent(8),
+        couple: is_coupled && source.percent(40),
+        coupling: source
+            .maybe(20, |source| source.number(0.0, 20.0))
+            .filter(|_| is_coupled),
+        coupling_per_s: source
+            .maybe(20, |source| source.number(0.0, 10_000.0))
+            .filter(|_| is_coupled),
+    }
+}

@@ -1,0 +1,129 @@
+//! Where numbers are drawn from: a stream of its own for each seed.
+
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+
+/// Stream of draws.
+pub struct Source(ChaCha8Rng);
+
+/// A number is at one end of its range so often, of a hundred.
+const AT_AN_END: u32 = 3;
+
+impl Source {
+    pub fn new(seed: u64) -> Self {
+        Self(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    /// A whole number below `count`, which is not 0.
+    pub fn below(&mut self, count: usize) -> usize {
+        self.0.random_range(0..count)
+    }
+
+    /// One of several, of which there is at least one.
+    pub fn one_of<T: Copy>(&mut self, several: &[T]) -> T {
+        several[self.below(several.len())]
+    }
+
+    /// True in so many of a hundred.
+    pub fn percent(&mut self, percent: u32) -> bool {
+        self.0.random_range(0..100_u32) < percent
+    }
+
+    /// What `draw` draws, in so many of a hundred.
+    pub fn maybe<T>(&mut self, percent: u32, draw: impl FnOnce(&mut Self) -> T) -> Option<T> {
+        self.percent(percent).then(|| draw(self))
+    }
+
+    /// Evenly between two numbers.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        within(low + (high - low) * self.0.random::<f64>(), low, high)
+    }
+
+    /// Evenly between the logarithms of two numbers above 0.
+    pub fn log_between(&mut self, low: f64, high: f64) -> f64 {
+        within(
+            (low.ln() + (high / low).ln() * self.0.random::<f64>()).exp(),
+            low,
+            high,
+        )
+    }
+
+    /// A number of a range: evenly over its logarithm, now and then at one of its ends. A range from 0 has its logarithm from a
+    /// millionth of its upper end on; one with negative numbers has either sign.
+    pub fn number(&mut self, low: f64, high: f64) -> f64 {
+        if low == high || self.percent(AT_AN_END) {
+            return low;
+        }
+        if self.percent(AT_AN_END) {
+            return high;
+        }
+        if low < 0.0 {
+            let most = if self.percent(50) { low } else { high };
+            return most.signum() * self.log_between(1e-6 * most.abs(), most.abs());
+        }
+        self.log_between(low.max(1e-6 * high), high)
+    }
+
+    /// A usual number in most scenes, and one of the whole range in some.
+    pub fn usual(&mut self, usual: (f64, f64), range: (f64, f64)) -> f64 {
+        if self.percent(90) {
+            let (low, high) = (usual.0.max(range.0), usual.1.min(range.1));
+            if low < high {
+                return self.log_between(low, high);
+            }
+        }
+        self.number(range.0, range.1)
+    }
+
+    /// The default in half of all scenes, and one of the whole range in others.
+    pub fn or_default(&mut self, default: f64, low: f64, high: f64) -> f64 {
+        if self.percent(50) {
+            default
+        } else {
+            self.number(low, high)
+        }
+    }
+
+    /// A seed that a scene file can hold, whose numbers are signed.
+    pub fn seed(&mut self) -> u64 {
+        if self.percent(10) {
+            i64::MAX as u64
+        } else {
+            u64::from(self.0.random::<u32>())
+        }
+    }
+}
+
+/// To five digits, as a person writes a number, and still within a range.
+fn within(value: f64, low: f64, high: f64) -> f64 {
+    let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
+    rounded.clamp(low.min(high), high.max(low))
+}
+
+/// Rounds to five digits, downwards: a number that must not pass a limit.
+pub fn at_most(value: f64) -> f64 {
+    let nearest = within(value, f64::MIN, f64::MAX);
+    if nearest <= value {
+        return nearest;
+    }
+    within(value * (1.0 - 1e-4), f64::MIN, f64::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Were the ends left out, what only they show would never be found.
+    #[test]
+    fn numbers_cover_a_range_and_reach_its_ends() {
+        let mut source = Source::new(1);
+        assert_eq!(source.number(-0.0, 0.0), 0.0);
+        for (low, high) in [(0.0, 5.0), (1e-3, 50.0), (-180.0, 180.0)] {
+            let drawn: Vec<f64> = (0..2000).map(|_| source.number(low, high)).collect();
+            assert!(drawn.iter().all(|value| (low..=high).contains(value)));
+            assert!(drawn.contains(&low) && drawn.contains(&high));
+            let below = |part: f64| drawn.iter().filter(|value| value.abs() < part).count();
+            assert!((100..1900).contains(&below(0.03 * high)));
+        }
+    }
+}

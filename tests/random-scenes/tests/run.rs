@@ -1,0 +1,248 @@
+//! `cophase run` on random valid scenes: no panic, no number that is none, and exit status, text and report that agree.
+//!
+//! Without arguments there are few scenes. This runs 10,000 of them, on all cores, in about half an hour on two:
+//!
+//!     COPHASE_RANDOM_SCENES=10000 cargo test -p cophase-random-scenes -- --nocapture
+//!
+//! `COPHASE_RANDOM_SEED` is the first seed; a scene follows from its seed alone. Scenes that fail are kept under
+//! `target/tmp/random-scenes`. Overflow checks are on, so not in release mode.
+
+#[path = "run/files.rs"]
+mod files;
+#[path = "run/refusal.rs"]
+mod refusal;
+
+use std::any::Any;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use clap::Parser;
+use cophase::{Command, Status};
+use cophase_random_scenes::scene;
+
+/// Scenes without a request for more.
+const FEW: u64 = 60;
+
+/// At least so many of a hundred must be accepted.
+const LEAST_ACCEPTED: u64 = 80;
+
+/// One scene of so many is run twice.
+const TWICE: u64 = 10;
+
+/// How often long tests say how far they are.
+const PROGRESS: Duration = Duration::from_secs(20);
+
+/// What a run of the command came to.
+struct Run {
+    status: Status,
+    out: String,
+    err: String,
+}
+
+/// Runs a scene into a folder.
+fn run(scene: &Path, folder: &Path) -> Run {
+    let command = Command::try_parse_from([
+        "cophase".as_ref(),
+        "run".as_ref(),
+        scene.as_os_str(),
+        "--out".as_ref(),
+        folder.as_os_str(),
+    ]);
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    let status = command.expect("arguments").carry_out(&mut out, &mut err);
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+    Run {
+        status,
+        out: text(out),
+        err: text(err),
+    }
+}
+
+/// What became of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Fate {
+    Done,
+    Fault,
+    Refused,
+}
+
+/// Runs a scene and checks all that it leaves in a folder; some are run twice.
+fn play(scene: &Path, folder: &Path, twice: bool) -> Result<Fate, String> {
+    let out = folder.join("out");
+    let first = run(scene, &out);
+    let fate = match first.status {
+        Status::BadInput => {
+            refusal::check(&first.err, scene)?;
+            files::check_none(&out)?;
+            return Ok(Fate::Refused);
+        }
+        Status::Done => Fate::Done,
+        Status::Fault => Fate::Fault,
+    };
+    files::check(&out, &first)?;
+    if twice {
+        let again = folder.join("again");
+        let second = run(scene, &again);
+        if second.status != first.status {
+            return Err("a second run has another exit status".to_owned());
+        }
+        files::check_same(&out, &again)?;
+    }
+    Ok(fate)
+}
+
+/// Draws a scene and plays it on a thread of its own: a panic ends that thread, and the virtual time with it.
+fn play_apart(seed: u64) -> Result<Fate, String> {
+    let folder = tempfile::tempdir().map_err(|error| format!("no folder: {error}"))?;
+    let path = folder.path().to_owned();
+    let thread = thread::spawn(move || {
+        let scene = scene(seed).write(&path);
+        let scene = scene.map_err(|error| format!("cannot write: {error}"))?;
+        play(&scene, &path, seed.is_multiple_of(TWICE))
+    });
+    thread
+        .join()
+        .unwrap_or_else(|panic| Err(format!("panics: {}", words(panic.as_ref()))))
+        .inspect_err(|_| keep(seed))
+}
+
+fn words(panic: &dyn Any) -> String {
+    let owned = panic.downcast_ref::<String>().cloned();
+    owned
+        .or_else(|| Some((*panic.downcast_ref::<&str>()?).to_owned()))
+        .unwrap_or_default()
+}
+
+/// Folder of scenes that failed.
+fn kept() -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join("random-scenes")
+}
+
+fn keep(seed: u64) {
+    let folder = kept().join(seed.to_string());
+    let written = fs::create_dir_all(&folder).and_then(|()| scene(seed).write(&folder));
+    if let Err(error) = written {
+        eprintln!("scene {seed} cannot be kept: {error}");
+    }
+}
+
+fn number(variable: &str, default: u64) -> u64 {
+    std::env::var(variable).map_or(default, |value| value.parse().expect("a whole number"))
+}
+
+/// Tally of all scenes.
+#[derive(Default)]
+struct Tally {
+    done: u64,
+    faults: u64,
+    refused: u64,
+    wrong: Vec<(u64, String)>,
+    /// The longest that a scene took, and its seed.
+    slowest: (Duration, u64),
+}
+
+impl Tally {
+    fn add(&mut self, seed: u64, fate: Result<Fate, String>, took: Duration) {
+        match fate {
+            Ok(Fate::Done) => self.done += 1,
+            Ok(Fate::Fault) => self.faults += 1,
+            Ok(Fate::Refused) => self.refused += 1,
+            Err(wrong) => {
+                eprintln!("seed {seed}: {wrong}");
+                self.wrong.push((seed, wrong));
+            }
+        }
+        self.slowest = self.slowest.max((took, seed));
+    }
+
+    fn all(&self) -> u64 {
+        self.done + self.faults + self.refused + self.wrong.len() as u64
+    }
+}
+
+/// Were it wrong, what random scenes have found before would be there again.
+#[test]
+fn scenes_that_failed_before() {
+    let kept = Path::new(env!("CARGO_MANIFEST_DIR")).join("kept");
+    let scenes = fs::read_dir(kept)
+        .expect("a folder")
+        .map(|entry| entry.expect("a file").path());
+    let played = scenes.map(|scene| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let fate = play(&scene, folder.path(), true);
+        assert!(
+            matches!(fate, Ok(Fate::Done | Fate::Fault)),
+            "{}: {fate:?}",
+            scene.display()
+        );
+    });
+    assert!(played.count() > 0);
+}
+
+/// Were it wrong, some scene that a person may write would end in a panic, or in numbers that are none, or its exit status would
+/// say something else than its report.
+#[test]
+fn every_scene_runs_or_is_refused() {
+    let count = number("COPHASE_RANDOM_SCENES", FEW);
+    let first = number("COPHASE_RANDOM_SEED", 0);
+    let (next, tally) = (AtomicU64::new(0), Mutex::new(Tally::default()));
+    let began = Instant::now();
+    let work = || {
+        loop {
+            let i = next.fetch_add(1, Ordering::Relaxed);
+            if i >= count {
+                return;
+            }
+            let (seed, at) = (first + i, Instant::now());
+            let fate = play_apart(seed);
+            let mut tally = tally.lock().expect("no thread left it locked");
+            tally.add(seed, fate, at.elapsed());
+        }
+    };
+    thread::scope(|scope| {
+        let cores = thread::available_parallelism().map_or(1, usize::from);
+        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
+        let mut said = Instant::now();
+        while !workers.iter().all(|worker| worker.is_finished()) {
+            thread::sleep(Duration::from_millis(50));
+            if said.elapsed() > PROGRESS {
+                said = Instant::now();
+                let tally = tally.lock().expect("no thread left it locked");
+                eprintln!(
+                    "{} of {count} scenes, {:.0} s",
+                    tally.all(),
+                    began.elapsed().as_secs_f64()
+                );
+            }
+        }
+    });
+    let tally = tally.into_inner().expect("no thread left it locked");
+    println!(
+        "{count} scenes from seed {first}: {} done, {} with status 1, {} refused; {:.0} s, the slowest {:.1} s (seed {})",
+        tally.done,
+        tally.faults,
+        tally.refused,
+        began.elapsed().as_secs_f64(),
+        tally.slowest.0.as_secs_f64(),
+        tally.slowest.1,
+    );
+    assert!(
+        tally.wrong.is_empty(),
+        "{} scenes fail; they are kept in {}: {:#?}",
+        tally.wrong.len(),
+        kept().display(),
+        tally.wrong
+    );
+    // Were it so, hardly anything would have been tried.
+    assert!(
+        (count - tally.refused) * 100 >= LEAST_ACCEPTED * count,
+        "{} of {count} scenes are refused",
+        tally.refused
+    );
+    assert!(tally.done > count / 5, "hardly any scene ends well");
+    assert!(tally.faults > count / 20, "hardly anything goes wrong");
+}
