@@ -1,7 +1,7 @@
 //! Whether the model level that was chosen does, by running a sample of the scene on it and on others.
 
 use super::choice::{Choice, Judged};
-use super::choose::{STEP_PART, available, judge, questions};
+use super::choose::{STEP_PART, available, is_undisturbed, judge, questions};
 use super::settled::Settled;
 use super::{Answers, Bounds, Output, sample};
 use crate::scene::file::{Fidelity, Questions};
@@ -42,16 +42,12 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
         return Ok(checked);
     };
     let model_levels = available(&checked);
-    let Some((&top, below)) = model_levels.split_last() else {
+    let levels = model_levels.split_last();
+    let Some((&top, below)) = levels.filter(|_| !is_settled(&choice, &model_levels)) else {
         checked.choice = Some(choice);
         return Ok(checked);
     };
     let trial = Trial::new(&checked, choice.resolution);
-    let is_lowest = below.first() == Some(&choice.model_level);
-    if is_lowest && trial.judge(choice.model_level).iter().all(is_plain) {
-        checked.choice = Some(choice);
-        return Ok(checked);
-    }
     let right = trial.run(top)?.settled(&trial.questions)?;
     // The lowest first: bounds are wide.
     for &model_level in below {
@@ -139,16 +135,15 @@ impl Trial {
     }
 }
 
-/// Whether the bound alone is enough for the lowest model level, which no sample can lower.
-pub(super) fn is_plain(judged: &Judged) -> bool {
-    judged
-        .bound
-        .is_some_and(|bound| bound <= WELL_WITHIN * judged.tolerance)
-}
-
-/// Whether nothing happens to the machine that bounds do not know of.
-fn is_undisturbed(checked: &Checked) -> bool {
-    checked.scene.fault.is_empty() && checked.scene.noise.load_nm == 0.0
+/// Whether no sample can change anything: there is one model level alone, or the bounds of the lowest are enough.
+pub(super) fn is_settled(choice: &Choice, model_levels: &[Fidelity]) -> bool {
+    let is_plain = |judged: &Judged| {
+        judged
+            .bound
+            .is_some_and(|bound| bound <= WELL_WITHIN * judged.tolerance)
+    };
+    let is_lowest = model_levels.first() == Some(&choice.model_level);
+    is_lowest && (model_levels.len() == 1 || choice.judged.iter().all(is_plain))
 }
 
 /// Whether the sample is farther off than is required, or than the bound has it.

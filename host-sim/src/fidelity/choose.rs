@@ -54,11 +54,27 @@ pub fn judge(
         .collect()
 }
 
-/// The lowest model level whose bounds are within what is required, of those that a scene says enough for.
+/// The lowest model level whose bounds are within what is required, of those that a scene says enough for. The level is chosen as if
+/// nothing disturbed the machine; if something does, no bound is claimed.
 ///
 /// # Errors
 /// A question that only model levels answer for which the scene lacks something.
 pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
+    let mut choice = choose_undisturbed(checked)?;
+    if !is_undisturbed(checked) {
+        for judged in &mut choice.judged {
+            judged.bound = None;
+        }
+    }
+    Ok(choice)
+}
+
+/// Whether nothing happens to the machine that bounds do not know of.
+pub(super) fn is_undisturbed(checked: &Checked) -> bool {
+    checked.scene.fault.is_empty() && checked.scene.noise.load_nm == 0.0
+}
+
+fn choose_undisturbed(checked: &Checked) -> Result<Choice, SceneError> {
     let questions = questions(checked);
     if Output::ALL
         .iter()

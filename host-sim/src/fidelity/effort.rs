@@ -1,7 +1,8 @@
 //! What the choice of a model level takes, before it is made.
 
+use super::check::is_settled;
 use super::choose::available;
-use super::{check, sample};
+use super::sample;
 use crate::scene::{Checked, SceneError};
 
 /// Sample runs of a scene, in runs on its top model level.
@@ -30,13 +31,9 @@ pub fn sample_runs(checked: &Checked) -> Result<Option<SampleRuns>, SceneError> 
         return Ok(None);
     };
     let levels = available(checked);
-    let is_lowest = levels.first() == Some(&choice.model_level);
-    let Some(&top) = levels.last() else {
+    let Some(&top) = levels.last().filter(|_| !is_settled(choice, &levels)) else {
         return Ok(None);
     };
-    if is_lowest && (levels.len() == 1 || choice.judged.iter().all(check::is_plain)) {
-        return Ok(None);
-    }
     let mut scene = sample::of(&checked.scene);
     scene.fidelity = top;
     let mut sample = Checked::new(scene)?;

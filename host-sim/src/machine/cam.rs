@@ -159,13 +159,13 @@ impl Followers {
         let axes = self.pushers.iter_mut().zip(&mut self.peaks).enumerate();
         for ((axis, (pusher, peaks)), turned) in axes.zip(turned) {
             *peaks = Peaks::default();
-            let mut look = |at: u32, pusher: &Pusher| {
+            let mut observe = |at: u32, pusher: &Pusher| {
                 self.within_mps2[at as usize] += share * pusher.accel_mps2;
             };
             match &mut self.elastic {
-                None => (*pusher, *peaks) = by_law(&self.cam, turned, self.tick_s, &mut look),
+                None => (*pusher, *peaks) = by_law(&self.cam, turned, self.tick_s, &mut observe),
                 Some(elastic) if elastic.broken.is_none() => {
-                    match elastic.play(axis, turned, self.tick_s, &mut look) {
+                    match elastic.play(axis, turned, self.tick_s, &mut observe) {
                         Ok(played) => (*pusher, *peaks) = played,
                         Err(error) => elastic.broken = Some(error),
                     }
@@ -176,12 +176,12 @@ impl Followers {
     }
 }
 
-/// A tick of a pusher that its law moves; `look` sees it at each sample.
+/// A tick of a pusher that its law moves; `observe` is given it at each sample.
 fn by_law(
     cam: &Cam,
     turned: &Turned,
     tick_s: f64,
-    mut look: impl FnMut(u32, &Pusher),
+    mut observe: impl FnMut(u32, &Pusher),
 ) -> (Pusher, Peaks) {
     let (mut pusher, mut peaks) = (Pusher::default(), Peaks::default());
     for sample in 1..=SAMPLES {
@@ -194,7 +194,7 @@ fn by_law(
             accel_mps2: law.acceleration * omega * omega
                 + law.velocity * turned.acceleration_rad_s2,
         };
-        look(sample - 1, &pusher);
+        observe(sample - 1, &pusher);
         peaks = peaks.or(Peaks {
             off_m: 0.0,
             pusher_mps2: pusher.accel_mps2.abs(),

@@ -180,23 +180,23 @@ fn write(text: &mut String, seed: u64, draw: &mut Draw) -> std::fmt::Result {
 }
 
 fn questions(text: &mut String, has_frame: bool, draw: &mut Draw) -> std::fmt::Result {
-    let mut asked = String::new();
-    let mut ask = |key: &str, chance: f64, low: f64, high: f64| {
+    let mut requested = String::new();
+    let mut request = |key: &str, chance: f64, low: f64, high: f64| {
         if draw.chance(chance) {
             let tolerance = draw.scale(low, high);
-            let _ = writeln!(asked, "{key} = {tolerance:.4}");
+            let _ = writeln!(requested, "{key} = {tolerance:.4}");
         }
     };
-    ask("lag_deg", 0.6, 0.02, 6.0);
-    ask("spread_deg", 0.6, 0.02, 3.0);
-    ask("tilt_mrad", 0.6, 0.004, 1.0);
-    ask("amax_percent", 0.6, 1.0, 50.0);
-    ask("torque_percent", 0.6, 1.0, 20.0);
+    request("lag_deg", 0.6, 0.02, 6.0);
+    request("spread_deg", 0.6, 0.02, 3.0);
+    request("tilt_mrad", 0.6, 0.004, 1.0);
+    request("amax_percent", 0.6, 1.0, 50.0);
+    request("torque_percent", 0.6, 1.0, 20.0);
     if has_frame {
-        ask("ground_percent", 0.4, 1.0, 20.0);
+        request("ground_percent", 0.4, 1.0, 20.0);
     }
-    if draw.chance(0.4) || asked.is_empty() {
-        asked.push_str("slips = true\n");
+    if draw.chance(0.4) || requested.is_empty() {
+        requested.push_str("slips = true\n");
     }
-    write!(text, "[questions]\n{asked}")
+    write!(text, "[questions]\n{requested}")
 }

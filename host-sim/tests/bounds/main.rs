@@ -113,7 +113,7 @@ fn answers_are_as_good_as_claimed() {
     assert!(tally.answers > machines as u32, "too little is compared");
 }
 
-/// A scene's run, and what was asked of it.
+/// A scene's run, and what was requested of it.
 fn run(checked: &Checked) -> (Answers, bool) {
     let mut answers = Answers::default();
     let outcome = simulate(checked, &mut answers, |_, _| {}).unwrap();
@@ -137,7 +137,7 @@ fn judge(seed: u64, text: &str, tally: &Mutex<Tally>) {
     let (answers, diverged) = run(&taken);
     let has_slipped = answers.of(Output::Slips) != Some(0.0);
     let taken = answered(taken, &answers);
-    let choice = taken.choice.as_ref().expect("it was asked");
+    let choice = taken.choice.as_ref().expect("it was requested");
     let right = converged(&checked, top, &questions);
     let mut tally = tally.lock().unwrap();
     let mut wrong = String::new();

@@ -19,7 +19,7 @@ const LAWS: [LawName; 4] = [
 /// A cam, with masses on springs in half of the scenes, and always where there are questions.
 pub fn shaft(source: &mut Source, kind: Kind, kinds: Kinds, tick_hz: u32) -> CamShaft {
     let is_on_screws = kind == Kind::Screws;
-    let has_links = !is_on_screws && (kinds.asks || source.percent(60));
+    let has_links = !is_on_screws && (kinds.has_questions || source.percent(60));
     let three = |source: &mut Source, usual: (f64, f64), range: (f64, f64)| {
         std::array::from_fn(|_| source.usual(usual, range))
     };

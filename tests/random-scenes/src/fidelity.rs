@@ -7,7 +7,7 @@ use crate::{Basis, Kind, Kinds};
 
 /// Model level, and whether the motors have torque.
 pub fn level(source: &mut Source, kind: Kind, kinds: Kinds, has_links: bool) -> (Fidelity, bool) {
-    if kinds.asks {
+    if kinds.has_questions {
         return (Fidelity::Auto, true);
     }
     let level = match kind {
@@ -44,8 +44,8 @@ pub fn questions(
         Kind::Shafts => has_links,
         Kind::Screws => false,
     };
-    let is_asked = basis.kinds.asks || source.percent(60);
-    if basis.fidelity != Fidelity::Auto || !can_answer || !is_asked {
+    let is_requested = basis.kinds.has_questions || source.percent(60);
+    if basis.fidelity != Fidelity::Auto || !can_answer || !is_requested {
         return Questions::default();
     }
     let mut tolerance = |percent: u32, usual: (f64, f64)| {

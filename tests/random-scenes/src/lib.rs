@@ -37,19 +37,19 @@ pub struct Kinds {
     /// Whether some scenes have faults, noise of loads, and events from outside.
     pub disturbed: bool,
     /// Whether all scenes have `[questions]` and leave `fidelity` to be chosen: cranks that torque moves, or cams with masses.
-    pub asks: bool,
+    pub has_questions: bool,
 }
 
 impl Kinds {
     /// All scenes.
     pub const ALL: Self = Self {
         disturbed: true,
-        asks: false,
+        has_questions: false,
     };
     /// Scenes with questions, to which nothing happens.
     pub const QUESTIONS: Self = Self {
         disturbed: false,
-        asks: true,
+        has_questions: true,
     };
 }
 
@@ -98,7 +98,7 @@ pub fn draw(seed: u64, kinds: Kinds) -> Drawn {
 }
 
 /// Draws a scene of these kinds and checks it, as the command does with a file; scenes with a table in a file of its own are not
-/// drawn with [`Kinds::asks`].
+/// drawn with [`Kinds::has_questions`].
 ///
 /// # Errors
 /// The scene is refused.
@@ -148,7 +148,7 @@ struct Basis {
 impl Basis {
     /// Draws a scene, and the file of its cam table if it has one.
     fn draw(source: &mut Source, kinds: Kinds, seed: u64) -> (Scene, Option<String>) {
-        let kind = match source.below(if kinds.asks { 9 } else { 10 }) {
+        let kind = match source.below(if kinds.has_questions { 9 } else { 10 }) {
             0..8 => Kind::Cranks,
             8 => Kind::Shafts,
             _ => Kind::Screws,

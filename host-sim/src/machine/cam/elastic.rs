@@ -60,13 +60,13 @@ impl Elastic {
         })
     }
 
-    /// A tick of one follower; `look` sees its pusher after each step.
+    /// A tick of one follower; `observe` is given its pusher after each step.
     pub fn play(
         &mut self,
         axis: usize,
         turned: &Turned,
         tick_s: f64,
-        mut look: impl FnMut(u32, &Pusher),
+        mut observe: impl FnMut(u32, &Pusher),
     ) -> Result<(Pusher, Peaks), StepError> {
         let cam = &mut self.chain.cam;
         cam.start_rad = turned.from.rem_euclid(1.0) * std::f64::consts::TAU;
@@ -92,7 +92,7 @@ impl Elastic {
                 place_m: state[2],
                 accel_mps2: rates[5],
             };
-            look(step, &pusher);
+            observe(step, &pusher);
         }
         Ok((pusher, peaks))
     }
