@@ -149,12 +149,12 @@ impl Followers {
             self.within_mps2 = vec![self.mean().accel_mps2];
             return;
         }
-        let looks = self
+        let samples = self
             .elastic
             .as_ref()
             .map_or(SAMPLES, |elastic| elastic.steps);
         self.within_mps2.clear();
-        self.within_mps2.resize(looks as usize, 0.0);
+        self.within_mps2.resize(samples as usize, 0.0);
         let share = 1.0 / self.axes as f64;
         let axes = self.pushers.iter_mut().zip(&mut self.peaks).enumerate();
         for ((axis, (pusher, peaks)), turned) in axes.zip(turned) {

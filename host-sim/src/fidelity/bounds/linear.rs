@@ -171,7 +171,11 @@ pub fn worst(driven: &Driven, drive: &Drive) -> Worst {
     worst.torque_of_amax =
         (share_kg * lever_m * mechanism.amax_mps2(drive.top_rad_s) / greatest_nm).max(1.0);
     worst.spring_per_rad /= greatest_nm;
-    worst.amax += of_ramps(driven, drive, &required);
+    let swing_rad_s2 = swing_rad_s2(driven, drive, &required);
+    let lever = mechanism.crank_radius_m() * mechanism.greatest_s();
+    worst.amax += lever * swing_rad_s2 / mechanism.amax_mps2(drive.top_rad_s);
+    let heaviest = body.rotors_kgm2.iter().copied().fold(0.0, f64::max);
+    worst.torque += (heaviest + load_inertia_kgm2(body, &required)) * swing_rad_s2 / greatest_nm;
     worst.frequency_ratio = frequency_ratio(driven, drive, &required);
     worst
 }
@@ -322,9 +326,9 @@ fn greatest_nm(body: &Body, omega_rad_s: f64) -> f64 {
         .fold(f64::MIN_POSITIVE, f64::max)
 }
 
-/// What changes of acceleration make of the platform's, as a part of amax at top speed. Feed-forward holds each tick's torque, and so is
-/// ahead by up to a tick; without it, motor and crank swing at their own frequency.
-fn of_ramps(driven: &Driven, drive: &Drive, required: &RequiredTorque) -> f64 {
+/// Acceleration of a crank beyond that of its command as that changes, rad/s². Feed-forward holds each tick's torque, and so is ahead by
+/// up to a tick; without it, motor and crank swing at their own frequency.
+fn swing_rad_s2(driven: &Driven, drive: &Drive, required: &RequiredTorque) -> f64 {
     let body = driven.body();
     let load = load_inertia_kgm2(body, required);
     let late_s = |(i, motor): (usize, &Motor)| {
@@ -336,10 +340,7 @@ fn of_ramps(driven: &Driven, drive: &Drive, required: &RequiredTorque) -> f64 {
     };
     let late_s = driven.motors().iter().enumerate().map(late_s);
     let late_s = late_s.fold(0.0, f64::max);
-    let off_rad_s2 = (drive.jerk_rad_s3 * late_s).min(drive.acceleration_rad_s2);
-    let mechanism = &body.mechanism;
-    let lever_m = mechanism.crank_radius_m() * mechanism.greatest_s();
-    lever_m * off_rad_s2 / mechanism.amax_mps2(drive.top_rad_s)
+    (drive.jerk_rad_s3 * late_s).min(drive.acceleration_rad_s2)
 }
 
 /// Speeds of the master to look at: evenly up to the top, and where a harmonic meets the ends of the range that
