@@ -79,10 +79,21 @@ pub(super) fn steps_for(
         return Ok(steps as u32);
     }
     Err(format!(
-        "{scheme} would take {steps:.0} steps a tick for the fastest mode, {:.3e} rad/s at a damping ratio of {:.3}; at \
+        "{scheme} would take {} steps a tick for the fastest mode, {:.3e} rad/s at a damping ratio of {:.3}; at \
          most {MOST_STEPS} are made: give rotors more inertia, softer rods and motors, or another method.name",
-        mode.omega_rad_s, mode.zeta
+        in_words(steps),
+        mode.omega_rad_s,
+        mode.zeta
     ))
+}
+
+/// A number of steps that is too large. With very much damping no step is short enough, and it has no end.
+pub(super) fn in_words(steps: f64) -> String {
+    if steps < 1e6 {
+        format!("{steps:.0}")
+    } else {
+        "over a million".to_owned()
+    }
 }
 
 /// What is unstable, with what would be right in the scene's own key.
@@ -93,5 +104,21 @@ pub(super) fn in_steps_per_tick(unstable: &Unstable, tick_s: f64) -> String {
             format!("{unstable}; that is method.steps_per_tick = {steps:.0} or more")
         }
         _ => unstable.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Were it wrong, a refusal would ask for fewer than infinitely many steps.
+    #[test]
+    fn steps_without_end_are_said_in_words() {
+        let mode = Mode {
+            omega_rad_s: 283.7,
+            zeta: 1_418_589.0,
+        };
+        let refused = steps_for(Scheme::Rk4, mode, 1e-3, RESOLUTION).unwrap_err();
+        assert!(refused.contains("over a million steps a tick"), "{refused}");
     }
 }

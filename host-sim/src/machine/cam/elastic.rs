@@ -8,7 +8,7 @@ use cophase_methods::{Equations, Method, Scheme, StepError};
 
 use super::pusher::{Peaks, Pusher, Turned};
 use crate::machine::Chosen;
-use crate::machine::MOST_STEPS;
+use crate::machine::step::{MOST_STEPS, in_words};
 
 /// How far the slowest mode may turn in a step of exact discretisation, rad: a peak of the pusher lies within half a step of one that is
 /// looked at, where its cosine is 1 − (0.05/2)²/2, 0.03 % off. The cam side feels the cam's motion directly, which the method takes as
@@ -117,8 +117,9 @@ fn steps_for(
         return Ok(steps as u32);
     }
     Err(format!(
-        "{scheme} would take {steps:.3e} steps a tick for a follower that is as fast as {:.3e} rad/s; at most \
+        "{scheme} would take {} steps a tick for a follower that is as fast as {:.3e} rad/s; at most \
          {MOST_STEPS} are made: give it more mass or softer springs, or method.name = \"exact\"",
+        in_words(steps),
         chain.fastest_rad_s()
     ))
 }

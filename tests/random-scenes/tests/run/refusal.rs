@@ -31,10 +31,15 @@ pub fn check(err: &str, scene: &Path) -> Result<(), String> {
     let documented = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scenes.md");
     let documented = std::fs::read_to_string(documented).map_err(|error| error.to_string())?;
     let start = format!("cophase: {}", scene.display());
-    if err.is_empty() {
+    // What a run takes may be said before it is refused.
+    let mut lines = err
+        .lines()
+        .filter(|line| !line.contains(" takes about "))
+        .peekable();
+    if lines.peek().is_none() {
         return Err("refused without a word".to_owned());
     }
-    for line in err.lines() {
+    for line in lines {
         let wrong = |what: &str| Err(format!("a refusal {what}: {line}"));
         let Some(rest) = line.strip_prefix(&start) else {
             return wrong("does not name the file");
