@@ -5,7 +5,8 @@ use crate::axes::FollowerSettings;
 use crate::drift::IndexPulse;
 use crate::program::{EntrySettings, SegmentSettings, Shape};
 use crate::settings::{BandSettings, DriveKind, LimitSettings, Platform, Settings, sample};
-use crate::supervisor::Command;
+use crate::signals::Feedback;
+use crate::supervisor::{Command, State};
 
 const HZ: u32 = 2000;
 

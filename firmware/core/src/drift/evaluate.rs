@@ -1,6 +1,6 @@
 //! Evaluation of the updates: what a single axis shows, what the axes of a round show together, and the limits.
 
-use super::angles::{Angles, furthest, in_common, of_angle};
+use super::angles::{Angles, in_common, of_angle};
 use super::axis_watch::AxisWatch;
 use super::modes::AxisSet;
 use super::{DriftMonitor, Sensed};
@@ -101,23 +101,6 @@ impl DriftMonitor {
         axes.all(|(axis, watch)| others & 1 << axis == 0 || !watch.is_late())
     }
 
-    pub(super) fn update(&mut self) {
-        self.changed = true;
-        let mut stale = core::mem::take(&mut self.stale) | self.encoders();
-        for ((phase_error, peak), watch) in self
-            .phase_error
-            .iter_mut()
-            .zip(&mut self.peak)
-            .zip(&self.axes)
-        {
-            if stale & 1 != 0 {
-                *phase_error = watch.phase_error();
-                *peak = phase_error.wrapping_abs().max(*peak);
-            }
-            stale >>= 1;
-        }
-    }
-
     /// Names the axes by index that moved otherwise than the others in this round; what these moved by.
     pub(super) fn compare(&mut self) -> Turns {
         of_angle(compare(&mut self.axes, self.by_index))
@@ -200,7 +183,7 @@ impl DriftMonitor {
             kind
         };
         // Of two cranks that are apart, the one of which something is known is the one that moved.
-        let worst = self.worst(error);
+        let worst = self.furthest(error);
         let named = |axis: usize| self.axes.get(axis).and_then(AxisWatch::name);
         let count = self.axes.len();
         let known = (worst..count)
@@ -218,11 +201,6 @@ impl DriftMonitor {
         let size = self.phase_error.get(axis).copied().unwrap_or_default();
         self.findings
             .push(Fault::new(kind).on_axis(axis).with_size(size), false);
-    }
-
-    /// The axis that is furthest from what all have in common.
-    pub(super) fn worst(&self, error: &PerAxis<Turns>) -> usize {
-        furthest(error, self.watched())
     }
 
     /// While nobody knows where the cranks should be, encoders still show an axis that does not turn as commanded; of all that do not,

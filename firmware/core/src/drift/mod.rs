@@ -28,6 +28,7 @@ mod index_watch;
 mod limits;
 mod modes;
 mod naming;
+mod process;
 mod queue;
 mod tick_phase;
 
@@ -42,6 +43,7 @@ pub use tick_phase::{IndexPulse, TickPhase};
 
 use crate::supervisor::FaultKind;
 use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
+use angles::furthest;
 use axis_watch::AxisWatch;
 use findings::Findings;
 use queue::Queue;
@@ -128,27 +130,6 @@ pub struct DriftMonitor {
 const NO_MARGIN: Turns = Turns::from_bits(-1);
 
 impl DriftMonitor {
-    /// Takes in what came during a tick that is over; returns the next finding to report, if there is one.
-    #[inline(never)]
-    pub fn observe(&mut self, sensed: &Sensed<'_>) -> Option<Finding> {
-        let before_is_known = core::mem::replace(&mut self.before_is_known, true);
-        self.findings.pass(sensed.speed);
-        if self.encoders() != 0 {
-            self.observe_encoders(sensed, before_is_known);
-        }
-        let arrived = self.queue_pulses(sensed, before_is_known);
-        self.margin = self.margin.wrapping_sub(sensed.history.most());
-        if self.margin < 0 {
-            self.check_timeouts(sensed);
-        }
-        let has_updates = self.has_updates() && (sensed.may_process || self.is_at_once());
-        if has_updates {
-            self.process_queue(sensed, arrived);
-        }
-        self.is_busy = has_updates && !self.is_at_once();
-        self.findings.next()
-    }
-
     /// Takes note of a tick to which no phase belongs: sensors that were detected in it are alive.
     pub fn disregard(&mut self, sensed: &Sensed<'_>) {
         self.before_is_known = false;
@@ -226,9 +207,22 @@ impl DriftMonitor {
         errors
     }
 
-    /// Takes in what was detected in a round that is not over.
-    pub fn refresh(&mut self) {
-        self.update();
+    /// Takes in what was detected, in a round that may not be over.
+    pub fn update(&mut self) {
+        self.changed = true;
+        let mut stale = core::mem::take(&mut self.stale) | self.encoders();
+        for ((phase_error, peak), watch) in self
+            .phase_error
+            .iter_mut()
+            .zip(&mut self.peak)
+            .zip(&self.axes)
+        {
+            if stale & 1 != 0 {
+                *phase_error = watch.phase_error();
+                *peak = phase_error.wrapping_abs().max(*peak);
+            }
+            stale >>= 1;
+        }
     }
 
     /// Whatever was detected, every index is to be detected again.
@@ -276,7 +270,7 @@ impl DriftMonitor {
 
     /// The watched axis that is furthest from what all have in common.
     pub fn furthest(&self, error: &PerAxis<Turns>) -> usize {
-        self.worst(error)
+        furthest(error, self.watched())
     }
 
     /// Whether the platform may tilt and bend so.

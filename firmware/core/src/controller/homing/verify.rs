@@ -1,11 +1,28 @@
 //! Checks whether cranks that were moved followed their commands, in homing and in run.
 
 use super::checks::When;
-use super::{CHECK_SHARE, CHECKS, CONFIRMED, Homing, Step};
+use super::{Homing, Step};
 use crate::axes::PhaseOffsets;
 use crate::drift::DriftMonitor;
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{PerAxis, Turns, nearest};
+
+/// Checks after which a crank that deviates in each is believed to.
+const CHECKS: u8 = 3;
+/// Corrections after which it is believed in run: by the third, what a swap does may pass for a crank that runs away.
+const CONFIRMED: u8 = 2;
+/// One of the looks, 16 fraction bits.
+const CHECK_SHARE: i64 = 65_536 / CHECKS as i64;
+
+/// Result of a check of cranks that were moved.
+pub(super) enum Verdict {
+    /// All cranks followed their commands.
+    Followed,
+    /// One deviates so far: it is to be checked again.
+    Unsure,
+    /// One deviated in every check.
+    Deviates(Fault),
+}
 
 impl Homing {
     /// Fault of swapped wiring, if that is why cranks that were moved seem to exceed the homing range.
@@ -100,9 +117,9 @@ impl Homing {
     pub(super) fn checked(
         &mut self,
         monitor: &mut DriftMonitor,
-        offsets: &mut PhaseOffsets,
-    ) -> Option<Fault> {
-        monitor.refresh();
+        offsets: &PhaseOffsets,
+    ) -> Verdict {
+        monitor.update();
         let mut phase_error = self.error_since(monitor);
         self.checks += 1;
         for (sum, (now, &before)) in self
@@ -114,11 +131,10 @@ impl Homing {
         }
         let moves = self.moves(When::Moved, &phase_error, offsets.now());
         if moves.deviation(monitor.watched()).is_none() {
-            return self.go_on(monitor, offsets);
+            return Verdict::Followed;
         }
         if self.checks < CHECKS {
-            monitor.start_check();
-            return None;
+            return Verdict::Unsure;
         }
         for (mean, (off, &before)) in phase_error
             .iter_mut()
@@ -129,14 +145,14 @@ impl Homing {
         }
         let moves = self.moves(When::Moved, &phase_error, offsets.now());
         let Some(deviation) = moves.deviation(monitor.watched()) else {
-            return self.go_on(monitor, offsets);
+            return Verdict::Followed;
         };
         let kind = if deviation.is_swapped {
             FaultKind::SwappedWiring
         } else {
             monitor.name_of(deviation.axis, deviation.off)
         };
-        Some(
+        Verdict::Deviates(
             Fault::new(kind)
                 .on_axis(deviation.axis)
                 .with_size(deviation.off),
