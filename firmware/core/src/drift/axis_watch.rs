@@ -300,8 +300,13 @@ impl AxisWatch {
         }
         match encoder.tracking() {
             Tracking::Ok => None,
+            // One that is let go may spring back, and swing once to either side.
+            Tracking::Stalled
+                if encoder.has_gone_back(self.swing().saturating_add(self.swing())) =>
+            {
+                Some(FaultKind::Reversed)
+            }
             Tracking::Stalled => Some(FaultKind::Stuck),
-            Tracking::Reversed => Some(FaultKind::Reversed),
             Tracking::Overspeed => Some(FaultKind::Runaway),
         }
     }
