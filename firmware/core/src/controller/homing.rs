@@ -116,6 +116,16 @@ impl Homing {
         self.waited = Turns::ZERO;
     }
 
+    /// True if the places of the cranks have been found, whether or not they could be brought together.
+    pub(super) const fn has_found(&self) -> bool {
+        !matches!(self.step, Step::Off | Step::Find)
+    }
+
+    /// Forgets that the places of the cranks have been found.
+    pub(super) const fn forget(&mut self) {
+        self.step = Step::Off;
+    }
+
     /// Whether the cranks are where they should be.
     pub(super) const fn is_done(&self) -> bool {
         matches!(self.step, Step::Done)

@@ -7,8 +7,11 @@ use crate::mechanism::Mechanism;
 use crate::program::Cursor;
 use crate::shaft::{Demand, Target};
 use crate::signals::{Feedback, Output};
-use crate::supervisor::{Action, Command, Fault, State, SupervisorInput};
+use crate::supervisor::{Action, Command, Fault, FaultKind, State, SupervisorInput};
 use crate::units::{Amax, ONE_TURN, Phase, Turns};
+
+/// Ticks after the drives were on last in which a pulse may be read that came while they were.
+const LAST_PLAYED: u64 = 3;
 
 impl Controller {
     /// Plays one tick.
@@ -23,12 +26,18 @@ impl Controller {
         let reported = self.observe(feedback, &mut input);
         let before = self.supervisor.state();
         let was_well = !self.supervisor.has_fault();
-        let action = self
+        let mut action = self
             .supervisor
             .step(feedback.inputs, feedback.command, &input);
         let now = self.supervisor.state();
         if now != before {
-            self.enter(before, now);
+            match self.refusal(before, now) {
+                Some(fault) => {
+                    self.supervisor.begin_with(fault);
+                    action = Action::Stand;
+                }
+                None => self.enter(before, now),
+            }
         }
         let is_new = self.supervisor.has_fault() && (was_well || input.supersedes);
         let stop = feedback.inputs.stop && !self.stop_input;
@@ -104,6 +113,11 @@ impl Controller {
             return None;
         }
         let found = self.drift.observe(&sensed);
+        // Cranks that no drive holds are turned, and not all of them may have passed their flags.
+        let is_held = self.supervisor.drives_enabled() || self.ticks - self.driven <= LAST_PLAYED;
+        if !is_held && self.drift.has_pulse_by_index(&feedback.index) {
+            self.homing.forget();
+        }
         if cfg!(feature = "servo")
             && let Some(coupling) = &mut self.coupling
         {
@@ -137,6 +151,17 @@ impl Controller {
         found.map(Finding::of)
     }
 
+    /// Fault that homing would end with, if that is known before anything moves: a crank was left beyond the platform's limits.
+    #[inline(never)]
+    fn refusal(&mut self, before: State, now: State) -> Option<Fault> {
+        if before != State::Idle || now != State::Homing || !self.homing.has_found() {
+            return None;
+        }
+        let (axis, by) = self.drift.left_beyond_limits(self.offsets.now())?;
+        let fault = Fault::new(FaultKind::HomingRangeExceeded).on_axis(axis);
+        Some(fault.with_size(by).at(self.ticks, self.crank_phase()))
+    }
+
     /// Sets up for a state that was just entered.
     #[inline(never)]
     fn enter(&mut self, before: State, now: State) {
@@ -150,6 +175,10 @@ impl Controller {
                 self.cursor = Cursor::new();
                 self.target = Target::steady(Turns::ZERO);
             }
+            // This fault names the crank that stands wrong. Whoever resets it may have turned the crank by hand.
+            State::Idle if self.latched() == Some(FaultKind::HomingRangeExceeded) => {
+                self.homing.forget();
+            }
             State::Run => {
                 self.correction.restart();
                 if before != State::Parked {
@@ -162,6 +191,11 @@ impl Controller {
             }
             _ => {}
         }
+    }
+
+    /// Kind of the fault that was latched in the last tick.
+    fn latched(&self) -> Option<FaultKind> {
+        Some(self.output.telemetry.fault?.kind)
     }
 
     fn demand(&mut self, action: Action) -> Demand {

@@ -106,13 +106,35 @@ impl DriftMonitor {
         of_angle(compare(&mut self.axes, self.by_index))
     }
 
-    /// Phase errors with their corrections. While nobody knows the common zero, they may lie around half a turn: then their differences
-    /// to the first are what counts.
+    /// The axis that is furthest from all others, and by how much, if the cranks as they stand would tilt or bend the platform beyond its
+    /// limits.
+    pub fn left_beyond_limits(&mut self, correction: &PerAxis<Turns>) -> Option<(usize, Turns)> {
+        self.update();
+        let errors = self.errors_to_first(correction, true);
+        if self.allows(&errors) {
+            return None;
+        }
+        let axis = self.furthest(&errors);
+        let own = self
+            .phase_error
+            .get(axis)?
+            .wrapping_add(*correction.get(axis)?);
+        let others = self.in_common_but(axis, correction);
+        Some((axis, nearest(own.wrapping_sub(others))))
+    }
+
+    /// Phase errors with their corrections.
     pub(super) fn corrected_errors(&self, correction: &PerAxis<Turns>) -> PerAxis<Turns> {
+        self.errors_to_first(correction, self.finding_out)
+    }
+
+    /// Phase errors with their corrections. While nobody knows the common zero, they may lie around half a turn: then their `differences`
+    /// to the first are what counts.
+    fn errors_to_first(&self, correction: &PerAxis<Turns>, differences: bool) -> PerAxis<Turns> {
         let mut error = self.phase_error;
         let first = self.watched().trailing_zeros() as usize;
         let base = match error.get(first) {
-            Some(&first) if self.finding_out => first,
+            Some(&first) if differences => first,
             _ => Turns::ZERO,
         };
         for (error, &correction) in error.iter_mut().zip(correction) {

@@ -278,6 +278,12 @@ impl DriftMonitor {
         self.limits.of_platform(&self.mount.modes(error)).is_none()
     }
 
+    /// Whether an axis without an encoder has a pulse.
+    pub fn has_pulse_by_index(&self, index: &PerAxis<Option<IndexPulse>>) -> bool {
+        let mut pulses = index.iter().enumerate();
+        pulses.any(|(axis, pulse)| pulse.is_some() && self.by_index & 1 << axis != 0)
+    }
+
     /// Axes that some sensor detects.
     pub const fn watched(&self) -> AxisSet {
         self.sensed | self.encoders()
