@@ -57,9 +57,8 @@ pub(super) struct Homing {
     base: PerAxis<Turns>,
     /// Turns of the master since the last step.
     waited: Turns,
-    /// Drifts before the cranks were moved, as each had passed its flag and just then; and the trims.
+    /// Phase errors of a turn before the cranks were moved; and the trims.
     before: PerAxis<Turns>,
-    before_now: PerAxis<Turns>,
     from: PerAxis<Turns>,
     /// Checks in which some crank deviated, and how far each was off in all of them; in run, corrections in a row that look like a
     /// swap.
@@ -83,7 +82,6 @@ impl Homing {
             base: NONE,
             waited: Turns::ZERO,
             before: NONE,
-            before_now: NONE,
             from: NONE,
             checks: 0,
             off: NONE,

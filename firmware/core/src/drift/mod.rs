@@ -114,6 +114,8 @@ pub struct DriftMonitor {
     /// No pulse of an axis by index is due before its axis has made so many more turns; negative if that is not known.
     margin: Turns,
     rounds: u32,
+    /// Turns of the master over which the errors of encoders have been averaged, up to one.
+    averaged: Turns,
     clock: TickClock,
     findings: Findings,
     phase_error: PerAxis<Turns>,
@@ -179,6 +181,7 @@ impl DriftMonitor {
         self.findings.clear();
         self.queue = Queue::new();
         self.margin = NO_MARGIN;
+        self.averaged = Turns::ZERO;
         for (watch, &phase) in self.axes.iter_mut().zip(phase) {
             watch.reset(phase);
         }
@@ -207,6 +210,19 @@ impl DriftMonitor {
         errors
     }
 
+    /// Phase errors of one turn: the mean of those that encoders show, and others as the cranks passed their flags. What loads do to a
+    /// crank differs by its angle, and a crank that swings where its rods let go is elsewhere there each time.
+    pub fn turn_errors(&self) -> PerAxis<Turns> {
+        let mut errors = self.phase_error;
+        fill(&mut errors, &self.axes, AxisWatch::turn_error);
+        errors
+    }
+
+    /// Whether [`Self::turn_errors`] cover a whole turn since [`Self::reset`] or [`Self::start_check`].
+    pub fn is_turn_over(&self) -> bool {
+        !self.has_encoders() || self.averaged >= Turns::ONE
+    }
+
     /// Takes in what was detected, in a round that may not be over.
     pub fn update(&mut self) {
         self.changed = true;
@@ -225,15 +241,19 @@ impl DriftMonitor {
         }
     }
 
-    /// Whatever was detected, every index is to be detected again.
-    pub const fn start_check(&mut self) {
+    /// Whatever was detected, every index is to be detected again, and encoders to be read over a turn.
+    pub fn start_check(&mut self) {
         self.checked = 0;
         self.evaluated_checked = 0;
+        self.averaged = Turns::ZERO;
+        for watch in &mut self.axes {
+            watch.restart_average();
+        }
     }
 
-    /// Whether every index has been detected since [`Self::start_check`].
-    pub const fn is_check_done(&self) -> bool {
-        self.evaluated_checked & self.sensed == self.sensed
+    /// Whether every index has been detected since [`Self::start_check`], and encoders have been read over a turn.
+    pub fn is_check_done(&self) -> bool {
+        self.evaluated_checked & self.sensed == self.sensed && self.is_turn_over()
     }
 
     /// The cranks are where they are: from now on, what moves one of them is a fault.

@@ -111,6 +111,8 @@ impl DriftMonitor {
     /// Processes a tick of the axes with encoders.
     #[inline(never)]
     fn observe_encoders(&mut self, sensed: &Sensed<'_>, before_is_known: bool) {
+        let share = sensed.speed.min(Turns::ONE.wrapping_sub(self.averaged));
+        self.averaged = self.averaged.wrapping_add(share);
         for (axis, watch) in self.axes.iter_mut().enumerate() {
             if self.by_encoder & 1 << axis == 0 {
                 continue;
@@ -120,6 +122,9 @@ impl DriftMonitor {
             let commanded = sensed.over(axis);
             if watch.observe(pulse, count, &commanded, before_is_known, self.clock) {
                 self.queue.other |= 1 << axis;
+            }
+            if share != 0 {
+                watch.average(share);
             }
         }
     }

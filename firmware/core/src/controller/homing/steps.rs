@@ -42,7 +42,9 @@ impl Homing {
     #[inline]
     fn go(&mut self, monitor: &mut DriftMonitor, offsets: &mut PhaseOffsets) -> Option<Fault> {
         match self.step {
-            Step::Find if monitor.is_homed() => return self.found(monitor, offsets),
+            Step::Find if monitor.is_homed() && self.may_move(monitor, offsets) => {
+                return self.found(monitor, offsets);
+            }
             Step::Level if !offsets.is_moving() => {
                 monitor.start_check();
                 self.step = Step::Verify;
@@ -56,6 +58,11 @@ impl Homing {
             _ => {}
         }
         None
+    }
+
+    /// Whether all is known that the cranks are compared with once they were moved.
+    fn may_move(&self, monitor: &DriftMonitor, offsets: &PhaseOffsets) -> bool {
+        monitor.is_turn_over() || !(self.proves() || offsets.corrects())
     }
 
     fn finish(&mut self, monitor: &mut DriftMonitor, offsets: &PhaseOffsets) {
@@ -154,8 +161,7 @@ impl Homing {
         }
         // Both tilts are looked at against the cranks without any: from one to the other two may be moved alike.
         if self.proven <= 1 {
-            self.before = monitor.errors_at_flags();
-            self.before_now = monitor.filtered_error();
+            self.before = monitor.turn_errors();
             self.from = *offsets.now();
         }
         self.checks = 0;

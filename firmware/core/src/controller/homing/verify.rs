@@ -5,7 +5,7 @@ use super::{Homing, Step};
 use crate::axes::PhaseOffsets;
 use crate::drift::DriftMonitor;
 use crate::supervisor::{Fault, FaultKind};
-use crate::units::{PerAxis, Turns, nearest};
+use crate::units::{Turns, nearest};
 
 /// Checks after which a crank that deviates in each is believed to.
 const CHECKS: u8 = 3;
@@ -88,30 +88,6 @@ impl Homing {
         (self.checks >= CONFIRMED).then_some(fault.with_size(swapped.off))
     }
 
-    /// Phase errors of cranks that were moved, to compare with [`Self::before`]. The effect of loads differs by the crank's angle, which is the same at
-    /// its flag, and by how fast the machine goes, which it does not yet at the first: so the less of both counts.
-    pub(super) fn error_since(&self, monitor: &DriftMonitor) -> PerAxis<Turns> {
-        let mut phase_error = monitor.errors_at_flags();
-        let now = monitor.filtered_error();
-        for ((at_flag, &before), (&now, &before_now)) in phase_error
-            .iter_mut()
-            .zip(&self.before)
-            .zip(now.iter().zip(&self.before_now))
-        {
-            let by_flag = nearest(at_flag.wrapping_sub(before));
-            let by_now = nearest(now.wrapping_sub(before_now));
-            let less = if (by_flag < 0) != (by_now < 0) {
-                Turns::ZERO
-            } else if by_now.abs() < by_flag.abs() {
-                by_now
-            } else {
-                by_flag
-            };
-            *at_flag = before.wrapping_add(less);
-        }
-        phase_error
-    }
-
     /// The cranks have been moved, and each detected once more.
     #[inline(never)]
     pub(super) fn checked(
@@ -120,7 +96,7 @@ impl Homing {
         offsets: &PhaseOffsets,
     ) -> Verdict {
         monitor.update();
-        let mut phase_error = self.error_since(monitor);
+        let mut phase_error = monitor.turn_errors();
         self.checks += 1;
         for (sum, (now, &before)) in self
             .off
