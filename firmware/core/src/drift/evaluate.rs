@@ -130,6 +130,7 @@ impl DriftMonitor {
 
     /// Phase errors with their corrections. While nobody knows the common zero, they may lie around half a turn: then their `differences`
     /// to the first are what counts.
+    #[inline(never)]
     fn errors_to_first(&self, correction: &PerAxis<Turns>, differences: bool) -> PerAxis<Turns> {
         let mut error = self.phase_error;
         let first = self.watched().trailing_zeros() as usize;

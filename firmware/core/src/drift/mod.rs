@@ -224,6 +224,7 @@ impl DriftMonitor {
     }
 
     /// Takes in what was detected, in a round that may not be over.
+    #[inline(never)] // Five places call it; copies of it would fill the RAM.
     pub fn update(&mut self) {
         self.changed = true;
         let mut stale = core::mem::take(&mut self.stale) | self.encoders();
