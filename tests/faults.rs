@@ -4,6 +4,8 @@
 //! says another thing on a *phased* one too, whose cranks swing there. The loop is not judged here: what it reports, and when it
 //! stops, are other tests' affair. So faults come early in a long turn at a low speed, and limits are wide.
 
+#[path = "faults/backwards.rs"]
+mod backwards;
 #[path = "faults/coasting.rs"]
 mod coasting;
 #[path = "faults/drives.rs"]

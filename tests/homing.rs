@@ -268,3 +268,58 @@ fn steps_lost_in_homing_are_reported_within_a_turn() {
         }
     }
 }
+
+/// Servos with an integral, on rods that bend: each swings where its rods let go, more in every turn. The drives' integrals wind up
+/// against the rods. More than four bend rods more, and stand less far apart.
+fn integral(count: usize, seed: u32, more: &str) -> String {
+    let axes: String = (0..count)
+        .map(|i| {
+            let scale = if count == 4 { 1.0 } else { 0.4 };
+            let start_deg = scale * [0.0, 1.5, 0.0, -1.0, 0.5, -0.5][i];
+            let friction_nm = [0.2, 0.4, 0.2, 0.1, 0.3, 0.2][i];
+            format!(
+                "[[axis]]\nnumber = {i}\nstart_deg = {start_deg}\nfriction_nm = {friction_nm}\nreversed = {}\n",
+                i % 2 == 1
+            )
+        })
+        .collect();
+    format!(
+        "name = \"integral\"\nfidelity = \"phased\"\n\
+         [machine]\ncrank_radius_mm = 5\nlambda = 0.25\nload_kg = 6\nrod_n_per_um = 50\nmount_radius_mm = 200\n\
+         [limits]\nspeed_hz = 62\nacceleration_hz_per_s = 40\njerk_hz_per_s2 = 400\n\
+         [drift]\ntilt_limit_mrad = 5\n\
+         [axes]\ncount = {count}\ndrive = \"servo\"\nencoder = true\nsteps_per_turn = 32768\nrotor_inertia_kgm2 = 0.001\n\
+         servo = {{ position_gain_per_s = 120, velocity_gain_nms = 1.0, integral_s = 0.05 }}\n{axes}\
+         [noise]\nseed = {seed}\nindex_deg = 0.05\nindex_us = 1\nload_nm = 0.1\nencoder_counts = 1\n\
+         [correction]\ngain = 0.25\ncouple = true\n\
+         [[program]]\namax_g = 1\nramp_s = 0.5\nhold_s = 0.2\n{more}"
+    )
+}
+
+/// Were errors compared where cranks swing, a machine that is wired rightly would be refused; were they not compared, a wrong one would
+/// run.
+#[test]
+fn servos_with_an_integral_are_homed_on_rods_that_bend() {
+    for count in 4..=6 {
+        for seed in 1..=3 {
+            let (_, right) = run(&integral(count, seed, ""));
+            assert_eq!(
+                (right.state, right.fault),
+                (State::Parked, None),
+                "{count} cranks, seed {seed}"
+            );
+        }
+        for lines in ["sensors", "drive"] {
+            let swapped = format!(
+                "[[fault]]\nat_s = 0\nkind = \"swapped-wiring\"\naxis = 1\nwith = 3\nlines = \"{lines}\"\n"
+            );
+            let (_, outcome) = run(&integral(count, 1, &swapped));
+            let fault = outcome.fault.expect("it is refused");
+            assert_eq!(
+                fault.kind,
+                FaultKind::SwappedWiring,
+                "{count}: {lines}, {fault:?}"
+            );
+        }
+    }
+}

@@ -101,3 +101,34 @@ fn a_reset_after_a_fault_lets_the_machine_start_again() {
         "that there was a fault is not forgotten"
     );
 }
+
+/// Were it forgotten that a crank stands on the wrong side, the next homing would tilt the platform by it until all indices are detected.
+#[test]
+fn a_crank_that_is_known_to_be_far_off_is_not_moved_by_the_next_start() {
+    let stuck = "[drift]\ntilt_limit_mrad = 3\n\
+        [[fault]]\nat_s = 2.1\nkind = \"stuck\"\naxis = 0\nfor_s = 0.1\n";
+    let twice = command(0.0, "start") + &command(5.0, "reset") + &command(6.0, "start");
+    let refused = scripted(&(stuck.to_owned() + &twice));
+    assert_eq!(refused.states(), [Homing, Run, Stop, Fault, Idle, Fault]);
+    let fault = refused.last().fault.expect("it is refused");
+    assert_eq!(
+        (fault.kind, fault.axis),
+        (FaultKind::HomingRangeExceeded, Some(0))
+    );
+    assert_eq!(refused.last().phase, refused.at(4.9).phase, "nothing moves");
+
+    // Who resets that, and has not turned the crank back, is refused once more: now by what homing finds.
+    let again = twice + &command(7.0, "reset") + &command(8.0, "start");
+    let homed = scripted(&(stuck.to_owned() + &again));
+    assert_eq!(
+        homed.states(),
+        [
+            Homing, Run, Stop, Fault, Idle, Fault, Idle, Homing, Stop, Fault
+        ]
+    );
+    let fault = homed.last().fault.expect("it is refused");
+    assert_eq!(
+        (fault.kind, fault.axis),
+        (FaultKind::HomingRangeExceeded, Some(0))
+    );
+}

@@ -3,14 +3,13 @@
 //! The follower keeps the phase of the master within its turn as an integer, and the position there. The turns of a tick are the
 //! difference of two positions, so no error accumulates over any number of turns, in either direction.
 
-use super::follower::{Bounds, Cams, Follower};
+use super::bounds::Bounds;
+use super::cams::Cams;
+use super::follower::Follower;
 use super::spline::{LEAST_CAM_POINTS, MAX_CAM_POINTS, Spline};
-use crate::settings::{Problem, Settings, SettingsError, inside, turns};
+use crate::settings::{Problem, Settings, SettingsError};
 use crate::units::{ONE_TURN, Phase, Turns};
-use cophase_motion::settings as motion;
-
-/// Greatest number of cam tables of a machine.
-pub const MAX_CAMS: usize = 2;
+use cophase_motion::settings::{self as motion, inside, turns};
 
 /// Greatest position and net travel of a table, turns, and greatest slope.
 const MOST_TURNS: f64 = 1000.0;

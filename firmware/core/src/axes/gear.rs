@@ -1,9 +1,12 @@
 //! Electronic gear with an exact ratio.
 
-use super::follower::{Bounds, Cams, Follower};
+use super::bounds::Bounds;
+use super::cams::Cams;
+use super::follower::Follower;
 use crate::functions::{Divisor, multiply_long};
-use crate::settings::{Settings, SettingsError, inside};
+use crate::settings::{Settings, SettingsError};
 use crate::units::Turns;
+use cophase_motion::settings::inside;
 
 /// Gear ratio of an axis, turns of the axis per turn of the master.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

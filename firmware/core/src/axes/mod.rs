@@ -5,7 +5,10 @@
 //! its phase in its own sense, and only the outputs (DIR, and the signs of a servo's setpoints) are inverted. So the
 //! phases of axes of equal ratio are exactly equal, whatever their sense of rotation.
 
+mod any_follower;
+mod bounds;
 mod cam_table;
+mod cams;
 #[cfg(test)]
 mod conformance;
 mod correction;
@@ -14,11 +17,11 @@ mod gear;
 mod phase_offset;
 mod spline;
 
-pub use cam_table::{CamSettings, CamTable, CamTableSettings, MAX_CAMS};
-pub use follower::{AnyFollower, Bounds, Cams, Follower, FollowerSettings};
+pub use any_follower::{AnyFollower, FollowerSettings};
+pub use bounds::Bounds;
+pub use cam_table::{CamSettings, CamTable, CamTableSettings};
+pub use cams::{Cams, MAX_CAMS, NO_CAMS};
+pub use follower::Follower;
 pub use gear::{Gear, GearSettings};
 pub use phase_offset::{OffsetMotion, PhaseOffsets};
 pub use spline::{LEAST_CAM_POINTS, MAX_CAM_POINTS, Spline};
-
-/// Curves of a machine without cam tables.
-pub const NO_CAMS: Cams = [Spline::NONE; MAX_CAMS];

@@ -13,11 +13,8 @@ mod part;
 
 use crate::settings::{AxisSettings, Settings};
 use crate::units::{MAX_AXES, ONE_TURN, PerAxis, Turns};
-use lane::{Lane, slot_ticks};
+use lane::{Lane, STEP, slot_ticks};
 use part::Part;
-
-/// One step, in the planner's half-steps of 2⁻⁴⁸.
-const STEP: i64 = 2 * ONE_TURN;
 
 /// Phase offsets of all axes.
 #[derive(Clone, Debug)]

@@ -14,7 +14,7 @@
 //! Numbers of the tick are integers: positions have 48 fraction bits. A bend is a 30-bit mantissa with a scale for the whole curve,
 //! so a position is within 2⁻²⁹ of the largest bend from the exact spline (tested).
 
-use super::follower::Bounds;
+use super::bounds::Bounds;
 use crate::functions::{multiply, multiply_high, multiply_long, multiply_q30, normalised};
 use crate::units::{FRACTION_BITS, ONE_TURN, Turns};
 

@@ -5,7 +5,8 @@ use crate::axes::FollowerSettings;
 use crate::drift::IndexPulse;
 use crate::program::{EntrySettings, SegmentSettings, Shape};
 use crate::settings::{BandSettings, DriveKind, LimitSettings, Platform, Settings, sample};
-use crate::supervisor::Command;
+use crate::signals::Feedback;
+use crate::supervisor::{Command, State};
 
 const HZ: u32 = 2000;
 
@@ -141,6 +142,71 @@ fn every_start_from_idle_homes_again() {
     play(&mut controller, Some(Command::Reset), 1, false);
     play(&mut controller, Some(Command::Start), 100, false);
     assert_eq!(controller.output.telemetry.state, State::Homing);
+}
+
+/// After the enable input was lost amid a run, the drives being off.
+fn lost(settings: &Settings) -> Controller {
+    let mut controller = controller(settings, 100.0);
+    play(&mut controller, Some(Command::Start), 10, true);
+    assert_eq!(controller.output.telemetry.state, State::Run);
+    let mut lost = Feedback::of(None);
+    lost.inputs.enable = false;
+    controller.tick(&lost);
+    assert_eq!(controller.output.telemetry.state, State::Fault);
+    controller
+}
+
+/// A crank that was turned away while its encoder was read is not moved along with the others. The fault names it; whoever resets that
+/// has turned it back, and homing shows where it is.
+#[test]
+fn a_start_is_refused_before_anything_moves_where_a_crank_is_known_to_be_far_off() {
+    let mut settings = settings();
+    for axis in &mut settings.axes {
+        axis.encoder = true;
+    }
+    let mut controller = lost(&settings);
+    let mut feedback = Feedback::of(None);
+    // Its encoder counts backwards, as the axis is reversed.
+    for counts in (0..=1024).step_by(4) {
+        feedback.encoder[1] = -counts;
+        controller.tick(&feedback);
+    }
+    let mut tick = |command| {
+        feedback.command = command;
+        controller.tick(&feedback).clone()
+    };
+    tick(Some(Command::Reset));
+    let refused = tick(Some(Command::Start));
+    assert_eq!(refused.telemetry.state, State::Fault);
+    let fault = refused.telemetry.fault.expect("it is refused");
+    assert_eq!(
+        (fault.kind, fault.axis),
+        (FaultKind::HomingRangeExceeded, Some(1))
+    );
+    assert!(
+        (fault.size.to_num::<f64>() - 0.25).abs() < 0.01,
+        "{fault:?}"
+    );
+    assert_eq!(
+        refused.telemetry.event.map(|event| event.kind),
+        Some(fault.kind)
+    );
+    for _ in 0..100 {
+        let stands = tick(None);
+        assert!(!stands.drives_enabled && stands.telemetry.motion.at_rest);
+    }
+    assert_eq!(tick(Some(Command::Reset)).telemetry.state, State::Idle);
+    assert_eq!(tick(Some(Command::Start)).telemetry.state, State::Homing);
+}
+
+/// Were pulses of cranks that no drive holds compared with each other, a machine that coasted would be refused for nothing.
+#[test]
+fn where_cranks_by_index_are_is_not_known_once_they_turn_without_drives() {
+    let mut controller = lost(&settings());
+    play(&mut controller, None, 10, false);
+    assert!(controller.homing.has_found());
+    play(&mut controller, None, 10, true);
+    assert!(!controller.homing.has_found());
 }
 
 /// A homing run that is cut short leaves trims where they were on their way; where nothing is to be corrected, the next takes back

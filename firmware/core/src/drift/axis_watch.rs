@@ -2,12 +2,13 @@
 
 mod gate;
 mod sorting;
+mod tracking;
 
 pub use gate::place_gate;
 use gate::{cycle, gate, tolerance};
 
 use super::angles::{angle, of_angle};
-use super::encoder_watch::{EncoderWatch, Read, Tracking};
+use super::encoder_watch::{EncoderWatch, Read};
 use super::index_filter::BRIDGE_WIDTHS;
 use super::index_watch::{Detection, IndexWatch, Place};
 use super::naming::History;
@@ -282,37 +283,6 @@ impl AxisWatch {
         }
     }
 
-    /// What it is called that this axis is where it is, if that is known.
-    pub(super) fn name(&self) -> Option<FaultKind> {
-        self.tracking().or(self.name)
-    }
-
-    /// Whether it moved in the last turns, or does.
-    pub(super) fn has_moved(&self) -> bool {
-        self.name().is_some()
-    }
-
-    /// How its motor moves, if that is why it is off.
-    fn tracking(&self) -> Option<FaultKind> {
-        let encoder = self.encoder.as_ref()?;
-        if angle(encoder.phase_error()).unsigned_abs() <= self.gate {
-            return None;
-        }
-        match encoder.tracking() {
-            Tracking::Ok => None,
-            Tracking::Stalled => Some(FaultKind::Stuck),
-            Tracking::Reversed => Some(FaultKind::Reversed),
-            Tracking::Overspeed => Some(FaultKind::Runaway),
-        }
-    }
-
-    /// By its encoder alone, an axis that does not turn as commanded.
-    pub(super) fn tracking_fault(&self) -> Option<(FaultKind, Turns)> {
-        let by = self.encoder.as_ref()?.phase_error();
-        let kind = self.tracking().unwrap_or(FaultKind::Tilt);
-        (by.wrapping_abs() > self.alone).then_some((kind, by))
-    }
-
     /// So far off, this crank alone takes the platform beyond a limit.
     pub(super) const fn alone(&self) -> Turns {
         self.alone
@@ -336,6 +306,28 @@ impl AxisWatch {
     /// back to where it was.
     pub(super) fn swing(&self) -> Turns {
         of_angle(self.gate as i32).max(self.history.half_cycle())
+    }
+
+    /// Adds the encoder's error over a share of a turn to its mean.
+    pub(super) fn average(&mut self, share: Turns) {
+        if let Some(encoder) = &mut self.encoder {
+            encoder.average(share);
+        }
+    }
+
+    /// Begins a new mean of the encoder's error.
+    pub(super) const fn restart_average(&mut self) {
+        if let Some(encoder) = &mut self.encoder {
+            encoder.restart_average();
+        }
+    }
+
+    /// Phase error as a mean over a turn, where an encoder shows it; otherwise, where the crank passed its flag.
+    pub(super) fn turn_error(&self) -> Turns {
+        match &self.encoder {
+            Some(encoder) => nearest(self.offset().wrapping_add(encoder.mean_error())),
+            None => self.offset(),
+        }
     }
 
     /// What it is called that the crank jumped, with what it did before.

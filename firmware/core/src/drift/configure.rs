@@ -40,6 +40,7 @@ impl DriftMonitor {
             evaluated: 0,
             evaluated_checked: 0,
             rounds: 0,
+            averaged: Turns::ZERO,
             is_even: false,
             is_compared: false,
             modes: Modes::ZERO,

@@ -13,10 +13,8 @@ pub(super) enum Tracking {
     /// About as commanded.
     #[default]
     Ok,
-    /// Not at all.
+    /// Hardly, or the other way: [`EncoderWatch::has_gone_back`] decides which.
     Stalled,
-    /// The other way.
-    Reversed,
     /// Faster.
     Overspeed,
 }
@@ -52,9 +50,13 @@ pub(super) struct EncoderWatch {
     /// Measured minus commanded turns since the reset; and the same without most of its noise, some ticks later.
     phase_error: Turns,
     filtered: Turns,
+    /// Sum of phase error times share of a turn: the mean error, once the shares add up to a turn.
+    mean: Turns,
     held: Option<Turns>,
     /// It really moves by more than a jump a tick.
     moving: bool,
+    /// Turns made, as read, since the motor was last about where commanded, or moved about as commanded.
+    made_since: Turns,
     /// A jump that the index has to confirm.
     pub(super) unconfirmed_jump: Turns,
     window: Window,
@@ -87,8 +89,10 @@ impl EncoderWatch {
             last: None,
             phase_error: Turns::ZERO,
             filtered: Turns::ZERO,
+            mean: Turns::ZERO,
             held: None,
             moving: false,
+            made_since: Turns::ZERO,
             unconfirmed_jump: Turns::ZERO,
             window: Window::default(),
         }
@@ -100,8 +104,10 @@ impl EncoderWatch {
             last: None,
             phase_error: Turns::ZERO,
             filtered: Turns::ZERO,
+            mean: Turns::ZERO,
             held: None,
             moving: false,
+            made_since: Turns::ZERO,
             unconfirmed_jump: Turns::ZERO,
             window: Window::default(),
             ..*self
@@ -112,6 +118,23 @@ impl EncoderWatch {
         self.phase_error
     }
 
+    /// Adds the present phase error over a share of a turn, up to ½, to the mean. Its error is below a millionth of the errors.
+    pub(super) const fn average(&mut self, share: Turns) {
+        let (error, share) = (self.phase_error.to_bits() >> 16, share.to_bits() >> 16);
+        let part = Turns::from_bits(error.wrapping_mul(share) >> 16);
+        self.mean = self.mean.wrapping_add(part);
+    }
+
+    /// Begins a new mean.
+    pub(super) const fn restart_average(&mut self) {
+        self.mean = Turns::ZERO;
+    }
+
+    /// Mean of the phase error over the turn that was averaged.
+    pub(super) const fn mean_error(&self) -> Turns {
+        self.mean
+    }
+
     /// The drift as a mean over the last ticks, some 16.
     pub(super) const fn filtered_error(&self) -> Turns {
         self.filtered
@@ -119,6 +142,21 @@ impl EncoderWatch {
 
     pub(super) const fn tracking(&self) -> Tracking {
         self.window.tracking
+    }
+
+    /// Whether a motor that stalled has gone back: by over a quarter of its phase error, or by over `most`. A motor that stood for a
+    /// time and is let go may spring back by less.
+    pub(super) fn has_gone_back(&self, most: Turns) -> bool {
+        let back = self.made_since.wrapping_neg();
+        let behind = self.phase_error.wrapping_neg();
+        // Far enough for noise to be little of it.
+        let is_sure = behind > 0 && back > self.about();
+        is_sure && (back > Turns::from_bits(behind.to_bits() >> 2) || back > most)
+    }
+
+    /// Phase error of a motor that is about where commanded.
+    fn about(&self) -> Turns {
+        Turns::from_bits(self.jump.to_bits() >> 1)
     }
 
     /// Takes in a reading at the end of a tick in which `commanded` was commanded; and the turns that were made.
@@ -139,6 +177,11 @@ impl EncoderWatch {
         let made = Turns::from_bits(made);
         let off = made.wrapping_sub(commanded.turns);
         let read = self.classify(off);
+        self.made_since = if self.phase_error.wrapping_abs() <= self.about() {
+            Turns::ZERO
+        } else {
+            self.made_since.saturating_add(made)
+        };
         self.judge(commanded.turns);
         let anew = self.phase_error.wrapping_sub(self.filtered);
         self.filtered = self
@@ -185,16 +228,15 @@ impl EncoderWatch {
         if window.ticks < WINDOW_TICKS || window.commanded < self.jump {
             return;
         }
-        // Of what was commanded, −2 is backwards and −1 is standing; half way between them is the border.
+        // Of what was commanded, −1 is standing, and less is backwards.
         let made = self.phase_error.wrapping_sub(window.phase_error).to_bits() >> 8;
         let commanded_turns = window.commanded.to_bits() >> 8;
-        let tracking = if 2 * made < -3 * commanded_turns {
-            Tracking::Reversed
-        } else if 4 * made < -3 * commanded_turns {
+        let tracking = if 4 * made < -3 * commanded_turns {
             Tracking::Stalled
         } else if 4 * made > commanded_turns {
             Tracking::Overspeed
         } else {
+            self.made_since = Turns::ZERO;
             Tracking::Ok
         };
         *window = Window {

@@ -1,6 +1,6 @@
 //! Evaluation of the updates: what a single axis shows, what the axes of a round show together, and the limits.
 
-use super::angles::{Angles, furthest, in_common, of_angle};
+use super::angles::{Angles, in_common, of_angle};
 use super::axis_watch::AxisWatch;
 use super::modes::AxisSet;
 use super::{DriftMonitor, Sensed};
@@ -101,35 +101,41 @@ impl DriftMonitor {
         axes.all(|(axis, watch)| others & 1 << axis == 0 || !watch.is_late())
     }
 
-    pub(super) fn update(&mut self) {
-        self.changed = true;
-        let mut stale = core::mem::take(&mut self.stale) | self.encoders();
-        for ((phase_error, peak), watch) in self
-            .phase_error
-            .iter_mut()
-            .zip(&mut self.peak)
-            .zip(&self.axes)
-        {
-            if stale & 1 != 0 {
-                *phase_error = watch.phase_error();
-                *peak = phase_error.wrapping_abs().max(*peak);
-            }
-            stale >>= 1;
-        }
-    }
-
     /// Names the axes by index that moved otherwise than the others in this round; what these moved by.
     pub(super) fn compare(&mut self) -> Turns {
         of_angle(compare(&mut self.axes, self.by_index))
     }
 
-    /// Phase errors with their corrections. While nobody knows the common zero, they may lie around half a turn: then their differences
-    /// to the first are what counts.
+    /// The axis that is furthest from all others, and by how much, if the cranks as they stand would tilt or bend the platform beyond its
+    /// limits.
+    pub fn left_beyond_limits(&mut self, correction: &PerAxis<Turns>) -> Option<(usize, Turns)> {
+        self.update();
+        let errors = self.errors_to_first(correction, true);
+        if self.allows(&errors) {
+            return None;
+        }
+        let axis = self.furthest(&errors);
+        let own = self
+            .phase_error
+            .get(axis)?
+            .wrapping_add(*correction.get(axis)?);
+        let others = self.in_common_but(axis, correction);
+        Some((axis, nearest(own.wrapping_sub(others))))
+    }
+
+    /// Phase errors with their corrections.
     pub(super) fn corrected_errors(&self, correction: &PerAxis<Turns>) -> PerAxis<Turns> {
+        self.errors_to_first(correction, self.finding_out)
+    }
+
+    /// Phase errors with their corrections. While nobody knows the common zero, they may lie around half a turn: then their `differences`
+    /// to the first are what counts.
+    #[inline(never)]
+    fn errors_to_first(&self, correction: &PerAxis<Turns>, differences: bool) -> PerAxis<Turns> {
         let mut error = self.phase_error;
         let first = self.watched().trailing_zeros() as usize;
         let base = match error.get(first) {
-            Some(&first) if self.finding_out => first,
+            Some(&first) if differences => first,
             _ => Turns::ZERO,
         };
         for (error, &correction) in error.iter_mut().zip(correction) {
@@ -200,7 +206,7 @@ impl DriftMonitor {
             kind
         };
         // Of two cranks that are apart, the one of which something is known is the one that moved.
-        let worst = self.worst(error);
+        let worst = self.furthest(error);
         let named = |axis: usize| self.axes.get(axis).and_then(AxisWatch::name);
         let count = self.axes.len();
         let known = (worst..count)
@@ -218,11 +224,6 @@ impl DriftMonitor {
         let size = self.phase_error.get(axis).copied().unwrap_or_default();
         self.findings
             .push(Fault::new(kind).on_axis(axis).with_size(size), false);
-    }
-
-    /// The axis that is furthest from what all have in common.
-    pub(super) fn worst(&self, error: &PerAxis<Turns>) -> usize {
-        furthest(error, self.watched())
     }
 
     /// While nobody knows where the cranks should be, encoders still show an axis that does not turn as commanded; of all that do not,

@@ -28,6 +28,7 @@ mod index_watch;
 mod limits;
 mod modes;
 mod naming;
+mod process;
 mod queue;
 mod tick_phase;
 
@@ -42,6 +43,7 @@ pub use tick_phase::{IndexPulse, TickPhase};
 
 use crate::supervisor::FaultKind;
 use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
+use angles::furthest;
 use axis_watch::AxisWatch;
 use findings::Findings;
 use queue::Queue;
@@ -112,6 +114,8 @@ pub struct DriftMonitor {
     /// No pulse of an axis by index is due before its axis has made so many more turns; negative if that is not known.
     margin: Turns,
     rounds: u32,
+    /// Turns of the master over which the errors of encoders have been averaged, up to one.
+    averaged: Turns,
     clock: TickClock,
     findings: Findings,
     phase_error: PerAxis<Turns>,
@@ -128,27 +132,6 @@ pub struct DriftMonitor {
 const NO_MARGIN: Turns = Turns::from_bits(-1);
 
 impl DriftMonitor {
-    /// Takes in what came during a tick that is over; returns the next finding to report, if there is one.
-    #[inline(never)]
-    pub fn observe(&mut self, sensed: &Sensed<'_>) -> Option<Finding> {
-        let before_is_known = core::mem::replace(&mut self.before_is_known, true);
-        self.findings.pass(sensed.speed);
-        if self.encoders() != 0 {
-            self.observe_encoders(sensed, before_is_known);
-        }
-        let arrived = self.queue_pulses(sensed, before_is_known);
-        self.margin = self.margin.wrapping_sub(sensed.history.most());
-        if self.margin < 0 {
-            self.check_timeouts(sensed);
-        }
-        let has_updates = self.has_updates() && (sensed.may_process || self.is_at_once());
-        if has_updates {
-            self.process_queue(sensed, arrived);
-        }
-        self.is_busy = has_updates && !self.is_at_once();
-        self.findings.next()
-    }
-
     /// Takes note of a tick to which no phase belongs: sensors that were detected in it are alive.
     pub fn disregard(&mut self, sensed: &Sensed<'_>) {
         self.before_is_known = false;
@@ -198,6 +181,7 @@ impl DriftMonitor {
         self.findings.clear();
         self.queue = Queue::new();
         self.margin = NO_MARGIN;
+        self.averaged = Turns::ZERO;
         for (watch, &phase) in self.axes.iter_mut().zip(phase) {
             watch.reset(phase);
         }
@@ -226,20 +210,51 @@ impl DriftMonitor {
         errors
     }
 
-    /// Takes in what was detected in a round that is not over.
-    pub fn refresh(&mut self) {
-        self.update();
+    /// Phase errors of one turn: the mean of those that encoders show, and others as the cranks passed their flags. What loads do to a
+    /// crank differs by its angle, and a crank that swings where its rods let go is elsewhere there each time.
+    pub fn turn_errors(&self) -> PerAxis<Turns> {
+        let mut errors = self.phase_error;
+        fill(&mut errors, &self.axes, AxisWatch::turn_error);
+        errors
     }
 
-    /// Whatever was detected, every index is to be detected again.
-    pub const fn start_check(&mut self) {
+    /// Whether [`Self::turn_errors`] cover a whole turn since [`Self::reset`] or [`Self::start_check`].
+    pub fn is_turn_over(&self) -> bool {
+        !self.has_encoders() || self.averaged >= Turns::ONE
+    }
+
+    /// Takes in what was detected, in a round that may not be over.
+    #[inline(never)] // Five places call it; copies of it would fill the RAM.
+    pub fn update(&mut self) {
+        self.changed = true;
+        let mut stale = core::mem::take(&mut self.stale) | self.encoders();
+        for ((phase_error, peak), watch) in self
+            .phase_error
+            .iter_mut()
+            .zip(&mut self.peak)
+            .zip(&self.axes)
+        {
+            if stale & 1 != 0 {
+                *phase_error = watch.phase_error();
+                *peak = phase_error.wrapping_abs().max(*peak);
+            }
+            stale >>= 1;
+        }
+    }
+
+    /// Whatever was detected, every index is to be detected again, and encoders to be read over a turn.
+    pub fn start_check(&mut self) {
         self.checked = 0;
         self.evaluated_checked = 0;
+        self.averaged = Turns::ZERO;
+        for watch in &mut self.axes {
+            watch.restart_average();
+        }
     }
 
-    /// Whether every index has been detected since [`Self::start_check`].
-    pub const fn is_check_done(&self) -> bool {
-        self.evaluated_checked & self.sensed == self.sensed
+    /// Whether every index has been detected since [`Self::start_check`], and encoders have been read over a turn.
+    pub fn is_check_done(&self) -> bool {
+        self.evaluated_checked & self.sensed == self.sensed && self.is_turn_over()
     }
 
     /// The cranks are where they are: from now on, what moves one of them is a fault.
@@ -276,12 +291,18 @@ impl DriftMonitor {
 
     /// The watched axis that is furthest from what all have in common.
     pub fn furthest(&self, error: &PerAxis<Turns>) -> usize {
-        self.worst(error)
+        furthest(error, self.watched())
     }
 
     /// Whether the platform may tilt and bend so.
     pub fn allows(&self, error: &PerAxis<Turns>) -> bool {
         self.limits.of_platform(&self.mount.modes(error)).is_none()
+    }
+
+    /// Whether an axis without an encoder has a pulse.
+    pub fn has_pulse_by_index(&self, index: &PerAxis<Option<IndexPulse>>) -> bool {
+        let mut pulses = index.iter().enumerate();
+        pulses.any(|(axis, pulse)| pulse.is_some() && self.by_index & 1 << axis != 0)
     }
 
     /// Axes that some sensor detects.

@@ -118,11 +118,10 @@ pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
             | FaultKind::IndexTimeout
             | FaultKind::IndexExtra => 0,
             FaultKind::LostSteps | FaultKind::Slip => 1,
-            FaultKind::IndexMissing
-            | FaultKind::Stuck
-            | FaultKind::Reversed
-            | FaultKind::Runaway => 2,
-            _ => 3,
+            FaultKind::IndexMissing | FaultKind::Stuck | FaultKind::Runaway => 2,
+            // At first a crank may seem to stand. One that turns back must not be driven on.
+            FaultKind::Reversed => 3,
+            _ => 4,
         }
     }
     if let FaultKind::IndexMissing = new {
@@ -131,7 +130,7 @@ pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
     let (new_rank, old_rank) = (rank(new), rank(old));
     // Of lost steps and slip the later shows.
     let is_other_kind = new_rank == 1 && old_rank == 1 && new as u8 != old as u8;
-    new_rank < 3 && (new_rank > old_rank || is_other_kind)
+    new_rank < 4 && (new_rank > old_rank || is_other_kind)
 }
 
 #[cfg(test)]
@@ -184,5 +183,16 @@ mod tests {
         assert_eq!(by_chance.jumped(deg(107.477)), FaultKind::Runaway);
         gains.rest();
         assert_eq!(gains.jumped(deg(7.2)), FaultKind::LostSteps);
+    }
+
+    /// Were a crank that turns back still called stuck, its drive would stay on; were one that swings ahead as it is let go called a
+    /// runaway, a stop would end as a coast.
+    #[test]
+    fn what_turns_back_is_no_longer_stuck_and_what_swings_ahead_is() {
+        assert!(is_better(FaultKind::Reversed, FaultKind::Stuck));
+        assert!(is_better(FaultKind::Reversed, FaultKind::Tilt));
+        assert!(!is_better(FaultKind::Stuck, FaultKind::Reversed));
+        assert!(!is_better(FaultKind::Runaway, FaultKind::Stuck));
+        assert!(!is_better(FaultKind::Reversed, FaultKind::SwappedWiring));
     }
 }

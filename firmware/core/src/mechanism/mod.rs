@@ -9,46 +9,18 @@
 
 #[cfg(test)]
 mod conformance;
+mod kinematics;
 mod scotch_yoke;
 mod slider_crank;
 mod square_law;
 
+pub use kinematics::{Kinematics, Mechanism};
 pub use scotch_yoke::ScotchYoke;
 pub use slider_crank::SliderCrank;
 pub use square_law::SquareLaw;
 
 use crate::settings::SettingsError;
 use crate::units::{Amax, Turns};
-
-/// Motion of the platform over the crank angle, per unit crank radius, with 30 fraction bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Kinematics {
-    /// Travel of the platform per radian of the crank, −2 to 2.
-    pub slope: i32,
-    /// Change of the slope per radian, −2 to 2: acceleration at constant speed, per squared speed.
-    pub curvature: i32,
-}
-
-/// Interface of a mechanism to the controller.
-pub trait Mechanism: Copy {
-    /// Steady speed, turns a tick, that gives an acceleration amplitude.
-    fn speed(&self, amax: Amax) -> Turns;
-
-    /// Acceleration amplitude at a steady speed, turns a tick, of either sign.
-    fn amax(&self, speed: Turns) -> Amax;
-
-    /// Motion of the platform at a crank angle, 2³² to the turn; the error is below 1e-6.
-    fn kinematics(&self, angle: u32) -> Kinematics;
-
-    /// Greatest slope over a turn: the travel of the platform's edge per phase error of a crank. The error is below 1e-4.
-    #[cold]
-    fn greatest_slope(&self) -> f64 {
-        // The slope is smooth, with one maximum in each half turn, so half a degree is fine enough.
-        let angles = (0..720_u64).map(|half_degree| ((half_degree << 32) / 720) as u32);
-        let slopes = angles.map(|angle| self.kinematics(angle).slope.unsigned_abs());
-        f64::from(slopes.max().unwrap_or(0)) / f64::from(1 << 30)
-    }
-}
 
 /// Makes [`AnyMechanism`] and its settings from a list: name, text, settings type.
 macro_rules! mechanisms {

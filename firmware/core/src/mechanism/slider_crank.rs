@@ -11,8 +11,9 @@
 
 use super::{Kinematics, Mechanism, SquareLaw};
 use crate::functions::{ONE_Q30, inverse_root_of_one_minus, multiply_q30, sine_cosine};
-use crate::settings::{SettingsError, inside};
+use crate::settings::SettingsError;
 use crate::units::{Amax, Turns};
+use cophase_motion::settings::inside;
 
 /// Settings of the slider-crank.
 #[derive(Clone, Copy, Debug, PartialEq)]

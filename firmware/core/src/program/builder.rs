@@ -2,8 +2,9 @@
 
 use super::{CAPACITY, Entry, Program, Segment, Shape};
 use crate::mechanism::{AnyMechanism, Mechanism};
-use crate::settings::{Problem, SettingsError, inside};
+use crate::settings::{Problem, SettingsError};
 use crate::units::{Amax, Turns};
+use cophase_motion::settings::inside;
 
 /// Segment in physical units.
 #[derive(Clone, Copy, Debug, PartialEq)]

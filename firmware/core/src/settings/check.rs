@@ -1,10 +1,68 @@
-//! Checks of the parts of the settings: every number alone.
+//! Checks of the settings: every number alone, and against the others.
 
 use super::*;
 
+impl Settings {
+    /// Checks every number alone and against the others.
+    ///
+    /// # Errors
+    /// The first setting that is wrong, with its key, its value and the allowed range.
+    #[cold]
+    pub fn check(&self) -> Result<(), SettingsError> {
+        inside("axes.count", self.axes.len() as f64, 1.0, MAX_AXES as f64)?;
+        inside("control.tick_hz", f64::from(self.tick_hz), 500.0, 10_000.0)?;
+        if 1_000_000 % self.tick_hz != 0 {
+            return Err(SettingsError::new(
+                "control.tick_hz",
+                Problem::NotWholeMicroseconds(self.tick_hz),
+            ));
+        }
+        tick_cycles(self.clock_hz, self.tick_hz)?;
+        self.machine.check()?;
+        self.limits.check(f64::from(self.tick_hz))?;
+        self.pulse.check()?;
+        self.index.check(self.tick_hz)?;
+        for (i, cam) in self.cams.iter().enumerate() {
+            cam.check().map_err(|e| e.on_entry(i))?;
+        }
+        for (i, axis) in self.axes.iter().enumerate() {
+            axis.check(self).map_err(|e| e.on_entry(i))?;
+        }
+        inside(
+            "drift.tilt_limit_mrad",
+            self.drift.tilt_limit_mrad,
+            1e-3,
+            100.0,
+        )?;
+        inside(
+            "drift.warp_limit_deg",
+            self.drift.warp_limit_deg,
+            1e-3,
+            90.0,
+        )?;
+        inside(
+            "drift.common_limit_deg",
+            self.drift.common_limit_deg,
+            1e-3,
+            180.0,
+        )?;
+        inside(
+            "drift.reading_error_deg",
+            self.drift.reading_error_deg,
+            0.01,
+            5.0,
+        )?;
+        inside("drift.lag_us", self.drift.lag_s * 1e6, 0.0, 100_000.0)?;
+        self.correction.check()?;
+        inside("control.park_deg", self.park_turns * 360.0, 0.0, 360.0)?;
+        inside("control.settle_s", self.settle_s, 0.0, 10.0)?;
+        Ok(())
+    }
+}
+
 impl CorrectionSettings {
     #[cold]
-    pub(super) fn check(&self) -> Result<(), SettingsError> {
+    fn check(&self) -> Result<(), SettingsError> {
         inside("correction.gain", self.gain, 0.0, 1.0)?;
         inside("correction.coupling", self.coupling, 0.0, 20.0)?;
         let per_s = self.coupling_per_s;
@@ -15,7 +73,7 @@ impl CorrectionSettings {
 
 impl IndexSettings {
     #[cold]
-    pub(super) fn check(&self, tick_hz: u32) -> Result<(), SettingsError> {
+    fn check(&self, tick_hz: u32) -> Result<(), SettingsError> {
         let width_us = inside("index.width_us", self.width_us, 0.1, 100.0)?;
         let most_us = 1e6 / f64::from(tick_hz * MOST_OF_TICK);
         if width_us > most_us {
@@ -54,7 +112,7 @@ impl MachineSettings {
 
 impl AxisSettings {
     #[cold]
-    pub(super) fn check(&self, settings: &Settings) -> Result<(), SettingsError> {
+    fn check(&self, settings: &Settings) -> Result<(), SettingsError> {
         inside(
             "axes.steps_per_turn",
             f64::from(self.steps_per_turn),

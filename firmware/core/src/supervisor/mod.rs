@@ -197,7 +197,7 @@ impl Supervisor {
         )
     }
 
-    /// Goes to the fault state from any state, for faults that are known before the first tick.
+    /// Goes to the fault state from any state, for faults that are known before anything moves.
     pub const fn begin_with(&mut self, fault: Fault) {
         self.state = State::Fault;
         self.fault = Some(fault);

@@ -11,7 +11,7 @@
 mod demands;
 
 use super::*;
-use demands::{Owed, check};
+use demands::{Input, Owed, check};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::vec::Vec;
 
@@ -20,24 +20,6 @@ const SETTLE: u32 = 2;
 
 /// Length of the sequences that are played one by one.
 const DEPTH: u32 = 6;
-
-/// Input of one tick.
-#[derive(Clone, Copy, Debug)]
-struct Input {
-    inputs: SafetyInputs,
-    command: Option<Command>,
-    observed: SupervisorInput,
-}
-
-impl Input {
-    fn disables(&self) -> bool {
-        self.observed.fault.is_some() && self.observed.reaction == Reaction::Disable
-    }
-
-    fn stops(&self) -> bool {
-        self.inputs.stop || self.command == Some(Command::Stop)
-    }
-}
 
 const COMMANDS: [Option<Command>; 7] = [
     None,

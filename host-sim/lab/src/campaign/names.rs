@@ -50,7 +50,13 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
             Some(_) if at.is_stepper => vec![Kind::Stuck, Kind::LostSteps],
             _ => vec![Kind::Stuck],
         },
-        FaultName::Runaway if at.has_encoder => vec![Kind::Runaway],
+        FaultName::Runaway if at.has_encoder => match fault.for_s {
+            _ if fault.speed_hz.is_none_or(|speed_hz| speed_hz > 0.0) => vec![Kind::Runaway],
+            None => vec![Kind::Reversed],
+            // It goes on before it has gone back far enough, and is behind: a stepper by whole cycles.
+            Some(_) if at.is_stepper => vec![Kind::Reversed, Kind::Stuck, Kind::LostSteps],
+            Some(_) => vec![Kind::Reversed, Kind::Stuck],
+        },
         // Seen once a turn, a crank that gains on its command walks ahead of it.
         FaultName::Runaway => vec![Kind::Runaway, Kind::Slip],
         // Where nothing else watches, a pulse that is overdue stops the machine, mostly before the next could show it.

@@ -1,9 +1,11 @@
 //! Constants of the phase offset of one axis, and conversion between steps and turns.
 
-use super::STEP;
 use crate::functions::{Divisor, multiply_long};
 use crate::settings::{AxisSettings, turns_at_most};
 use crate::units::{FRACTION_BITS, ONE_TURN, Turns};
+
+/// One step, in the planner's half-steps of 2⁻⁴⁸.
+pub(super) const STEP: i64 = 2 * ONE_TURN;
 
 /// Shortest slot, in ticks, in which an axis uses at least four fifths of its rate with whole steps.
 #[cold]

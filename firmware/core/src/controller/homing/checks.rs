@@ -21,7 +21,7 @@ pub(super) enum When {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moves<'a> {
     pub when: When,
-    /// Drifts before, and now.
+    /// Phase errors before, and now.
     pub before: &'a [Turns],
     pub phase_error: &'a [Turns],
     /// Trims before, and those that were commanded.

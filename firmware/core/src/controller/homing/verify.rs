@@ -1,11 +1,28 @@
 //! Checks whether cranks that were moved followed their commands, in homing and in run.
 
 use super::checks::When;
-use super::{CHECK_SHARE, CHECKS, CONFIRMED, Homing, Step};
+use super::{Homing, Step};
 use crate::axes::PhaseOffsets;
 use crate::drift::DriftMonitor;
 use crate::supervisor::{Fault, FaultKind};
-use crate::units::{PerAxis, Turns, nearest};
+use crate::units::{Turns, nearest};
+
+/// Checks after which a crank that deviates in each is believed to.
+const CHECKS: u8 = 3;
+/// Corrections after which it is believed in run: by the third, what a swap does may pass for a crank that runs away.
+const CONFIRMED: u8 = 2;
+/// One of the looks, 16 fraction bits.
+const CHECK_SHARE: i64 = 65_536 / CHECKS as i64;
+
+/// Result of a check of cranks that were moved.
+pub(super) enum Verdict {
+    /// All cranks followed their commands.
+    Followed,
+    /// One deviates so far: it is to be checked again.
+    Unsure,
+    /// One deviated in every check.
+    Deviates(Fault),
+}
 
 impl Homing {
     /// Fault of swapped wiring, if that is why cranks that were moved seem to exceed the homing range.
@@ -71,39 +88,15 @@ impl Homing {
         (self.checks >= CONFIRMED).then_some(fault.with_size(swapped.off))
     }
 
-    /// Phase errors of cranks that were moved, to compare with [`Self::before`]. The effect of loads differs by the crank's angle, which is the same at
-    /// its flag, and by how fast the machine goes, which it does not yet at the first: so the less of both counts.
-    pub(super) fn error_since(&self, monitor: &DriftMonitor) -> PerAxis<Turns> {
-        let mut phase_error = monitor.errors_at_flags();
-        let now = monitor.filtered_error();
-        for ((at_flag, &before), (&now, &before_now)) in phase_error
-            .iter_mut()
-            .zip(&self.before)
-            .zip(now.iter().zip(&self.before_now))
-        {
-            let by_flag = nearest(at_flag.wrapping_sub(before));
-            let by_now = nearest(now.wrapping_sub(before_now));
-            let less = if (by_flag < 0) != (by_now < 0) {
-                Turns::ZERO
-            } else if by_now.abs() < by_flag.abs() {
-                by_now
-            } else {
-                by_flag
-            };
-            *at_flag = before.wrapping_add(less);
-        }
-        phase_error
-    }
-
     /// The cranks have been moved, and each detected once more.
     #[inline(never)]
     pub(super) fn checked(
         &mut self,
         monitor: &mut DriftMonitor,
-        offsets: &mut PhaseOffsets,
-    ) -> Option<Fault> {
-        monitor.refresh();
-        let mut phase_error = self.error_since(monitor);
+        offsets: &PhaseOffsets,
+    ) -> Verdict {
+        monitor.update();
+        let mut phase_error = monitor.turn_errors();
         self.checks += 1;
         for (sum, (now, &before)) in self
             .off
@@ -114,11 +107,10 @@ impl Homing {
         }
         let moves = self.moves(When::Moved, &phase_error, offsets.now());
         if moves.deviation(monitor.watched()).is_none() {
-            return self.go_on(monitor, offsets);
+            return Verdict::Followed;
         }
         if self.checks < CHECKS {
-            monitor.start_check();
-            return None;
+            return Verdict::Unsure;
         }
         for (mean, (off, &before)) in phase_error
             .iter_mut()
@@ -129,14 +121,14 @@ impl Homing {
         }
         let moves = self.moves(When::Moved, &phase_error, offsets.now());
         let Some(deviation) = moves.deviation(monitor.watched()) else {
-            return self.go_on(monitor, offsets);
+            return Verdict::Followed;
         };
         let kind = if deviation.is_swapped {
             FaultKind::SwappedWiring
         } else {
             monitor.name_of(deviation.axis, deviation.off)
         };
-        Some(
+        Verdict::Deviates(
             Fault::new(kind)
                 .on_axis(deviation.axis)
                 .with_size(deviation.off),

@@ -7,6 +7,8 @@ use super::*;
 fn encoders_show_how_an_axis_moves() {
     for (speed, kind) in [
         (-1.0, FaultKind::Stuck),
+        (-1.04, FaultKind::Reversed),
+        (-1.25, FaultKind::Reversed),
         (-2.0, FaultKind::Reversed),
         (1.0, FaultKind::Runaway),
     ] {
@@ -25,8 +27,57 @@ fn encoders_show_how_an_axis_moves() {
             (kind, Some(2)),
             "{found:?}"
         );
-        assert!(last.0 - began < 30 + 20, "{found:?}");
+        // It begins 30 ticks on. How slowly it may turn back is known once it has gone back by an electrical cycle.
+        let cycle_turns = 64.0 / 3200.0;
+        let ticks = if kind == FaultKind::Reversed {
+            cycle_turns / 0.01 / (-1.0 - speed)
+        } else {
+            0.0
+        };
+        assert!(f64::from(last.0 - began) < 30.0 + 20.0 + ticks, "{found:?}");
     }
+}
+
+/// A reading that jumps is held back for a tick. Whenever in a window that is, a servo that stands has not gone back.
+#[test]
+fn a_servo_that_stands_at_speed_is_stuck_whenever_that_begins() {
+    let mut settings = settings(3, 3.0, 5.0, 15.0);
+    for axis in &mut settings.axes {
+        axis.encoder = true;
+        axis.cycle_steps = 0;
+    }
+    for quarter in 0..16 {
+        let mut monitor = configured(&settings);
+        monitor.reset(&[Phase::ZERO; MAX_AXES]);
+        let mut cranks = Cranks::new(monitor, 0.02).homed();
+        let from = 1.5 + 0.005 * f64::from(quarter);
+        let stands = move |i: usize, t: f64| {
+            if i == 2 { -(t - from).max(0.0) } else { 0.0 }
+        };
+        let found = cranks.turn(50, stands);
+        let kinds: Vec<_> = found.iter().map(|(_, found)| found.fault.kind).collect();
+        assert_eq!(
+            kinds.last(),
+            Some(&FaultKind::Stuck),
+            "{quarter}: {found:?}"
+        );
+    }
+}
+
+/// A motor that is let go is pulled back to where its field catches it, and swings there. That is no reason to disable the drives.
+#[test]
+fn a_crank_that_is_let_go_springs_back_and_is_stuck_all_the_same() {
+    let mut cranks = encoders(3.0);
+    let found = cranks.turn(150, |i, t| {
+        let stood = (t - 1.5).clamp(0.0, 0.2);
+        // Half an electrical cycle back, and as far again as it swings, in twenty ticks.
+        let swing = 0.01 * (1.0 - (core::f64::consts::PI * (t - 1.7) / 0.1).cos());
+        let back = if t > 1.7 { swing } else { 0.0 };
+        if i == 2 { -stood - back } else { 0.0 }
+    });
+    let kinds: Vec<_> = found.iter().map(|(_, found)| found.fault.kind).collect();
+    assert!(!kinds.contains(&FaultKind::Reversed), "{found:?}");
+    assert!(kinds.contains(&FaultKind::Stuck), "{found:?}");
 }
 
 /// A reading that is off for some ticks is a glitch; counts that stay lost are shown by the index; a crank that slips on its shaft

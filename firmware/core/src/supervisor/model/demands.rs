@@ -1,6 +1,26 @@
 //! Demands on every tick of the supervisor, stated only on its inputs and outputs.
 
-use super::*;
+use crate::supervisor::{
+    Action, Command, Reaction, SafetyInputs, State, Supervisor, SupervisorInput,
+};
+
+/// Input of one tick.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Input {
+    pub(super) inputs: SafetyInputs,
+    pub(super) command: Option<Command>,
+    pub(super) observed: SupervisorInput,
+}
+
+impl Input {
+    fn disables(&self) -> bool {
+        self.observed.fault.is_some() && self.observed.reaction == Reaction::Disable
+    }
+
+    fn stops(&self) -> bool {
+        self.inputs.stop || self.command == Some(Command::Stop)
+    }
+}
 
 /// Operator action that the machine needs after a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

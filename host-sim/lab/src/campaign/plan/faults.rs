@@ -107,9 +107,14 @@ pub fn draw(
         }
         FaultName::Stuck => fault.for_s = seldom_for(stream, 0.05, 0.5),
         FaultName::Runaway => {
-            let speed_hz = (window.level_hz * stream.between(1.1, 2.0)).min(200.0);
-            fault.speed_hz = Some(rounded(speed_hz, 3));
+            let mut ratio = stream.between(1.1, 2.0);
             fault.for_s = seldom_for(stream, 0.05, 0.5);
+            // Of an axis with an index alone, which way round it turns cannot be detected.
+            if driven(scene, axis).has_encoder() && stream.percent(50) {
+                ratio = -stream.log_between(0.05, 2.0);
+            }
+            let speed_hz = (window.level_hz * ratio).clamp(-200.0, 200.0);
+            fault.speed_hz = Some(rounded(speed_hz, 3));
         }
         FaultName::IndexMissing => {
             fault.count = stream.one_of(&[None, None, Some(1), Some(2), Some(3)]);

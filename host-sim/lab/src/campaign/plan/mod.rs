@@ -17,7 +17,7 @@ use stream::Stream;
 use super::geometry::Geometry;
 
 /// Of the way in which cases are drawn: the same seed draws the same cases as long as this is the same.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// One in so many hundred machines is on the phased model level, where torque moves the cranks.
 const ON_ROTORS_PERCENT: u32 = 10;

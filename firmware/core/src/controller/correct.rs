@@ -1,0 +1,90 @@
+//! Correction in run: once a turn, phase offsets take away part of what drives the cranks apart.
+//!
+//! The work is divided among ticks, so that none of them is much longer than the others.
+
+use super::correction::Step;
+use super::{Controller, homing};
+use crate::drift::Finding;
+use crate::units::Turns;
+
+impl Controller {
+    /// True if the correction has work to do in this tick.
+    #[inline(always)]
+    pub(super) fn has_correction_to_do(&mut self) -> bool {
+        if !self.offsets.corrects() {
+            return false;
+        }
+        if self.correction.step == Step::Wait {
+            if self.is_correction_due() {
+                self.correction.step = Step::Verify;
+            }
+            return false;
+        }
+        self.has_time()
+    }
+
+    /// Continues the correction. What is reported within limits of cranks that are driven apart comes of that: a fault that they do
+    /// not follow the corrections replaces it.
+    #[inline(never)]
+    pub(super) fn correct(&mut self, found: Option<Finding>) -> Option<Finding> {
+        let swapped = self.continue_correction();
+        if swapped.is_some() {
+            return found.filter(|found| !found.within_limits).or(swapped);
+        }
+        found
+    }
+
+    /// Continues the correction; returns a fault if the cranks do not follow the corrections.
+    fn continue_correction(&mut self) -> Option<Finding> {
+        self.is_busy = true;
+        self.correction.step = match self.correction.step {
+            // Encoders were read, or a round has ended, and the cranks stand where they were commanded.
+            Step::Verify if self.offsets.is_moving() || !self.drift.is_homed() => Step::Wait,
+            Step::Verify => {
+                if let Some(fault) = self.homing.corrected(&self.drift, &self.offsets) {
+                    self.correction.step = Step::Wait;
+                    return Some(Finding::of(fault));
+                }
+                Step::Compute
+            }
+            Step::Compute => {
+                let errors = homing::errors(&self.drift, &self.offsets);
+                let watched = self.drift.watched();
+                self.correction.target = self.offsets.against(&errors, watched, false);
+                Step::Allow
+            }
+            // What offsets are not allowed to take away stays, until it is beyond a limit.
+            Step::Allow => {
+                let target = &self.correction.target;
+                if self.offsets.beyond_limit(target).is_none() && self.drift.allows(target) {
+                    Step::Round
+                } else {
+                    Step::Wait
+                }
+            }
+            Step::Round => {
+                self.correction.steps = self.offsets.rounded(&self.correction.target);
+                Step::Start
+            }
+            Step::Start | Step::Wait => {
+                self.offsets.start(self.correction.steps);
+                Step::Wait
+            }
+        };
+        None
+    }
+
+    fn is_correction_due(&mut self) -> bool {
+        let correction = &mut self.correction;
+        if self.drift.has_encoders() {
+            correction.turned = correction.turned.wrapping_add(self.motion.speed);
+            if correction.turned < Turns::ONE {
+                return false;
+            }
+            correction.turned = Turns::ZERO;
+            return true;
+        }
+        let rounds = self.drift.rounds();
+        core::mem::replace(&mut correction.rounds, rounds) != rounds
+    }
+}

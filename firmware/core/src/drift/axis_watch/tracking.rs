@@ -1,0 +1,45 @@
+//! What an encoder shows of how an axis moves, and what it is called.
+
+use super::AxisWatch;
+use crate::drift::angles::angle;
+use crate::drift::encoder_watch::Tracking;
+use crate::supervisor::FaultKind;
+use crate::units::Turns;
+
+impl AxisWatch {
+    /// What it is called that this axis is where it is, if that is known.
+    pub(in crate::drift) fn name(&self) -> Option<FaultKind> {
+        self.tracking().or(self.name)
+    }
+
+    /// Whether it moved in the last turns, or does.
+    pub(in crate::drift) fn has_moved(&self) -> bool {
+        self.name().is_some()
+    }
+
+    /// How its motor moves, if that is why it is off.
+    fn tracking(&self) -> Option<FaultKind> {
+        let encoder = self.encoder.as_ref()?;
+        if angle(encoder.phase_error()).unsigned_abs() <= self.gate {
+            return None;
+        }
+        match encoder.tracking() {
+            Tracking::Ok => None,
+            // One that is let go may spring back, and swing once to either side.
+            Tracking::Stalled
+                if encoder.has_gone_back(self.swing().saturating_add(self.swing())) =>
+            {
+                Some(FaultKind::Reversed)
+            }
+            Tracking::Stalled => Some(FaultKind::Stuck),
+            Tracking::Overspeed => Some(FaultKind::Runaway),
+        }
+    }
+
+    /// By its encoder alone, an axis that does not turn as commanded.
+    pub(in crate::drift) fn tracking_fault(&self) -> Option<(FaultKind, Turns)> {
+        let by = self.encoder.as_ref()?.phase_error();
+        let kind = self.tracking().unwrap_or(FaultKind::Tilt);
+        (by.wrapping_abs() > self.alone).then_some((kind, by))
+    }
+}

@@ -1,0 +1,90 @@
+//! Drives that turn their cranks back while they are commanded ahead, and encoders that show it.
+
+use cophase_core::supervisor::FaultKind;
+use cophase_tests::scene;
+use host_sim::sim::events::EventKind;
+
+use super::samples::observe;
+
+/// When the drive turns back: at the top speed, 12 rev/s.
+const AT_S: f64 = 2.6;
+const TICK_S: f64 = 5e-4;
+
+const STEPPER: &str = r#"drive = "stepper"
+pull_out = [[0, 8], [20, 6]]
+damping_nms = 0.1
+"#;
+
+const SERVO: &str = r#"drive = "servo"
+servo = { position_gain_per_s = 100, velocity_gain_nms = 1.0 }
+"#;
+
+fn text(level: &str, drive: &str, speed_hz: f64) -> String {
+    format!(
+        r#"
+name = "backwards"
+fidelity = "{level}"
+[machine]
+crank_radius_mm = 10
+lambda = 0.25
+load_kg = 4
+[limits]
+speed_hz = 20
+acceleration_hz_per_s = 20
+jerk_hz_per_s2 = 200
+[drift]
+tilt_limit_mrad = 8
+[axes]
+count = 3
+encoder = true
+steps_per_turn = 3200
+rotor_inertia_kgm2 = 1e-3
+friction_nm = 0.2
+{drive}
+[[program]]
+amax_g = 8
+ramp_s = 1
+hold_s = 2
+[[fault]]
+axis = 1
+kind = "runaway"
+speed_hz = {speed_hz}
+at_s = {AT_S}
+"#
+    )
+}
+
+/// A stop would let the others come to rest in phase while this crank goes on against them.
+#[test]
+fn a_crank_that_turns_back_is_named_reversed_and_its_drive_is_off() {
+    for level in ["kinematic", "phased"] {
+        for drive in [STEPPER, SERVO] {
+            for speed_hz in [-12.0, -3.0, -0.5] {
+                let samples = observe(&scene(&text(level, drive, speed_hz)));
+                let faults: Vec<_> = samples
+                    .outcome
+                    .statistics
+                    .events
+                    .iter()
+                    .filter_map(|event| match event.what {
+                        EventKind::Fault { fault, .. } => Some((fault.kind, fault.axis)),
+                        _ => None,
+                    })
+                    .collect();
+                let case = format!("{level}, {speed_hz} rev/s, {drive}: {faults:?}");
+                let last = faults.last().expect("it is reported");
+                assert_eq!(*last, (FaultKind::Reversed, Some(1)), "{case}");
+                let off = samples
+                    .ticks
+                    .iter()
+                    .find(|sample| sample.tick as f64 * TICK_S > AT_S && !sample.enabled);
+                let after_s = off.expect("its drive is off").tick as f64 * TICK_S - AT_S;
+                // It has gone back by an electrical cycle, 1/50 turn, and two windows of four ticks are over. A rotor swings in its
+                // field before it turns with it.
+                let swings_s = if level == "phased" { 0.02 } else { 0.0 };
+                let most_s = 0.02 / -speed_hz + 8.0 * TICK_S + swings_s;
+                assert!(after_s < most_s, "{after_s} s, {case}");
+            }
+        }
+    }
+}
