@@ -173,7 +173,7 @@ mod tests {
         Checked::new(load::parse(&text).unwrap()).unwrap()
     }
 
-    /// Were it wrong, someone would wait for hours without a word, or be told of a run that is over at once. No machine runs days of
+    /// Were it wrong, someone would wait for hours without a word, or read of a run that is over at once. No machine runs days of
     /// simulated time in seconds, or a second of it in three.
     #[test]
     fn long_runs_are_announced() {
