@@ -49,9 +49,11 @@ impl Settled {
     /// The same with a step that is halved until half of it changes no answer by more than [`STEP_PART`] of its tolerance. A step of the
     /// scene's own stays.
     pub fn settled(mut self, questions: &Questions) -> Result<Self, SceneError> {
-        let is_integrated = Machine::new(&self.checked)?.method().is_some();
+        if Machine::new(&self.checked)?.method().is_none() {
+            return Ok(self);
+        }
         let is_imposed = !self.checked.chosen().is_open();
-        while is_integrated {
+        loop {
             let mut half = self.checked.clone();
             half.halvings += 1;
             let finer = run(&half)?;
@@ -59,12 +61,11 @@ impl Settled {
             self.finer = Some(finer);
             self.is_short = is_imposed || self.is_short_for(questions);
             if self.is_short || self.halvings() == MOST_HALVINGS {
-                break;
+                return Ok(self);
             }
             self.checked = half;
             self.answers = finer;
         }
-        Ok(self)
     }
 
     fn step_error(&self, output: Output) -> Option<f64> {
