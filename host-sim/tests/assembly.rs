@@ -46,9 +46,11 @@ fn rods_that_cannot_bend_so_far_are_refused() {
         assert!(error.problem.contains("at most three"), "{error}");
     }
     // Nothing bends a rod on three cranks, on a model level without torque, or where all stand alike.
-    for (fidelity, count, offset_deg) in
-        [("phased", 3, 90.0), ("kinematic", 4, 90.0), ("phased", 4, 0.0)]
-    {
+    for (fidelity, count, offset_deg) in [
+        ("phased", 3, 90.0),
+        ("kinematic", 4, 90.0),
+        ("phased", 4, 0.0),
+    ] {
         let text = scene(fidelity, count, offset_deg);
         let accepted = Checked::new(load::parse(&text).unwrap());
         assert!(accepted.is_ok(), "{fidelity} {count}: {:?}", accepted.err());
