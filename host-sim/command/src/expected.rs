@@ -103,7 +103,7 @@ fn expected_s(
     Ok(Some(took_s)) // that was all of it
 }
 
-/// What looks on while a scene runs, as it takes a part of the time; it keeps nothing.
+/// An observer like that of a run, as it takes a part of the time; it keeps nothing.
 fn recorder(checked: &Checked) -> impl Observer {
     let scope = ScopeData::new(checked.scene.axes.count, frame(checked));
     let (csv, vcd) = (io::sink(), io::sink());

@@ -12,9 +12,9 @@ use crate::sim::{Moment, Observer};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Answers {
     greatest: [Option<f64>; Output::ALL.len()],
-    /// Whether the machine's equations went no further.
+    /// The machine's equations went no further.
     is_broken: bool,
-    /// Where the cranks were to be at the end of the last tick, turns.
+    /// Commanded places of the cranks at the end of the last tick, turns.
     aim_before: PerAxis<f64>,
 }
 
@@ -24,7 +24,7 @@ impl Answers {
         self.greatest[output as usize]
     }
 
-    /// Whether every motor kept step, none was at its torque limit, and the machine's equations came to their end. Otherwise what comes
+    /// True if every motor kept step, none was at its torque limit, and the machine's equations came to their end. Otherwise what comes
     /// after may be another answer with every step and model level.
     pub fn is_regular(&self) -> bool {
         !self.is_broken && self.of(Output::Slips).is_none_or(|axes| axes == 0.0)
@@ -46,7 +46,7 @@ impl Answers {
         self.most(Output::Spread, high - low);
     }
 
-    /// Where the platform is, and how it accelerates.
+    /// Takes in tilt and acceleration of the platform.
     fn posed(&mut self, pose: &Pose) {
         self.most(Output::Tilt, pose.tilt_x_mrad.hypot(pose.tilt_y_mrad));
         self.most(Output::Amax, pose.accel_mps2.abs());

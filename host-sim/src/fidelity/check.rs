@@ -17,15 +17,10 @@ const WELL_WITHIN: f64 = 0.5;
 /// # Errors
 /// The scene lacks what the model level needs.
 pub fn answers(checked: &Checked, model_level: Fidelity) -> Result<Answers, SceneError> {
-    let mut sample = sample::of(&checked.scene);
-    sample.fidelity = model_level;
-    let mut sample = Checked::new(sample)?;
-    sample.resolution = checked.resolution;
-    sample.halvings = checked.halvings;
-    run(&sample)
+    run(&sample::on(checked, model_level)?)
 }
 
-/// What all of a scene comes to.
+/// Answers of a whole scene.
 pub(super) fn run(checked: &Checked) -> Result<Answers, SceneError> {
     let mut answers = Answers::default();
     simulate(checked, &mut answers, |_, _| {})?;
@@ -43,65 +38,55 @@ pub fn check(mut checked: Checked) -> Result<Checked, SceneError> {
     };
     let model_levels = available(&checked);
     let levels = model_levels.split_last();
-    let Some((&top, below)) = levels.filter(|_| !is_settled(&choice, &model_levels)) else {
+    let Some((&top, below)) = levels.filter(|_| needs_sample(&choice, &model_levels)) else {
         checked.choice = Some(choice);
         return Ok(checked);
     };
-    let trial = Trial::new(&checked, choice.resolution);
-    let right = trial.run(top)?.settled(&trial.questions)?;
+    let trial = Trial::new(&checked);
+    let run = |model_level| Settled::new(sample::on(&checked, model_level)?);
+    let right = run(top)?.settled(&trial.questions)?;
     // The lowest first: bounds are wide.
     for &model_level in below {
         let mut judged = trial.judge(model_level);
-        let first = trial.run(model_level)?;
+        let first = run(model_level)?;
         compare(&mut judged, &first.answers, &right.answers, top);
         if !judged.iter().all(|judged| trial.is_fair(judged, &right)) {
             continue;
         }
         let found = first.settled(&trial.questions)?;
         found.add_steps(&mut judged);
-        return Ok(taken(checked, choice, model_level, judged, &found));
+        let why = trial.why(&choice, model_level);
+        return Ok(taken(checked, choice, why, model_level, judged, &found));
     }
     let mut judged = trial.judge(top);
     right.add_steps(&mut judged);
-    Ok(taken(checked, choice, top, judged, &right))
+    let why = trial.why(&choice, top);
+    Ok(taken(checked, choice, why, top, judged, &right))
 }
 
-/// The sample of a scene, and what it is evidence of.
+/// Evidence that the sample of a scene gives.
 struct Trial {
-    sample: Checked,
     questions: Questions,
     /// Bounds of the scene's machine; none where something happens to it that they do not know of.
     bounds: Option<Bounds>,
     resolution: f64,
-    /// Whether the sample is all of the scene.
+    /// The sample is all of the scene.
     is_whole: bool,
-    /// Whether the method is the scene's own: both runs have its steps, so that the sample does not show what these are off by.
+    /// The method is the scene's own: both runs have its steps, so that the sample does not show what these are off by.
     is_imposed: bool,
 }
 
 impl Trial {
-    fn new(checked: &Checked, resolution: f64) -> Self {
-        let mut sample = checked.clone();
-        sample.scene = sample::of(&checked.scene);
+    fn new(checked: &Checked) -> Self {
         Self {
             questions: questions(checked),
             is_imposed: !checked.chosen().is_open(),
             bounds: Bounds::new(checked)
                 .ok()
                 .filter(|_| is_undisturbed(checked)),
-            resolution,
-            is_whole: sample.scene == checked.scene,
-            sample,
+            resolution: checked.resolution,
+            is_whole: sample::of(&checked.scene) == checked.scene,
         }
-    }
-
-    /// The sample on a model level, with the step that theory has.
-    fn run(&self, model_level: Fidelity) -> Result<Settled, SceneError> {
-        let mut scene = self.sample.scene.clone();
-        scene.fidelity = model_level;
-        let mut sample = Checked::new(scene)?;
-        sample.resolution = self.resolution;
-        Settled::new(sample)
     }
 
     fn judge(&self, model_level: Fidelity) -> Vec<Judged> {
@@ -113,37 +98,61 @@ impl Trial {
         )
     }
 
-    /// Whether an output is known to be within its tolerance, and no sample denies it.
+    /// True for an output that is known to be within its tolerance, which no sample denies.
     fn is_fair(&self, judged: &Judged, right: &Settled) -> bool {
         let is_known = judged.is_bounded() || !self.is_imposed && self.is_borne_out(judged, right);
         is_known && !is_denied(judged)
     }
 
-    /// Whether the sample shows an output to be well within its tolerance, where it may say so at all.
+    /// True if the sample shows an output to be well within its tolerance, where it is evidence at all.
     fn is_borne_out(&self, judged: &Judged, right: &Settled) -> bool {
-        // A motor that slips decides what comes after; nor does a part of a scene show what nothing bounds.
-        let may_say = judged.output != Output::Slips && right.is_regular;
-        let part = match (self.is_whole, judged.bound.is_some()) {
-            _ if !may_say => return false,
-            (true, _) => 1.0 - STEP_PART,
-            (false, true) => WELL_WITHIN,
-            (false, false) => return false,
-        };
-        judged
-            .measured
-            .is_some_and(|(off, _)| off <= part * judged.tolerance)
+        // A part of a scene does not show what nothing bounds, nor which motors slip in the rest.
+        let is_evidence = self.is_whole || judged.output != Output::Slips && judged.bound.is_some();
+        // A motor that slips decides what comes after.
+        right.is_regular
+            && is_evidence
+            && judged
+                .measured
+                .is_some_and(|(off, _)| off <= self.well_within() * judged.tolerance)
+    }
+
+    /// The part of a tolerance that a difference in the sample may use up.
+    fn well_within(&self) -> f64 {
+        if self.is_whole {
+            1.0 - STEP_PART
+        } else {
+            WELL_WITHIN
+        }
+    }
+
+    fn why(&self, choice: &Choice, model_level: Fidelity) -> String {
+        if model_level == choice.model_level {
+            choice.why.clone()
+        } else if model_level < choice.model_level {
+            format!(
+                "its bounds go beyond what is required, but a sample of the scene differs from the top model level by less than {} of \
+                 each tolerance",
+                self.well_within()
+            )
+        } else {
+            format!(
+                "the model level that its bounds would allow, {}, was off by more than its tolerance, or its bound, in a sample of the \
+                 scene",
+                choice.model_level.name()
+            )
+        }
     }
 }
 
-/// Whether no sample can change anything: there is one model level alone, or the bounds of the lowest are enough.
-pub(super) fn is_settled(choice: &Choice, model_levels: &[Fidelity]) -> bool {
+/// False where no sample can change anything: there is one model level alone, or the bounds of the lowest are enough.
+pub(super) fn needs_sample(choice: &Choice, model_levels: &[Fidelity]) -> bool {
     let is_plain = |judged: &Judged| {
         judged
             .bound
             .is_some_and(|bound| bound <= WELL_WITHIN * judged.tolerance)
     };
     let is_lowest = model_levels.first() == Some(&choice.model_level);
-    is_lowest && (model_levels.len() == 1 || choice.judged.iter().all(is_plain))
+    !(is_lowest && (model_levels.len() == 1 || choice.judged.iter().all(is_plain)))
 }
 
 /// Whether the sample is farther off than is required, or than the bound has it.
@@ -156,6 +165,7 @@ fn is_denied(judged: &Judged) -> bool {
 fn taken(
     mut checked: Checked,
     choice: Choice,
+    why: String,
     model_level: Fidelity,
     judged: Vec<Judged>,
     settled: &Settled,
@@ -163,26 +173,12 @@ fn taken(
     checked.fidelity = model_level;
     checked.halvings = settled.halvings();
     checked.choice = Some(Choice {
-        why: why(&choice, model_level),
+        why,
         model_level,
         judged,
         ..choice
     });
     checked
-}
-
-fn why(choice: &Choice, model_level: Fidelity) -> String {
-    if model_level == choice.model_level {
-        choice.why.clone()
-    } else if model_level < choice.model_level {
-        "its bounds go beyond what is required, but a sample of the scene differs from the top model level by less than half of each tolerance"
-            .to_owned()
-    } else {
-        format!(
-            "the model level that its bounds would allow, {}, was off by more than its tolerance, or its bound, in a sample of the scene",
-            choice.model_level.name()
-        )
-    }
 }
 
 /// A scene with the values that its run has for what was requested. Bounds are those of a run in which all is regular.

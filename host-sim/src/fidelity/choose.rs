@@ -69,7 +69,7 @@ pub fn choose(checked: &Checked) -> Result<Choice, SceneError> {
     Ok(choice)
 }
 
-/// Whether nothing happens to the machine that bounds do not know of.
+/// True if nothing happens to the machine that bounds do not know of.
 pub(super) fn is_undisturbed(checked: &Checked) -> bool {
     checked.scene.fault.is_empty() && checked.scene.noise.load_nm == 0.0
 }

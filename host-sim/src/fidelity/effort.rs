@@ -1,6 +1,6 @@
-//! What the choice of a model level takes, before it is made.
+//! Time that the choice of a model level takes, estimated before it is made.
 
-use super::check::is_settled;
+use super::check::needs_sample;
 use super::choose::available;
 use super::sample;
 use crate::scene::{Checked, SceneError};
@@ -31,15 +31,11 @@ pub fn sample_runs(checked: &Checked) -> Result<Option<SampleRuns>, SceneError> 
         return Ok(None);
     };
     let levels = available(checked);
-    let Some(&top) = levels.last().filter(|_| !is_settled(choice, &levels)) else {
+    let Some(&top) = levels.last().filter(|_| needs_sample(choice, &levels)) else {
         return Ok(None);
     };
-    let mut scene = sample::of(&checked.scene);
-    scene.fidelity = top;
-    let mut sample = Checked::new(scene)?;
-    sample.resolution = choice.resolution;
     Ok(Some(SampleRuns {
-        sample,
+        sample: sample::on(checked, top)?,
         times: TIMES,
     }))
 }

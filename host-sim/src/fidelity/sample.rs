@@ -4,8 +4,8 @@
 //! cut, repeated blocks are played once, and ramps stay as they are. A scene in which something happens at a time stays
 //! whole, as that would come at another moment of its program. So does a short scene.
 
-use crate::scene::Scene;
-use crate::scene::file::Segment;
+use crate::scene::file::{Fidelity, Segment};
+use crate::scene::{Checked, Scene, SceneError};
 
 /// What is left of a hold, s: time for what a change of speed sets swinging to die away, and for some turns.
 pub const HOLD_S: f64 = 0.3;
@@ -25,6 +25,19 @@ fn length_s(program: &[Segment]) -> f64 {
         segment.ramp_s.unwrap_or(0.0) + segment.hold_s.unwrap_or(0.0) + times * inner
     });
     lengths.sum()
+}
+
+/// The sample of a scene on one of its model levels, with the scene's own step.
+///
+/// # Errors
+/// The scene lacks what the model level needs.
+pub fn on(checked: &Checked, model_level: Fidelity) -> Result<Checked, SceneError> {
+    let mut scene = of(&checked.scene);
+    scene.fidelity = model_level;
+    let mut sample = Checked::new(scene)?;
+    sample.resolution = checked.resolution;
+    sample.halvings = checked.halvings;
+    Ok(sample)
 }
 
 /// The sample of a scene.

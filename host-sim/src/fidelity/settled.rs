@@ -14,16 +14,16 @@ const MOST_HALVINGS: u32 = 6;
 /// A method of order 1 is off by twice what half its step changes, and those of higher orders by less than that.
 const OF_HALF_A_STEP: f64 = 2.0;
 
-/// What a scene comes to on a model level, and how much of that is due to the method's step.
+/// Answers of a scene on a model level, and how much of them is due to the method's step.
 pub(super) struct Settled {
     checked: Checked,
-    /// What it comes to.
+    /// Its answers.
     pub answers: Answers,
-    /// Whether all is regular, with this step and with half of it.
+    /// All is regular, with this step and with half of it.
     pub is_regular: bool,
-    /// What it comes to with half the step; none before that was run, and where nothing is integrated.
+    /// Answers with half the step; none before that was run, and where nothing is integrated.
     finer: Option<Answers>,
-    /// Whether half the step changes no answer by more than its part of the tolerance; always so of a step of the scene's own, which
+    /// Half the step changes no answer by more than its part of the tolerance; always so of a step of the scene's own, which
     /// is as good as it is.
     is_short: bool,
 }

@@ -1,4 +1,4 @@
-//! Whether a platform fits its cranks: more than three over-constrain it, and stand apart only as far as rods bend.
+//! Fit of a platform on its cranks: more than three over-constrain it, and stand apart only as far as rods bend.
 
 use std::f64::consts::TAU;
 

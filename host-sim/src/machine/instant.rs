@@ -23,12 +23,12 @@ pub struct Forces {
 }
 
 impl Instant<'_> {
-    /// Where crank `i` is, turns.
+    /// Angle of crank `i`, turns.
     pub fn turns(&self, i: usize) -> f64 {
         self.driven.alpha_rad(self.state, i) / std::f64::consts::TAU
     }
 
-    /// What acts, and what it makes of the platform.
+    /// Torques, and the accelerations that they cause.
     pub fn forces(&self) -> Forces {
         let torques_nm = self.driven.torques_nm(self.t_s, self.state);
         let mut rates = vec![0.0; self.state.len()];
@@ -40,7 +40,7 @@ impl Instant<'_> {
         }
     }
 
-    /// What the frame does, if it moves.
+    /// Motion of the frame, if it moves.
     pub fn frame(&self) -> Option<FrameMotion> {
         self.driven.frame_motion(self.state)
     }

@@ -167,7 +167,7 @@ impl Machine {
         self.rotors.as_ref().map(Rotors::torques_nm)
     }
 
-    /// Whether motor `i` is a servo that gives all the torque that its limit allows.
+    /// True if motor `i` is a servo that gives all the torque that its limit allows.
     pub fn is_at_limit(&self, i: usize) -> bool {
         let Some(rotors) = &self.rotors else {
             return false;

@@ -28,7 +28,7 @@ pub struct Rotors {
     scheme: Scheme,
     method: Box<dyn Method>,
     steps: u32,
-    /// What steps near standstill, where dry friction changes faster than the chosen method's step follows; none if it does not.
+    /// The method near standstill, where dry friction changes faster than the chosen method's step follows; none if it does not.
     near_rest: Option<Box<dyn Method>>,
     state: Vec<f64>,
     /// States of the last tick, one before each step.
@@ -205,7 +205,7 @@ impl Rotors {
         self.platform = self.driven.platform(&self.state, &self.rates);
     }
 
-    /// Whether a crank is as slow as friction turns round, or may become so within a tick.
+    /// True if a crank is as slow as friction turns round, or may become so within a tick.
     fn is_near_rest(&self) -> bool {
         let from = self.driven.positions();
         let cranks = from..from + self.driven.angles();
@@ -252,7 +252,7 @@ impl Rotors {
         self.driven.mean_motion(&self.state, &self.rates)
     }
 
-    /// What the machine went through within the last tick, before each of its steps; nothing if it stood still.
+    /// States of the machine within the last tick, one before each of its steps; none if it stood still.
     pub fn within(&self) -> impl ExactSizeIterator<Item = Instant<'_>> {
         let states = self.within.chunks_exact(self.state.len());
         let step_s = self.method.step_s();

@@ -14,7 +14,7 @@ const LEAST_ZETA: f64 = 0.005;
 /// Steps a tick beyond which a scene would take longer than anyone waits.
 pub const MOST_STEPS: u32 = 1000;
 
-/// What a scene wants of the method; what it leaves open is chosen here.
+/// Method and step that a scene sets; those that it leaves open are chosen here.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chosen {
     /// Which one.
@@ -50,7 +50,7 @@ fn step_rad(scheme: Scheme, zeta: f64, resolution: f64) -> f64 {
 }
 
 impl Chosen {
-    /// Whether the scene leaves both to be chosen.
+    /// True if the scene leaves both to be chosen.
     pub fn is_open(&self) -> bool {
         self.scheme.is_none() && self.steps_per_tick.is_none()
     }
@@ -96,7 +96,7 @@ pub(super) fn in_words(steps: f64) -> String {
     }
 }
 
-/// What is unstable, with what would be right in the scene's own key.
+/// The error's text, with the value that would be stable in the scene's own key.
 pub(super) fn in_steps_per_tick(unstable: &Unstable, tick_s: f64) -> String {
     match *unstable {
         Unstable::Step { limit_s, .. } if limit_s > 0.0 => {

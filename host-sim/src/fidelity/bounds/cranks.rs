@@ -15,8 +15,8 @@ use crate::scene::file::Fidelity;
 /// at most; where both are within their ranges of a resonance the worst over the ranges has been taken already.
 const MARGIN: f64 = 1.5;
 
-/// What a mode that carries no crank, of a frame or of rods, adds to its steady answer as a ramp sets it swinging: at most that once
-/// more, as if the ramp came at once.
+/// Factor on the steady answer of a mode that carries no crank, of a frame or of rods, as a ramp sets it swinging: at most twice that,
+/// as if the ramp came at once.
 const SET_SWINGING: f64 = 2.0;
 
 /// What is to be known of a platform on cranks to bound what a model level leaves out.
