@@ -2,7 +2,6 @@
 
 use cophase_core::axes::{LEAST_CAM_POINTS, MAX_CAM_POINTS};
 use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
-use cophase_methods::problems::Cam;
 use host_sim::mechanism::{AnyMechanism, Configured};
 use host_sim::scene::file::{CamSegment, CamShaft, CamTable, Damper, LawName};
 
@@ -41,10 +40,11 @@ pub fn shaft(source: &mut Source, kind: Kind, kinds: Kinds, tick_hz: u32) -> Cam
         damper: source.one_of(&[Damper::Cam, Damper::Ground]),
     };
     // The cam accelerates as a crank does that the loop is made for.
-    let peak_m = peak_m(&CamShaft {
+    let unit = CamShaft {
         rise_mm: 1.0,
         ..shaft.clone()
-    });
+    };
+    let peak_m = unit.cam().peak_m();
     let (low_mm, high_mm) = (2e-4 / peak_m, 0.5 / peak_m);
     shaft.rise_mm = source.usual(
         (low_mm.max(1.0), high_mm.min(200.0)),
@@ -53,24 +53,10 @@ pub fn shaft(source: &mut Source, kind: Kind, kinds: Kinds, tick_hz: u32) -> Cam
     shaft
 }
 
-/// Greatest acceleration at a radian a second, m/s².
-fn peak_m(shaft: &CamShaft) -> f64 {
-    let cam = Cam {
-        law: shaft.law.into(),
-        stroke_m: shaft.rise_mm / 1e3,
-        speed_rad_s: 0.0,
-        start_rad: 0.0,
-        rise_rad: shaft.rise_deg.to_radians(),
-        dwell_rad: shaft.dwell_deg.to_radians(),
-        return_rad: shaft.return_deg.to_radians(),
-    };
-    cam.peak_m()
-}
-
 /// The mechanism of the same greatest acceleration: amax = κ ω², as a Scotch yoke has with R = κ.
 pub fn mechanism(shaft: Option<&CamShaft>) -> AnyMechanism {
     let yoke = MechanismSettings::ScotchYoke(ScotchYokeSettings {});
-    AnyMechanism::of(&yoke, shaft.map_or(0.0, peak_m))
+    AnyMechanism::of(&yoke, shaft.map_or(0.0, |shaft| shaft.cam().peak_m()))
 }
 
 /// Cam tables, where axes follow such, and the file of one of them.

@@ -95,20 +95,8 @@ impl Machine<'_> {
             let size = source.usual(usual, (1e-3 * most, most));
             if source.percent(50) { size } else { -size }
         };
-        let mut fault = FaultAt {
-            at_s: basis.time_s(source),
-            kind,
-            axis: is_of_axis.then_some(axis),
-            with: None,
-            lines: None,
-            cycles: None,
-            rate_deg_per_s: None,
-            speed_hz: None,
-            count: None,
-            counts: None,
-            torque_nm: None,
-            for_s: None,
-        };
+        let mut fault = FaultAt::new(basis.time_s(source), kind);
+        fault.axis = is_of_axis.then_some(axis);
         match kind {
             FaultName::LostSteps => {
                 let cycles = signed(source, (1.0, 5.0), 1e4).round() as i64;

@@ -171,11 +171,12 @@ pub fn worst(driven: &Driven, drive: &Drive) -> Worst {
     worst.torque_of_amax =
         (share_kg * lever_m * mechanism.amax_mps2(drive.top_rad_s) / greatest_nm).max(1.0);
     worst.spring_per_rad /= greatest_nm;
-    let swing_rad_s2 = swing_rad_s2(driven, drive, &required);
+    let swing = swing(driven, drive, &required);
     let lever = mechanism.crank_radius_m() * mechanism.greatest_s();
-    worst.amax += lever * swing_rad_s2 / mechanism.amax_mps2(drive.top_rad_s);
+    worst.amax += 2.0 * swing.rad_s / drive.top_rad_s
+        + lever * swing.rad_s2 / mechanism.amax_mps2(drive.top_rad_s);
     let heaviest = body.rotors_kgm2.iter().copied().fold(0.0, f64::max);
-    worst.torque += (heaviest + load_inertia_kgm2(body, &required)) * swing_rad_s2 / greatest_nm;
+    worst.torque += (heaviest + load_inertia_kgm2(body, &required)) * swing.rad_s2 / greatest_nm;
     worst.frequency_ratio = frequency_ratio(driven, drive, &required);
     worst
 }
@@ -326,21 +327,39 @@ fn greatest_nm(body: &Body, omega_rad_s: f64) -> f64 {
         .fold(f64::MIN_POSITIVE, f64::max)
 }
 
-/// Acceleration of a crank beyond that of its command as that changes, rad/s². Feed-forward holds each tick's torque, and so is ahead by
-/// up to a tick; without it, motor and crank swing at their own frequency.
-fn swing_rad_s2(driven: &Driven, drive: &Drive, required: &RequiredTorque) -> f64 {
+/// Motion of a crank beyond that of its command, as ramps make it swing.
+#[derive(Default)]
+struct Swing {
+    rad_s: f64,
+    rad_s2: f64,
+}
+
+/// The greatest of all cranks. Feed-forward holds each tick's torque, and so is ahead by up to a tick; without it, motor and crank swing
+/// at their own frequency. The following error of a drive without full velocity feed-forward grows with speed, so that a ramp has
+/// another speed than its command; as the ramp ends, that is made up for by a swing of at most twice as much.
+fn swing(driven: &Driven, drive: &Drive, required: &RequiredTorque) -> Swing {
     let body = driven.body();
     let load = load_inertia_kgm2(body, required);
-    let late_s = |(i, motor): (usize, &Motor)| {
-        if drive.has_feed_forward[i] {
+    let motors = driven.motors().iter().enumerate();
+    motors.fold(Swing::default(), |most, (i, motor)| {
+        let acceleration = drive.acceleration_rad_s2 * drive.ratios[i].abs();
+        let jerk = drive.jerk_rad_s3 * drive.ratios[i].abs();
+        let stiffness = motor.stiffness_nm(drive.top_rad_s);
+        let slowest = (stiffness.0 / (body.rotors_kgm2[i] + load)).sqrt();
+        let fastest = (stiffness.1 / body.rotors_kgm2[i]).sqrt();
+        let late_s = if drive.has_feed_forward[i] {
             drive.tick_s
         } else {
-            2.0 * ((body.rotors_kgm2[i] + load) / motor.stiffness_nm(drive.top_rad_s).0).sqrt()
+            2.0 / slowest
+        };
+        let rad_s = 2.0 * motor.following_error_rad(acceleration).abs();
+        Swing {
+            rad_s: most.rad_s.max(rad_s),
+            rad_s2: most
+                .rad_s2
+                .max((jerk * late_s).min(acceleration) + rad_s * fastest),
         }
-    };
-    let late_s = driven.motors().iter().enumerate().map(late_s);
-    let late_s = late_s.fold(0.0, f64::max);
-    (drive.jerk_rad_s3 * late_s).min(drive.acceleration_rad_s2)
+    })
 }
 
 /// Speeds of the master to look at: evenly up to the top, and where a harmonic meets the ends of the range that

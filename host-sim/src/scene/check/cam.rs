@@ -55,15 +55,7 @@ pub(super) fn follower(shaft: &CamShaft) -> Result<Follower, SceneError> {
             ),
         ));
     }
-    let cam = Cam {
-        law: shaft.law.into(),
-        stroke_m: shaft.rise_mm / 1e3,
-        speed_rad_s: 0.0,
-        start_rad: 0.0,
-        rise_rad: shaft.rise_deg.to_radians(),
-        dwell_rad: shaft.dwell_deg.to_radians(),
-        return_rad: shaft.return_deg.to_radians(),
-    };
+    let cam = shaft.cam();
     let (least_m, most_m) = (
         RADII_M.0 * (1.0 + LAMBDA) / cam.peak_m(),
         RADII_M.1 * (1.0 + LAMBDA) / cam.peak_m(),

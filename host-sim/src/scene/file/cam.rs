@@ -1,6 +1,6 @@
 //! `[cam]`: cam shafts with elastic followers, instead of cranks under a platform.
 
-use cophase_methods::problems::{Law, Shaft};
+use cophase_methods::problems::{Cam, Law, Shaft};
 use serde::{Deserialize, Serialize};
 
 use super::lengths::some_three;
@@ -50,6 +50,21 @@ pub struct CamShaft {
     /// Where the damper of the shaft ends.
     #[serde(default)]
     pub damper: Damper,
+}
+
+impl CamShaft {
+    /// The cam, at rest at the beginning of its rise.
+    pub fn cam(&self) -> Cam {
+        Cam {
+            law: self.law.into(),
+            stroke_m: self.rise_mm / 1e3,
+            speed_rad_s: 0.0,
+            start_rad: 0.0,
+            rise_rad: self.rise_deg.to_radians(),
+            dwell_rad: self.dwell_deg.to_radians(),
+            return_rad: self.return_deg.to_radians(),
+        }
+    }
 }
 
 /// A cam law by its name.

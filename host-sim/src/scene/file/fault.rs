@@ -42,6 +42,26 @@ pub struct FaultAt {
     pub for_s: Option<f64>,
 }
 
+impl FaultAt {
+    /// A fault of a kind at a time, s, with none of the other numbers.
+    pub const fn new(at_s: f64, kind: FaultName) -> Self {
+        Self {
+            at_s,
+            kind,
+            axis: None,
+            with: None,
+            lines: None,
+            cycles: None,
+            rate_deg_per_s: None,
+            speed_hz: None,
+            count: None,
+            counts: None,
+            torque_nm: None,
+            for_s: None,
+        }
+    }
+}
+
 /// What can go wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]

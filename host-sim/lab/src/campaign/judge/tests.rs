@@ -33,18 +33,9 @@ fn slipped(fault_events: &[FaultEvent]) -> (Scene, Observation) {
     let mut scene = library::find("default").unwrap().scene();
     scene.correction.gain = 0.5;
     scene.fault = vec![FaultAt {
-        at_s: 0.9,
-        kind: FaultName::Slip,
         axis: Some(1),
-        with: None,
-        lines: None,
-        cycles: None,
         rate_deg_per_s: Some(10.0),
-        speed_hz: None,
-        count: None,
-        counts: None,
-        torque_nm: None,
-        for_s: None,
+        ..FaultAt::new(0.9, FaultName::Slip)
     }];
     let stopped = fault_events
         .iter()

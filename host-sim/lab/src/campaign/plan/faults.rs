@@ -79,20 +79,8 @@ pub fn draw(
     let limit_deg = geometry.map_or(scene.drift.warp_limit_deg, |geometry| {
         geometry.single_limit_turns() * 360.0
     });
-    let mut fault = FaultAt {
-        at_s: at_s(stream, window),
-        kind,
-        axis: Some(axis),
-        with: None,
-        lines: None,
-        cycles: None,
-        rate_deg_per_s: None,
-        speed_hz: None,
-        count: None,
-        counts: None,
-        torque_nm: None,
-        for_s: None,
-    };
+    let mut fault = FaultAt::new(at_s(stream, window), kind);
+    fault.axis = Some(axis);
     match kind {
         FaultName::LostSteps => {
             let cycles = stream.one_of(&[1, 1, 1, 2, 3]);
