@@ -119,7 +119,7 @@ fn steps(source: &mut Source, basis: &Basis, pulse: &Pulse, fastest_hz: f64) -> 
     (full_steps, (steps / full_steps).max(1) * full_steps)
 }
 
-/// What single axes have apart.
+/// Overrides of single axes.
 pub fn apart(
     source: &mut Source,
     basis: &Basis,

@@ -1,4 +1,4 @@
-//! What happens from outside: `[[command]]`, `[[input]]`, `[[late]]`; and `[scope]`.
+//! Events from outside: `[[command]]`, `[[input]]`, `[[late]]`; and `[scope]`.
 
 use host_sim::scene::file::{CommandAt, CommandName, InputAt, InputLine, LateAt, Scope};
 

@@ -51,12 +51,12 @@ pub fn noise(source: &mut Source, basis: &Basis) -> Noise {
     }
 }
 
-/// Whether torque moves the cranks, whatever level is chosen.
+/// True if torque moves the cranks, whatever level is chosen.
 fn moves_by_torque(basis: &Basis) -> bool {
     basis.kind == Kind::Cranks && basis.fidelity.moves_by_torque()
 }
 
-/// What a fault may act on.
+/// Parts that a fault may act on.
 struct Machine<'a> {
     basis: &'a Basis,
     axes: &'a Axes,

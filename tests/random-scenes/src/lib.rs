@@ -34,9 +34,9 @@ use source::Source;
 /// Which scenes are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kinds {
-    /// Whether some scenes have faults, noise of loads, and events from outside.
+    /// Some scenes have faults, noise of loads, and events from outside.
     pub disturbed: bool,
-    /// Whether all scenes have `[questions]` and leave `fidelity` to be chosen: cranks that torque moves, or cams with masses.
+    /// All scenes have `[questions]` and leave `fidelity` to be chosen: cranks that torque moves, or cams with masses.
     pub has_questions: bool,
 }
 
@@ -106,7 +106,7 @@ pub fn checked(seed: u64, kinds: Kinds) -> Result<Checked, SceneError> {
     Checked::new(load::parse(&draw(seed, kinds).text)?)
 }
 
-/// What is on the axes.
+/// Motors and drives of the axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// Cranks under a platform.
@@ -117,7 +117,7 @@ enum Kind {
     Screws,
 }
 
-/// What several tables depend on.
+/// Draws that several tables depend on.
 struct Basis {
     kinds: Kinds,
     kind: Kind,
@@ -127,10 +127,10 @@ struct Basis {
     drive: Drive,
     other_drive: Option<Drive>,
     has_encoder: bool,
-    /// Whether motors have torque: pull-out torque, gains and rotor inertia are given.
+    /// Motors have torque: pull-out torque, gains and rotor inertia are given.
     has_torque: bool,
     tick_hz: u32,
-    /// What amax follows from; of a cam, the mechanism of the same greatest acceleration.
+    /// The mechanism that amax follows from; for a cam, one of the same greatest acceleration.
     mechanism: AnyMechanism,
     load_kg: f64,
     /// Greatest speed of the master, rev/s.
@@ -234,12 +234,12 @@ impl Basis {
         (scene, table)
     }
 
-    /// Whether all cranks have to be at one angle: the rigid level has no others.
+    /// All cranks have to be at one angle: the rigid level has no others.
     fn is_rigid(&self) -> bool {
         self.fidelity == Fidelity::Rigid
     }
 
-    /// Whether an axis has this drive.
+    /// True if an axis has this drive.
     fn has_drive(&self, drive: Drive) -> bool {
         self.drive == drive || self.other_drive == Some(drive)
     }

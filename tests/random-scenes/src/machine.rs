@@ -74,7 +74,7 @@ pub fn rods(source: &mut Source, basis: &Basis, axes: &Axes, machine: Machine) -
     }
 }
 
-/// What the cranks stand on: always where the level needs it, and sometimes where it does not.
+/// Frame and foundation: always where the level needs it, and sometimes where it does not.
 pub fn frame(source: &mut Source, machine: &Machine, fidelity: Fidelity) -> Option<Frame> {
     if fidelity != Fidelity::Elastic && !source.percent(20) {
         return None;

@@ -1,4 +1,4 @@
-//! Where numbers are drawn from: a stream of its own for each seed.
+//! The source of drawn numbers: a stream of its own for each seed.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -29,7 +29,7 @@ impl Source {
         self.0.random_range(0..100_u32) < percent
     }
 
-    /// What `draw` draws, in so many of a hundred.
+    /// A value that `draw` gives, in so many of a hundred.
     pub fn maybe<T>(&mut self, percent: u32, draw: impl FnOnce(&mut Self) -> T) -> Option<T> {
         self.percent(percent).then(|| draw(self))
     }

@@ -36,7 +36,7 @@ const TWICE: u64 = 10;
 /// How often long tests say how far they are.
 const PROGRESS: Duration = Duration::from_secs(20);
 
-/// What a run of the command came to.
+/// Outcome of a run of the command.
 struct Run {
     status: Status,
     out: String,
@@ -62,7 +62,7 @@ fn run(scene: &Path, folder: &Path) -> Run {
     }
 }
 
-/// What became of a scene.
+/// Outcome of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fate {
     Done,

@@ -144,7 +144,7 @@ impl EncoderWatch {
         self.window.tracking
     }
 
-    /// Whether a motor that stalled has gone back: by over a quarter of its phase error, or by over `most`. A motor that stood for a
+    /// True if a motor that stalled has gone back: by over a quarter of its phase error, or by over `most`. A motor that stood for a
     /// time and is let go may spring back by less.
     pub(super) fn has_gone_back(&self, most: Turns) -> bool {
         let back = self.made_since.wrapping_neg();

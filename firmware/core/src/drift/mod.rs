@@ -218,7 +218,7 @@ impl DriftMonitor {
         errors
     }
 
-    /// Whether [`Self::turn_errors`] cover a whole turn since [`Self::reset`] or [`Self::start_check`].
+    /// True if [`Self::turn_errors`] cover a whole turn since [`Self::reset`] or [`Self::start_check`].
     pub fn is_turn_over(&self) -> bool {
         !self.has_encoders() || self.averaged >= Turns::ONE
     }
@@ -252,7 +252,7 @@ impl DriftMonitor {
         }
     }
 
-    /// Whether every index has been detected since [`Self::start_check`], and encoders have been read over a turn.
+    /// True if every index has been detected since [`Self::start_check`], and encoders have been read over a turn.
     pub fn is_check_done(&self) -> bool {
         self.evaluated_checked & self.sensed == self.sensed && self.is_turn_over()
     }
@@ -299,7 +299,7 @@ impl DriftMonitor {
         self.limits.of_platform(&self.mount.modes(error)).is_none()
     }
 
-    /// Whether an axis without an encoder has a pulse.
+    /// True if an axis without an encoder has a pulse.
     pub fn has_pulse_by_index(&self, index: &PerAxis<Option<IndexPulse>>) -> bool {
         let mut pulses = index.iter().enumerate();
         pulses.any(|(axis, pulse)| pulse.is_some() && self.by_index & 1 << axis != 0)

@@ -1,4 +1,4 @@
-//! What a run leaves: its four files, its text and its exit status agree, and every number is one.
+//! The results of a run: its four files, its text and its exit status agree, and every number is one.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::files::no_number;
 
-/// What a message says that is to be done, or what would be right.
+/// Words by which a message says what is to be done, or what would be right.
 const FIXES: [&str; 18] = [
     "give",
     "leave",

@@ -60,7 +60,7 @@ impl Homing {
         None
     }
 
-    /// Whether all is known that the cranks are compared with once they were moved.
+    /// True once all is known that the cranks are compared with after they were moved.
     fn may_move(&self, monitor: &DriftMonitor, offsets: &PhaseOffsets) -> bool {
         monitor.is_turn_over() || !(self.proves() || offsets.corrects())
     }
@@ -171,7 +171,7 @@ impl Homing {
         None
     }
 
-    /// What all cranks are off by together is where the machine's zero is.
+    /// The error that all cranks have in common is the place of the machine's zero.
     fn find_home_offset(&mut self, monitor: &mut DriftMonitor, offsets: &PhaseOffsets) {
         if !self.has_home_offset {
             return;
@@ -195,7 +195,7 @@ impl Homing {
     }
 }
 
-/// Whether trims are within their limits, and would leave the platform within its own.
+/// True if trims are within their limits, and would leave the platform within its own.
 fn has_room(trims: &PerAxis<Turns>, monitor: &DriftMonitor, offsets: &PhaseOffsets) -> bool {
     let mut after = errors(monitor, offsets);
     let moves = trims.iter().zip(offsets.now());

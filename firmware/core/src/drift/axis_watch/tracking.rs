@@ -1,4 +1,4 @@
-//! What an encoder shows of how an axis moves, and what it is called.
+//! How an axis moves as its encoder shows it, and the name of the fault in that.
 
 use super::AxisWatch;
 use crate::drift::angles::angle;
@@ -7,12 +7,12 @@ use crate::supervisor::FaultKind;
 use crate::units::Turns;
 
 impl AxisWatch {
-    /// What it is called that this axis is where it is, if that is known.
+    /// Name of the fault that moved this axis, if it is known.
     pub(in crate::drift) fn name(&self) -> Option<FaultKind> {
         self.tracking().or(self.name)
     }
 
-    /// Whether it moved in the last turns, or does.
+    /// True if it moved in the last turns, or does.
     pub(in crate::drift) fn has_moved(&self) -> bool {
         self.name().is_some()
     }
