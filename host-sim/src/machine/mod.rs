@@ -109,7 +109,7 @@ impl Machine {
                 .unwrap_or(in_common.friction_nm);
             let flag = Flag::new(checked, i);
             let home_turns = settings.home_turns(own);
-            let ratio = own.follower.most_ratio(settings);
+            let ratio = own.follower.most_ratio(&settings.cams);
             SimulatedAxis::new(
                 own,
                 home_turns,

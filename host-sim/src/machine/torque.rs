@@ -60,7 +60,7 @@ pub fn rotors(
         ));
     }
     let ratios = settings.axes.iter();
-    let ratios = ratios.map(|axis| axis.follower.most_ratio(settings));
+    let ratios = ratios.map(|axis| axis.follower.most_ratio(&settings.cams));
     let fastest_hz = settings.limits.speed_hz * ratios.fold(1.0, f64::max);
     let beyond_hz = BEYOND * fastest_hz + COASTING_HZ;
     Rotors::new(driven, commanded.collect(), tick_s, chosen)

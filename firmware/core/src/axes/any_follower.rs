@@ -4,11 +4,11 @@
 //! `followers!`. The tests in `conformance` then cover it, too. See `docs/recipes/add-a-follower.md`.
 
 use super::bounds::Bounds;
-use super::cam_table::{CamTable, CamTableSettings};
+use super::cam_table::{CamSettings, CamTable, CamTableSettings};
 use super::cams::Cams;
 use super::follower::Follower;
 use super::gear::{Gear, GearSettings};
-use crate::settings::{Settings, SettingsError};
+use crate::settings::SettingsError;
 use crate::units::Turns;
 
 /// Makes [`AnyFollower`] and its settings from a list: name, text, settings type.
@@ -28,13 +28,13 @@ macro_rules! followers {
         }
 
         impl FollowerSettings {
-            /// Checks every number, also against the settings of the machine.
+            /// Checks every number, also against the cam tables of the machine.
             ///
             /// # Errors
             /// The first number that is wrong.
             #[cold]
-            pub fn check(&self, settings: &Settings) -> Result<(), SettingsError> {
-                match self { $(Self::$Name(own) => own.check(settings),)* }
+            pub fn check(&self, cams: &[CamSettings]) -> Result<(), SettingsError> {
+                match self { $(Self::$Name(own) => own.check(cams),)* }
             }
 
             /// Follower at the master's phase 0, of checked settings.
@@ -52,8 +52,8 @@ macro_rules! followers {
 
             /// Upper bound on the turns of the axis per turn of the master. It takes little memory, and may be some percent high.
             #[cold]
-            pub fn most_ratio(&self, settings: &Settings) -> f64 {
-                match self { $(Self::$Name(own) => own.most_ratio(settings),)* }
+            pub fn most_ratio(&self, cams: &[CamSettings]) -> f64 {
+                match self { $(Self::$Name(own) => own.most_ratio(cams),)* }
             }
         }
 

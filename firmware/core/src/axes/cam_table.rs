@@ -7,7 +7,7 @@ use super::bounds::Bounds;
 use super::cams::Cams;
 use super::follower::Follower;
 use super::spline::{LEAST_CAM_POINTS, MAX_CAM_POINTS, Spline};
-use crate::settings::{Problem, Settings, SettingsError};
+use crate::settings::{Problem, SettingsError};
 use crate::units::{ONE_TURN, Phase, Turns};
 use cophase_motion::settings::{self as motion, inside, turns};
 
@@ -75,20 +75,20 @@ impl CamSettings {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CamTableSettings {
-    /// Number of the table in [`Settings::cams`].
+    /// Number of the table in the settings of the machine.
     pub table: u8,
     /// Phase of the table at the master's phase 0, turns, −1 to 1.
     pub shift_turns: f64,
 }
 
 impl CamTableSettings {
-    /// Checks the numbers against the settings of the machine.
+    /// Checks the numbers against the cam tables of the machine.
     ///
     /// # Errors
     /// There is no such table, or the shift is out of range.
     #[cold]
-    pub fn check(&self, settings: &Settings) -> Result<(), SettingsError> {
-        let tables = settings.cams.len();
+    pub fn check(&self, cams: &[CamSettings]) -> Result<(), SettingsError> {
+        let tables = cams.len();
         if usize::from(self.table) >= tables {
             let table = self.table;
             return Err(SettingsError::new(
@@ -129,8 +129,8 @@ impl CamTableSettings {
 
     /// Upper bound on the turns of the axis per turn of the master, without a fit.
     #[cold]
-    pub fn most_ratio(&self, settings: &Settings) -> f64 {
-        let table = settings.cams.get(usize::from(self.table));
+    pub fn most_ratio(&self, cams: &[CamSettings]) -> f64 {
+        let table = cams.get(usize::from(self.table));
         table.map_or(0.0, |table| table.steepest().0)
     }
 }

@@ -65,7 +65,7 @@ fn all() -> Vec<Case> {
     ]
     .into_iter()
     .map(|(name, follower)| {
-        follower.check(&settings).expect("sound settings");
+        follower.check(&settings.cams).expect("sound settings");
         Case {
             name,
             follower: follower.follower(&cams),

@@ -1,10 +1,11 @@
 //! Electronic gear with an exact ratio.
 
 use super::bounds::Bounds;
+use super::cam_table::CamSettings;
 use super::cams::Cams;
 use super::follower::Follower;
 use crate::functions::{Divisor, multiply_long};
-use crate::settings::{Settings, SettingsError};
+use crate::settings::SettingsError;
 use crate::units::Turns;
 use cophase_motion::settings::inside;
 
@@ -24,7 +25,7 @@ impl GearSettings {
     /// # Errors
     /// The first number that is out of range.
     #[cold]
-    pub fn check(&self, _: &Settings) -> Result<(), SettingsError> {
+    pub fn check(&self, _: &[CamSettings]) -> Result<(), SettingsError> {
         inside(
             "axes.ratio numerator",
             f64::from(self.numerator),
@@ -51,7 +52,7 @@ impl GearSettings {
     }
 
     /// Turns of the axis per turn of the master.
-    pub fn most_ratio(&self, _: &Settings) -> f64 {
+    pub fn most_ratio(&self, _: &[CamSettings]) -> f64 {
         self.ratio()
     }
 }

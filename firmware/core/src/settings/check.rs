@@ -119,7 +119,7 @@ impl AxisSettings {
             4.0,
             65_536.0,
         )?;
-        self.follower.check(settings)?;
+        self.follower.check(&settings.cams)?;
         inside("axes.offset_deg", self.offset_turns * 360.0, -180.0, 180.0)?;
         if let Some(index_turns) = self.index_turns {
             inside("axes.index_deg", index_turns * 360.0, -180.0, 180.0)?;

@@ -39,7 +39,7 @@ impl Board for Rp2040 {
 
     fn tick_cycles(settings: &Settings, tick_hz: u32) -> f64 {
         let axis_cycles = |axis: &AxisSettings| {
-            let ratio = axis.follower.most_ratio(settings);
+            let ratio = axis.follower.most_ratio(&settings.cams);
             let steps_hz = settings.limits.speed_hz * ratio * f64::from(axis.steps_per_turn);
             // One chunk more, as chunks do not begin with the tick.
             let chunks = 1.0 + 2.0 * steps_hz / f64::from(tick_hz) / CHUNK_EDGES;

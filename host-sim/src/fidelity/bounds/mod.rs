@@ -182,7 +182,7 @@ fn cranks(checked: &Checked, driven: &Driven) -> Cranks {
         ratios: settings
             .axes
             .iter()
-            .map(|axis| axis.follower.most_ratio(settings))
+            .map(|axis| axis.follower.most_ratio(&settings.cams))
             .collect(),
         offsets: settings.axes.iter().map(|axis| axis.offset_turns).collect(),
         has_feed_forward: settings
