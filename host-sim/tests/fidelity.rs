@@ -351,3 +351,21 @@ fn a_slip_is_confirmed_by_a_level_that_can_show_it() {
     assert_eq!(slips(Fidelity::Rigid), 0.0);
     assert!(slips(Fidelity::Phased) > 0.0);
 }
+
+/// Were it wrong, `cophase run` of the default scene would simulate it several times: its bounds decide, and no sample is run.
+#[test]
+fn the_default_scene_needs_no_sample() {
+    let taken = check(Checked::new(library::SCENES[0].scene()).unwrap()).unwrap();
+    assert!(fidelity::sample_runs(&taken).unwrap().is_none());
+    let judged = &taken.choice.as_ref().unwrap().judged;
+    assert!(!judged.is_empty());
+    for judged in judged {
+        assert!(judged.bound.is_some_and(|bound| bound <= judged.tolerance));
+        assert_eq!((judged.measured, judged.step_error), (None, None));
+    }
+    // What happens to a machine voids its bounds, so that it is sampled.
+    let disturbed =
+        library::SCENES[0].text.to_owned() + "[[fault]]\nat_s = 5\nkind = \"stuck\"\naxis = 1\n";
+    let disturbed = checked(&disturbed);
+    assert!(fidelity::sample_runs(&disturbed).unwrap().is_some());
+}

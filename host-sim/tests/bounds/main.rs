@@ -56,6 +56,7 @@ fn number(name: &str, otherwise: u64) -> u64 {
 fn known_machines() {
     let known = [
         include_str!("known/amplitude-near-limit.toml"),
+        include_str!("known/cranks-apart.toml"),
         include_str!("known/friction.toml"),
         include_str!("known/ground.toml"),
         include_str!("known/on-a-frame.toml"),

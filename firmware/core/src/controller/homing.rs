@@ -52,6 +52,8 @@ pub(super) struct Homing {
     lag: Turns,
     /// What readings may be off by.
     tolerance: PerAxis<Turns>,
+    /// The cranks did not follow when they were brought together, and were brought together once more.
+    has_levelled_again: bool,
     /// Tilts that have been looked at, and the trims without them.
     proven: usize,
     base: PerAxis<Turns>,
@@ -78,6 +80,7 @@ impl Homing {
             count: 0,
             lag: Turns::ZERO,
             tolerance: NONE,
+            has_levelled_again: false,
             proven: 0,
             base: NONE,
             waited: Turns::ZERO,
@@ -110,6 +113,7 @@ impl Homing {
     /// Begins.
     pub(super) const fn begin(&mut self) {
         self.step = Step::Find;
+        self.has_levelled_again = false;
         self.proven = 0;
         self.waited = Turns::ZERO;
     }

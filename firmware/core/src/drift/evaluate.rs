@@ -205,13 +205,12 @@ impl DriftMonitor {
         } else {
             kind
         };
-        // Of two cranks that are apart, the one of which something is known is the one that moved.
+        // Cranks being apart, one of which something is known is the one that moved.
         let worst = self.furthest(error);
         let named = |axis: usize| self.axes.get(axis).and_then(AxisWatch::name);
         let count = self.axes.len();
         let known = (worst..count)
             .chain(0..worst)
-            .take(if count == 2 { 2 } else { 1 })
             .find(|&axis| named(axis).is_some());
         match known {
             Some(axis) => self.push_axis(axis, named(axis).unwrap_or(kind)),
@@ -230,14 +229,33 @@ impl DriftMonitor {
     /// too, whose phase errors are alike.
     pub(super) fn check_encoders(&mut self) {
         for axis in 0..self.axes.len().min(MAX_AXES) {
-            let Some(watch) = self.axes.get(axis) else {
-                continue;
-            };
-            if let Some((kind, by)) = watch.tracking_fault() {
-                let fault = Fault::new(kind).on_axis(axis).with_size(by);
-                self.findings.push(fault, false);
+            if self.axes.get(axis).is_some_and(AxisWatch::is_off_track) {
+                self.report_off_track(axis);
             }
         }
+    }
+
+    /// An axis does not turn as commanded. If its motor tracks, and the others are off alike, they lag in common.
+    #[inline(never)]
+    fn report_off_track(&mut self, axis: usize) {
+        const NONE: PerAxis<Turns> = [Turns::ZERO; MAX_AXES];
+        let Some(watch) = self.axes.get(axis) else {
+            return;
+        };
+        let mut error = NONE;
+        for (error, watch) in error.iter_mut().zip(&self.axes) {
+            *error = watch.tracking_error().unwrap_or_default();
+        }
+        let by = error.get(axis).copied().unwrap_or_default();
+        let others = self.encoders() & !(1 << axis);
+        let from_others = by.wrapping_sub(in_common(&error, &NONE, others));
+        let is_alike = others != 0 && from_others.wrapping_abs() <= watch.alone();
+        let fault = match watch.tracking() {
+            Some(kind) => Fault::new(kind).on_axis(axis),
+            None if is_alike => Fault::new(FaultKind::CommonLag),
+            None => Fault::new(FaultKind::Tilt).on_axis(axis),
+        };
+        self.findings.push(fault.with_size(by), false);
     }
 
     #[inline(never)]

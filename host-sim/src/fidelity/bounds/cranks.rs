@@ -23,8 +23,6 @@ const SET_SWINGING: f64 = 2.0;
 #[derive(Clone, Debug)]
 pub struct Cranks {
     worst: Worst,
-    /// Differences of where cranks stand that rods may pull out, rad.
-    standing_apart_rad: f64,
     /// What a moving frame does to the platform's acceleration, as a part of it; 0 if the machine has none.
     frame: f64,
     /// What springs for rods do to it, which only model levels with cranks of their own know; 0 where rods settle.
@@ -38,8 +36,8 @@ pub struct Cranks {
     /// Motors whose torque has a limit: steppers beyond it slip, servos fall behind.
     limited: Vec<bool>,
     alike: bool,
-    /// Whether all cranks are to turn as one, which is all that the linear computation knows; on up to three, apart but for where
-    /// they stand at the start, as no rod then pulls on them.
+    /// Whether all cranks turn as one, which is all that the linear computation knows; up to three may also be apart. With more, rods
+    /// pull on cranks that are apart, harder and softer over each turn, and what that excites has no bound here.
     in_phase: bool,
 }
 
@@ -62,18 +60,13 @@ impl Cranks {
             tilt_mrad: 0.75e3 * mechanism.crank_radius_m() * most_s / body.mount_radius_m,
             // Half a tick beside the peak.
             sampling: mechanism.peak_sharpness() * step_rad * step_rad / 8.0,
-            // Rods pull on cranks only where a platform is over-constrained.
-            standing_apart_rad: if body.axes() > 3 {
-                standing_apart_rad
-            } else {
-                0.0
-            },
             limited: driven
                 .motors()
                 .iter()
                 .map(|motor| motor.most_nm(0.0).is_finite())
                 .collect(),
-            in_phase: !leads_apart && (body.axes() <= 3 || standing_apart_rad == 0.0),
+            in_phase: !leads_apart
+                && (body.axes() <= 3 || standing_apart_rad == 0.0 && worst.spread_rad == 0.0),
             alike: worst.spread_rad == 0.0,
             frame: SET_SWINGING * frame::share(driven, drive),
             rods: if elastic {
@@ -178,7 +171,7 @@ impl Cranks {
             _ if self.rods == 0.0 => 0.0,
             _ => self.rods * self.worst.torque_of_amax * self.left_out_below_rigid(output),
         };
-        if self.alike && self.standing_apart_rad == 0.0 {
+        if self.alike {
             return rods;
         }
         let worst = &self.worst;
@@ -225,7 +218,7 @@ impl Cranks {
     }
 
     fn apart_rad(&self) -> f64 {
-        MARGIN * self.bent(self.worst.spread_rad) + self.standing_apart_rad
+        MARGIN * self.bent(self.worst.spread_rad)
     }
 
     /// What a spring that gives way as a sine does gives more than a straight one: asin(e)/e at the worst motor.

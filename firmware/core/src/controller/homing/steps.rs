@@ -52,6 +52,10 @@ impl Homing {
             Step::Verify if monitor.is_check_done() => match self.checked(monitor, offsets) {
                 Verdict::Followed => return self.go_on(monitor, offsets),
                 Verdict::Unsure => monitor.start_check(),
+                Verdict::Deviates(_) if self.may_level_again(offsets) => {
+                    self.has_levelled_again = true;
+                    return self.level(monitor, offsets);
+                }
                 Verdict::Deviates(fault) => return Some(fault),
             },
             Step::Return if !offsets.is_moving() => self.finish(monitor, offsets),
@@ -77,6 +81,18 @@ impl Homing {
     #[inline(never)]
     fn found(&mut self, monitor: &mut DriftMonitor, offsets: &mut PhaseOffsets) -> Option<Fault> {
         self.find_home_offset(monitor, offsets);
+        self.level(monitor, offsets)
+    }
+
+    /// Cranks that are apart bend the rods, which pull soft drives away from their commands. Once the cranks are together the rods let go,
+    /// and what remains is levelled once more.
+    fn may_level_again(&self, offsets: &PhaseOffsets) -> bool {
+        self.proven == 0 && !self.has_levelled_again && offsets.corrects()
+    }
+
+    /// Brings the cranks together.
+    #[inline(never)]
+    fn level(&mut self, monitor: &mut DriftMonitor, offsets: &mut PhaseOffsets) -> Option<Fault> {
         let mut target = *offsets.now();
         if offsets.corrects() {
             let error = errors(monitor, offsets);

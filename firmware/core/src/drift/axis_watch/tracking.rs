@@ -2,7 +2,7 @@
 
 use super::AxisWatch;
 use crate::drift::angles::angle;
-use crate::drift::encoder_watch::Tracking;
+use crate::drift::encoder_watch::{EncoderWatch, Tracking};
 use crate::supervisor::FaultKind;
 use crate::units::Turns;
 
@@ -18,7 +18,7 @@ impl AxisWatch {
     }
 
     /// How its motor moves, if that is why it is off.
-    fn tracking(&self) -> Option<FaultKind> {
+    pub(in crate::drift) fn tracking(&self) -> Option<FaultKind> {
         let encoder = self.encoder.as_ref()?;
         if angle(encoder.phase_error()).unsigned_abs() <= self.gate {
             return None;
@@ -36,10 +36,14 @@ impl AxisWatch {
         }
     }
 
-    /// By its encoder alone, an axis that does not turn as commanded.
-    pub(in crate::drift) fn tracking_fault(&self) -> Option<(FaultKind, Turns)> {
-        let by = self.encoder.as_ref()?.phase_error();
-        let kind = self.tracking().unwrap_or(FaultKind::Tilt);
-        (by.wrapping_abs() > self.alone).then_some((kind, by))
+    /// How far its encoder shows the motor from where commanded.
+    pub(in crate::drift) fn tracking_error(&self) -> Option<Turns> {
+        self.encoder.as_ref().map(EncoderWatch::phase_error)
+    }
+
+    /// True if its encoder alone shows that the axis does not turn as commanded.
+    pub(in crate::drift) fn is_off_track(&self) -> bool {
+        self.tracking_error()
+            .is_some_and(|error| error.wrapping_abs() > self.alone)
     }
 }

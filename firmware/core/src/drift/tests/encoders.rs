@@ -38,6 +38,38 @@ fn encoders_show_how_an_axis_moves() {
     }
 }
 
+/// While nobody knows where the cranks should be, motors that all lag alike have a common lag; one that lags alone tilts the platform.
+#[test]
+fn axes_that_lag_alike_in_homing_lag_in_common() {
+    let first = |lags: fn(usize) -> bool| {
+        let mut cranks = Cranks::new(monitor_with_encoders(3.0), 0.01);
+        let found = cranks.turn(90, move |i, t| if lags(i) { -0.1 * t } else { 0.0 });
+        let fault = found.first().expect("something is found").1.fault;
+        (fault.kind, fault.axis)
+    };
+    assert_eq!(first(|_| true), (FaultKind::CommonLag, None));
+    assert_eq!(first(|i| i == 2), (FaultKind::Tilt, Some(2)));
+}
+
+/// Were it wrong, a fault would name the axis that is furthest from the others, and not the one whose encoder shows that it stands.
+#[test]
+fn the_axis_that_stands_is_named_before_the_one_that_is_furthest() {
+    let apart_deg = [0.8, 1.7, -1.7, -0.5];
+    let mut settings = settings(4, 100.0, 1.8, 15.0);
+    for axis in &mut settings.axes {
+        axis.encoder = true;
+    }
+    let mut monitor = configured(&settings);
+    monitor.reset(&[Phase::ZERO; MAX_AXES]);
+    let mut cranks = Cranks::new(monitor, 0.002);
+    let found = cranks.turn(800, move |i, t| {
+        let stood = if i == 0 { (t - 1.3).max(0.0) } else { 0.0 };
+        apart_deg[i] / 360.0 - stood
+    });
+    let fault = found.first().expect("something is found").1.fault;
+    assert_eq!((fault.kind, fault.axis), (FaultKind::Stuck, Some(0)));
+}
+
 /// A reading that jumps is held back for a tick. Whenever in a window that is, a servo that stands has not gone back.
 #[test]
 fn a_servo_that_stands_at_speed_is_stuck_whenever_that_begins() {
