@@ -323,3 +323,42 @@ fn servos_with_an_integral_are_homed_on_rods_that_bend() {
         }
     }
 }
+
+/// Were it wrong, soft servos that bent rods pull together would be refused: once they are brought together, the rods let go, and each
+/// is elsewhere than its command alone would have it.
+#[test]
+fn soft_servos_are_brought_together_twice() {
+    let scene = |seed: u32, more: &str| {
+        let axes: String = [1.943, 0.178, -1.689, 0.701, -1.717]
+            .iter()
+            .enumerate()
+            .map(|(i, start_deg)| format!("[[axis]]\nnumber = {i}\nstart_deg = {start_deg}\n"))
+            .collect();
+        format!(
+            "name = \"soft\"\nfidelity = \"phased\"\n\
+             [machine]\ncrank_radius_mm = 10\nlambda = 0.25\nload_kg = 7.756\nrod_n_per_um = 0.693\nmount_radius_mm = 200\n\
+             [control]\ntick_hz = 2000\n\
+             [limits]\nspeed_hz = 60\nacceleration_hz_per_s = 60\njerk_hz_per_s2 = 600\nhoming_speed_hz = 2.39\n\
+             [drift]\ntilt_limit_mrad = 5.917\nwarp_limit_deg = 3.345\nreading_error_deg = 0.25\n\
+             [axes]\ncount = 5\ndrive = \"servo\"\nencoder = true\nsteps_per_turn = 16384\nrotor_inertia_kgm2 = 0.0008\nfriction_nm = 0.2\n\
+             servo = {{ position_gain_per_s = 125, velocity_gain_nms = 0.482423 }}\n{axes}\
+             [noise]\nseed = {seed}\nindex_deg = 0.05\nindex_us = 1\nload_nm = 0.5218\nencoder_counts = 1\n\
+             [correction]\ngain = 0.5\nprove_wiring = true\n\
+             [[program]]\namax_g = 1\nramp_s = 0.5\nhold_s = 0.2\n{more}"
+        )
+    };
+    for seed in 1..=4 {
+        let (recorded, right) = run(&scene(seed, ""));
+        assert_eq!(
+            (right.state, right.fault),
+            (State::Parked, None),
+            "seed {seed}"
+        );
+        assert!(recorded.spread_deg.expect("it runs") < 1.0, "seed {seed}");
+    }
+    let swapped =
+        "[[fault]]\nat_s = 0\nkind = \"swapped-wiring\"\naxis = 0\nwith = 2\nlines = \"drive\"\n";
+    let (_, outcome) = run(&scene(1, swapped));
+    let fault = outcome.fault.expect("it is refused");
+    assert_eq!(fault.kind, FaultKind::SwappedWiring);
+}

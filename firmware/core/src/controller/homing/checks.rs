@@ -41,6 +41,8 @@ pub(super) struct Deviation {
     pub off: Turns,
     /// It follows the command of another.
     pub is_swapped: bool,
+    /// And that one follows its command.
+    pub is_mutual: bool,
 }
 
 impl Moves<'_> {
@@ -56,35 +58,49 @@ impl Moves<'_> {
                     axis,
                     off,
                     is_swapped: false,
+                    is_mutual: false,
                 });
             }
         }
         let mut worst = worst?;
-        worst.is_swapped = (0..self.count).any(|other| self.follows(&worst, other));
+        for other in 0..self.count {
+            if self.follows(&worst, other) {
+                worst.is_swapped = true;
+                worst.is_mutual |= self.mirrors(&worst, other);
+            }
+        }
         Some(worst)
+    }
+
+    /// By how much further another was moved.
+    fn between(&self, axis: usize, other: usize) -> Turns {
+        let moved = |axis| difference(self.to, self.from, axis);
+        moved(other).wrapping_sub(moved(axis))
+    }
+
+    /// Whether another is off the other way, by as much as this one was moved further than it.
+    fn mirrors(&self, deviation: &Deviation, other: usize) -> bool {
+        let between = self.between(deviation.axis, other);
+        let back = nearest(difference(self.phase_error, self.before, other));
+        let allowed = self.allowed(deviation.axis);
+        back.abs() > allowed && nearest(between.wrapping_add(back)).abs() <= allowed
     }
 
     /// Whether a crank is as far off as another was moved further.
     fn follows(&self, deviation: &Deviation, other: usize) -> bool {
-        let moved = |axis| difference(self.to, self.from, axis);
-        let between = moved(other).wrapping_sub(moved(deviation.axis));
+        let between = self.between(deviation.axis, other);
         let allowed = self.allowed(deviation.axis);
         if other == deviation.axis || between.abs() <= allowed {
             return false;
         }
-        let is_by = |off: Turns, by: Turns| nearest(by.wrapping_sub(off)).abs() <= allowed;
-        let is_there = is_by(deviation.off, between);
+        let rest = nearest(between.wrapping_sub(deviation.off));
+        let is_there = rest.abs() <= allowed;
         match self.when {
             When::InTransit => {
-                let rest = nearest(between.wrapping_sub(deviation.off));
                 let same_sense = |turns: Turns| (turns < 0) == (between < 0);
                 is_there || same_sense(deviation.off) && same_sense(rest)
             }
-            When::Moved => is_there,
-            When::Corrected => {
-                let back = nearest(difference(self.phase_error, self.before, other));
-                is_there && back.abs() > allowed && is_by(back, between.wrapping_neg())
-            }
+            When::Moved | When::Corrected => is_there,
         }
     }
 

@@ -52,11 +52,13 @@ impl Homing {
             Step::Verify if monitor.is_check_done() => match self.checked(monitor, offsets) {
                 Verdict::Followed => return self.go_on(monitor, offsets),
                 Verdict::Unsure => monitor.start_check(),
-                Verdict::Deviates(_) if self.may_level_again(offsets) => {
+                Verdict::Deviates { is_mutual, .. }
+                    if !is_mutual && self.may_level_again(offsets) =>
+                {
                     self.has_levelled_again = true;
                     return self.level(monitor, offsets);
                 }
-                Verdict::Deviates(fault) => return Some(fault),
+                Verdict::Deviates { fault, .. } => return Some(fault),
             },
             Step::Return if !offsets.is_moving() => self.finish(monitor, offsets),
             _ => {}

@@ -20,8 +20,8 @@ pub(super) enum Verdict {
     Followed,
     /// One deviates so far: it is to be checked again.
     Unsure,
-    /// One deviated in every check.
-    Deviates(Fault),
+    /// One deviated in every check, and another as it would if their lines were swapped, or not.
+    Deviates { fault: Fault, is_mutual: bool },
 }
 
 impl Homing {
@@ -76,7 +76,7 @@ impl Homing {
         let swapped = self
             .moves(When::Corrected, &phase_error, offsets.now())
             .deviation(monitor.watched())
-            .filter(|deviation| deviation.is_swapped);
+            .filter(|deviation| deviation.is_mutual);
         self.before = phase_error;
         self.from = *offsets.now();
         let Some(swapped) = swapped else {
@@ -128,10 +128,10 @@ impl Homing {
         } else {
             monitor.name_of(deviation.axis, deviation.off)
         };
-        Verdict::Deviates(
-            Fault::new(kind)
-                .on_axis(deviation.axis)
-                .with_size(deviation.off),
-        )
+        let fault = Fault::new(kind).on_axis(deviation.axis);
+        Verdict::Deviates {
+            fault: fault.with_size(deviation.off),
+            is_mutual: deviation.is_mutual,
+        }
     }
 }
