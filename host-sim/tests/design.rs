@@ -7,7 +7,8 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::design::{Design, DesignError, Requirement, STANDARD_GRAVITY_MPS2, Warning, design};
+use host_sim::design::STANDARD_GRAVITY_MPS2;
+use host_sim::design::platform::{Design, DesignError, Requirement, Warning, design};
 use host_sim::mechanism::slider_crank::SliderCrank;
 use host_sim::mechanism::turn_search::{TurnPeak, largest_over_turn};
 use host_sim::mechanism::{Mechanism, Platform};

@@ -62,10 +62,8 @@ impl Command {
             What::Scenes(args) => scenes::scenes(&args, out),
             What::Design(args) => match design::run(&args, out) {
                 Ok(()) => Ok(Status::Done),
-                Err(DesignCommandError::Input(error)) => {
-                    Err(CommandError::Input(error.to_string()))
-                }
                 Err(DesignCommandError::Write(error)) => Err(error.into()),
+                Err(bad_input) => Err(CommandError::Input(bad_input.to_string())),
             },
         };
         match done.and_then(|status| out.flush().map(|()| status).map_err(CommandError::from)) {

@@ -105,6 +105,60 @@ fn command_line_defaults_and_refusals() {
     );
 }
 
+/// If this fails, whoever reads the JSON of a crank-rocker finds a field missing, added, renamed or in another unit.
+#[test]
+fn a_crank_rocker_has_exactly_the_promised_fields() {
+    const EXAMPLE: &str = "crank-rocker --swing-deg 60 --pressure-deg 20 --time-ratio 0.9";
+    let text = command(&format!("{EXAMPLE} --screw-lead-mm 12 --json")).expect("a design");
+    let json: serde_json::Value = serde_json::from_str(&text).expect("one JSON value");
+    let numbers = [
+        ("crank_ratio", 0.485_209_4, 1e-6),
+        ("coupler_ratio", 1.540_214_8, 1e-6),
+        ("ground_ratio", 1.927_919_0, 1e-6),
+        ("theta_deg", 9.473_684, 1e-6),
+        ("grashof_margin", 0.12709, 5e-6),
+        ("swing_deg", 60.0, 1e-6),
+        ("time_ratio", 0.9, 1e-9),
+        ("pressure_max_deg", 52.7162, 5e-5),
+        ("pressure_min_deg", -24.7746, 5e-5),
+        ("pressure_mean_deg", 12.2529, 5e-5),
+        ("rocker_speed_max", 0.53075, 1e-4),
+        ("rocker_speed_min", -0.50649, 1e-4),
+        ("rocker_acceleration_max", 0.69621, 1e-4),
+        ("rocker_acceleration_min", -0.62101, 1e-4),
+        ("stroke_mm", 2.0, 1e-9),
+    ];
+    for (name, value, tolerance) in numbers {
+        assert_near(
+            name,
+            json[name].as_f64().expect("a number"),
+            value,
+            tolerance,
+        );
+    }
+    for (k, value) in [29.171, 199.697].into_iter().enumerate() {
+        let ours = json["dead_centre_deg"][k].as_f64().expect("a number");
+        assert_near("dead_centre_deg", ours, value, 5e-4);
+    }
+    let object = json.as_object().expect("an object");
+    assert_eq!(object.len(), numbers.len() + 1, "{text}");
+    let without = command(&format!("{EXAMPLE} --json")).expect("a design");
+    let without: serde_json::Value = serde_json::from_str(&without).expect("JSON");
+    assert!(without["stroke_mm"].is_null(), "there is no screw");
+
+    let page = command(EXAMPLE).expect("a design");
+    let document = include_str!("../../../docs/design-command.md");
+    assert!(
+        document.contains(page.trim_end()),
+        "docs/design-command.md lacks:\n{page}"
+    );
+    let refused = command("crank-rocker --swing-deg 60 --pressure-deg 30 --time-ratio 0.9");
+    let message = refused
+        .expect_err("the linkage would fold flat")
+        .to_string();
+    assert!(message.starts_with("--pressure-deg 30: "), "{message}");
+}
+
 /// If this fails, the page is not what the documentation shows, to the letter.
 #[test]
 fn documented_session_is_what_is_printed() {

@@ -1,20 +1,14 @@
-//! The source's design method for a vibration platform on N slider-cranks, steps A to J.
+//! Design methods: from a requirement to the size of a machine.
 //!
-//! A [`Requirement`] (what the platform must do) becomes a [`Design`] (how large it must be, and how
-//! strong its motors): [`design`]. [`write_page`] prints it for people; [`Warning`]s say where the method, or
-//! its printed form, misleads.
-//!
-//! The method weighs the load only. Platform, rods, cranks, friction and motor inertia are covered by a
-//! safety factor on the torque, as in the source; nothing here estimates them.
+//! Each machine has its own method, and each refuses what it cannot answer by the name of the parameter.
 
 pub mod coupling;
+pub mod crank_rocker;
 mod digits;
-mod report;
-mod requirement;
-mod steps;
-mod warning;
+pub mod platform;
+mod range;
 
-pub use report::write_page;
-pub use requirement::{OutOfRange, Quantity, Requirement, STANDARD_GRAVITY_MPS2};
-pub use steps::{Design, DesignError, design};
-pub use warning::Warning;
+pub use range::{OutOfRange, Range};
+
+/// Standard gravity, m/s².
+pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;

@@ -22,6 +22,7 @@ mod any;
 mod configured;
 #[cfg(test)]
 mod conformance;
+pub mod crank_rocker;
 mod motion;
 mod name;
 pub mod scotch_yoke;

@@ -3,9 +3,9 @@
 
 use core::fmt;
 
-use super::digits::{degrees, four, percent};
-use super::requirement::STANDARD_GRAVITY_MPS2;
 use super::steps::Design;
+use crate::design::STANDARD_GRAVITY_MPS2;
+use crate::design::digits::{degrees, four, percent};
 use crate::mechanism::slider_crank::{Extremum, SliderCrank};
 
 /// Two-term figures off by less than this are not worth a sentence: motors come in coarser steps.

@@ -2,8 +2,8 @@
 
 use std::io::{self, Write};
 
-use super::digits::{degrees, four, percent, plain};
 use super::steps::Design;
+use crate::design::digits::{degrees, four, percent, plain};
 use crate::mechanism::Mechanism;
 use crate::mechanism::slider_crank::Extrema;
 

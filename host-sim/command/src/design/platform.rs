@@ -1,16 +1,17 @@
-//! `cophase design`: the method from the command line.
+//! `cophase design` without a machine's name: the vibration platform on slider-cranks.
 
-use std::io::{self, Write};
+use std::io::Write;
 
-use host_sim::design::{
-    Design, DesignError, Requirement, STANDARD_GRAVITY_MPS2, design, write_page,
-};
+use host_sim::design::STANDARD_GRAVITY_MPS2;
+use host_sim::design::platform::{Design, Requirement, design, write_page};
 use host_sim::mechanism::Mechanism;
 use serde::Serialize;
 
-/// Size a vibration platform on N slider-cranks: crank, rod, torque and power (steps A to J)
+use super::{DesignCommandError, write_json};
+
+/// Requirement of a vibration platform.
 #[derive(Clone, Debug, clap::Args)]
-pub struct DesignArgs {
+pub struct PlatformArgs {
     /// Load on the platform, kg: above 0, up to 50
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     pub load_kg: f64,
@@ -34,9 +35,6 @@ pub struct DesignArgs {
     #[arg(long, value_name = "G", allow_hyphen_values = true,
           default_value_t = STANDARD_GRAVITY_MPS2)]
     pub gravity: f64,
-    /// Print one JSON object instead of text
-    #[arg(long)]
-    pub json: bool,
 }
 
 /// A number of motors; whether it is in range is seen to with everything else.
@@ -44,8 +42,8 @@ fn count(text: &str) -> Result<u32, &'static str> {
     text.parse().map_err(|_| "must be a whole number; try 4")
 }
 
-impl From<&DesignArgs> for Requirement {
-    fn from(args: &DesignArgs) -> Self {
+impl From<&PlatformArgs> for Requirement {
+    fn from(args: &PlatformArgs) -> Self {
         Self {
             load_kg: args.load_kg,
             amax_g: args.amax_g,
@@ -56,17 +54,6 @@ impl From<&DesignArgs> for Requirement {
             gravity_mps2: args.gravity,
         }
     }
-}
-
-/// Why `cophase design` came to nothing.
-#[derive(Debug, thiserror::Error)]
-pub enum DesignCommandError {
-    /// Bad input (exit status 2); nothing was written. Prints a line for each flag that is wrong.
-    #[error(transparent)]
-    Input(#[from] DesignError),
-    /// The output could not be written.
-    #[error("cannot write the design: {0}")]
-    Write(#[from] io::Error),
 }
 
 /// The object that `--json` prints.
@@ -104,20 +91,23 @@ impl From<&Design> for Figures {
     }
 }
 
-/// Runs the command: designs what `args` ask for and writes text, or with `--json` one object, to `out`.
+/// Designs what `args` request and writes text, or with `json` one object, to `out`.
 ///
 /// In the object, `torque_max_exact_nm` has the source's gravity sign (platform below the cranks), as
 /// `torque_max_two_term_nm` has; `peak_power_w` is that of a platform above, all motors together, without
 /// the safety factor.
 ///
-/// Fails with [`DesignCommandError::Input`] before anything is written, or when `out` does.
-pub fn run(args: &DesignArgs, out: &mut impl Write) -> Result<(), DesignCommandError> {
+/// # Errors
+/// Bad input, before anything is written; or `out` cannot be written.
+pub fn run(
+    args: &PlatformArgs,
+    json: bool,
+    out: &mut impl Write,
+) -> Result<(), DesignCommandError> {
     let found = design(&args.into())?;
-    if args.json {
-        serde_json::to_writer_pretty(&mut *out, &Figures::from(&found)).map_err(io::Error::from)?;
-        writeln!(out)?;
+    if json {
+        write_json(&Figures::from(&found), out)
     } else {
-        write_page(&found, out)?;
+        Ok(write_page(&found, out)?)
     }
-    Ok(())
 }

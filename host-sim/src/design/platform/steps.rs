@@ -5,7 +5,8 @@
 //! ways: it stops after two harmonics of the acceleration, and its gravity sign is that of a platform
 //! hanging below its cranks. The source's own curve (two-term, below) sizes the motors, as it does there.
 
-use super::requirement::{OutOfRange, Requirement};
+use super::requirement::Requirement;
+use crate::design::range::OutOfRange;
 use crate::mechanism::slider_crank::{SliderCrank, SliderCrankError};
 use crate::mechanism::turn_search::{TurnPeak, largest_over_turn};
 use crate::mechanism::{Mechanism, Platform};
@@ -14,7 +15,7 @@ use crate::mechanism::{Mechanism, Platform};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DesignError {
     /// Quantities out of their ranges: all of them, never empty. Prints a line each.
-    #[error("{}", lines(.0))]
+    #[error("{}", OutOfRange::lines(.0))]
     OutOfRange(Vec<OutOfRange>),
     /// A frequency so near 0 that the crank has no length `f64` can hold.
     #[error("--freq-hz {freq_hz:e}: too slow for any crank ({source}); try 20")]
@@ -27,11 +28,6 @@ pub enum DesignError {
     /// A load so near 0 that torques underflow.
     #[error("--load-kg {0:e}: too light to compute a torque for; try 10")]
     NoTorque(f64),
-}
-
-fn lines(all: &[OutOfRange]) -> String {
-    let lines: Vec<String> = all.iter().map(OutOfRange::to_string).collect();
-    lines.join("\n")
 }
 
 /// A platform that meets its requirement.
@@ -91,7 +87,7 @@ impl Design {
 /// [`Requirement`] states, and numbers so near 0 that nothing can be computed from them.
 ///
 /// ```
-/// use host_sim::design::{Requirement, design};
+/// use host_sim::design::platform::{Requirement, design};
 /// let found = design(&Requirement {
 ///     load_kg: 10.0,
 ///     amax_g: 10.0,
@@ -102,7 +98,7 @@ impl Design {
 ///     gravity_mps2: 10.0,
 /// })?;
 /// assert_eq!(format!("{:.0}", found.motor_torque_nm()), "15");
-/// # Ok::<(), host_sim::design::DesignError>(())
+/// # Ok::<(), host_sim::design::platform::DesignError>(())
 /// ```
 pub fn design(requirement: &Requirement) -> Result<Design, DesignError> {
     let out_of_range = requirement.out_of_range();

@@ -1,0 +1,66 @@
+//! `cophase design`: design methods from the command line.
+//!
+//! Without a machine's name it sizes the vibration platform; each other machine is a subcommand.
+
+pub mod crank_rocker;
+pub mod platform;
+
+use std::io::{self, Write};
+
+use serde::Serialize;
+
+use crank_rocker::CrankRockerArgs;
+use platform::PlatformArgs;
+
+/// Size a machine: without a name a vibration platform on N slider-cranks, with its crank, rod, torque and power (steps A to J)
+#[derive(Clone, Debug, clap::Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct DesignArgs {
+    /// Another machine than the platform.
+    #[command(subcommand)]
+    machine: Option<Other>,
+    #[command(flatten)]
+    platform: Option<PlatformArgs>,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+/// Machines beside the platform.
+#[derive(Clone, Debug, clap::Subcommand)]
+enum Other {
+    CrankRocker(CrankRockerArgs),
+}
+
+/// Why `cophase design` came to nothing.
+#[derive(Debug, thiserror::Error)]
+pub enum DesignCommandError {
+    /// Bad input to the platform's method (exit status 2); nothing was written. Prints a line for each flag that is wrong.
+    #[error(transparent)]
+    Platform(#[from] host_sim::design::platform::DesignError),
+    /// Bad input to the crank-rocker's.
+    #[error(transparent)]
+    CrankRocker(#[from] host_sim::design::crank_rocker::DesignError),
+    /// The output could not be written.
+    #[error("cannot write the design: {0}")]
+    Write(#[from] io::Error),
+}
+
+/// Runs the command, and writes text, or with `--json` one object, to `out`.
+///
+/// # Errors
+/// Bad input, before anything is written; or `out` cannot be written.
+pub fn run(args: &DesignArgs, out: &mut impl Write) -> Result<(), DesignCommandError> {
+    match (&args.machine, &args.platform) {
+        (Some(Other::CrankRocker(args)), _) => crank_rocker::run(args, out),
+        (None, Some(platform)) => platform::run(platform, args.json, out),
+        // The parser requires the platform's flags if there is no subcommand.
+        (None, None) => Ok(()),
+    }
+}
+
+/// Writes an object, indented.
+fn write_json(figures: &impl Serialize, out: &mut impl Write) -> Result<(), DesignCommandError> {
+    serde_json::to_writer_pretty(&mut *out, figures).map_err(io::Error::from)?;
+    Ok(writeln!(out)?)
+}

@@ -1,0 +1,275 @@
+//! Synthesis of a crank-rocker from the swing of its rocker: a mixer drive whose stroke the process sets, and not the crank.
+//!
+//! The source is a paper of 2013 on a vibro-mixer; a screw turns the rocker's swing into the stroke of a rod. [`Requirement`] is what the
+//! rocker must do, and [`design`] gives the [`Linkage`] that does it, or names the parameter that forbids it. [`write_page`] prints it.
+//!
+//! With α the swing, β the pressure angle where crank and coupler are stretched out, and k the time of the forward stroke over that of the
+//! return, the angle between the two dead centres is Θ = 180° (1 − k) / (1 + k). Lengths over the rocker's are
+//!
+//! - crank: 2 q sin(Θ/2) cos(α/2 + Θ/2 − β),
+//! - coupler: 2 q cos(Θ/2) sin(α/2 + Θ/2 − β),
+//! - ground: √(B² − 2 B sin β + 1), with B = 2 q sin(α/2 + Θ − β),
+//!
+//! where q = sin(α/2) / sin Θ.
+
+mod report;
+
+use core::f64::consts::{PI, TAU};
+
+use super::range::{OutOfRange, Range};
+use crate::mechanism::crank_rocker::Linkage;
+use crate::mechanism::turn_search::largest_over_turn;
+
+pub use report::write_page;
+
+/// Motion of the rocker, and the lead of the screw that it turns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Requirement {
+    /// Swing of the rocker, degrees: above 0, up to 179.
+    pub swing_deg: f64,
+    /// Pressure angle where crank and coupler are stretched out, degrees: from 0 to below half the swing.
+    pub pressure_deg: f64,
+    /// Time of the forward stroke over that of the return: from 0.01 to 0.999.
+    pub time_ratio: f64,
+    /// Lead of the screw, mm: above 0, up to 1000. None without a screw.
+    pub screw_lead_mm: Option<f64>,
+}
+
+/// Why a requirement has no linkage.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DesignError {
+    /// Numbers out of their ranges: all of them, never empty. Prints a line each.
+    #[error("{}", OutOfRange::lines(.0))]
+    OutOfRange(Vec<OutOfRange>),
+    /// The pressure angle leaves the linkage no crank that turns all round.
+    #[error(
+        "--pressure-deg {pressure_deg}: must be below half the swing, {half_swing_deg}°; from there on the linkage folds flat and the crank \
+         does not turn all round; try {try_deg}"
+    )]
+    Pressure {
+        /// The pressure angle that was given, degrees.
+        pressure_deg: f64,
+        /// Half the swing, degrees.
+        half_swing_deg: f64,
+        /// A third of the swing, which works with time ratios near 1.
+        try_deg: f64,
+    },
+    /// The crank does not turn all round (Grashof).
+    #[error(
+        "--time-ratio {time_ratio}: no crank turns all round in this linkage: it must be the shortest link, with a Grashof margin above 0, \
+         and is {crank:.3} rockers long with a margin of {margin:.3}; give a ratio nearer 1, such as 0.9"
+    )]
+    Grashof {
+        /// The time ratio that was given.
+        time_ratio: f64,
+        /// Length of the crank, over the rocker.
+        crank: f64,
+        /// Grashof margin of the linkage, over the rocker.
+        margin: f64,
+    },
+    /// The two dead centres belong to two ways of assembling the linkage.
+    #[error(
+        "--time-ratio {time_ratio}: the two dead centres lie on two branches of the linkage, and as assembled its rocker swings by \
+         {swing_deg:.2}° instead of {requested_deg}°; give a ratio nearer 1, or a larger --pressure-deg"
+    )]
+    Branch {
+        /// The time ratio that was given.
+        time_ratio: f64,
+        /// Swing of the linkage as it is assembled, degrees.
+        swing_deg: f64,
+        /// Swing that was requested, degrees.
+        requested_deg: f64,
+    },
+}
+
+/// Linkage that meets its requirement, and its figures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Design {
+    /// What was requested.
+    pub requirement: Requirement,
+    /// Lengths over the rocker's.
+    pub linkage: Linkage,
+    /// Angle between the two directions of the coupler at the dead centres, degrees.
+    pub theta_deg: f64,
+}
+
+/// Largest and least value over a turn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extremes {
+    /// Largest.
+    pub max: f64,
+    /// Least.
+    pub min: f64,
+}
+
+impl Extremes {
+    fn over_turn(curve: impl Fn(f64) -> f64) -> Self {
+        Self {
+            max: largest_over_turn(&curve).value,
+            min: -largest_over_turn(|angle| -curve(angle)).value,
+        }
+    }
+}
+
+impl Design {
+    /// Crank angles of the dead centres, degrees from the ground line: stretched out, and folded.
+    #[must_use]
+    pub fn dead_centres_deg(&self) -> [f64; 2] {
+        self.linkage.dead_centres_rad().map(f64::to_degrees)
+    }
+
+    /// Pressure angle over a turn, degrees.
+    #[must_use]
+    pub fn pressure_deg(&self) -> Extremes {
+        let (min, max) = self.linkage.pressure_range_rad();
+        Extremes {
+            max: max.to_degrees(),
+            min: min.to_degrees(),
+        }
+    }
+
+    /// Mean of the signed pressure angle over a turn of the crank, degrees; the error is below 1e-9 of a degree.
+    #[must_use]
+    pub fn mean_pressure_deg(&self) -> f64 {
+        // Of a smooth periodic curve the sum over even places converges faster than any power of their number.
+        let mean = |places: u32| {
+            let angle = |i: u32| TAU * f64::from(i) / f64::from(places);
+            let sum: f64 = (0..places)
+                .map(|i| self.linkage.pressure_rad(angle(i)))
+                .sum();
+            (sum / f64::from(places)).to_degrees()
+        };
+        let (mut places, mut before) = (64, mean(32));
+        loop {
+            let now = mean(places);
+            if (now - before).abs() < 1e-10 || places >= 1 << 20 {
+                return now;
+            }
+            (places, before) = (2 * places, now);
+        }
+    }
+
+    /// Rocker speed over crank speed, positive in the forward stroke.
+    #[must_use]
+    pub fn rocker_speed(&self) -> Extremes {
+        Extremes::over_turn(|angle| self.linkage.at(angle).slope)
+    }
+
+    /// Rocker acceleration over the squared crank speed, at constant crank speed.
+    #[must_use]
+    pub fn rocker_acceleration(&self) -> Extremes {
+        Extremes::over_turn(|angle| self.linkage.at(angle).curvature)
+    }
+
+    /// Stroke of the screw's rod, mm; none without a screw.
+    #[must_use]
+    pub fn stroke_mm(&self) -> Option<f64> {
+        let lead_mm = self.requirement.screw_lead_mm?;
+        Some(lead_mm * self.linkage.swing_rad() / TAU)
+    }
+}
+
+const SWING: Range = Range {
+    flag: "--swing-deg",
+    low: 0.0,
+    closed: false,
+    high: 179.0,
+    unit: "°",
+    meaning: "the angles a rocker can swing through",
+    usual: 60.0,
+};
+
+const PRESSURE: Range = Range {
+    flag: "--pressure-deg",
+    low: 0.0,
+    closed: true,
+    high: 90.0,
+    unit: "°",
+    meaning: "the pressure angles with which a coupler pushes at all",
+    usual: 20.0,
+};
+
+const TIME_RATIO: Range = Range {
+    flag: "--time-ratio",
+    low: 0.01,
+    closed: true,
+    high: 0.999,
+    unit: "",
+    meaning: "the forward stroke's time over the return's; at 1 the dead centres coincide, and beyond it no coupler fits",
+    usual: 0.9,
+};
+
+const SCREW_LEAD: Range = Range {
+    flag: "--screw-lead-mm",
+    low: 0.0,
+    closed: false,
+    high: 1000.0,
+    unit: " mm",
+    meaning: "the leads that screws are made with",
+    usual: 12.0,
+};
+
+/// Swing of a linkage as assembled may differ from the requested one by this much, rad, which is rounding.
+const SAME_RAD: f64 = 1e-9;
+
+/// Lengths for a requirement (the source's formulas 4, 14 and 16 to 18).
+///
+/// # Errors
+/// Numbers out of their ranges, all of them; or the parameter that leaves no crank-rocker.
+pub fn design(requirement: &Requirement) -> Result<Design, DesignError> {
+    let Requirement {
+        swing_deg,
+        pressure_deg,
+        time_ratio,
+        screw_lead_mm,
+    } = *requirement;
+    let wrong = OutOfRange::of([
+        (SWING, swing_deg),
+        (PRESSURE, pressure_deg),
+        (TIME_RATIO, time_ratio),
+        (SCREW_LEAD, screw_lead_mm.unwrap_or(SCREW_LEAD.usual)),
+    ]);
+    if !wrong.is_empty() {
+        return Err(DesignError::OutOfRange(wrong));
+    }
+    if pressure_deg >= 0.5 * swing_deg {
+        return Err(DesignError::Pressure {
+            pressure_deg,
+            half_swing_deg: 0.5 * swing_deg,
+            try_deg: swing_deg / 3.0,
+        });
+    }
+    let theta = PI * (1.0 - time_ratio) / (1.0 + time_ratio);
+    let linkage = synthesized(swing_deg.to_radians(), pressure_deg.to_radians(), theta);
+    if !linkage.is_crank_rocker() {
+        return Err(DesignError::Grashof {
+            time_ratio,
+            crank: linkage.crank,
+            margin: linkage.grashof_margin(),
+        });
+    }
+    let swing_rad = linkage.swing_rad();
+    if (swing_rad - swing_deg.to_radians()).abs() > SAME_RAD {
+        return Err(DesignError::Branch {
+            time_ratio,
+            swing_deg: swing_rad.to_degrees(),
+            requested_deg: swing_deg,
+        });
+    }
+    Ok(Design {
+        requirement: *requirement,
+        linkage,
+        theta_deg: theta.to_degrees(),
+    })
+}
+
+fn synthesized(swing: f64, pressure: f64, theta: f64) -> Linkage {
+    let q = (0.5 * swing).sin() / theta.sin();
+    let middle = 0.5 * swing + 0.5 * theta - pressure;
+    let b = 2.0 * q * (0.5 * swing + theta - pressure).sin();
+    Linkage {
+        crank: 2.0 * q * (0.5 * theta).sin() * middle.cos(),
+        coupler: 2.0 * q * (0.5 * theta).cos() * middle.sin(),
+        ground: (b * b - 2.0 * b * pressure.sin() + 1.0).sqrt(),
+    }
+}

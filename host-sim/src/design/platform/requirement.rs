@@ -1,0 +1,137 @@
+//! What the platform must do, and within which ranges the method answers.
+//!
+//! The ranges of load, acceleration, frequency, ratio, motors and safety are the source's (steps A to C,
+//! E, H, I). Gravity's range is ours: Earth's, or the round 10 m/s² behind the source's figures.
+
+use core::f64::consts::TAU;
+
+use crate::design::STANDARD_GRAVITY_MPS2;
+use crate::design::range::{OutOfRange, Range};
+use crate::mechanism::{Load, Platform};
+
+/// Steps A, B, C, E and H of the method, and the two numbers step I needs besides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Requirement {
+    /// Mass of the load on the platform, kg: above 0, up to 50.
+    pub load_kg: f64,
+    /// Largest acceleration, in multiples of `gravity_mps2`: 10 to 200.
+    pub amax_g: f64,
+    /// Strokes a second, Hz: above 0, up to 200. The cranks turn as often.
+    pub freq_hz: f64,
+    /// Crank radius over rod length: 0.1 to 0.6.
+    pub lambda: f64,
+    /// Motors around the platform: 2 to 6.
+    pub motors: u32,
+    /// Factor on the torque for the masses left out: 1.5 to 3.
+    pub safety: f64,
+    /// Gravity, m/s²: 9.7 to 10. Both the unit of `amax_g` and a force on the load.
+    pub gravity_mps2: f64,
+}
+
+impl Requirement {
+    /// Safety factor where none is requested, in the lower half of the source's 1.5 to 3: the platform
+    /// usually weighs less than the load it is built for, and motors are bought in steps anyway.
+    pub const DEFAULT_SAFETY: f64 = 2.0;
+
+    /// Largest acceleration, m/s² (step B).
+    pub fn amax_mps2(&self) -> f64 {
+        self.amax_g * self.gravity_mps2
+    }
+
+    /// Crank speed ω = 2 π f, rad/s (step D).
+    pub fn speed_rad_s(&self) -> f64 {
+        TAU * self.freq_hz
+    }
+
+    /// The load, for a platform on one side of the cranks or the other.
+    pub fn load(&self, platform: Platform) -> Load {
+        Load {
+            mass_kg: self.load_kg,
+            gravity_mps2: self.gravity_mps2,
+            platform,
+        }
+    }
+
+    /// Every number that is out of its range, in the order of the fields; empty if all is well.
+    pub fn out_of_range(&self) -> Vec<OutOfRange> {
+        OutOfRange::of([
+            (LOAD, self.load_kg),
+            (AMAX, self.amax_g),
+            (FREQ, self.freq_hz),
+            (LAMBDA, self.lambda),
+            (MOTORS, f64::from(self.motors)),
+            (SAFETY, self.safety),
+            (GRAVITY, self.gravity_mps2),
+        ])
+    }
+}
+
+const LOAD: Range = Range {
+    flag: "--load-kg",
+    low: 0.0,
+    closed: false,
+    high: 50.0,
+    unit: " kg",
+    meaning: "the loads this method is meant for",
+    usual: 10.0,
+};
+
+const AMAX: Range = Range {
+    flag: "--amax-g",
+    low: 10.0,
+    closed: true,
+    high: 200.0,
+    unit: " g",
+    meaning: "the accelerations this method is meant for",
+    usual: 50.0,
+};
+
+const FREQ: Range = Range {
+    flag: "--freq-hz",
+    low: 0.0,
+    closed: false,
+    high: 200.0,
+    unit: " Hz",
+    meaning: "the frequencies this method is meant for",
+    usual: 20.0,
+};
+
+const LAMBDA: Range = Range {
+    flag: "--lambda",
+    low: 0.1,
+    closed: true,
+    high: 0.6,
+    unit: "",
+    meaning: "the crank/rod ratios this mechanism is built with",
+    usual: 0.3,
+};
+
+const MOTORS: Range = Range {
+    flag: "--motors",
+    low: 2.0,
+    closed: true,
+    high: 6.0,
+    unit: "",
+    meaning: "the motors that go symmetrically around one platform",
+    usual: 4.0,
+};
+
+const SAFETY: Range = Range {
+    flag: "--safety",
+    low: 1.5,
+    closed: true,
+    high: 3.0,
+    unit: "",
+    meaning: "the factors that cover the masses left out",
+    usual: Requirement::DEFAULT_SAFETY,
+};
+
+const GRAVITY: Range = Range {
+    flag: "--gravity",
+    low: 9.7,
+    closed: true,
+    high: 10.0,
+    unit: " m/s²",
+    meaning: "gravity on Earth or the round figure for it",
+    usual: STANDARD_GRAVITY_MPS2,
+};

@@ -1,0 +1,94 @@
+//! Ranges of the numbers that a design takes, and the error text for what lies outside.
+
+use core::fmt;
+
+use super::digits::plain;
+
+/// Range of a number on the command line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Flag that sets the number.
+    pub flag: &'static str,
+    /// Lower end.
+    pub low: f64,
+    /// True if the lower end itself is in the range.
+    pub closed: bool,
+    /// Upper end, which is in the range.
+    pub high: f64,
+    /// Unit, with the space that goes before it.
+    pub unit: &'static str,
+    /// What the range is, in a few words.
+    pub meaning: &'static str,
+    /// A value that works, for input that is not finite or lies below an open end.
+    pub usual: f64,
+}
+
+impl Range {
+    /// True if `value` is in range; NaN and infinities are not.
+    #[must_use]
+    pub fn admits(&self, value: f64) -> bool {
+        value <= self.high && (value > self.low || (self.closed && value == self.low))
+    }
+}
+
+/// A number out of its range.
+///
+/// Prints as `--lambda 0.7: outside 0.1 to 0.6, the crank/rod ratios this mechanism is built with; try 0.6`. The nearer end is
+/// suggested if it is in the range, otherwise a usual value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutOfRange {
+    /// The range.
+    pub range: Range,
+    /// The number that was given.
+    pub value: f64,
+}
+
+impl OutOfRange {
+    /// All numbers that are out of their ranges, in order.
+    pub fn of<const N: usize>(numbers: [(Range, f64); N]) -> Vec<Self> {
+        numbers
+            .into_iter()
+            .filter(|(range, value)| !range.admits(*value))
+            .map(|(range, value)| Self { range, value })
+            .collect()
+    }
+
+    /// An error text of a line each.
+    pub(super) fn lines(all: &[Self]) -> String {
+        let lines: Vec<String> = all.iter().map(Self::to_string).collect();
+        lines.join("\n")
+    }
+}
+
+impl fmt::Display for OutOfRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Range {
+            flag,
+            low,
+            closed,
+            high,
+            unit,
+            meaning,
+            usual,
+        } = self.range;
+        let end = if closed {
+            String::new()
+        } else {
+            format!(" ({low} itself excluded)")
+        };
+        let try_this = if !self.value.is_finite() {
+            usual
+        } else if self.value > high {
+            high
+        } else if closed {
+            low
+        } else {
+            usual
+        };
+        let value = plain(self.value);
+        write!(
+            f,
+            "{flag} {value}: outside {low} to {high}{unit}{end}, {meaning}; try {try_this}"
+        )
+    }
+}

@@ -1,0 +1,5 @@
+//! Crank-rocker: a four-bar linkage whose crank turns and whose rocker swings.
+
+mod linkage;
+
+pub use linkage::{Linkage, Rocker};
