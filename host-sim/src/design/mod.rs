@@ -5,6 +5,7 @@
 pub mod coupling;
 pub mod crank_rocker;
 mod digits;
+pub mod five_bar;
 pub mod platform;
 mod range;
 

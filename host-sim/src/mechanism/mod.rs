@@ -23,6 +23,7 @@ mod configured;
 #[cfg(test)]
 mod conformance;
 pub mod crank_rocker;
+pub mod five_bar;
 mod motion;
 mod name;
 pub mod scotch_yoke;

@@ -3,6 +3,7 @@
 //! Without a machine's name it sizes the vibration platform; each other machine is a subcommand.
 
 pub mod crank_rocker;
+pub mod five_bar;
 pub mod platform;
 
 use std::io::{self, Write};
@@ -10,6 +11,7 @@ use std::io::{self, Write};
 use serde::Serialize;
 
 use crank_rocker::CrankRockerArgs;
+use five_bar::FiveBarArgs;
 use platform::PlatformArgs;
 
 /// Size a machine: without a name a vibration platform on N slider-cranks, with its crank, rod, torque and power (steps A to J)
@@ -30,6 +32,7 @@ pub struct DesignArgs {
 #[derive(Clone, Debug, clap::Subcommand)]
 enum Other {
     CrankRocker(CrankRockerArgs),
+    FiveBar(FiveBarArgs),
 }
 
 /// Why `cophase design` came to nothing.
@@ -41,6 +44,9 @@ pub enum DesignCommandError {
     /// Bad input to the crank-rocker's.
     #[error(transparent)]
     CrankRocker(#[from] host_sim::design::crank_rocker::DesignError),
+    /// Bad input to the five-bar's.
+    #[error(transparent)]
+    FiveBar(#[from] host_sim::design::five_bar::DesignError),
     /// The output could not be written.
     #[error("cannot write the design: {0}")]
     Write(#[from] io::Error),
@@ -53,6 +59,7 @@ pub enum DesignCommandError {
 pub fn run(args: &DesignArgs, out: &mut impl Write) -> Result<(), DesignCommandError> {
     match (&args.machine, &args.platform) {
         (Some(Other::CrankRocker(args)), _) => crank_rocker::run(args, out),
+        (Some(Other::FiveBar(args)), _) => five_bar::run(args, out),
         (None, Some(platform)) => platform::run(platform, args.json, out),
         // The parser requires the platform's flags if there is no subcommand.
         (None, None) => Ok(()),
