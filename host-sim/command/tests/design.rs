@@ -105,12 +105,34 @@ fn command_line_defaults_and_refusals() {
     );
 }
 
-/// If this fails, whoever reads the JSON of a crank-rocker finds a field missing, added, renamed or in another unit.
+/// A field of a JSON object, its value and a tolerance.
+type Field = (&'static str, f64, f64);
+
+/// The JSON object of a machine, which has these numbers and so many other fields.
+fn machine(arguments: &str, numbers: &[Field], others: usize) -> serde_json::Value {
+    let text = command(&format!("{arguments} --json")).expect("a design");
+    let json: serde_json::Value = serde_json::from_str(&text).expect("one JSON value");
+    for &(name, value, tolerance) in numbers {
+        let ours = json[name].as_f64().expect("a number");
+        assert_near(name, ours, value, tolerance);
+    }
+    let object = json.as_object().expect("an object");
+    assert_eq!(object.len(), numbers.len() + others, "{text}");
+    let page = command(arguments).expect("a design");
+    let document = include_str!("../../../docs/design-command.md");
+    assert!(
+        document.contains(page.trim_end()),
+        "docs/design-command.md lacks:\n{page}"
+    );
+    json
+}
+
+/// If one of these fails, whoever reads the JSON of a machine finds a field missing, added, renamed or in another unit, or the page is
+/// not what the documentation shows.
 #[test]
 fn a_crank_rocker_has_exactly_the_promised_fields() {
-    const EXAMPLE: &str = "crank-rocker --swing-deg 60 --pressure-deg 20 --time-ratio 0.9";
-    let text = command(&format!("{EXAMPLE} --screw-lead-mm 12 --json")).expect("a design");
-    let json: serde_json::Value = serde_json::from_str(&text).expect("one JSON value");
+    let arguments =
+        "crank-rocker --swing-deg 60 --pressure-deg 20 --time-ratio 0.9 --screw-lead-mm 12";
     let numbers = [
         ("crank_ratio", 0.485_209_4, 1e-6),
         ("coupler_ratio", 1.540_214_8, 1e-6),
@@ -128,35 +150,84 @@ fn a_crank_rocker_has_exactly_the_promised_fields() {
         ("rocker_acceleration_min", -0.62101, 1e-4),
         ("stroke_mm", 2.0, 1e-9),
     ];
-    for (name, value, tolerance) in numbers {
-        assert_near(
-            name,
-            json[name].as_f64().expect("a number"),
-            value,
-            tolerance,
-        );
-    }
+    let json = machine(arguments, &numbers, 1);
     for (k, value) in [29.171, 199.697].into_iter().enumerate() {
         let ours = json["dead_centre_deg"][k].as_f64().expect("a number");
         assert_near("dead_centre_deg", ours, value, 5e-4);
     }
-    let object = json.as_object().expect("an object");
-    assert_eq!(object.len(), numbers.len() + 1, "{text}");
-    let without = command(&format!("{EXAMPLE} --json")).expect("a design");
+    let (without, _) = arguments.split_once(" --screw").expect("a screw");
+    let without = command(&format!("{without} --json")).expect("a design");
     let without: serde_json::Value = serde_json::from_str(&without).expect("JSON");
     assert!(without["stroke_mm"].is_null(), "there is no screw");
-
-    let page = command(EXAMPLE).expect("a design");
-    let document = include_str!("../../../docs/design-command.md");
-    assert!(
-        document.contains(page.trim_end()),
-        "docs/design-command.md lacks:\n{page}"
-    );
     let refused = command("crank-rocker --swing-deg 60 --pressure-deg 30 --time-ratio 0.9");
     let message = refused
         .expect_err("the linkage would fold flat")
         .to_string();
     assert!(message.starts_with("--pressure-deg 30: "), "{message}");
+}
+
+#[test]
+fn a_screen_has_exactly_the_promised_fields() {
+    let arguments = "screen --exciter-kg 166 --vibrating-kg 2900 --eccentricity-mm 87.27 --speed-rpm 840 --deck-deg 24";
+    let numbers = [
+        ("speed_rad_s", 87.9646, 5e-5),
+        ("throw_index", 3.944, 4e-3),
+        ("stiffness_kgf_per_cm", 1310.4, 1.3),
+        ("natural_speed_rpm", 195.5, 0.2),
+        ("speed_ratio", 4.297, 4e-3),
+        ("amplitude_mm", 4.996, 6e-4),
+        ("wheel_wobble_mm", 0.004, 6e-4),
+        ("static_deflection_mm", 23.4, 0.05),
+    ];
+    machine(arguments, &numbers, 0);
+    let message =
+        command("screen --exciter-kg 166 --vibrating-kg 2900 --eccentricity-mm 0 --speed-rpm 840");
+    let message = message.expect_err("no exciter").to_string();
+    assert!(message.starts_with("--eccentricity-mm 0: "), "{message}");
+}
+
+#[test]
+fn a_five_bar_has_exactly_the_promised_fields() {
+    let arguments = "five-bar --l1-m 0.25 --l4-m 0.25 --x-m 0 --y-m 0.3";
+    let json = machine(arguments, &[], 1);
+    let solutions = json["solutions"].as_array().expect("a list");
+    let published = [[143.130, 36.870, -0.06], [36.870, 143.130, 0.06]];
+    assert_eq!(solutions.len(), published.len());
+    for (solution, published) in solutions.iter().zip(published) {
+        assert_eq!(solution.as_object().expect("an object").len(), 3);
+        for (name, value) in ["q1_deg", "q2_deg", "det_j_m2"].into_iter().zip(published) {
+            let ours = solution[name].as_f64().expect("a number");
+            assert_near(name, ours, value, 5e-4);
+        }
+    }
+    let message = command("five-bar --l1-m 0.25 --l4-m 0.25 --x-m 0.4 --y-m 0.4");
+    let message = message.expect_err("out of reach").to_string();
+    assert!(message.starts_with("--x-m 0.4, --y-m 0.4: "), "{message}");
+}
+
+#[test]
+fn a_flywheel_has_exactly_the_promised_fields() {
+    let arguments = "flywheel --power-kw 15 --rated-rpm 970 --synchronous-rpm 1000 --overload 2 --belt-ratio 3.7 --mass-kg 281 \
+                     --diameter-m 0.762 --fastest-rad-s 28.303 --slowest-rad-s 26.118";
+    let numbers = [
+        ("synchronous_rad_s", 28.3026, 5e-5),
+        ("rated_rad_s", 27.4536, 5e-5),
+        ("rated_torque_nm", 147.68, 5e-3),
+        ("breakdown_torque_nm", 295.36, 5e-3),
+        ("breakdown_motor_rad_s", 92.995, 5e-4),
+        ("rim_inertia_kgm2", 40.790, 5e-4),
+        ("disc_inertia_kgm2", 20.40, 5e-3),
+        ("shaft_torque_rated_nm", 546.4, 0.06),
+        ("shaft_torque_fastest_nm", 0.0, 0.5),
+        ("shaft_torque_slowest_nm", 1030.0, 0.5),
+        ("irregularity", 0.0803, 5e-5),
+        ("energy_swing_j", 2425.2, 0.1),
+    ];
+    let json = machine(arguments, &numbers, 1);
+    assert_eq!(json["torque_curve"].as_array().map(Vec::len), Some(3));
+    let message = command(&arguments.replace("970", "1000"));
+    let message = message.expect_err("no slip").to_string();
+    assert!(message.starts_with("--rated-rpm 1000: "), "{message}");
 }
 
 /// If this fails, the page is not what the documentation shows, to the letter.

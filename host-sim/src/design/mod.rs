@@ -6,8 +6,10 @@ pub mod coupling;
 pub mod crank_rocker;
 mod digits;
 pub mod five_bar;
+pub mod flywheel;
 pub mod platform;
 mod range;
+pub mod screen;
 
 pub use range::{OutOfRange, Range};
 

@@ -24,6 +24,26 @@ pub struct Range {
 }
 
 impl Range {
+    /// From above 0 up to `high`.
+    #[must_use]
+    pub const fn above_zero(
+        flag: &'static str,
+        high: f64,
+        unit: &'static str,
+        meaning: &'static str,
+        usual: f64,
+    ) -> Self {
+        Self {
+            flag,
+            low: 0.0,
+            closed: false,
+            high,
+            unit,
+            meaning,
+            usual,
+        }
+    }
+
     /// True if `value` is in range; NaN and infinities are not.
     #[must_use]
     pub fn admits(&self, value: f64) -> bool {

@@ -4,7 +4,9 @@
 
 pub mod crank_rocker;
 pub mod five_bar;
+pub mod flywheel;
 pub mod platform;
+pub mod screen;
 
 use std::io::{self, Write};
 
@@ -12,7 +14,9 @@ use serde::Serialize;
 
 use crank_rocker::CrankRockerArgs;
 use five_bar::FiveBarArgs;
+use flywheel::FlywheelArgs;
 use platform::PlatformArgs;
+use screen::ScreenArgs;
 
 /// Size a machine: without a name a vibration platform on N slider-cranks, with its crank, rod, torque and power (steps A to J)
 #[derive(Clone, Debug, clap::Args)]
@@ -33,6 +37,8 @@ pub struct DesignArgs {
 enum Other {
     CrankRocker(CrankRockerArgs),
     FiveBar(FiveBarArgs),
+    Flywheel(FlywheelArgs),
+    Screen(ScreenArgs),
 }
 
 /// Why `cophase design` came to nothing.
@@ -47,6 +53,12 @@ pub enum DesignCommandError {
     /// Bad input to the five-bar's.
     #[error(transparent)]
     FiveBar(#[from] host_sim::design::five_bar::DesignError),
+    /// Bad input to the screen's.
+    #[error(transparent)]
+    Screen(#[from] host_sim::design::screen::DesignError),
+    /// Bad input to the flywheel's.
+    #[error(transparent)]
+    Flywheel(#[from] host_sim::design::flywheel::DesignError),
     /// The output could not be written.
     #[error("cannot write the design: {0}")]
     Write(#[from] io::Error),
@@ -60,6 +72,8 @@ pub fn run(args: &DesignArgs, out: &mut impl Write) -> Result<(), DesignCommandE
     match (&args.machine, &args.platform) {
         (Some(Other::CrankRocker(args)), _) => crank_rocker::run(args, out),
         (Some(Other::FiveBar(args)), _) => five_bar::run(args, out),
+        (Some(Other::Screen(args)), _) => screen::run(args, out),
+        (Some(Other::Flywheel(args)), _) => flywheel::run(args, out),
         (None, Some(platform)) => platform::run(platform, args.json, out),
         // The parser requires the platform's flags if there is no subcommand.
         (None, None) => Ok(()),

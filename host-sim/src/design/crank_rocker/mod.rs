@@ -169,15 +169,13 @@ impl Design {
     }
 }
 
-const SWING: Range = Range {
-    flag: "--swing-deg",
-    low: 0.0,
-    closed: false,
-    high: 179.0,
-    unit: "°",
-    meaning: "the angles a rocker can swing through",
-    usual: 60.0,
-};
+const SWING: Range = Range::above_zero(
+    "--swing-deg",
+    179.0,
+    "°",
+    "the angles a rocker can swing through",
+    60.0,
+);
 
 const PRESSURE: Range = Range {
     flag: "--pressure-deg",
@@ -199,15 +197,13 @@ const TIME_RATIO: Range = Range {
     usual: 0.9,
 };
 
-const SCREW_LEAD: Range = Range {
-    flag: "--screw-lead-mm",
-    low: 0.0,
-    closed: false,
-    high: 1000.0,
-    unit: " mm",
-    meaning: "the leads that screws are made with",
-    usual: 12.0,
-};
+const SCREW_LEAD: Range = Range::above_zero(
+    "--screw-lead-mm",
+    1000.0,
+    " mm",
+    "the leads that screws are made with",
+    12.0,
+);
 
 /// Swing of a linkage as assembled may differ from the requested one by this much, rad, which is rounding.
 const SAME_RAD: f64 = 1e-9;

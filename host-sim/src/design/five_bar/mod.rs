@@ -86,15 +86,7 @@ impl Design {
 }
 
 const fn link(flag: &'static str) -> Range {
-    Range {
-        flag,
-        low: 0.0,
-        closed: false,
-        high: 10.0,
-        unit: " m",
-        meaning: "the lengths of links",
-        usual: 0.25,
-    }
+    Range::above_zero(flag, 10.0, " m", "the lengths of links", 0.25)
 }
 
 const fn place(flag: &'static str) -> Range {

@@ -66,15 +66,13 @@ impl Requirement {
     }
 }
 
-const LOAD: Range = Range {
-    flag: "--load-kg",
-    low: 0.0,
-    closed: false,
-    high: 50.0,
-    unit: " kg",
-    meaning: "the loads this method is meant for",
-    usual: 10.0,
-};
+const LOAD: Range = Range::above_zero(
+    "--load-kg",
+    50.0,
+    " kg",
+    "the loads this method is meant for",
+    10.0,
+);
 
 const AMAX: Range = Range {
     flag: "--amax-g",
@@ -86,15 +84,13 @@ const AMAX: Range = Range {
     usual: 50.0,
 };
 
-const FREQ: Range = Range {
-    flag: "--freq-hz",
-    low: 0.0,
-    closed: false,
-    high: 200.0,
-    unit: " Hz",
-    meaning: "the frequencies this method is meant for",
-    usual: 20.0,
-};
+const FREQ: Range = Range::above_zero(
+    "--freq-hz",
+    200.0,
+    " Hz",
+    "the frequencies this method is meant for",
+    20.0,
+);
 
 const LAMBDA: Range = Range {
     flag: "--lambda",

@@ -1,0 +1,119 @@
+//! `cophase design flywheel`: drive and flywheel of a crusher.
+
+use std::io::Write;
+
+use host_sim::design::flywheel::{Design, Requirement, design, write_page};
+use serde::Serialize;
+
+use super::{DesignCommandError, write_json};
+
+/// Find the torque curve of a crusher's induction motor, and what its flywheel evens out
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct FlywheelArgs {
+    /// Rated power of the motor, kW: above 0, up to 10,000
+    #[arg(long, value_name = "P", allow_hyphen_values = true)]
+    pub power_kw: f64,
+    /// Rated speed of the motor, rpm: below the synchronous speed
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub rated_rpm: f64,
+    /// Synchronous speed of the motor, rpm: above 0, up to 12,000
+    #[arg(long, value_name = "N0", allow_hyphen_values = true)]
+    pub synchronous_rpm: f64,
+    /// Breakdown torque over rated torque: 1.1 to 5
+    #[arg(long, value_name = "L", allow_hyphen_values = true)]
+    pub overload: f64,
+    /// Speed of the motor over that of the shaft: 0.1 to 100
+    #[arg(long, value_name = "J", allow_hyphen_values = true)]
+    pub belt_ratio: f64,
+    /// Mass of the flywheel, kg: above 0, up to 100,000
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    pub mass_kg: f64,
+    /// Diameter on which that mass lies, m: above 0, up to 20
+    #[arg(long, value_name = "D", allow_hyphen_values = true)]
+    pub diameter_m: f64,
+    /// Fastest speed of the shaft, rad/s
+    #[arg(
+        long,
+        value_name = "W",
+        allow_hyphen_values = true,
+        requires = "slowest_rad_s"
+    )]
+    pub fastest_rad_s: Option<f64>,
+    /// Slowest speed of the shaft, rad/s
+    #[arg(
+        long,
+        value_name = "W",
+        allow_hyphen_values = true,
+        requires = "fastest_rad_s"
+    )]
+    pub slowest_rad_s: Option<f64>,
+    /// Print one JSON object instead of text
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// The object that `--json` prints.
+#[derive(Serialize)]
+struct Figures {
+    synchronous_rad_s: f64,
+    rated_rad_s: f64,
+    rated_torque_nm: f64,
+    breakdown_torque_nm: f64,
+    breakdown_motor_rad_s: f64,
+    torque_curve: [f64; 3],
+    rim_inertia_kgm2: f64,
+    disc_inertia_kgm2: f64,
+    /// At rated load, and at the fastest and the slowest speed.
+    shaft_torque_rated_nm: f64,
+    shaft_torque_fastest_nm: Option<f64>,
+    shaft_torque_slowest_nm: Option<f64>,
+    irregularity: Option<f64>,
+    energy_swing_j: Option<f64>,
+}
+
+impl From<&Design> for Figures {
+    fn from(design: &Design) -> Self {
+        let speed = |which: usize| design.requirement.speeds_rad_s.map(|both| both[which]);
+        let torque = |which| Some(design.shaft_torque_nm(speed(which)?));
+        Self {
+            synchronous_rad_s: design.synchronous_rad_s(),
+            rated_rad_s: design.rated_rad_s(),
+            rated_torque_nm: design.rated_torque_nm(),
+            breakdown_torque_nm: design.breakdown_torque_nm(),
+            breakdown_motor_rad_s: design.breakdown_motor_rad_s(),
+            torque_curve: design.curve.coefficients,
+            rim_inertia_kgm2: design.rim_kgm2(),
+            disc_inertia_kgm2: design.disc_kgm2(),
+            shaft_torque_rated_nm: design.shaft_torque_nm(design.rated_rad_s()),
+            shaft_torque_fastest_nm: torque(0),
+            shaft_torque_slowest_nm: torque(1),
+            irregularity: design.irregularity(),
+            energy_swing_j: design.energy_swing_j(),
+        }
+    }
+}
+
+/// Computes the figures and writes text, or with `--json` one object, to `out`.
+///
+/// # Errors
+/// Bad input, before anything is written; or `out` cannot be written.
+pub fn run(args: &FlywheelArgs, out: &mut impl Write) -> Result<(), DesignCommandError> {
+    let found = design(&Requirement {
+        power_kw: args.power_kw,
+        rated_rpm: args.rated_rpm,
+        synchronous_rpm: args.synchronous_rpm,
+        overload: args.overload,
+        belt_ratio: args.belt_ratio,
+        mass_kg: args.mass_kg,
+        diameter_m: args.diameter_m,
+        speeds_rad_s: args
+            .fastest_rad_s
+            .zip(args.slowest_rad_s)
+            .map(|(fastest, slowest)| [fastest, slowest]),
+    })?;
+    if args.json {
+        write_json(&Figures::from(&found), out)
+    } else {
+        Ok(write_page(&found, out)?)
+    }
+}
