@@ -166,6 +166,52 @@ fn a_crank_rocker_has_exactly_the_promised_fields() {
     assert!(message.starts_with("--pressure-deg 30: "), "{message}");
 }
 
+/// If this fails, the drawing is not to scale, lacks a dead centre, or is left half-written where it cannot be put.
+#[test]
+fn a_crank_rocker_is_drawn_at_both_dead_centres() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("linkage.svg");
+    let arguments = "crank-rocker --swing-deg 60 --pressure-deg 20 --time-ratio 0.9 --svg";
+    command(&format!("{arguments} {}", file.display())).expect("a drawing");
+    let svg = std::fs::read_to_string(&file).expect("it is written");
+    for label in [
+        "A",
+        "B1",
+        "C1",
+        "B2",
+        "C2",
+        "D",
+        "ground 1.9279",
+        "folded: crank at 199.70°",
+    ] {
+        assert!(svg.contains(&format!(">{label}</text>")), "no {label}");
+    }
+    // Crank pivot, rocker pivot and the joints: ground and rocker have the ratio of their lengths.
+    let circle = |n: usize| {
+        let text = svg.split("<circle cx=\"").nth(n + 1).expect("a joint");
+        let mut parts = text.split('"');
+        let x: f64 = parts.next().and_then(|x| x.parse().ok()).expect("x");
+        let y: f64 = parts.nth(1).and_then(|y| y.parse().ok()).expect("y");
+        [x, y]
+    };
+    let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let (ends, pivots) = ([circle(1), circle(3)], [circle(4), circle(5)]);
+    for end in ends {
+        let ratio = apart(pivots[0], pivots[1]) / apart(end, pivots[1]);
+        assert_near("ground over rocker", ratio, 1.9279, 1e-3);
+    }
+    let inside = file.join("no-folder.svg");
+    let refused = command(&format!("{arguments} {}", inside.display()));
+    let message = refused.expect_err("a file is no folder").to_string();
+    assert!(message.starts_with("--svg "), "{message}");
+    assert_eq!(
+        std::fs::read_dir(folder.path())
+            .expect("it is there")
+            .count(),
+        1
+    );
+}
+
 #[test]
 fn a_screen_has_exactly_the_promised_fields() {
     let arguments = "screen --exciter-kg 166 --vibrating-kg 2900 --eccentricity-mm 87.27 --speed-rpm 840 --deck-deg 24";

@@ -5,6 +5,7 @@
 pub mod coupling;
 pub mod crank_rocker;
 mod digits;
+mod drawing;
 pub mod five_bar;
 pub mod flywheel;
 pub mod platform;

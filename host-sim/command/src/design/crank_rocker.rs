@@ -1,14 +1,15 @@
 //! `cophase design crank-rocker`: synthesis of a four-bar linkage.
 
 use std::io::Write;
+use std::path::PathBuf;
 
-use host_sim::design::crank_rocker::{Design, Requirement, design, write_page};
+use host_sim::design::crank_rocker::{Design, Requirement, design, draw, write_page};
 use serde::Serialize;
 
-use super::{DesignCommandError, write_json};
+use super::{DesignCommandError, write_drawing, write_json};
 
 /// Find the links of a crank-rocker from the swing of its rocker, for a drive with a screw
-#[derive(Clone, Copy, Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct CrankRockerArgs {
     /// Swing of the rocker, degrees: above 0, up to 179
     #[arg(long, value_name = "A", allow_hyphen_values = true)]
@@ -22,6 +23,9 @@ pub struct CrankRockerArgs {
     /// Lead of the screw that the rocker turns, mm: above 0, up to 1000
     #[arg(long, value_name = "P", allow_hyphen_values = true)]
     pub screw_lead_mm: Option<f64>,
+    /// Draw the linkage at both dead centres into this file, too
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
     /// Print one JSON object instead of text
     #[arg(long)]
     pub json: bool,
@@ -86,6 +90,9 @@ pub fn run(args: &CrankRockerArgs, out: &mut impl Write) -> Result<(), DesignCom
         time_ratio: args.time_ratio,
         screw_lead_mm: args.screw_lead_mm,
     })?;
+    if let Some(file) = &args.svg {
+        write_drawing(file, &draw(&found))?;
+    }
     if args.json {
         write_json(&Figures::from(&found), out)
     } else {

@@ -9,7 +9,9 @@ pub mod platform;
 pub mod screen;
 
 use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
+use host_sim::trace::RunFiles;
 use serde::Serialize;
 
 use crank_rocker::CrankRockerArgs;
@@ -59,6 +61,14 @@ pub enum DesignCommandError {
     /// Bad input to the flywheel's.
     #[error(transparent)]
     Flywheel(#[from] host_sim::design::flywheel::DesignError),
+    /// The drawing could not be written (exit status 2); nothing of it is left.
+    #[error("--svg {}: {problem}; give a file in a folder that can be written", file.display())]
+    Drawing {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
     /// The output could not be written.
     #[error("cannot write the design: {0}")]
     Write(#[from] io::Error),
@@ -78,6 +88,28 @@ pub fn run(args: &DesignArgs, out: &mut impl Write) -> Result<(), DesignCommandE
         // The parser requires the platform's flags if there is no subcommand.
         (None, None) => Ok(()),
     }
+}
+
+/// Writes a drawing, whole or not at all.
+fn write_drawing(file: &Path, svg: &str) -> Result<(), DesignCommandError> {
+    let failed = |problem: String| DesignCommandError::Drawing {
+        file: file.to_owned(),
+        problem,
+    };
+    let name = file.file_name().and_then(|name| name.to_str());
+    let name = name.ok_or_else(|| failed("it is no name of a file".to_owned()))?;
+    let folder = file
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    let put = || -> Result<(), Box<dyn std::error::Error>> {
+        let mut files = RunFiles::create(folder.unwrap_or(Path::new(".")))?;
+        let mut drawing = files.file(name)?;
+        drawing.write_all(svg.as_bytes())?;
+        drawing.flush()?;
+        files.commit()?;
+        Ok(())
+    };
+    put().map_err(|error| failed(error.to_string()))
 }
 
 /// Writes an object, indented.

@@ -1,0 +1,78 @@
+//! Drawing of a crank-rocker at both dead centres.
+
+use core::f64::consts::TAU;
+
+use super::Design;
+use crate::design::drawing::{Drawing, FIRST, INK, MUTED, Place, SECOND};
+
+/// Draws the linkage at both dead centres, as SVG text.
+#[must_use]
+pub fn draw(design: &Design) -> String {
+    let linkage = &design.linkage;
+    let (crank_pivot, rocker_pivot) = ([0.0, 0.0], [linkage.ground, 0.0]);
+    let positions = linkage.dead_centres_rad().map(|crank| {
+        let rocker = linkage.at(crank).angle_rad;
+        let pin = [linkage.crank * crank.cos(), linkage.crank * crank.sin()];
+        let end = [linkage.ground + rocker.cos(), rocker.sin()];
+        (crank, rocker, pin, end)
+    });
+    let ends = positions.map(|(_, _, _, end)| end);
+    let right = ends.iter().map(|end| end[0]).fold(linkage.ground, f64::max);
+    let top = ends.iter().map(|end| end[1]).fold(linkage.crank, f64::max);
+    let title = format!(
+        "Crank-rocker at both dead centres: swing {:.1}°, time ratio {:.3}",
+        linkage.swing_rad().to_degrees(),
+        linkage.time_ratio()
+    );
+    let mut drawing = Drawing::new(
+        &title,
+        [-linkage.crank, -linkage.crank],
+        [right + 0.15, top],
+    );
+    drawing.line(&[crank_pivot, rocker_pivot], INK, 1.5, false);
+    drawing.arc(crank_pivot, linkage.crank, (0.0, TAU), MUTED);
+    drawing.arc(rocker_pivot, 1.0, (positions[0].1, positions[1].1), MUTED);
+    let names = [
+        ("B1", "C1", "stretched out", 0.0, FIRST),
+        ("B2", "C2", "folded", -20.0, SECOND),
+    ];
+    for ((crank, _, pin, end), (pin_name, end_name, what, lower, colour)) in
+        positions.into_iter().zip(names)
+    {
+        drawing.line(&[crank_pivot, pin, end, rocker_pivot], colour, 3.0, false);
+        for joint in [pin, end] {
+            drawing.pin(joint, colour);
+        }
+        drawing.label(pin, (8.0, -18.0), pin_name, colour);
+        drawing.label(end, (-10.0, 14.0), end_name, colour);
+        let note = format!("{what}: crank at {:.2}°", crank.to_degrees());
+        drawing.label(
+            [0.5 * linkage.ground, -0.6 * linkage.crank],
+            (0.0, lower),
+            &note,
+            colour,
+        );
+    }
+    for (pivot, name) in [(crank_pivot, "A"), (rocker_pivot, "D")] {
+        drawing.pin(pivot, INK);
+        drawing.label(pivot, (8.0, -20.0), name, INK);
+    }
+    let middle = |a: Place, b: Place| [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+    drawing.label(
+        middle(crank_pivot, rocker_pivot),
+        (0.0, -18.0),
+        &format!("ground {:.4}", linkage.ground),
+        INK,
+    );
+    let (_, _, pin, end) = positions[0];
+    drawing.label(
+        middle(pin, end),
+        (-70.0, 24.0),
+        &format!("coupler {:.4}", linkage.coupler),
+        FIRST,
+    );
+    drawing.label(middle(end, rocker_pivot), (10.0, 0.0), "rocker 1", FIRST);
+    let note = format!("crank {:.4}", linkage.crank);
+    drawing.label([-linkage.crank, -linkage.crank], (0.0, -18.0), &note, MUTED);
+    drawing.render()
+}
