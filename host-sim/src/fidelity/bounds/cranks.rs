@@ -91,11 +91,15 @@ impl Cranks {
         if !required.is_finite() {
             return "at top speed a motor has no torque left".to_owned();
         }
+        let lag = if worst.lag_rad.is_finite() {
+            format!("lag of at most {:.2}°", degrees(worst.lag_rad))
+        } else {
+            "a lag that nothing bounds".to_owned()
+        };
         format!(
-            "torque ratio {required:.2} ({:.2} with what oscillates), frequency ratio {:.2}, lag of at most {:.2}°",
+            "torque ratio {required:.2} ({:.2} with what oscillates), frequency ratio {:.2}, {lag}",
             most(&worst.torque_ratio),
             worst.frequency_ratio,
-            degrees(worst.lag_rad)
         )
     }
 
