@@ -52,7 +52,7 @@ pub(super) struct Homing {
     lag: Turns,
     /// What readings may be off by.
     tolerance: PerAxis<Turns>,
-    /// The cranks did not follow when they were brought together, and were brought together once more.
+    /// The cranks were brought together a second time, as they did not follow the first time.
     has_levelled_again: bool,
     /// Tilts that have been looked at, and the trims without them.
     proven: usize,

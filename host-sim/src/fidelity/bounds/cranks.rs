@@ -35,7 +35,6 @@ pub struct Cranks {
     sampling: f64,
     /// Motors whose torque has a limit: steppers beyond it slip, servos fall behind.
     limited: Vec<bool>,
-    alike: bool,
     /// Whether all cranks turn as one, which is all that the linear computation knows; up to three may also be apart. With more, rods
     /// pull on cranks that are apart, harder and softer over each turn, and what that excites has no bound here.
     in_phase: bool,
@@ -67,7 +66,6 @@ impl Cranks {
                 .collect(),
             in_phase: !leads_apart
                 && (body.axes() <= 3 || standing_apart_rad == 0.0 && worst.spread_rad == 0.0),
-            alike: worst.spread_rad == 0.0,
             frame: SET_SWINGING * frame::share(driven, drive),
             rods: if elastic {
                 SET_SWINGING * rods::share(body, rod_zeta, drive)
@@ -175,7 +173,7 @@ impl Cranks {
             _ if self.rods == 0.0 => 0.0,
             _ => self.rods * self.worst.torque_of_amax * self.left_out_below_rigid(output),
         };
-        if self.alike {
+        if self.worst.spread_rad == 0.0 {
             return rods;
         }
         let worst = &self.worst;

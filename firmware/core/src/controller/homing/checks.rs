@@ -41,7 +41,7 @@ pub(super) struct Deviation {
     pub off: Turns,
     /// It follows the command of another.
     pub is_swapped: bool,
-    /// And that one follows its command.
+    /// The other follows this one's command, too.
     pub is_mutual: bool,
 }
 
@@ -72,13 +72,13 @@ impl Moves<'_> {
         Some(worst)
     }
 
-    /// By how much further another was moved.
+    /// Move of another, less this one's.
     fn between(&self, axis: usize, other: usize) -> Turns {
         let moved = |axis| difference(self.to, self.from, axis);
         moved(other).wrapping_sub(moved(axis))
     }
 
-    /// Whether another is off the other way, by as much as this one was moved further than it.
+    /// True if another is off the other way, by the difference of their moves.
     fn mirrors(&self, deviation: &Deviation, other: usize) -> bool {
         let between = self.between(deviation.axis, other);
         let back = nearest(difference(self.phase_error, self.before, other));

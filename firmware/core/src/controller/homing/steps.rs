@@ -86,8 +86,8 @@ impl Homing {
         self.level(monitor, offsets)
     }
 
-    /// Cranks that are apart bend the rods, which pull soft drives away from their commands. Once the cranks are together the rods let go,
-    /// and what remains is levelled once more.
+    /// True if the cranks may be brought together once more. Cranks that are apart bend the rods, which pull soft drives away from their
+    /// commands, and let go once the cranks are together.
     fn may_level_again(&self, offsets: &PhaseOffsets) -> bool {
         self.proven == 0 && !self.has_levelled_again && offsets.corrects()
     }

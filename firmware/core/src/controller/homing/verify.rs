@@ -20,7 +20,7 @@ pub(super) enum Verdict {
     Followed,
     /// One deviates so far: it is to be checked again.
     Unsure,
-    /// One deviated in every check, and another as it would if their lines were swapped, or not.
+    /// One deviated in every check. `is_mutual`: another shows its move, and it shows the other's.
     Deviates { fault: Fault, is_mutual: bool },
 }
 
