@@ -11,6 +11,7 @@ pub mod design;
 pub mod dynamics;
 pub mod faults;
 pub mod fidelity;
+mod ink;
 pub mod machine;
 pub mod mechanism;
 pub mod report;

@@ -2,17 +2,17 @@
 
 use kuva::backend::svg::SvgBackend;
 use kuva::render::color::Color;
-use kuva::render::render::{Primitive, Scene, TextAnchor};
+use kuva::render::render::{Primitive, Scene};
+
+use crate::ink::{INK, text};
 
 const WIDTH: f64 = 900.0;
 /// Space around the mechanism, px; the title stands in the upper one.
 const MARGIN: f64 = 70.0;
 
-/// Colours of a drawing: what stands, a first and a second position, and what explains.
-pub(super) const INK: &str = "#222222";
+/// Colours of a first and a second position.
 pub(super) const FIRST: &str = "#0072B2";
-pub(super) const SECOND: &str = "#D55E00";
-pub(super) const MUTED: &str = "#888888";
+pub(super) const SECOND: &str = "#009E73";
 
 /// A place, in the mechanism's unit.
 pub(super) type Place = [f64; 2];
@@ -40,7 +40,7 @@ impl Drawing {
             low,
             height,
         };
-        drawing.text((MARGIN, 36.0), title, 18, INK);
+        text(&mut drawing.scene, (MARGIN, 36.0), title, 22, INK);
         drawing
     }
 
@@ -49,19 +49,6 @@ impl Drawing {
             MARGIN + self.scale * (place[0] - self.low[0]),
             self.height - MARGIN - self.scale * (place[1] - self.low[1]),
         )
-    }
-
-    fn text(&mut self, (x, y): (f64, f64), content: &str, size: u32, colour: &str) {
-        self.scene.add(Primitive::Text {
-            x,
-            y,
-            content: content.to_owned(),
-            size,
-            anchor: TextAnchor::Start,
-            rotate: None,
-            bold: size > 16,
-            color: Some(Color::from(colour)),
-        });
     }
 
     /// A polyline; dashed for what is no part of the machine.
@@ -113,7 +100,7 @@ impl Drawing {
         colour: &str,
     ) {
         let (x, y) = self.at(place);
-        self.text((x + right, y - up), content, 14, colour);
+        text(&mut self.scene, (x + right, y - up), content, 14, colour);
     }
 
     /// The drawing as SVG text.

@@ -8,6 +8,7 @@ mod digits;
 mod drawing;
 pub mod five_bar;
 pub mod flywheel;
+mod page;
 pub mod platform;
 mod range;
 pub mod screen;

@@ -65,7 +65,7 @@ pub struct OutOfRange {
 
 impl OutOfRange {
     /// All numbers that are out of their ranges, in order.
-    pub fn of<const N: usize>(numbers: [(Range, f64); N]) -> Vec<Self> {
+    pub fn of(numbers: impl IntoIterator<Item = (Range, f64)>) -> Vec<Self> {
         numbers
             .into_iter()
             .filter(|(range, value)| !range.admits(*value))

@@ -26,9 +26,6 @@ pub struct CrankRockerArgs {
     /// Draw the linkage at both dead centres into this file, too
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
-    /// Print one JSON object instead of text
-    #[arg(long)]
-    pub json: bool,
 }
 
 /// The object that `--json` prints. Lengths are over the rocker's.
@@ -79,21 +76,26 @@ impl From<&Design> for Figures {
     }
 }
 
-/// Finds the linkage and writes text, or with `--json` one object, to `out`.
+/// Finds the linkage and writes text, or with `json` one object, to `out`.
 ///
 /// # Errors
 /// Bad input, before anything is written; or `out` cannot be written.
-pub fn run(args: &CrankRockerArgs, out: &mut impl Write) -> Result<(), DesignCommandError> {
+pub fn run(
+    args: &CrankRockerArgs,
+    json: bool,
+    out: &mut impl Write,
+) -> Result<(), DesignCommandError> {
     let found = design(&Requirement {
         swing_deg: args.swing_deg,
         pressure_deg: args.pressure_deg,
         time_ratio: args.time_ratio,
         screw_lead_mm: args.screw_lead_mm,
-    })?;
+    })
+    .map_err(DesignCommandError::input)?;
     if let Some(file) = &args.svg {
         write_drawing(file, &draw(&found))?;
     }
-    if args.json {
+    if json {
         write_json(&Figures::from(&found), out)
     } else {
         Ok(write_page(&found, out)?)

@@ -22,9 +22,6 @@ pub struct FiveBarArgs {
     /// Place of the hand, m
     #[arg(long, value_name = "Y", allow_hyphen_values = true)]
     pub y_m: f64,
-    /// Print one JSON object instead of text
-    #[arg(long)]
-    pub json: bool,
 }
 
 /// The object that `--json` prints.
@@ -54,18 +51,19 @@ impl From<&Design> for Figures {
     }
 }
 
-/// Finds the angles and writes text, or with `--json` one object, to `out`.
+/// Finds the angles and writes text, or with `json` one object, to `out`.
 ///
 /// # Errors
 /// Bad input, before anything is written; or `out` cannot be written.
-pub fn run(args: &FiveBarArgs, out: &mut impl Write) -> Result<(), DesignCommandError> {
+pub fn run(args: &FiveBarArgs, json: bool, out: &mut impl Write) -> Result<(), DesignCommandError> {
     let found = design(&Requirement {
         l1_m: args.l1_m,
         l4_m: args.l4_m,
         x_m: args.x_m,
         y_m: args.y_m,
-    })?;
-    if args.json {
+    })
+    .map_err(DesignCommandError::input)?;
+    if json {
         write_json(&Figures::from(&found), out)
     } else {
         Ok(write_page(&found, out)?)

@@ -47,9 +47,6 @@ pub struct FlywheelArgs {
         requires = "fastest_rad_s"
     )]
     pub slowest_rad_s: Option<f64>,
-    /// Print one JSON object instead of text
-    #[arg(long)]
-    pub json: bool,
 }
 
 /// The object that `--json` prints.
@@ -93,11 +90,15 @@ impl From<&Design> for Figures {
     }
 }
 
-/// Computes the figures and writes text, or with `--json` one object, to `out`.
+/// Computes the figures and writes text, or with `json` one object, to `out`.
 ///
 /// # Errors
 /// Bad input, before anything is written; or `out` cannot be written.
-pub fn run(args: &FlywheelArgs, out: &mut impl Write) -> Result<(), DesignCommandError> {
+pub fn run(
+    args: &FlywheelArgs,
+    json: bool,
+    out: &mut impl Write,
+) -> Result<(), DesignCommandError> {
     let found = design(&Requirement {
         power_kw: args.power_kw,
         rated_rpm: args.rated_rpm,
@@ -110,8 +111,9 @@ pub fn run(args: &FlywheelArgs, out: &mut impl Write) -> Result<(), DesignComman
             .fastest_rad_s
             .zip(args.slowest_rad_s)
             .map(|(fastest, slowest)| [fastest, slowest]),
-    })?;
-    if args.json {
+    })
+    .map_err(DesignCommandError::input)?;
+    if json {
         write_json(&Figures::from(&found), out)
     } else {
         Ok(write_page(&found, out)?)

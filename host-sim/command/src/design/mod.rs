@@ -30,7 +30,7 @@ pub struct DesignArgs {
     #[command(flatten)]
     platform: Option<PlatformArgs>,
     /// Print one JSON object instead of text
-    #[arg(long)]
+    #[arg(long, global = true)]
     json: bool,
 }
 
@@ -46,21 +46,9 @@ enum Other {
 /// Why `cophase design` came to nothing.
 #[derive(Debug, thiserror::Error)]
 pub enum DesignCommandError {
-    /// Bad input to the platform's method (exit status 2); nothing was written. Prints a line for each flag that is wrong.
-    #[error(transparent)]
-    Platform(#[from] host_sim::design::platform::DesignError),
-    /// Bad input to the crank-rocker's.
-    #[error(transparent)]
-    CrankRocker(#[from] host_sim::design::crank_rocker::DesignError),
-    /// Bad input to the five-bar's.
-    #[error(transparent)]
-    FiveBar(#[from] host_sim::design::five_bar::DesignError),
-    /// Bad input to the screen's.
-    #[error(transparent)]
-    Screen(#[from] host_sim::design::screen::DesignError),
-    /// Bad input to the flywheel's.
-    #[error(transparent)]
-    Flywheel(#[from] host_sim::design::flywheel::DesignError),
+    /// Bad input (exit status 2); nothing was written. Has a line for each number that is wrong.
+    #[error("{0}")]
+    Input(String),
     /// The drawing could not be written (exit status 2); nothing of it is left.
     #[error("--svg {}: {problem}; give a file in a folder that can be written", file.display())]
     Drawing {
@@ -80,13 +68,22 @@ pub enum DesignCommandError {
 /// Bad input, before anything is written; or `out` cannot be written.
 pub fn run(args: &DesignArgs, out: &mut impl Write) -> Result<(), DesignCommandError> {
     match (&args.machine, &args.platform) {
-        (Some(Other::CrankRocker(args)), _) => crank_rocker::run(args, out),
-        (Some(Other::FiveBar(args)), _) => five_bar::run(args, out),
-        (Some(Other::Screen(args)), _) => screen::run(args, out),
-        (Some(Other::Flywheel(args)), _) => flywheel::run(args, out),
+        (Some(Other::CrankRocker(machine)), _) => crank_rocker::run(machine, args.json, out),
+        (Some(Other::FiveBar(machine)), _) => five_bar::run(machine, args.json, out),
+        (Some(Other::Screen(machine)), _) => screen::run(machine, args.json, out),
+        (Some(Other::Flywheel(machine)), _) => flywheel::run(machine, args.json, out),
         (None, Some(platform)) => platform::run(platform, args.json, out),
         // The parser requires the platform's flags if there is no subcommand.
-        (None, None) => Ok(()),
+        (None, None) => Err(DesignCommandError::Input(
+            "name a machine, or give the requirement of a platform; see cophase design --help"
+                .to_owned(),
+        )),
+    }
+}
+
+impl DesignCommandError {
+    fn input(error: impl std::error::Error) -> Self {
+        Self::Input(error.to_string())
     }
 }
 

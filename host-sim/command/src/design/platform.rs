@@ -104,7 +104,7 @@ pub fn run(
     json: bool,
     out: &mut impl Write,
 ) -> Result<(), DesignCommandError> {
-    let found = design(&args.into())?;
+    let found = design(&args.into()).map_err(DesignCommandError::input)?;
     if json {
         write_json(&Figures::from(&found), out)
     } else {

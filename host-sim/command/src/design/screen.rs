@@ -29,9 +29,6 @@ pub struct ScreenArgs {
     #[arg(long, value_name = "r", allow_hyphen_values = true,
           default_value_t = Requirement::SOURCE_WHEEL_MM)]
     pub wheel_mm: f64,
-    /// Print one JSON object instead of text
-    #[arg(long)]
-    pub json: bool,
 }
 
 /// The object that `--json` prints.
@@ -62,11 +59,11 @@ impl From<&Design> for Figures {
     }
 }
 
-/// Designs the screen and writes text, or with `--json` one object, to `out`.
+/// Designs the screen and writes text, or with `json` one object, to `out`.
 ///
 /// # Errors
 /// Bad input, before anything is written; or `out` cannot be written.
-pub fn run(args: &ScreenArgs, out: &mut impl Write) -> Result<(), DesignCommandError> {
+pub fn run(args: &ScreenArgs, json: bool, out: &mut impl Write) -> Result<(), DesignCommandError> {
     let found = design(&Requirement {
         exciter_kg: args.exciter_kg,
         vibrating_kg: args.vibrating_kg,
@@ -74,8 +71,9 @@ pub fn run(args: &ScreenArgs, out: &mut impl Write) -> Result<(), DesignCommandE
         speed_rpm: args.speed_rpm,
         wheel_mm: args.wheel_mm,
         deck_deg: args.deck_deg,
-    })?;
-    if args.json {
+    })
+    .map_err(DesignCommandError::input)?;
+    if json {
         write_json(&Figures::from(&found), out)
     } else {
         Ok(write_page(&found, out)?)

@@ -3,7 +3,8 @@
 use core::f64::consts::TAU;
 
 use super::Design;
-use crate::design::drawing::{Drawing, FIRST, INK, MUTED, Place, SECOND};
+use crate::design::drawing::{Drawing, FIRST, Place, SECOND};
+use crate::ink::{INK, MUTED};
 
 /// Draws the linkage at both dead centres, as SVG text.
 #[must_use]

@@ -45,8 +45,8 @@ pub enum DesignError {
     OutOfRange(Vec<OutOfRange>),
     /// The pressure angle leaves the linkage no crank that turns all round.
     #[error(
-        "--pressure-deg {pressure_deg}: must be below half the swing, {half_swing_deg}°; from there on the linkage folds flat and the crank \
-         does not turn all round; try {try_deg}"
+        "--pressure-deg {pressure_deg}: must be below half the swing, {half_swing_deg:.3}°; from there on the linkage folds flat and the \
+         crank does not turn all round; try {try_deg:.1}"
     )]
     Pressure {
         /// The pressure angle that was given, degrees.
@@ -72,7 +72,8 @@ pub enum DesignError {
     /// The two dead centres belong to two ways of assembling the linkage.
     #[error(
         "--time-ratio {time_ratio}: the two dead centres lie on two branches of the linkage, and as assembled its rocker swings by \
-         {swing_deg:.2}° instead of {requested_deg}°; give a ratio nearer 1, or a larger --pressure-deg"
+         {swing_deg:.2}° instead of {requested_deg}°; give a ratio nearer 1, a larger --pressure-deg, or a smaller \
+         --swing-deg"
     )]
     Branch {
         /// The time ratio that was given.
@@ -87,7 +88,7 @@ pub enum DesignError {
 /// Linkage that meets its requirement, and its figures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Design {
-    /// What was requested.
+    /// Requirement that it meets.
     pub requirement: Requirement,
     /// Lengths over the rocker's.
     pub linkage: Linkage,
@@ -221,12 +222,13 @@ pub fn design(requirement: &Requirement) -> Result<Design, DesignError> {
         time_ratio,
         screw_lead_mm,
     } = *requirement;
-    let wrong = OutOfRange::of([
+    let numbers = [
         (SWING, swing_deg),
         (PRESSURE, pressure_deg),
         (TIME_RATIO, time_ratio),
-        (SCREW_LEAD, screw_lead_mm.unwrap_or(SCREW_LEAD.usual)),
-    ]);
+    ];
+    let lead = screw_lead_mm.map(|lead_mm| (SCREW_LEAD, lead_mm));
+    let wrong = OutOfRange::of(numbers.into_iter().chain(lead));
     if !wrong.is_empty() {
         return Err(DesignError::OutOfRange(wrong));
     }

@@ -4,22 +4,17 @@ use std::io::{self, Write};
 
 use super::Design;
 use crate::design::digits::four;
+use crate::design::page::row;
 
 /// Writes the page.
 ///
 /// # Errors
-/// What `out` says when it cannot be written to.
+/// `out` cannot be written to.
 pub fn write_page(design: &Design, out: &mut impl Write) -> io::Result<()> {
     let linkage = &design.linkage;
     let degrees = |angle_deg: f64| format!("{angle_deg:.3}");
     writeln!(out, "Crank-rocker; lengths are over the rocker's\n")?;
-    let mut line = |what: &str, value: String, note: &str| {
-        writeln!(
-            out,
-            "{}",
-            format!("   {what:<38}{value:>10}  {note}").trim_end()
-        )
-    };
+    let mut line = |what: &str, value: String, note: &str| row(out, what, &value, note);
     line("crank", format!("{:.5}", linkage.crank), "")?;
     line("coupler", format!("{:.5}", linkage.coupler), "")?;
     line("ground", format!("{:.5}", linkage.ground), "")?;

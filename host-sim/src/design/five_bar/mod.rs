@@ -68,7 +68,7 @@ pub enum DesignError {
 /// Joint angles of an arm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design {
-    /// What was requested.
+    /// Requirement that it meets.
     pub requirement: Requirement,
     /// The arm.
     pub arm: FiveBar,

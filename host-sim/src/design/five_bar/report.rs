@@ -8,7 +8,7 @@ use crate::design::digits::four;
 /// Writes the page.
 ///
 /// # Errors
-/// What `out` says when it cannot be written to.
+/// `out` cannot be written to.
 pub fn write_page(design: &Design, out: &mut impl Write) -> io::Result<()> {
     writeln!(
         out,

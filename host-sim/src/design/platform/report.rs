@@ -19,7 +19,7 @@ const LEAST_AMAX_G: f64 = 10.0;
 /// Writes the page.
 ///
 /// # Errors
-/// What `out` says when it cannot be written to.
+/// `out` cannot be written to.
 pub fn write_page(design: &Design, out: &mut impl Write) -> io::Result<()> {
     let motors = design.requirement.motors;
     writeln!(out, "Vibration platform on {motors} slider-cranks")?;

@@ -33,7 +33,7 @@ pub enum DesignError {
 /// A platform that meets its requirement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Design {
-    /// What was requested.
+    /// Requirement that it meets.
     pub requirement: Requirement,
     /// Crank and rod (steps F and G).
     pub mechanism: SliderCrank,

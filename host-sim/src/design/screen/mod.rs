@@ -11,11 +11,13 @@
 //! - throw index A ω² / g, which should be 2.25 to 3.24 times cos a on a deck inclined by a;
 //! - the rim's centre stands still if the wheel is bored off by r = A. Otherwise it circles at |A − r|.
 
-use core::f64::consts::TAU;
-use std::io::{self, Write};
+mod report;
 
-use super::digits::four;
+use core::f64::consts::TAU;
+
 use super::range::{OutOfRange, Range};
+
+pub use report::write_page;
 
 /// Gravity as the source has it, m/s²: its stiffnesses are in kgf/cm.
 pub const GRAVITY_MPS2: f64 = 9.81;
@@ -48,7 +50,7 @@ pub struct DesignError(pub Vec<OutOfRange>);
 /// Screen that is designed for its masses and speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Design {
-    /// What was requested.
+    /// Requirement that it meets.
     pub requirement: Requirement,
 }
 
@@ -177,14 +179,15 @@ const DECK: Range = Range {
 /// # Errors
 /// Numbers out of their ranges, all of them.
 pub fn design(requirement: &Requirement) -> Result<Design, DesignError> {
-    let wrong = OutOfRange::of([
+    let numbers = [
         (EXCITER, requirement.exciter_kg),
         (VIBRATING, requirement.vibrating_kg),
         (ECCENTRICITY, requirement.eccentricity_mm),
         (SPEED, requirement.speed_rpm),
         (WHEEL, requirement.wheel_mm),
-        (DECK, requirement.deck_deg.unwrap_or(DECK.usual)),
-    ]);
+    ];
+    let deck = requirement.deck_deg.map(|deck_deg| (DECK, deck_deg));
+    let wrong = OutOfRange::of(numbers.into_iter().chain(deck));
     if wrong.is_empty() {
         Ok(Design {
             requirement: *requirement,
@@ -192,75 +195,4 @@ pub fn design(requirement: &Requirement) -> Result<Design, DesignError> {
     } else {
         Err(DesignError(wrong))
     }
-}
-
-/// Designs that the source mixes: name, amplitude in mm, and what in it belongs to the design.
-const SOURCE_DESIGNS: [(&str, f64, &str); 2] = [
-    (
-        "A",
-        4.0,
-        "speeds of 678 to 814 rpm, throw index 2.86 and 3.15, G R = 11.988 kg m",
-    ),
-    (
-        "B",
-        5.0,
-        "the amplitude in its prose, the wheel's bore, shaft loads, G R = 14.487 kg m",
-    ),
-];
-
-/// Writes the design as text.
-///
-/// # Errors
-/// What `out` says when it cannot be written to.
-pub fn write_page(design: &Design, out: &mut impl Write) -> io::Result<()> {
-    writeln!(out, "Self-centring screen\n")?;
-    let rows = [
-        ("speed, rad/s", design.speed_rad_s(), ""),
-        (
-            "stiffness of all springs, kgf/cm",
-            design.stiffness_kgf_per_cm(),
-            "K = G ω²",
-        ),
-        ("natural speed, rpm", design.natural_speed_rpm(), ""),
-        ("speed over natural speed", design.speed_ratio(), ""),
-        ("amplitude, mm", design.amplitude_mm(), "G R / P"),
-        (
-            "the rim's centre circles at, mm",
-            design.wheel_wobble_mm(),
-            "0 if the wheel is bored off by the amplitude",
-        ),
-        ("throw index", design.throw_index(), ""),
-        ("static deflection, mm", design.static_deflection_mm(), ""),
-    ];
-    for (what, value, note) in rows {
-        let value = four(value);
-        writeln!(
-            out,
-            "{}",
-            format!("   {what:<36}{value:>8}  {note}").trim_end()
-        )?;
-    }
-    if let Some([low, high]) = design.recommended_throw() {
-        let throw = design.throw_index();
-        let verdict = if throw < low {
-            "below it"
-        } else if throw > high {
-            "above it"
-        } else {
-            "within it"
-        };
-        writeln!(
-            out,
-            "\n   Recommended throw index on this deck: {} to {}; {verdict}.",
-            four(low),
-            four(high)
-        )?;
-    }
-    writeln!(out, "\n   The source mixes two designs:")?;
-    for (name, amplitude_mm, figures) in SOURCE_DESIGNS {
-        let is_this = (design.amplitude_mm() - amplitude_mm).abs() < 0.1;
-        let mark = if is_this { " (this one)" } else { "" };
-        writeln!(out, "   {name}, {amplitude_mm} mm{mark}: {figures}")?;
-    }
-    Ok(())
 }

@@ -2,6 +2,8 @@
 
 use host_sim::design::flywheel::{DesignError, Requirement, design};
 
+use super::assert_near;
+
 /// The source's crusher, between the fastest and the slowest speed that it prints.
 const SOURCE: Requirement = Requirement {
     power_kw: 15.0,
@@ -13,15 +15,6 @@ const SOURCE: Requirement = Requirement {
     diameter_m: 0.762,
     speeds_rad_s: Some([28.303, 26.118]),
 };
-
-#[track_caller]
-fn assert_near(what: &str, ours: f64, theirs: f64, tolerance: f64) {
-    println!("{what}: {ours}, published {theirs}");
-    assert!(
-        (ours - theirs).abs() <= tolerance,
-        "{what}: {ours}, expected {theirs} ± {tolerance}"
-    );
-}
 
 /// Items 1 and 2. The print has 28.3021 rad/s where 1000 rpm give 28.3026.
 #[test]

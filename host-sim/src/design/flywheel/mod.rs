@@ -8,11 +8,13 @@
 //! - inertia of a thin rim m D² / 4, of a disc m D² / 8;
 //! - irregularity (ω₁ − ω₂) / ω̄, and energy given up J (ω₁² − ω₂²) / 2 between the fastest and the slowest speed.
 
-use core::f64::consts::TAU;
-use std::io::{self, Write};
+mod report;
 
-use super::digits::four;
+use core::f64::consts::TAU;
+
 use super::range::{OutOfRange, Range};
+
+pub use report::write_page;
 
 /// Motor, belt and flywheel, and the speeds between which the shaft goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,7 +103,7 @@ impl TorqueCurve {
 /// Drive and flywheel of a crusher.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Design {
-    /// What was requested.
+    /// Requirement that it meets.
     pub requirement: Requirement,
     /// Torque of the motor.
     pub curve: TorqueCurve,
@@ -254,10 +256,7 @@ const BELT: Range = Range {
 /// # Errors
 /// Numbers out of their ranges, all of them; or numbers that do not go together.
 pub fn design(requirement: &Requirement) -> Result<Design, DesignError> {
-    let [fastest, slowest] = requirement
-        .speeds_rad_s
-        .unwrap_or([FASTEST.usual, SLOWEST.usual]);
-    let wrong = OutOfRange::of([
+    let numbers = [
         (POWER, requirement.power_kw),
         (RATED, requirement.rated_rpm),
         (SYNCHRONOUS, requirement.synchronous_rpm),
@@ -265,9 +264,10 @@ pub fn design(requirement: &Requirement) -> Result<Design, DesignError> {
         (BELT, requirement.belt_ratio),
         (MASS, requirement.mass_kg),
         (DIAMETER, requirement.diameter_m),
-        (FASTEST, fastest),
-        (SLOWEST, slowest),
-    ]);
+    ];
+    let speeds = requirement.speeds_rad_s.into_iter();
+    let speeds = speeds.flat_map(|[fastest, slowest]| [(FASTEST, fastest), (SLOWEST, slowest)]);
+    let wrong = OutOfRange::of(numbers.into_iter().chain(speeds));
     if !wrong.is_empty() {
         return Err(DesignError::OutOfRange(wrong));
     }
@@ -285,7 +285,9 @@ pub fn design(requirement: &Requirement) -> Result<Design, DesignError> {
     if breakdown_slip(requirement) >= 1.0 {
         return Err(DesignError::Slip(rated_rpm));
     }
-    if slowest >= fastest {
+    if let Some([fastest, slowest]) = requirement.speeds_rad_s
+        && slowest >= fastest
+    {
         return Err(DesignError::Order { slowest, fastest });
     }
     let rated_nm = rated_nm(requirement);
@@ -301,70 +303,4 @@ pub fn design(requirement: &Requirement) -> Result<Design, DesignError> {
         requirement: *requirement,
         curve,
     })
-}
-
-/// Writes the design as text.
-///
-/// # Errors
-/// What `out` says when it cannot be written to.
-pub fn write_page(design: &Design, out: &mut impl Write) -> io::Result<()> {
-    writeln!(out, "Crusher drive and flywheel\n")?;
-    let mut row = |what: &str, value: f64, note: &str| {
-        let value = four(value);
-        writeln!(
-            out,
-            "{}",
-            format!("   {what:<40}{value:>10}  {note}").trim_end()
-        )
-    };
-    row(
-        "shaft speed without load, rad/s",
-        design.synchronous_rad_s(),
-        "",
-    )?;
-    row("shaft speed at rated load, rad/s", design.rated_rad_s(), "")?;
-    row("motor torque, rated, N·m", design.rated_torque_nm(), "")?;
-    row(
-        "motor torque, breakdown, N·m",
-        design.breakdown_torque_nm(),
-        "",
-    )?;
-    row(
-        "motor speed at breakdown, rad/s",
-        design.breakdown_motor_rad_s(),
-        "",
-    )?;
-    let [a, b, c] = design.curve.coefficients;
-    row("motor torque a ω² + b ω + c: a", a, "N·m s²")?;
-    row("… b", b, "N·m s")?;
-    row("… c", c, "N·m")?;
-    row(
-        "flywheel inertia as a thin rim, kg·m²",
-        design.rim_kgm2(),
-        "m D² / 4",
-    )?;
-    row("… as a disc, kg·m²", design.disc_kgm2(), "m D² / 8")?;
-    if let (Some([fastest, slowest]), Some(irregularity), Some(energy_j)) = (
-        design.requirement.speeds_rad_s,
-        design.irregularity(),
-        design.energy_swing_j(),
-    ) {
-        row(
-            "shaft torque at the fastest speed, N·m",
-            design.shaft_torque_nm(fastest),
-            "",
-        )?;
-        row(
-            "… at the slowest speed, N·m",
-            design.shaft_torque_nm(slowest),
-            "",
-        )?;
-        row(
-            "irregularity",
-            irregularity,
-            "over the middle of both speeds",
-        )?;
-        row("energy that the rim gives up, J", energy_j, "")?;
-    }
-    Ok(())
 }

@@ -7,6 +7,8 @@ use std::f64::consts::TAU;
 use host_sim::design::crank_rocker::{Design, DesignError, Requirement, design};
 use host_sim::mechanism::crank_rocker::Linkage;
 
+use super::assert_near;
+
 /// The source's example.
 const EXAMPLE: Requirement = Requirement {
     swing_deg: 60.0,
@@ -17,15 +19,6 @@ const EXAMPLE: Requirement = Requirement {
 
 fn example() -> Design {
     design(&EXAMPLE).expect("the source's example has a linkage")
-}
-
-#[track_caller]
-fn assert_near(what: &str, ours: f64, theirs: f64, tolerance: f64) {
-    println!("{what}: {ours}, published {theirs}");
-    assert!(
-        (ours - theirs).abs() <= tolerance,
-        "{what}: {ours}, expected {theirs} ± {tolerance}"
-    );
 }
 
 /// Item 1, and the margin of item 5.

@@ -2,6 +2,8 @@
 
 use host_sim::design::screen::{Design, Requirement, design};
 
+use super::assert_near;
+
 /// The source's design of 5 mm: G R = 14.487 kg m.
 const FIVE_MM: Requirement = Requirement {
     exciter_kg: 166.0,
@@ -16,15 +18,6 @@ fn screen(change: impl Fn(&mut Requirement)) -> Design {
     let mut requirement = FIVE_MM;
     change(&mut requirement);
     design(&requirement).expect("in range")
-}
-
-#[track_caller]
-fn assert_near(what: &str, ours: f64, theirs: f64, tolerance: f64) {
-    println!("{what}: {ours}, published {theirs}");
-    assert!(
-        (ours - theirs).abs() <= tolerance,
-        "{what}: {ours}, expected {theirs} ± {tolerance}"
-    );
 }
 
 /// Item 1. The design of 4 mm has 2997 kg and G R = 11.988 kg m; that of 5 mm has 2897 kg by its shaft loads.
