@@ -14,6 +14,7 @@ pub mod fidelity;
 mod ink;
 pub mod machine;
 pub mod mechanism;
+pub mod plant;
 pub mod report;
 pub mod scene;
 pub mod sim;

@@ -266,7 +266,9 @@ pub(super) fn frame(checked: &Checked) -> ScopeFrame {
             .map(|band| (band.from_hz, band.to_hz))
             .collect(),
         gravity_mps2: host_sim::design::STANDARD_GRAVITY_MPS2,
-        tilt_limit_mrad: checked.cam.is_none().then_some(scene.drift.tilt_limit_mrad),
+        tilt_limit_mrad: checked
+            .has_platform()
+            .then_some(scene.drift.tilt_limit_mrad),
         has_pushers: checked.cam.is_some(),
         phase_error_limit_deg: None, // limits are on the modes of all phase errors, not on one
     }

@@ -3,11 +3,14 @@
 //! The command of the drives to the motors advances evenly within a control tick: a field at an angle, turning at a speed.
 //! Microsteps, which are smaller than anything here resolves, are not modelled.
 
+use std::sync::Arc;
+
 use cophase_methods::Equations;
 
 use super::corners::MOST;
 use super::modes::{Bound, Mode};
 use super::{Body, Elastic, Field, Frame, FrameMotion, Motor, Phased, PlaneMotion, Rigid};
+use crate::plant::{Plant, Shafts};
 
 /// How much freedom the machine has.
 #[derive(Clone, Debug)]
@@ -18,6 +21,27 @@ pub enum Freedom {
     Phased(Box<Phased>),
     /// Rods as springs: N angles, the platform's plane, and the frame's if it moves.
     Elastic(Box<Elastic>),
+    /// A machine of its own kind: N angles, and what it adds to them.
+    Plant(Box<OnPlant>),
+}
+
+/// Rotors on the shafts of a machine of its own kind.
+#[derive(Clone, Debug)]
+pub struct OnPlant {
+    body: Body,
+    plant: Arc<dyn Plant>,
+    held: [bool; MOST],
+}
+
+impl OnPlant {
+    /// Rotors of a body, free to turn.
+    pub fn new(body: Body, plant: Arc<dyn Plant>) -> Self {
+        Self {
+            body,
+            plant,
+            held: [false; MOST],
+        }
+    }
 }
 
 /// Motors on a machine. Time counts from the control tick's beginning.
@@ -61,6 +85,7 @@ impl Driven {
             Freedom::Rigid(rigid) => rigid.body(),
             Freedom::Phased(phased) => phased.body(),
             Freedom::Elastic(elastic) => elastic.body(),
+            Freedom::Plant(on) => &on.body,
         }
     }
 
@@ -83,13 +108,14 @@ impl Driven {
             Freedom::Rigid(_) => 1,
             Freedom::Phased(phased) => phased.positions(),
             Freedom::Elastic(elastic) => elastic.positions(),
+            Freedom::Plant(on) => on.plant.positions(),
         }
     }
 
     /// The frame, if it moves.
     pub fn frame(&self) -> Option<&Frame> {
         match &self.freedom {
-            Freedom::Rigid(_) => None,
+            Freedom::Rigid(_) | Freedom::Plant(_) => None,
             Freedom::Phased(phased) => phased.frame(),
             Freedom::Elastic(elastic) => elastic.frame(),
         }
@@ -100,9 +126,13 @@ impl Driven {
         let mut state = vec![0.0; self.dimension()];
         let angles = self.angles();
         state[..angles].copy_from_slice(&alpha_rad[..angles]);
-        if let Freedom::Elastic(elastic) = &self.freedom {
-            let plane = elastic.rest(alpha_rad);
-            state[angles..angles + plane.len()].copy_from_slice(&plane);
+        match &self.freedom {
+            Freedom::Elastic(elastic) => {
+                let plane = elastic.rest(alpha_rad);
+                state[angles..angles + plane.len()].copy_from_slice(&plane);
+            }
+            Freedom::Plant(on) => on.plant.rest(&mut state[..self.positions()]),
+            Freedom::Rigid(_) | Freedom::Phased(_) => {}
         }
         state
     }
@@ -126,6 +156,7 @@ impl Driven {
             Freedom::Rigid(_) => {}
             Freedom::Phased(phased) => phased.hold(i, held),
             Freedom::Elastic(elastic) => elastic.hold(i, held),
+            Freedom::Plant(on) => on.held[i] = held,
         }
     }
 
@@ -140,6 +171,7 @@ impl Driven {
                 rotors.and(Bound::of_bent_rods(body)).or(frame)
             }
             Freedom::Phased(_) => rotors.or(frame),
+            Freedom::Plant(on) => rotors.or(Bound::of_mode(on.plant.fastest_mode())),
             Freedom::Elastic(elastic) => {
                 let damper = elastic.damper_ns_per_m();
                 let rods = Bound::of_elastic_rods(body, self.frame(), damper);
@@ -209,6 +241,14 @@ impl Driven {
             }
             Freedom::Phased(phased) => phased.accelerations(q, v, &net, accelerations),
             Freedom::Elastic(elastic) => elastic.accelerations(q, v, &net, accelerations),
+            Freedom::Plant(on) => {
+                let shafts = Shafts {
+                    body: &on.body,
+                    torques_nm: &net[..self.motors.len()],
+                    held: &on.held[..self.motors.len()],
+                };
+                on.plant.accelerations(&shafts, q, v, accelerations);
+            }
         }
         let of_each = self.integrals.iter().zip(integrals).zip(integral_rates);
         for ((&(i, integral_s), integral), rate) in of_each {
@@ -241,6 +281,7 @@ impl Driven {
             Freedom::Rigid(_) => None,
             Freedom::Phased(phased) => Some(phased.plane(q, v, a)),
             Freedom::Elastic(elastic) => Some(elastic.plane(q, v, a)),
+            Freedom::Plant(on) => Some(on.plant.moved(q, v, a)),
         }
     }
 
@@ -259,6 +300,7 @@ impl Driven {
             Freedom::Rigid(rigid) => rigid.energy_j(q[0], v[0]),
             Freedom::Phased(phased) => phased.energy_j(q, v),
             Freedom::Elastic(elastic) => elastic.energy_j(q, v),
+            Freedom::Plant(on) => on.plant.energy_j(&on.body, q, v),
         }
     }
 }

@@ -31,7 +31,7 @@ mod rigid;
 
 pub use body::{Body, Crank, PlaneMotion, STICTION_RAD_S};
 pub use corners::{Corners, FREEDOMS, MOST};
-pub use driven::{Driven, Freedom};
+pub use driven::{Driven, Freedom, OnPlant};
 pub use elastic::Elastic;
 pub use frame::{Frame, FrameMotion, Layer};
 pub use modes::Mode;

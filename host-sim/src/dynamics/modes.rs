@@ -130,6 +130,14 @@ impl Bound {
         }
     }
 
+    /// Of a mode that is known.
+    pub(super) fn of_mode(mode: Mode) -> Self {
+        Self {
+            stiff: mode.omega_rad_s * mode.omega_rad_s,
+            damped: 2.0 * mode.zeta * mode.omega_rad_s,
+        }
+    }
+
     /// As a mode.
     pub(super) fn mode(self) -> Mode {
         let omega_rad_s = self.stiff.sqrt();

@@ -45,6 +45,7 @@ use cophase_methods::Scheme;
 use crate::axes::{Axes, per_axis};
 use crate::dynamics::{FrameMotion, PlaneMotion};
 use crate::faults::Disturbance;
+use crate::plant::{Record, Recorder, Tick};
 use crate::scene::file::{Drive, Fidelity};
 use crate::scene::{Checked, SceneError};
 use faulted_drive::FaultedDrives;
@@ -72,6 +73,8 @@ pub struct Machine {
     rotors: Option<Rotors>,
     /// Where axes are cam shafts.
     followers: Option<Followers>,
+    /// Where shafts move something else than a platform.
+    recorder: Option<Recorder>,
     /// Which motors have encoders that are read, a bit each.
     has_encoder: u8,
     /// What has become of drives that do not do as commanded; none where all do.
@@ -134,6 +137,7 @@ impl Machine {
                 .touches_drives()
                 .then(|| FaultedDrives::new(&axes, tick_s, tick_cycles)),
             followers: Followers::new(checked, &turns)?,
+            recorder: checked.plant.as_ref().map(Recorder::new),
             rotors,
             axes,
             platform: Platform::new(checked),
@@ -205,6 +209,9 @@ impl Machine {
             };
         }
         let plane = self.rotors.as_ref().and_then(Rotors::platform);
+        if let (Some(recorder), None) = (&self.recorder, plane) {
+            return recorder.plant.pose(turns, commanded.0, commanded.1);
+        }
         let motion = self.motion().unwrap_or(commanded);
         self.posed(turns, command_turns, plane, motion)
     }
@@ -234,9 +241,9 @@ impl Machine {
             .pose(turns, command_turns, omega_rad_s, acceleration_rad_s2)
     }
 
-    /// Tilt of the platform, mrad, both ways together; pushers have none.
+    /// Tilt of the platform, mrad, both ways together; only platforms have any.
     pub fn tilt_mrad(&self, turns: &[f64]) -> f64 {
-        if self.followers.is_some() {
+        if self.followers.is_some() || self.recorder.is_some() {
             return 0.0;
         }
         match self.rotors.as_ref().and_then(Rotors::platform) {
@@ -248,6 +255,11 @@ impl Machine {
     /// What moves the cranks, where torque does.
     pub fn rotors(&self) -> Option<&Rotors> {
         self.rotors.as_ref()
+    }
+
+    /// Figures of a machine of its own kind, if it is one.
+    pub fn record(&self) -> Option<&dyn Record> {
+        self.recorder.as_ref().map(|recorder| &*recorder.record)
     }
 
     /// What hangs on cam shafts, where axes are such.
@@ -273,6 +285,58 @@ impl Machine {
     ///
     /// Drives that are off do not follow: their cranks stand, or run on where torque moves them.
     pub fn play(
+        &mut self,
+        played: &Played,
+        drives_enabled: bool,
+        master_turns: f64,
+        command_turns: &[f64],
+        disturbance: Option<&[Disturbance]>,
+        passages: &mut Passages,
+    ) {
+        self.turn(
+            played,
+            drives_enabled,
+            master_turns,
+            command_turns,
+            disturbance,
+            passages,
+        );
+        if self.recorder.is_some() {
+            self.record_tick(drives_enabled, master_turns, command_turns);
+        }
+    }
+
+    /// Takes the tick that was played into the figures of a machine of its own kind.
+    fn record_tick(&mut self, drives_enabled: bool, master_turns: f64, command_turns: &[f64]) {
+        let Some(mut recorder) = self.recorder.take() else {
+            return;
+        };
+        let (omega_rad_s, acceleration_rad_s2) = recorder.master(master_turns, self.tick_s);
+        let turns: Axes<f64> = self.axes.iter().map(SimulatedAxis::turns).collect();
+        let plane = self.rotors.as_ref().and_then(Rotors::platform);
+        let commanded = (omega_rad_s, acceleration_rad_s2);
+        let pose = match plane {
+            Some(_) => self.posed(&turns, command_turns, plane, commanded),
+            None => recorder
+                .plant
+                .pose(&turns, omega_rad_s, acceleration_rad_s2),
+        };
+        let t_s = recorder.end_s(self.tick_s);
+        recorder.record.tick(&Tick {
+            t_s,
+            tick_s: self.tick_s,
+            drives_enabled,
+            omega_rad_s,
+            acceleration_rad_s2,
+            turns: &turns,
+            command_turns,
+            pose,
+            state: self.rotors.as_ref().map(Rotors::state),
+        });
+        self.recorder = Some(recorder);
+    }
+
+    fn turn(
         &mut self,
         played: &Played,
         drives_enabled: bool,

@@ -11,6 +11,7 @@ use super::broken::{Broken, Cause};
 use super::instant::Instant;
 use super::step::{Chosen, in_steps_per_tick, steps_for};
 use crate::dynamics::{Driven, Field, FrameMotion, PlaneMotion, STICTION_RAD_S};
+use crate::plant::State;
 
 /// Where drives would have their rotors at the end of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -261,6 +262,17 @@ impl Rotors {
             t_s: step as f64 * step_s,
             state,
         })
+    }
+
+    /// State of the equations at the last tick's end.
+    pub fn state(&self) -> State<'_> {
+        let positions = self.driven.positions();
+        State {
+            q: &self.state[..positions],
+            v: &self.state[positions..2 * positions],
+            a: &self.rates[positions..2 * positions],
+            torques_nm: self.torques_nm(),
+        }
     }
 
     /// Where crank `i` is, turns.

@@ -4,8 +4,10 @@ use cophase_methods::{Needs, Scheme};
 
 use super::assembly;
 use super::{DriveCommand, PullOut, Rotors, SimulatedAxis};
+use std::sync::Arc;
+
 use crate::dynamics::{
-    Body, Driven, Elastic, Frame, Freedom, Layer, Motor, Phased, Rigid, Servo, Stepper,
+    Body, Driven, Elastic, Frame, Freedom, Layer, Motor, OnPlant, Phased, Rigid, Servo, Stepper,
 };
 use crate::mechanism::Load;
 use crate::scene::file::{self, Drive, Fidelity, Rods};
@@ -31,15 +33,14 @@ pub fn rotors(
     if !checked.fidelity.moves_by_torque() {
         return Ok(None);
     }
-    let Some(machine) = &checked.scene.machine else {
+    if checked.cam.is_some() {
         return Ok(None); // cams have no such model level
-    };
+    }
     let settings = &checked.settings;
     let motors = (0..axes.len())
         .map(|i| motor(checked, pull_out, i))
         .collect::<Result<Vec<_>, _>>()?;
-    let body = body(checked, machine)?;
-    let driven = Driven::new(freedom(checked, machine, body)?, motors);
+    let driven = Driven::new(freedom(checked)?, motors);
     assembly::check(checked, &driven)?;
     let commanded = axes.iter().map(|axis| DriveCommand {
         turns: axis.turns(),
@@ -69,7 +70,14 @@ pub fn rotors(
 }
 
 /// How much freedom the model level gives the machine.
-fn freedom(checked: &Checked, machine: &file::Machine, body: Body) -> Result<Freedom, SceneError> {
+fn freedom(checked: &Checked) -> Result<Freedom, SceneError> {
+    let body = body(checked)?;
+    if let Some(plant) = &checked.plant {
+        return Ok(Freedom::Plant(Box::new(OnPlant::new(
+            body,
+            Arc::clone(plant),
+        ))));
+    }
     if checked.fidelity == Fidelity::Rigid {
         if let Some(apart) = checked.cranks_apart() {
             return Err(SceneError::at(
@@ -93,16 +101,18 @@ fn freedom(checked: &Checked, machine: &file::Machine, body: Body) -> Result<Fre
     } else {
         None
     };
-    Ok(match machine.rods {
-        Rods::QuasiStatic => {
+    let machine = checked.scene.machine.as_ref();
+    let rods = machine.map_or((Rods::QuasiStatic, 0.0), |it| (it.rods, it.rod_zeta));
+    Ok(match rods {
+        (Rods::QuasiStatic, _) => {
             let phased = Phased::new(body);
             Freedom::Phased(Box::new(match frame {
                 Some(frame) => phased.on(frame),
                 None => phased,
             }))
         }
-        Rods::Elastic => {
-            let elastic = Elastic::new(body, machine.rod_zeta);
+        (Rods::Elastic, zeta) => {
+            let elastic = Elastic::new(body, zeta);
             Freedom::Elastic(Box::new(match frame {
                 Some(frame) => elastic.on(frame),
                 None => elastic,
@@ -144,10 +154,11 @@ fn even_disc_kgm2(mass_kg: f64, radius_m: f64) -> f64 {
     mass_kg * radius_m * radius_m / 4.0
 }
 
-fn body(checked: &Checked, machine: &file::Machine) -> Result<Body, SceneError> {
+fn body(checked: &Checked) -> Result<Body, SceneError> {
     let settings = &checked.settings;
-    let mount_m = machine.mount_radius_mm / 1e3;
-    let disc_kgm2 = even_disc_kgm2(machine.load_kg, mount_m);
+    let machine = &settings.machine;
+    let given = checked.scene.machine.as_ref();
+    let disc_kgm2 = even_disc_kgm2(machine.load_kg, machine.mount_radius_m);
     let rotors_kgm2: Vec<f64> = settings
         .axes
         .iter()
@@ -171,12 +182,14 @@ fn body(checked: &Checked, machine: &file::Machine) -> Result<Body, SceneError> 
         load: Load {
             mass_kg: machine.load_kg,
             gravity_mps2: machine.gravity_mps2,
-            platform: machine.platform.into(),
+            platform: machine.platform,
         },
-        tilt_inertia_kgm2: machine.tilt_inertia_kgm2.unwrap_or(disc_kgm2),
+        tilt_inertia_kgm2: given
+            .and_then(|given| given.tilt_inertia_kgm2)
+            .unwrap_or(disc_kgm2),
         rotors_kgm2,
-        mount_radius_m: mount_m,
-        rod_n_per_m: machine.rod_n_per_um * 1e6,
+        mount_radius_m: machine.mount_radius_m,
+        rod_n_per_m: given.map_or(0.0, |given| given.rod_n_per_um * 1e6),
         friction_nm: (0..settings.axes.len()).map(friction).collect(),
     })
 }

@@ -11,12 +11,15 @@ pub use warnings::warnings;
 pub use words::{describe, is_notable};
 pub use written::Written;
 
+use std::collections::BTreeMap;
+
 use cophase_core::settings::{AxisSettings, Settings};
 use cophase_core::supervisor::Fault;
 use serde::Serialize;
 
 use model::{FidelityReport, MethodReport};
 
+use crate::plant::Figure;
 use crate::scene::file::FaultName;
 use crate::scene::{Checked, Scene};
 use crate::sim::events::{Event, EventKind, StoppedBy};
@@ -61,6 +64,9 @@ pub struct Report<'a> {
     /// Largest acceleration of the platform itself, where torque moves the cranks.
     #[serde(skip_serializing_if = "Option::is_none")]
     accel_worst_mps2: Option<f64>,
+    /// Figures of a machine of its own kind.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    machine_figures: BTreeMap<&'static str, Option<f64>>,
     late_deadlines: u32,
     missed_deadlines: u32,
     /// What the scene put in, in the order in which it began.
@@ -271,8 +277,7 @@ impl<'a> Report<'a> {
             phase_spread_rms_deg: statistics.rms_spread_deg,
             tilt_worst_mrad: statistics.worst_tilt_mrad,
             tilt_limit_mrad: checked
-                .cam
-                .is_none()
+                .has_platform()
                 .then_some(checked.scene.drift.tilt_limit_mrad),
             tilt_worst_off_mrad: statistics.coast.worst_tilt_mrad,
             coasted_s: (statistics.coast.turned_s > 0.0)
@@ -293,6 +298,7 @@ impl<'a> Report<'a> {
                 .method
                 .filter(|_| checked.cam.is_none())
                 .map(|_| statistics.worst_accel_mps2),
+            machine_figures: statistics.figures.iter().map(Figure::entry).collect(),
             late_deadlines: statistics.late_deadlines,
             missed_deadlines: statistics.missed_deadlines,
             injected: statistics

@@ -117,13 +117,16 @@ pub fn judged(checked: &Checked) -> &[Judged] {
 }
 
 fn quasi_static_rods_um(checked: &Checked) -> Option<f64> {
-    let moves = checked.fidelity >= Fidelity::Phased && checked.cam.is_none();
+    let moves = checked.fidelity >= Fidelity::Phased && checked.has_platform();
     let bounds = moves.then(|| Bounds::new(checked).ok()).flatten()?;
     bounds.quasi_static_um()
 }
 
 /// What the model level leaves out, for all that read the results.
 fn left_out(checked: &Checked) -> String {
+    if let Some(plant) = &checked.plant {
+        return plant.left_out(checked.fidelity);
+    }
     let over_constrained = checked.scene.axes.count > 3;
     let links = checked.mechanism.links();
     let rods = checked

@@ -167,7 +167,7 @@ fn write_page(
             statistics.top_speed_hz,
         )?;
     }
-    if statistics.worst_accel_mps2 > 0.0 {
+    if statistics.worst_accel_mps2 > 0.0 && checked.has_platform() {
         writeln!(
             page,
             "The platform itself accelerated by at most {:.1} g.",
@@ -188,10 +188,14 @@ fn write_page(
     }
     let axes = if checked.cam.is_some() {
         "cams"
+    } else if checked.plant.is_some() {
+        "shafts"
     } else {
         "cranks"
     };
-    if statistics.worst_spread_deg < 1e-6 {
+    if checked.scene.axes.count == 1 {
+        // One shaft is in phase with itself.
+    } else if statistics.worst_spread_deg < 1e-6 {
         let by_model = match checked.fidelity {
             Fidelity::Kinematic | Fidelity::Rigid => " (in this model they cannot do otherwise)",
             _ => "",
@@ -201,6 +205,12 @@ fn write_page(
         writeln!(
             page,
             "The cams were at most {:.3}° apart ({:.3}° rms while running).",
+            statistics.worst_spread_deg, statistics.rms_spread_deg,
+        )?;
+    } else if checked.plant.is_some() {
+        writeln!(
+            page,
+            "The shafts were at most {:.3}° apart ({:.3}° rms while running).",
             statistics.worst_spread_deg, statistics.rms_spread_deg,
         )?;
     } else {
@@ -229,6 +239,9 @@ fn write_page(
         writeln!(page, "{coupling}")?;
     }
     followers(page, checked, outcome)?;
+    for figure in &statistics.figures {
+        writeln!(page, "{}", figure.sentence)?;
+    }
     let closest = statistics
         .torque_used
         .iter()

@@ -17,6 +17,7 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     warnings.extend(lacking(checked));
     warnings.extend(beyond_pull_out(checked));
     warnings.extend(before_start(&scene.command));
+    warnings.extend(statistics.machine_warnings.iter().cloned());
     if let Some(why) = &outcome.diverged {
         warnings.push(format!(
             "The simulated machine diverged, and the run was ended there: {why}."
@@ -33,7 +34,7 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
         warnings.push("A motor slipped, and the controller did not see it.".to_owned());
     }
     let limit_mrad = scene.drift.tilt_limit_mrad;
-    if statistics.worst_tilt_mrad > limit_mrad {
+    if checked.has_platform() && statistics.worst_tilt_mrad > limit_mrad {
         warnings.push(format!(
             "The platform tilted by {:.2} mrad, beyond its limit of {limit_mrad}: an index is detected once a turn, and what \
              moves a crank, or holds it, does so until all stand (docs/faults.md).",

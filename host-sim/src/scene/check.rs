@@ -14,6 +14,8 @@ mod numbers;
 pub(super) mod program;
 mod settings;
 
+use std::sync::Arc;
+
 use cophase_core::settings::{DriftSettings, MachineSettings};
 
 use super::file::{Fidelity, Scene};
@@ -21,6 +23,7 @@ use super::{Checked, SceneError};
 use crate::fidelity;
 use crate::machine::{PullOut, RESOLUTION};
 use crate::mechanism::{AnyMechanism, Configured};
+use crate::plant::Plant;
 
 pub use cam::Follower;
 pub use correction::plant;
@@ -33,20 +36,16 @@ impl Checked {
     /// The first thing that is wrong, by key, with what would be right. The error has no origin yet.
     pub fn new(mut scene: Scene) -> Result<Self, SceneError> {
         faults::fill(&mut scene);
+        if let Some(table) = scene.plant_table() {
+            table.fill(&mut scene)?;
+        }
         let Kind {
             machine,
             drift,
             cam,
+            plant,
         } = kind(&scene)?;
-        if !(2..=6).contains(&scene.axes.count) {
-            return Err(SceneError::at(
-                "axes.count",
-                format!(
-                    "{} is outside 2 to 6, the motors that one platform has",
-                    scene.axes.count
-                ),
-            ));
-        }
+        check_count(&scene, plant.as_deref())?;
         for (entry, overrides) in scene.axis.iter().enumerate() {
             numbers::check_overrides(&scene, entry, overrides)?;
         }
@@ -74,6 +73,7 @@ impl Checked {
             halvings: 0,
             mechanism: AnyMechanism::of(&machine.mechanism, machine.crank_radius_m),
             cam,
+            plant,
             scene,
         };
         // Made once to be checked; it is cheap, and nothing else knows all that the core refuses.
@@ -104,10 +104,55 @@ struct Kind {
     /// And of its limits.
     drift: DriftSettings,
     cam: Option<Follower>,
+    plant: Option<Arc<dyn Plant>>,
+}
+
+/// Checks how many axes the machine has.
+fn check_count(scene: &Scene, plant: Option<&dyn Plant>) -> Result<(), SceneError> {
+    let (range, what) = match plant {
+        Some(plant) => (plant.axes(), plant.name()),
+        None => (2..=6, "one platform"),
+    };
+    let count = scene.axes.count;
+    if range.contains(&count) {
+        return Ok(());
+    }
+    let (least, most) = range.into_inner();
+    let numbers = if least == most {
+        format!("is not {least}")
+    } else {
+        format!("is outside {least} to {most}")
+    };
+    Err(SceneError::at(
+        "axes.count",
+        format!("{count} {numbers}, the motors that {what} has"),
+    ))
 }
 
 /// The one machine of a scene.
 fn kind(scene: &Scene) -> Result<Kind, SceneError> {
+    if let Some(table) = scene.plant_table() {
+        let others = [
+            ("machine", scene.machine.is_some()),
+            ("cam", scene.cam.is_some()),
+        ];
+        if let Some((key, _)) = others.iter().find(|(_, given)| *given) {
+            return Err(SceneError::at(
+                *key,
+                format!(
+                    "given together with [{}]; a scene has one machine: leave one out",
+                    table.key()
+                ),
+            ));
+        }
+        let made = table.make(scene)?;
+        return Ok(Kind {
+            machine: made.machine,
+            drift: made.drift,
+            cam: None,
+            plant: Some(made.plant),
+        });
+    }
     match (&scene.machine, &scene.cam) {
         (Some(machine), None) => Ok(Kind {
             machine: machine::machine(machine)?,
@@ -119,6 +164,7 @@ fn kind(scene: &Scene) -> Result<Kind, SceneError> {
                 lag_s: scene.drift.lag_us * 1e-6,
             },
             cam: None,
+            plant: None,
         }),
         (None, Some(shaft)) => {
             cam::check_useless(scene)?;
@@ -128,6 +174,7 @@ fn kind(scene: &Scene) -> Result<Kind, SceneError> {
                 drift: cam::drift(&scene.drift, &machine),
                 machine,
                 cam: Some(follower),
+                plant: None,
             })
         }
         (Some(_), Some(_)) => Err(SceneError::at(

@@ -1,5 +1,7 @@
 //! A scene whose numbers have been checked, and what it asks of the core.
 
+use std::sync::Arc;
+
 use cophase_core::controller::Controller;
 use cophase_core::program::EntrySettings;
 use cophase_core::settings::{AxisSettings, Settings, SettingsError};
@@ -10,6 +12,7 @@ use super::file::{AxisOverrides, Drive, Fidelity, Scene};
 use crate::fidelity::Choice;
 use crate::machine::Chosen;
 use crate::mechanism::{AnyMechanism, Mechanism};
+use crate::plant::{Plant, Table};
 
 /// A scene whose numbers have been checked, each by itself and against the others.
 #[derive(Clone, Debug)]
@@ -22,6 +25,8 @@ pub struct Checked {
     pub mechanism: AnyMechanism,
     /// The cam shafts with their followers, where there are no cranks.
     pub cam: Option<Follower>,
+    /// The machine of its own kind, where there is neither platform nor cam.
+    pub plant: Option<Arc<dyn Plant>>,
     /// The model level of the ladder, `auto` resolved.
     pub fidelity: Fidelity,
     /// What chose it, if the scene left that open.
@@ -33,6 +38,11 @@ pub struct Checked {
 }
 
 impl Checked {
+    /// Whether the cranks carry a platform, which tilts where they are out of phase.
+    pub fn has_platform(&self) -> bool {
+        self.cam.is_none() && self.plant.is_none()
+    }
+
     /// Why this model level, in a sentence.
     pub fn why(&self) -> &str {
         let chosen = self.choice.as_ref().map(|choice| choice.why.as_str());
@@ -136,6 +146,12 @@ impl Checked {
 }
 
 impl Scene {
+    /// Table of the machine of its own kind that the scene describes, if it describes one.
+    pub(super) fn plant_table(&self) -> Option<Box<dyn Table>> {
+        let tables: [Option<Box<dyn Table>>; 0] = [];
+        tables.into_iter().flatten().next()
+    }
+
     /// What axis `number` has apart from the others.
     pub fn overrides(&self, number: usize) -> Option<&AxisOverrides> {
         self.axis.iter().find(|own| own.number == number)

@@ -10,6 +10,7 @@ use super::event_watch::{EventWatch, NewEvents};
 use super::events::{Event, EventKind, StoppedBy};
 use crate::machine::{Machine, Peaks, SimulatedAxis};
 use crate::mechanism::{AnyMechanism, Mechanism};
+use crate::plant::Figure;
 use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName, InputLine};
 use crate::units::{degrees, mps2, speed_hz};
@@ -78,6 +79,10 @@ pub struct Statistics {
     pub frame: Option<FramePeaks>,
     /// The greatest of what each follower did; empty where axes are no cam shafts.
     pub followers: Vec<Peaks>,
+    /// Figures of a machine of its own kind, at the end of the run.
+    pub figures: Vec<Figure>,
+    /// Warnings of such a machine.
+    pub machine_warnings: Vec<String>,
     /// What cranks did that drives had let go.
     pub coast: Coast,
     /// How often the loop reported something.
@@ -140,6 +145,8 @@ impl Statistics {
             worst_accel_mps2: 0.0,
             frame: None,
             followers: vec![Peaks::default(); if checked.cam.is_some() { axes } else { 0 }],
+            figures: Vec::new(),
+            machine_warnings: Vec::new(),
             coast: Coast::new(checked),
             reported: 0,
             stopped_by: None,
@@ -404,6 +411,10 @@ impl Statistics {
     /// Closes what is still open at the end of a run. Steps, drift and corrections are those of the last tick that was played,
     /// with where each axis was commanded to be at its end, turns; without one they are 0.
     pub fn finish(&mut self, machine: &Machine, last: Option<&Telemetry>, command_turns: &[f64]) {
+        if let Some(record) = machine.record() {
+            self.figures = record.figures();
+            self.machine_warnings = record.warnings();
+        }
         self.torque_used = machine
             .axes
             .iter()

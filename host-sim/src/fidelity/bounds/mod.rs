@@ -34,6 +34,8 @@ enum Of {
     Cranks(Box<Cranks>),
     /// Cams with followers.
     Followers(Followers),
+    /// A machine of its own kind: nothing bounds what its lower model levels leave out.
+    Plant { top: Fidelity },
 }
 
 /// What rounding may add, in the unit of each output: symmetrical cranks, which theory has exactly in phase, are distinguished
@@ -51,6 +53,14 @@ impl Bounds {
             return Ok(Self {
                 of: Of::Followers(Followers::new(&top)?),
                 imposed: imposed(&top, follower_mode(&top))?,
+            });
+        }
+        if let Some(plant) = &checked.plant {
+            let top = plant.levels().last().copied().unwrap_or_default();
+            checked.on(top)?;
+            return Ok(Self {
+                of: Of::Plant { top },
+                imposed: None,
             });
         }
         // The top model level that the scene has: with a frame, if it gives one.
@@ -73,6 +83,8 @@ impl Bounds {
         let left_out = match &self.of {
             Of::Cranks(cranks) => cranks.of(model_level, output),
             Of::Followers(followers) => followers.of(model_level, output),
+            Of::Plant { top } if model_level == *top => 0.0,
+            Of::Plant { .. } => f64::INFINITY,
         };
         let off = match output {
             // What is left out is a part of what the model level has; what is requested is a part of what is right: less by as much.
@@ -111,7 +123,7 @@ impl Bounds {
             Of::Cranks(cranks) => {
                 Some(cranks.quasi_static_m() * 1e6).filter(|um| um.is_finite() && *um > 0.0)
             }
-            Of::Followers(_) => None,
+            Of::Followers(_) | Of::Plant { .. } => None,
         }
     }
 
@@ -120,7 +132,7 @@ impl Bounds {
     pub fn torque_ratio(&self) -> Option<(usize, f64)> {
         match &self.of {
             Of::Cranks(cranks) => Some(cranks.torque_ratio()),
-            Of::Followers(_) => None,
+            Of::Followers(_) | Of::Plant { .. } => None,
         }
     }
 
@@ -129,6 +141,7 @@ impl Bounds {
         match &self.of {
             Of::Cranks(cranks) => cranks.numbers(),
             Of::Followers(followers) => followers.numbers(),
+            Of::Plant { .. } => "nothing bounds what they leave out of this machine".to_owned(),
         }
     }
 }

@@ -15,6 +15,20 @@ impl Checked {
         other.fidelity = model_level;
         if let Some(follower) = &self.cam {
             cam::check_level(model_level, follower)?;
+        } else if let Some(plant) = &self.plant {
+            let levels = plant.levels();
+            if model_level != Fidelity::Auto && !levels.contains(&model_level) {
+                let names: Vec<_> = levels.iter().map(|level| level.name()).collect();
+                return Err(SceneError::at(
+                    "fidelity",
+                    format!(
+                        "\"{}\" is no model level of {}; it has {}",
+                        model_level.name(),
+                        plant.name(),
+                        names.join(", ")
+                    ),
+                ));
+            }
         } else if model_level == Fidelity::QuasiStatic && other.scene.axes.pull_out.is_empty() {
             return Err(SceneError::at(
                 "axes.pull_out",

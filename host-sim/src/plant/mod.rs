@@ -1,0 +1,101 @@
+//! Extension point for machines other than cranks under a platform: shafts that move something else.
+//!
+//! The controller, its drives, sensors and faults are the same for all machines. A machine of its own kind adds what its shafts move:
+//! - [`Table`]: its table in a scene file, and what the controller is given for it;
+//! - [`Plant`]: its geometry on the *kinematic* model level, and its equations of motion on the levels above;
+//! - [`Record`]: its figures in the report.
+//!
+//! To add a machine, write a folder here, add the table to [`Scene`](crate::scene::Scene) and to its list
+//! [`plant_table`](crate::scene::Scene::plant_table), and add a built-in scene.
+
+mod figure;
+mod record;
+mod shafts;
+
+use std::fmt::Debug;
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+
+use cophase_core::settings::{DriftSettings, MachineSettings};
+
+use crate::dynamics::{Body, Mode, PlaneMotion};
+use crate::machine::Pose;
+use crate::scene::file::Fidelity;
+use crate::scene::{Scene, SceneError};
+
+pub use figure::Figure;
+pub use record::{Record, Recorder, State, Tick};
+pub use shafts::Shafts;
+
+/// Table of a scene that describes a machine of its own kind.
+pub trait Table: Debug {
+    /// Name of the table in the scene file.
+    fn key(&self) -> &'static str;
+
+    /// Fills in what follows from the table: a forbidden band, cam tables, a program. A scene has none of these by default.
+    ///
+    /// # Errors
+    /// A number of the table that is out of its range, or a key of the scene that the table already determines.
+    fn fill(&self, _: &mut Scene) -> Result<(), SceneError> {
+        Ok(())
+    }
+
+    /// Checks the table and makes the machine.
+    ///
+    /// # Errors
+    /// A number that is out of its range, or a key of the scene that means nothing for this machine.
+    fn make(&self, scene: &Scene) -> Result<Made, SceneError>;
+}
+
+/// A machine, and what the controller is given for it.
+#[derive(Clone, Debug)]
+pub struct Made {
+    /// Machine that the controller is given: a mechanism whose amplitude and speed obey the same law.
+    pub machine: MachineSettings,
+    /// Limits on phase errors.
+    pub drift: DriftSettings,
+    /// The machine.
+    pub plant: Arc<dyn Plant>,
+}
+
+/// A machine of its own kind. Positions are in rad and m: the shafts' angles first, in the order of the axes.
+pub trait Plant: Debug + Send + Sync {
+    /// Name with its article, for messages: "a screen".
+    fn name(&self) -> &'static str;
+
+    /// Numbers of axes that it can have.
+    fn axes(&self) -> RangeInclusive<usize>;
+
+    /// Model levels that it has, the lowest first.
+    fn levels(&self) -> &'static [Fidelity];
+
+    /// Effects that a model level leaves out, in words, for all who read the results.
+    fn left_out(&self, model_level: Fidelity) -> String;
+
+    /// Position of what the shafts move, on the kinematic model level: the shafts are at `turns` and turn at the master's speed, rad/s, and
+    /// acceleration, rad/s².
+    fn pose(&self, turns: &[f64], omega_rad_s: f64, acceleration_rad_s2: f64) -> Pose;
+
+    /// Number of positions in the equations of motion: shafts and what they move.
+    fn positions(&self) -> usize;
+
+    /// Sets the positions after the shafts' angles to those at rest.
+    fn rest(&self, positions: &mut [f64]);
+
+    /// Accelerations of all positions, in rad/s² and m/s².
+    fn accelerations(&self, shafts: &Shafts<'_>, q: &[f64], v: &[f64], a: &mut [f64]);
+
+    /// Motion of what the shafts move, in a state with these accelerations.
+    fn moved(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion;
+
+    /// Kinetic and potential energy, J; it is constant without friction, damping and motors.
+    fn energy_j(&self, body: &Body, q: &[f64], v: &[f64]) -> f64;
+
+    /// Bound on its fastest mode without the motors. The default has none: rotors on their motors are the fastest.
+    fn fastest_mode(&self) -> Mode {
+        Mode::default()
+    }
+
+    /// Figures of a run, empty at its start.
+    fn record(&self) -> Box<dyn Record>;
+}
