@@ -137,6 +137,7 @@ judged! {
     stiff_bearing: "stiff-bearing",
     pulse_servo: "pulse-servo",
     scotch_yoke: "scotch-yoke",
+    crank_rocker: "crank-rocker",
     suspended: "suspended",
     wrapper: "wrapper",
     electronic_cam: "electronic-cam",

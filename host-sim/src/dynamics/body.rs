@@ -76,9 +76,10 @@ impl Body {
         [self.load.mass_kg, tilt, tilt]
     }
 
-    /// The longest lever that a crank gets to, m, or a little more: s is nowhere above the greatest h.
+    /// The longest lever that a crank gets to, m, or more.
     pub fn longest_lever_m(&self) -> f64 {
-        self.mechanism.crank_radius_m() * self.mechanism.greatest_h()
+        let mechanism = &self.mechanism;
+        mechanism.crank_radius_m() * mechanism.greatest_h().max(mechanism.greatest_s())
     }
 
     /// Torque of rotor `i`'s friction, N·m.

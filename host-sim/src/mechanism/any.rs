@@ -30,7 +30,32 @@ macro_rules! any {
         impl Configured for AnyMechanism {
             type Settings = MechanismSettings;
 
+            const KEYS: &'static [&'static str] = &[];
+
+            fn radius_m(machine: &Machine) -> Result<f64, SceneError> {
+                match machine.mechanism {
+                    $(MechanismName::$Name => $Name::radius_m(machine),)*
+                }
+            }
+
             fn settings(machine: &Machine) -> Result<MechanismSettings, SceneError> {
+                let keys = match machine.mechanism {
+                    $(MechanismName::$Name => $Name::KEYS,)*
+                };
+                let given = machine.geometry().into_iter().filter(|(_, value)| value.is_some());
+                if let Some((key, _)) = given.into_iter().find(|(key, _)| !keys.contains(key)) {
+                    let has_it = [$(($name, $Name::KEYS),)*];
+                    let has_it = has_it.iter().filter(|(_, keys)| keys.contains(&key));
+                    let others: Vec<_> = has_it.map(|(name, _)| format!("\"{name}\"")).collect();
+                    return Err(SceneError::at(
+                        key,
+                        format!(
+                            "is no dimension of machine.mechanism = \"{}\"; leave it out, or let machine.mechanism be {}",
+                            machine.mechanism.name(),
+                            others.join(" or ")
+                        ),
+                    ));
+                }
                 Ok(match machine.mechanism {
                     $(MechanismName::$Name => MechanismSettings::$Name($Name::settings(machine)?),)*
                 })

@@ -9,10 +9,21 @@ pub trait Configured: Mechanism {
     /// Settings that the controller is given of it.
     type Settings;
 
-    /// Makes the controller's settings of a scene's keys.
+    /// Keys of [`Machine::geometry`] that belong to it.
+    const KEYS: &'static [&'static str];
+
+    /// Crank radius, m, of a scene's keys.
     ///
     /// # Errors
-    /// A key is missing, or belongs to another mechanism only. Ranges of the settings are the core's to check.
+    /// The key is missing. Its range is the core's to check.
+    fn radius_m(machine: &Machine) -> Result<f64, SceneError> {
+        Ok(machine.needed("machine.crank_radius_mm")? / 1e3)
+    }
+
+    /// Makes the controller's settings of a scene's keys, of which there are none that belong to other mechanisms only.
+    ///
+    /// # Errors
+    /// A key is missing. Ranges of the settings are the core's to check.
     fn settings(machine: &Machine) -> Result<Self::Settings, SceneError>;
 
     /// Makes the mechanism of settings that the core has checked, and of a crank radius in m.

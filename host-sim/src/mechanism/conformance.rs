@@ -1,7 +1,7 @@
 //! Conformance tests of every mechanism: its coefficients against numerical derivatives of its own x, its torque against the
 //! energy of the load, and all of it against the fixed-point mechanism of the controller.
 
-use core::f64::consts::{PI, TAU};
+use core::f64::consts::TAU;
 
 use cophase_core::mechanism::{Mechanism as _, MechanismSettings};
 use cophase_core::units::{Amax, Turns};
@@ -68,23 +68,18 @@ fn all_at_once_is_one_by_one() {
     }
 }
 
-/// If this fails, the bounds of the model levels, which expand h in cosines and torque in sines, leave out half of the motion.
+/// If this fails, the platform does not return, or phase 0 is not where it is farthest.
 #[test]
-fn the_motion_is_even_and_the_stroke_two_radii() {
+fn the_platform_is_farthest_at_angle_0_and_returns() {
     for (settings, mechanism) in all() {
         let farthest_m = mechanism.x_m(0.0);
-        let stroke_m = farthest_m - mechanism.x_m(PI);
-        let radius_m = mechanism.crank_radius_m();
-        assert_eq!(radius_m, RADIUS_M, "{settings:?}");
-        assert!((stroke_m - 2.0 * radius_m).abs() < 1e-14, "{settings:?}");
+        assert_eq!(mechanism.crank_radius_m(), RADIUS_M, "{settings:?}");
+        assert!(mechanism.h(0.0) > 0.0, "{settings:?}");
         for alpha in degrees() {
-            let (one, other) = (mechanism.at(alpha), mechanism.at(-alpha));
-            assert!((one.x_m - other.x_m).abs() < 1e-14, "{settings:?} {alpha}");
-            assert!((one.s + other.s).abs() < 1e-14, "{settings:?} {alpha}");
-            assert!((one.h - other.h).abs() < 1e-14, "{settings:?} {alpha}");
-            assert!(one.x_m < farthest_m + 1e-14, "{settings:?} {alpha}");
+            let x_m = mechanism.x_m(alpha);
+            assert!(x_m < farthest_m + 1e-14, "{settings:?} {alpha}");
             let turn_later = mechanism.at(alpha + TAU);
-            assert!((one.x_m - turn_later.x_m).abs() < 1e-13, "{settings:?}");
+            assert!((x_m - turn_later.x_m).abs() < 1e-13, "{settings:?}");
         }
     }
 }
@@ -95,23 +90,22 @@ fn the_motion_is_even_and_the_stroke_two_radii() {
 fn greatest_coefficients_bound_the_turn() {
     for (settings, mechanism) in all() {
         let greatest_h = mechanism.greatest_h();
-        let h = largest_over_turn(|alpha| mechanism.h(alpha).abs()).value;
+        let peak = largest_over_turn(|alpha| mechanism.h(alpha).abs());
+        let h = peak.value;
         assert!((h - greatest_h).abs() < 1e-12, "{settings:?}: {h}");
-        assert!((mechanism.h(0.0) - h).abs() < 1e-12, "{settings:?}: {h}");
         let greatest_s = mechanism.greatest_s();
-        let s = largest_over_turn(|alpha| mechanism.s(alpha)).value;
+        let s = largest_over_turn(|alpha| mechanism.s(alpha).abs()).value;
         assert!(
             s <= greatest_s && greatest_s < 1.25 * s,
             "{settings:?}: {s}"
         );
-        assert!(greatest_s <= greatest_h, "{settings:?}");
         let sharpness = mechanism.peak_sharpness();
-        for beside in (1..=60).map(|k| 0.01 * f64::from(k)) {
-            let lost = 1.0 - mechanism.h(beside) / greatest_h;
-            let bound = sharpness * beside * beside / 2.0;
+        for beside in (-60..=60).map(|k| 0.01 * f64::from(k)) {
+            let lost = 1.0 - mechanism.h(peak.alpha_rad + beside).abs() / greatest_h;
+            let bound = sharpness * beside * beside / 2.0 + 1e-12;
             assert!(lost <= bound, "{settings:?} {beside}: {lost} > {bound}");
             assert!(
-                beside > 0.05 || lost > 0.4 * bound,
+                beside.abs() > 0.05 || beside == 0.0 || lost > 0.4 * bound,
                 "{settings:?} {beside}: {lost}"
             );
         }
@@ -219,8 +213,13 @@ fn the_controller_has_the_same_mechanism() {
         let speed: Turns = core.speed(Amax::from_num(300.0));
         let omega = speed.to_num::<f64>() * f64::from(TICK_HZ) * TAU;
         let amax_mps2 = mechanism.amax_mps2(omega);
+        // The controller computes the peak of a crank-rocker in fixed point, the others in closed form.
+        let error = match settings {
+            MechanismSettings::CrankRocker(_) => 2e-6,
+            _ => 1e-8,
+        };
         assert!(
-            (amax_mps2 / 300.0 - 1.0).abs() < 1e-8,
+            (amax_mps2 / 300.0 - 1.0).abs() < error,
             "{settings:?}: {amax_mps2}"
         );
     }

@@ -14,6 +14,7 @@ macro_rules! for_all_mechanisms {
         $make! {
             SliderCrank, slider_crank, "slider-crank";
             ScotchYoke, scotch_yoke, "scotch-yoke";
+            CrankRocker, crank_rocker, "crank-rocker";
         }
     };
 }

@@ -37,21 +37,21 @@ pub struct AtAngle {
 
 /// A mechanism of known size between a crank and the platform.
 ///
-/// It is symmetric about the dead centres: x and h are even in α, s is odd. The bounds of the model levels rely on that.
+/// The platform is farthest from the crank axes at α = 0, and returns after a turn.
 pub trait Mechanism: Copy {
-    /// Crank radius R, m: half the stroke.
+    /// Unit of length R, m, in which s and h are counted: the crank radius, where there is one.
     fn crank_radius_m(&self) -> f64;
 
     /// x, s and h at once, for equations of motion, which need all three at every evaluation.
     fn at(&self, alpha_rad: f64) -> AtAngle;
 
-    /// Upper bound of |s| over the turn, at most [`Mechanism::greatest_h`].
+    /// Upper bound of |s| over the turn.
     fn greatest_s(&self) -> f64;
 
-    /// Greatest |h| of the turn, exact, which is h at α = 0: amax = R ω² times this.
+    /// Greatest |h| of the turn, exact: amax = R ω² times this.
     fn greatest_h(&self) -> f64;
 
-    /// Upper bound of −h″/h at α = 0, 1/rad²: near its peak the acceleration is at least amax (1 − this · α²/2).
+    /// Upper bound of −h″/h at the peak of |h|, 1/rad²: at an angle δ beside it the acceleration is at least amax (1 − this · δ²/2).
     fn peak_sharpness(&self) -> f64;
 
     /// Name of the parts between cranks and platform, in the plural: what `machine.rod_n_per_um` is the stiffness of.
@@ -89,7 +89,7 @@ pub trait Mechanism: Copy {
         self.crank_radius_m() * (centripetal + self.s(alpha_rad) * alpha_ddot_rad_s2)
     }
 
-    /// Largest acceleration at constant speed, m/s²: amax = R ω² times the greatest h, reached at α = 0.
+    /// Largest acceleration at constant speed, m/s²: amax = R ω² times the greatest |h|.
     fn amax_mps2(&self, omega_rad_s: f64) -> f64 {
         self.crank_radius_m() * omega_rad_s * omega_rad_s * self.greatest_h()
     }
@@ -102,8 +102,7 @@ pub trait Mechanism: Copy {
     /// Torque of all cranks together, N·m, positive where they drive and negative where the load drives them:
     /// τ = m R s (R (h ω² + s α″) + σ g), with σ the sign of gravity.
     ///
-    /// Exact for the load alone; crank speed ω in rad/s, angular acceleration α″ in rad/s². At constant speed it is odd in
-    /// α, so its mean is 0 and its minimum is minus its maximum.
+    /// Exact for the load alone; crank speed ω in rad/s, angular acceleration α″ in rad/s². At constant speed its mean is 0.
     fn torque_nm(
         &self,
         load: &Load,

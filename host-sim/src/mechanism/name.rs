@@ -17,6 +17,16 @@ macro_rules! names {
                 $Name,
             )*
         }
+
+        impl MechanismName {
+            /// Name in a scene.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    Self::$First => $first_name,
+                    $(Self::$Name => $name,)*
+                }
+            }
+        }
     };
 }
 

@@ -23,19 +23,10 @@ pub struct ScotchYoke {
 impl Configured for ScotchYoke {
     type Settings = ScotchYokeSettings;
 
-    fn settings(machine: &Machine) -> Result<ScotchYokeSettings, SceneError> {
-        let of_a_rod = [
-            ("machine.lambda", machine.lambda),
-            ("machine.rod_length_mm", machine.rod_length_mm),
-        ];
-        match of_a_rod.iter().find(|(_, given)| given.is_some()) {
-            None => Ok(ScotchYokeSettings {}),
-            Some((key, _)) => Err(SceneError::at(
-                *key,
-                "belongs to a slider-crank, and machine.mechanism = \"scotch-yoke\" has no rod; leave it out, or let \
-                 machine.mechanism be \"slider-crank\"",
-            )),
-        }
+    const KEYS: &'static [&'static str] = &["machine.crank_radius_mm"];
+
+    fn settings(_: &Machine) -> Result<ScotchYokeSettings, SceneError> {
+        Ok(ScotchYokeSettings {})
     }
 
     fn of(_: &ScotchYokeSettings, crank_radius_m: f64) -> Self {

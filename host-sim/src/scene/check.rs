@@ -28,6 +28,7 @@ use crate::plant::Plant;
 pub use cam::Follower;
 pub use correction::plant;
 pub use machine::machine;
+pub use numbers::range as in_range;
 
 impl Checked {
     /// Checks a scene.

@@ -26,6 +26,7 @@ pub const SCENES: &[BuiltIn] = scenes![
     "stiff-bearing",
     "pulse-servo",
     "scotch-yoke",
+    "crank-rocker",
     "suspended",
     "wrapper",
     "electronic-cam",

@@ -29,9 +29,13 @@ pub fn machine(source: &mut Source, tick_hz: u32) -> Machine {
     let stiffness = |ticks: f64| load_kg * (ticks * f64::from(tick_hz)).powi(2) * 1e-6;
     Machine {
         mechanism,
-        crank_radius_mm,
+        crank_radius_mm: Some(crank_radius_mm),
         lambda: (has_rod && !by_length).then_some(lambda),
         rod_length_mm: (has_rod && by_length).then_some(crank_radius_mm / lambda.clamp(0.11, 0.59)),
+        screw_lead_mm: None,
+        crank_ratio: None,
+        coupler_ratio: None,
+        ground_ratio: None,
         load_kg,
         platform: source.one_of(&[Platform::Above, Platform::Below]),
         gravity_mps2: source.or_default(9.80665, 0.0, 20.0),
@@ -51,7 +55,8 @@ pub fn machine(source: &mut Source, tick_hz: u32) -> Machine {
 /// Never: a machine that was drawn has the keys of its mechanism.
 pub fn mechanism(machine: &Machine) -> AnyMechanism {
     let settings = AnyMechanism::settings(machine).expect("the keys of its mechanism");
-    AnyMechanism::of(&settings, machine.crank_radius_mm * 1e-3)
+    let radius_m = AnyMechanism::radius_m(machine).expect("the keys of its mechanism");
+    AnyMechanism::of(&settings, radius_m)
 }
 
 /// The machine, on default rods in half of the scenes where nothing bends them, and mostly on such that rotors swing slowly on them.

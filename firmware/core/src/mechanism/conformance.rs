@@ -10,6 +10,13 @@ const ONE: f64 = (1 << 30) as f64;
 /// Every mechanism, at the ends and in the middle of its settings.
 fn all() -> Vec<(&'static str, AnyMechanism)> {
     let slider_crank = |lambda| MechanismSettings::SliderCrank(SliderCrankSettings { lambda });
+    let crank_rocker = |crank, coupler, ground| {
+        MechanismSettings::CrankRocker(CrankRockerSettings {
+            crank,
+            coupler,
+            ground,
+        })
+    };
     [
         ("slider-crank, λ = 0.1", slider_crank(0.1)),
         ("slider-crank, λ = 0.3", slider_crank(0.3)),
@@ -17,6 +24,15 @@ fn all() -> Vec<(&'static str, AnyMechanism)> {
         (
             "Scotch yoke",
             MechanismSettings::ScotchYoke(ScotchYokeSettings {}),
+        ),
+        (
+            "crank-rocker, the source's",
+            crank_rocker(0.48521, 1.54021, 1.92792),
+        ),
+        ("crank-rocker, short crank", crank_rocker(0.15, 1.0, 1.35)),
+        (
+            "crank-rocker, at 70° of pressure",
+            crank_rocker(0.42, 1.5, 2.0),
         ),
     ]
     .into_iter()

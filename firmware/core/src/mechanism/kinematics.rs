@@ -2,7 +2,7 @@
 
 use crate::units::{Amax, Turns};
 
-/// Motion of the platform over the crank angle, per unit crank radius, with 30 fraction bits.
+/// Motion of the platform over the crank angle, per unit crank radius, with 30 fraction bits. It is counted towards the cranks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Kinematics {
     /// Travel of the platform per radian of the crank, −2 to 2.

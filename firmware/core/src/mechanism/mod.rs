@@ -9,11 +9,13 @@
 
 #[cfg(test)]
 mod conformance;
+mod crank_rocker;
 mod kinematics;
 mod scotch_yoke;
 mod slider_crank;
 mod square_law;
 
+pub use crank_rocker::CrankRocker;
 pub use kinematics::{Kinematics, Mechanism};
 pub use scotch_yoke::ScotchYoke;
 pub use slider_crank::SliderCrank;
@@ -78,8 +80,11 @@ mechanisms! {
     SliderCrank(slider_crank::SliderCrankSettings),
     /// Scotch yokes: the platform moves as the sine of the crank angle.
     ScotchYoke(scotch_yoke::ScotchYokeSettings),
+    /// Crank-rockers that drive screws under one platform.
+    CrankRocker(crank_rocker::CrankRockerSettings),
 }
 
+pub use crank_rocker::CrankRockerSettings;
 pub use scotch_yoke::ScotchYokeSettings;
 pub use slider_crank::SliderCrankSettings;
 

@@ -22,7 +22,7 @@ impl SquareLaw {
         shift: 48,
     };
 
-    /// Coefficients for a length of 0.1 mm to 1 m and a tick rate of 500 to 10,000 Hz.
+    /// Coefficients for a length of 0.01 mm to 1 m and a tick rate of 500 to 10,000 Hz.
     #[cold]
     pub fn new(length_m: f64, tick_hz: u32) -> Self {
         let speed_at_one =
@@ -34,7 +34,7 @@ impl SquareLaw {
             Ok(mantissa) => (mantissa, exponent),
             Err(_) => (1 << 31, exponent + 1), // It was rounded up to a whole power of two.
         };
-        // Over these ranges the speed is from 1e-5 to 0.04 turns a tick, so the shift is 36 to 48.
+        // Over these ranges the speed is from 1e-5 to 0.11 turns a tick, so the shift is 35 to 48.
         Self {
             mantissa,
             shift: (32 - exponent).unsigned_abs(),
@@ -90,7 +90,7 @@ mod tests {
     #[test]
     fn errors_are_within_their_bounds() {
         let mut worst = (0.0_f64, 0.0_f64);
-        for length_m in [1e-4, 0.0011514, 0.0059, 0.025, 0.0779, 0.5, 1.0] {
+        for length_m in [1e-5, 1e-4, 0.0011514, 0.0059, 0.025, 0.0779, 0.5, 1.0] {
             for tick_hz in [500, 2000, 10_000] {
                 let law = SquareLaw::new(length_m, tick_hz);
                 let mut amax_mps2 = 0.01;

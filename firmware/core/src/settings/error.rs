@@ -76,6 +76,24 @@ pub enum Problem {
     )]
     IndexOnCam,
     #[error(
+        "crank, coupler, ground and rocker (of length 1) are no crank-rocker: the crank with the longest link must be shorter than the other two \
+         together; `cophase design crank-rocker` finds lengths"
+    )]
+    NotACrankRocker,
+    #[error(
+        "the pressure angle of this crank-rocker exceeds 70°, near which the linkage jams; `cophase design crank-rocker` finds lengths"
+    )]
+    Jams,
+    #[error(
+        "the rocker of these lengths accelerates by up to {curvature:.3} of the squared crank speed, outside {least} to {most}; \
+         `cophase design crank-rocker` finds lengths"
+    )]
+    RockerCurvature {
+        curvature: f64,
+        least: f64,
+        most: f64,
+    },
+    #[error(
         "the motors of this machine would need more than 30,000 N·m at full speed; lower limits.speed_hz, load_kg or crank_radius_mm"
     )]
     TorqueTooLarge,

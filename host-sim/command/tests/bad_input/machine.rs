@@ -162,14 +162,14 @@ fn mechanisms() {
             "Scotch yoke with a lambda",
             yoke.clone(),
             "machine.lambda",
-            "\"scotch-yoke\" has no rod",
-            "leave it out",
+            "is no dimension of machine.mechanism = \"scotch-yoke\"",
+            "let machine.mechanism be \"slider-crank\"",
         ),
         case(
             "Scotch yoke with a rod",
             yoke.replace("lambda = 0.3", "rod_length_mm = 60"),
             "machine.rod_length_mm",
-            "\"scotch-yoke\" has no rod",
+            "is no dimension of machine.mechanism = \"scotch-yoke\"",
             "leave it out",
         ),
     ]);

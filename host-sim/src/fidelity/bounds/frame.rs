@@ -12,7 +12,7 @@
 use nalgebra::{Complex, Matrix2, Vector2};
 
 use super::linear::Drive;
-use super::required_torque::{HARMONICS, cosines_of_h};
+use super::required_torque::{HARMONICS, harmonics_of_h};
 use crate::dynamics::{Driven, Layer};
 use crate::mechanism::Mechanism;
 
@@ -26,7 +26,7 @@ pub fn share(driven: &Driven, drive: &Drive) -> f64 {
     };
     let body = driven.body();
     let mechanism = &body.mechanism;
-    let harmonics = cosines_of_h(body);
+    let harmonics = harmonics_of_h(body);
     let at_speed = |omega: f64| -> f64 {
         let parts = harmonics.iter().enumerate().map(|(i, harmonic)| {
             let radians = (i + 1) as f64 * omega;
@@ -36,7 +36,7 @@ pub fn share(driven: &Driven, drive: &Drive) -> f64 {
                 body.load.mass_kg,
                 radians,
             );
-            harmonic.abs() * answer
+            harmonic * answer
         });
         parts.sum::<f64>() * (omega / drive.top_rad_s).powi(2) / mechanism.greatest_h()
     };

@@ -1,7 +1,7 @@
 //! How cranks answer to what their load asks of them, each a mass on its motor's spring: dimensionless numbers, and the
 //! phase errors that come of them.
 //!
-//! Turning evenly at ω, a platform asks of each crank the torque T(α) = Σ Tₙ sin nα, odd as it is. With the motor's
+//! Turning evenly at ω, a platform asks of each crank the torque T(α) = Σ Tₙ e^(inα). With the motor's
 //! stiffness k and damping d, and the inertia J of rotor and load's share, harmonic n moves the crank by
 //!
 //! ```text
@@ -83,7 +83,7 @@ struct Crank {
     /// Following error of its drive without load, rad.
     following_rad: f64,
     /// What moves it: constant, then harmonics.
-    torque_nm: [f64; HARMONICS + 1],
+    torque_nm: [Complex<f64>; HARMONICS + 1],
     /// Torque that the load requires, with feed-forward or without: at most the sum of its harmonics.
     required_nm: f64,
     most_nm: f64,
@@ -103,10 +103,10 @@ impl Crank {
             low.abs().min(high.abs())
         };
         let held = apart.hypot(radians * self.damping_nms);
-        if self.torque_nm[n] == 0.0 {
+        if self.torque_nm[n] == Complex::ZERO {
             return 0.0;
         }
-        self.torque_nm[n].abs() / held
+        self.torque_nm[n].norm() / held
     }
 
     /// How harmonic `n` moves it, at a place within the ranges of stiffness and inertia.
@@ -124,7 +124,7 @@ impl Crank {
     /// What the constant torque moves it by, rad; infinite where the load's slope is more than the spring.
     fn standing_rad(&self) -> f64 {
         if self.stiffness.0 > 0.0 {
-            self.torque_nm[0] / self.stiffness.0
+            self.torque_nm[0].re / self.stiffness.0
         } else {
             f64::INFINITY
         }
@@ -271,7 +271,7 @@ fn crank(
     let load = load_inertia_kgm2(body, required);
     let rotor = body.rotors_kgm2[i];
     let has_feed_forward = drive.has_feed_forward[i];
-    let mut torque_nm = [0.0; HARMONICS + 1];
+    let mut torque_nm = [Complex::ZERO; HARMONICS + 1];
     // While the speed changes, rotor and load require more. Feed-forward has that but for what a tick's hold leaves of it, and has no
     // friction. What comes at once makes a swing of twice that at worst.
     let inertia = (rotor + load) * drive.ratios[i].abs();
@@ -281,7 +281,7 @@ fn crank(
     } else {
         ramp_nm
     };
-    torque_nm[0] = body.friction_nm[i] + 2.0 * at_once_nm;
+    torque_nm[0] = Complex::from(body.friction_nm[i] + 2.0 * at_once_nm);
     let mut required_nm = body.friction_nm[i] + ramp_nm + at_once_nm;
     for (n, torque) in torque_nm.iter_mut().enumerate().skip(1) {
         let left = if has_feed_forward {
@@ -290,7 +290,7 @@ fn crank(
             1.0
         };
         let whole = required.harmonic_nm(n, omega) * share;
-        required_nm += whole.abs();
+        required_nm += whole.norm();
         *torque = whole * left;
     }
     Crank {

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::Complex;
+
 use crate::dynamics::Body;
 use crate::mechanism::Mechanism;
 
@@ -12,10 +14,10 @@ pub const SAMPLES: u32 = 64;
 
 /// What a turning load asks of all cranks together.
 pub struct RequiredTorque {
-    /// Sine coefficients at ω = 1 rad/s, without gravity, N·m s².
-    centripetal: [f64; HARMONICS + 1],
-    /// Sine coefficients of gravity, N·m.
-    gravity: [f64; HARMONICS + 1],
+    /// Fourier coefficients at ω = 1 rad/s, without gravity, N·m s²: sine and cosine as a complex number.
+    centripetal: [Complex<f64>; HARMONICS + 1],
+    /// Fourier coefficients of gravity, N·m.
+    gravity: [Complex<f64>; HARMONICS + 1],
     /// Greatest slopes dT/dα of both.
     slopes: (f64, f64),
     /// Largest s².
@@ -26,8 +28,8 @@ impl RequiredTorque {
     /// By a body.
     pub fn by(body: &Body) -> Self {
         let mut required = Self {
-            centripetal: [0.0; HARMONICS + 1],
-            gravity: [0.0; HARMONICS + 1],
+            centripetal: [Complex::ZERO; HARMONICS + 1],
+            gravity: [Complex::ZERO; HARMONICS + 1],
             slopes: (0.0, 0.0),
             lever_squared: 0.0,
         };
@@ -43,7 +45,7 @@ impl RequiredTorque {
             let alpha = by * f64::from(sample);
             let (turning, standing) = at(alpha);
             for n in 1..=HARMONICS {
-                let share = 2.0 / f64::from(SAMPLES) * (n as f64 * alpha).sin();
+                let share = sine_and_cosine(n, alpha) * (2.0 / f64::from(SAMPLES));
                 required.centripetal[n] += share * turning;
                 required.gravity[n] += share * standing;
             }
@@ -56,8 +58,8 @@ impl RequiredTorque {
     }
 
     /// Harmonic `n` of all cranks together at a speed.
-    pub fn harmonic_nm(&self, n: usize, omega_rad_s: f64) -> f64 {
-        self.centripetal[n] * omega_rad_s * omega_rad_s + self.gravity[n]
+    pub fn harmonic_nm(&self, n: usize, omega_rad_s: f64) -> Complex<f64> {
+        self.centripetal[n] * (omega_rad_s * omega_rad_s) + self.gravity[n]
     }
 
     /// Its greatest slope at a speed, N·m/rad.
@@ -66,14 +68,20 @@ impl RequiredTorque {
     }
 }
 
-/// h(α), which is even, as cosines: the first [`HARMONICS`] of them, dimensionless.
-pub fn cosines_of_h(body: &Body) -> [f64; HARMONICS] {
+/// sin nα and cos nα as a complex number.
+fn sine_and_cosine(n: usize, alpha: f64) -> Complex<f64> {
+    let (sine, cosine) = (n as f64 * alpha).sin_cos();
+    Complex::new(sine, cosine)
+}
+
+/// Amplitudes of the first [`HARMONICS`] harmonics of h(α), dimensionless.
+pub fn harmonics_of_h(body: &Body) -> [f64; HARMONICS] {
     let by = TAU / f64::from(SAMPLES);
     std::array::from_fn(|i| {
         let at = |sample: u32| {
             let alpha = by * f64::from(sample);
-            body.mechanism.h(alpha) * ((i + 1) as f64 * alpha).cos()
+            sine_and_cosine(i + 1, alpha) * body.mechanism.h(alpha)
         };
-        (0..SAMPLES).map(at).sum::<f64>() * 2.0 / f64::from(SAMPLES)
+        (0..SAMPLES).map(at).sum::<Complex<f64>>().norm() * 2.0 / f64::from(SAMPLES)
     })
 }

@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 use nalgebra::Complex;
 
 use super::linear::Drive;
-use super::required_torque::{HARMONICS, cosines_of_h};
+use super::required_torque::{HARMONICS, harmonics_of_h};
 use crate::dynamics::Body;
 use crate::mechanism::Mechanism;
 
@@ -26,13 +26,13 @@ const SPEEDS: u32 = 100;
 /// By how much springs change the platform's acceleration at most, as a part of amax at the top speed.
 pub fn share(body: &Body, zeta: f64, drive: &Drive) -> f64 {
     let mode = heave_rad_s(body);
-    let harmonics = cosines_of_h(body);
+    let harmonics = harmonics_of_h(body);
     let at_speed = |omega: f64| -> f64 {
         let parts = harmonics.iter().zip(1_u8..).map(|(harmonic, n)| {
             let ratio = f64::from(n) * omega / mode;
             let spring = Complex::new(1.0, 2.0 * zeta * ratio);
             let follows = spring / (spring - ratio * ratio);
-            harmonic.abs() * (follows - 1.0).norm()
+            harmonic * (follows - 1.0).norm()
         });
         parts.sum::<f64>() * (omega / drive.top_rad_s).powi(2) / body.mechanism.greatest_h()
     };
@@ -48,10 +48,10 @@ pub fn quasi_static_m(body: &Body, zeta: f64, drive: &Drive) -> f64 {
     let mode = heave_rad_s(body);
     let (mut first, mut second) = (0.0, 0.0);
     let amax = body.mechanism.crank_radius_m() * drive.top_rad_s.powi(2);
-    for (harmonic, n) in cosines_of_h(body).iter().zip(1_u8..) {
+    for (harmonic, n) in harmonics_of_h(body).iter().zip(1_u8..) {
         let radians = f64::from(n) * drive.top_rad_s;
-        first += amax * harmonic.abs() * radians;
-        second += amax * harmonic.abs() * radians * radians;
+        first += amax * harmonic * radians;
+        second += amax * harmonic * radians * radians;
     }
     // Settled rods hold the platform where its cranks have it; springs give by what they carry, at amax in both directions.
     let carried = amax * body.mechanism.greatest_h() + body.load.gravity_mps2;

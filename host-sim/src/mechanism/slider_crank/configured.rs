@@ -11,6 +11,12 @@ use crate::scene::file::Machine;
 impl Configured for SliderCrank {
     type Settings = SliderCrankSettings;
 
+    const KEYS: &'static [&'static str] = &[
+        "machine.crank_radius_mm",
+        "machine.lambda",
+        "machine.rod_length_mm",
+    ];
+
     fn settings(machine: &Machine) -> Result<SliderCrankSettings, SceneError> {
         lambda(machine).map(|lambda| SliderCrankSettings { lambda })
     }
@@ -30,14 +36,15 @@ fn lambda(machine: &Machine) -> Result<f64, SceneError> {
     match (machine.lambda, machine.rod_length_mm) {
         (Some(lambda), None) => Ok(lambda),
         (None, Some(length_mm)) => {
-            let lambda = machine.crank_radius_mm / length_mm;
+            let radius_mm = machine.needed("machine.crank_radius_mm")?;
+            let lambda = radius_mm / length_mm;
             // A crank that cannot be is refused for itself, by the core.
-            if (0.1..=0.6).contains(&lambda) || !(0.1..=500.0).contains(&machine.crank_radius_mm) {
+            if (0.1..=0.6).contains(&lambda) || !(0.1..=500.0).contains(&radius_mm) {
                 return Ok(lambda);
             }
             // Rounded inwards, so that what is advised is accepted.
-            let low = (machine.crank_radius_mm / 0.6 * 100.0).ceil() / 100.0;
-            let high = (machine.crank_radius_mm / 0.1 * 100.0).floor() / 100.0;
+            let low = (radius_mm / 0.6 * 100.0).ceil() / 100.0;
+            let high = (radius_mm / 0.1 * 100.0).floor() / 100.0;
             Err(SceneError::of(
                 "machine.rod_length_mm",
                 Problem::out_of_range(length_mm, low, high),

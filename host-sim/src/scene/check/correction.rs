@@ -58,7 +58,7 @@ pub fn plant(scene: &Scene, machine: &MachineSettings) -> Result<Plant, SceneErr
     }
     let radius_m = machine.crank_radius_m;
     let mechanism = AnyMechanism::of(&machine.mechanism, radius_m);
-    let lever = (0..180).map(|degree| mechanism.s(f64::from(degree).to_radians()));
+    let lever = (0..360).map(|degree| mechanism.s(f64::from(degree).to_radians()).abs());
     let lever_m = radius_m * lever.fold(0.0, f64::max);
     let share_kg = machine.load_kg / axes.count as f64;
     Ok(Plant {

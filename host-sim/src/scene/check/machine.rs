@@ -12,8 +12,8 @@ use crate::scene::file::Machine;
 /// A key that is missing, belongs to another mechanism, or is out of its range.
 pub fn machine(given: &Machine) -> Result<MachineSettings, SceneError> {
     let machine = MachineSettings {
-        crank_radius_m: given.crank_radius_mm / 1e3,
         mechanism: AnyMechanism::settings(given)?,
+        crank_radius_m: AnyMechanism::radius_m(given)?,
         load_kg: given.load_kg,
         platform: given.platform.into(),
         gravity_mps2: given.gravity_mps2,

@@ -193,7 +193,11 @@ pub(super) fn check_bands(limits: &file::Limits) -> Result<(), SceneError> {
     Ok(())
 }
 
-pub(super) fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
+/// Checks that a value lies within its range, ends included.
+///
+/// # Errors
+/// It does not; the error names the key and the range.
+pub fn range(key: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
     if (low..=high).contains(&value) {
         return Ok(());
     }

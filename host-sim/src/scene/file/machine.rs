@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::mechanism::MechanismName;
+use crate::scene::SceneError;
 
 /// A platform on cranks.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -11,14 +12,27 @@ pub struct Machine {
     /// What is between cranks and platform.
     #[serde(default)]
     pub mechanism: MechanismName,
-    /// Crank radius, mm.
-    pub crank_radius_mm: f64,
+    /// Crank radius of a slider-crank or a Scotch yoke, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crank_radius_mm: Option<f64>,
     /// Crank radius over rod length of a slider-crank; give this or `rod_length_mm`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lambda: Option<f64>,
     /// Rod length of a slider-crank, mm; give this or `lambda`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rod_length_mm: Option<f64>,
+    /// Lead of the screw that a crank-rocker drives, mm a turn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub screw_lead_mm: Option<f64>,
+    /// Length of the crank of a crank-rocker over its rocker's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crank_ratio: Option<f64>,
+    /// Length of its coupler over its rocker's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coupler_ratio: Option<f64>,
+    /// Distance of its two pivots over its rocker's length.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ground_ratio: Option<f64>,
     /// Mass on the platform, kg.
     pub load_kg: f64,
     /// Which way up.
@@ -42,6 +56,36 @@ pub struct Machine {
     /// Damping of elastic rods, as a part of what is critical for the platform's heave on them.
     #[serde(default = "default_rod_zeta")]
     pub rod_zeta: f64,
+}
+
+impl Machine {
+    /// Keys that not all mechanisms have, and their values.
+    pub fn geometry(&self) -> [(&'static str, Option<f64>); 7] {
+        [
+            ("machine.crank_radius_mm", self.crank_radius_mm),
+            ("machine.lambda", self.lambda),
+            ("machine.rod_length_mm", self.rod_length_mm),
+            ("machine.screw_lead_mm", self.screw_lead_mm),
+            ("machine.crank_ratio", self.crank_ratio),
+            ("machine.coupler_ratio", self.coupler_ratio),
+            ("machine.ground_ratio", self.ground_ratio),
+        ]
+    }
+
+    /// Value of one of these keys.
+    ///
+    /// # Errors
+    /// It is missing.
+    pub fn needed(&self, key: &str) -> Result<f64, SceneError> {
+        let found = self.geometry().into_iter().find(|(known, _)| *known == key);
+        found.and_then(|(_, value)| value).ok_or_else(|| {
+            let problem = format!(
+                "missing; machine.mechanism = \"{}\" needs it, so give it",
+                self.mechanism.name()
+            );
+            SceneError::at(key, problem)
+        })
+    }
 }
 
 /// What becomes of rods that are pushed and pulled.

@@ -20,7 +20,8 @@ fn assert_says(from: &str, to: &str, key: &str, problem: &str) {
 
 #[test]
 fn unknown_keys_name_the_likeliest_and_the_place() {
-    let machine = "mechanism, crank_radius_mm, lambda, rod_length_mm, load_kg, platform, gravity_mps2, mount_radius_mm, \
+    let machine = "mechanism, crank_radius_mm, lambda, rod_length_mm, screw_lead_mm, crank_ratio, \
+                   coupler_ratio, ground_ratio, load_kg, platform, gravity_mps2, mount_radius_mm, \
                    tilt_inertia_kgm2, rod_n_per_um, rods, rod_zeta";
     assert_says(
         "load_kg = 8",

@@ -1,0 +1,61 @@
+//! A crank-rocker of a scene's keys: the screw's lead, and the lengths of the links over the rocker's.
+
+use std::f64::consts::TAU;
+
+use cophase_core::mechanism::CrankRockerSettings;
+
+use super::{CrankRocker, Linkage};
+use crate::mechanism::Configured;
+use crate::scene::SceneError;
+use crate::scene::file::Machine;
+
+impl Configured for CrankRocker {
+    type Settings = CrankRockerSettings;
+
+    const KEYS: &'static [&'static str] = &[
+        "machine.screw_lead_mm",
+        "machine.crank_ratio",
+        "machine.coupler_ratio",
+        "machine.ground_ratio",
+    ];
+
+    fn radius_m(machine: &Machine) -> Result<f64, SceneError> {
+        /// Leads whose travel for one radian the core takes for a crank radius, rounded inwards.
+        const LEADS_MM: (f64, f64) = (0.63, 3000.0);
+        let lead_mm = machine.needed("machine.screw_lead_mm")?;
+        crate::scene::in_range("machine.screw_lead_mm", lead_mm, LEADS_MM.0, LEADS_MM.1)?;
+        Ok(lead_mm / 1e3 / TAU)
+    }
+
+    fn settings(machine: &Machine) -> Result<CrankRockerSettings, SceneError> {
+        Ok(CrankRockerSettings {
+            crank: machine.needed("machine.crank_ratio")?,
+            coupler: machine.needed("machine.coupler_ratio")?,
+            ground: machine.needed("machine.ground_ratio")?,
+        })
+    }
+
+    fn of(settings: &CrankRockerSettings, unit_m: f64) -> Self {
+        let linkage = Linkage {
+            crank: settings.crank,
+            coupler: settings.coupler,
+            ground: settings.ground,
+        };
+        Self::new(linkage, unit_m)
+    }
+
+    #[cfg(test)]
+    fn samples() -> Vec<CrankRockerSettings> {
+        let lengths = [
+            (0.48521, 1.54021, 1.92792),
+            (0.15, 1.0, 1.35),
+            (0.42, 1.5, 2.0),
+        ];
+        let of = |(crank, coupler, ground)| CrankRockerSettings {
+            crank,
+            coupler,
+            ground,
+        };
+        lengths.map(of).to_vec()
+    }
+}
