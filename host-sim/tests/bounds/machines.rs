@@ -4,6 +4,8 @@
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
+use cophase_core::mechanism::CrankRockerSettings;
+use host_sim::design::crank_rocker::{Requirement, design};
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
@@ -25,15 +27,59 @@ impl Draw {
     }
 }
 
-/// The scene of a seed, as TOML.
-pub fn scene(seed: u64) -> String {
+/// Keys of a mechanism whose platform moves by about so many millimetres either way.
+type Mechanism = fn(&mut Draw, f64) -> String;
+
+/// Scene of a seed with slider-cranks, as TOML.
+pub fn slider_crank(seed: u64) -> String {
+    scene(seed, |draw, radius_mm| {
+        let lambda = draw.between(0.1, 0.45);
+        format!("crank_radius_mm = {radius_mm:.4}\nlambda = {lambda:.3}")
+    })
+}
+
+/// Scene of a seed with crank-rockers, as TOML: linkages that the design command finds and the controller accepts.
+pub fn crank_rocker(seed: u64) -> String {
+    scene(seed, |draw, radius_mm| {
+        loop {
+            let swing_deg = draw.between(30.0, 80.0);
+            let requirement = Requirement {
+                swing_deg,
+                pressure_deg: draw.between(0.1, 0.45) * swing_deg,
+                time_ratio: draw.between(0.8, 0.97),
+                screw_lead_mm: None,
+            };
+            let Ok(found) = design(&requirement) else {
+                continue;
+            };
+            let settings = CrankRockerSettings {
+                crank: found.linkage.crank,
+                coupler: found.linkage.coupler,
+                ground: found.linkage.ground,
+            };
+            if settings.check().is_err() {
+                continue;
+            }
+            return format!(
+                "mechanism = \"crank-rocker\"\nscrew_lead_mm = {:.3}\ncrank_ratio = {:.6}\ncoupler_ratio = {:.6}\n\
+                 ground_ratio = {:.6}",
+                720.0 * radius_mm / swing_deg,
+                settings.crank,
+                settings.coupler,
+                settings.ground
+            );
+        }
+    })
+}
+
+fn scene(seed: u64, mechanism: Mechanism) -> String {
     let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
     let mut text = String::new();
-    write(&mut text, seed, &mut draw).expect("writing to a string does not fail");
+    write(&mut text, seed, &mut draw, mechanism).expect("writing to a string does not fail");
     text
 }
 
-fn write(text: &mut String, seed: u64, draw: &mut Draw) -> std::fmt::Result {
+fn write(text: &mut String, seed: u64, draw: &mut Draw, mechanism: Mechanism) -> std::fmt::Result {
     let axes = draw.0.random_range(2..=6_usize);
     let radius_mm = draw.scale(3.0, 15.0);
     let load_kg = draw.scale(1.0, 20.0);
@@ -44,11 +90,7 @@ fn write(text: &mut String, seed: u64, draw: &mut Draw) -> std::fmt::Result {
         text,
         "name = \"machine-{seed}\"\n[control]\ntick_hz = {tick_hz}"
     )?;
-    writeln!(
-        text,
-        "[machine]\ncrank_radius_mm = {radius_mm:.4}\nlambda = {:.3}",
-        draw.between(0.1, 0.45)
-    )?;
+    writeln!(text, "[machine]\n{}", mechanism(draw, radius_mm))?;
     writeln!(
         text,
         "load_kg = {load_kg:.3}\nmount_radius_mm = {:.1}",

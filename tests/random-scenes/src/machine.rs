@@ -8,6 +8,13 @@ use host_sim::scene::file::{Axes, Fidelity, Foundation, Frame, Machine, Platform
 use crate::Basis;
 use crate::source::{Source, at_most};
 
+/// Crank, coupler and ground of crank-rockers over their rockers: what the source has, a short crank, and one that comes close to jamming.
+const LINKAGES: [[f64; 3]; 3] = [
+    [0.48521, 1.54021, 1.92792],
+    [0.15, 1.0, 1.35],
+    [0.42, 1.5, 2.0],
+];
+
 /// Cranks under a platform.
 pub fn machine(source: &mut Source, tick_hz: u32) -> Machine {
     let mechanism = source.one_of(&[
@@ -15,8 +22,13 @@ pub fn machine(source: &mut Source, tick_hz: u32) -> Machine {
         MechanismName::SliderCrank,
         MechanismName::SliderCrank,
         MechanismName::ScotchYoke,
+        MechanismName::CrankRocker,
     ]);
     let has_rod = mechanism == MechanismName::SliderCrank;
+    let has_radius = mechanism != MechanismName::CrankRocker;
+    let [crank, coupler, ground] = source
+        .one_of(&LINKAGES)
+        .map(|ratio| (!has_radius).then_some(ratio));
     let crank_radius_mm = source.usual((2.0, 100.0), (0.1, 500.0));
     let lambda = source.number(0.1, 0.6);
     let by_length = source.percent(30);
@@ -29,13 +41,13 @@ pub fn machine(source: &mut Source, tick_hz: u32) -> Machine {
     let stiffness = |ticks: f64| load_kg * (ticks * f64::from(tick_hz)).powi(2) * 1e-6;
     Machine {
         mechanism,
-        crank_radius_mm: Some(crank_radius_mm),
+        crank_radius_mm: has_radius.then_some(crank_radius_mm),
         lambda: (has_rod && !by_length).then_some(lambda),
         rod_length_mm: (has_rod && by_length).then_some(crank_radius_mm / lambda.clamp(0.11, 0.59)),
-        screw_lead_mm: None,
-        crank_ratio: None,
-        coupler_ratio: None,
-        ground_ratio: None,
+        screw_lead_mm: (!has_radius).then_some((TAU * crank_radius_mm).clamp(0.63, 3000.0)),
+        crank_ratio: crank,
+        coupler_ratio: coupler,
+        ground_ratio: ground,
         load_kg,
         platform: source.one_of(&[Platform::Above, Platform::Below]),
         gravity_mps2: source.or_default(9.80665, 0.0, 20.0),

@@ -1,5 +1,7 @@
 //! The mechanism and what it carries.
 
+use host_sim::scene::library;
+
 use super::edit::{before, rename, set, without};
 use super::{Case, assert_all_refused, case};
 
@@ -171,6 +173,52 @@ fn mechanisms() {
             "machine.rod_length_mm",
             "is no dimension of machine.mechanism = \"scotch-yoke\"",
             "leave it out",
+        ),
+    ]);
+}
+
+#[test]
+fn crank_rockers() {
+    let rocker = library::find("crank-rocker").unwrap().text;
+    let with = |from: &str, to: &str| {
+        assert!(rocker.contains(from), "{from}");
+        rocker.replacen(from, to, 1)
+    };
+    assert_all_refused(&[
+        case(
+            "crank-rocker with a crank radius",
+            with("screw_lead_mm = 30", "crank_radius_mm = 30"),
+            "machine.crank_radius_mm",
+            "is no dimension of machine.mechanism = \"crank-rocker\"",
+            "\"slider-crank\" or \"scotch-yoke\"",
+        ),
+        case(
+            "crank-rocker without a lead",
+            with("screw_lead_mm = 30", ""),
+            "machine.screw_lead_mm",
+            "missing",
+            "\"crank-rocker\" needs it",
+        ),
+        case(
+            "lead out of range",
+            with("screw_lead_mm = 30", "screw_lead_mm = 0.5"),
+            "machine.screw_lead_mm",
+            "0.5 mm is outside",
+            "0.63 to 3000 mm",
+        ),
+        case(
+            "no crank-rocker",
+            with("ground_ratio = 1.9279190", "ground_ratio = 2.2"),
+            "machine.crank_ratio",
+            "are no crank-rocker",
+            "cophase design crank-rocker",
+        ),
+        case(
+            "crank-rocker that jams",
+            with("coupler_ratio = 1.5402148", "coupler_ratio = 1.4402148"),
+            "machine.crank_ratio",
+            "exceeds 70°",
+            "cophase design crank-rocker",
         ),
     ]);
 }
