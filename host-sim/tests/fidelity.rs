@@ -140,6 +140,7 @@ judged! {
     crank_rocker: "crank-rocker",
     suspended: "suspended",
     wrapper: "wrapper",
+    screen: "screen",
     electronic_cam: "electronic-cam",
 }
 

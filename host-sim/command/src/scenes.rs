@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use super::{CommandError, Status};
-use host_sim::scene::library::{self, SCENES};
+use host_sim::scene::library::{self, BuiltIn, SCENES};
 use host_sim::scene::{Checked, load};
 
 #[derive(Debug, clap::Args)]
@@ -21,13 +21,19 @@ pub(super) fn scenes(args: &ScenesArgs, out: &mut impl Write) -> Result<Status, 
                 .map(|scene| scene.name.len())
                 .max()
                 .unwrap_or(0);
-            for built_in in SCENES {
-                writeln!(
-                    out,
-                    "{:width$}  {}",
-                    built_in.name,
-                    built_in.scene().description
-                )?;
+            let mut machines: Vec<&str> = SCENES.iter().map(BuiltIn::machine).collect();
+            let mut listed = Vec::new();
+            machines.retain(|machine| {
+                let is_new = !listed.contains(machine);
+                listed.push(*machine);
+                is_new
+            });
+            for machine in machines {
+                writeln!(out, "{machine}")?;
+                for built_in in SCENES.iter().filter(|scene| scene.machine() == machine) {
+                    let description = built_in.scene().description;
+                    writeln!(out, "  {:width$}  {description}", built_in.name)?;
+                }
             }
         }
         Some(name) => match library::find(name) {

@@ -10,6 +10,7 @@
 
 mod figure;
 mod record;
+pub mod screen;
 mod shafts;
 
 use std::fmt::Debug;

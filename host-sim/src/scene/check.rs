@@ -25,7 +25,7 @@ use crate::machine::{PullOut, RESOLUTION};
 use crate::mechanism::{AnyMechanism, Configured};
 use crate::plant::Plant;
 
-pub use cam::Follower;
+pub use cam::{Follower, drift as phase_limits};
 pub use correction::plant;
 pub use machine::machine;
 pub use numbers::range as in_range;

@@ -147,8 +147,11 @@ impl Checked {
 
 impl Scene {
     /// Table of the machine of its own kind that the scene describes, if it describes one.
-    pub(super) fn plant_table(&self) -> Option<Box<dyn Table>> {
-        let tables: [Option<Box<dyn Table>>; 0] = [];
+    pub(crate) fn plant_table(&self) -> Option<Box<dyn Table>> {
+        fn boxed<T: Table + Clone + 'static>(table: Option<&T>) -> Option<Box<dyn Table>> {
+            table.map(|table| Box::new(table.clone()) as Box<dyn Table>)
+        }
+        let tables = [boxed(self.screen.as_ref())];
         tables.into_iter().flatten().next()
     }
 

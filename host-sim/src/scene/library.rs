@@ -9,6 +9,20 @@ pub struct BuiltIn {
     pub text: &'static str,
 }
 
+impl BuiltIn {
+    /// Machine that it describes, for lists.
+    pub fn machine(&self) -> &'static str {
+        let scene = self.scene();
+        match (&scene.machine, &scene.cam, scene.plant_table()) {
+            (Some(machine), ..) => machine.mechanism.name(),
+            (_, Some(cam), _) if cam.screw_lead_mm.is_some() => "electronic cam",
+            (_, Some(_), _) => "cam shaft",
+            (.., Some(table)) => table.key(),
+            (None, None, None) => "no machine",
+        }
+    }
+}
+
 macro_rules! scenes {
     ($($name:literal),* $(,)?) => {
         &[$(BuiltIn { name: $name, text: include_str!(concat!("../../scenes/", $name, ".toml")) }),*]
@@ -29,6 +43,7 @@ pub const SCENES: &[BuiltIn] = scenes![
     "crank-rocker",
     "suspended",
     "wrapper",
+    "screen",
     "electronic-cam",
 ];
 

@@ -12,7 +12,7 @@ pub mod file;
 pub mod library;
 pub mod load;
 
-pub use check::{in_range, machine, plant};
+pub use check::{in_range, machine, phase_limits, plant};
 pub use checked::Checked;
 pub use error::SceneError;
 pub use file::Scene;

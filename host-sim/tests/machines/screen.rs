@@ -1,6 +1,9 @@
 //! Design of the self-centring screen, against the figures of its source and those computed independently.
 
-use host_sim::design::screen::{Design, Requirement, design};
+use host_sim::design::screen::drive::{
+    bearing_life_h, belt_mm, belt_mps, greatest_moment, stress_kgf_per_cm2,
+};
+use host_sim::design::screen::{Design, Requirement, Spring, design};
 
 use super::assert_near;
 
@@ -71,6 +74,55 @@ fn recommended_speeds() {
         let recommended = found.recommended_throw().expect("the deck is given")[end];
         assert_near("throw index", found.throw_index(), recommended, 5e-3);
     }
+}
+
+/// Item 5. Wire of 17 mm, coil of 100 mm, K_w = 1.26; the source takes 5 active turns of 5.09.
+#[test]
+fn coil_springs() {
+    let spring = Spring {
+        wire_cm: 1.7,
+        coil_cm: 10.0,
+        shear_modulus: 8e5,
+    };
+    assert_near(
+        "load at 7500 kgf/cm²",
+        spring.load_kgf(7500.0, 1.26),
+        1148.4,
+        0.05,
+    );
+    assert_near("turns", spring.turns(695.0, 4.238), 5.09, 5e-3);
+    assert_near("stiffness", spring.stiffness_kgf_per_cm(5.0), 167.04, 5e-3);
+    assert_near("free height", spring.height_cm(5.0, 3.1), 17.2, 5e-3);
+}
+
+/// Item 6. The print has 3579 mm: its last term divides by 8 A.
+#[test]
+fn belts() {
+    assert_near("length", belt_mm(1100.0, [314.0, 560.0]), 3586.6, 0.05);
+    let printed_mm = belt_mm(1100.0, [314.0, 560.0]) - 246.0 * 246.0 / 8800.0;
+    assert_near("length as printed", printed_mm, 3579.0, 1.0);
+    assert_near("speed", belt_mps(314.0, 1500.0), 24.66, 5e-3);
+}
+
+/// Item 10. The source prints some 3751 hours, and 5000 as its target.
+#[test]
+fn bearing_life() {
+    assert_near(
+        "life",
+        bearing_life_h(58_600.0, 14_848.0, 840.0),
+        1928.0,
+        0.5,
+    );
+}
+
+/// Item 11. The even load is q = 7499 kgf over 510 mm; the moment where it begins and the reaction FA = 5696 kgf, less the outer 1964, are the
+/// source's. It prints 1.118106e6 kgf mm and 658 kgf/cm², which do not follow from them. W = 170 cm³ is printed to three digits.
+#[test]
+fn shaft_moment() {
+    let (moment, at_mm) = greatest_moment(531_520.0, 5696.0 - 1964.0, 7499.0 / 510.0);
+    assert_near("greatest moment", moment, 1.00513e6, 50.0);
+    assert_near("its place", at_mm, 254.0, 0.5);
+    assert_near("stress", stress_kgf_per_cm2(moment, 170.0), 592.0, 1.0);
 }
 
 /// All numbers out of range are refused at once, by the name of the flag.

@@ -219,6 +219,7 @@ impl Basis {
             limits,
             pulse,
             cam: shaft,
+            screen: None,
             cam_table,
             machine,
             axes,

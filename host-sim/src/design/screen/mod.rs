@@ -11,13 +11,16 @@
 //! - throw index A ω² / g, which should be 2.25 to 3.24 times cos a on a deck inclined by a;
 //! - the rim's centre stands still if the wheel is bored off by r = A. Otherwise it circles at |A − r|.
 
+pub mod drive;
 mod report;
+mod spring;
 
 use core::f64::consts::TAU;
 
 use super::range::{OutOfRange, Range};
 
 pub use report::write_page;
+pub use spring::Spring;
 
 /// Gravity as the source has it, m/s²: its stiffnesses are in kgf/cm.
 pub const GRAVITY_MPS2: f64 = 9.81;

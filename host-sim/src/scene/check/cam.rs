@@ -206,7 +206,7 @@ pub(super) fn core_settings(follower: &Follower) -> MachineSettings {
 }
 
 /// The limits that the core is given: that on tilt stands for one on the first mode, in degrees as the others.
-pub(super) fn drift(drift: &Drift, machine: &MachineSettings) -> DriftSettings {
+pub fn drift(drift: &Drift, machine: &MachineSettings) -> DriftSettings {
     let mechanism = AnyMechanism::of(&machine.mechanism, machine.crank_radius_m);
     // As the core has it: half a degree finds the greatest way a radian to 4e-5.
     let lever = (0..360)

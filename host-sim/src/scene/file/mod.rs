@@ -28,6 +28,8 @@ pub use questions::Questions;
 
 use serde::{Deserialize, Serialize};
 
+use crate::plant::screen::ScreenTable;
+
 /// A whole scene.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -52,6 +54,9 @@ pub struct Scene {
     /// A cam shaft an axis, each with a follower of its own; this or `machine`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cam: Option<CamShaft>,
+    /// A vibrating screen; this instead of `machine`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub screen: Option<ScreenTable>,
     /// Curves that axes follow.
     #[serde(default, rename = "cam_table", skip_serializing_if = "Vec::is_empty")]
     pub cam_table: Vec<CamTable>,

@@ -1,0 +1,259 @@
+//! Vibrating screen: a box on springs that unbalanced shafts shake. The source is a Chinese thesis on a self-centring screen.
+//!
+//! The box moves along (x), across (z) and pitches (θ, small). Shaft i lies at p_i along the box and carries a block of mass G at R from its
+//! axis. With P the mass of the box, M = P + N G, I its pitch inertia about its centre, J a rotor's inertia, K and C of all springs together and K_θ, C_θ of
+//! their pitch, Lagrange gives for φ_i, x, z and θ, counted from rest under the weight of the box:
+//!
+//! ```text
+//! (J + G R²) φ″ − G R sin φ x″ + G R cos φ (z″ + p θ″) = torque − G g R cos φ
+//! M x″ + C x′ + K x = Σ G R (sin φ φ″ + cos φ φ′²)
+//! M z″ + Σ G p θ″ + C z′ + K z = −Σ G R (cos φ φ″ − sin φ φ′²)
+//! (I + Σ G p²) θ″ + Σ G p z″ + C_θ θ′ + K_θ θ = −Σ G R p (cos φ φ″ − sin φ φ′²)
+//! ```
+//!
+//! The controller is given a Scotch yoke of the *throw* G R N / M: far above its resonance the box moves by that against the blocks, so that its
+//! amplitude is throw · ω². Near the resonance it is more, which is what the forbidden band keeps the shafts from dwelling in.
+//!
+//! Not modelled: stones that leave the deck, belts, and pitch beyond small angles.
+
+mod record;
+mod table;
+
+use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
+
+use nalgebra::{Complex, Matrix3, Vector3};
+
+use super::{Plant, Record, Shafts};
+use crate::dynamics::{Body, Mode, PlaneMotion};
+use crate::machine::Pose;
+use crate::scene::file::Fidelity;
+
+use record::ScreenRecord;
+pub use table::ScreenTable;
+
+/// Box on springs with unbalanced shafts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Screen {
+    /// Mass of the box with what lies on it, without the exciter blocks, kg.
+    pub box_kg: f64,
+    /// Its pitch inertia about its centre, kg·m².
+    pub pitch_kgm2: f64,
+    /// Mass of each exciter block, kg.
+    pub block_kg: f64,
+    /// Distance of a block's centre of mass from its shaft's axis, m.
+    pub eccentricity_m: f64,
+    /// Place of each shaft along the box from its centre, m.
+    pub places_m: Vec<f64>,
+    /// Stiffness of all springs together, along and across, N/m.
+    pub stiffness_n_per_m: f64,
+    /// Damping of the box on its springs, as a part of what is critical.
+    pub zeta: f64,
+    /// Distance of the springs from the centre, m.
+    pub springs_m: f64,
+    /// Gravity, m/s².
+    pub gravity_mps2: f64,
+    /// Greatest torque of a motor at the resonance, N·m; none if the scene gives none.
+    pub motor_nm: Option<f64>,
+}
+
+/// Amplification of the throw from which on a speed is too close to the resonance to dwell at.
+pub const AMPLIFICATION: f64 = 2.0;
+
+impl Screen {
+    /// All that vibrates, kg.
+    #[must_use]
+    pub fn mass_kg(&self) -> f64 {
+        self.box_kg + self.places_m.len() as f64 * self.block_kg
+    }
+
+    /// Static moment of one block, kg·m.
+    fn moment_kgm(&self) -> f64 {
+        self.block_kg * self.eccentricity_m
+    }
+
+    /// Amplitude of the box far above its resonance, m.
+    #[must_use]
+    pub fn throw_m(&self) -> f64 {
+        self.places_m.len() as f64 * self.moment_kgm() / self.mass_kg()
+    }
+
+    /// Natural frequency of the box on its springs without damping, rad/s.
+    #[must_use]
+    pub fn natural_rad_s(&self) -> f64 {
+        (self.stiffness_n_per_m / self.mass_kg()).sqrt()
+    }
+
+    fn damping_ns_per_m(&self) -> f64 {
+        2.0 * self.zeta * self.mass_kg() * self.natural_rad_s()
+    }
+
+    /// Speeds between which the box moves by more than [`AMPLIFICATION`] throws in steady state, rev/s. Without damping r² / |1 − r²| equals the
+    /// amplification a at r² = a / (a ± 1), with r the speed over the natural one; damping narrows that.
+    #[must_use]
+    pub fn band_hz(&self) -> (f64, f64) {
+        let natural_hz = self.natural_rad_s() / TAU;
+        let edge = |sign: f64| natural_hz * (AMPLIFICATION / (AMPLIFICATION + sign)).sqrt();
+        (edge(1.0), edge(-1.0))
+    }
+
+    /// Torque of each motor, N·m, that steady turning at the resonance dissipates in the springs, and that lifts the block.
+    #[must_use]
+    pub fn resonance_nm(&self) -> f64 {
+        let (omega, count) = (self.natural_rad_s(), self.places_m.len() as f64);
+        let amplitude_m = self.throw_m() / (2.0 * self.zeta);
+        // Along and across: C ω A² / 2 each.
+        let dissipated = self.damping_ns_per_m() * omega * amplitude_m * amplitude_m / count;
+        dissipated + self.moment_kgm() * self.gravity_mps2
+    }
+
+    /// Steady motion of the box: x and z as functions of time, m, for shafts that turn steadily. The real part is x, the imaginary z.
+    fn steady_m(&self, turns: &[f64], omega_rad_s: f64) -> Complex<f64> {
+        let square = omega_rad_s * omega_rad_s;
+        let blocks: Complex<f64> = turns
+            .iter()
+            .map(|turns| Complex::from_polar(self.moment_kgm(), turns * TAU))
+            .sum();
+        let held = Complex::new(
+            self.stiffness_n_per_m - self.mass_kg() * square,
+            omega_rad_s * self.damping_ns_per_m(),
+        );
+        blocks * square / held
+    }
+}
+
+impl Plant for Screen {
+    fn name(&self) -> &'static str {
+        "a screen"
+    }
+
+    fn axes(&self) -> RangeInclusive<usize> {
+        1..=6
+    }
+
+    fn levels(&self) -> &'static [Fidelity] {
+        &[Fidelity::Kinematic, Fidelity::Phased]
+    }
+
+    fn left_out(&self, model_level: Fidelity) -> String {
+        match model_level {
+            Fidelity::Phased => "stones that leave the deck, belts, and large pitch angles",
+            _ => {
+                "torque, pitch, and how the box comes to its steady motion: the shafts are where commanded"
+            }
+        }
+        .to_owned()
+    }
+
+    fn pose(&self, turns: &[f64], omega_rad_s: f64, _: f64) -> Pose {
+        let z_m = self.steady_m(turns, omega_rad_s).im;
+        Pose {
+            z_m,
+            accel_mps2: -omega_rad_s * omega_rad_s * z_m,
+            ..Pose::default()
+        }
+    }
+
+    fn positions(&self) -> usize {
+        self.places_m.len() + 3
+    }
+
+    fn rest(&self, positions: &mut [f64]) {
+        positions[self.places_m.len()..].fill(0.0);
+    }
+
+    fn accelerations(&self, shafts: &Shafts<'_>, q: &[f64], v: &[f64], a: &mut [f64]) {
+        let n = self.places_m.len();
+        let (moment, block) = (self.moment_kgm(), self.block_kg);
+        let damping = self.damping_ns_per_m();
+        let square = self.springs_m * self.springs_m;
+        let mut mass = Matrix3::from_diagonal(&Vector3::new(
+            self.mass_kg(),
+            self.mass_kg(),
+            self.pitch_kgm2,
+        ));
+        let mut force = Vector3::new(
+            -self.stiffness_n_per_m * q[n] - damping * v[n],
+            -self.stiffness_n_per_m * q[n + 1] - damping * v[n + 1],
+            -square * (self.stiffness_n_per_m * q[n + 2] + damping * v[n + 2]),
+        );
+        // Each shaft pulls the box along the direction in which φ″ moves its block; a free shaft yields to it.
+        let mut directions = [(Vector3::zeros(), 0.0); crate::dynamics::MOST];
+        for (i, &place) in self.places_m.iter().enumerate() {
+            let (sine, cosine) = q[i].sin_cos();
+            mass[(1, 2)] += block * place;
+            mass[(2, 1)] += block * place;
+            mass[(2, 2)] += block * place * place;
+            let central = moment * v[i] * v[i];
+            force += central * Vector3::new(cosine, sine, sine * place);
+            let along = moment * Vector3::new(-sine, cosine, cosine * place);
+            let inertia =
+                shafts.body.rotors_kgm2[i] + block * self.eccentricity_m * self.eccentricity_m;
+            let free = if shafts.held[i] {
+                0.0
+            } else {
+                (shafts.net_nm(i, v[i]) - moment * self.gravity_mps2 * cosine) / inertia
+            };
+            force -= along * free;
+            if !shafts.held[i] {
+                mass -= along * along.transpose() / inertia;
+            }
+            directions[i] = (along / inertia, free);
+        }
+        let moved = mass.lu().solve(&force).unwrap_or_else(Vector3::zeros);
+        for (i, (direction, free)) in directions[..n].iter().enumerate() {
+            a[i] = if shafts.held[i] {
+                0.0
+            } else {
+                free - direction.dot(&moved)
+            };
+        }
+        a[n..n + 3].copy_from_slice(moved.as_slice());
+    }
+
+    fn moved(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion {
+        let n = self.places_m.len();
+        let of = |values: &[f64]| [values[n + 1], values[n + 2], 0.0];
+        PlaneMotion {
+            place: of(q),
+            rate: of(v),
+            acceleration: of(a),
+        }
+    }
+
+    fn energy_j(&self, body: &Body, q: &[f64], v: &[f64]) -> f64 {
+        let n = self.places_m.len();
+        let (moving, turning) = (v[n] * v[n] + v[n + 1] * v[n + 1], v[n + 2] * v[n + 2]);
+        let mut energy = 0.5 * (self.box_kg * moving + self.pitch_kgm2 * turning);
+        let springs = q[n] * q[n]
+            + q[n + 1] * q[n + 1]
+            + self.springs_m * self.springs_m * q[n + 2] * q[n + 2];
+        energy += 0.5 * self.stiffness_n_per_m * springs;
+        for (i, &place) in self.places_m.iter().enumerate() {
+            let (sine, cosine) = q[i].sin_cos();
+            let along = v[n] - self.eccentricity_m * sine * v[i];
+            let across = v[n + 1] + place * v[n + 2] + self.eccentricity_m * cosine * v[i];
+            energy += 0.5 * self.block_kg * (along * along + across * across)
+                + 0.5 * body.rotors_kgm2[i] * v[i] * v[i]
+                + self.moment_kgm() * self.gravity_mps2 * sine;
+        }
+        energy
+    }
+
+    fn fastest_mode(&self) -> Mode {
+        // Blocks take part of the box's inertia away where they yield: by less than half, as their mass is a part of it.
+        let pitch = self.stiffness_n_per_m * self.springs_m * self.springs_m / self.pitch_kgm2;
+        let omega_rad_s = (2.0 * pitch.max(self.stiffness_n_per_m / self.box_kg)).sqrt();
+        Mode {
+            omega_rad_s,
+            zeta: self.zeta,
+        }
+    }
+
+    fn record(&self) -> Box<dyn Record> {
+        Box::new(ScreenRecord::new(self))
+    }
+}
+
+#[cfg(test)]
+mod tests;
