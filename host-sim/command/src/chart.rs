@@ -14,7 +14,7 @@ use host_sim::trace::RunFiles;
 pub(super) struct ChartArgs {
     /// Which chart; `list` names them
     name: String,
-    /// Where to write NAME.csv and NAME.svg
+    /// Where to write NAME.csv and NAME.svg, or NAME-PART.svg for each picture of several
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
     /// How much is measured; the docs show full ones
@@ -45,22 +45,21 @@ pub(super) fn chart(args: &ChartArgs, out: &mut impl Write) -> Result<Status, Co
         CommandError::Input(format!("--out: {error}; give a folder that can be written"))
     };
     let mut files = RunFiles::create(&args.out).map_err(|error| place(&error))?;
-    for (name, text) in [
-        (format!("{}.csv", chart.name), &drawn.csv),
-        (format!("{}.svg", chart.name), &drawn.svg),
-    ] {
-        let mut file = files.file(&name).map_err(|error| place(&error))?;
+    let written = drawn.files(chart.name);
+    for (name, text) in &written {
+        let mut file = files.file(name).map_err(|error| place(&error))?;
         file.write_all(text.as_bytes())
             .and_then(|()| file.flush())
             .map_err(|error| place(&error))?;
     }
     files.commit().map_err(|error| place(&error))?;
+    let names: Vec<&str> = written.iter().map(|(name, _)| name.as_str()).collect();
     writeln!(
         out,
-        "{}\nWritten to {}: {name}.csv, {name}.svg.",
+        "{}\nWritten to {}: {}.",
         drawn.says,
         args.out.display(),
-        name = chart.name
+        names.join(", ")
     )?;
     Ok(Status::Done)
 }

@@ -1,5 +1,7 @@
 //! The bad places of the `breakdown` chart: at each one the failure, and the guard that stands there.
 
+#[path = "breakdown/branch.rs"]
+mod branch;
 #[path = "breakdown/motors.rs"]
 mod motors;
 #[path = "breakdown/steps.rs"]
@@ -125,13 +127,13 @@ fn lambda_at_both_ends() {
     }
 }
 
-/// Were it wrong, the chart would lack a panel, or be another each time.
+/// If this fails, the chart lacks a panel or its picture, or differs between runs.
 #[test]
 fn the_chart_has_all_panels() {
     let chart = find("breakdown").expect("it is a chart");
     let draw = || (chart.draw)(Size::Small, &mut |_, _| {}).unwrap();
     let (one, other) = (draw(), draw());
-    assert_eq!((&one.csv, &one.svg), (&other.csv, &other.svg));
+    assert_eq!(one.files("breakdown"), other.files("breakdown"));
     let mut panels: Vec<String> = csv::Reader::from_reader(one.csv.as_bytes())
         .records()
         .map(|record| record.unwrap()[0].to_owned())
@@ -140,10 +142,22 @@ fn the_chart_has_all_panels() {
     assert_eq!(
         panels,
         [
-            "root", "band", "pull-out", "chain", "rods", "overload", "lambda"
+            "root", "band", "pull-out", "chain", "rods", "overload", "lambda", "branch"
         ]
     );
-    for part in 1..=7 {
-        assert!(one.says.contains(&format!("({part})")), "{}", one.says);
+    let parts: Vec<_> = one.pictures.iter().map(|picture| picture.part).collect();
+    let expected: Vec<_> = panels.iter().map(|panel| Some(panel.as_str())).collect();
+    assert_eq!(parts, expected);
+    // Each legend has the lines of its own panel.
+    for record in csv::Reader::from_reader(one.csv.as_bytes()).records() {
+        let record = record.unwrap();
+        let (panel, line, is_level) = (&record[0], &record[1], record[2].is_empty());
+        let picture = one
+            .pictures
+            .iter()
+            .find(|picture| picture.part == Some(panel))
+            .expect("each panel has a picture");
+        let entry = line.replace(", of the true peak", "");
+        assert!(is_level || picture.svg.contains(&entry), "{panel}: {line}");
     }
 }

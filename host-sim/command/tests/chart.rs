@@ -17,7 +17,7 @@ fn chart(arguments: &[&str]) -> Output {
         .expect("it runs")
 }
 
-/// A chart's data, its picture, and what the command says.
+/// A chart's data, its pictures one after the other, and the message of the command.
 struct Drawn {
     csv: String,
     svg: String,
@@ -29,12 +29,22 @@ fn draw(name: &str) -> Drawn {
     let place = folder.path().to_str().unwrap();
     let output = chart(&[name, "--size", "small", "--out", place]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
-    let read =
-        |kind: &str| std::fs::read_to_string(folder.path().join(format!("{name}.{kind}"))).unwrap();
+    let said = String::from_utf8(output.stdout).unwrap();
+    let read = |file: &str| std::fs::read_to_string(folder.path().join(file)).unwrap();
+    let (_, written) = said.rsplit_once(": ").expect("the files are named");
+    let files: Vec<_> = written
+        .trim_end()
+        .trim_end_matches('.')
+        .split(", ")
+        .collect();
+    let in_folder = std::fs::read_dir(folder.path()).unwrap().count();
+    assert_eq!(in_folder, files.len(), "{said}");
+    let (data, pictures) = files.split_first().expect("the data");
+    assert_eq!(*data, format!("{name}.csv"));
     Drawn {
-        csv: read("csv"),
-        svg: read("svg"),
-        said: String::from_utf8(output.stdout).unwrap(),
+        csv: read(data),
+        svg: pictures.iter().map(|picture| read(picture)).collect(),
+        said,
     }
 }
 

@@ -5,10 +5,44 @@
 pub struct Drawn {
     /// Data, with a header.
     pub csv: String,
-    /// The picture.
-    pub svg: String,
-    /// What it says, in a sentence or two; it stands under the picture too.
+    /// Pictures, at least one, each with its own file.
+    pub pictures: Vec<DrawnPicture>,
+    /// Message in a sentence or two for each picture; it stands under the picture too.
     pub says: String,
+}
+
+impl Drawn {
+    /// Chart with one picture, whose file has the chart's name.
+    pub fn one(csv: String, svg: String, says: String) -> Self {
+        let pictures = vec![DrawnPicture { part: None, svg }];
+        Self {
+            csv,
+            pictures,
+            says,
+        }
+    }
+
+    /// Names and texts of all files of the chart `name`: the data, then the pictures.
+    pub fn files(&self, name: &str) -> Vec<(String, &str)> {
+        let data = (format!("{name}.csv"), self.csv.as_str());
+        let pictures = self.pictures.iter().map(|picture| {
+            let file = match picture.part {
+                None => format!("{name}.svg"),
+                Some(part) => format!("{name}-{part}.svg"),
+            };
+            (file, picture.svg.as_str())
+        });
+        std::iter::once(data).chain(pictures).collect()
+    }
+}
+
+/// A picture of a chart.
+#[derive(Clone, Debug)]
+pub struct DrawnPicture {
+    /// Part of the chart that it shows, at the end of the file's name; none if it shows the whole chart.
+    pub part: Option<&'static str>,
+    /// Picture as SVG text.
+    pub svg: String,
 }
 
 /// How much is measured.

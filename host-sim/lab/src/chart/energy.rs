@@ -95,7 +95,7 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
         chosen_is: "default",
         panels: vec![panel],
     });
-    Ok(Drawn { csv, svg, says })
+    Ok(Drawn::one(csv, svg, says))
 }
 
 /// Change of the mean energy over so many turns, of the kinetic energy at first; infinite if a step failed.

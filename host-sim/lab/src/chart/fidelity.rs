@@ -50,17 +50,14 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
         ladders.push(ladder);
     }
     let says = says(&ladders);
-    Ok(Drawn {
-        csv: csv(&ladders),
-        svg: render(Picture {
-            title: "Fidelity: error against cost of the model levels".to_owned(),
-            says: says.clone(),
-            columns: 3,
-            chosen_is: "taken by auto",
-            panels: ladders.iter().map(panel).collect(),
-        }),
-        says,
-    })
+    let svg = render(Picture {
+        title: "Fidelity: error against cost of the model levels".to_owned(),
+        says: says.clone(),
+        columns: 3,
+        chosen_is: "taken by auto",
+        panels: ladders.iter().map(panel).collect(),
+    });
+    Ok(Drawn::one(csv(&ladders), svg, says))
 }
 
 /// Runs a scene's sample on each model level it has.

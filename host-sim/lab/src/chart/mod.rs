@@ -1,5 +1,5 @@
-//! Charts: speed against accuracy, where things stop working, and what is decided wrongly. Each is data (CSV) and a
-//! picture (SVG).
+//! Charts: speed against accuracy, where things stop working, and what is decided wrongly. Each is data (CSV) and one or
+//! more pictures (SVG).
 //!
 //! Both are the same on every run, but for one column of the data, `timing`, where there is one: what an evaluation takes
 //! on a clock, as a ratio to a yardstick measured in the same run. No picture is drawn from it.
@@ -22,7 +22,7 @@ mod stability;
 mod tick_rate;
 pub mod yardstick;
 
-pub use drawn::{ChartError, Drawn, Progress, Size};
+pub use drawn::{ChartError, Drawn, DrawnPicture, Progress, Size};
 
 /// A chart that can be made.
 #[derive(Clone, Copy, Debug)]

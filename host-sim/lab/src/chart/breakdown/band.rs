@@ -167,7 +167,7 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
     );
     Ok(Shown {
         key: "band",
-        title: "2  Crossing a resonance too slowly".to_owned(),
+        title: "Crossing a resonance too slowly".to_owned(),
         x: Axis::log("acceleration of the shaft, rev/s²", 1.0, 100.0),
         y: Axis::linear("largest way of the frame, µm", 0.0, 6500.0),
         curves: vec![
@@ -186,7 +186,7 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
             },
         ],
         says: format!(
-            "(2) Dwelling at its resonance moves the frame by {:.1} mm; crossed at {:.0} rev/s² it goes {:.1} mm, at {:.0} rev/s² {:.1} mm, \
+            "Dwelling at its resonance moves the frame by {:.1} mm; crossed at {:.0} rev/s² it goes {:.1} mm, at {:.0} rev/s² {:.1} mm, \
              and a machine that is held at its band's edge {:.1} mm.",
             facts.dwelling_um / 1e3,
             slow.hz_per_s,

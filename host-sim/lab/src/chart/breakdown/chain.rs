@@ -172,13 +172,13 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
         .collect();
     Ok(Shown {
         key: "chain",
-        title: "4  A stiff chain, its step doubled".to_owned(),
+        title: "A stiff chain, its step doubled".to_owned(),
         x: Axis::log("step, µs; limits of two methods", 5.0, 3000.0),
         y: Axis::log("way off the law, of the true peak; top: diverged", 0.1, TOP),
         curves: facts.methods.iter().map(curve).collect(),
         levels: levels.collect(),
         says: format!(
-            "(4) The chain diverges beyond {} µs; a scene with such a step is refused, and the message gives the limit. What has no limit does not \
+            "The chain diverges beyond {} µs; a scene with such a step is refused, and the message gives the limit. What has no limit does not \
              diverge, and may be wrong all the same: at {step_ms:.1} ms it makes of the peak of {:.3} mm, in parts of it, {}.",
             limits.join(", "),
             facts.true_m * 1e3,
@@ -195,7 +195,7 @@ fn curve(tried: &Tried) -> Curve {
     Curve {
         name: format!("{}, of the true peak", tried.scheme),
         line: Line {
-            label: format!("4: {}", tried.scheme),
+            label: tried.scheme.to_string(),
             ..line
         },
         data,

@@ -72,7 +72,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
     }
     Ok(Shown {
         key: "lambda",
-        title: "7  λ at both ends: two terms and exact".to_owned(),
+        title: "λ at both ends: two terms and exact".to_owned(),
         x: Axis::linear("crank angle, °", 0.0, 360.0),
         y: Axis::linear("acceleration, of R ω²", -1.5, 2.0),
         curves,
@@ -81,7 +81,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
             label: "worst".to_owned(),
         }],
         says: format!(
-            "(7) Two terms are off by {:.3} % of amax at λ = 0.1 (dashed) and by {:.3} % at 0.6 (solid), both at 90°; λ outside of these is refused.",
+            "Two terms are off by {:.3} % of amax at λ = 0.1 (dashed) and by {:.3} % at 0.6 (solid), both at 90°; λ outside of these is refused.",
             100.0 * ends[0].error,
             100.0 * ends[1].error
         ),

@@ -1,6 +1,6 @@
-//! Breakdown: what happens at the bad places, a small scene and a panel each, with the guard that stands there.
+//! Breakdown: what happens at the bad places, a small scene or a design and a picture each, with the guard that stands there.
 //!
-//! A file a panel: its scene, what is seen when it runs, and what is drawn of that. The scenes and what is seen are for the
+//! Each panel has a file: its scene, the facts measured in it, and the drawing of them. Scenes and facts are for the
 //! tests too, which assert both the failure and the guard (`host-sim/command/tests/breakdown.rs`).
 //!
 //! - [`root`]: an amplitude that rises from 0 asks for an infinite acceleration;
@@ -10,9 +10,11 @@
 //! - [`rods`]: the over-constrained platform on stiffer rods;
 //! - [`overload`]: motors under five times their load, and a loop that takes five times its time;
 //! - [`lambda`]: two terms where λ is at its ends;
+//! - [`branch`]: a crank-rocker whose dead centres lie on two branches;
 //! - [`diverging`]: no panel, but the run that ends on the way; [`runs`]: how scenes are run and looked at.
 
 pub mod band;
+pub mod branch;
 pub mod chain;
 pub mod diverging;
 pub mod lambda;
@@ -24,13 +26,14 @@ pub mod root;
 pub mod runs;
 
 use super::picture::{Panel, Picture, render};
-use super::{ChartError, Drawn, Progress, Size};
+use super::{ChartError, Drawn, DrawnPicture, Progress, Size};
 use panel::Shown;
 
 /// Makes a panel.
 type Show = fn(Size) -> Result<Shown, ChartError>;
 
-const PANELS: [Show; 7] = [
+/// All panels, in the order of the data and the message. A new panel is a file beside this one and a line here.
+const PANELS: &[Show] = &[
     |_| root::shown(),
     band::shown,
     |_| pull_out::shown(),
@@ -38,6 +41,7 @@ const PANELS: [Show; 7] = [
     rods::shown,
     |_| overload::shown(),
     |_| lambda::shown(),
+    |_| branch::shown(),
 ];
 
 /// Makes the chart.
@@ -47,26 +51,33 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
         shown.push(show(size)?);
         progress(shown.len() as u64, PANELS.len() as u64);
     }
-    let csv = csv(&shown);
     let all: Vec<&str> = shown.iter().map(|shown| shown.says.as_str()).collect();
-    let says = all.join(" ");
-    let svg = render(Picture {
-        title: "Breakdown: the bad places, and what stands guard there".to_owned(),
-        says: says.clone(),
-        columns: 3,
-        chosen_is: "default",
-        panels: shown.into_iter().map(panel).collect(),
-    });
-    Ok(Drawn { csv, svg, says })
+    Ok(Drawn {
+        csv: csv(&shown),
+        says: all.join("\n"),
+        pictures: shown.into_iter().map(picture).collect(),
+    })
 }
 
-fn panel(shown: Shown) -> Panel {
-    Panel {
-        title: shown.title,
+/// A panel as a picture of its own, with a legend that is valid in this panel only.
+fn picture(shown: Shown) -> DrawnPicture {
+    let panel = Panel {
+        title: String::new(),
         x: shown.x,
         y: shown.y,
         lines: shown.curves.into_iter().map(|curve| curve.line).collect(),
         levels: shown.levels,
+    };
+    let svg = render(Picture {
+        title: shown.title,
+        says: shown.says,
+        columns: 1,
+        chosen_is: "default",
+        panels: vec![panel],
+    });
+    DrawnPicture {
+        part: Some(shown.key),
+        svg,
     }
 }
 

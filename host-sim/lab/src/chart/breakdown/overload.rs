@@ -82,7 +82,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
     let fault_s = fault_s(&over.outcome).unwrap_or(f64::NAN);
     Ok(Shown {
         key: "overload",
-        title: "6  Five times the load that motors are for".to_owned(),
+        title: "Five times the load that motors are for".to_owned(),
         x: Axis::linear("time, s", 0.4, 1.05),
         y: Axis::linear("crank ahead of its command, °", -40.0, 10.0),
         curves: vec![
@@ -94,7 +94,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
             label: "fault: all stop".to_owned(),
         }],
         says: format!(
-            "(6) Sized for {:.0} % of their torque, motors under five times the load slip, together; {:.0} ms later that is a fault. A loop \
+            "Sized for {:.0} % of their torque, motors under five times the load slip, together; {:.0} ms later that is a fault. A loop \
              that takes five ticks for each ends in an overrun within {:.1} ms, its cranks {:.0}° apart.",
             100.0 * torque_used(SIZED_KG)?,
             (fault_s - slip_s) * 1e3,

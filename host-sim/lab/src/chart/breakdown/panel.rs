@@ -13,11 +13,11 @@ pub(super) struct Shown {
     pub(super) y: Axis,
     pub(super) curves: Vec<Curve>,
     pub(super) levels: Vec<Level>,
-    /// What it says, numbered as its title.
+    /// Message, in a sentence or two; it stands under the picture.
     pub(super) says: String,
 }
 
-/// A line with its own name, as one look means the same in all panels.
+/// A line whose name is both its entry in the panel's legend and its name in the data.
 pub(super) struct Curve {
     /// What it is, and its unit.
     pub(super) name: String,
@@ -28,10 +28,14 @@ pub(super) struct Curve {
 
 impl Curve {
     pub(super) fn new(name: impl Into<String>, line: Line) -> Self {
+        let name = name.into();
         Self {
-            name: name.into(),
             data: line.points.clone(),
-            line,
+            line: Line {
+                label: name.clone(),
+                ..line
+            },
+            name,
         }
     }
 
@@ -50,7 +54,7 @@ pub(super) fn requested(points: Vec<(f64, f64)>) -> Line {
     Line {
         stroke: Stroke::Dashed,
         marked: false,
-        ..Line::new("requested", Ink::Grey, points)
+        ..Line::new("", Ink::Grey, points)
     }
 }
 
@@ -58,7 +62,7 @@ pub(super) fn requested(points: Vec<(f64, f64)>) -> Line {
 pub(super) fn failing(points: Vec<(f64, f64)>) -> Line {
     Line {
         marked: false,
-        ..Line::new("where it goes wrong", Ink::Vermilion, points)
+        ..Line::new("", Ink::Vermilion, points)
     }
 }
 
@@ -66,6 +70,6 @@ pub(super) fn failing(points: Vec<(f64, f64)>) -> Line {
 pub(super) fn guarded(points: Vec<(f64, f64)>) -> Line {
     Line {
         marked: false,
-        ..Line::new("as it should be", Ink::Blue, points)
+        ..Line::new("", Ink::Blue, points)
     }
 }

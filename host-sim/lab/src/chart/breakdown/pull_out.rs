@@ -86,7 +86,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
     let lost = weak.outcome.statistics.slipped_cycles[WEAK_AXIS];
     Ok(Shown {
         key: "pull-out",
-        title: "3  Pull-out: one motor of three too weak".to_owned(),
+        title: "Pull-out: one motor of three too weak".to_owned(),
         x: Axis::linear("time, s", 0.4, 1.0),
         y: Axis::linear("crank ahead of its command, electrical cycles", -5.0, 1.0),
         curves: vec![
@@ -98,7 +98,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
             label: "fault: all stop".to_owned(),
         }],
         says: format!(
-            "(3) A motor of which {:.1} times the torque that it has is required ({:.2} if it is as strong as the others) loses {} electrical cycles; the \
+            "A motor of which {:.1} times the torque that it has is required ({:.2} if it is as strong as the others) loses {} electrical cycles; the \
              drift monitor stops all cranks {:.0} ms after the first.",
             torque_used(WEAK)?,
             torque_used(1.0)?,

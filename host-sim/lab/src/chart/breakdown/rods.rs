@@ -139,11 +139,7 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
     };
     let steps = Line {
         stroke: Stroke::Dotted,
-        ..Line::new(
-            "5: steps a tick",
-            Ink::Black,
-            points(|measured| f64::from(measured.steps)),
-        )
+        ..Line::new("", Ink::Black, points(|measured| f64::from(measured.steps)))
     };
     let of = |stiffness: f64| {
         let found = facts
@@ -161,7 +157,7 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
     };
     Ok(Shown {
         key: "rods",
-        title: "5  Four cranks, one 1° off, on stiffer rods".to_owned(),
+        title: "Four cranks, one 1° off, on stiffer rods".to_owned(),
         x: Axis::log("stiffness of a rod, N/µm", 4.0, 600.0),
         y: Axis::log("torque of its motor, N·m; steps a tick", 1.0, 100.0),
         curves: vec![
@@ -180,7 +176,7 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
             label: "1 step a tick: refused".to_owned(),
         }],
         says: format!(
-            "(5) Rods ten times stiffer raise the torque of the motor whose crank stands 1° off from {:.1} to {:.1} N·m (none off: {:.1}), \
+            "Rods ten times stiffer raise the torque of the motor whose crank stands 1° off from {:.1} to {:.1} N·m (none off: {:.1}), \
              and the steps a tick from {} to {}; one step a tick is refused from {:.1} N/µm on.",
             soft.off_nm,
             stiff.off_nm,

@@ -119,7 +119,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
     let caught_s = facts.behind_s().unwrap_or(0.0);
     Ok(Shown {
         key: "root",
-        title: "1  Root at amax = 0: an even ramp from rest".to_owned(),
+        title: "Root at amax = 0: an even ramp from rest".to_owned(),
         x: Axis::linear("time since the program began, s", 0.0, SHOWN_S),
         y: Axis::linear("speed of the shaft, rev/s", 0.0, 20.0),
         curves: vec![
@@ -134,7 +134,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
             label: "caught up".to_owned(),
         }],
         says: format!(
-            "(1) The root asks for {:.0} times the acceleration that is allowed; the shaft keeps its limit and has caught up \
+            "The root asks for {:.0} times the acceleration that is allowed; the shaft keeps its limit and has caught up \
              after {caught_s:.2} s.",
             facts.requested_hz_per_s() / LIMIT_HZ_PER_S
         ),

@@ -120,17 +120,14 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
         worst.push(scene_worst);
     }
     let says = says(&worst);
-    Ok(Drawn {
-        csv,
-        svg: render(Picture {
-            title: "Decisions: error of the threshold at which the outcome turns over".to_owned(),
-            says: says.clone(),
-            columns: 3,
-            chosen_is: "default",
-            panels,
-        }),
-        says,
-    })
+    let svg = render(Picture {
+        title: "Decisions: error of the threshold at which the outcome turns over".to_owned(),
+        says: says.clone(),
+        columns: 3,
+        chosen_is: "default",
+        panels,
+    });
+    Ok(Drawn::one(csv, svg, says))
 }
 
 /// What is worth saying of a scene.

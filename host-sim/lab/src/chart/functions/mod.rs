@@ -149,7 +149,7 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
         chosen_is: "called by the controller",
         panels: panels.collect(),
     });
-    Ok(Drawn { csv, svg, says })
+    Ok(Drawn::one(csv, svg, says))
 }
 
 fn read() -> Result<Vec<Candidate>, ChartError> {

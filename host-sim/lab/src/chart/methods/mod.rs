@@ -70,7 +70,7 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
         chosen_is: "default",
         panels,
     });
-    Ok(Drawn { csv, svg, says })
+    Ok(Drawn::one(csv, svg, says))
 }
 
 fn write_rows(csv: &mut String, problem: &Problem, curve: &Curve) {

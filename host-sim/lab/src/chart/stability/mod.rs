@@ -121,7 +121,7 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
         chosen_is: "default",
         panels,
     });
-    Ok(Drawn { csv, svg, says })
+    Ok(Drawn::one(csv, svg, says))
 }
 
 /// The panel of trims: what is measured at each delay, on the line of theory.

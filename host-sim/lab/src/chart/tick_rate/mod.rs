@@ -85,7 +85,7 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
         chosen_is: "default",
         panels: panels(&runs, &cycles, &rates),
     });
-    Ok(Drawn { csv, svg, says })
+    Ok(Drawn::one(csv, svg, says))
 }
 
 /// Runs a built-in scene at another rate than its own.
