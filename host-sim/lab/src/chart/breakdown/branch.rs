@@ -1,6 +1,6 @@
 //! Branch defect: dead centres of a synthesized crank-rocker on two branches, which no assembly reaches both of.
 //!
-//! Failure: below a time ratio of about 0.72 (swing 60°, pressure angle 0°) the synthesis gives lengths that satisfy Grashof, but the
+//! Failure: below a time ratio of 5/7 (swing 60°, pressure angle 0°: swing + Θ would exceed 90° at the folded dead centre) the synthesis gives lengths that satisfy Grashof, but the
 //! assembled rocker swings by less than 60°. Guard: the design method compares the swing of the assembled linkage with the requested
 //! one and refuses the time ratio.
 
