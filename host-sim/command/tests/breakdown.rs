@@ -2,6 +2,8 @@
 
 #[path = "breakdown/branch.rs"]
 mod branch;
+#[path = "breakdown/capture.rs"]
+mod capture;
 #[path = "breakdown/motors.rs"]
 mod motors;
 #[path = "breakdown/steps.rs"]
@@ -142,7 +144,7 @@ fn the_chart_has_all_panels() {
     assert_eq!(
         panels,
         [
-            "root", "band", "pull-out", "chain", "rods", "overload", "lambda", "branch"
+            "root", "band", "pull-out", "chain", "rods", "overload", "lambda", "branch", "capture"
         ]
     );
     let parts: Vec<_> = one.pictures.iter().map(|picture| picture.part).collect();

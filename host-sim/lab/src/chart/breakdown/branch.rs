@@ -1,12 +1,14 @@
 //! Branch defect: dead centres of a synthesized crank-rocker on two branches, which no assembly reaches both of.
 //!
-//! Failure: below a time ratio of 5/7 (swing 60°, pressure angle 0°: swing + Θ would exceed 90° at the folded dead centre) the synthesis gives lengths that satisfy Grashof, but the
-//! assembled rocker swings by less than 60°. Guard: the design method compares the swing of the assembled linkage with the requested
+//! Failure: below a time ratio of 5/7, with a swing of 60° and a pressure angle of 0°, the synthesis gives lengths that satisfy Grashof, but the
+//! assembled rocker swings by less than 60°: swing + Θ would exceed 90° at the folded dead centre. Guard: the design method compares the swing of the assembled linkage with the requested
 //! one and refuses the time ratio.
 
 use super::panel::{Curve, Shown, failing, guarded, requested};
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
+use crate::chart::ink::Ink;
+use crate::chart::picture::Line;
 use host_sim::design::crank_rocker::{DesignError, Requirement, design};
 
 /// Requested swing of the rocker, degrees.
@@ -94,13 +96,9 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
             Curve::new("swing as assembled, accepted, °", guarded(points(false))),
             Curve::new(
                 "pressure angle at the folded dead centre, °",
-                crate::chart::picture::Line {
+                Line {
                     marked: false,
-                    ..crate::chart::picture::Line::new(
-                        "",
-                        crate::chart::ink::Ink::Green,
-                        pressure.collect(),
-                    )
+                    ..Line::new("", Ink::Green, pressure.collect())
                 },
             ),
         ],

@@ -11,10 +11,12 @@
 //! - [`overload`]: motors under five times their load, and a loop that takes five times its time;
 //! - [`lambda`]: two terms where λ is at its ends;
 //! - [`branch`]: a crank-rocker whose dead centres lie on two branches;
+//! - [`capture`]: a screen that hangs in its resonance;
 //! - [`diverging`]: no panel, but the run that ends on the way; [`runs`]: how scenes are run and looked at.
 
 pub mod band;
 pub mod branch;
+pub mod capture;
 pub mod chain;
 pub mod diverging;
 pub mod lambda;
@@ -42,6 +44,7 @@ const PANELS: &[Show] = &[
     |_| overload::shown(),
     |_| lambda::shown(),
     |_| branch::shown(),
+    |_| capture::shown(),
 ];
 
 /// Makes the chart.
