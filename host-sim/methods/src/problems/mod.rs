@@ -12,12 +12,14 @@
 //! | [`VanDerPol`] | very stiff, with jumps |
 //! | [`BouncingBall`] | events that crowd together |
 //! | [`Chain`] | the elastic follower of a cam: a machine of this kind, linear, with a fast mode |
+//! | [`Crusher`] | forces that begin and end within a turn, an inertia that changes with the angle |
 //! | [`Screen`] | a decision: whether a motor of limited power gets through a resonance |
 
 pub mod andrews;
 pub mod bouncing_ball;
 pub mod cam;
 pub mod chain;
+pub mod crusher;
 pub mod hires;
 pub mod oscillator;
 pub mod pendulum;
@@ -28,6 +30,7 @@ pub use andrews::Andrews;
 pub use bouncing_ball::BouncingBall;
 pub use cam::{Cam, Law, Motion};
 pub use chain::{Chain, Links, Mode, Shaft};
+pub use crusher::Crusher;
 pub use hires::Hires;
 pub use oscillator::Oscillator;
 pub use pendulum::Pendulum;
