@@ -16,7 +16,8 @@
 //! (10 mm), the jaw (800 mm), the toggle plate (250 mm) and the place of the force (650 mm below the eccentric). Calibrated are:
 //!
 //! - the distance of the fixed pivots, [`Linkage::ground_m`], against the least deviation from the six speeds of the periodic regime that
-//!   were computed independently of this project: one number for six;
+//!   were computed independently of this project. Distances from 0.78 to 0.90 m, both closing directions, and three places of the force
+//!   were compared. The speeds are met within 0.0083 rad/s; 5 mm more or less reach the tolerance of 0.01. They are no predictions;
 //! - mass and centre of mass of the jaw, against the published range of Je, 40.828 to 40.940 kg m², with the jaw's inertia that of a
 //!   uniform rod.
 

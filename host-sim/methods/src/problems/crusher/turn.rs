@@ -12,7 +12,8 @@ const STEPS: u32 = 240;
 /// Distance from the ends of a piece within which the force is taken from inside; it is far below a step.
 const INSIDE_RAD: f64 = 1e-10;
 
-/// Turns after which the last one stands for the periodic regime, even if it is not settled to 1e-10 rad/s.
+/// Turns after which the last one stands for the periodic regime. A turn forgets all but a tenth of a deviation, so that it has settled
+/// to 1e-10 rad/s long before.
 const MOST_TURNS: u32 = 100;
 
 /// Speeds of the shaft over one turn.
