@@ -9,6 +9,7 @@ mod campaign;
 mod chart;
 pub mod design;
 mod expected;
+mod reproduced;
 mod run;
 mod scenes;
 mod settings;
@@ -48,6 +49,8 @@ enum What {
     Campaign(campaign::CampaignArgs),
     /// Draw a chart, and write its data: speed against accuracy, and where methods stop being stable
     Chart(chart::ChartArgs),
+    /// Compare published figures of all machines with those of this project, as a page
+    Reproduced(reproduced::ReproducedArgs),
     Design(DesignArgs),
 }
 
@@ -59,6 +62,7 @@ impl Command {
             What::Settings(args) => settings::settings(&args, out),
             What::Campaign(args) => campaign::campaign(&args, out, err),
             What::Chart(args) => chart::chart(&args, out),
+            What::Reproduced(args) => reproduced::reproduced(&args, out),
             What::Scenes(args) => scenes::scenes(&args, out),
             What::Design(args) => match design::run(&args, out) {
                 Ok(()) => Ok(Status::Done),

@@ -83,7 +83,7 @@ impl HybridLaw {
         let (q, v) = ([state[0], state[1]], [state[2], state[3]]);
         let (hand, hand_mps) = (arm.hand_m(q), arm.hand_mps(q, v));
         let jacobian = arm.jacobian_m(q);
-        let mut wanted = [0, 1].map(|i| {
+        let mut requested = [0, 1].map(|i| {
             target.acceleration_mps2[i]
                 + self.velocity_per_s * (target.velocity_mps[i] - hand_mps[i])
                 + self.position_per_s2 * (target.at_m[i] - hand[i])
@@ -96,17 +96,17 @@ impl HybridLaw {
         let mut push = known.map(|force| -force);
         if let Some(surface) = &arm.surface {
             let n = surface.normal;
-            let across = wanted[0] * n[0] + wanted[1] * n[1];
+            let across = requested[0] * n[0] + requested[1] * n[1];
             let error = self.required_n - self.sensor.read_n(arm.contact_n(q, v));
             self.integral_ns += error * period_s;
             let force = self.required_n + self.force_per_s * self.integral_ns;
             for i in 0..2 {
-                wanted[i] -= across * n[i];
+                requested[i] -= across * n[i];
                 push[i] += force * n[i];
             }
         }
         let centripetal = arm.centripetal_mps2(q, v);
-        let angular = solve(jacobian, [0, 1].map(|i| wanted[i] - centripetal[i]));
+        let angular = solve(jacobian, [0, 1].map(|i| requested[i] - centripetal[i]));
         let inertial = times(arm.inertia_kgm2(q), angular);
         let (centrifugal, gravity) = (arm.centrifugal_nm(q, v), arm.gravity_nm(q));
         let pushed = transposed_times(jacobian, push);

@@ -1,0 +1,44 @@
+//! `cophase reproduced`: published figures beside ours, as a page.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use super::{CommandError, Status};
+use cophase_lab::reproduced::{sections, write_page};
+
+#[derive(Debug, clap::Args)]
+pub(super) struct ReproducedArgs {
+    /// Write the page into this file instead of to the terminal
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+pub(super) fn reproduced(
+    args: &ReproducedArgs,
+    out: &mut impl Write,
+) -> Result<Status, CommandError> {
+    let sections = sections().map_err(|error| CommandError::Input(error.to_string()))?;
+    let page = write_page(&sections);
+    match &args.out {
+        None => out.write_all(page.as_bytes())?,
+        Some(file) => {
+            std::fs::write(file, page).map_err(|error| {
+                CommandError::Input(format!(
+                    "--out {}: {error}; give a file in a folder that can be written",
+                    file.display()
+                ))
+            })?;
+            writeln!(out, "Written to {}.", file.display())?;
+        }
+    }
+    Ok(
+        if sections
+            .iter()
+            .all(|section| section.figures.iter().all(|figure| figure.is_within()))
+        {
+            Status::Done
+        } else {
+            Status::Fault
+        },
+    )
+}
