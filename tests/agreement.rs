@@ -208,7 +208,7 @@ fn steps_are_the_integral_of_the_program() {
     );
 
     let machine = checked.scene.machine.as_ref().unwrap();
-    let stiffness = machine.crank_radius_mm * 1e-3 * (1.0 + machine.lambda.unwrap());
+    let stiffness = machine.crank_radius_mm.unwrap() * 1e-3 * (1.0 + machine.lambda.unwrap());
     let omega = |t_s: f64| (program.amax_mps2(t_s) / stiffness).sqrt();
     let (a, b) = (time(from), time(to));
     let integral = program.integral(a, b, omega);

@@ -126,7 +126,7 @@ fn one_turn_from_the_published_start() {
     assert!((0.6..=2.0).contains(&below), "{below}");
     for knot in crusher.load.acts_rad() {
         let turned = (knot - low).rem_euclid(TAU);
-        assert!(turned >= 0.5 * TAU, "{} rad", turned);
+        assert!(turned >= 0.5 * TAU, "{turned} rad");
     }
 }
 
