@@ -106,8 +106,7 @@ fn capture_is_reported_and_stopped() {
     assert!(run.report["machine_figures"]["captured_hz"].is_null());
 }
 
-/// If this fails, two shafts that nothing but the controller couples are not kept in phase, or free ones are not distinguished from
-/// them: without drives' torque unequal friction drives them apart.
+/// If this fails, two shafts that nothing but the controller couples are not kept in phase where their friction differs.
 #[test]
 fn the_controller_keeps_two_shafts_in_phase() {
     let unequal = (

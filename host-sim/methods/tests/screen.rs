@@ -44,7 +44,7 @@ fn near(what: &str, ours: f64, published: f64, part: f64) {
 /// 195 rpm, as the shaft is faster than the box can follow.
 ///
 /// The peak depends on the inertia, which the source does not give: 19.6 mm at 300 rpm with 6.5 kg m², 17.6 mm at 333 rpm with 4.26. No inertia gives
-/// 18.8 mm at 285 rpm, and only 5.9 to 7.1 kg m² give the capture below.
+/// 18.8 mm at 285 rpm as radial displacement, and only 5.9 to 7.1 kg m² give the capture below.
 #[test]
 fn a_run_up_peaks_beyond_the_natural_speed() {
     let [most_mm, at_rpm, end_mm, end_rpm] = run_up(Screen::UNLIMITED);

@@ -7,7 +7,7 @@ pub struct Figure {
     pub key: &'static str,
     /// Value; none if the run did not come to it.
     pub value: Option<f64>,
-    /// Sentence for the summary.
+    /// Sentence for the summary; empty if that of another figure has the value.
     pub sentence: String,
 }
 

@@ -5,8 +5,8 @@
 //! - [`Plant`]: its geometry on the *kinematic* model level, and its equations of motion on the levels above;
 //! - [`Record`]: its figures in the report.
 //!
-//! To add a machine, write a folder here, add the table to [`Scene`](crate::scene::Scene) and to its list
-//! [`plant_table`](crate::scene::Scene::plant_table), and add a built-in scene.
+//! To add a machine, write a folder here, add the table to [`Scene`] and to its list `plant_table`, and add a built-in scene
+//! (`docs/recipes/add-a-machine.md`).
 
 mod figure;
 mod record;

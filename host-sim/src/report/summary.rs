@@ -239,7 +239,8 @@ fn write_page(
         writeln!(page, "{coupling}")?;
     }
     followers(page, checked, outcome)?;
-    for figure in &statistics.figures {
+    let figures = statistics.figures.iter();
+    for figure in figures.filter(|figure| !figure.sentence.is_empty()) {
         writeln!(page, "{}", figure.sentence)?;
     }
     let closest = statistics

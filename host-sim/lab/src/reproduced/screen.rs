@@ -166,7 +166,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
                 NotReproduced,
                 (RUN_UP, "a_run_up_peaks_beyond_the_natural_speed"),
             )
-            .noted("within 6 %, not 2 %: it depends on the shaft's inertia, which is not given, and no inertia gives both"),
+            .noted("within 6 %, not 2 %: it depends on the shaft's inertia, which is not given, and no inertia gives both as radial displacement"),
             Figure::new(
                 8,
                 "capture at 1.05 of the rated torque: speed, rpm, and amplitude, mm",

@@ -17,8 +17,8 @@
 //! with 28 mm; with 1.1 it runs up.
 //!
 //! Assumed: the torque is at its limit from rest on, and falls by Kloss's formula within the breakdown slip of 0.12 from
-//! the synchronous speed. The weight of the block is left out: with it a motor of the rated torque does not even lift the
-//! block. The inertia is not that of the source. There it is 3 kg m², "the rotor's", with which the screen runs up at 0.9
+//! the synchronous speed. The weight of the block is left out: with it a motor of the rated torque does not lift the
+//! block from level, though it does swing it up from the bottom. The inertia is not that of the source. There it is 3 kg m², "the rotor's", with which the screen runs up at 0.9
 //! of the rated torque; what is published comes out between 5.9 and 7.1 kg m² in all. Taken are 6.5.
 
 use core::f64::consts::TAU;

@@ -97,7 +97,8 @@ impl Screen {
         (edge(1.0), edge(-1.0))
     }
 
-    /// Torque of each motor, N·m, that steady turning at the resonance dissipates in the springs, and that lifts the block.
+    /// Torque of each motor, N·m, that is enough to turn steadily at the resonance: what the springs' damping dissipates on average, and the most
+    /// that a block's weight takes. It is an upper bound, as the weight gives back over the turn what it takes.
     #[must_use]
     pub fn resonance_nm(&self) -> f64 {
         let (omega, count) = (self.natural_rad_s(), self.places_m.len() as f64);

@@ -36,6 +36,19 @@ impl ScreenRecord {
     }
 }
 
+impl ScreenRecord {
+    fn torque_sentence(&self) -> String {
+        let enough = format!(
+            "{:.0} N·m of each motor are enough to turn steadily at the resonance, with a block lifted in each turn",
+            self.resonance_nm
+        );
+        match self.motor_nm {
+            Some(motor_nm) => format!("{enough}; the motors have {motor_nm:.0} N·m."),
+            None => format!("{enough}."),
+        }
+    }
+}
+
 impl Record for ScreenRecord {
     fn tick(&mut self, tick: &Tick<'_>) {
         let commanded_hz = tick.omega_rad_s / TAU;
@@ -93,23 +106,12 @@ impl Record for ScreenRecord {
             Figure {
                 key: "resonance_to_hz",
                 value: Some(to_hz),
-                sentence: format!(
-                    "To turn steadily at the resonance takes {:.0} N·m of each motor.",
-                    self.resonance_nm
-                ),
+                sentence: String::new(),
             },
             Figure {
                 key: "resonance_torque_nm",
                 value: Some(self.resonance_nm),
-                sentence: self.motor_nm.map_or_else(
-                    || "The scene does not limit the motors' torque.".to_owned(),
-                    |motor_nm| {
-                        format!(
-                            "The motors have {motor_nm:.0} N·m: {:.2} of that.",
-                            motor_nm / self.resonance_nm
-                        )
-                    },
-                ),
+                sentence: self.torque_sentence(),
             },
             Figure {
                 key: "captured_hz",
@@ -129,7 +131,7 @@ impl Record for ScreenRecord {
         let reserve = self.motor_nm.map(|motor_nm| motor_nm / self.resonance_nm);
         if let Some(reserve) = reserve.filter(|reserve| *reserve < 1.0) {
             warnings.push(format!(
-                "The motors have {reserve:.2} of the torque that holds a speed at the resonance: a run-up that is too slow is captured there."
+                "The motors have {reserve:.2} of the torque that is enough at the resonance: a slow run-up may be captured there."
             ));
         }
         if let Some((actual_hz, _)) = self.captured_hz {

@@ -64,7 +64,7 @@ fn follow(torque_over_rated: f64, mut state: [f64; Screen::DIMENSION]) -> Result
     Ok(path)
 }
 
-/// Scene `screen` with motors of 100 N·m, of the 174 N·m that its resonance takes.
+/// Scene `screen` with motors of 100 N·m, of the 174 N·m that are enough at its resonance.
 fn weak_scene() -> Option<String> {
     let text = library::find("screen")?.text;
     let text = text.replacen("[screen]", "fidelity = \"phased\"\n[screen]", 1);
