@@ -141,6 +141,7 @@ judged! {
     suspended: "suspended",
     wrapper: "wrapper",
     screen: "screen",
+    jaw_crusher: "jaw-crusher",
     electronic_cam: "electronic-cam",
 }
 

@@ -9,7 +9,7 @@ pub const FREEDOMS: usize = 3;
 /// N corners, evenly around a circle.
 ///
 /// The plane closest to their heights has the mean height, and along two axes the slopes
-/// `share/ρ · Σ height · cos` (or sin). Two corners give it a slope along one axis only.
+/// `share/ρ · Σ height · cos` (or sin). Two corners give it a slope along one axis only, and one corner none.
 #[derive(Clone, Debug)]
 pub struct Corners {
     count: usize,
@@ -20,9 +20,9 @@ pub struct Corners {
 }
 
 impl Corners {
-    /// `count` corners, 2 to 6, on a circle of `radius_m`.
+    /// `count` corners, 1 to 6, on a circle of `radius_m`.
     pub fn new(count: usize, radius_m: f64) -> Self {
-        assert!((2..=MOST).contains(&count), "2 to {MOST} corners");
+        assert!((1..=MOST).contains(&count), "1 to {MOST} corners");
         let mut corners = Self {
             count,
             share: [[0.0; FREEDOMS]; MOST],
@@ -31,7 +31,11 @@ impl Corners {
         let share = if count == 2 { 0.5 } else { 2.0 / count as f64 };
         for i in 0..count {
             let angle = std::f64::consts::TAU * i as f64 / count as f64;
-            let around = [angle.cos(), if count == 2 { 0.0 } else { angle.sin() }];
+            let around = match count {
+                1 => [0.0, 0.0],
+                2 => [angle.cos(), 0.0],
+                _ => [angle.cos(), angle.sin()],
+            };
             corners.share[i][0] = 1.0 / count as f64;
             corners.height[i][0] = 1.0;
             for (axis, around) in around.into_iter().enumerate() {

@@ -35,7 +35,7 @@ pub use driven::{Driven, Freedom, OnPlant};
 pub use elastic::Elastic;
 pub use frame::{Frame, FrameMotion, Layer};
 pub use modes::Mode;
-pub use motor::{Field, Motor, Servo, Stepper};
+pub use motor::{Field, Induction, Motor, Servo, Stepper};
 pub use phased::Phased;
 pub use rigid::Rigid;
 

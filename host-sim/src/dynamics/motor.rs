@@ -20,6 +20,8 @@ pub enum Motor {
     Stepper(Stepper),
     /// Closed loop.
     Servo(Servo),
+    /// Frequency converter with a position loop.
+    Induction(Induction),
 }
 
 /// A micro-stepped motor: its field is a spring that repeats every electrical cycle.
@@ -56,6 +58,20 @@ pub struct Servo {
     pub velocity_feed_forward: f64,
 }
 
+/// An induction motor on a converter with constant flux: its torque depends on its slip, the synchronous speed less its own.
+///
+/// The converter's synchronous speed is φ′ + g (φ − α). Kloss's formula gives the torque at a slip s, with the breakdown torque T_b at the slip s_b:
+/// 2 T_b / (s / s_b + s_b / s). Beyond s_b more slip gives less torque, so that a load above T_b stalls the motor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Induction {
+    /// Breakdown torque, T_b, N·m.
+    pub breakdown_nm: f64,
+    /// Slip at the breakdown torque, s_b, rad/s.
+    pub breakdown_slip_rad_s: f64,
+    /// Correction of the frequency to an error of position, g, 1/s.
+    pub position_gain_per_s: f64,
+}
+
 impl Motor {
     /// Torque on the rotor, N·m. `integral_nm` is z, 0 where the motor has none.
     pub fn torque_nm(
@@ -68,22 +84,23 @@ impl Motor {
         match self {
             Self::Stepper(stepper) => stepper.torque_nm(field, alpha_rad, omega_rad_s),
             Self::Servo(servo) => servo.torque_nm(field, alpha_rad, omega_rad_s, integral_nm),
+            Self::Induction(motor) => motor.torque_nm(field, alpha_rad, omega_rad_s),
         }
     }
 
     /// Integral time of its velocity loop, s, if it has that.
     pub fn integral_s(&self) -> Option<f64> {
         match self {
-            Self::Stepper(_) => None,
             Self::Servo(servo) => servo.integral_s,
+            Self::Stepper(_) | Self::Induction(_) => None,
         }
     }
 
     /// Torque beyond which a servo's drive gives no more, N·m, if it has that.
     pub fn limit_nm(&self) -> Option<f64> {
         match self {
-            Self::Stepper(_) => None,
             Self::Servo(servo) => Some(servo.limit_nm).filter(|limit_nm| limit_nm.is_finite()),
+            Self::Stepper(_) | Self::Induction(_) => None,
         }
     }
 
@@ -92,6 +109,7 @@ impl Motor {
         match self {
             Self::Stepper(stepper) => stepper.damping_nms,
             Self::Servo(servo) => servo.velocity_gain_nms,
+            Self::Induction(motor) => motor.slope_nms(),
         }
     }
 
@@ -109,6 +127,10 @@ impl Motor {
                 let added = servo.velocity_gain_nms * integral_per_s;
                 (proportional, proportional + added)
             }
+            Self::Induction(motor) => {
+                let stiffness = motor.slope_nms() * motor.position_gain_per_s;
+                (stiffness, stiffness)
+            }
         }
     }
 
@@ -116,14 +138,14 @@ impl Motor {
     pub fn stiffest_nm(&self) -> f64 {
         match self {
             Self::Stepper(stepper) => stepper.cycles_per_turn * stepper.pull_out.greatest_nm(),
-            Self::Servo(_) => self.stiffness_nm(0.0).1,
+            Self::Servo(_) | Self::Induction(_) => self.stiffness_nm(0.0).1,
         }
     }
 
     /// Following error at a steady speed without load, rad: the velocity that is not fed forward, over the position gain.
     pub fn following_error_rad(&self, omega_rad_s: f64) -> f64 {
         match self {
-            Self::Stepper(_) => 0.0,
+            Self::Stepper(_) | Self::Induction(_) => 0.0,
             Self::Servo(servo) => {
                 (1.0 - servo.velocity_feed_forward) * omega_rad_s / servo.position_gain_per_s
             }
@@ -137,6 +159,7 @@ impl Motor {
                 .pull_out
                 .torque_nm(omega_rad_s.abs() / std::f64::consts::TAU),
             Self::Servo(servo) => servo.limit_nm,
+            Self::Induction(motor) => motor.breakdown_nm,
         }
     }
 }
@@ -157,5 +180,29 @@ impl Servo {
             + self.position_gain_per_s * (field.alpha_rad - alpha_rad);
         let torque_nm = self.velocity_gain_nms * (requested_rad_s - omega_rad_s);
         (torque_nm + integral_nm + field.torque_nm).clamp(-self.limit_nm, self.limit_nm)
+    }
+}
+
+impl Induction {
+    /// Motor with a rated torque, N·m, at a rated slip, rad/s, and a breakdown torque that is `ratio` times the rated one, at least 1: Kloss's formula
+    /// gives the rated torque at the rated slip if s_b = s_rated (ratio + √(ratio² − 1)).
+    pub fn new(rated_nm: f64, rated_slip_rad_s: f64, ratio: f64, position_gain_per_s: f64) -> Self {
+        Self {
+            breakdown_nm: ratio * rated_nm,
+            breakdown_slip_rad_s: rated_slip_rad_s * (ratio + (ratio * ratio - 1.0).sqrt()),
+            position_gain_per_s,
+        }
+    }
+
+    /// Torque to a small slip, N·m·s: the greatest slope of the curve.
+    fn slope_nms(&self) -> f64 {
+        2.0 * self.breakdown_nm / self.breakdown_slip_rad_s
+    }
+
+    fn torque_nm(&self, field: &Field, alpha_rad: f64, omega_rad_s: f64) -> f64 {
+        let synchronous_rad_s =
+            field.omega_rad_s + self.position_gain_per_s * (field.alpha_rad - alpha_rad);
+        let slip = (synchronous_rad_s - omega_rad_s) / self.breakdown_slip_rad_s;
+        2.0 * self.breakdown_nm * slip / (slip * slip + 1.0)
     }
 }

@@ -3,6 +3,7 @@
 
 mod energy;
 mod modes;
+mod induction;
 mod servo;
 
 use proptest::prelude::*;

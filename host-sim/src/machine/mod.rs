@@ -90,8 +90,11 @@ impl Machine {
         let settings = &checked.settings;
         let in_common = &checked.scene.axes;
         let pull_out = PullOut::new(&in_common.pull_out)?;
-        let window_deg = in_common.servo.and_then(|servo| servo.following_error_deg);
-        let following_error = FollowingError::new(window_deg.map(|deg| deg / 360.0));
+        let following_error =
+            |window_deg: Option<f64>| FollowingError::new(window_deg.map(|deg| deg / 360.0));
+        let servo = following_error(in_common.servo.and_then(|servo| servo.following_error_deg));
+        let converter =
+            following_error(in_common.induction.and_then(|motor| motor.following_error_deg));
         let make = |i: usize| {
             let overrides = checked.overrides(i);
             let own = &settings.axes[i];
@@ -103,8 +106,9 @@ impl Machine {
                         / i64::from(in_common.full_steps_per_turn))
                     .max(1),
                 },
-                Drive::Servo => AxisDrive::Servo(following_error),
-                Drive::PulseServo => AxisDrive::PulseServo(following_error),
+                Drive::Servo => AxisDrive::Servo(servo),
+                Drive::PulseServo => AxisDrive::PulseServo(servo),
+                Drive::Induction => AxisDrive::PulseServo(converter),
             };
             let start_turns = overrides.map_or(0.0, |own| own.start_deg / 360.0);
             let friction_nm = overrides

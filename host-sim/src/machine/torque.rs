@@ -7,7 +7,7 @@ use super::{DriveCommand, PullOut, Rotors, SimulatedAxis};
 use std::sync::Arc;
 
 use crate::dynamics::{
-    Body, Driven, Elastic, Frame, Freedom, Layer, Motor, OnPlant, Phased, Rigid, Servo, Stepper,
+    Body, Driven, Elastic, Frame, Freedom, Induction, Layer, Motor, OnPlant, Phased, Rigid, Servo, Stepper,
 };
 use crate::mechanism::Load;
 use crate::scene::file::{self, Drive, Fidelity, Rods};
@@ -235,6 +235,20 @@ fn motor(checked: &Checked, pull_out: &PullOut, i: usize) -> Result<Motor, Scene
                 limit_nm: servo.limit_nm.unwrap_or(f64::INFINITY),
                 velocity_feed_forward: servo.velocity_feed_forward,
             }))
+        }
+        Drive::Induction => {
+            let motor = axes.induction.as_ref().ok_or_else(|| {
+                needed(
+                    "induction",
+                    "the motors as [axes.induction] with rated_nm, rated_slip_hz, breakdown_ratio and position_gain_per_s",
+                )
+            })?;
+            Ok(Motor::Induction(Induction::new(
+                motor.rated_nm,
+                motor.rated_slip_hz * std::f64::consts::TAU,
+                motor.breakdown_ratio,
+                motor.position_gain_per_s,
+            )))
         }
     }
 }

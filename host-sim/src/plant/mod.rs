@@ -8,6 +8,7 @@
 //! To add a machine, write a folder here, add the table to [`Scene`] and to its list `plant_table`, and add a built-in scene
 //! (`docs/recipes/add-a-machine.md`).
 
+pub mod crusher;
 mod figure;
 mod record;
 pub mod screen;
@@ -17,12 +18,13 @@ use std::fmt::Debug;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use cophase_core::settings::{DriftSettings, MachineSettings};
+use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
+use cophase_core::settings::{DriftSettings, MachineSettings, Platform};
 
 use crate::dynamics::{Body, Mode, PlaneMotion};
 use crate::machine::Pose;
-use crate::scene::file::Fidelity;
-use crate::scene::{Scene, SceneError};
+use crate::scene::file::{Drift, Fidelity};
+use crate::scene::{Scene, SceneError, phase_limits};
 
 pub use figure::Figure;
 pub use record::{Record, Recorder, State, Tick};
@@ -57,6 +59,63 @@ pub struct Made {
     pub drift: DriftSettings,
     /// The machine.
     pub plant: Arc<dyn Plant>,
+}
+
+/// Least load that the controller takes, kg. Drives of these machines take STEP and DIR, so that it gives no torque.
+const LOAD_KG: f64 = 1e-3;
+
+impl Made {
+    /// Machine whose amplitude is `radius_m` times the squared speed of its shafts: the controller is given a Scotch yoke of that radius.
+    ///
+    /// # Errors
+    /// A radius outside 0.1 to 500 mm, which the key of `radius` determines; keys of the scene that are of a platform; a drive that takes torque setpoints.
+    pub fn square_law(
+        scene: &Scene,
+        table: &str,
+        radius: (&str, f64),
+        plant: Arc<dyn Plant>,
+    ) -> Result<Self, SceneError> {
+        if scene.drift.tilt_limit_mrad != Drift::default().tilt_limit_mrad {
+            return Err(SceneError::at(
+                "drift.tilt_limit_mrad",
+                format!(
+                    "is of a platform, and [{table}] has none; drift.warp_limit_deg limits how far shafts may be apart, so leave it out"
+                ),
+            ));
+        }
+        if let Some(i) = (0..scene.axes.count).find(|&i| !scene.drive(i).takes_pulses()) {
+            return Err(SceneError::at(
+                "axes.drive",
+                format!(
+                    "axis {i} is a servo with torque setpoints, and the controller knows no torque of {}; give a drive that takes STEP and DIR",
+                    plant.name()
+                ),
+            ));
+        }
+        let (key, radius_m) = radius;
+        if !(1e-4..=0.5).contains(&radius_m) {
+            return Err(SceneError::at(
+                key,
+                format!(
+                    "makes an amplitude of {:.4} mm times the squared speed, outside 0.1 to 500 mm; change it",
+                    1e3 * radius_m
+                ),
+            ));
+        }
+        let machine = MachineSettings {
+            crank_radius_m: radius_m,
+            mechanism: MechanismSettings::ScotchYoke(ScotchYokeSettings {}),
+            load_kg: LOAD_KG,
+            platform: Platform::Above,
+            gravity_mps2: 0.0,
+            mount_radius_m: (20.0 * radius_m).clamp(0.01, 5.0),
+        };
+        Ok(Self {
+            drift: phase_limits(&scene.drift, &machine),
+            machine,
+            plant,
+        })
+    }
 }
 
 /// A machine of its own kind. Positions are in rad and m: the shafts' angles first, in the order of the axes.

@@ -367,7 +367,7 @@ fn steps(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::R
     let statistics = &outcome.statistics;
     let what = match checked.scene.axes.drive {
         Drive::Stepper => "steps",
-        Drive::Servo | Drive::PulseServo => "counts",
+        Drive::Servo | Drive::PulseServo | Drive::Induction => "counts",
     };
     let alike = statistics.steps.windows(2).all(|pair| pair[0] == pair[1]);
     if alike {

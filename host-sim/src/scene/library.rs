@@ -44,6 +44,7 @@ pub const SCENES: &[BuiltIn] = scenes![
     "suspended",
     "wrapper",
     "screen",
+    "jaw-crusher",
     "electronic-cam",
 ];
 

@@ -220,6 +220,7 @@ impl Basis {
             pulse,
             cam: shaft,
             screen: None,
+            crusher: None,
             cam_table,
             machine,
             axes,

@@ -147,7 +147,7 @@ impl AxisSettings {
             "axes.rotor_inertia_kgm2",
             self.rotor_inertia_kgm2,
             0.0,
-            10.0,
+            1000.0,
         )?;
         Ok(())
     }

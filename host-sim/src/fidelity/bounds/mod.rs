@@ -15,7 +15,7 @@ use cophase_methods::problems::Chain;
 use super::Output;
 use crate::dynamics::{Driven, Mode};
 use crate::machine::{Machine, Rotors};
-use crate::scene::file::{Fidelity, Rods};
+use crate::scene::file::{self, Fidelity, Rods};
 use crate::scene::{Checked, SceneError};
 use cranks::Cranks;
 use followers::Followers;
@@ -34,8 +34,8 @@ enum Of {
     Cranks(Box<Cranks>),
     /// Cams with followers.
     Followers(Followers),
-    /// A machine of its own kind: nothing bounds what its lower model levels leave out.
-    Plant { top: Fidelity },
+    /// Nothing bounds what the lower model levels leave out.
+    None { top: Fidelity },
 }
 
 /// What rounding may add, in the unit of each output: symmetrical cranks, which theory has exactly in phase, are distinguished
@@ -57,16 +57,17 @@ impl Bounds {
         }
         if let Some(plant) = &checked.plant {
             let top = plant.levels().last().copied().unwrap_or_default();
-            checked.on(top)?;
-            return Ok(Self {
-                of: Of::Plant { top },
-                imposed: None,
-            });
+            return Self::none(&checked.on(top)?);
         }
         // The top model level that the scene has: with a frame, if it gives one.
         let top = checked
             .on(Fidelity::Elastic)
             .or_else(|_| checked.on(Fidelity::Phased))?;
+        let scene = &checked.scene;
+        if (0..scene.axes.count).any(|i| scene.drive(i) == file::Drive::Induction) {
+            // The bounds take motors as linear, and the torque of these is not.
+            return Self::none(&top);
+        }
         let machine = Machine::new(&top)?;
         let driven = machine.rotors().map(Rotors::driven);
         let driven =
@@ -77,14 +78,24 @@ impl Bounds {
         })
     }
 
+    /// No bounds on a machine on its top model level.
+    fn none(top: &Checked) -> Result<Self, SceneError> {
+        // It finds out what the scene lacks for that level.
+        Machine::new(top)?;
+        Ok(Self {
+            of: Of::None { top: top.fidelity },
+            imposed: None,
+        })
+    }
+
     /// By how much a model level's output may be off the top model level's, in the unit of its tolerance; none where the model level
     /// cannot answer, or nothing bounds it.
     pub fn of(&self, model_level: Fidelity, output: Output) -> Option<f64> {
         let left_out = match &self.of {
             Of::Cranks(cranks) => cranks.of(model_level, output),
             Of::Followers(followers) => followers.of(model_level, output),
-            Of::Plant { top } if model_level == *top => 0.0,
-            Of::Plant { .. } => f64::INFINITY,
+            Of::None { top } if model_level == *top => 0.0,
+            Of::None { .. } => f64::INFINITY,
         };
         let off = match output {
             // What is left out is a part of what the model level has; what is requested is a part of what is right: less by as much.
@@ -123,7 +134,7 @@ impl Bounds {
             Of::Cranks(cranks) => {
                 Some(cranks.quasi_static_m() * 1e6).filter(|um| um.is_finite() && *um > 0.0)
             }
-            Of::Followers(_) | Of::Plant { .. } => None,
+            Of::Followers(_) | Of::None { .. } => None,
         }
     }
 
@@ -132,7 +143,7 @@ impl Bounds {
     pub fn torque_ratio(&self) -> Option<(usize, f64)> {
         match &self.of {
             Of::Cranks(cranks) => Some(cranks.torque_ratio()),
-            Of::Followers(_) | Of::Plant { .. } => None,
+            Of::Followers(_) | Of::None { .. } => None,
         }
     }
 
@@ -141,7 +152,7 @@ impl Bounds {
         match &self.of {
             Of::Cranks(cranks) => cranks.numbers(),
             Of::Followers(followers) => followers.numbers(),
-            Of::Plant { .. } => "nothing bounds what they leave out of this machine".to_owned(),
+            Of::None { .. } => "nothing bounds what they leave out of this machine".to_owned(),
         }
     }
 }

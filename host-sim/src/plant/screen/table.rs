@@ -2,14 +2,12 @@
 
 use std::sync::Arc;
 
-use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
-use cophase_core::settings::{MachineSettings, Platform};
 use serde::{Deserialize, Serialize};
 
 use super::Screen;
 use crate::plant::{Made, Table};
-use crate::scene::file::{Band, Drift};
-use crate::scene::{Scene, SceneError, in_range, phase_limits};
+use crate::scene::file::Band;
+use crate::scene::{Scene, SceneError, in_range};
 
 /// Table of a vibrating screen.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -41,9 +39,6 @@ const fn default_zeta() -> f64 {
 const fn standard_gravity() -> f64 {
     9.80665
 }
-
-/// Least load that the controller takes, kg. Its drives take STEP and DIR, so that it gives no torque.
-const LOAD_KG: f64 = 1e-3;
 
 impl ScreenTable {
     fn screen(&self, scene: &Scene) -> Result<Screen, SceneError> {
@@ -114,43 +109,7 @@ impl Table for ScreenTable {
 
     fn make(&self, scene: &Scene) -> Result<Made, SceneError> {
         let screen = self.screen(scene)?;
-        if scene.drift.tilt_limit_mrad != Drift::default().tilt_limit_mrad {
-            return Err(SceneError::at(
-                "drift.tilt_limit_mrad",
-                "is of a platform, and [screen] has none; drift.warp_limit_deg limits how far shafts may be apart, so leave it out",
-            ));
-        }
-        let is_servo = |i: usize| scene.drive(i) == crate::scene::file::Drive::Servo;
-        if let Some(i) = (0..scene.axes.count).find(|&i| is_servo(i)) {
-            return Err(SceneError::at(
-                "axes.drive",
-                format!(
-                    "axis {i} is a servo with torque setpoints, and the controller knows no torque of a screen; give a drive that takes STEP and DIR"
-                ),
-            ));
-        }
-        let throw_m = screen.throw_m();
-        in_range("screen.eccentricity_mm", 1e3 * throw_m, 0.1, 500.0).map_err(|_| {
-            SceneError::at(
-                "screen.eccentricity_mm",
-                format!(
-                    "makes a throw of {:.4} mm, outside 0.1 to 500 mm; change it, or screen.block_kg",
-                    1e3 * throw_m
-                ),
-            )
-        })?;
-        let machine = MachineSettings {
-            crank_radius_m: throw_m,
-            mechanism: MechanismSettings::ScotchYoke(ScotchYokeSettings {}),
-            load_kg: LOAD_KG,
-            platform: Platform::Above,
-            gravity_mps2: 0.0,
-            mount_radius_m: (20.0 * throw_m).clamp(0.01, 5.0),
-        };
-        Ok(Made {
-            drift: phase_limits(&scene.drift, &machine),
-            machine,
-            plant: Arc::new(screen),
-        })
+        let radius = ("screen.eccentricity_mm", screen.throw_m());
+        Made::square_law(scene, self.key(), radius, Arc::new(screen))
     }
 }

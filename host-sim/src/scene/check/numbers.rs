@@ -81,6 +81,23 @@ pub(super) fn check_torque(scene: &Scene) -> Result<(), SceneError> {
             range("axes.servo.following_error_deg", window_deg, 0.01, 180.0)?;
         }
     }
+    let is_induction = |number: usize| scene.drive(number) == Drive::Induction;
+    if let Some(motor) = &axes.induction {
+        if !(0..axes.count).any(is_induction) {
+            return Err(SceneError::at(
+                "axes.induction",
+                "describes induction motors, and no axis here has drive = \"induction\"; leave it out",
+            ));
+        }
+        range("axes.induction.rated_nm", motor.rated_nm, 1e-3, 1e6)?;
+        range("axes.induction.rated_slip_hz", motor.rated_slip_hz, 1e-4, 10.0)?;
+        range("axes.induction.breakdown_ratio", motor.breakdown_ratio, 1.1, 10.0)?;
+        let gain = motor.position_gain_per_s;
+        range("axes.induction.position_gain_per_s", gain, 1e-3, 1e3)?;
+        if let Some(window_deg) = motor.following_error_deg {
+            range("axes.induction.following_error_deg", window_deg, 0.01, 180.0)?;
+        }
+    }
     match &scene.frame {
         Some(frame) => check_frame(frame),
         None => Ok(()),

@@ -81,7 +81,7 @@ fn axis(scene: &Scene, number: usize) -> AxisSettings {
     let drive = match scene.drive(number) {
         Drive::Stepper => DriveKind::Stepper,
         Drive::Servo => DriveKind::Servo,
-        Drive::PulseServo => DriveKind::PulseServo,
+        Drive::PulseServo | Drive::Induction => DriveKind::PulseServo,
     };
     let steps_per_turn = overrides
         .and_then(|a| a.steps_per_turn)

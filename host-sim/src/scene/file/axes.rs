@@ -63,6 +63,9 @@ pub struct Axes {
     /// The drives of servos.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub servo: Option<ServoDrive>,
+    /// Induction motors with their frequency converters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub induction: Option<InductionDrive>,
 }
 
 /// A servo's drive: a position loop around a velocity loop. A drive that takes setpoints has torque feed-forward besides.
@@ -87,6 +90,23 @@ pub struct ServoDrive {
     pub following_error_deg: Option<f64>,
 }
 
+/// An induction motor on a frequency converter that takes pulses; torques and speeds are those of the crank, behind the belt.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct InductionDrive {
+    /// Rated torque, N·m.
+    pub rated_nm: f64,
+    /// Slip at the rated torque, rev/s: the synchronous speed less the speed of the crank.
+    pub rated_slip_hz: f64,
+    /// Breakdown torque, over the rated one.
+    pub breakdown_ratio: f64,
+    /// Correction of the converter's frequency to an error of position, 1/s.
+    pub position_gain_per_s: f64,
+    /// Following-error window, degrees of the crank: beyond it the converter raises its alarm. Without it there is no alarm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub following_error_deg: Option<f64>,
+}
+
 /// How an axis is driven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -97,12 +117,14 @@ pub enum Drive {
     Servo,
     /// Step and direction pulses to a drive that closes its own position loop.
     PulseServo,
+    /// Step and direction pulses to a frequency converter with an induction motor.
+    Induction,
 }
 
 impl Drive {
     /// Whether the drive is commanded by STEP and DIR.
     pub const fn takes_pulses(self) -> bool {
-        matches!(self, Self::Stepper | Self::PulseServo)
+        matches!(self, Self::Stepper | Self::PulseServo | Self::Induction)
     }
 }
 

@@ -15,7 +15,7 @@ mod machine;
 mod program;
 mod questions;
 
-pub use axes::{Axes, AxisOverrides, Drive, ServoDrive};
+pub use axes::{Axes, AxisOverrides, Drive, InductionDrive, ServoDrive};
 pub use cam::{CamShaft, Damper, LawName};
 pub use cam_table::{CamSegment, CamTable};
 pub use control::{Band, Control, Correction, Drift, Index, Limits, Pulse};
@@ -28,6 +28,7 @@ pub use questions::Questions;
 
 use serde::{Deserialize, Serialize};
 
+use crate::plant::crusher::CrusherTable;
 use crate::plant::screen::ScreenTable;
 
 /// A whole scene.
@@ -57,6 +58,9 @@ pub struct Scene {
     /// A vibrating screen; this instead of `machine`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub screen: Option<ScreenTable>,
+    /// A jaw crusher; this instead of `machine`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crusher: Option<CrusherTable>,
     /// Curves that axes follow.
     #[serde(default, rename = "cam_table", skip_serializing_if = "Vec::is_empty")]
     pub cam_table: Vec<CamTable>,

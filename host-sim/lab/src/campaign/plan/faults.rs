@@ -175,8 +175,8 @@ pub fn driven(scene: &Scene, axis: usize) -> Driven {
     match scene.drive(axis) {
         Drive::Servo => Driven::Servo,
         // Two wires more give it what a servo on a fieldbus has.
-        Drive::PulseServo if scene.axes.encoder => Driven::Servo,
-        Drive::PulseServo => Driven::PulseServo,
+        Drive::PulseServo | Drive::Induction if scene.axes.encoder => Driven::Servo,
+        Drive::PulseServo | Drive::Induction => Driven::PulseServo,
         Drive::Stepper if scene.axes.encoder => Driven::WatchedStepper,
         Drive::Stepper => Driven::Stepper,
     }

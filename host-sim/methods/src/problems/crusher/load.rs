@@ -84,6 +84,16 @@ impl Load {
         }
     }
 
+    /// Torque on the shaft of a linkage, N·m; it brakes.
+    #[must_use]
+    pub fn torque_nm(&self, linkage: &Linkage, phi_rad: f64) -> f64 {
+        let force_n = self.force_n(phi_rad);
+        if force_n == 0.0 {
+            return 0.0;
+        }
+        force_n * linkage.closing_m(phi_rad).max(0.0)
+    }
+
     /// Angles of the shaft between which the force acts, rad; the first is within the turn.
     #[must_use]
     pub fn acts_rad(&self) -> [f64; 2] {

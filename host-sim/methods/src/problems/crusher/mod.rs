@@ -85,11 +85,7 @@ impl Crusher {
     /// Torque of the rock on the shaft, N m; it brakes.
     #[must_use]
     pub fn rock_nm(&self, phi_rad: f64) -> f64 {
-        let force_n = self.load.force_n(phi_rad);
-        if force_n == 0.0 {
-            return 0.0;
-        }
-        force_n * self.linkage.closing_m(phi_rad).max(0.0)
+        self.load.torque_nm(&self.linkage, phi_rad)
     }
 
     /// Torque that the flywheel effect of the changing inertia takes, ω²/2 dJe/dφ, N m.

@@ -1,0 +1,181 @@
+//! Jaw crusher: one shaft with a flywheel, whose eccentric swings a jaw. The source is a Chinese paper on the dynamic design of its flywheel.
+//!
+//! The equations and the linkage are those of [`cophase_methods::problems::crusher`], which holds them to the source's figures. With φ the shaft's
+//! angle, J the inertia of flywheel and rotor, and Je(φ) that of the jaw:
+//!
+//! ```text
+//! (J + Je) φ″ + φ′²/2 dJe/dφ = torque − friction − rock(φ)
+//! ```
+//!
+//! Rock is fed between two turns of the shaft, counted from power-up: a crusher starts and stops empty. It brakes a shaft that turns forward, and
+//! does not push one back. Under a jaw that closes slowly it holds the shaft by no more than the torque that arrives.
+//!
+//! The controller is given a Scotch yoke of the radius max |z″(φ)|, with z the displacement of the jaw where the rock's force acts, so that the
+//! program's amax is the greatest acceleration of the jaw there.
+//!
+//! Not modelled: the motor's electrical transients, slip of the belt, the weight of the jaw, and rock whose force depends on the jaw's speed.
+
+mod record;
+mod table;
+
+use std::f64::consts::TAU;
+use std::ops::{Range, RangeInclusive};
+
+use cophase_methods::problems::crusher::{Jaw, Linkage, Load};
+
+use super::{Plant, Record, Shafts};
+use crate::dynamics::{Body, Mode, PlaneMotion, STICTION_RAD_S};
+use crate::machine::Pose;
+use crate::scene::file::Fidelity;
+
+use record::CrusherRecord;
+pub use table::{CrusherTable, Rock};
+
+/// Shaft with flywheel, jaw and rock.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Crusher {
+    /// Geometry.
+    pub linkage: Linkage,
+    /// Jaw.
+    pub jaw: Jaw,
+    /// Rock, in a turn in which it is fed.
+    pub load: Load,
+    /// Angles of the shaft since power-up between which rock is fed, rad.
+    pub fed_rad: Range<f64>,
+    /// Inertia of flywheel and rotor, kg·m².
+    pub flywheel_kgm2: f64,
+    /// Greatest torque of the motor, N·m; none if the scene gives none.
+    pub motor_nm: Option<f64>,
+}
+
+/// Angles at which figures over a turn are sampled.
+const SAMPLES: u32 = 720;
+
+impl Crusher {
+    /// Displacement of the jaw towards the rock where the force acts, m, and its first and second derivative by the shaft's angle. Displacements
+    /// are across the line of the jaw at angle 0.
+    fn jaw_m(&self, phi_rad: f64) -> [f64; 3] {
+        let (e, f) = (self.linkage.eccentric_m, self.linkage.force_m);
+        let across = self.linkage.at(0.0).jaw_rad;
+        let angles = self.linkage.at(phi_rad);
+        let (shaft, jaw) = (phi_rad - across, angles.jaw_rad - across);
+        let (slope, curvature) = (angles.jaw_slope, angles.jaw_curvature);
+        [
+            e * shaft.sin() + f * jaw.sin(),
+            e * shaft.cos() + f * slope * jaw.cos(),
+            -e * shaft.sin() + f * (curvature * jaw.cos() - slope * slope * jaw.sin()),
+        ]
+    }
+
+    /// Greatest acceleration of the jaw over the squared speed of the shaft, m.
+    #[must_use]
+    pub fn amplitude_m(&self) -> f64 {
+        samples()
+            .map(|phi_rad| self.jaw_m(phi_rad)[2].abs())
+            .fold(0.0, f64::max)
+    }
+
+    /// Greatest torque of the rock on the shaft, N·m.
+    #[must_use]
+    pub fn rock_nm(&self) -> f64 {
+        samples()
+            .map(|phi_rad| self.load.torque_nm(&self.linkage, phi_rad))
+            .fold(0.0, f64::max)
+    }
+
+    /// Work that breaking rock takes in a turn, J.
+    #[must_use]
+    pub fn work_j(&self) -> f64 {
+        let torques = samples().map(|phi_rad| self.load.torque_nm(&self.linkage, phi_rad));
+        torques.sum::<f64>() * TAU / f64::from(SAMPLES)
+    }
+
+    /// Torque of the rock at an angle since power-up and a speed, N·m; it brakes.
+    fn resistance_nm(&self, phi_rad: f64, omega_rad_s: f64) -> f64 {
+        if omega_rad_s <= 0.0 || !self.fed_rad.contains(&phi_rad) {
+            return 0.0;
+        }
+        self.load.torque_nm(&self.linkage, phi_rad) * (omega_rad_s / STICTION_RAD_S).tanh()
+    }
+}
+
+/// Angles over a turn, rad: the middles of [`SAMPLES`] pieces.
+fn samples() -> impl Iterator<Item = f64> {
+    (0..SAMPLES).map(|i| TAU * (f64::from(i) + 0.5) / f64::from(SAMPLES))
+}
+
+impl Plant for Crusher {
+    fn name(&self) -> &'static str {
+        "a jaw crusher"
+    }
+
+    fn axes(&self) -> RangeInclusive<usize> {
+        1..=1
+    }
+
+    fn levels(&self) -> &'static [Fidelity] {
+        &[Fidelity::Kinematic, Fidelity::Phased]
+    }
+
+    fn left_out(&self, model_level: Fidelity) -> String {
+        match model_level {
+            Fidelity::Phased => "electrical transients of the motor, slip of the belt, and the jaw's weight",
+            _ => "torque, rock, and how the speed varies over a turn: the shaft is where commanded",
+        }
+        .to_owned()
+    }
+
+    fn pose(&self, turns: &[f64], omega_rad_s: f64, acceleration_rad_s2: f64) -> Pose {
+        let [z_m, slope, curvature] = self.jaw_m(turns[0] * TAU);
+        Pose {
+            z_m,
+            accel_mps2: curvature * omega_rad_s * omega_rad_s + slope * acceleration_rad_s2,
+            ..Pose::default()
+        }
+    }
+
+    fn positions(&self) -> usize {
+        1
+    }
+
+    fn rest(&self, _: &mut [f64]) {}
+
+    fn accelerations(&self, shafts: &Shafts<'_>, q: &[f64], v: &[f64], a: &mut [f64]) {
+        if shafts.held[0] {
+            a[0] = 0.0;
+            return;
+        }
+        let (jaw_kgm2, slope) = self.jaw.inertia_kgm2(&self.linkage, q[0]);
+        let torque_nm = shafts.net_nm(0, v[0]) - self.resistance_nm(q[0], v[0]);
+        a[0] = (torque_nm - 0.5 * v[0] * v[0] * slope) / (shafts.body.rotors_kgm2[0] + jaw_kgm2);
+    }
+
+    fn moved(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion {
+        let [z_m, slope, curvature] = self.jaw_m(q[0]);
+        PlaneMotion {
+            place: [z_m, 0.0, 0.0],
+            rate: [slope * v[0], 0.0, 0.0],
+            acceleration: [curvature * v[0] * v[0] + slope * a[0], 0.0, 0.0],
+        }
+    }
+
+    fn energy_j(&self, body: &Body, q: &[f64], v: &[f64]) -> f64 {
+        let (jaw_kgm2, _) = self.jaw.inertia_kgm2(&self.linkage, q[0]);
+        0.5 * (body.rotors_kgm2[0] + jaw_kgm2) * v[0] * v[0]
+    }
+
+    fn fastest_mode(&self) -> Mode {
+        // The rock grips a shaft that comes to rest within [`STICTION_RAD_S`].
+        Mode {
+            omega_rad_s: self.rock_nm() / (self.flywheel_kgm2 * STICTION_RAD_S),
+            zeta: 1.0,
+        }
+    }
+
+    fn record(&self) -> Box<dyn Record> {
+        Box::new(CrusherRecord::new(self))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,182 @@
+//! Figures of a crusher's run: its speed over a turn, the rock's work, and stalling.
+
+use std::f64::consts::TAU;
+
+use super::Crusher;
+use crate::plant::{Figure, Record, Tick};
+
+/// Speeds over one turn of the shaft, rad/s.
+#[derive(Clone, Copy, Debug)]
+struct Turn {
+    slowest: f64,
+    fastest: f64,
+    began_s: f64,
+    /// Whether rock was fed all through it, at a constant commanded speed.
+    is_crushing: bool,
+}
+
+/// Place at which the rock stopped the shaft.
+#[derive(Clone, Copy, Debug)]
+struct Stall {
+    t_s: f64,
+    turn_deg: f64,
+}
+
+/// Figures of a run.
+#[derive(Debug)]
+pub struct CrusherRecord {
+    crusher: Crusher,
+    /// Number of the turn that the shaft is in, and its speeds.
+    turn: Option<(f64, Turn)>,
+    /// Slowest, fastest and mean speed of the last whole turn with rock.
+    crushing: Option<[f64; 3]>,
+    /// Greatest commanded speed, rad/s.
+    top_rad_s: f64,
+    /// Whether the shaft has turned at more than half of its commanded speed since it stood last.
+    turned: bool,
+    stall: Option<Stall>,
+}
+
+/// Part of the greatest commanded speed below which the shaft is about to stand as commanded.
+const STANDING: f64 = 0.1;
+
+/// Part of the commanded speed below which a shaft that turned has stalled.
+const STALLED: f64 = 0.05;
+
+impl CrusherRecord {
+    pub(super) fn new(crusher: &Crusher) -> Self {
+        Self {
+            crusher: crusher.clone(),
+            turn: None,
+            crushing: None,
+            top_rad_s: 0.0,
+            turned: false,
+            stall: None,
+        }
+    }
+
+    fn speeds(&mut self, tick: &Tick<'_>, phi_rad: f64, omega: f64) {
+        let number = (phi_rad / TAU).floor();
+        // The turn began within the tick.
+        let began_s = tick.t_s - (phi_rad - number * TAU) / omega.max(f64::MIN_POSITIVE);
+        let is_crushing =
+            tick.acceleration_rad_s2 == 0.0 && self.crusher.fed_rad.contains(&phi_rad);
+        match &mut self.turn {
+            Some((current, turn)) if *current == number => {
+                turn.slowest = turn.slowest.min(omega);
+                turn.fastest = turn.fastest.max(omega);
+                turn.is_crushing &= is_crushing;
+            }
+            other => {
+                if let Some((_, turn)) = other.filter(|(_, turn)| turn.is_crushing) {
+                    let mean = TAU / (began_s - turn.began_s);
+                    self.crushing = Some([turn.slowest, turn.fastest, mean]);
+                }
+                let turn = Turn {
+                    slowest: omega,
+                    fastest: omega,
+                    began_s,
+                    is_crushing,
+                };
+                *other = Some((number, turn));
+            }
+        }
+    }
+
+    fn stalls(&mut self, tick: &Tick<'_>, phi_rad: f64, omega: f64) {
+        let commanded = tick.omega_rad_s;
+        self.top_rad_s = self.top_rad_s.max(commanded);
+        // At the end of a stop every shaft stands.
+        if !tick.drives_enabled || commanded < STANDING * self.top_rad_s {
+            self.turned = false;
+        } else if omega > 0.5 * commanded {
+            self.turned = true;
+        } else if self.turned && omega < STALLED * commanded && self.stall.is_none() {
+            self.stall = Some(Stall {
+                t_s: tick.t_s,
+                turn_deg: phi_rad.rem_euclid(TAU).to_degrees(),
+            });
+        }
+    }
+
+    /// Mean torque that the rock takes over a turn, N·m.
+    fn mean_nm(&self) -> f64 {
+        self.crusher.work_j() / TAU
+    }
+}
+
+impl Record for CrusherRecord {
+    fn tick(&mut self, tick: &Tick<'_>) {
+        let Some(state) = tick.state else {
+            return;
+        };
+        let (phi_rad, omega) = (state.q[0], state.v[0]);
+        self.speeds(tick, phi_rad, omega);
+        self.stalls(tick, phi_rad, omega);
+    }
+
+    fn figures(&self) -> Vec<Figure> {
+        let speed = |i: usize| self.crushing.map(|speeds| speeds[i]);
+        let irregularity = self
+            .crushing
+            .map(|[slowest, fastest, mean]| (fastest - slowest) / mean);
+        let sentence = match (self.crushing, irregularity) {
+            (Some([slowest, fastest, mean]), Some(irregularity)) => format!(
+                "In the last whole turn with rock the shaft turned at {slowest:.3} to {fastest:.3} rad/s, {mean:.3} on average: an irregularity of {irregularity:.4}."
+            ),
+            _ => String::new(),
+        };
+        let figure = |key, value, sentence| Figure {
+            key,
+            value,
+            sentence,
+        };
+        vec![
+            figure("speed_slowest_rad_s", speed(0), sentence),
+            figure("speed_fastest_rad_s", speed(1), String::new()),
+            figure("speed_mean_rad_s", speed(2), String::new()),
+            figure("irregularity", irregularity, String::new()),
+            figure(
+                "rock_work_j",
+                Some(self.crusher.work_j()),
+                format!(
+                    "The rock takes {:.0} J a turn, {:.0} N·m on average, and {:.0} N·m at its peak.",
+                    self.crusher.work_j(),
+                    self.mean_nm(),
+                    self.crusher.rock_nm()
+                ),
+            ),
+            figure("rock_torque_nm", Some(self.crusher.rock_nm()), String::new()),
+            figure(
+                "stalled_s",
+                self.stall.map(|stall| stall.t_s),
+                match self.stall {
+                    Some(stall) => format!(
+                        "The rock stopped the shaft at {:.3} s, at {:.0}° of its turn.",
+                        stall.t_s, stall.turn_deg
+                    ),
+                    None => "The rock did not stop the shaft.".to_owned(),
+                },
+            ),
+            figure("stalled_deg", self.stall.map(|stall| stall.turn_deg), String::new()),
+        ]
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let mean_nm = self.mean_nm();
+        let weak = self.crusher.motor_nm.filter(|motor_nm| *motor_nm < mean_nm);
+        if let Some(motor_nm) = weak {
+            warnings.push(format!(
+                "The rock takes {mean_nm:.0} N·m on average, and the motor has at most {motor_nm:.0}: no flywheel carries the shaft through that."
+            ));
+        }
+        if let Some(stall) = self.stall {
+            warnings.push(format!(
+                "The crusher stalled at {:.3} s, at {:.0}° of its turn: flywheel and motor do not break this rock at this speed.",
+                stall.t_s, stall.turn_deg
+            ));
+        }
+        warnings
+    }
+}

@@ -1,0 +1,113 @@
+use cophase_methods::problems::Crusher as OnTheMains;
+use cophase_methods::problems::crusher::Shape;
+use cophase_methods::{Equations, Scheme, advance};
+
+use super::*;
+use crate::dynamics::{Driven, Freedom, Induction, Motor, OnPlant};
+use crate::mechanism::{AnyMechanism, Configured, Load as Platform, Platform as Side};
+
+const FLYWHEEL_KGM2: f64 = 40.79;
+
+fn body() -> Body {
+    let yoke = cophase_core::mechanism::MechanismSettings::ScotchYoke(
+        cophase_core::mechanism::ScotchYokeSettings {},
+    );
+    Body {
+        mechanism: AnyMechanism::of(&yoke, 0.005),
+        load: Platform {
+            mass_kg: 1e-3,
+            gravity_mps2: 0.0,
+            platform: Side::Above,
+        },
+        tilt_inertia_kgm2: 1.0,
+        rotors_kgm2: vec![FLYWHEEL_KGM2],
+        mount_radius_m: 0.1,
+        rod_n_per_m: 0.0,
+        friction_nm: vec![0.0],
+    }
+}
+
+fn crusher(peak_n: f64) -> Crusher {
+    Crusher {
+        linkage: Linkage::SOURCE,
+        jaw: Jaw::SOURCE,
+        load: Load::new(Shape::LinearRise, peak_n, &Linkage::SOURCE),
+        fed_rad: 0.0..1e6,
+        flywheel_kgm2: FLYWHEEL_KGM2,
+        motor_nm: None,
+    }
+}
+
+/// If this fails, the crusher under the loop is another one than that which is held to the published speeds.
+#[test]
+fn it_moves_as_the_published_crusher() {
+    let published = OnTheMains::SOURCE.with_rock(Shape::LinearRise, 1.3e6);
+    let (ours, body) = (crusher(1.3e6), body());
+    for k in 0..360 {
+        let (phi, omega) = (TAU * f64::from(k) / 360.0, 20.0 + f64::from(k % 9));
+        let mut rates = [0.0; 2];
+        published.rates(0.0, &[phi, omega], &mut rates);
+        let shafts = Shafts {
+            body: &body,
+            torques_nm: &[published.motor_nm(omega)],
+            held: &[false],
+        };
+        let mut a = [0.0];
+        ours.accelerations(&shafts, &[phi], &[omega], &mut a);
+        assert!((a[0] - rates[1]).abs() < 1e-9 * (1.0 + rates[1].abs()), "{k}");
+    }
+}
+
+/// If this fails, the changing inertia makes energy or takes it. Without rock and motor it stays.
+#[test]
+fn energy_stays() {
+    let off = Motor::Induction(Induction::new(0.0, 1.0, 2.0, 1.0));
+    let on = OnPlant::new(body(), std::sync::Arc::new(crusher(0.0)));
+    let driven = Driven::new(Freedom::Plant(Box::new(on)), vec![off]);
+    let mut state = vec![0.3, 27.0];
+    let before = driven.energy_j(&state);
+    let mut method = Scheme::Rk4.prepare(&driven, 5e-4).unwrap();
+    advance(method.as_mut(), &driven, 0.0, 20_000, &mut state).unwrap();
+    let after = driven.energy_j(&state);
+    assert!((after / before - 1.0).abs() < 1e-9, "{before} J, {after} J");
+}
+
+/// If this fails, rock pushes a shaft back that it has stopped, or drives one that stands: broken rock has no spring.
+#[test]
+fn rock_brakes_and_does_not_push() {
+    let ours = crusher(1.3e6);
+    let [from, to] = ours.load.acts_rad();
+    let phi = 0.5 * (from + to);
+    assert!(ours.resistance_nm(phi, 10.0) > 1000.0);
+    assert_eq!(ours.resistance_nm(phi, 0.0), 0.0);
+    assert_eq!(ours.resistance_nm(phi, -10.0), 0.0);
+    let empty = Crusher {
+        fed_rad: 100.0..200.0,
+        ..ours
+    };
+    assert_eq!(empty.resistance_nm(phi, 10.0), 0.0);
+}
+
+/// If this fails, the jaw's acceleration is not that of its place, or the amplitude is not the greatest one.
+#[test]
+fn the_jaw_moves_as_its_place_does() {
+    let ours = crusher(0.0);
+    let omega = 27.0;
+    let place = |phi: f64| ours.pose(&[phi / TAU], omega, 0.0).z_m;
+    let h = 1e-3;
+    let mut most = 0.0_f64;
+    for k in 0..720 {
+        let phi = TAU * f64::from(k) / 720.0;
+        let difference = (place(phi + h) - 2.0 * place(phi) + place(phi - h)) / (h * h);
+        let pose = ours.pose(&[phi / TAU], omega, 0.0);
+        assert!((pose.accel_mps2 - difference * omega * omega).abs() < 1e-4);
+        most = most.max(pose.accel_mps2.abs());
+        // The rock's lever is across the jaw as it stands, and the displacement across the jaw at angle 0: they differ by the eccentric's velocity along the
+        // jaw, times the angle between.
+        let slope = (place(phi + h) - place(phi - h)) / (2.0 * h);
+        let between = ours.linkage.at(phi).jaw_rad - ours.linkage.at(0.0).jaw_rad;
+        let off_m = (slope - ours.linkage.closing_m(phi)).abs();
+        assert!(off_m < ours.linkage.eccentric_m * between.abs() + 1e-6, "{k}");
+    }
+    assert!((most / (ours.amplitude_m() * omega * omega) - 1.0).abs() < 1e-4);
+}

@@ -1,0 +1,85 @@
+//! A jaw crusher under the control loop: one axis with an induction motor, whose flywheel carries it through the rock. A crusher that stalls is
+//! stopped and reported.
+
+use cophase_methods::problems::Crusher;
+use cophase_methods::problems::crusher::Shape;
+use cophase_tests::{Run, record, scene};
+use host_sim::scene::library;
+use host_sim::trace::{Every, Window};
+
+/// The scene with each line of it that is named replaced by another.
+fn with(changes: &[(&str, &str)]) -> Run {
+    let text = library::find("jaw-crusher").unwrap().text;
+    let text = changes.iter().fold(text.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    });
+    record(&scene(&text), Every::Ticks(1), Window::FirstMotion)
+}
+
+fn figure(run: &Run, key: &str) -> Option<f64> {
+    run.report["machine_figures"][key].as_f64()
+}
+
+fn kinds(run: &Run) -> Vec<String> {
+    let faults = run.report["faults"].as_array().unwrap();
+    let kind = |fault: &serde_json::Value| fault["kind"].as_str().unwrap().to_owned();
+    faults.iter().map(kind).collect()
+}
+
+/// If this fails, the flywheel under the loop does not carry the shaft as the periodic regime of the source's motor says, which is computed without the loop.
+/// That motor hangs on the mains, and its mean speed follows from the load. The converter keeps the commanded mean instead, so that the distances from
+/// the mean are compared. They differ as the torque curves do, a parabola and Kloss's.
+#[test]
+fn the_speed_varies_as_in_the_periodic_regime() {
+    let run = with(&[]);
+    assert_eq!(kinds(&run), Vec::<String>::new());
+    let rock = Crusher::SOURCE.with_rock(Shape::SecondHalf, 1310e3);
+    let alone = rock.periodic(0.0, 28.0).unwrap();
+    let mean = figure(&run, "speed_mean_rad_s").unwrap();
+    let commanded = run.report["speed_top_hz"].as_f64().unwrap() * std::f64::consts::TAU;
+    println!("mean: {mean:.3} rad/s, commanded {commanded:.3}");
+    assert!((mean / commanded - 1.0).abs() < 2e-3);
+    for (key, theirs) in [
+        ("speed_slowest_rad_s", alone.slowest_rad_s()),
+        ("speed_fastest_rad_s", alone.fastest_rad_s()),
+    ] {
+        let (ours, theirs) = (figure(&run, key).unwrap() - mean, theirs - alone.mean_rad_s());
+        println!("{key}: {ours:+.3} of the mean under the loop, {theirs:+.3} on the mains");
+        assert!((ours / theirs - 1.0).abs() < 0.06, "{key}: {ours}, {theirs}");
+    }
+    assert!(figure(&run, "stalled_s").is_none());
+}
+
+/// If this fails, the flywheel has no effect: with half of it the speed varies about twice as much.
+#[test]
+fn half_the_flywheel_doubles_the_irregularity() {
+    let whole = figure(&with(&[]), "irregularity").unwrap();
+    let half = with(&[("rotor_inertia_kgm2 = 40.79", "rotor_inertia_kgm2 = 20.395")]);
+    let ratio = figure(&half, "irregularity").unwrap() / whole;
+    assert!((1.7..2.3).contains(&ratio), "{ratio}");
+}
+
+/// If this fails, a crusher that rock has stopped goes on being driven, or the report does not say that and where it stalled.
+#[test]
+fn a_stalled_crusher_is_stopped_and_reported() {
+    let run = with(&[("rock_kn = 1310", "rock_kn = 4000")]);
+    let kinds = kinds(&run);
+    assert_eq!(kinds.first().map(String::as_str), Some("common-lag"));
+    let stalled_s = figure(&run, "stalled_s").expect("the stall is reported");
+    let fault_s = run.report["faults"][0]["t_s"].as_f64().unwrap();
+    assert!(fault_s < stalled_s, "{fault_s} s, {stalled_s} s");
+    assert!((0.0..360.0).contains(&figure(&run, "stalled_deg").unwrap()));
+    let warnings = run.report["warnings"].to_string();
+    assert!(warnings.contains("crusher stalled"), "{warnings}");
+    assert!(warnings.contains("no flywheel carries"), "{warnings}");
+}
+
+/// If this fails, a stop in rock is confused with a stall: a shaft that is brought to rest as commanded does not stall.
+#[test]
+fn a_stop_without_rock_is_no_stall() {
+    let run = with(&[("rock_kn = 1310", "rock_kn = 0")]);
+    assert!(figure(&run, "stalled_s").is_none());
+    assert_eq!(figure(&run, "rock_work_j"), Some(0.0));
+    assert_eq!(kinds(&run), Vec::<String>::new());
+}
