@@ -4,6 +4,8 @@
 mod branch;
 #[path = "breakdown/capture.rs"]
 mod capture;
+#[path = "breakdown/stall.rs"]
+mod stall;
 #[path = "breakdown/motors.rs"]
 mod motors;
 #[path = "breakdown/steps.rs"]
@@ -144,7 +146,8 @@ fn the_chart_has_all_panels() {
     assert_eq!(
         panels,
         [
-            "root", "band", "pull-out", "chain", "rods", "overload", "lambda", "branch", "capture"
+            "root", "band", "pull-out", "chain", "rods", "overload", "lambda", "branch", "capture",
+            "stall"
         ]
     );
     let parts: Vec<_> = one.pictures.iter().map(|picture| picture.part).collect();

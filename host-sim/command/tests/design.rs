@@ -271,9 +271,39 @@ fn a_flywheel_has_exactly_the_promised_fields() {
     ];
     let json = machine(arguments, &numbers, 1);
     assert_eq!(json["torque_curve"].as_array().map(Vec::len), Some(3));
+    assert!(json.get("under_rock").is_none());
+    let rock = format!("{arguments} --rock-kn 1310 --rock second-half --irregularity 0.05 --json");
+    let json: serde_json::Value = serde_json::from_str(&command(&rock).expect("it turns")).unwrap();
+    let under_rock = json["under_rock"].as_object().unwrap();
+    let fields = [
+        "fastest_rad_s",
+        "slowest_rad_s",
+        "mean_rad_s",
+        "irregularity",
+        "nodes",
+        "nodes_fastest_rad_s",
+        "nodes_slowest_rad_s",
+        "nodes_mean_rad_s",
+        "required_inertia_kgm2",
+    ];
+    assert!(fields.iter().all(|field| under_rock[*field].is_number()));
+    assert_eq!(under_rock.len(), fields.len());
     let message = command(&arguments.replace("970", "1000"));
     let message = message.expect_err("no slip").to_string();
     assert!(message.starts_with("--rated-rpm 1000: "), "{message}");
+}
+
+/// If this fails, the speeds under rock in the documentation are not those that are printed.
+#[test]
+fn documented_speeds_under_rock_are_what_is_printed() {
+    let page = command(
+        "flywheel --power-kw 15 --rated-rpm 970 --synchronous-rpm 1000 --overload 2 --belt-ratio 3.7 --mass-kg 281 --diameter-m 0.762 \
+         --rock-kn 1310 --rock second-half --irregularity 0.05",
+    )
+    .expect("a design");
+    let under_rock = &page[page.find("Under ").expect("speeds under rock")..];
+    let document = include_str!("../../../docs/design-command.md");
+    assert!(document.contains(under_rock.trim_end()), "{under_rock}");
 }
 
 /// If this fails, the page is not what the documentation shows, to the letter.

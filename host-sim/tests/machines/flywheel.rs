@@ -1,6 +1,6 @@
 //! Drive and flywheel of the jaw crusher, against the figures of its source and those computed independently.
 
-use host_sim::design::flywheel::{DesignError, Requirement, design};
+use host_sim::design::flywheel::{DesignError, Requirement, Rock, Shape, design, periodic};
 
 use super::assert_near;
 
@@ -73,4 +73,60 @@ fn what_does_not_go_together_is_refused_by_name() {
     assert!(matches!(error, DesignError::Order { .. }), "{error}");
     let error = refused(|it| (it.power_kw, it.overload, it.belt_ratio) = (0.0, 1.0, f64::NAN));
     assert_eq!(error.to_string().lines().count(), 3, "{error}");
+}
+
+/// Rock of the source's crusher, with so many nodes a turn.
+fn rock(nodes: u32, irregularity: Option<f64>) -> Rock {
+    Rock {
+        shape: Shape::LinearRise,
+        peak_kn: 1500.0,
+        nodes,
+        irregularity,
+    }
+}
+
+/// If this fails, the scheme of the source does not approach the converged solution with more nodes, or one of them solves another equation.
+#[test]
+fn more_nodes_approach_the_converged_speeds() {
+    let found = design(&SOURCE).expect("in range");
+    let slowest = |nodes: u32| {
+        let dynamic = periodic(&found, &rock(nodes, None)).expect("it turns");
+        let by_nodes = dynamic.by_nodes.expect("it turns").slowest_rad_s();
+        (by_nodes - dynamic.converged.slowest_rad_s()).abs()
+    };
+    let (few, many) = (slowest(18), slowest(1800));
+    println!("18 nodes are off by {few:.4} rad/s, 1800 by {many:.6}");
+    // It is of first order: a hundredth.
+    assert!(few > 0.02 && (0.005..0.02).contains(&(many / few)), "{few}, {many}");
+}
+
+/// If this fails, the flywheel that is found does not keep the irregularity, or a lighter one would.
+#[test]
+fn the_required_flywheel_keeps_the_irregularity() {
+    let found = design(&SOURCE).expect("in range");
+    let limit = 0.05;
+    let required = periodic(&found, &rock(18, Some(limit))).expect("it turns");
+    let required_kgm2 = required.required_kgm2.expect("requested");
+    for (factor, keeps) in [(1.000_001, true), (0.999, false)] {
+        let mut heavier = SOURCE;
+        heavier.mass_kg *= factor * required_kgm2 / found.rim_kgm2();
+        let heavier = design(&heavier).expect("in range");
+        let speeds = periodic(&heavier, &rock(18, None)).expect("it turns").converged;
+        assert_eq!(speeds.irregularity() <= limit, keeps, "{}", speeds.irregularity());
+    }
+}
+
+/// If this fails, rock that the motor cannot break has a flywheel, or the message does not name the flag.
+#[test]
+fn too_much_rock_is_refused() {
+    let found = design(&SOURCE).expect("in range");
+    let heavy = Rock {
+        peak_kn: 9000.0,
+        ..rock(18, None)
+    };
+    let refused = periodic(&found, &heavy).expect_err("it stalls").to_string();
+    assert!(refused.starts_with("--rock-kn 9000: "), "{refused}");
+    let wrong = periodic(&found, &rock(3, Some(0.9))).expect_err("out of range");
+    let lines = wrong.to_string();
+    assert!(lines.contains("--nodes 3") && lines.contains("--irregularity 0.9"), "{lines}");
 }

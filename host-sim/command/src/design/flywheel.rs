@@ -2,7 +2,9 @@
 
 use std::io::Write;
 
-use host_sim::design::flywheel::{Design, Requirement, design, write_page};
+use host_sim::design::flywheel::{
+    Design, Dynamic, Requirement, Rock, Shape, design, periodic, write_page,
+};
 use serde::Serialize;
 
 use super::{DesignCommandError, write_json};
@@ -47,6 +49,75 @@ pub struct FlywheelArgs {
         requires = "fastest_rad_s"
     )]
     pub slowest_rad_s: Option<f64>,
+    /// Peak force of the rock across the jaw, kN: computes the speeds of the periodic regime
+    #[arg(long, value_name = "F", allow_hyphen_values = true)]
+    pub rock_kn: Option<f64>,
+    /// How that force acts over the closing stroke
+    #[arg(long, value_enum, default_value = "linear-rise", requires = "rock_kn")]
+    pub rock: RockShape,
+    /// Nodes a turn of the source's scheme, beside the converged solution: 4 to 10,000
+    #[arg(long, value_name = "COUNT", default_value_t = 18, requires = "rock_kn")]
+    pub nodes: u32,
+    /// Irregularity under rock for which to find the flywheel: 0.001 to 0.5
+    #[arg(
+        long,
+        value_name = "D",
+        allow_hyphen_values = true,
+        requires = "rock_kn"
+    )]
+    pub irregularity: Option<f64>,
+}
+
+/// Shape of the rock's force.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+pub enum RockShape {
+    /// Rises with the shaft's angle, to its peak at the end of the stroke
+    LinearRise,
+    /// Its peak over the second half of the stroke
+    SecondHalf,
+    /// Its peak over the whole stroke
+    Constant,
+}
+
+impl From<RockShape> for Shape {
+    fn from(shape: RockShape) -> Self {
+        match shape {
+            RockShape::LinearRise => Self::LinearRise,
+            RockShape::SecondHalf => Self::SecondHalf,
+            RockShape::Constant => Self::Constant,
+        }
+    }
+}
+
+/// Speeds under rock: converged, and by the scheme of the source.
+#[derive(Serialize)]
+struct UnderRock {
+    fastest_rad_s: f64,
+    slowest_rad_s: f64,
+    mean_rad_s: f64,
+    irregularity: f64,
+    nodes: u32,
+    nodes_fastest_rad_s: Option<f64>,
+    nodes_slowest_rad_s: Option<f64>,
+    nodes_mean_rad_s: Option<f64>,
+    required_inertia_kgm2: Option<f64>,
+}
+
+impl From<&Dynamic> for UnderRock {
+    fn from(dynamic: &Dynamic) -> Self {
+        let (converged, by_nodes) = (&dynamic.converged, dynamic.by_nodes.as_ref());
+        Self {
+            fastest_rad_s: converged.fastest_rad_s(),
+            slowest_rad_s: converged.slowest_rad_s(),
+            mean_rad_s: converged.mean_rad_s(),
+            irregularity: converged.irregularity(),
+            nodes: dynamic.rock.nodes,
+            nodes_fastest_rad_s: by_nodes.map(|speeds| speeds.fastest_rad_s()),
+            nodes_slowest_rad_s: by_nodes.map(|speeds| speeds.slowest_rad_s()),
+            nodes_mean_rad_s: by_nodes.map(|speeds| speeds.mean_rad_s()),
+            required_inertia_kgm2: dynamic.required_kgm2,
+        }
+    }
 }
 
 /// The object that `--json` prints.
@@ -66,6 +137,8 @@ struct Figures {
     shaft_torque_slowest_nm: Option<f64>,
     irregularity: Option<f64>,
     energy_swing_j: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    under_rock: Option<UnderRock>,
 }
 
 impl From<&Design> for Figures {
@@ -86,6 +159,7 @@ impl From<&Design> for Figures {
             shaft_torque_slowest_nm: torque(1),
             irregularity: design.irregularity(),
             energy_swing_j: design.energy_swing_j(),
+            under_rock: None,
         }
     }
 }
@@ -113,9 +187,21 @@ pub fn run(
             .map(|(fastest, slowest)| [fastest, slowest]),
     })
     .map_err(DesignCommandError::input)?;
+    let rock = args.rock_kn.map(|peak_kn| Rock {
+        shape: args.rock.into(),
+        peak_kn,
+        nodes: args.nodes,
+        irregularity: args.irregularity,
+    });
+    let dynamic = rock.map(|rock| periodic(&found, &rock)).transpose();
+    let dynamic = dynamic.map_err(DesignCommandError::input)?;
     if json {
-        write_json(&Figures::from(&found), out)
+        let figures = Figures {
+            under_rock: dynamic.as_ref().map(UnderRock::from),
+            ..Figures::from(&found)
+        };
+        write_json(&figures, out)
     } else {
-        Ok(write_page(&found, out)?)
+        Ok(write_page(&found, dynamic.as_ref(), out)?)
     }
 }

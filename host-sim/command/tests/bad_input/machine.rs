@@ -287,3 +287,77 @@ fn lambda_and_the_rod() {
         ),
     ]);
 }
+
+#[test]
+fn crushers() {
+    let crusher = library::find("jaw-crusher").unwrap().text;
+    let with = |from: &str, to: &str| {
+        assert!(crusher.contains(from), "{from}");
+        crusher.replacen(from, to, 1)
+    };
+    assert_all_refused(&[
+        case(
+            "crusher whose shaft cannot turn",
+            with("toggle_mm = 250", "toggle_mm = 5"),
+            "crusher.ground_mm",
+            "the shaft cannot turn all round",
+            "change it, or the lengths",
+        ),
+        case(
+            "crusher with two axes",
+            with("count = 1", "count = 2"),
+            "axes.count",
+            "2",
+            "1",
+        ),
+        case(
+            "crusher with a force below its jaw's end",
+            with("jaw_centre_mm = 463.4", "jaw_centre_mm = 900"),
+            "crusher.jaw_centre_mm",
+            "outside 0 to 800",
+            "0 to 800",
+        ),
+        case(
+            "crusher whose rock ends before it begins",
+            with("rock_turns = [24, 54]", "rock_turns = [24, 20]"),
+            "crusher.rock_turns[1]",
+            "outside 24 to",
+            "24",
+        ),
+        case(
+            "induction drive without its motor",
+            with("induction = {", "servo = { velocity_gain_nms = 5, limit_nm = 5 } # {"),
+            "axes.servo.position_gain_per_s",
+            "missing",
+            "",
+        ),
+        case(
+            "induction motor without its drive",
+            with("drive = \"induction\"", "drive = \"pulse-servo\""),
+            "axes.induction",
+            "no axis here has drive = \"induction\"",
+            "leave it out",
+        ),
+        case(
+            "motor without slip",
+            with("rated_slip_hz = 0.1351", "rated_slip_hz = 0"),
+            "axes.induction.rated_slip_hz",
+            "outside",
+            "0.0001",
+        ),
+        case(
+            "crusher that tilts",
+            with("common_limit_deg = 25", "tilt_limit_mrad = 1 #"),
+            "drift.tilt_limit_mrad",
+            "[crusher] has none",
+            "leave it out",
+        ),
+        case(
+            "crusher with torque setpoints",
+            with("drive = \"induction\"", "drive = \"servo\""),
+            "axes.drive",
+            "knows no torque of a jaw crusher",
+            "takes STEP and DIR",
+        ),
+    ]);
+}

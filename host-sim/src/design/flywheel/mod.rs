@@ -8,12 +8,14 @@
 //! - inertia of a thin rim m D² / 4, of a disc m D² / 8;
 //! - irregularity (ω₁ − ω₂) / ω̄, and energy given up J (ω₁² − ω₂²) / 2 between the fastest and the slowest speed.
 
+mod dynamic;
 mod report;
 
 use core::f64::consts::TAU;
 
 use super::range::{OutOfRange, Range};
 
+pub use dynamic::{Dynamic, Rock, Shape, periodic};
 pub use report::write_page;
 
 /// Motor, belt and flywheel, and the speeds between which the shaft goes.
@@ -66,6 +68,12 @@ pub enum DesignError {
         /// Fastest speed that was given, rad/s.
         fastest: f64,
     },
+    /// The motor cannot break rock of that peak force, in kN.
+    #[error("--rock-kn {0}: brings the shaft to rest; lower it, or give a stronger motor or a heavier flywheel")]
+    Stalls(f64),
+    /// No flywheel within a thousand times the given one keeps the irregularity.
+    #[error("--irregularity {0}: no flywheel keeps it under this rock; allow more")]
+    Irregularity(f64),
 }
 
 /// Torque of the motor over its speed, M = a ω² + b ω + c, N·m and rad/s.

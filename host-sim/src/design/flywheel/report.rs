@@ -2,15 +2,21 @@
 
 use std::io::{self, Write};
 
-use super::Design;
+use cophase_methods::problems::crusher::Speeds;
+
+use super::{Design, Dynamic};
 use crate::design::digits::four;
 use crate::design::page::row;
 
-/// Writes the design as text.
+/// Writes the design as text, with the speeds under rock if they were computed.
 ///
 /// # Errors
 /// `out` cannot be written to.
-pub fn write_page(design: &Design, out: &mut impl Write) -> io::Result<()> {
+pub fn write_page(
+    design: &Design,
+    dynamic: Option<&Dynamic>,
+    out: &mut impl Write,
+) -> io::Result<()> {
     writeln!(out, "Crusher drive and flywheel\n")?;
     let mut row = |what: &str, value: f64, note: &str| row(out, what, &four(value), note);
     row(
@@ -61,6 +67,36 @@ pub fn write_page(design: &Design, out: &mut impl Write) -> io::Result<()> {
             "over the middle of both speeds",
         )?;
         row("energy that the rim gives up, J", energy_j, "")?;
+    }
+    match dynamic {
+        Some(dynamic) => write_dynamic(dynamic, out),
+        None => Ok(()),
+    }
+}
+
+fn write_dynamic(dynamic: &Dynamic, out: &mut impl Write) -> io::Result<()> {
+    let rock = dynamic.rock;
+    writeln!(
+        out,
+        "\nUnder {} kN of rock, periodic: converged, and with {} nodes a turn\n",
+        rock.peak_kn, rock.nodes
+    )?;
+    let figures: [(&str, fn(&Speeds) -> f64); 4] = [
+        ("fastest speed of the shaft, rad/s", Speeds::fastest_rad_s),
+        ("slowest", Speeds::slowest_rad_s),
+        ("mean over time", Speeds::mean_rad_s),
+        ("irregularity, over that mean", Speeds::irregularity),
+    ];
+    for (what, figure) in figures {
+        let by_nodes = match &dynamic.by_nodes {
+            Some(speeds) => four(figure(speeds)),
+            None => "comes to rest".to_owned(),
+        };
+        row(out, what, &four(figure(&dynamic.converged)), &by_nodes)?;
+    }
+    if let (Some(limit), Some(required)) = (rock.irregularity, dynamic.required_kgm2) {
+        let note = format!("for an irregularity of {limit}");
+        row(out, "flywheel that is required, kg·m²", &four(required), &note)?;
     }
     Ok(())
 }

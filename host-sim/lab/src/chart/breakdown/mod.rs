@@ -12,6 +12,7 @@
 //! - [`lambda`]: two terms where λ is at its ends;
 //! - [`branch`]: a crank-rocker whose dead centres lie on two branches;
 //! - [`capture`]: a screen that hangs in its resonance;
+//! - [`stall`]: a crusher in rock that it does not break;
 //! - [`diverging`]: no panel, but the run that ends on the way; [`runs`]: how scenes are run and looked at.
 
 pub mod band;
@@ -26,6 +27,7 @@ pub mod pull_out;
 pub mod rods;
 pub mod root;
 pub mod runs;
+pub mod stall;
 
 use super::picture::{Panel, Picture, render};
 use super::{ChartError, Drawn, DrawnPicture, Progress, Size};
@@ -45,6 +47,7 @@ const PANELS: &[Show] = &[
     |_| lambda::shown(),
     |_| branch::shown(),
     |_| capture::shown(),
+    |_| stall::shown(),
 ];
 
 /// Makes the chart.
