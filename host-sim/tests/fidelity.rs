@@ -142,6 +142,7 @@ judged! {
     wrapper: "wrapper",
     screen: "screen",
     jaw_crusher: "jaw-crusher",
+    five_bar: "five-bar",
     electronic_cam: "electronic-cam",
 }
 

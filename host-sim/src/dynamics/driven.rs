@@ -10,7 +10,7 @@ use cophase_methods::Equations;
 use super::corners::MOST;
 use super::modes::{Bound, Mode};
 use super::{Body, Elastic, Field, Frame, FrameMotion, Motor, Phased, PlaneMotion, Rigid};
-use crate::plant::{Plant, Shafts};
+use crate::plant::{Memory, Plant, Shafts};
 
 /// How much freedom the machine has.
 #[derive(Clone, Debug)]
@@ -31,6 +31,9 @@ pub struct OnPlant {
     body: Body,
     plant: Arc<dyn Plant>,
     held: [bool; MOST],
+    memory: Memory,
+    /// Torques that the machine's drive law gives in this tick, N·m; none if it has no such law.
+    law_nm: Option<[f64; MOST]>,
 }
 
 impl OnPlant {
@@ -40,6 +43,8 @@ impl OnPlant {
             body,
             plant,
             held: [false; MOST],
+            memory: Memory::default(),
+            law_nm: None,
         }
     }
 }
@@ -160,6 +165,21 @@ impl Driven {
         }
     }
 
+    /// Begins a control tick of `tick_s` in a state: drive laws that are sampled give their torques for it.
+    pub fn begin_tick(&mut self, state: &[f64], tick_s: f64) {
+        let positions = self.positions();
+        if let Freedom::Plant(on) = &mut self.freedom {
+            if !self.energised {
+                on.memory = Memory::default();
+                return;
+            }
+            let (q, v) = state[..2 * positions].split_at(positions);
+            on.law_nm = on
+                .plant
+                .drive_law(&self.fields, q, v, &mut on.memory, tick_s);
+        }
+    }
+
     /// A bound on the fastest mode.
     pub fn fastest_mode(&self) -> Mode {
         let body = self.body();
@@ -195,6 +215,11 @@ impl Driven {
         let mut torques = [0.0; MOST];
         if !self.energised {
             return torques;
+        }
+        if let Freedom::Plant(on) = &self.freedom
+            && let Some(law_nm) = on.law_nm
+        {
+            return law_nm;
         }
         let positions = self.positions();
         let mut integral_nm = [0.0; MOST];

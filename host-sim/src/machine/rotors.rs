@@ -184,6 +184,7 @@ impl Rotors {
         if !energised {
             self.driven.forget(&mut self.state);
         }
+        self.driven.begin_tick(&self.state, self.tick_s);
         let is_near_rest = self.near_rest.is_some() && self.is_near_rest();
         let method = match &mut self.near_rest {
             Some(near_rest) if is_near_rest => near_rest,

@@ -10,6 +10,7 @@
 
 pub mod crusher;
 mod figure;
+pub mod five_bar;
 mod record;
 pub mod screen;
 mod shafts;
@@ -21,7 +22,7 @@ use std::sync::Arc;
 use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
 use cophase_core::settings::{DriftSettings, MachineSettings, Platform};
 
-use crate::dynamics::{Body, Mode, PlaneMotion};
+use crate::dynamics::{Body, Field, MOST, Mode, PlaneMotion};
 use crate::machine::Pose;
 use crate::scene::file::{Drift, Fidelity};
 use crate::scene::{Scene, SceneError, phase_limits};
@@ -34,6 +35,11 @@ pub use shafts::Shafts;
 pub trait Table: Debug {
     /// Name of the table in the scene file.
     fn key(&self) -> &'static str;
+
+    /// True if the axes follow cam tables, which [`Self::fill`] adds.
+    fn axes_follow_tables(&self) -> bool {
+        false
+    }
 
     /// Fills in what follows from the table: a forbidden band, cam tables, a program. A scene has none of these by default.
     ///
@@ -49,6 +55,9 @@ pub trait Table: Debug {
     /// A number that is out of its range, or a key of the scene that means nothing for this machine.
     fn make(&self, scene: &Scene) -> Result<Made, SceneError>;
 }
+
+/// Numbers that a drive law keeps from tick to tick.
+pub type Memory = [f64; 4];
 
 /// A machine, and what the controller is given for it.
 #[derive(Clone, Debug)]
@@ -144,6 +153,19 @@ pub trait Plant: Debug + Send + Sync {
 
     /// Accelerations of all positions, in rad/s² and m/s².
     fn accelerations(&self, shafts: &Shafts<'_>, q: &[f64], v: &[f64], a: &mut [f64]);
+
+    /// Torques, N·m, that a drive law of the machine's own gives its motors for a control tick, in place of each motor's position loop; none if it has no
+    /// such law. `fields` are the commands, `q` and `v` the state at the beginning of the tick. `memory` is the law's own: 0 when the drives are switched on.
+    fn drive_law(
+        &self,
+        _fields: &[Field],
+        _q: &[f64],
+        _v: &[f64],
+        _memory: &mut Memory,
+        _tick_s: f64,
+    ) -> Option<[f64; MOST]> {
+        None
+    }
 
     /// Motion of what the shafts move, in a state with these accelerations.
     fn moved(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion;

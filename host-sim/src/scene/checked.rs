@@ -151,7 +151,11 @@ impl Scene {
         fn boxed<T: Table + Clone + 'static>(table: Option<&T>) -> Option<Box<dyn Table>> {
             table.map(|table| Box::new(table.clone()) as Box<dyn Table>)
         }
-        let tables = [boxed(self.screen.as_ref()), boxed(self.crusher.as_ref())];
+        let tables = [
+            boxed(self.screen.as_ref()),
+            boxed(self.crusher.as_ref()),
+            boxed(self.five_bar.as_ref()),
+        ];
         tables.into_iter().flatten().next()
     }
 

@@ -45,6 +45,7 @@ pub const SCENES: &[BuiltIn] = scenes![
     "wrapper",
     "screen",
     "jaw-crusher",
+    "five-bar",
     "electronic-cam",
 ];
 

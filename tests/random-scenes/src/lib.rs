@@ -221,6 +221,7 @@ impl Basis {
             cam: shaft,
             screen: None,
             crusher: None,
+            five_bar: None,
             cam_table,
             machine,
             axes,

@@ -361,3 +361,88 @@ fn crushers() {
         ),
     ]);
 }
+
+#[test]
+fn five_bar_arms() {
+    let arm = library::find("five-bar").unwrap().text;
+    let with = |from: &str, to: &str| {
+        assert!(arm.contains(from), "{from}");
+        arm.replacen(from, to, 1)
+    };
+    let path = "path_mm = [[0, 300], [200, 300]]";
+    assert_all_refused(&[
+        case(
+            "path out of reach",
+            with(path, "path_mm = [[450, 300], [0, 300]]"),
+            "five_bar.path_mm",
+            "from the axis, and links 1 and 4 reach 500 mm",
+            "lengthen the links",
+        ),
+        case(
+            "path through the axis",
+            with(path, "path_mm = [[-100, 0.001], [100, 0.001]]"),
+            "five_bar.path_mm",
+            "nearly singular there",
+            "move the path or lower the margin",
+        ),
+        case(
+            "path to the edge of the reach",
+            with(path, "path_mm = [[0, 300], [0, 499]]"),
+            "five_bar.path_mm",
+            "below five_bar.margin = 0.2",
+            "move the path",
+        ),
+        case(
+            "path of one point",
+            with(path, "path_mm = [[0, 300]]"),
+            "five_bar.path_mm",
+            "fewer than two points",
+            "give the points",
+        ),
+        case(
+            "line that is too short for its blends",
+            with(path, "path_mm = [[0, 300], [5, 300]]"),
+            "five_bar.path_mm",
+            "too short for blends",
+            "shorten the blends",
+        ),
+        case(
+            "surface along a triangle",
+            with(path, "path_mm = [[0, 300], [200, 300], [100, 350]]"),
+            "five_bar.contact",
+            "more than two points",
+            "give two",
+        ),
+        case(
+            "arm with three motors",
+            with("count = 2", "count = 3"),
+            "axes.count",
+            "is not 2",
+            "a five-bar arm has",
+        ),
+        case(
+            "arm with a table of its own",
+            with(
+                "[control]",
+                "[[cam_table]]\nname = \"x\"\nsegment = [{ deg = 100 }]\n[control]",
+            ),
+            "cam_table[0]",
+            "makes the tables of both joints",
+            "leave it out",
+        ),
+        case(
+            "arm without a mass",
+            with("links_kg = [1.2, 0.6, 0.6, 1.0]", "links_kg = [1.2, 0, 0.6, 1.0]"),
+            "five_bar.links_kg[1]",
+            "outside",
+            "0.001",
+        ),
+        case(
+            "program level that is too fast",
+            with("ramp_s = 1\n", "amax_g = 1\nramp_s = 1\n"),
+            "program[0].amax_g",
+            "over limits.speed_hz",
+            "give at most",
+        ),
+    ]);
+}

@@ -88,8 +88,10 @@ pub(super) fn follower(shaft: &CamShaft) -> Result<Follower, SceneError> {
 pub(super) fn check_screws(scene: &Scene) -> Result<(), SceneError> {
     let follows = |number: usize| scene.overrides(number).is_some_and(|own| own.cam.is_some());
     let Some(lead_mm) = scene.cam.as_ref().and_then(|cam| cam.screw_lead_mm) else {
+        let plant_follows = scene.plant_table().is_some_and(|table| table.axes_follow_tables());
         return match scene.axis.iter().position(|own| own.cam.is_some()) {
             None => Ok(()),
+            Some(_) if plant_follows => Ok(()),
             Some(entry) => Err(SceneError::at(
                 format!("axis[{entry}].cam"),
                 "turns neither a crank nor a cam evenly: only pushers on screws follow a table here, so give [cam] with cam.screw_lead_mm",

@@ -43,11 +43,11 @@ pub(super) fn tables(scene: &Scene) -> Result<heapless::Vec<CamSettings, MAX_CAM
 fn one(entry: usize, table: &CamTable) -> Result<CamSettings, SceneError> {
     let key = |name: &str| format!("cam_table[{entry}].{name}");
     let points_turns = match (&table.file, table.segments.is_empty()) {
-        (Some(_), true) if table.points_turns.is_empty() => Err(SceneError::at(
+        (_, true) if !table.points_turns.is_empty() => Ok(table.points_turns.iter().copied().collect()),
+        (Some(_), true) => Err(SceneError::at(
             key("file"),
             "can be read beside a scene file only; give segments",
         )),
-        (Some(_), true) => Ok(table.points_turns.iter().copied().collect()),
         (None, false) => sampled(entry, table),
         (Some(_), false) => Err(SceneError::at(
             key("segment"),

@@ -179,6 +179,28 @@ pub struct AxisOverrides {
     pub pull_out_scale: f64,
 }
 
+impl AxisOverrides {
+    /// Axis that has nothing apart from the others.
+    pub const fn new(number: usize) -> Self {
+        Self {
+            number,
+            reversed: false,
+            drive: None,
+            steps_per_turn: None,
+            ratio: None,
+            offset_deg: None,
+            index: None,
+            index_deg: None,
+            cam: None,
+            cam_shift_deg: 0.0,
+            trim_deg: 0.0,
+            start_deg: 0.0,
+            friction_nm: None,
+            pull_out_scale: 1.0,
+        }
+    }
+}
+
 const fn default_full_steps() -> u32 {
     200
 }

@@ -22,9 +22,23 @@ pub struct CamTable {
     /// CSV file of points, relative to the scene's folder.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
-    /// Points of that file, axis turns; filled in when the scene is loaded.
+    /// Points of that file, axis turns; filled in when the scene is loaded. Machines that make tables themselves fill them in as well.
     #[serde(skip)]
     pub points_turns: Vec<f64>,
+}
+
+impl CamTable {
+    /// Table of points, axis turns at equal distances over a turn of the master, after which the axis is back.
+    pub fn of_points(name: &str, points_turns: Vec<f64>) -> Self {
+        Self {
+            name: name.to_owned(),
+            net_turns: 0,
+            law: LawName::default(),
+            segments: Vec::new(),
+            file: None,
+            points_turns,
+        }
+    }
 }
 
 /// Segment of a cam table.

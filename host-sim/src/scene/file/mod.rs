@@ -29,6 +29,7 @@ pub use questions::Questions;
 use serde::{Deserialize, Serialize};
 
 use crate::plant::crusher::CrusherTable;
+use crate::plant::five_bar::FiveBarTable;
 use crate::plant::screen::ScreenTable;
 
 /// A whole scene.
@@ -61,6 +62,9 @@ pub struct Scene {
     /// A jaw crusher; this instead of `machine`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub crusher: Option<CrusherTable>,
+    /// A suspended five-bar arm; this instead of `machine`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub five_bar: Option<FiveBarTable>,
     /// Curves that axes follow.
     #[serde(default, rename = "cam_table", skip_serializing_if = "Vec::is_empty")]
     pub cam_table: Vec<CamTable>,

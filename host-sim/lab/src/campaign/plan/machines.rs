@@ -122,20 +122,8 @@ pub fn draw(
 
 fn apart(number: usize, reversed: bool) -> AxisOverrides {
     AxisOverrides {
-        number,
         reversed,
-        drive: None,
-        steps_per_turn: None,
-        ratio: None,
-        offset_deg: None,
-        index: None,
-        index_deg: None,
-        cam: None,
-        cam_shift_deg: 0.0,
-        trim_deg: 0.0,
-        start_deg: 0.0,
-        friction_nm: None,
-        pull_out_scale: 1.0,
+        ..AxisOverrides::new(number)
     }
 }
 

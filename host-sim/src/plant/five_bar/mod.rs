@@ -1,0 +1,215 @@
+//! Suspended five-bar arm: two motors on one axis whose links move a hand in a plane, along a path. The source is a paper of 2000 on suspended robots.
+//!
+//! The equations are those of [`cophase_methods::problems::five_bar`], with the inertia of each rotor and the friction of each axis added. The two axes
+//! are the joints: the angle of joint i is 2π times the turns of axis i.
+//!
+//! The program is a path. The master's phase is the path's parameter: one turn of the master is the path, there and back, and at the speed at which that
+//! takes the path's own time the hand has its speed. Each joint follows a cam table of [`MAX_CAM_POINTS`](cophase_core::axes::MAX_CAM_POINTS) points, which the
+//! inverse kinematics gives. A slower master moves the hand along the same path.
+//!
+//! The controller is given a Scotch yoke of the radius a / ω², with a the hand's acceleration in a blend and ω the master's speed, so that the program's amax
+//! is the greatest acceleration of the hand.
+//!
+//! Where the hand presses against a surface, the drives have the hybrid law in place of their position loops: position along the surface, force across it.
+//!
+//! Not modelled: elastic links and joints, and a tool that swings on its rope.
+
+mod path;
+mod record;
+mod table;
+
+use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
+
+use cophase_methods::problems::five_bar::{FiveBarArm, HybridLaw, Target};
+use nalgebra::{Matrix2, Vector2};
+
+use super::{Memory, Plant, Record, Shafts};
+use crate::dynamics::{Body, Field, MOST, PlaneMotion};
+use crate::machine::Pose;
+use crate::scene::file::Fidelity;
+
+pub use path::{Motion, NoTable, Path};
+use record::ArmRecord;
+pub use table::{ContactTable, FiveBarTable, Mode, Plane};
+
+/// Hybrid law of a hand that presses against a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact {
+    /// The law, with its integral at 0.
+    pub law: HybridLaw,
+}
+
+/// Arm with its path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Arm {
+    /// Equations, without friction and motors.
+    pub arm: FiveBarArm,
+    /// Law of its drives where the hand presses against a surface.
+    pub contact: Option<Contact>,
+    /// Path of the hand.
+    pub path: Path,
+    /// Least |sin(q₁ − q₂)| on the path.
+    pub least_sine: f64,
+}
+
+impl Arm {
+    /// Part of a vector in the plane along the first line of the path.
+    fn along(&self, vector: [f64; 2]) -> f64 {
+        let direction = self.path.direction();
+        vector[0] * direction[0] + vector[1] * direction[1]
+    }
+
+    /// Distance of the hand from the start of the path, along its first line, m.
+    fn travelled_m(&self, hand_m: [f64; 2]) -> f64 {
+        let start = self.path.start_m();
+        self.along([0, 1].map(|i| hand_m[i] - start[i]))
+    }
+
+    /// Acceleration of the hand, m/s².
+    fn hand_mps2(&self, q: [f64; 2], v: [f64; 2], a: [f64; 2]) -> [f64; 2] {
+        let jacobian = self.arm.jacobian_m(q);
+        let centripetal = self.arm.centripetal_mps2(q, v);
+        [0, 1].map(|i| jacobian[i][0] * a[0] + jacobian[i][1] * a[1] + centripetal[i])
+    }
+
+    /// Inertia matrix with the rotors, kg·m².
+    fn inertia_kgm2(&self, body: &Body, q: [f64; 2]) -> Matrix2<f64> {
+        let [[a, b], [c, d]] = self.arm.inertia_kgm2(q);
+        let rotors = &body.rotors_kgm2;
+        Matrix2::new(a + rotors[0], b, c, d + rotors[1])
+    }
+}
+
+/// The first two of a list.
+fn both(values: &[f64]) -> [f64; 2] {
+    [values[0], values[1]]
+}
+
+impl Plant for Arm {
+    fn name(&self) -> &'static str {
+        "a five-bar arm"
+    }
+
+    fn axes(&self) -> RangeInclusive<usize> {
+        2..=2
+    }
+
+    fn levels(&self) -> &'static [Fidelity] {
+        &[Fidelity::Kinematic, Fidelity::Phased]
+    }
+
+    fn left_out(&self, model_level: Fidelity) -> String {
+        match model_level {
+            Fidelity::Phased => "elastic links and joints, and a tool that swings on its rope",
+            _ => "torque, friction and contact: the joints are where commanded",
+        }
+        .to_owned()
+    }
+
+    fn pose(&self, turns: &[f64], omega_rad_s: f64, _: f64) -> Pose {
+        let hand_m = self.arm.hand_m(both(turns).map(|turns| turns * TAU));
+        let faster = omega_rad_s * self.path.duration_s() / TAU;
+        let (_, acceleration) = self.path.nearest(hand_m);
+        Pose {
+            z_m: self.travelled_m(hand_m),
+            accel_mps2: self.along(acceleration) * faster * faster,
+            ..Pose::default()
+        }
+    }
+
+    fn positions(&self) -> usize {
+        2
+    }
+
+    fn rest(&self, _: &mut [f64]) {}
+
+    fn accelerations(&self, shafts: &Shafts<'_>, q: &[f64], v: &[f64], a: &mut [f64]) {
+        let (q, v) = (both(q), both(v));
+        let jacobian = self.arm.jacobian_m(q);
+        let force = self.arm.hand_force_n(q, v);
+        let (centrifugal, gravity) = (self.arm.centrifugal_nm(q, v), self.arm.gravity_nm(q));
+        let net = [0, 1].map(|i| {
+            let outside = jacobian[0][i] * force[0] + jacobian[1][i] * force[1];
+            shafts.net_nm(i, v[i]) + outside - centrifugal[i] - gravity[i]
+        });
+        let inertia = self.inertia_kgm2(shafts.body, q);
+        let free = match (shafts.held[0], shafts.held[1]) {
+            (false, false) => {
+                // It is positive definite: each rod has a mass.
+                let solved = inertia.lu().solve(&Vector2::from(net));
+                solved.unwrap_or_else(Vector2::zeros).into()
+            }
+            (true, false) => [0.0, net[1] / inertia[(1, 1)]],
+            (false, true) => [net[0] / inertia[(0, 0)], 0.0],
+            (true, true) => [0.0; 2],
+        };
+        a[..2].copy_from_slice(&free);
+    }
+
+    fn drive_law(
+        &self,
+        fields: &[Field],
+        q: &[f64],
+        v: &[f64],
+        memory: &mut Memory,
+        tick_s: f64,
+    ) -> Option<[f64; MOST]> {
+        let mut law = self.contact.as_ref()?.law.clone();
+        let [integral_ns, before_1, before_2, is_known] = *memory;
+        let omega = [fields[0].omega_rad_s, fields[1].omega_rad_s];
+        let before = if is_known == 0.0 {
+            omega
+        } else {
+            [before_1, before_2]
+        };
+        let commanded = [fields[0].alpha_rad, fields[1].alpha_rad];
+        let acceleration = [0, 1].map(|i| (omega[i] - before[i]) / tick_s);
+        let target = Target {
+            at_m: self.arm.hand_m(commanded),
+            velocity_mps: self.arm.hand_mps(commanded, omega),
+            acceleration_mps2: self.hand_mps2(commanded, omega, acceleration),
+        };
+        law.integral_ns = integral_ns;
+        let [one, two] = law.torque_nm(&self.arm, &[q[0], q[1], v[0], v[1]], &target, tick_s);
+        *memory = [law.integral_ns, omega[0], omega[1], 1.0];
+        let mut torques = [0.0; MOST];
+        torques[..2].copy_from_slice(&[one, two]);
+        Some(torques)
+    }
+
+    fn moved(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion {
+        let (q, v, a) = (both(q), both(v), both(a));
+        PlaneMotion {
+            place: [self.travelled_m(self.arm.hand_m(q)), 0.0, 0.0],
+            rate: [self.along(self.arm.hand_mps(q, v)), 0.0, 0.0],
+            acceleration: [self.along(self.hand_mps2(q, v, a)), 0.0, 0.0],
+        }
+    }
+
+    fn energy_j(&self, body: &Body, q: &[f64], v: &[f64]) -> f64 {
+        let rotors = &body.rotors_kgm2;
+        let turning = rotors[0] * v[0] * v[0] + rotors[1] * v[1] * v[1];
+        self.arm.energy_j(&[q[0], q[1], v[0], v[1]]) + 0.5 * turning
+    }
+
+    fn fastest_mode(&self) -> crate::dynamics::Mode {
+        let Some(surface) = &self.arm.surface else {
+            return crate::dynamics::Mode::default();
+        };
+        // The least mass that the surface feels at the hand is above that of the tool and half of link 4.
+        let mass_kg = self.arm.hand_kg + 0.5 * self.arm.rods[3].mass_kg;
+        let omega_rad_s = (surface.stiffness_n_per_m / mass_kg).sqrt();
+        crate::dynamics::Mode {
+            omega_rad_s,
+            zeta: 0.5 * surface.damping_ns_per_m / (mass_kg * omega_rad_s),
+        }
+    }
+
+    fn record(&self) -> Box<dyn Record> {
+        Box::new(ArmRecord::new(self))
+    }
+}
+
+#[cfg(test)]
+mod tests;

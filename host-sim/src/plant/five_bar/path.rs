@@ -1,0 +1,156 @@
+//! Path of the hand: straight lines with parabolic blends, there and back to the first point.
+
+use std::f64::consts::TAU;
+
+use cophase_core::axes::MAX_CAM_POINTS;
+use cophase_methods::problems::five_bar::{Line, TooShort};
+
+use crate::mechanism::five_bar::{FiveBar, Joints, Unreachable};
+
+/// Closed path in the plane. The hand rests at each of its points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Path {
+    /// Its lines, each with the time at which it begins, s.
+    lines: Vec<(f64, Line)>,
+    duration_s: f64,
+}
+
+/// Motion along a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Place, m.
+    pub at_m: [f64; 2],
+    /// Velocity, m/s.
+    pub velocity_mps: [f64; 2],
+    /// Acceleration, m/s².
+    pub acceleration_mps2: [f64; 2],
+}
+
+/// Why there is no cam table for a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NoTable {
+    /// The hand cannot be there, m.
+    Unreachable([f64; 2], Unreachable),
+    /// The arm is too near to a singular configuration there, m; with |sin(q₁ − q₂)|.
+    Singular([f64; 2], f64),
+}
+
+impl Path {
+    /// Path through at least two points, m, and back to the first, at a speed between blends of a duration.
+    ///
+    /// # Errors
+    /// A line that is too short for its blends.
+    pub fn new(points_m: &[[f64; 2]], speed_mps: f64, blend_s: f64) -> Result<Self, TooShort> {
+        let mut lines = Vec::new();
+        let mut duration_s = 0.0;
+        let ends = points_m.iter().zip(points_m.iter().cycle().skip(1));
+        for (&from_m, &to_m) in ends {
+            let line = Line::with_speed(from_m, to_m, speed_mps, blend_s)?;
+            lines.push((duration_s, line));
+            duration_s += line.duration_s();
+        }
+        Ok(Self { lines, duration_s })
+    }
+
+    /// Time that the path takes at its own speed, s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.duration_s
+    }
+
+    /// Duration of its blends, s.
+    #[must_use]
+    pub fn blend_s(&self) -> f64 {
+        self.lines[0].1.blend_s
+    }
+
+    /// Unit vector along its first line.
+    #[must_use]
+    pub fn direction(&self) -> [f64; 2] {
+        self.lines[0].1.direction()
+    }
+
+    /// Its first point, m.
+    #[must_use]
+    pub fn start_m(&self) -> [f64; 2] {
+        self.lines[0].1.from_m
+    }
+
+    /// Motion at a part of the path, 0 to 1, at its own speed.
+    #[must_use]
+    pub fn at(&self, part: f64) -> Motion {
+        let t_s = part.rem_euclid(1.0) * self.duration_s;
+        let line = self.lines.iter().rev().find(|(began_s, _)| *began_s <= t_s);
+        let (began_s, line) = line.unwrap_or(&self.lines[0]);
+        let [distance, speed, acceleration] = line.at(t_s - began_s);
+        let direction = line.direction();
+        let along = |value: f64| direction.map(|part| part * value);
+        let moved = along(distance);
+        Motion {
+            at_m: [0, 1].map(|i| line.from_m[i] + moved[i]),
+            velocity_mps: along(speed),
+            acceleration_mps2: along(acceleration),
+        }
+    }
+
+    /// Distance of a point from the nearest line, m, and the acceleration there of a hand that follows the path at its own speed, m/s². A line and its
+    /// way back have the same acceleration at the same place.
+    #[must_use]
+    pub fn nearest(&self, point_m: [f64; 2]) -> (f64, [f64; 2]) {
+        let of_line = |(_, line): &(f64, Line)| {
+            let direction = line.direction();
+            let from = [0, 1].map(|i| point_m[i] - line.from_m[i]);
+            let along = (from[0] * direction[0] + from[1] * direction[1]).clamp(0.0, line.length_m());
+            let off = [0, 1].map(|i| from[i] - along * direction[i]);
+            let blend_m = 0.5 * line.speed_mps * line.blend_s;
+            let acceleration = if along < blend_m {
+                line.speed_mps / line.blend_s
+            } else if line.length_m() - along < blend_m {
+                -line.speed_mps / line.blend_s
+            } else {
+                0.0
+            };
+            (off[0].hypot(off[1]), direction.map(|part| part * acceleration))
+        };
+        let lines = self.lines.iter().map(of_line);
+        lines
+            .min_by(|one, other| one.0.total_cmp(&other.0))
+            .unwrap_or((f64::INFINITY, [0.0; 2]))
+    }
+
+    /// Cam tables of both joints over one turn of the master: equally spaced points, turns of each joint. Beside them the least |sin(q₁ − q₂)| on the path.
+    ///
+    /// # Errors
+    /// A point of the path that the hand cannot reach, or where |sin(q₁ − q₂)| is below `margin`.
+    pub fn tables(
+        &self,
+        links: &FiveBar,
+        mode: usize,
+        margin: f64,
+    ) -> Result<([Vec<f64>; 2], f64), NoTable> {
+        let (mut tables, mut least) = ([Vec::new(), Vec::new()], f64::INFINITY);
+        for i in 0..SAMPLES {
+            let at_m = self.at(f64::from(i) / f64::from(SAMPLES)).at_m;
+            let Joints { q1_rad, q2_rad } = links
+                .joints(at_m[0], at_m[1])
+                .map_err(|problem| NoTable::Unreachable(at_m, problem))?[mode];
+            let sine = (q1_rad - q2_rad).sin().abs();
+            if sine < margin {
+                return Err(NoTable::Singular(at_m, sine));
+            }
+            least = least.min(sine);
+            if i % (SAMPLES / MAX_CAM_POINTS as u32) == 0 {
+                for (table, angle) in tables.iter_mut().zip([q1_rad, q2_rad]) {
+                    let turns = angle / TAU;
+                    // Angles are within a turn: the joint goes the short way from point to point.
+                    let last = table.last().copied().unwrap_or(turns);
+                    table.push(turns + (last - turns).round());
+                }
+            }
+        }
+        Ok((tables, least))
+    }
+}
+
+/// Points at which a path is checked: eight between those of the tables.
+const SAMPLES: u32 = 8 * MAX_CAM_POINTS as u32;

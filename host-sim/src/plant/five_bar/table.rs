@@ -1,0 +1,330 @@
+//! `[five_bar]`: a suspended five-bar arm and the path of its hand.
+
+use std::sync::Arc;
+
+use cophase_methods::problems::five_bar::{FiveBarArm, ForceSensor, HybridLaw, Load, Rod, Surface};
+use serde::{Deserialize, Serialize};
+
+use super::path::{NoTable, Path};
+use super::{Arm, Contact};
+use crate::design::STANDARD_GRAVITY_MPS2;
+use crate::mechanism::five_bar::{FiveBar, Unreachable};
+use crate::plant::{Made, Table};
+use crate::scene::file::{AxisOverrides, CamTable};
+use crate::scene::{Scene, SceneError, in_range};
+
+/// Table of a five-bar arm.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct FiveBarTable {
+    /// Lengths of links 1, 2 and 4, mm. Link 3 is as long as link 1.
+    pub links_mm: [f64; 3],
+    /// Masses of links 1 to 4, kg: uniform rods.
+    pub links_kg: [f64; 4],
+    /// Mass of the tool at the hand, kg.
+    #[serde(default)]
+    pub tool_kg: f64,
+    /// Plane of the arm.
+    #[serde(default)]
+    pub plane: Plane,
+    /// Which of the two ways to assemble the arm.
+    #[serde(default)]
+    pub mode: Mode,
+    /// Points of the hand's path, mm: it goes from point to point and back to the first.
+    pub path_mm: Vec<[f64; 2]>,
+    /// Speed of the hand between the blends, mm/s.
+    pub speed_mm_per_s: f64,
+    /// Duration of the blend at each end of a line, s.
+    pub blend_s: f64,
+    /// Least |sin(q₁ − q₂)| on the path: 0 is singular.
+    #[serde(default = "default_margin")]
+    pub margin: f64,
+    /// Pull of the balancer on which the tool hangs, N; 0 is no balancer.
+    #[serde(default)]
+    pub lift_n: f64,
+    /// Length of the rope between balancer and tool, mm. It matters in the horizontal plane.
+    #[serde(default = "default_rope_mm")]
+    pub rope_mm: f64,
+    /// Point below the balancer, mm; without it, the middle of the path.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub balancer_mm: Option<[f64; 2]>,
+    /// Surface along the path that the hand presses against.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contact: Option<ContactTable>,
+}
+
+/// Plane of the arm.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Plane {
+    /// The tool hangs on a rope above it.
+    #[default]
+    Horizontal,
+    /// Gravity acts against y, and the balancer lifts the hand.
+    Vertical,
+}
+
+/// Way to assemble the arm.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// Link 1 is on the left of the line from the axis to the hand: q₁ is larger.
+    #[default]
+    Left,
+    /// It is on the right.
+    Right,
+}
+
+/// `[five_bar.contact]`: the surface, and the hybrid position and force law.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContactTable {
+    /// Force on the surface, N.
+    pub force_n: f64,
+    /// Stiffness of the surface, N/mm.
+    #[serde(default = "default_stiffness")]
+    pub stiffness_n_per_mm: f64,
+    /// Damping of the surface, N·s/m.
+    #[serde(default = "default_damping")]
+    pub damping_ns_per_m: f64,
+    /// Gain of the position error along the surface, 1/s².
+    #[serde(default = "default_position")]
+    pub position_per_s2: f64,
+    /// Gain of the velocity error, 1/s.
+    #[serde(default = "default_velocity")]
+    pub velocity_per_s: f64,
+    /// Gain of the integrated force error, 1/s.
+    #[serde(default = "default_force")]
+    pub force_per_s: f64,
+}
+
+const fn default_margin() -> f64 {
+    0.2
+}
+const fn default_rope_mm() -> f64 {
+    1000.0
+}
+const fn default_stiffness() -> f64 {
+    20.0
+}
+const fn default_damping() -> f64 {
+    100.0
+}
+const fn default_position() -> f64 {
+    900.0
+}
+const fn default_velocity() -> f64 {
+    60.0
+}
+const fn default_force() -> f64 {
+    20.0
+}
+
+/// Names of the joints' cam tables.
+const JOINTS: [&str; 2] = ["joint-1", "joint-2"];
+
+impl FiveBarTable {
+    fn links(&self) -> FiveBar {
+        FiveBar {
+            l1_m: self.links_mm[0] / 1e3,
+            l4_m: self.links_mm[2] / 1e3,
+        }
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        for (i, &length_mm) in self.links_mm.iter().enumerate() {
+            in_range(&format!("five_bar.links_mm[{i}]"), length_mm, 1.0, 10_000.0)?;
+        }
+        for (i, &mass_kg) in self.links_kg.iter().enumerate() {
+            in_range(&format!("five_bar.links_kg[{i}]"), mass_kg, 1e-3, 1e4)?;
+        }
+        in_range("five_bar.tool_kg", self.tool_kg, 0.0, 1e4)?;
+        in_range("five_bar.speed_mm_per_s", self.speed_mm_per_s, 1e-3, 1e5)?;
+        in_range("five_bar.blend_s", self.blend_s, 1e-3, 1e3)?;
+        in_range("five_bar.margin", self.margin, 1e-3, 1.0)?;
+        in_range("five_bar.lift_n", self.lift_n, 0.0, 1e5)?;
+        in_range("five_bar.rope_mm", self.rope_mm, 1.0, 1e5)?;
+        if self.path_mm.len() < 2 {
+            return Err(SceneError::at(
+                "five_bar.path_mm",
+                "has fewer than two points; give the points of the path, such as [[0, 300], [200, 300]]",
+            ));
+        }
+        let Some(contact) = &self.contact else {
+            return Ok(());
+        };
+        let key = |name: &str| format!("five_bar.contact.{name}");
+        in_range(&key("force_n"), contact.force_n, 0.0, 1e4)?;
+        in_range(&key("stiffness_n_per_mm"), contact.stiffness_n_per_mm, 1e-3, 1e6)?;
+        in_range(&key("damping_ns_per_m"), contact.damping_ns_per_m, 0.0, 1e6)?;
+        in_range(&key("position_per_s2"), contact.position_per_s2, 0.0, 1e6)?;
+        in_range(&key("velocity_per_s"), contact.velocity_per_s, 0.0, 1e4)?;
+        in_range(&key("force_per_s"), contact.force_per_s, 0.0, 1e4)?;
+        if self.path_mm.len() > 2 {
+            return Err(SceneError::at(
+                "five_bar.contact",
+                "is a plane surface along one line, and five_bar.path_mm has more than two points; give two",
+            ));
+        }
+        Ok(())
+    }
+
+    fn path(&self) -> Result<Path, SceneError> {
+        let points: Vec<_> = self.path_mm.iter().map(|mm| mm.map(|mm| mm / 1e3)).collect();
+        Path::new(&points, self.speed_mm_per_s / 1e3, self.blend_s).map_err(|short| {
+            SceneError::at(
+                "five_bar.path_mm",
+                format!(
+                    "has a line of {:.4} mm, which is too short for blends of {} s at {} mm/s; lengthen it, shorten the blends or lower the speed",
+                    1e3 * short.length_m,
+                    self.blend_s,
+                    self.speed_mm_per_s
+                ),
+            )
+        })
+    }
+
+    fn tables(&self, path: &Path) -> Result<([Vec<f64>; 2], f64), SceneError> {
+        let mode = match self.mode {
+            Mode::Left => 0,
+            Mode::Right => 1,
+        };
+        let [l1, _, l4] = self.links_mm;
+        let at = |point: [f64; 2]| format!("({:.1}, {:.1}) mm", 1e3 * point[0], 1e3 * point[1]);
+        path.tables(&self.links(), mode, self.margin).map_err(|no| {
+            let problem = match no {
+                NoTable::Unreachable(point, Unreachable::Beyond(reach)) => format!(
+                    "passes {}, {:.1} mm from the axis, and links 1 and 4 reach {} mm; move it nearer or lengthen the links",
+                    at(point),
+                    1e3 * reach,
+                    l1 + l4
+                ),
+                NoTable::Unreachable(point, _) => format!(
+                    "passes {}, nearer to the axis than links 1 and 4 differ by, {} mm; move it away",
+                    at(point),
+                    (l1 - l4).abs()
+                ),
+                NoTable::Singular(point, sine) => format!(
+                    "passes {}, where |sin(q1 − q2)| is {sine:.3}, below five_bar.margin = {}: the arm is nearly singular there; move the path or lower the margin",
+                    at(point),
+                    self.margin
+                ),
+            };
+            SceneError::at("five_bar.path_mm", problem)
+        })
+    }
+
+    /// Greatest acceleration of the hand over the squared speed of the master, m.
+    fn amplitude_m(&self, path: &Path) -> f64 {
+        let omega = std::f64::consts::TAU / path.duration_s();
+        self.speed_mm_per_s / 1e3 / self.blend_s / (omega * omega)
+    }
+
+    fn arm(&self, scene: &Scene, path: Path, least_sine: f64) -> Arm {
+        let [l1, l2, l4] = self.links_mm.map(|mm| mm / 1e3);
+        let lengths = [l1, l2, l1, l4];
+        let direction = path.direction();
+        let normal = [-direction[1], direction[0]];
+        let start = path.start_m();
+        let middle = path.at(0.25).at_m;
+        let below_m = self.balancer_mm.map_or(middle, |mm| mm.map(|mm| mm / 1e3));
+        let is_vertical = self.plane == Plane::Vertical;
+        let suspension = match self.plane {
+            _ if self.lift_n == 0.0 => Load::None,
+            Plane::Vertical => Load::Balancer(self.lift_n),
+            Plane::Horizontal => Load::Rope {
+                lift_n: self.lift_n,
+                length_m: self.rope_mm / 1e3,
+                below_m,
+            },
+        };
+        let limit_nm = scene.axes.servo.and_then(|servo| servo.limit_nm);
+        Arm {
+            arm: FiveBarArm {
+                rods: [0, 1, 2, 3].map(|i| Rod {
+                    length_m: lengths[i],
+                    mass_kg: self.links_kg[i],
+                }),
+                hand_kg: self.tool_kg,
+                gravity_mps2: if is_vertical { STANDARD_GRAVITY_MPS2 } else { 0.0 },
+                // Friction is that of the axes.
+                friction_nm: [0.0; 2],
+                friction_speed_rad_s: 1.0,
+                load: suspension,
+                surface: self.contact.map(|contact| Surface {
+                    normal,
+                    distance_m: start[0] * normal[0] + start[1] * normal[1],
+                    stiffness_n_per_m: 1e3 * contact.stiffness_n_per_mm,
+                    damping_ns_per_m: contact.damping_ns_per_m,
+                }),
+                torque_nm: [0.0; 2],
+            },
+            contact: self.contact.map(|contact| Contact {
+                law: HybridLaw {
+                    position_per_s2: contact.position_per_s2,
+                    velocity_per_s: contact.velocity_per_s,
+                    force_per_s: contact.force_per_s,
+                    required_n: contact.force_n,
+                    limit_nm: limit_nm.unwrap_or(f64::INFINITY),
+                    sensor: ForceSensor::SOURCE,
+                    integral_ns: 0.0,
+                },
+            }),
+            path,
+            least_sine,
+        }
+    }
+}
+
+impl Table for FiveBarTable {
+    fn key(&self) -> &'static str {
+        "five_bar"
+    }
+
+    fn axes_follow_tables(&self) -> bool {
+        true
+    }
+
+    /// Adds a cam table for each joint, and the level of program entries that give none: the path at its own speed.
+    fn fill(&self, scene: &mut Scene) -> Result<(), SceneError> {
+        self.check()?;
+        let path = self.path()?;
+        let (tables, _) = self.tables(&path)?;
+        let own = |table: &CamTable| JOINTS.contains(&table.name.as_str());
+        if let Some(i) = scene.cam_table.iter().position(|table| !own(table)) {
+            return Err(SceneError::at(
+                format!("cam_table[{i}]"),
+                "is given beside [five_bar], whose path makes the tables of both joints; leave it out",
+            ));
+        }
+        scene.cam_table = JOINTS
+            .iter()
+            .zip(tables)
+            .map(|(name, points_turns)| CamTable::of_points(name, points_turns))
+            .collect();
+        for (number, name) in JOINTS.iter().enumerate() {
+            if scene.overrides(number).is_none() {
+                scene.axis.push(AxisOverrides::new(number));
+            }
+            for axis in scene.axis.iter_mut().filter(|axis| axis.number == number) {
+                axis.cam = Some((*name).to_owned());
+            }
+        }
+        let amax_g = self.speed_mm_per_s / 1e3 / self.blend_s / STANDARD_GRAVITY_MPS2;
+        for level in &mut scene.program {
+            if level.amax_g.is_none() && level.repeat.is_none() && level.segments.is_none() {
+                level.amax_g = Some(amax_g);
+            }
+        }
+        Ok(())
+    }
+
+    fn make(&self, scene: &Scene) -> Result<Made, SceneError> {
+        self.check()?;
+        let path = self.path()?;
+        let (_, least_sine) = self.tables(&path)?;
+        let radius = ("five_bar.blend_s", self.amplitude_m(&path));
+        let arm = self.arm(scene, path, least_sine);
+        Made::square_law(scene, self.key(), radius, Arc::new(arm))
+    }
+}

@@ -1,0 +1,132 @@
+use cophase_methods::problems::five_bar::{Load, Surface};
+use cophase_methods::{Equations, Scheme, advance};
+
+use super::*;
+use crate::dynamics::{Driven, Freedom, Motor, OnPlant, Servo};
+use crate::mechanism::{AnyMechanism, Configured, Load as Platform, Platform as Side};
+
+fn body(rotors_kgm2: [f64; 2]) -> Body {
+    let yoke = cophase_core::mechanism::MechanismSettings::ScotchYoke(
+        cophase_core::mechanism::ScotchYokeSettings {},
+    );
+    Body {
+        mechanism: AnyMechanism::of(&yoke, 0.4),
+        load: Platform {
+            mass_kg: 1e-3,
+            gravity_mps2: 0.0,
+            platform: Side::Above,
+        },
+        tilt_inertia_kgm2: 1.0,
+        rotors_kgm2: rotors_kgm2.to_vec(),
+        mount_radius_m: 5.0,
+        rod_n_per_m: 0.0,
+        friction_nm: vec![0.0; 2],
+    }
+}
+
+fn arm(gravity_mps2: f64) -> Arm {
+    let path = Path::new(&[[0.0, 0.3], [0.2, 0.3]], 0.02, 0.5).unwrap();
+    Arm {
+        arm: FiveBarArm {
+            hand_kg: 2.0,
+            load: Load::Balancer(9.81),
+            surface: Some(Surface {
+                normal: [0.0, 1.0],
+                distance_m: 0.3,
+                stiffness_n_per_m: 2e4,
+                damping_ns_per_m: 50.0,
+            }),
+            ..FiveBarArm::assumed(gravity_mps2)
+        },
+        contact: None,
+        path,
+        least_sine: 0.9,
+    }
+}
+
+/// If this fails, the arm under the loop is another one than that whose equations are held to virtual work and to published figures.
+#[test]
+fn it_moves_as_the_published_arm() {
+    let ours = arm(9.81);
+    let light = body([0.0; 2]);
+    for k in 0..300_u32 {
+        let part = |n: u32| f64::from((k * n + 3 * n) % 101) / 101.0;
+        let state = [3.0 * part(7), 2.0 * part(11) - 1.5, part(13) - 0.5, part(17) - 0.5];
+        let torques = [4.0 * part(19) - 2.0, 4.0 * part(23) - 2.0];
+        let alone = FiveBarArm {
+            torque_nm: torques,
+            ..ours.arm.clone()
+        };
+        let mut rates = [0.0; 4];
+        alone.rates(0.0, &state, &mut rates);
+        let (q, v) = state.split_at(2);
+        let move_with = |held: [bool; 2], a: &mut [f64; 2]| {
+            let shafts = Shafts {
+                body: &light,
+                torques_nm: &torques,
+                held: &held,
+            };
+            ours.accelerations(&shafts, q, v, a);
+        };
+        let mut a = [0.0; 2];
+        move_with([false; 2], &mut a);
+        for i in 0..2 {
+            let theirs = rates[2 + i];
+            assert!((a[i] - theirs).abs() < 1e-9 * (1.0 + theirs.abs()), "{k}");
+        }
+        // The hand moves as its joints do.
+        let moved = ours.moved(q, v, &a);
+        let h = 1e-5;
+        let place = |t: f64| {
+            let at = [0, 1].map(|i| q[i] + v[i] * t + 0.5 * a[i] * t * t);
+            ours.arm.hand_m(at)[0]
+        };
+        let difference = (place(h) - 2.0 * place(0.0) + place(-h)) / (h * h);
+        assert!((moved.acceleration[0] - difference).abs() < 1e-4 * (1.0 + difference.abs()), "{k}");
+        move_with([true, false], &mut a);
+        assert_eq!(a[0], 0.0);
+    }
+}
+
+/// If this fails, arm, rotors and surface exchange energy that neither gives up.
+#[test]
+fn energy_stays() {
+    let mut ours = arm(9.81);
+    ours.arm.surface = None;
+    let no_torque = Motor::Servo(Servo {
+        position_gain_per_s: 0.0,
+        velocity_gain_nms: 0.0,
+        integral_s: None,
+        limit_nm: f64::INFINITY,
+        velocity_feed_forward: 0.0,
+    });
+    let on = OnPlant::new(body([0.05, 0.02]), std::sync::Arc::new(ours));
+    let driven = Driven::new(Freedom::Plant(Box::new(on)), vec![no_torque; 2]);
+    let mut state = vec![2.4, 0.6, 1.0, -0.5];
+    let before = driven.energy_j(&state);
+    let mut method = Scheme::Rk4.prepare(&driven, 1e-4).unwrap();
+    advance(method.as_mut(), &driven, 0.0, 50_000, &mut state).unwrap();
+    let after = driven.energy_j(&state);
+    assert!((after - before).abs() < 1e-9 * before.abs(), "{before} J, {after} J");
+}
+
+/// If this fails, the acceleration that the kinematic level shows is not that of the path, or the path does not return to where it began.
+#[test]
+fn the_path_returns_and_accelerates_as_its_place_does() {
+    let path = arm(0.0).path;
+    assert!((path.duration_s() - 21.0).abs() < 1e-12);
+    let end = path.at(1.0 - 1e-12).at_m;
+    assert!((end[0] - 0.0).abs() < 1e-9 && (end[1] - 0.3).abs() < 1e-12);
+    let h = 1e-4;
+    for k in 0..1000 {
+        let part = (f64::from(k) + 0.37) / 1000.0;
+        let here = path.at(part);
+        let place = |offset: f64| path.at(part + offset / path.duration_s()).at_m[0];
+        let speed = (place(h) - place(-h)) / (2.0 * h);
+        assert!((here.velocity_mps[0] - speed).abs() < 1e-5, "{k}");
+        let (off_m, acceleration) = path.nearest(here.at_m);
+        assert!(off_m < 1e-12);
+        assert_eq!(acceleration, here.acceleration_mps2, "{k}");
+    }
+    assert!((path.nearest([0.1, 0.33]).0 - 0.03).abs() < 1e-12);
+}

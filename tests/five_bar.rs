@@ -1,0 +1,102 @@
+//! A five-bar arm under the control loop: the program is a path, the joints follow cam tables, and the hand presses against a surface.
+
+use std::f64::consts::TAU;
+
+use cophase_tests::{Run, record, scene};
+use host_sim::scene::library;
+use host_sim::trace::{Every, Window};
+
+/// The scene, with each line of it that is named replaced by another.
+fn with(changes: &[(&str, &str)]) -> Run {
+    let text = library::find("five-bar").unwrap().text;
+    let text = text.replacen("hold_s = 40", "hold_s = 21", 1);
+    let text = changes.iter().fold(text, |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    });
+    record(&scene(&text), Every::Ticks(1), Window::FirstMotion)
+}
+
+const KINEMATIC: (&str, &str) = ("[five_bar]", "fidelity = \"kinematic\"\n[five_bar]");
+
+fn figure(run: &Run, key: &str) -> f64 {
+    run.report["machine_figures"][key].as_f64().unwrap()
+}
+
+/// Hand of the assumed arm at joint angles in turns, m.
+fn hand_m(turns: [f64; 2]) -> [f64; 2] {
+    let [(sin_1, cos_1), (sin_2, cos_2)] = turns.map(|turns| (turns * TAU).sin_cos());
+    [0.25 * (cos_1 + cos_2), 0.25 * (sin_1 + sin_2)]
+}
+
+/// If this fails, the joints' cam tables do not lead the hand along the line at its speed: 200 mm in 10 s with blends of 0.5 s, there and back.
+#[test]
+fn the_joints_lead_the_hand_along_the_line() {
+    let run = with(&[KINEMATIC]);
+    assert!(run.report["faults"].as_array().unwrap().is_empty());
+    let trace = run.trace();
+    let (one, two) = (trace.column("actual_turns_0"), trace.column("actual_turns_1"));
+    let (t_s, omega) = (trace.column("t_s"), trace.column("omega_rad_s"));
+    let hand = |row: usize| hand_m([one[row], two[row]]);
+    // A step is 1/20000 turn: 0.11 mm of the hand by both joints.
+    let step_m = 2.0 * 0.25 * TAU / 20_000.0;
+    let top = omega.iter().copied().fold(0.0, f64::max);
+    assert!((top * 20.0 / TAU - 1.0).abs() < 1e-4, "{top} rad/s");
+    let (mut least, mut most) = (f64::MAX, f64::MIN);
+    for row in 0..trace.rows() {
+        let [x, y] = hand(row);
+        assert!((y - 0.3).abs() < step_m, "row {row}: {y}");
+        least = least.min(x);
+        most = most.max(x);
+    }
+    assert!(least.abs() < step_m && (most - 0.2).abs() < step_m, "{least} to {most} m");
+    // Half a second in the middle of the line.
+    let from = (0..trace.rows())
+        .find(|&row| omega[row] > top * (1.0 - 1e-9) && hand(row)[0] > 0.08)
+        .unwrap();
+    let to = (from..trace.rows()).find(|&row| t_s[row] >= t_s[from] + 0.5).unwrap();
+    let speed = (hand(to)[0] - hand(from)[0]) / (t_s[to] - t_s[from]);
+    assert!((speed / 0.021_052_6 - 1.0).abs() < 0.01, "{speed} m/s");
+    assert!(figure(&run, "table_error_mm") < 2e-3);
+}
+
+/// If this fails, the hand does not press as required, or the suspension has another cost than its side pull: the rope is vertical in the middle of the line,
+/// and pulls by 19.62 N · 0.1 m / 1 m at its ends.
+#[test]
+fn the_hand_presses_while_it_follows_the_line() {
+    let hung = with(&[]);
+    assert!(hung.report["faults"].as_array().unwrap().is_empty());
+    // A step of the source's force sensor is 9.58 mN.
+    assert!(figure(&hung, "force_error_n") < 0.02);
+    let place_mm = figure(&hung, "place_error_mm");
+    // The law's stiffness along the line is its position gain times the mass that the hand feels there; 1.962 N · 0.25 m over both joints.
+    assert!((0.3..1.0).contains(&place_mm), "{place_mm} mm");
+    let free = with(&[("lift_n = 19.62", "lift_n = 0")]);
+    let free_mm = figure(&free, "place_error_mm");
+    println!("on the rope {place_mm:.3} mm, without it {free_mm:.3} mm");
+    assert!(free_mm < 0.2 * place_mm);
+}
+
+/// If this fails, the errors do not grow with the joints' friction, which is what the suspension is for.
+#[test]
+fn friction_costs_place_and_force() {
+    let light = with(&[("lift_n = 19.62", "lift_n = 0")]);
+    let heavy = with(&[
+        ("lift_n = 19.62", "lift_n = 0"),
+        ("friction_nm = 0.02", "friction_nm = 0.30"),
+    ]);
+    for key in ["place_error_mm", "force_error_n"] {
+        let (light, heavy) = (figure(&light, key), figure(&heavy, key));
+        println!("{key}: {light:.4} with 0.02 N·m, {heavy:.4} with 0.30");
+        assert!(heavy > 3.0 * light, "{key}");
+    }
+}
+
+/// If this fails, drives with loops of their own do not hold the arm on its path where there is no surface.
+#[test]
+fn without_a_surface_the_drives_hold_the_path() {
+    let run = with(&[("contact = { force_n = 5 }", "")]);
+    assert!(run.report["machine_figures"]["force_error_n"].is_null());
+    // 1.96 N · 0.29 m on 30/s · 20 N·m·s/rad are 0.95 mrad, 0.24 mm of the hand.
+    assert!(figure(&run, "place_error_mm") < 0.3);
+}
