@@ -4,6 +4,8 @@
 mod branch;
 #[path = "breakdown/capture.rs"]
 mod capture;
+#[path = "breakdown/singular.rs"]
+mod singular;
 #[path = "breakdown/stall.rs"]
 mod stall;
 #[path = "breakdown/motors.rs"]
@@ -147,7 +149,7 @@ fn the_chart_has_all_panels() {
         panels,
         [
             "root", "band", "pull-out", "chain", "rods", "overload", "lambda", "branch", "capture",
-            "stall"
+            "stall", "singular"
         ]
     );
     let parts: Vec<_> = one.pictures.iter().map(|picture| picture.part).collect();

@@ -7,8 +7,8 @@
 //! takes the path's own time the hand has its speed. Each joint follows a cam table of [`MAX_CAM_POINTS`](cophase_core::axes::MAX_CAM_POINTS) points, which the
 //! inverse kinematics gives. A slower master moves the hand along the same path.
 //!
-//! The controller is given a Scotch yoke of the radius a / ω², with a the hand's acceleration in a blend and ω the master's speed, so that the program's amax
-//! is the greatest acceleration of the hand.
+//! A path has no amplitude. The controller is given a Scotch yoke of the radius R of the circle that is as long as the path, so that the program's amax
+//! is R ω²: the acceleration of a hand that follows this circle in a turn of the master. The hand's own greatest acceleration is in the blends.
 //!
 //! Where the hand presses against a surface, the drives have the hybrid law in place of their position loops: position along the surface, force across it.
 //!

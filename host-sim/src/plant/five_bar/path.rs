@@ -58,6 +58,19 @@ impl Path {
         self.duration_s
     }
 
+    /// Radius of the circle whose circumference is as long as the path, m.
+    #[must_use]
+    pub fn radius_m(&self) -> f64 {
+        let lines = self.lines.iter().map(|(_, line)| line.length_m());
+        lines.sum::<f64>() / TAU
+    }
+
+    /// Amplitude at its own speed, m/s²: acceleration on that circle.
+    #[must_use]
+    pub fn nominal_mps2(&self) -> f64 {
+        self.radius_m() * (TAU / self.duration_s).powi(2)
+    }
+
     /// Duration of its blends, s.
     #[must_use]
     pub fn blend_s(&self) -> f64 {

@@ -214,12 +214,6 @@ impl FiveBarTable {
         })
     }
 
-    /// Greatest acceleration of the hand over the squared speed of the master, m.
-    fn amplitude_m(&self, path: &Path) -> f64 {
-        let omega = std::f64::consts::TAU / path.duration_s();
-        self.speed_mm_per_s / 1e3 / self.blend_s / (omega * omega)
-    }
-
     fn arm(&self, scene: &Scene, path: Path, least_sine: f64) -> Arm {
         let [l1, l2, l4] = self.links_mm.map(|mm| mm / 1e3);
         let lengths = [l1, l2, l1, l4];
@@ -310,7 +304,7 @@ impl Table for FiveBarTable {
                 axis.cam = Some((*name).to_owned());
             }
         }
-        let amax_g = self.speed_mm_per_s / 1e3 / self.blend_s / STANDARD_GRAVITY_MPS2;
+        let amax_g = path.nominal_mps2() / STANDARD_GRAVITY_MPS2;
         for level in &mut scene.program {
             if level.amax_g.is_none() && level.repeat.is_none() && level.segments.is_none() {
                 level.amax_g = Some(amax_g);
@@ -323,7 +317,7 @@ impl Table for FiveBarTable {
         self.check()?;
         let path = self.path()?;
         let (_, least_sine) = self.tables(&path)?;
-        let radius = ("five_bar.blend_s", self.amplitude_m(&path));
+        let radius = ("five_bar.path_mm", path.radius_m());
         let arm = self.arm(scene, path, least_sine);
         Made::square_law(scene, self.key(), radius, Arc::new(arm))
     }

@@ -13,6 +13,7 @@
 //! - [`branch`]: a crank-rocker whose dead centres lie on two branches;
 //! - [`capture`]: a screen that hangs in its resonance;
 //! - [`stall`]: a crusher in rock that it does not break;
+//! - [`singular`]: an arm whose path goes to the edge of its reach;
 //! - [`diverging`]: no panel, but the run that ends on the way; [`runs`]: how scenes are run and looked at.
 
 pub mod band;
@@ -27,6 +28,7 @@ pub mod pull_out;
 pub mod rods;
 pub mod root;
 pub mod runs;
+pub mod singular;
 pub mod stall;
 
 use super::picture::{Panel, Picture, render};
@@ -48,6 +50,7 @@ const PANELS: &[Show] = &[
     |_| branch::shown(),
     |_| capture::shown(),
     |_| stall::shown(),
+    |_| singular::shown(),
 ];
 
 /// Makes the chart.
