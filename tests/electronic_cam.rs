@@ -3,7 +3,7 @@
 
 use cophase_core::supervisor::State;
 use cophase_tests::scene;
-use host_sim::scene::library;
+use host_sim::scene::{library, load};
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
 
 const AXES: usize = 4;
@@ -116,4 +116,97 @@ fn after_the_run_every_axis_is_on_its_table() {
     assert!((turns(2) - 4.2).abs() < 1e-6, "{}", turns(2));
     // Three quarters of the rise.
     assert!((3.5..4.0).contains(&turns(3)), "{}", turns(3));
+}
+
+/// Greatest accelerations of the four laws, over stroke and squared duration, as published.
+const LAWS: [(&str, f64); 4] = [
+    ("modified-sine", 5.5280),
+    ("cycloid", 6.2832),
+    ("skewed-cycloid", 5.8883),
+    ("modified-trapezoid", 4.8881),
+];
+
+/// If one of the laws were another in a cam table than on a cam, or its table too coarse for it, the pushers of the electronic cam would move otherwise than those of the
+/// shaft, or accelerate otherwise than published. The errors are those of `pushers_move_as_on_the_cam_shaft`; that of the spline's second derivative grows with the
+/// square of the law's fastest wave, so that it is printed for each law.
+#[test]
+fn each_law_moves_the_pusher() {
+    for (law, coefficient) in LAWS {
+        let text = library::find("electronic-cam").unwrap().text;
+        let text = text.replace("\"modified-sine\"", &format!("\"{law}\""));
+        // The same speed for every law.
+        let amax_g = 0.5567 * coefficient / LAWS[0].1;
+        let text = text.replace("amax_g = 0.5567", &format!("amax_g = {amax_g:.6}"));
+        let (electronic, outcome) = run(&text);
+        let (shaft, _) = run(&mechanical(&text));
+        let (mut below_m, mut above_m, mut off_mps2) = (0.0_f64, 0.0_f64, 0.0_f64);
+        let mut peak_mps2 = 0.0_f64;
+        for (i, (screws, cams)) in electronic.ticks.iter().zip(&shaft.ticks).enumerate().skip(1) {
+            for axis in 0..AXES {
+                let below = cams[axis].0 - screws[axis].0;
+                below_m = below_m.max(below);
+                above_m = above_m.max(-below);
+                let before = shaft.ticks[i - 1][axis].1;
+                peak_mps2 = peak_mps2.max(before.abs());
+                off_mps2 = off_mps2.max((screws[axis].1 - before).abs());
+            }
+        }
+        let speed_hz = outcome.statistics.top_speed_hz;
+        let duration_s = 105.0 / 360.0 / speed_hz;
+        let measured = peak_mps2 * duration_s * duration_s / 0.084;
+        println!(
+            "{law}: {:.2} µm below, {:.2} above, acceleration off by {:.2} % of {peak_mps2:.3} m/s², coefficient {measured:.3}",
+            1e6 * below_m,
+            1e6 * above_m,
+            100.0 * off_mps2 / peak_mps2
+        );
+        assert!(below_m < 12.5e-6 + 1e-6 && above_m < 1e-6, "{law}");
+        assert!(off_mps2 < 0.05 * peak_mps2, "{law}");
+        assert!((measured / coefficient - 1.0).abs() < 5e-3, "{law}: {measured}");
+    }
+}
+
+/// If a user's points were read in another order or unit, or joined otherwise than by a smooth curve, the pusher would not be where the formula of the points has it.
+/// Here that is a harmonic motion of 4.2 turns, at 72 points.
+#[test]
+fn a_table_from_a_file_moves_the_pusher() {
+    const POINTS: usize = 72;
+    let turns = |phase: f64| 2.1 * (1.0 - (phase * std::f64::consts::TAU).cos());
+    let rows: Vec<String> = (0..POINTS)
+        .map(|i| i as f64 / POINTS as f64)
+        .map(|phase| format!("{phase:.9},{:.9}", turns(phase)))
+        .collect();
+    let folder = tempfile::tempdir().unwrap();
+    let header = "master_turns,axis_turns\n";
+    std::fs::write(folder.path().join("lobe.csv"), header.to_owned() + &rows.join("\n")).unwrap();
+    let text = library::find("electronic-cam").unwrap().text;
+    let from = text.find("law = \"modified-sine\"\nsegment").unwrap();
+    let to = from + text[from..].find("]\n\n").unwrap() + 1;
+    let text = format!("{}file = \"lobe.csv\"{}", &text[..from], &text[to..]);
+    let path = folder.path().join("scene.toml");
+    std::fs::write(&path, text).unwrap();
+    let checked = load::checked_from_file(&path).unwrap();
+    let mut lifts = Lifts::default();
+    let outcome = simulate(&checked, &mut lifts, |_, _| {}).unwrap();
+    assert!(outcome.fault.is_none());
+    let mut off_turns = 0.0_f64;
+    for &(phase, axis_turns) in &lifts.ticks {
+        off_turns = off_turns.max((axis_turns - turns(phase)).abs());
+    }
+    // A step is 1/1600 turn; the spline through 72 points of a sine is off by (2π/72)⁴/384 of its amplitude, 3e-7 turns.
+    println!("{off_turns:e} turns off in {} ticks", lifts.ticks.len());
+    assert!(off_turns < 1.0 / 1600.0 + 1e-6, "{off_turns}");
+    assert!(lifts.ticks.iter().any(|(_, turns)| *turns > 4.19));
+}
+
+/// Turns of the master, and position of the first axis, turns, in every tick.
+#[derive(Default)]
+struct Lifts {
+    ticks: Vec<(f64, f64)>,
+}
+
+impl Observer for Lifts {
+    fn tick(&mut self, moment: &Moment<'_>) {
+        self.ticks.push((moment.master_turns, moment.actual_turns[0]));
+    }
 }

@@ -8,6 +8,7 @@
 
 pub mod axes;
 pub mod design;
+mod drawing;
 pub mod dynamics;
 pub mod faults;
 pub mod fidelity;

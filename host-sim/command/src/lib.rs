@@ -8,6 +8,7 @@
 mod campaign;
 mod chart;
 pub mod design;
+pub mod drawing;
 mod expected;
 mod reproduced;
 mod run;

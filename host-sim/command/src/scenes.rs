@@ -1,19 +1,28 @@
 //! `cophase scenes`: what there is to run, and to start from; and how other commands take a scene.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use super::drawing::write_drawing;
 use super::{CommandError, Status};
 use host_sim::scene::library::{self, BuiltIn, SCENES};
 use host_sim::scene::{Checked, load};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ScenesArgs {
-    /// Print this scene as TOML
+    /// Print this built-in scene as TOML
     name: Option<String>,
+    /// Draw the machine of this scene, a built-in one or a file, with its symbols, as SVG
+    #[arg(long, value_name = "FILE", requires = "name")]
+    svg: Option<PathBuf>,
 }
 
 pub(super) fn scenes(args: &ScenesArgs, out: &mut impl Write) -> Result<Status, CommandError> {
+    if let (Some(name), Some(file)) = (&args.name, &args.svg) {
+        let checked = read(name).map_err(CommandError::Input)?;
+        write_drawing(file, &checked.draw()).map_err(|error| CommandError::Input(error.to_string()))?;
+        return Ok(Status::Done);
+    }
     match &args.name {
         None => {
             let width = SCENES

@@ -5,7 +5,6 @@
 pub mod coupling;
 pub mod crank_rocker;
 mod digits;
-mod drawing;
 pub mod five_bar;
 pub mod flywheel;
 mod page;

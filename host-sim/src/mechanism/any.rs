@@ -111,6 +111,10 @@ macro_rules! any {
             fn links(&self) -> &'static str {
                 match self { $(Self::$Name(mechanism) => mechanism.links(),)* }
             }
+
+            fn draw(&self) -> String {
+                match self { $(Self::$Name(mechanism) => mechanism.draw(),)* }
+            }
         }
     };
 }

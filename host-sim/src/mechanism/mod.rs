@@ -23,6 +23,7 @@ mod any;
 mod configured;
 #[cfg(test)]
 mod conformance;
+mod crank_drawing;
 pub mod crank_rocker;
 pub mod five_bar;
 mod motion;

@@ -57,6 +57,9 @@ pub trait Mechanism: Copy {
     /// Name of the parts between cranks and platform, in the plural: what `machine.rod_n_per_um` is the stiffness of.
     fn links(&self) -> &'static str;
 
+    /// Drawing of one mechanism with its symbols, as SVG text.
+    fn draw(&self) -> String;
+
     /// Distance x of the platform from the crank axes, m.
     fn x_m(&self, alpha_rad: f64) -> f64 {
         self.at(alpha_rad).x_m

@@ -10,6 +10,7 @@
 
 use cophase_core::mechanism::ScotchYokeSettings;
 
+use super::crank_drawing::{self, Link};
 use super::{AtAngle, Configured, Mechanism};
 use crate::scene::SceneError;
 use crate::scene::file::Machine;
@@ -67,6 +68,10 @@ impl Mechanism for ScotchYoke {
 
     fn links(&self) -> &'static str {
         "slots"
+    }
+
+    fn draw(&self) -> String {
+        crank_drawing::draw(self.crank_radius_m, &Link::Slot)
     }
 }
 

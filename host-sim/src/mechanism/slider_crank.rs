@@ -21,6 +21,7 @@ mod torque;
 
 pub use extrema::{Extrema, Extremum};
 
+use super::crank_drawing::{self, Link};
 use super::turn_search::{TurnPeak, largest_over_turn};
 use super::{AtAngle, Mechanism};
 
@@ -218,6 +219,10 @@ impl Mechanism for SliderCrank {
 
     fn links(&self) -> &'static str {
         "rods"
+    }
+
+    fn draw(&self) -> String {
+        crank_drawing::draw(self.crank_radius_m, &Link::Rod(self.rod_length_m()))
     }
 }
 

@@ -132,6 +132,9 @@ pub trait Plant: Debug + Send + Sync {
     /// Name with its article, for messages: "a screen".
     fn name(&self) -> &'static str;
 
+    /// Drawing with its symbols, as SVG text.
+    fn draw(&self) -> String;
+
     /// Numbers of axes that it can have.
     fn axes(&self) -> RangeInclusive<usize>;
 

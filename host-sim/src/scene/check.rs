@@ -5,6 +5,7 @@
 //! the file.
 
 mod cam;
+mod cam_drawing;
 mod cam_table;
 mod correction;
 mod faults;
@@ -25,6 +26,7 @@ use crate::machine::{PullOut, RESOLUTION};
 use crate::mechanism::{AnyMechanism, Configured};
 use crate::plant::Plant;
 
+pub(super) use cam_drawing::draw as draw_follower;
 pub use cam::{Follower, drift as phase_limits};
 pub use correction::plant;
 pub use machine::machine;

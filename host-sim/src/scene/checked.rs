@@ -7,7 +7,7 @@ use cophase_core::program::EntrySettings;
 use cophase_core::settings::{AxisSettings, Settings, SettingsError};
 
 use super::SceneError;
-use super::check::{Follower, program};
+use super::check::{Follower, draw_follower, program};
 use super::file::{AxisOverrides, Drive, Fidelity, Scene};
 use crate::fidelity::Choice;
 use crate::machine::Chosen;
@@ -75,6 +75,15 @@ impl Checked {
             Some(self.scene.fault[fault].kind.name())
         } else {
             None
+        }
+    }
+
+    /// Drawing of its machine with its symbols, as SVG text.
+    pub fn draw(&self) -> String {
+        match (&self.plant, &self.cam) {
+            (Some(plant), _) => plant.draw(),
+            (None, Some(follower)) => draw_follower(follower),
+            (None, None) => self.mechanism.draw(),
         }
     }
 

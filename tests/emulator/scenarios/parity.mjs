@@ -15,7 +15,7 @@ import { act } from '../bench/play.mjs';
 const SCENES = ['start-stop', 'band', 'reversal', 'index', 'gears', 'fast', 'pulse-servo', 'scotch-yoke'];
 
 /** Built-in scenes of the command, whose programs are shortened to levels of so many seconds. */
-const BUILT_IN_SCENES = ['electronic-cam', 'crank-rocker', 'screen'];
+const BUILT_IN_SCENES = ['electronic-cam', 'crank-rocker', 'screen', 'jaw-crusher', 'five-bar'];
 const HOLD_S = 0.25;
 
 /** Edges compared in all must be at least this many. */

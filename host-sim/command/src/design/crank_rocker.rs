@@ -3,10 +3,11 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use host_sim::design::crank_rocker::{Design, Requirement, design, draw, write_page};
+use host_sim::design::crank_rocker::{Design, Requirement, design, write_page};
 use serde::Serialize;
 
-use super::{DesignCommandError, write_drawing, write_json};
+use super::{DesignCommandError, write_json};
+use crate::drawing::write_drawing;
 
 /// Find the links of a crank-rocker from the swing of its rocker, for a drive with a screw
 #[derive(Clone, Debug, clap::Args)]
@@ -93,7 +94,7 @@ pub fn run(
     })
     .map_err(DesignCommandError::input)?;
     if let Some(file) = &args.svg {
-        write_drawing(file, &draw(&found))?;
+        write_drawing(file, &found.linkage.draw())?;
     }
     if json {
         write_json(&Figures::from(&found), out)

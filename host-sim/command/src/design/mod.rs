@@ -9,10 +9,10 @@ pub mod platform;
 pub mod screen;
 
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
 
-use host_sim::trace::RunFiles;
 use serde::Serialize;
+
+use crate::drawing::NotDrawn;
 
 use crank_rocker::CrankRockerArgs;
 use five_bar::FiveBarArgs;
@@ -50,13 +50,8 @@ pub enum DesignCommandError {
     #[error("{0}")]
     Input(String),
     /// The drawing could not be written (exit status 2); nothing of it is left.
-    #[error("--svg {}: {problem}; give a file in a folder that can be written", file.display())]
-    Drawing {
-        /// The file.
-        file: PathBuf,
-        /// What is wrong.
-        problem: String,
-    },
+    #[error(transparent)]
+    Drawing(#[from] NotDrawn),
     /// The output could not be written.
     #[error("cannot write the design: {0}")]
     Write(#[from] io::Error),
@@ -85,28 +80,6 @@ impl DesignCommandError {
     fn input(error: impl std::error::Error) -> Self {
         Self::Input(error.to_string())
     }
-}
-
-/// Writes a drawing, whole or not at all.
-fn write_drawing(file: &Path, svg: &str) -> Result<(), DesignCommandError> {
-    let failed = |problem: String| DesignCommandError::Drawing {
-        file: file.to_owned(),
-        problem,
-    };
-    let name = file.file_name().and_then(|name| name.to_str());
-    let name = name.ok_or_else(|| failed("it is no name of a file".to_owned()))?;
-    let folder = file
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
-    let put = || -> Result<(), Box<dyn std::error::Error>> {
-        let mut files = RunFiles::create(folder.unwrap_or(Path::new(".")))?;
-        let mut drawing = files.file(name)?;
-        drawing.write_all(svg.as_bytes())?;
-        drawing.flush()?;
-        files.commit()?;
-        Ok(())
-    };
-    put().map_err(|error| failed(error.to_string()))
 }
 
 /// Writes an object, indented.

@@ -12,7 +12,6 @@
 //!
 //! where q = sin(α/2) / sin Θ.
 
-mod drawing;
 mod report;
 
 use core::f64::consts::{PI, TAU};
@@ -21,7 +20,6 @@ use super::range::{OutOfRange, Range};
 use crate::mechanism::crank_rocker::Linkage;
 use crate::mechanism::turn_search::largest_over_turn;
 
-pub use drawing::draw;
 pub use report::write_page;
 
 /// Motion of the rocker, and the lead of the screw that it turns.

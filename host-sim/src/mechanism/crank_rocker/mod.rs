@@ -9,6 +9,7 @@
 //! Not modelled: friction and clearance of the screw and of the pins, and the masses of the links.
 
 mod configured;
+mod drawing;
 mod linkage;
 
 pub use linkage::{Linkage, Rocker};
@@ -102,5 +103,9 @@ impl Mechanism for CrankRocker {
 
     fn links(&self) -> &'static str {
         "screws"
+    }
+
+    fn draw(&self) -> String {
+        self.linkage.draw()
     }
 }

@@ -15,6 +15,7 @@
 //!
 //! Not modelled: the motor's electrical transients, slip of the belt, the weight of the jaw, and rock whose force depends on the jaw's speed.
 
+mod drawing;
 mod record;
 mod table;
 
@@ -107,6 +108,10 @@ fn samples() -> impl Iterator<Item = f64> {
 impl Plant for Crusher {
     fn name(&self) -> &'static str {
         "a jaw crusher"
+    }
+
+    fn draw(&self) -> String {
+        drawing::draw(self)
     }
 
     fn axes(&self) -> RangeInclusive<usize> {

@@ -14,6 +14,7 @@
 //!
 //! Not modelled: elastic links and joints, and a tool that swings on its rope.
 
+mod drawing;
 mod path;
 mod record;
 mod table;
@@ -49,6 +50,8 @@ pub struct Arm {
     pub contact: Option<Contact>,
     /// Path of the hand.
     pub path: Path,
+    /// Number of its assembly mode: 0 for that with the larger q₁.
+    pub mode: usize,
     /// Least |sin(q₁ − q₂)| on the path.
     pub least_sine: f64,
 }
@@ -89,6 +92,10 @@ fn both(values: &[f64]) -> [f64; 2] {
 impl Plant for Arm {
     fn name(&self) -> &'static str {
         "a five-bar arm"
+    }
+
+    fn draw(&self) -> String {
+        drawing::draw(self)
     }
 
     fn axes(&self) -> RangeInclusive<usize> {

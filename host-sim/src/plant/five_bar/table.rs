@@ -75,6 +75,16 @@ pub enum Mode {
     Right,
 }
 
+impl Mode {
+    /// Number among the solutions of the inverse kinematics.
+    const fn number(self) -> usize {
+        match self {
+            Self::Left => 0,
+            Self::Right => 1,
+        }
+    }
+}
+
 /// `[five_bar.contact]`: the surface, and the hybrid position and force law.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -185,13 +195,9 @@ impl FiveBarTable {
     }
 
     fn tables(&self, path: &Path) -> Result<([Vec<f64>; 2], f64), SceneError> {
-        let mode = match self.mode {
-            Mode::Left => 0,
-            Mode::Right => 1,
-        };
         let [l1, _, l4] = self.links_mm;
         let at = |point: [f64; 2]| format!("({:.1}, {:.1}) mm", 1e3 * point[0], 1e3 * point[1]);
-        path.tables(&self.links(), mode, self.margin).map_err(|no| {
+        path.tables(&self.links(), self.mode.number(), self.margin).map_err(|no| {
             let problem = match no {
                 NoTable::Unreachable(point, Unreachable::Beyond(reach)) => format!(
                     "passes {}, {:.1} mm from the axis, and links 1 and 4 reach {} mm; move it nearer or lengthen the links",
@@ -265,6 +271,7 @@ impl FiveBarTable {
                 },
             }),
             path,
+            mode: self.mode.number(),
             least_sine,
         }
     }

@@ -40,6 +40,7 @@ fn arm(gravity_mps2: f64) -> Arm {
         },
         contact: None,
         path,
+        mode: 0,
         least_sine: 0.9,
     }
 }

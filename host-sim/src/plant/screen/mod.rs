@@ -16,6 +16,7 @@
 //!
 //! Not modelled: stones that leave the deck, belts, and pitch beyond small angles.
 
+mod drawing;
 mod record;
 mod table;
 
@@ -126,6 +127,10 @@ impl Screen {
 impl Plant for Screen {
     fn name(&self) -> &'static str {
         "a screen"
+    }
+
+    fn draw(&self) -> String {
+        drawing::draw(self)
     }
 
     fn axes(&self) -> RangeInclusive<usize> {

@@ -2,14 +2,19 @@
 
 use core::f64::consts::TAU;
 
-use super::Design;
-use crate::design::drawing::{Drawing, FIRST, Place, SECOND};
+use super::Linkage;
+use crate::drawing::{Drawing, FIRST, Place, SECOND};
 use crate::ink::{INK, MUTED};
 
-/// Draws the linkage at both dead centres, as SVG text.
-#[must_use]
-pub fn draw(design: &Design) -> String {
-    let linkage = &design.linkage;
+impl Linkage {
+    /// Drawing of the linkage at both dead centres, with its symbols, as SVG text.
+    #[must_use]
+    pub fn draw(&self) -> String {
+        draw(self)
+    }
+}
+
+fn draw(linkage: &Linkage) -> String {
     let (crank_pivot, rocker_pivot) = ([0.0, 0.0], [linkage.ground, 0.0]);
     let positions = linkage.dead_centres_rad().map(|crank| {
         let rocker = linkage.at(crank).angle_rad;

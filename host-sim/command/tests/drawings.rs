@@ -1,0 +1,57 @@
+//! `cophase scenes NAME --svg FILE`: each machine's drawing has its symbols, and is the one in the documentation.
+
+use std::path::Path;
+use std::process::Output;
+
+/// Scene, the picture in docs/machines/, and labels that it must have.
+const DRAWINGS: [(&str, &str, &[&str]); 8] = [
+    ("default", "slider-crank-drawing.svg", &["R", "L = R/λ", "α", "x", "platform with its load, mass m"]),
+    ("scotch-yoke", "scotch-yoke-drawing.svg", &["R", "α", "slot"]),
+    ("crank-rocker", "crank-rocker.svg", &["A", "B1", "C1", "C2", "D", "rocker 1"]),
+    ("wrapper", "cam-drawing.svg", &["m1", "m2", "m3", "k1, c1: shaft", "s", "pusher"]),
+    ("electronic-cam", "electronic-cam-drawing.svg", &["rise", "dwell", "return", "H"]),
+    ("screen", "screen-drawing.svg", &["p1", "p2", "G", "R", "K/2, ζ"]),
+    ("jaw-crusher", "jaw-crusher-drawing.svg", &["l", "r", "g", "rock F"]),
+    ("five-bar", "five-bar-drawing.svg", &["l1", "l2", "l3 = l1", "l4", "q1", "q2", "path"]),
+];
+
+fn scenes(dir: &Path, arguments: &[&str]) -> Output {
+    let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_cophase"));
+    command.current_dir(dir).arg("scenes").args(arguments);
+    command.output().unwrap()
+}
+
+/// If this fails, a drawing lacks a symbol that the machine's page explains, or differs from the one on that page. The command on the page
+/// writes it again.
+#[test]
+fn each_machine_is_drawn_with_its_symbols() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/machines");
+    for (scene, picture, labels) in DRAWINGS {
+        let folder = tempfile::tempdir().unwrap();
+        let output = scenes(folder.path(), &[scene, "--svg", "drawing.svg"]);
+        assert!(output.status.success(), "{scene}: {output:?}");
+        assert!(output.stdout.is_empty());
+        let svg = std::fs::read_to_string(folder.path().join("drawing.svg")).unwrap();
+        for label in labels {
+            assert!(svg.contains(&format!(">{label}<")), "{scene}: no {label}");
+        }
+        let committed = std::fs::read_to_string(docs.join(picture)).unwrap();
+        assert!(svg == committed, "docs/machines/{picture} is not the drawing of {scene}");
+    }
+}
+
+/// If this fails, a drawing is written without a scene, or to where none can be.
+#[test]
+fn bad_arguments_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |arguments: &[&str], what: &str| {
+        let output = scenes(folder.path(), arguments);
+        let words = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{words}");
+        assert!(words.contains(what), "{words}");
+    };
+    refused(&["--svg", "x.svg"], "NAME");
+    refused(&["no-such-scene", "--svg", "x.svg"], "there is no built-in scene");
+    refused(&["screen", "--svg", ".."], "--svg");
+    assert!(!folder.path().join("x.svg").exists());
+}
