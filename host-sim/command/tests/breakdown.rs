@@ -2,8 +2,12 @@
 
 #[path = "breakdown/branch.rs"]
 mod branch;
+#[path = "breakdown/cam.rs"]
+mod cam;
 #[path = "breakdown/capture.rs"]
 mod capture;
+#[path = "breakdown/self_synchronisation.rs"]
+mod self_synchronisation;
 #[path = "breakdown/singular.rs"]
 mod singular;
 #[path = "breakdown/stall.rs"]
@@ -148,8 +152,8 @@ fn the_chart_has_all_panels() {
     assert_eq!(
         panels,
         [
-            "root", "band", "pull-out", "chain", "rods", "overload", "lambda", "branch", "capture",
-            "stall", "singular"
+            "root", "band", "pull-out", "chain", "rods", "overload", "lambda", "branch", "cam", "capture",
+            "self-synchronisation", "stall", "singular"
         ]
     );
     let parts: Vec<_> = one.pictures.iter().map(|picture| picture.part).collect();

@@ -11,13 +11,16 @@
 //! - [`overload`]: motors under five times their load, and a loop that takes five times its time;
 //! - [`lambda`]: two terms where λ is at its ends;
 //! - [`branch`]: a crank-rocker whose dead centres lie on two branches;
+//! - [`cam`]: a cam shaft that gives, beside an electronic cam;
 //! - [`capture`]: a screen that hangs in its resonance;
+//! - [`self_synchronisation`]: a screen whose exciters are left to themselves;
 //! - [`stall`]: a crusher in rock that it does not break;
 //! - [`singular`]: an arm whose path goes to the edge of its reach;
 //! - [`diverging`]: no panel, but the run that ends on the way; [`runs`]: how scenes are run and looked at.
 
 pub mod band;
 pub mod branch;
+pub mod cam;
 pub mod capture;
 pub mod chain;
 pub mod diverging;
@@ -28,6 +31,7 @@ pub mod pull_out;
 pub mod rods;
 pub mod root;
 pub mod runs;
+pub mod self_synchronisation;
 pub mod singular;
 pub mod stall;
 
@@ -48,7 +52,9 @@ const PANELS: &[Show] = &[
     |_| overload::shown(),
     |_| lambda::shown(),
     |_| branch::shown(),
+    |_| cam::shown(),
     |_| capture::shown(),
+    |_| self_synchronisation::shown(),
     |_| stall::shown(),
     |_| singular::shown(),
 ];

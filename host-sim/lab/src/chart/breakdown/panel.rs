@@ -66,6 +66,15 @@ pub(super) fn failing(points: Vec<(f64, f64)>) -> Line {
     }
 }
 
+/// A second line that is as it should be.
+pub(super) fn second(points: Vec<(f64, f64)>) -> Line {
+    Line {
+        stroke: Stroke::Dashed,
+        marked: false,
+        ..Line::new("", Ink::Green, points)
+    }
+}
+
 /// As it should be, or is kept by a guard.
 pub(super) fn guarded(points: Vec<(f64, f64)>) -> Line {
     Line {

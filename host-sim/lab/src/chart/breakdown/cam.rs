@@ -1,0 +1,124 @@
+//! Flexible cam shaft: masses and springs between cam and pusher make more of the law's acceleration; an electronic cam has none.
+//!
+//! Failure: at 450 turns a minute the wrapper's shaft, arm and link swing, and its pusher accelerates more than its law says. Guard: a motor on a screw for
+//! each pusher, which follows the same law as a cam table; what is left is the error of the table's spline.
+
+use super::panel::{Curve, Shown, failing, guarded, requested};
+use super::runs::check;
+use crate::chart::ChartError;
+use crate::chart::axis::Axis;
+use cophase_methods::problems::{Cam, Law};
+use host_sim::scene::library;
+use host_sim::sim::{Moment, Observer, simulate};
+
+/// Part of the turn of the cam, degrees, and acceleration of the first pusher there, m/s²: over the last turn at full speed.
+pub type Turn = Vec<(f64, f64)>;
+
+/// What was measured.
+#[derive(Clone, Debug)]
+pub struct Facts {
+    /// By the law.
+    pub law: Turn,
+    /// On the flexible cam shaft.
+    pub shaft: Turn,
+    /// On a screw that follows a cam table.
+    pub screw: Turn,
+}
+
+/// Built-in scene `electronic-cam` at the wrapper's speed. Screws of 100 mm a turn keep the step rate low.
+pub fn electronic() -> Option<String> {
+    let text = library::find("electronic-cam")?.text;
+    let changes = [
+        ("screw_lead_mm = 20", "screw_lead_mm = 100"),
+        ("turns = 4.2", "turns = 0.84"),
+        ("turns = -4.2", "turns = -0.84"),
+        ("speed_hz = 1.5", "speed_hz = 8"),
+        ("acceleration_hz_per_s = 2", "acceleration_hz_per_s = 10"),
+        ("jerk_hz_per_s2 = 20", "jerk_hz_per_s2 = 100"),
+        ("steps_per_turn = 1600", "steps_per_turn = 6400"),
+        ("amax_g = 0.5567", "amax_g = 31.31"),
+        ("hold_s = 3", "hold_s = 1"),
+    ];
+    Some(changes.iter().fold(text.to_owned(), |text, (from, to)| text.replacen(from, to, 1)))
+}
+
+/// Gathers the last whole turn at the greatest speed.
+#[derive(Default)]
+struct LastTurn {
+    ticks: Vec<(f64, f64, f64)>,
+}
+
+impl Observer for LastTurn {
+    fn tick(&mut self, moment: &Moment<'_>) {
+        let tick_s = (moment.end_ns - moment.start_ns) as f64 * 1e-9;
+        let speed_hz = host_sim::units::turns(moment.telemetry.motion.speed) / tick_s;
+        if let Some(followers) = moment.machine.followers() {
+            let accel_mps2 = followers.pushers()[0].accel_mps2;
+            self.ticks.push((moment.master_turns, speed_hz, accel_mps2));
+        }
+    }
+}
+
+fn last_turn(text: &str) -> Result<Turn, ChartError> {
+    let wrong = |error: &dyn std::fmt::Display| ChartError(error.to_string());
+    let checked = check(text).map_err(|error| wrong(&error))?;
+    let mut seen = LastTurn::default();
+    simulate(&checked, &mut seen, |_, _| {}).map_err(|error| wrong(&error))?;
+    let top_hz = seen.ticks.iter().map(|tick| tick.1).fold(0.0, f64::max);
+    let fast: Vec<_> = seen.ticks.iter().filter(|tick| tick.1 > top_hz * (1.0 - 1e-6)).collect();
+    let end = fast.last().map_or(0.0, |tick| tick.0).floor();
+    let within = |tick: &&&(f64, f64, f64)| (end - 1.0..end).contains(&tick.0);
+    Ok(fast
+        .iter()
+        .filter(within)
+        .map(|tick| ((tick.0 - end + 1.0) * 360.0, tick.2))
+        .collect())
+}
+
+/// Runs both.
+///
+/// # Errors
+/// A scene is refused.
+pub fn measure() -> Result<Facts, ChartError> {
+    let lacking = || ChartError("a built-in scene of cams is missing".to_owned());
+    let wrapper = library::find("wrapper").ok_or_else(lacking)?.text;
+    let shaft = last_turn(wrapper)?;
+    let cam = Cam::wrapper(Law::ModifiedSine);
+    let law = (0..720)
+        .map(|half| f64::from(half) * 0.5)
+        .map(|deg| (deg, cam.at(deg / 360.0 * cam.cycle_s()).acceleration))
+        .collect();
+    Ok(Facts {
+        law,
+        shaft,
+        screw: last_turn(&electronic().ok_or_else(lacking)?)?,
+    })
+}
+
+/// Greatest acceleration of a turn, m/s².
+pub fn peak(turn: &Turn) -> f64 {
+    turn.iter().map(|(_, accel)| accel.abs()).fold(0.0, f64::max)
+}
+
+pub(super) fn shown() -> Result<Shown, ChartError> {
+    let facts = measure()?;
+    let law = peak(&facts.law);
+    let over = |turn: &Turn| 100.0 * (peak(turn) / law - 1.0);
+    Ok(Shown {
+        key: "cam",
+        title: "Cam shaft and electronic cam: acceleration of a pusher over a turn".to_owned(),
+        x: Axis::linear("angle of the cam, degrees", 0.0, 360.0),
+        y: Axis::linear("acceleration of the pusher, m/s²", -400.0, 400.0),
+        curves: vec![
+            Curve::new("law, m/s²", requested(facts.law.clone())),
+            Curve::new("flexible cam shaft, m/s²", failing(facts.shaft.clone())),
+            Curve::new("electronic cam, m/s²", guarded(facts.screw.clone())),
+        ],
+        levels: Vec::new(),
+        says: format!(
+            "At 450 turns a minute the flexible cam shaft adds {:.1} % to the law's greatest acceleration of {law:.0} m/s², and the electronic cam {:.1} %.",
+            over(&facts.shaft),
+            over(&facts.screw),
+        ),
+    })
+}

@@ -1,0 +1,172 @@
+//! Self-synchronisation: unbalanced shafts on one box, each with a free motor, or kept in phase by the controller.
+//!
+//! Failure: free motors couple through the box. Co-rotating exciters settle where the box moves least: two at ±p from the centre of a box with mass M and pitch
+//! inertia I come to opposite phases unless M p²/I is above 2 (Blekhman), and the screen does not shake. Guard: the controller keeps each shaft at its commanded phase.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
+use cophase_methods::Scheme;
+
+use super::panel::{Curve, Shown, failing, guarded};
+use super::runs::run;
+use crate::chart::ChartError;
+use crate::chart::axis::Axis;
+use host_sim::dynamics::{Body, Driven, Field, Freedom, Induction, Motor, OnPlant};
+use host_sim::mechanism::{AnyMechanism, Configured, Load, Platform};
+use host_sim::plant::screen::Screen;
+use host_sim::scene::library;
+
+/// Places of two and of four shafts along the box from its centre, m.
+pub const TWO_M: &[f64] = &[-0.6, 0.6];
+/// See [`TWO_M`].
+pub const FOUR_M: &[f64] = &[-0.9, -0.3, 0.3, 0.9];
+
+/// Time, s, and resultant of the exciters: the length of the mean of their unit vectors; 1 if all are in phase.
+pub type Resultant = Vec<(f64, f64)>;
+
+/// Speed of the shafts, rad/s, and time that is shown, s.
+const OMEGA_RAD_S: f64 = 14.0 * TAU;
+const END_S: f64 = 20.0;
+const STEP_S: f64 = 2e-4;
+/// Rotor of each shaft, kg·m², and difference between neighbours at the start, rad.
+const ROTOR_KGM2: f64 = 3.0;
+const APART_RAD: f64 = 0.2;
+
+/// Box of scene `screen`, with shafts at these places that share its exciter mass.
+#[must_use]
+pub fn screen(places_m: &[f64]) -> Screen {
+    Screen {
+        box_kg: 2900.0,
+        pitch_kgm2: 2900.0 * 4.2 * 4.2 / 12.0,
+        block_kg: 166.0 / places_m.len() as f64,
+        eccentricity_m: 0.087_27,
+        places_m: places_m.to_vec(),
+        stiffness_n_per_m: 1285.5e3,
+        zeta: 0.07,
+        springs_m: 2.1,
+        gravity_mps2: 9.80665,
+        motor_nm: None,
+    }
+}
+
+fn resultant(angles_rad: &[f64]) -> f64 {
+    let sum = |of: fn(f64) -> f64| angles_rad.iter().map(|angle| of(*angle)).sum::<f64>();
+    sum(f64::cos).hypot(sum(f64::sin)) / angles_rad.len() as f64
+}
+
+/// Free motors at the working speed, from nearly in phase: induction motors on the mains, which no loop corrects.
+///
+/// # Errors
+/// The method is refused.
+pub fn free(places_m: &[f64]) -> Result<Resultant, ChartError> {
+    let wrong = |error: &dyn std::fmt::Display| ChartError(error.to_string());
+    let n = places_m.len();
+    let yoke = MechanismSettings::ScotchYoke(ScotchYokeSettings {});
+    let body = Body {
+        mechanism: AnyMechanism::of(&yoke, 0.005),
+        load: Load {
+            mass_kg: 1e-3,
+            gravity_mps2: 0.0,
+            platform: Platform::Above,
+        },
+        tilt_inertia_kgm2: 1.0,
+        rotors_kgm2: vec![ROTOR_KGM2; n],
+        mount_radius_m: 0.1,
+        rod_n_per_m: 0.0,
+        friction_nm: vec![0.0; n],
+    };
+    let on = OnPlant::new(body, Arc::new(screen(places_m)));
+    let motor = Motor::Induction(Induction::new(200.0, 0.3 * TAU, 2.0, 0.0));
+    let mut driven = Driven::new(Freedom::Plant(Box::new(on)), vec![motor; n]);
+    driven.energised = true;
+    for field in &mut driven.fields {
+        *field = Field {
+            omega_rad_s: OMEGA_RAD_S,
+            ..Field::default()
+        };
+    }
+    let angles: Vec<f64> = (0..n).map(|i| i as f64 * APART_RAD).collect();
+    let mut state = driven.at_rest(&angles);
+    let positions = driven.positions();
+    state[positions..positions + n].fill(OMEGA_RAD_S);
+    let mut method = Scheme::Rk4
+        .prepare(&driven, STEP_S)
+        .map_err(|error| wrong(&error))?;
+    let mut shown = Vec::new();
+    for step in 0..(END_S / STEP_S) as u32 {
+        let t_s = f64::from(step) * STEP_S;
+        if step % 250 == 0 {
+            shown.push((t_s, resultant(&state[..n])));
+        }
+        // The field's angle has no effect without a position gain.
+        method
+            .step(&driven, t_s, &mut state)
+            .map_err(|error| wrong(&error))?;
+    }
+    Ok(shown)
+}
+
+/// Scene `screen` with shafts at these places, whose friction differs, held for the time that is shown.
+fn scene(places_m: &[f64]) -> Option<String> {
+    let text = library::find("screen")?.text;
+    let n = places_m.len();
+    let places: Vec<String> = places_m.iter().map(|m| format!("{:.0}", 1e3 * m)).collect();
+    let changes = [
+        ("[screen]", "fidelity = \"phased\"\n[screen]".to_owned()),
+        ("shafts_mm = [-600, 600]", format!("shafts_mm = [{}]", places.join(", "))),
+        ("block_kg = 83", format!("block_kg = {}", 166.0 / n as f64)),
+        ("count = 2", format!("count = {n}")),
+        ("hold_s = 1", format!("hold_s = {END_S}")),
+        ("[[program]]", "[[axis]]\nnumber = 1\nfriction_nm = 60\n\n[[program]]".to_owned()),
+    ];
+    Some(changes.iter().fold(text.to_owned(), |text, (from, to)| text.replacen(from, to, 1)))
+}
+
+/// Shafts under the controller, from the time at which they have their working speed.
+///
+/// # Errors
+/// The scene is refused.
+pub fn forced(places_m: &[f64]) -> Result<Resultant, ChartError> {
+    let lacking = || ChartError("no built-in scene `screen`".to_owned());
+    let text = scene(places_m).ok_or_else(lacking)?;
+    let mut shown = Resultant::new();
+    let mut from_s = None;
+    run(&text, &mut |now| {
+        if now.speed_hz * TAU < 0.999 * OMEGA_RAD_S {
+            return;
+        }
+        let t_s = now.t_s - *from_s.get_or_insert(now.t_s);
+        let ahead = now.ahead_turns[..places_m.len()].iter();
+        let angles: Vec<f64> = ahead.map(|turns| turns * TAU).collect();
+        shown.push((t_s, resultant(&angles)));
+    })?;
+    Ok(shown.into_iter().step_by(100).collect())
+}
+
+pub(super) fn shown() -> Result<Shown, ChartError> {
+    let (free_two, free_four) = (free(TWO_M)?, free(FOUR_M)?);
+    let (two, four) = (forced(TWO_M)?, forced(FOUR_M)?);
+    let last = |resultant: &Resultant| resultant.last().map_or(f64::NAN, |point| point.1);
+    let least = |resultant: &Resultant| resultant.iter().map(|point| point.1).fold(f64::MAX, f64::min);
+    let (free_two_end, free_four_end) = (last(&free_two), last(&free_four));
+    let (two_least, four_least) = (least(&two), least(&four));
+    Ok(Shown {
+        key: "self-synchronisation",
+        title: "Exciters of a screen: kept in phase, and self-synchronised".to_owned(),
+        x: Axis::linear("time at 14 rev/s, s", 0.0, END_S),
+        y: Axis::linear("resultant of the exciters, of all in phase", 0.0, 1.05),
+        curves: vec![
+            Curve::new("two free motors", failing(free_two)),
+            Curve::new("four free motors", super::panel::requested(free_four)),
+            Curve::new("two under the controller", guarded(two)),
+            Curve::new("four under the controller", super::panel::second(four)),
+        ],
+        levels: Vec::new(),
+        says: format!(
+            "Free motors settle where the box moves least, with {free_two_end:.2} (two) and {free_four_end:.2} (four) of the resultant; the controller keeps at least \
+             {two_least:.4} and {four_least:.4}, with 60 N·m of friction on one shaft.",
+        ),
+    })
+}
