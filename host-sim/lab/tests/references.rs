@@ -55,6 +55,7 @@ fn answers_are_known_as_well_as_they_are_said_to_be() {
     for problem in problems::all().unwrap() {
         let [dop853, verner] = match problem.start.len() {
             2 => solve::<2>(&problem),
+            4 => solve::<4>(&problem),
             6 => solve::<6>(&problem),
             8 => solve::<8>(&problem),
             14 => solve::<14>(&problem),

@@ -3,7 +3,9 @@
 //! Each has an answer and says how well it is known, its *uncertainty*: the most by which DOP853, a Verner method of order 9 and
 //! the answer given here differ. `host-sim/lab/tests/references.rs` solves all of them again with both.
 
-use cophase_methods::problems::{Andrews, Cam, Chain, Hires, Law, Oscillator, Shaft};
+use cophase_methods::problems::{
+    Andrews, Cam, Chain, Crusher, FiveBarArm, Hires, Law, Oscillator, Screen, Shaft, crusher, five_bar,
+};
 use cophase_methods::{Equations, Scheme};
 
 use host_sim::dynamics::{Body, Driven, Field, Freedom, Motor, Phased, Rigid, Stepper};
@@ -46,6 +48,9 @@ pub fn all() -> Result<Vec<Problem>, ChartError> {
         rigid()?,
         phased()?,
         chain(),
+        screen(),
+        arm(),
+        crusher(),
         oscillator(),
         andrews(),
         hires(),
@@ -180,6 +185,64 @@ fn chain() -> Problem {
         uncertainty: 1e-14,
         required_error: 1e-6,
         steps: (32, 10),
+    }
+}
+
+/// The first second of the run-up.
+fn screen() -> Problem {
+    Problem {
+        name: "screen on springs, run-up",
+        unit: "m and rad",
+        default: None,
+        equations: Box::new(Screen {
+            torque_over_rated: 1.3,
+        }),
+        start: vec![0.0; Screen::DIMENSION],
+        end_s: 1.0,
+        answer: vec![
+            -0.003_282_937_095_938_599,
+            -0.013_841_641_382_867_692,
+            12.234_123_265_721_46,
+        ],
+        uncertainty: 2e-14,
+        required_error: 1e-5,
+        steps: (32, 10),
+    }
+}
+
+/// A free swing on the balancer.
+fn arm() -> Problem {
+    let mut arm = FiveBarArm::assumed(five_bar::GRAVITY_MPS2);
+    arm.load = five_bar::Load::Balancer(9.81);
+    Problem {
+        name: "five-bar arm on its balancer",
+        unit: "rad",
+        default: None,
+        equations: Box::new(arm),
+        start: vec![2.4, 0.6, 0.0, 0.0],
+        end_s: 1.0,
+        answer: vec![5.962_243_400_055_548, 7.232_914_116_399_291],
+        uncertainty: 5e-14,
+        required_error: 1e-5,
+        steps: (32, 10),
+    }
+}
+
+/// Through the middle of the closing stroke: the rock's force has no corner there.
+fn crusher() -> Problem {
+    let crusher = Crusher::SOURCE.with_rock(crusher::Shape::LinearRise, 1.5e6);
+    let [from, _] = crusher.linkage.closing_stroke_rad();
+    Problem {
+        name: "jaw crusher in its rock",
+        unit: "rad",
+        default: None,
+        equations: Box::new(crusher),
+        start: vec![from + 0.1, 28.0],
+        end_s: 0.08,
+        answer: vec![8.131_504_111_714_7],
+        uncertainty: 2e-14,
+        required_error: 1e-5,
+        steps: (4, 10),
     }
 }
 
