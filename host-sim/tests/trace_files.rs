@@ -8,7 +8,7 @@ use std::io::Write;
 use std::path::Path;
 
 use host_sim::trace::{
-    AxisRow, Levels, Row, RunFiles, ScopeData, ScopeFrame, Signal, StepsVcd, TraceCsv, TraceError,
+    AxisRow, Levels, Moved, Row, RunFiles, ScopeData, ScopeFrame, Signal, StepsVcd, TraceCsv, TraceError,
 };
 
 const GRAVITY_MPS2: f64 = 9.81;
@@ -101,7 +101,7 @@ fn frame(title: &str, subtitle: &str) -> ScopeFrame {
         gravity_mps2: GRAVITY_MPS2,
         tilt_limit_mrad: Some(2.0),
         phase_error_limit_deg: Some(5.4),
-        has_pushers: false,
+        moved: Moved::Platform,
     }
 }
 
@@ -185,9 +185,9 @@ fn the_same_run_gives_the_same_page() {
 /// Were it wrong, the page would show what was commanded as what the platform did, or twice the amplitude of a level that is over.
 #[test]
 fn three_amplitudes_are_drawn_by_their_names() {
-    let page = |has_pushers: bool| {
+    let page = |moved: Moved| {
         let frame = ScopeFrame {
-            has_pushers,
+            moved,
             ..frame("amplitudes", "")
         };
         let mut scope = ScopeData::new(1, frame);
@@ -210,7 +210,7 @@ fn three_amplitudes_are_drawn_by_their_names() {
         }
         scope.render()
     };
-    let platform = page(false);
+    let platform = page(Moved::Platform);
     keep("scope-amplitudes.svg", &platform);
     for entry in [
         "requested, peak 36.0",
@@ -220,9 +220,10 @@ fn three_amplitudes_are_drawn_by_their_names() {
         assert!(platform.contains(entry), "{entry}");
     }
     assert!(
-        !page(true).contains("actual"),
+        !page(Moved::Pushers).contains("actual"),
         "pushers have a panel of their own"
     );
+    assert!(page(Moved::Machine).contains("moved, mm"), "a machine of its own kind has no tilt");
 }
 
 #[test]

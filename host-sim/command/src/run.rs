@@ -13,7 +13,7 @@ use host_sim::scene::library::SCENES;
 use host_sim::scene::{Checked, SceneError};
 use host_sim::sim::events::EventKind;
 use host_sim::sim::{Outcome, simulate};
-use host_sim::trace::{Every, Recorder, RunFiles, ScopeData, ScopeFrame, Window};
+use host_sim::trace::{Every, Moved, Recorder, RunFiles, ScopeData, ScopeFrame, Window};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct RunArgs {
@@ -269,7 +269,11 @@ pub(super) fn frame(checked: &Checked) -> ScopeFrame {
         tilt_limit_mrad: checked
             .has_platform()
             .then_some(scene.drift.tilt_limit_mrad),
-        has_pushers: checked.cam.is_some(),
+        moved: match (&checked.plant, &checked.cam) {
+            (Some(_), _) => Moved::Machine,
+            (None, Some(_)) => Moved::Pushers,
+            (None, None) => Moved::Platform,
+        },
         phase_error_limit_deg: None, // limits are on the modes of all phase errors, not on one
     }
 }

@@ -20,6 +20,6 @@ pub use files::{RunFiles, RunFilesError};
 pub use recorder::{RecordError, Recorder};
 pub use row::{AxisRow, Row};
 pub use rows::{Every, MOST_ROWS};
-pub use scope::{ScopeData, ScopeFrame};
+pub use scope::{Moved, ScopeData, ScopeFrame};
 pub use vcd::{Levels, Signal, StepsVcd, VcdError};
 pub use window::Window;

@@ -6,6 +6,7 @@ use std::fmt::Write;
 
 use cophase_core::mechanism::CrankRockerSettings;
 use host_sim::design::crank_rocker::{Requirement, design};
+use host_sim::scene::library;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 
@@ -70,6 +71,107 @@ pub fn crank_rocker(seed: u64) -> String {
             );
         }
     })
+}
+
+/// Built-in scene with numbers of these keys varied by up to a quarter, after changes that shorten it.
+fn varied(name: &str, seed: u64, changes: &[(&str, &str)], keys: &[&str]) -> String {
+    let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
+    let mut text = library::find(name).expect("a built-in scene").text.to_owned();
+    for (from, to) in changes {
+        assert!(text.contains(from), "{name}: {from}");
+        text = text.replacen(from, to, 1);
+    }
+    for key in keys {
+        let place = format!("{key} = ");
+        let from = text.find(&place).unwrap_or_else(|| panic!("{name}: {key}")) + place.len();
+        let to = from
+            + text[from..]
+                .find(|c: char| !c.is_ascii_digit() && c != '.')
+                .unwrap_or(0);
+        let value: f64 = text[from..to].parse().expect("a number");
+        let value = value * draw.scale(0.8, 1.25);
+        text.replace_range(from..to, &format!("{value:.6}"));
+    }
+    text
+}
+
+/// Screen with other masses, springs, blocks and motors.
+pub fn screen(seed: u64) -> String {
+    let keys = [
+        "box_kg",
+        "block_kg",
+        "eccentricity_mm",
+        "stiffness_n_per_mm",
+        "rotor_inertia_kgm2",
+        "friction_nm",
+        "velocity_gain_nms",
+        "amax_g",
+    ];
+    // What has no limit cannot saturate, and what is slower than the loop allows is not refused.
+    let changes = [
+        (", limit_nm = 700, following_error_deg = 30", ""),
+        ("speed_hz = 15", "speed_hz = 25"),
+    ];
+    varied("screen", seed, &changes, &keys)
+}
+
+/// Jaw crusher with another flywheel, jaw, rock and motor.
+pub fn crusher(seed: u64) -> String {
+    let keys = [
+        "jaw_kg",
+        "rock_kn",
+        "rotor_inertia_kgm2",
+        "rated_nm",
+        "rated_slip_hz",
+        "position_gain_per_s",
+    ];
+    // Rock from turn 14 on, and a shorter run.
+    let changes = [
+        ("[24, 54]", "[14, 22]"),
+        ("hold_s = 10", "hold_s = 2"),
+        ("common_limit_deg = 25", "common_limit_deg = 120"),
+        (", following_error_deg = 60", ""),
+    ];
+    varied("jaw-crusher", seed, &changes, &keys)
+}
+
+/// Five-bar arm with other masses, path speed and drives, ten times as fast.
+pub fn five_bar(seed: u64) -> String {
+    let keys = [
+        "tool_kg",
+        "speed_mm_per_s",
+        "lift_n",
+        "rotor_inertia_kgm2",
+        "friction_nm",
+        "position_gain_per_s",
+        "velocity_gain_nms",
+    ];
+    let changes = [
+        ("speed_mm_per_s = 21.0526", "speed_mm_per_s = 210"),
+        ("blend_s = 0.5", "blend_s = 0.1"),
+        ("contact = { force_n = 5 }", ""),
+        ("speed_hz = 0.1", "speed_hz = 1"),
+        ("acceleration_hz_per_s = 0.1", "acceleration_hz_per_s = 2"),
+        ("jerk_hz_per_s2 = 1", "jerk_hz_per_s2 = 20"),
+        ("homing_speed_hz = 0.05", "homing_speed_hz = 0.5"),
+        ("hold_s = 40", "hold_s = 4"),
+        (", limit_nm = 20", ""),
+    ];
+    varied("five-bar", seed, &changes, &keys)
+}
+
+/// Flexible followers with other masses, springs and speeds.
+pub fn wrapper(seed: u64) -> String {
+    let keys = ["rise_mm", "rise_deg", "return_deg", "rotor_inertia_kgm2"];
+    let changes = [
+        ("rise_deg = 120", "rise_deg = 110"),
+        ("return_deg = 105", "return_deg = 95"),
+        ("dwell_deg = 135", "dwell_deg = 90"),
+        ("speed_hz = 8", "speed_hz = 30"),
+        ("amax_g = 31.31", "amax_g = 20"),
+        ("hold_s = 3", "hold_s = 1"),
+    ];
+    varied("wrapper", seed, &changes, &keys)
 }
 
 fn scene(seed: u64, mechanism: Mechanism) -> String {

@@ -19,8 +19,20 @@ pub struct ScopeFrame {
     pub tilt_limit_mrad: Option<f64>,
     /// Drift at which the supervisor acts, degrees either way.
     pub phase_error_limit_deg: Option<f64>,
-    /// Whether cams move pushers, so that their acceleration is shown, and no tilt.
-    pub has_pushers: bool,
+    /// Parts that the axes move, shown in the last panel.
+    pub moved: Moved,
+}
+
+/// Parts that the axes move.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Moved {
+    /// A platform: its tilt is shown.
+    #[default]
+    Platform,
+    /// Pushers: their acceleration is shown.
+    Pushers,
+    /// Part of a machine of its own kind: its displacement is shown.
+    Machine,
 }
 
 /// Channels of the envelope; the phase errors, one an axis, follow those named here.
@@ -32,7 +44,8 @@ pub(super) mod channel {
     pub const TILT_Y: usize = 4;
     pub const ACCEL: usize = 5;
     pub const ACTUAL: usize = 6;
-    pub const PHASE_ERROR: usize = 7;
+    pub const PLACE: usize = 7;
+    pub const PHASE_ERROR: usize = 8;
 }
 
 /// Acceleration amplitude as it is measured: the greatest of a turn of the master, known when the turn is over.
@@ -122,6 +135,7 @@ impl ScopeData {
         fixed[channel::TILT_X] = row.tilt_x_mrad;
         fixed[channel::TILT_Y] = row.tilt_y_mrad;
         fixed[channel::ACCEL] = row.accel_mps2;
+        fixed[channel::PLACE] = row.z_m;
         fixed[channel::ACTUAL] = self.amplitude.measure(row);
         for (i, phase_error) in phase_errors.iter_mut().enumerate() {
             *phase_error = row

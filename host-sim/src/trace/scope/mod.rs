@@ -1,7 +1,7 @@
 //! `scope.svg`: one page that shows a run as a scope would.
 //!
 //! Four panels share the time axis: acceleration amplitude requested, commanded and actual (the greatest of each turn), speed, phase error of each axis, tilt (of a machine without a
-//! platform, the mean acceleration of its pushers instead). Above them a
+//! platform, the mean acceleration of its pushers or the displacement of what it moves instead). Above them a
 //! *ribbon* shows the supervisor's states, and *marks* (events with a name) cross all panels.
 //!
 //! A run may have any length, so rows are folded as they come into an [`envelope`] of at most 1500 buckets,
@@ -21,4 +21,4 @@ mod panel;
 mod scale;
 mod timeline;
 
-pub use data::{ScopeData, ScopeFrame};
+pub use data::{Moved, ScopeData, ScopeFrame};

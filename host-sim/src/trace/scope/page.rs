@@ -7,7 +7,7 @@ use kuva::render::layout::Layout;
 use kuva::render::render::{Primitive, Scene, TextAnchor, render_multiple};
 use kuva::render::theme::Theme;
 
-use super::data::ScopeData;
+use super::data::{Moved, ScopeData};
 use super::draft::Panel;
 use super::ink::{INK, LEFT, MUTED, RIGHT, VERMILION, WIDTH, at, fits, text, text_anchored};
 use super::labels::{LANE, Labels};
@@ -28,10 +28,10 @@ const fn panels(scope: &ScopeData) -> [(MakePanel, f64); 4] {
         (panel::acceleration, 190.0),
         (panel::speed, 150.0),
         (panel::phase_error, 170.0),
-        if scope.frame.has_pushers {
-            (panel::pushers, 150.0)
-        } else {
-            (panel::tilt, 150.0)
+        match scope.frame.moved {
+            Moved::Platform => (panel::tilt, 150.0),
+            Moved::Pushers => (panel::pushers, 150.0),
+            Moved::Machine => (panel::place, 150.0),
         },
     ]
 }

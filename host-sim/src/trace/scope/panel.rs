@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use kuva::plot::legend::LegendShape;
 use kuva::render::annotations::{ReferenceLine, ShadedRegion};
 
-use super::data::{ScopeData, channel};
+use super::data::{Moved, ScopeData, channel};
 use super::draft::{Draft, Panel, Pen};
 use super::envelope::Extent;
 use super::scale::{TimeAxis, is_in_sight, padded, plain, short};
@@ -22,11 +22,22 @@ const ORANGE: &str = "#E69F00";
 const GREEN: &str = "#009E73";
 /// One an axis, in turn.
 const AXES: [&str; 6] = [BLUE, ORANGE, GREEN, "#CC79A7", "#56B4E9", "#444444"];
-/// What an axis of a magnitude shows at least.
-const FROM_REST: Extent = Extent {
-    low: 0.0,
-    high: 1.0,
-};
+/// What an axis of a magnitude shows at least: a platform that hardly moves is seen to do so, where other machines may be slow by their nature.
+fn from_rest(scope: &ScopeData) -> Extent {
+    Extent {
+        low: 0.0,
+        high: 2.0 * least(scope),
+    }
+}
+
+/// Half of what such an axis shows at least.
+fn least(scope: &ScopeData) -> f64 {
+    match scope.frame.moved {
+        Moved::Machine => 1e-9,
+        Moved::Platform | Moved::Pushers => 0.5,
+    }
+}
+
 const STANDARD_GRAVITY_MPS2: f64 = 9.80665;
 
 /// Acceleration amplitude in g: requested, commanded and, of a platform, actual.
@@ -35,13 +46,13 @@ pub fn acceleration(scope: &ScopeData, time: TimeAxis) -> Panel {
     let requested = scope.envelope.total(channel::PROGRAM).times(per_mps2);
     let commanded = scope.envelope.total(channel::COMMAND).times(per_mps2);
     // Pushers have a panel of their own.
-    let actual = if scope.frame.has_pushers {
+    let actual = if scope.frame.moved == Moved::Pushers {
         Extent::EMPTY
     } else {
         scope.envelope.total(channel::ACTUAL).times(per_mps2)
     };
-    let shown = requested.and(commanded).and(actual).and(FROM_REST);
-    let mut draft = Draft::new(scope, time, "amax, g", padded(shown, 0.5));
+    let shown = requested.and(commanded).and(actual).and(from_rest(scope));
+    let mut draft = Draft::new(scope, time, "amax, g", padded(shown, least(scope)));
     let pen = |colour, width| Pen { colour, width };
     draft.curve(channel::PROGRAM, per_mps2, pen(PALE_BLUE, 5.0));
     if !actual.is_empty() {
@@ -81,12 +92,27 @@ pub fn pushers(scope: &ScopeData, time: TimeAxis) -> Panel {
     draft.done()
 }
 
+/// Displacement, in mm, of the part that the machine moves.
+pub fn place(scope: &ScopeData, time: TimeAxis) -> Panel {
+    const PER_M: f64 = 1e3;
+    let total = scope.envelope.total(channel::PLACE).times(PER_M);
+    let y = padded(total, least(scope));
+    let mut draft = Draft::new(scope, time, "moved, mm", y);
+    let pen = Pen {
+        colour: BLUE,
+        width: 1.2,
+    };
+    draft.range(channel::PLACE, PER_M, pen);
+    draft.entry(LegendShape::Line, BLUE, peak("moved", total));
+    draft.done()
+}
+
 /// Speed of the master shaft in Hz, with the bands it should not dwell in.
 pub fn speed(scope: &ScopeData, time: TimeAxis) -> Panel {
     let per_rad_s = 1.0 / TAU;
     let total = scope.envelope.total(channel::SPEED).times(per_rad_s);
     let top = total.peak();
-    let mut shown = total.and(FROM_REST);
+    let mut shown = total.and(from_rest(scope));
     let bands = scope.frame.bands_hz.iter();
     let bands: Vec<_> = bands
         .filter(|(low, high)| low.is_finite() && high.is_finite() && low < high)
@@ -99,7 +125,7 @@ pub fn speed(scope: &ScopeData, time: TimeAxis) -> Panel {
             shown = shown.and(Extent { low, high });
         }
     }
-    let y = padded(shown, 0.5);
+    let y = padded(shown, least(scope));
     let mut draft = Draft::new(scope, time, "speed, Hz", y);
     draft.entry(LegendShape::Line, DARK_BLUE, peak("shaft", total));
     for (low, high, is_near) in bands {

@@ -105,7 +105,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
         levels: Vec::new(),
         says: format!(
             "A crank-rocker for {SWING_DEG}° swings by {:.2}° at a time ratio of 0.6 and by {:.2}° at 0.7: its dead centres lie on two branches, \
-             although the crank turns all round. The design method refuses both and accepts ratios from {from:.3} on, where the pressure \
+             although the crank turns all round; the design method refuses both and accepts ratios from {from:.3} on, where the pressure \
              angle at the folded dead centre nears 90°.",
             lower.swing_deg, upper.swing_deg
         ),

@@ -178,7 +178,7 @@ pub(super) fn shown(size: Size) -> Result<Shown, ChartError> {
         curves: facts.methods.iter().map(curve).collect(),
         levels: levels.collect(),
         says: format!(
-            "The chain diverges beyond {} µs; a scene with such a step is refused, and the message gives the limit. What has no limit does not \
+            "The chain diverges beyond {} µs; a scene with such a step is refused, and the message gives the limit; what has no limit does not \
              diverge, and may be wrong all the same: at {step_ms:.1} ms it makes of the peak of {:.3} mm, in parts of it, {}.",
             limits.join(", "),
             facts.true_m * 1e3,

@@ -94,7 +94,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
             label: "fault: all stop".to_owned(),
         }],
         says: format!(
-            "Sized for {:.0} % of their torque, motors under five times the load slip, together; {:.0} ms later that is a fault. A loop \
+            "Sized for {:.0} % of their torque, motors under five times the load slip, together; {:.0} ms later that is a fault; a loop \
              that takes five ticks for each ends in an overrun within {:.1} ms, its cranks {:.0}° apart.",
             100.0 * torque_used(SIZED_KG)?,
             (fault_s - slip_s) * 1e3,

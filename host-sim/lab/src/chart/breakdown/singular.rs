@@ -77,7 +77,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
     Ok(Shown {
         key: "singular",
         title: "Singular configuration: a five-bar arm at the edge of its reach".to_owned(),
-        x: Axis::linear("distance of the path's end from the axis, mm", 400.0, REACH_MM),
+        x: Axis::linear("distance of the path's end from the axis, mm", 400.0, 520.0),
         y: Axis::log("error of the hand, mm", 1e-4, 1.0),
         curves: vec![
             Curve::new("commanded hand beside its path, mm", failing(curve(|facts| facts.table_mm))),
@@ -85,7 +85,7 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
         ],
         levels: vec![Level {
             at: At::X(refused_mm),
-            label: format!("refused beyond, margin {MARGIN}"),
+            label: "refused".to_owned(),
         }],
         says: format!(
             "A path that ends {:.1} instead of {:.0} mm before the edge of the reach leaves the commanded hand {:.3} instead of {:.4} mm beside it; with the default margin \
