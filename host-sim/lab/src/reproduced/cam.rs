@@ -8,8 +8,9 @@ use super::{Figure, ReproducedError, Section};
 
 const FILE: &str = "host-sim/methods/tests/chain.rs";
 
-/// Largest accelerations of the first and the third mass, m/s², and largest deviation of the third from the law, mm, in the periodic regime.
-fn periodic(law: Law, shaft: Shaft) -> Result<[f64; 3], ReproducedError> {
+/// Largest accelerations of the first and the third mass, m/s², largest deviation of the third from the law, mm, and mean power of a damper between the
+/// first mass and the ground, kW, in the periodic regime.
+fn periodic(law: Law, shaft: Shaft) -> Result<[f64; 4], ReproducedError> {
     const STEPS: u32 = 1 << 15;
     const SETTLING: u32 = 6;
     let cam = Cam::wrapper(law);
@@ -20,7 +21,7 @@ fn periodic(law: Law, shaft: Shaft) -> Result<[f64; 3], ReproducedError> {
         .map_err(ReproducedError::of)?;
     let (mut y, mut rates) = ([0.0; 6], [0.0; 6]);
     advance(method.as_mut(), &chain, 0.0, SETTLING * STEPS, &mut y).map_err(ReproducedError::of)?;
-    let mut found = [0.0_f64; 3];
+    let mut found = [0.0_f64; 4];
     for i in SETTLING * STEPS..(SETTLING + 1) * STEPS {
         let t_s = f64::from(i) * step_s;
         chain.rates(t_s, &y, &mut rates);
@@ -28,6 +29,8 @@ fn periodic(law: Law, shaft: Shaft) -> Result<[f64; 3], ReproducedError> {
         for (most, value) in found.iter_mut().zip([rates[3], rates[5], off_mm]) {
             *most = most.max(value.abs());
         }
+        let power_kw = 1e-3 * Chain::DAMPING_N_S_M[0] * y[3] * y[3];
+        found[3] += power_kw / f64::from(STEPS);
         method
             .step(&chain, t_s, &mut y)
             .map_err(ReproducedError::of)?;
@@ -101,7 +104,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
         ("… modified trapezoid", [288.07, 302.36]),
     ];
     for (law, (what, published)) in Law::ALL.into_iter().zip(printed) {
-        let [first, third, _] = periodic(law, Shaft::DampedToGround)?;
+        let [first, third, ..] = periodic(law, Shaft::DampedToGround)?;
         figures.push(Figure::new(
             4,
             what,
@@ -111,8 +114,8 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
             (FILE, "accelerations_as_printed"),
         ));
     }
-    let [first, third, off_mm] = periodic(Law::ModifiedSine, Shaft::DampedToCam)?;
-    let [_, _, off_ground_mm] = periodic(Law::ModifiedSine, Shaft::DampedToGround)?;
+    let [first, third, off_mm, _] = periodic(Law::ModifiedSine, Shaft::DampedToCam)?;
+    let [_, _, off_ground_mm, power_kw] = periodic(Law::ModifiedSine, Shaft::DampedToGround)?;
     figures.push(Figure::new(
         5,
         "damper at the cam, modified sine, first and third mass, m/s²",
@@ -127,6 +130,21 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
         [0.125, 0.246],
         [off_mm, off_ground_mm],
         Absolute(5e-4),
+        (FILE, "with_the_damper_at_the_cam"),
+    ));
+    let cam = Cam::wrapper(Law::ModifiedSine);
+    let fastest_mps = (0..10_000)
+        .map(|i| cam.at(cam.cycle_s() * f64::from(i) / 1e4).velocity.abs())
+        .fold(0.0, f64::max);
+    figures.push(Figure::new(
+        5,
+        "damper at the ground: lag of the first mass, mm; its power, kW",
+        [0.199, 1.40],
+        [
+            1e3 * Chain::DAMPING_N_S_M[0] * fastest_mps / Chain::STIFFNESS_N_M[0],
+            power_kw,
+        ],
+        Relative(3.5e-3),
         (FILE, "with_the_damper_at_the_cam"),
     ));
     Ok(Section {
