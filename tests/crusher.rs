@@ -44,9 +44,15 @@ fn the_speed_varies_as_in_the_periodic_regime() {
         ("speed_slowest_rad_s", alone.slowest_rad_s()),
         ("speed_fastest_rad_s", alone.fastest_rad_s()),
     ] {
-        let (ours, theirs) = (figure(&run, key).unwrap() - mean, theirs - alone.mean_rad_s());
+        let (ours, theirs) = (
+            figure(&run, key).unwrap() - mean,
+            theirs - alone.mean_rad_s(),
+        );
         println!("{key}: {ours:+.3} of the mean under the loop, {theirs:+.3} on the mains");
-        assert!((ours / theirs - 1.0).abs() < 0.08, "{key}: {ours}, {theirs}");
+        assert!(
+            (ours / theirs - 1.0).abs() < 0.08,
+            "{key}: {ours}, {theirs}"
+        );
     }
     assert!(figure(&run, "stalled_s").is_none());
 }
@@ -78,7 +84,10 @@ fn a_stalled_crusher_is_stopped_and_reported() {
     let run = with(&[("rock_kn = 1310", "rock_kn = 4000")]);
     let kinds = kinds(&run);
     let first = kinds.first().expect("the controller stops").as_str();
-    assert!(matches!(first, "common-lag" | "index-timeout" | "drive-alarm"), "{first}");
+    assert!(
+        matches!(first, "common-lag" | "index-timeout" | "drive-alarm"),
+        "{first}"
+    );
     assert!(figure(&run, "stalled_s").is_some());
     assert!((0.0..360.0).contains(&figure(&run, "stalled_deg").unwrap()));
     let warnings = run.report["warnings"].to_string();

@@ -141,7 +141,13 @@ fn each_law_moves_the_pusher() {
         let (shaft, _) = run(&mechanical(&text));
         let (mut below_m, mut above_m, mut off_mps2) = (0.0_f64, 0.0_f64, 0.0_f64);
         let mut peak_mps2 = 0.0_f64;
-        for (i, (screws, cams)) in electronic.ticks.iter().zip(&shaft.ticks).enumerate().skip(1) {
+        for (i, (screws, cams)) in electronic
+            .ticks
+            .iter()
+            .zip(&shaft.ticks)
+            .enumerate()
+            .skip(1)
+        {
             for axis in 0..AXES {
                 let below = cams[axis].0 - screws[axis].0;
                 below_m = below_m.max(below);
@@ -162,7 +168,10 @@ fn each_law_moves_the_pusher() {
         );
         assert!(below_m < 12.5e-6 + 1e-6 && above_m < 1e-6, "{law}");
         assert!(off_mps2 < 0.05 * peak_mps2, "{law}");
-        assert!((measured / coefficient - 1.0).abs() < 5e-3, "{law}: {measured}");
+        assert!(
+            (measured / coefficient - 1.0).abs() < 5e-3,
+            "{law}: {measured}"
+        );
     }
 }
 
@@ -178,7 +187,11 @@ fn a_table_from_a_file_moves_the_pusher() {
         .collect();
     let folder = tempfile::tempdir().unwrap();
     let header = "master_turns,axis_turns\n";
-    std::fs::write(folder.path().join("lobe.csv"), header.to_owned() + &rows.join("\n")).unwrap();
+    std::fs::write(
+        folder.path().join("lobe.csv"),
+        header.to_owned() + &rows.join("\n"),
+    )
+    .unwrap();
     let text = library::find("electronic-cam").unwrap().text;
     let from = text.find("law = \"modified-sine\"\nsegment").unwrap();
     let to = from + text[from..].find("]\n\n").unwrap() + 1;
@@ -207,6 +220,7 @@ struct Lifts {
 
 impl Observer for Lifts {
     fn tick(&mut self, moment: &Moment<'_>) {
-        self.ticks.push((moment.master_turns, moment.actual_turns[0]));
+        self.ticks
+            .push((moment.master_turns, moment.actual_turns[0]));
     }
 }

@@ -35,7 +35,10 @@ fn the_joints_lead_the_hand_along_the_line() {
     let run = with(&[KINEMATIC]);
     assert!(run.report["faults"].as_array().unwrap().is_empty());
     let trace = run.trace();
-    let (one, two) = (trace.column("actual_turns_0"), trace.column("actual_turns_1"));
+    let (one, two) = (
+        trace.column("actual_turns_0"),
+        trace.column("actual_turns_1"),
+    );
     let (t_s, omega) = (trace.column("t_s"), trace.column("omega_rad_s"));
     let hand = |row: usize| hand_m([one[row], two[row]]);
     // A step is 1/20000 turn: 0.11 mm of the hand by both joints.
@@ -49,12 +52,17 @@ fn the_joints_lead_the_hand_along_the_line() {
         least = least.min(x);
         most = most.max(x);
     }
-    assert!(least.abs() < step_m && (most - 0.2).abs() < step_m, "{least} to {most} m");
+    assert!(
+        least.abs() < step_m && (most - 0.2).abs() < step_m,
+        "{least} to {most} m"
+    );
     // Half a second in the middle of the line.
     let from = (0..trace.rows())
         .find(|&row| omega[row] > top * (1.0 - 1e-9) && hand(row)[0] > 0.08)
         .unwrap();
-    let to = (from..trace.rows()).find(|&row| t_s[row] >= t_s[from] + 0.5).unwrap();
+    let to = (from..trace.rows())
+        .find(|&row| t_s[row] >= t_s[from] + 0.5)
+        .unwrap();
     let speed = (hand(to)[0] - hand(from)[0]) / (t_s[to] - t_s[from]);
     assert!((speed / 0.021_052_6 - 1.0).abs() < 0.01, "{speed} m/s");
     assert!(figure(&run, "table_error_mm") < 2e-3);

@@ -146,18 +146,17 @@ impl Drawing {
         let count = ((to[0] - from[0]) / stroke).floor().max(1.0) as u32;
         for i in 1..=count {
             let x = from[0] + (to[0] - from[0]) * f64::from(i) / f64::from(count);
-            self.line(&[[x, from[1]], [x - 0.7 * stroke, from[1] - 0.7 * stroke]], MUTED, 1.0, false);
+            self.line(
+                &[[x, from[1]], [x - 0.7 * stroke, from[1] - 0.7 * stroke]],
+                MUTED,
+                1.0,
+                false,
+            );
         }
     }
 
     /// A label beside a place, so many px to the right and upwards.
-    pub fn label(
-        &mut self,
-        place: Place,
-        (right, up): (f64, f64),
-        content: &str,
-        colour: &str,
-    ) {
+    pub fn label(&mut self, place: Place, (right, up): (f64, f64), content: &str, colour: &str) {
         let (x, y) = self.at(place);
         text(&mut self.scene, (x + right, y - up), content, 14, colour);
     }

@@ -8,7 +8,8 @@ use std::io::Write;
 use std::path::Path;
 
 use host_sim::trace::{
-    AxisRow, Levels, Moved, Row, RunFiles, ScopeData, ScopeFrame, Signal, StepsVcd, TraceCsv, TraceError,
+    AxisRow, Levels, Moved, Row, RunFiles, ScopeData, ScopeFrame, Signal, StepsVcd, TraceCsv,
+    TraceError,
 };
 
 const GRAVITY_MPS2: f64 = 9.81;
@@ -223,7 +224,10 @@ fn three_amplitudes_are_drawn_by_their_names() {
         !page(Moved::Pushers).contains("actual"),
         "pushers have a panel of their own"
     );
-    assert!(page(Moved::Machine).contains("moved, mm"), "a machine of its own kind has no tilt");
+    assert!(
+        page(Moved::Machine).contains("moved, mm"),
+        "a machine of its own kind has no tilt"
+    );
 }
 
 #[test]

@@ -6,14 +6,14 @@ mod branch;
 mod cam;
 #[path = "breakdown/capture.rs"]
 mod capture;
+#[path = "breakdown/motors.rs"]
+mod motors;
 #[path = "breakdown/self_synchronisation.rs"]
 mod self_synchronisation;
 #[path = "breakdown/singular.rs"]
 mod singular;
 #[path = "breakdown/stall.rs"]
 mod stall;
-#[path = "breakdown/motors.rs"]
-mod motors;
 #[path = "breakdown/steps.rs"]
 mod steps;
 
@@ -152,8 +152,19 @@ fn the_chart_has_all_panels() {
     assert_eq!(
         panels,
         [
-            "root", "band", "pull-out", "chain", "rods", "overload", "lambda", "branch", "cam", "capture",
-            "self-synchronisation", "stall", "singular"
+            "root",
+            "band",
+            "pull-out",
+            "chain",
+            "rods",
+            "overload",
+            "lambda",
+            "branch",
+            "cam",
+            "capture",
+            "self-synchronisation",
+            "stall",
+            "singular"
         ]
     );
     let parts: Vec<_> = one.pictures.iter().map(|picture| picture.part).collect();

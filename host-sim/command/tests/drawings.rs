@@ -5,14 +5,46 @@ use std::process::Output;
 
 /// Scene, the picture in docs/machines/, and labels that it must have.
 const DRAWINGS: [(&str, &str, &[&str]); 8] = [
-    ("default", "slider-crank-drawing.svg", &["R", "L = R/λ", "α", "x", "platform with its load, mass m"]),
-    ("scotch-yoke", "scotch-yoke-drawing.svg", &["R", "α", "slot"]),
-    ("crank-rocker", "crank-rocker.svg", &["A", "B1", "C1", "C2", "D", "rocker 1"]),
-    ("wrapper", "cam-drawing.svg", &["m1", "m2", "m3", "k1, c1: shaft", "s", "pusher"]),
-    ("electronic-cam", "electronic-cam-drawing.svg", &["rise", "dwell", "return", "H"]),
-    ("screen", "screen-drawing.svg", &["p1", "p2", "G", "R", "K/2, ζ"]),
-    ("jaw-crusher", "jaw-crusher-drawing.svg", &["l", "r", "g", "rock F"]),
-    ("five-bar", "five-bar-drawing.svg", &["l1", "l2", "l3 = l1", "l4", "q1", "q2", "path"]),
+    (
+        "default",
+        "slider-crank-drawing.svg",
+        &["R", "L = R/λ", "α", "x", "platform with its load, mass m"],
+    ),
+    (
+        "scotch-yoke",
+        "scotch-yoke-drawing.svg",
+        &["R", "α", "slot"],
+    ),
+    (
+        "crank-rocker",
+        "crank-rocker.svg",
+        &["A", "B1", "C1", "C2", "D", "rocker 1"],
+    ),
+    (
+        "wrapper",
+        "cam-drawing.svg",
+        &["m1", "m2", "m3", "k1, c1: shaft", "s", "pusher"],
+    ),
+    (
+        "electronic-cam",
+        "electronic-cam-drawing.svg",
+        &["rise", "dwell", "return", "H"],
+    ),
+    (
+        "screen",
+        "screen-drawing.svg",
+        &["p1", "p2", "G", "R", "K/2, ζ"],
+    ),
+    (
+        "jaw-crusher",
+        "jaw-crusher-drawing.svg",
+        &["l", "r", "g", "rock F"],
+    ),
+    (
+        "five-bar",
+        "five-bar-drawing.svg",
+        &["l1", "l2", "l3 = l1", "l4", "q1", "q2", "path"],
+    ),
 ];
 
 fn scenes(dir: &Path, arguments: &[&str]) -> Output {
@@ -36,7 +68,10 @@ fn each_machine_is_drawn_with_its_symbols() {
             assert!(svg.contains(&format!(">{label}<")), "{scene}: no {label}");
         }
         let committed = std::fs::read_to_string(docs.join(picture)).unwrap();
-        assert!(svg == committed, "docs/machines/{picture} is not the drawing of {scene}");
+        assert!(
+            svg == committed,
+            "docs/machines/{picture} is not the drawing of {scene}"
+        );
     }
 }
 
@@ -51,7 +86,10 @@ fn bad_arguments_are_refused() {
         assert!(words.contains(what), "{words}");
     };
     refused(&["--svg", "x.svg"], "NAME");
-    refused(&["no-such-scene", "--svg", "x.svg"], "there is no built-in scene");
+    refused(
+        &["no-such-scene", "--svg", "x.svg"],
+        "there is no built-in scene",
+    );
     refused(&["screen", "--svg", ".."], "--svg");
     assert!(!folder.path().join("x.svg").exists());
 }

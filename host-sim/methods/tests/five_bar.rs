@@ -310,7 +310,8 @@ fn the_vertical_arm_lags_by_a_small_steady_offset() {
     });
     // Without the first second, in which the joints break away, and without the last blend.
     let steady = &errors[5_000..errors.len() - 5_000];
-    let mean = |of: fn(&(f64, f64)) -> f64| steady.iter().map(of).sum::<f64>() / steady.len() as f64;
+    let mean =
+        |of: fn(&(f64, f64)) -> f64| steady.iter().map(of).sum::<f64>() / steady.len() as f64;
     let (place_m, force_n) = (mean(|error| error.0), mean(|error| error.1));
     let spread = |of: fn(&(f64, f64)) -> f64, mean: f64| {
         let off = steady.iter().map(|error| (of(error) - mean).abs());

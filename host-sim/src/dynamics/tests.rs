@@ -2,8 +2,8 @@
 //! one below where their assumptions meet.
 
 mod energy;
-mod modes;
 mod induction;
+mod modes;
 mod servo;
 
 use proptest::prelude::*;

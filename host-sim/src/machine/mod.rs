@@ -93,8 +93,11 @@ impl Machine {
         let following_error =
             |window_deg: Option<f64>| FollowingError::new(window_deg.map(|deg| deg / 360.0));
         let servo = following_error(in_common.servo.and_then(|servo| servo.following_error_deg));
-        let converter =
-            following_error(in_common.induction.and_then(|motor| motor.following_error_deg));
+        let converter = following_error(
+            in_common
+                .induction
+                .and_then(|motor| motor.following_error_deg),
+        );
         let make = |i: usize| {
             let overrides = checked.overrides(i);
             let own = &settings.axes[i];

@@ -7,7 +7,8 @@ use super::{DriveCommand, PullOut, Rotors, SimulatedAxis};
 use std::sync::Arc;
 
 use crate::dynamics::{
-    Body, Driven, Elastic, Frame, Freedom, Induction, Layer, Motor, OnPlant, Phased, Rigid, Servo, Stepper,
+    Body, Driven, Elastic, Frame, Freedom, Induction, Layer, Motor, OnPlant, Phased, Rigid, Servo,
+    Stepper,
 };
 use crate::mechanism::Load;
 use crate::scene::file::{self, Drive, Fidelity, Rods};

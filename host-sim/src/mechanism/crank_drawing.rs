@@ -25,7 +25,11 @@ pub fn draw(radius_m: f64, link: &Link) -> String {
         Link::Rod(rod_m) => {
             let height = pin[1] + (rod_m * rod_m - pin[0] * pin[0]).sqrt();
             (
-                format!("Slider-crank, one of N: R = {:.2} mm, L = {:.2} mm", 1e3 * r, 1e3 * rod_m),
+                format!(
+                    "Slider-crank, one of N: R = {:.2} mm, L = {:.2} mm",
+                    1e3 * r,
+                    1e3 * rod_m
+                ),
                 [0.0, height],
                 r + rod_m,
             )
@@ -42,11 +46,26 @@ pub fn draw(radius_m: f64, link: &Link) -> String {
     let plate = |y: f64| [[-wide, y], [wide, y]];
     drawing.line(&plate(top), MUTED, 1.2, true);
     drawing.line(&plate(corner[1]), INK, 4.0, false);
-    drawing.label([-wide, corner[1]], (6.0, 10.0), "platform with its load, mass m", INK);
-    drawing.label([-wide, top], (6.0, 10.0), "at the dead centre, α = 0", MUTED);
+    drawing.label(
+        [-wide, corner[1]],
+        (6.0, 10.0),
+        "platform with its load, mass m",
+        INK,
+    );
+    drawing.label(
+        [-wide, top],
+        (6.0, 10.0),
+        "at the dead centre, α = 0",
+        MUTED,
+    );
     drawing.arc([0.0, 0.0], r, (0.0, TAU), MUTED);
     drawing.line(&[[0.0, 0.0], [0.0, corner[1]]], MUTED, 1.0, true);
-    drawing.arc([0.0, 0.0], 0.45 * r, (0.25 * TAU - ALPHA_RAD, 0.25 * TAU), FIRST);
+    drawing.arc(
+        [0.0, 0.0],
+        0.45 * r,
+        (0.25 * TAU - ALPHA_RAD, 0.25 * TAU),
+        FIRST,
+    );
     drawing.label([0.16 * r, 0.5 * r], (0.0, 8.0), "α", FIRST);
     drawing.line(&[[0.0, 0.0], pin], FIRST, 3.0, false);
     drawing.label([0.5 * pin[0], 0.5 * pin[1]], (8.0, -14.0), "R", FIRST);

@@ -26,8 +26,8 @@ use crate::machine::{PullOut, RESOLUTION};
 use crate::mechanism::{AnyMechanism, Configured};
 use crate::plant::Plant;
 
-pub(super) use cam_drawing::draw as draw_follower;
 pub use cam::{Follower, drift as phase_limits};
+pub(super) use cam_drawing::draw as draw_follower;
 pub use correction::plant;
 pub use machine::machine;
 pub use numbers::range as in_range;

@@ -76,7 +76,10 @@ pub fn crank_rocker(seed: u64) -> String {
 /// Built-in scene with numbers of these keys varied by up to a quarter, after changes that shorten it.
 fn varied(name: &str, seed: u64, changes: &[(&str, &str)], keys: &[&str]) -> String {
     let mut draw = Draw(ChaCha8Rng::seed_from_u64(seed));
-    let mut text = library::find(name).expect("a built-in scene").text.to_owned();
+    let mut text = library::find(name)
+        .expect("a built-in scene")
+        .text
+        .to_owned();
     for (from, to) in changes {
         assert!(text.contains(from), "{name}: {from}");
         text = text.replacen(from, to, 1);

@@ -126,7 +126,10 @@ fn hold_to_claims(machines: u64, first: u64, scene: fn(u64) -> String) {
         "{} of bounds of levels not taken do not hold",
         tally.not_taken
     );
-    assert!(2 * tally.answers > machines as u32, "too little is compared");
+    assert!(
+        2 * tally.answers > machines as u32,
+        "too little is compared"
+    );
 }
 
 /// Judges the machines of these seeds.

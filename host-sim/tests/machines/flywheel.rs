@@ -97,7 +97,10 @@ fn more_nodes_approach_the_converged_speeds() {
     let (few, many) = (slowest(18), slowest(1800));
     println!("18 nodes are off by {few:.4} rad/s, 1800 by {many:.6}");
     // It is of first order: a hundredth.
-    assert!(few > 0.02 && (0.005..0.02).contains(&(many / few)), "{few}, {many}");
+    assert!(
+        few > 0.02 && (0.005..0.02).contains(&(many / few)),
+        "{few}, {many}"
+    );
 }
 
 /// If this fails, the flywheel that is found does not keep the irregularity, or a lighter one would.
@@ -111,8 +114,15 @@ fn the_required_flywheel_keeps_the_irregularity() {
         let mut heavier = SOURCE;
         heavier.mass_kg *= factor * required_kgm2 / found.rim_kgm2();
         let heavier = design(&heavier).expect("in range");
-        let speeds = periodic(&heavier, &rock(18, None)).expect("it turns").converged;
-        assert_eq!(speeds.irregularity() <= limit, keeps, "{}", speeds.irregularity());
+        let speeds = periodic(&heavier, &rock(18, None))
+            .expect("it turns")
+            .converged;
+        assert_eq!(
+            speeds.irregularity() <= limit,
+            keeps,
+            "{}",
+            speeds.irregularity()
+        );
     }
 }
 
@@ -128,5 +138,8 @@ fn too_much_rock_is_refused() {
     assert!(refused.starts_with("--rock-kn 9000: "), "{refused}");
     let wrong = periodic(&found, &rock(3, Some(0.9))).expect_err("out of range");
     let lines = wrong.to_string();
-    assert!(lines.contains("--nodes 3") && lines.contains("--irregularity 0.9"), "{lines}");
+    assert!(
+        lines.contains("--nodes 3") && lines.contains("--irregularity 0.9"),
+        "{lines}"
+    );
 }

@@ -326,7 +326,10 @@ fn crushers() {
         ),
         case(
             "induction drive without its motor",
-            with("induction = {", "servo = { velocity_gain_nms = 5, limit_nm = 5 } # {"),
+            with(
+                "induction = {",
+                "servo = { velocity_gain_nms = 5, limit_nm = 5 } # {",
+            ),
             "axes.servo.position_gain_per_s",
             "missing",
             "",
@@ -432,7 +435,10 @@ fn five_bar_arms() {
         ),
         case(
             "arm without a mass",
-            with("links_kg = [1.2, 0.6, 0.6, 1.0]", "links_kg = [1.2, 0, 0.6, 1.0]"),
+            with(
+                "links_kg = [1.2, 0.6, 0.6, 1.0]",
+                "links_kg = [1.2, 0, 0.6, 1.0]",
+            ),
             "five_bar.links_kg[1]",
             "outside",
             "0.001",

@@ -9,7 +9,11 @@ fn the_shaft_overshoots_and_the_table_does_not() {
     // 307.04 m/s² on the return by the published law.
     assert!((peak(&facts.law) / 307.04 - 1.0).abs() < 1e-3);
     let over = |turn| peak(turn) / 307.04 - 1.0;
-    assert!((0.06..0.13).contains(&over(&facts.shaft)), "{}", over(&facts.shaft));
+    assert!(
+        (0.06..0.13).contains(&over(&facts.shaft)),
+        "{}",
+        over(&facts.shaft)
+    );
     // A spline's second derivative is off by up to 1.9 % (tests/electronic_cam.rs).
     assert!(over(&facts.screw).abs() < 0.02, "{}", over(&facts.screw));
 }

@@ -18,6 +18,9 @@ fn a_path_within_the_margin_is_refused() {
     assert!(at_margin < REACH_MM);
     let refused = refusal(&scene(at_margin + 0.2, MARGIN).unwrap());
     let refused = refused.expect("it is within the margin");
-    assert!(refused.contains("five_bar.path_mm") && refused.contains("nearly singular"), "{refused}");
+    assert!(
+        refused.contains("five_bar.path_mm") && refused.contains("nearly singular"),
+        "{refused}"
+    );
     assert_eq!(refusal(&scene(at_margin - 0.2, MARGIN).unwrap()), None);
 }

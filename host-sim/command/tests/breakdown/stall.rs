@@ -21,6 +21,11 @@ fn rock_that_is_too_hard_stops_the_shaft_and_the_machine() {
 #[test]
 fn the_force_is_that_of_the_scene() {
     let text = scene(BROKEN_KN).unwrap();
-    assert_eq!(text, scene(HOLDING_KN).unwrap().replacen("rock_kn = 4000", "rock_kn = 1310", 1));
+    assert_eq!(
+        text,
+        scene(HOLDING_KN)
+            .unwrap()
+            .replacen("rock_kn = 4000", "rock_kn = 1310", 1)
+    );
     assert!(text.contains("rock_kn = 1310") && runs::refusal(&text).is_none());
 }

@@ -69,7 +69,9 @@ pub enum DesignError {
         fastest: f64,
     },
     /// The motor cannot break rock of that peak force, in kN.
-    #[error("--rock-kn {0}: brings the shaft to rest; lower it, or give a stronger motor or a heavier flywheel")]
+    #[error(
+        "--rock-kn {0}: brings the shaft to rest; lower it, or give a stronger motor or a heavier flywheel"
+    )]
     Stalls(f64),
     /// No flywheel within a thousand times the given one keeps the irregularity.
     #[error("--irregularity {0}: no flywheel keeps it under this rock; allow more")]

@@ -96,7 +96,12 @@ fn write_dynamic(dynamic: &Dynamic, out: &mut impl Write) -> io::Result<()> {
     }
     if let (Some(limit), Some(required)) = (rock.irregularity, dynamic.required_kgm2) {
         let note = format!("for an irregularity of {limit}");
-        row(out, "flywheel that is required, kg·m²", &four(required), &note)?;
+        row(
+            out,
+            "flywheel that is required, kg·m²",
+            &four(required),
+            &note,
+        )?;
     }
     Ok(())
 }

@@ -53,5 +53,8 @@ fn a_load_leaves_slip_over_gain() {
     let slip = 5.0 * (1.5 - state[0]);
     let holds_nm = 2.0 * torque_nm(motor, slip);
     assert!(load_nm.abs() > 0.1, "{load_nm}");
-    assert!((holds_nm - load_nm).abs() < 1e-6 * load_nm.abs(), "{holds_nm}, {load_nm}");
+    assert!(
+        (holds_nm - load_nm).abs() < 1e-6 * load_nm.abs(),
+        "{holds_nm}, {load_nm}"
+    );
 }

@@ -16,7 +16,10 @@ pub fn draw(crusher: &Crusher) -> String {
     // The linkage has the fixed pivot on its x axis: turned by a quarter, that is below.
     let down = |[x, y]: Place| -> Place { [y, -x] };
     let from = |start: Place, length: f64, angle: f64| -> Place {
-        [start[0] + length * angle.cos(), start[1] + length * angle.sin()]
+        [
+            start[0] + length * angle.cos(),
+            start[1] + length * angle.sin(),
+        ]
     };
     let origin = [0.0, 0.0];
     let pin = from(origin, linkage.eccentric_m, PHI_RAD);
@@ -33,7 +36,11 @@ pub fn draw(crusher: &Crusher) -> String {
         1e3 * linkage.ground_m
     );
     let (reach, wheel) = (linkage.jaw_m, 0.22 * linkage.jaw_m);
-    let mut drawing = Drawing::new(&title, [-0.9 * reach, -1.12 * reach], [0.9 * reach, 1.1 * wheel]);
+    let mut drawing = Drawing::new(
+        &title,
+        [-0.9 * reach, -1.12 * reach],
+        [0.9 * reach, 1.1 * wheel],
+    );
     drawing.arc(origin, wheel, (0.0, TAU), MUTED);
     drawing.label([wheel, 0.0], (8.0, 0.0), "flywheel, inertia JF", MUTED);
     drawing.line(&[pin, joint], FIRST, 5.0, false);

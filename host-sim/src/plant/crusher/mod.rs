@@ -124,7 +124,9 @@ impl Plant for Crusher {
 
     fn left_out(&self, model_level: Fidelity) -> String {
         match model_level {
-            Fidelity::Phased => "electrical transients of the motor, slip of the belt, and the jaw's weight",
+            Fidelity::Phased => {
+                "electrical transients of the motor, slip of the belt, and the jaw's weight"
+            }
             _ => "torque, rock, and how the speed varies over a turn: the shaft is where commanded",
         }
         .to_owned()

@@ -146,7 +146,11 @@ impl Record for CrusherRecord {
                     self.crusher.rock_nm()
                 ),
             ),
-            figure("rock_torque_nm", Some(self.crusher.rock_nm()), String::new()),
+            figure(
+                "rock_torque_nm",
+                Some(self.crusher.rock_nm()),
+                String::new(),
+            ),
             figure(
                 "stalled_s",
                 self.stall.map(|stall| stall.t_s),
@@ -158,7 +162,11 @@ impl Record for CrusherRecord {
                     None => "The rock did not stop the shaft.".to_owned(),
                 },
             ),
-            figure("stalled_deg", self.stall.map(|stall| stall.turn_deg), String::new()),
+            figure(
+                "stalled_deg",
+                self.stall.map(|stall| stall.turn_deg),
+                String::new(),
+            ),
         ]
     }
 

@@ -73,7 +73,12 @@ impl CrusherTable {
             in_range(&format!("crusher.{key}"), length_mm, 0.1, 20_000.0)?;
         }
         in_range("crusher.jaw_kg", self.jaw_kg, 0.0, 1e6)?;
-        in_range("crusher.jaw_centre_mm", self.jaw_centre_mm, 0.0, self.jaw_mm)?;
+        in_range(
+            "crusher.jaw_centre_mm",
+            self.jaw_centre_mm,
+            0.0,
+            self.jaw_mm,
+        )?;
         in_range("crusher.rock_kn", self.rock_kn, 0.0, 1e5)?;
         let (from, to) = self.rock_turns;
         in_range("crusher.rock_turns[0]", from, 0.0, 1e7)?;

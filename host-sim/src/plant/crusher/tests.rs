@@ -54,7 +54,10 @@ fn it_moves_as_the_published_crusher() {
         };
         let mut a = [0.0];
         ours.accelerations(&shafts, &[phi], &[omega], &mut a);
-        assert!((a[0] - rates[1]).abs() < 1e-9 * (1.0 + rates[1].abs()), "{k}");
+        assert!(
+            (a[0] - rates[1]).abs() < 1e-9 * (1.0 + rates[1].abs()),
+            "{k}"
+        );
     }
 }
 
@@ -107,7 +110,10 @@ fn the_jaw_moves_as_its_place_does() {
         let slope = (place(phi + h) - place(phi - h)) / (2.0 * h);
         let between = ours.linkage.at(phi).jaw_rad - ours.linkage.at(0.0).jaw_rad;
         let off_m = (slope - ours.linkage.closing_m(phi)).abs();
-        assert!(off_m < ours.linkage.eccentric_m * between.abs() + 1e-6, "{k}");
+        assert!(
+            off_m < ours.linkage.eccentric_m * between.abs() + 1e-6,
+            "{k}"
+        );
     }
     assert!((most / (ours.amplitude_m() * omega * omega) - 1.0).abs() < 1e-4);
 }

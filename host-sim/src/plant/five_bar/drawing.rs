@@ -20,7 +20,10 @@ pub fn draw(arm: &Arm) -> String {
     };
     let (q1, q2) = (joints.q1_rad, joints.q2_rad);
     let from = |start: Place, length: f64, angle: f64| -> Place {
-        [start[0] + length * angle.cos(), start[1] + length * angle.sin()]
+        [
+            start[0] + length * angle.cos(),
+            start[1] + length * angle.sin(),
+        ]
     };
     let origin = [0.0, 0.0];
     let elbow = from(origin, one, q1);
@@ -32,8 +35,14 @@ pub fn draw(arm: &Arm) -> String {
     let fold = |axis: usize, of: fn(f64, f64) -> f64, start: f64| {
         points.iter().map(|point| point[axis]).fold(start, of)
     };
-    let low = [fold(0, f64::min, 0.0) - 0.12 * most, fold(1, f64::min, 0.0) - 0.06 * most];
-    let high = [fold(0, f64::max, 0.0) + 0.3 * most, fold(1, f64::max, 0.0) + 0.12 * most];
+    let low = [
+        fold(0, f64::min, 0.0) - 0.12 * most,
+        fold(1, f64::min, 0.0) - 0.06 * most,
+    ];
+    let high = [
+        fold(0, f64::max, 0.0) + 0.3 * most,
+        fold(1, f64::max, 0.0) + 0.12 * most,
+    ];
     let title = format!(
         "Five-bar arm: l1 = {:.0}, l2 = {:.0}, l4 = {:.0} mm",
         1e3 * one,

@@ -113,7 +113,8 @@ impl Path {
         let of_line = |(_, line): &(f64, Line)| {
             let direction = line.direction();
             let from = [0, 1].map(|i| point_m[i] - line.from_m[i]);
-            let along = (from[0] * direction[0] + from[1] * direction[1]).clamp(0.0, line.length_m());
+            let along =
+                (from[0] * direction[0] + from[1] * direction[1]).clamp(0.0, line.length_m());
             let off = [0, 1].map(|i| from[i] - along * direction[i]);
             let blend_m = 0.5 * line.speed_mps * line.blend_s;
             let acceleration = if along < blend_m {
@@ -123,7 +124,10 @@ impl Path {
             } else {
                 0.0
             };
-            (off[0].hypot(off[1]), direction.map(|part| part * acceleration))
+            (
+                off[0].hypot(off[1]),
+                direction.map(|part| part * acceleration),
+            )
         };
         let lines = self.lines.iter().map(of_line);
         lines

@@ -165,7 +165,12 @@ impl FiveBarTable {
         };
         let key = |name: &str| format!("five_bar.contact.{name}");
         in_range(&key("force_n"), contact.force_n, 0.0, 1e4)?;
-        in_range(&key("stiffness_n_per_mm"), contact.stiffness_n_per_mm, 1e-3, 1e6)?;
+        in_range(
+            &key("stiffness_n_per_mm"),
+            contact.stiffness_n_per_mm,
+            1e-3,
+            1e6,
+        )?;
         in_range(&key("damping_ns_per_m"), contact.damping_ns_per_m, 0.0, 1e6)?;
         in_range(&key("position_per_s2"), contact.position_per_s2, 0.0, 1e6)?;
         in_range(&key("velocity_per_s"), contact.velocity_per_s, 0.0, 1e4)?;
@@ -180,7 +185,11 @@ impl FiveBarTable {
     }
 
     fn path(&self) -> Result<Path, SceneError> {
-        let points: Vec<_> = self.path_mm.iter().map(|mm| mm.map(|mm| mm / 1e3)).collect();
+        let points: Vec<_> = self
+            .path_mm
+            .iter()
+            .map(|mm| mm.map(|mm| mm / 1e3))
+            .collect();
         Path::new(&points, self.speed_mm_per_s / 1e3, self.blend_s).map_err(|short| {
             SceneError::at(
                 "five_bar.path_mm",
@@ -246,7 +255,11 @@ impl FiveBarTable {
                     mass_kg: self.links_kg[i],
                 }),
                 hand_kg: self.tool_kg,
-                gravity_mps2: if is_vertical { STANDARD_GRAVITY_MPS2 } else { 0.0 },
+                gravity_mps2: if is_vertical {
+                    STANDARD_GRAVITY_MPS2
+                } else {
+                    0.0
+                },
                 // Friction is that of the axes.
                 friction_nm: [0.0; 2],
                 friction_speed_rad_s: 1.0,

@@ -52,7 +52,12 @@ fn it_moves_as_the_published_arm() {
     let light = body([0.0; 2]);
     for k in 0..300_u32 {
         let part = |n: u32| f64::from((k * n + 3 * n) % 101) / 101.0;
-        let state = [3.0 * part(7), 2.0 * part(11) - 1.5, part(13) - 0.5, part(17) - 0.5];
+        let state = [
+            3.0 * part(7),
+            2.0 * part(11) - 1.5,
+            part(13) - 0.5,
+            part(17) - 0.5,
+        ];
         let torques = [4.0 * part(19) - 2.0, 4.0 * part(23) - 2.0];
         let alone = FiveBarArm {
             torque_nm: torques,
@@ -83,7 +88,10 @@ fn it_moves_as_the_published_arm() {
             ours.arm.hand_m(at)[0]
         };
         let difference = (place(h) - 2.0 * place(0.0) + place(-h)) / (h * h);
-        assert!((moved.acceleration[0] - difference).abs() < 1e-4 * (1.0 + difference.abs()), "{k}");
+        assert!(
+            (moved.acceleration[0] - difference).abs() < 1e-4 * (1.0 + difference.abs()),
+            "{k}"
+        );
         move_with([true, false], &mut a);
         assert_eq!(a[0], 0.0);
     }
@@ -108,7 +116,10 @@ fn energy_stays() {
     let mut method = Scheme::Rk4.prepare(&driven, 1e-4).unwrap();
     advance(method.as_mut(), &driven, 0.0, 50_000, &mut state).unwrap();
     let after = driven.energy_j(&state);
-    assert!((after - before).abs() < 1e-9 * before.abs(), "{before} J, {after} J");
+    assert!(
+        (after - before).abs() < 1e-9 * before.abs(),
+        "{before} J, {after} J"
+    );
 }
 
 /// If this fails, the acceleration that the kinematic level shows is not that of the path, or the path does not return to where it began.

@@ -88,7 +88,9 @@ pub(super) fn follower(shaft: &CamShaft) -> Result<Follower, SceneError> {
 pub(super) fn check_screws(scene: &Scene) -> Result<(), SceneError> {
     let follows = |number: usize| scene.overrides(number).is_some_and(|own| own.cam.is_some());
     let Some(lead_mm) = scene.cam.as_ref().and_then(|cam| cam.screw_lead_mm) else {
-        let plant_follows = scene.plant_table().is_some_and(|table| table.axes_follow_tables());
+        let plant_follows = scene
+            .plant_table()
+            .is_some_and(|table| table.axes_follow_tables());
         return match scene.axis.iter().position(|own| own.cam.is_some()) {
             None => Ok(()),
             Some(_) if plant_follows => Ok(()),

@@ -35,22 +35,45 @@ fn cam(follower: &Follower, stroke: f64) -> String {
     let roller = stroke + displacement(follower, turned);
     let title = format!("Cam with its follower: H = {:.0} mm", 1e3 * stroke);
     let top = if follower.links.is_some() { 5.0 } else { 3.2 };
-    let mut drawing = Drawing::new(&title, [-3.4 * stroke, -2.2 * stroke], [3.4 * stroke, top * stroke]);
+    let mut drawing = Drawing::new(
+        &title,
+        [-3.4 * stroke, -2.2 * stroke],
+        [3.4 * stroke, top * stroke],
+    );
     drawing.outline(&outline, FIRST, 2.5);
     drawing.arc([0.0, 0.0], stroke, (0.0, TAU), MUTED);
     drawing.arc([0.0, 0.0], 2.0 * stroke, (0.0, TAU), MUTED);
     drawing.pin([0.0, 0.0], INK);
     drawing.label([0.0, 0.0], (10.0, -18.0), "shaft, ω", INK);
-    drawing.label([1.4 * stroke, -1.6 * stroke], (10.0, 0.0), "base circle, and circle of the stroke H", MUTED);
+    drawing.label(
+        [1.4 * stroke, -1.6 * stroke],
+        (10.0, 0.0),
+        "base circle, and circle of the stroke H",
+        MUTED,
+    );
     drawing.pin([0.0, roller], INK);
     let mut height = roller;
     if follower.links.is_some() {
         for (i, part) in ["shaft", "arm", "link"].into_iter().enumerate() {
             let low = height + 0.55 * stroke;
             drawing.spring([0.0, height], [0.0, low], SECOND);
-            drawing.label([0.0, 0.5 * (height + low)], (22.0, -4.0), &format!("k{0}, c{0}: {part}", i + 1), SECOND);
-            drawing.rectangle([-0.5 * stroke, low], [0.5 * stroke, low + 0.5 * stroke], INK);
-            drawing.label([0.0, low + 0.25 * stroke], (-8.0, -5.0), &format!("m{}", i + 1), INK);
+            drawing.label(
+                [0.0, 0.5 * (height + low)],
+                (22.0, -4.0),
+                &format!("k{0}, c{0}: {part}", i + 1),
+                SECOND,
+            );
+            drawing.rectangle(
+                [-0.5 * stroke, low],
+                [0.5 * stroke, low + 0.5 * stroke],
+                INK,
+            );
+            drawing.label(
+                [0.0, low + 0.25 * stroke],
+                (-8.0, -5.0),
+                &format!("m{}", i + 1),
+                INK,
+            );
             height = low + 0.5 * stroke;
         }
     } else {
@@ -71,7 +94,11 @@ fn lift(follower: &Follower, lead_m: f64, stroke: f64) -> String {
         1e3 * lead_m
     );
     let (wide, high) = (4.0 * stroke, 1.6 * stroke);
-    let mut drawing = Drawing::new(&title, [-0.3 * stroke, -0.4 * stroke], [wide + 0.4 * stroke, high]);
+    let mut drawing = Drawing::new(
+        &title,
+        [-0.3 * stroke, -0.4 * stroke],
+        [wide + 0.4 * stroke, high],
+    );
     let places: Vec<Place> = (0..=PIECES)
         .map(|i| f64::from(i) / f64::from(PIECES))
         .map(|part| [part * wide, displacement(follower, part)])
@@ -79,13 +106,22 @@ fn lift(follower: &Follower, lead_m: f64, stroke: f64) -> String {
     drawing.arrow([0.0, 0.0], [wide + 0.3 * stroke, 0.0], INK);
     drawing.arrow([0.0, 0.0], [0.0, 1.5 * stroke], INK);
     drawing.label([wide, 0.0], (-60.0, -40.0), "phase of the master", INK);
-    drawing.label([0.0, 1.5 * stroke], (10.0, -8.0), "position of the pusher, s", INK);
+    drawing.label(
+        [0.0, 1.5 * stroke],
+        (10.0, -8.0),
+        "position of the pusher, s",
+        INK,
+    );
     drawing.line(&places, FIRST, 2.5, false);
     drawing.line(&[[0.0, stroke], [wide, stroke]], MUTED, 1.0, true);
     drawing.label([wide, stroke], (6.0, 0.0), "H", MUTED);
     let cam = &follower.cam;
     let mut begin = 0.0;
-    for (name, angle) in [("rise", cam.rise_rad), ("dwell", cam.dwell_rad), ("return", cam.return_rad)] {
+    for (name, angle) in [
+        ("rise", cam.rise_rad),
+        ("dwell", cam.dwell_rad),
+        ("return", cam.return_rad),
+    ] {
         let end = begin + angle / TAU * wide;
         drawing.line(&[[end, 0.0], [end, stroke]], MUTED, 1.0, true);
         drawing.label([0.5 * (begin + end), 0.0], (-16.0, -20.0), name, MUTED);

@@ -43,7 +43,9 @@ pub(super) fn tables(scene: &Scene) -> Result<heapless::Vec<CamSettings, MAX_CAM
 fn one(entry: usize, table: &CamTable) -> Result<CamSettings, SceneError> {
     let key = |name: &str| format!("cam_table[{entry}].{name}");
     let points_turns = match (&table.file, table.segments.is_empty()) {
-        (_, true) if !table.points_turns.is_empty() => Ok(table.points_turns.iter().copied().collect()),
+        (_, true) if !table.points_turns.is_empty() => {
+            Ok(table.points_turns.iter().copied().collect())
+        }
         (Some(_), true) => Err(SceneError::at(
             key("file"),
             "can be read beside a scene file only; give segments",

@@ -90,12 +90,27 @@ pub(super) fn check_torque(scene: &Scene) -> Result<(), SceneError> {
             ));
         }
         range("axes.induction.rated_nm", motor.rated_nm, 1e-3, 1e6)?;
-        range("axes.induction.rated_slip_hz", motor.rated_slip_hz, 1e-4, 10.0)?;
-        range("axes.induction.breakdown_ratio", motor.breakdown_ratio, 1.1, 10.0)?;
+        range(
+            "axes.induction.rated_slip_hz",
+            motor.rated_slip_hz,
+            1e-4,
+            10.0,
+        )?;
+        range(
+            "axes.induction.breakdown_ratio",
+            motor.breakdown_ratio,
+            1.1,
+            10.0,
+        )?;
         let gain = motor.position_gain_per_s;
         range("axes.induction.position_gain_per_s", gain, 1e-3, 1e3)?;
         if let Some(window_deg) = motor.following_error_deg {
-            range("axes.induction.following_error_deg", window_deg, 0.01, 180.0)?;
+            range(
+                "axes.induction.following_error_deg",
+                window_deg,
+                0.01,
+                180.0,
+            )?;
         }
     }
     match &scene.frame {

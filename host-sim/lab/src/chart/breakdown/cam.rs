@@ -39,7 +39,9 @@ pub fn electronic() -> Option<String> {
         ("amax_g = 0.5567", "amax_g = 31.31"),
         ("hold_s = 3", "hold_s = 1"),
     ];
-    Some(changes.iter().fold(text.to_owned(), |text, (from, to)| text.replacen(from, to, 1)))
+    Some(changes.iter().fold(text.to_owned(), |text, (from, to)| {
+        text.replacen(from, to, 1)
+    }))
 }
 
 /// Gathers the last whole turn at the greatest speed.
@@ -62,10 +64,14 @@ impl Observer for LastTurn {
 fn last_turn(text: &str) -> Result<Turn, ChartError> {
     let wrong = |error: &dyn std::fmt::Display| ChartError(error.to_string());
     let checked = check(text).map_err(|error| wrong(&error))?;
-    let mut seen = LastTurn::default();
-    simulate(&checked, &mut seen, |_, _| {}).map_err(|error| wrong(&error))?;
-    let top_hz = seen.ticks.iter().map(|tick| tick.1).fold(0.0, f64::max);
-    let fast: Vec<_> = seen.ticks.iter().filter(|tick| tick.1 > top_hz * (1.0 - 1e-6)).collect();
+    let mut observed = LastTurn::default();
+    simulate(&checked, &mut observed, |_, _| {}).map_err(|error| wrong(&error))?;
+    let top_hz = observed.ticks.iter().map(|tick| tick.1).fold(0.0, f64::max);
+    let fast: Vec<_> = observed
+        .ticks
+        .iter()
+        .filter(|tick| tick.1 > top_hz * (1.0 - 1e-6))
+        .collect();
     let end = fast.last().map_or(0.0, |tick| tick.0).floor();
     let within = |tick: &&&(f64, f64, f64)| (end - 1.0..end).contains(&tick.0);
     Ok(fast
@@ -80,7 +86,7 @@ fn last_turn(text: &str) -> Result<Turn, ChartError> {
 /// # Errors
 /// A scene is refused.
 pub fn measure() -> Result<Facts, ChartError> {
-    let lacking = || ChartError("a built-in scene of cams is missing".to_owned());
+    let lacking = || ChartError("a built-in scene with cams is missing".to_owned());
     let wrapper = library::find("wrapper").ok_or_else(lacking)?.text;
     let shaft = last_turn(wrapper)?;
     let cam = Cam::wrapper(Law::ModifiedSine);
@@ -97,7 +103,9 @@ pub fn measure() -> Result<Facts, ChartError> {
 
 /// Greatest acceleration of a turn, m/s².
 pub fn peak(turn: &Turn) -> f64 {
-    turn.iter().map(|(_, accel)| accel.abs()).fold(0.0, f64::max)
+    turn.iter()
+        .map(|(_, accel)| accel.abs())
+        .fold(0.0, f64::max)
 }
 
 pub(super) fn shown() -> Result<Shown, ChartError> {

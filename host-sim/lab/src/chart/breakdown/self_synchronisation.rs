@@ -115,13 +115,21 @@ fn scene(places_m: &[f64]) -> Option<String> {
     let places: Vec<String> = places_m.iter().map(|m| format!("{:.0}", 1e3 * m)).collect();
     let changes = [
         ("[screen]", "fidelity = \"phased\"\n[screen]".to_owned()),
-        ("shafts_mm = [-600, 600]", format!("shafts_mm = [{}]", places.join(", "))),
+        (
+            "shafts_mm = [-600, 600]",
+            format!("shafts_mm = [{}]", places.join(", ")),
+        ),
         ("block_kg = 83", format!("block_kg = {}", 166.0 / n as f64)),
         ("count = 2", format!("count = {n}")),
         ("hold_s = 1", format!("hold_s = {END_S}")),
-        ("[[program]]", "[[axis]]\nnumber = 1\nfriction_nm = 60\n\n[[program]]".to_owned()),
+        (
+            "[[program]]",
+            "[[axis]]\nnumber = 1\nfriction_nm = 60\n\n[[program]]".to_owned(),
+        ),
     ];
-    Some(changes.iter().fold(text.to_owned(), |text, (from, to)| text.replacen(from, to, 1)))
+    Some(changes.iter().fold(text.to_owned(), |text, (from, to)| {
+        text.replacen(from, to, 1)
+    }))
 }
 
 /// Shafts under the controller, from the time at which they have their working speed.
@@ -149,7 +157,12 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
     let (free_two, free_four) = (free(TWO_M)?, free(FOUR_M)?);
     let (two, four) = (forced(TWO_M)?, forced(FOUR_M)?);
     let last = |resultant: &Resultant| resultant.last().map_or(f64::NAN, |point| point.1);
-    let least = |resultant: &Resultant| resultant.iter().map(|point| point.1).fold(f64::MAX, f64::min);
+    let least = |resultant: &Resultant| {
+        resultant
+            .iter()
+            .map(|point| point.1)
+            .fold(f64::MAX, f64::min)
+    };
     let (free_two_end, free_four_end) = (last(&free_two), last(&free_four));
     let (two_least, four_least) = (least(&two), least(&four));
     Ok(Shown {

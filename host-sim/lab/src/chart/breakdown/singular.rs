@@ -34,11 +34,16 @@ pub fn scene(end_mm: f64, margin: f64) -> Option<String> {
     let x_mm = (end_mm * end_mm - 300.0 * 300.0).sqrt();
     let changes = [
         ("contact = { force_n = 5 }", format!("margin = {margin}")),
-        ("[[0, 300], [200, 300]]", format!("[[0, 300], [{x_mm}, 300]]")),
+        (
+            "[[0, 300], [200, 300]]",
+            format!("[[0, 300], [{x_mm}, 300]]"),
+        ),
         ("[five_bar]", "fidelity = \"phased\"\n[five_bar]".to_owned()),
         ("hold_s = 40", "hold_s = 45".to_owned()),
     ];
-    Some(changes.iter().fold(text.to_owned(), |text, (from, to)| text.replacen(from, to, 1)))
+    Some(changes.iter().fold(text.to_owned(), |text, (from, to)| {
+        text.replacen(from, to, 1)
+    }))
 }
 
 /// Runs it with next to no margin.
@@ -70,18 +75,31 @@ pub fn margin_mm(margin: f64) -> f64 {
 pub(super) fn shown() -> Result<Shown, ChartError> {
     let facts: Result<Vec<Facts>, ChartError> = ENDS_MM.into_iter().map(measure).collect();
     let facts = facts?;
-    let curve = |of: fn(&Facts) -> f64| facts.iter().map(|facts| (facts.end_mm, of(facts))).collect();
+    let curve = |of: fn(&Facts) -> f64| {
+        facts
+            .iter()
+            .map(|facts| (facts.end_mm, of(facts)))
+            .collect()
+    };
     let refused_mm = margin_mm(MARGIN);
     let (first, last) = (facts[0], facts[facts.len() - 1]);
-    let is_refused = scene(last.end_mm, MARGIN).and_then(|text| refusal(&text)).is_some();
+    let is_refused = scene(last.end_mm, MARGIN)
+        .and_then(|text| refusal(&text))
+        .is_some();
     Ok(Shown {
         key: "singular",
         title: "Singular configuration: a five-bar arm at the edge of its reach".to_owned(),
         x: Axis::linear("distance of the path's end from the axis, mm", 400.0, 520.0),
         y: Axis::log("error of the hand, mm", 1e-4, 1.0),
         curves: vec![
-            Curve::new("commanded hand beside its path, mm", failing(curve(|facts| facts.table_mm))),
-            Curve::new("hand from its commanded place, mm", requested(curve(|facts| facts.place_mm))),
+            Curve::new(
+                "commanded hand beside its path, mm",
+                failing(curve(|facts| facts.table_mm)),
+            ),
+            Curve::new(
+                "hand from its commanded place, mm",
+                requested(curve(|facts| facts.place_mm)),
+            ),
         ],
         levels: vec![Level {
             at: At::X(refused_mm),

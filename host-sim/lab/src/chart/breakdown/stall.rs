@@ -42,7 +42,8 @@ pub fn scene(rock_kn: f64) -> Option<String> {
 /// # Errors
 /// The scene is refused.
 pub fn measure(rock_kn: f64) -> Result<Facts, ChartError> {
-    let text = scene(rock_kn).ok_or_else(|| ChartError("no built-in scene `jaw-crusher`".to_owned()))?;
+    let text =
+        scene(rock_kn).ok_or_else(|| ChartError("no built-in scene `jaw-crusher`".to_owned()))?;
     let checked = check(&text).map_err(|error| ChartError(error.to_string()))?;
     let tick_s = 1.0 / f64::from(checked.scene.control.tick_hz);
     let (mut actual, mut commanded) = (Speeds::new(), Speeds::new());
@@ -89,8 +90,14 @@ pub(super) fn shown() -> Result<Shown, ChartError> {
         x: Axis::linear("time, s", FROM_S, TO_S),
         y: Axis::linear("speed of the shaft, rad/s", 0.0, 30.0),
         curves: vec![
-            Curve::new(format!("{BROKEN_KN} kN of rock, rad/s"), guarded(thin(&broken.actual))),
-            Curve::new(format!("{HOLDING_KN} kN, rad/s"), failing(thin(&holding.actual))),
+            Curve::new(
+                format!("{BROKEN_KN} kN of rock, rad/s"),
+                guarded(thin(&broken.actual)),
+            ),
+            Curve::new(
+                format!("{HOLDING_KN} kN, rad/s"),
+                failing(thin(&holding.actual)),
+            ),
             Curve::new(
                 format!("commanded, with {HOLDING_KN} kN, rad/s"),
                 requested(thin(&holding.commanded)),

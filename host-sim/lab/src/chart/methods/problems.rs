@@ -4,7 +4,8 @@
 //! the answer given here differ. `host-sim/lab/tests/references.rs` solves all of them again with both.
 
 use cophase_methods::problems::{
-    Andrews, Cam, Chain, Crusher, FiveBarArm, Hires, Law, Oscillator, Screen, Shaft, crusher, five_bar,
+    Andrews, Cam, Chain, Crusher, FiveBarArm, Hires, Law, Oscillator, Screen, Shaft, crusher,
+    five_bar,
 };
 use cophase_methods::{Equations, Scheme};
 
