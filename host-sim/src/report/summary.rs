@@ -223,7 +223,7 @@ fn write_page(
             scene.drift.tilt_limit_mrad,
         )?;
     }
-    coasting(page, outcome)?;
+    coasting(page, checked, outcome)?;
     let trims = statistics.correction_deg.iter().enumerate();
     if trims.clone().any(|(_, trim_deg)| *trim_deg != 0.0) {
         let trims: Vec<_> = trims
@@ -293,8 +293,8 @@ fn write_page(
     )
 }
 
-/// What cranks did that nothing drove any more.
-fn coasting(page: &mut String, outcome: &Outcome) -> std::fmt::Result {
+/// Motion of cranks that nothing drives any more.
+fn coasting(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
     let coast = &outcome.statistics.coast;
     let Some(tilt_mrad) = coast.worst_tilt_mrad.filter(|_| coast.turned_s > 0.0) else {
         return Ok(());
@@ -304,9 +304,14 @@ fn coasting(page: &mut String, outcome: &Outcome) -> std::fmt::Result {
     } else {
         ", until they stood"
     };
+    let tilted = if checked.has_platform() {
+        format!("; the platform tilted by at most {tilt_mrad:.3} mrad then")
+    } else {
+        String::new()
+    };
     writeln!(
         page,
-        "After the drives were off the cranks turned on for {:.2} s{until}; the platform tilted by at most {tilt_mrad:.3} mrad then.",
+        "After the drives were off the cranks turned on for {:.2} s{until}{tilted}.",
         coast.turned_s,
     )
 }

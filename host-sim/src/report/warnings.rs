@@ -139,8 +139,13 @@ fn unwatched(checked: &Checked) -> Option<String> {
         Knowledge::All => "the platform's plane is the best through the others",
     };
     let axes: Vec<_> = unwatched.iter().map(usize::to_string).collect();
+    let of_platform = if checked.has_platform() {
+        format!("; {coverage}")
+    } else {
+        String::new()
+    };
     Some(format!(
-        "Without a sensor the phase error of axis {} is not monitored, and phase_error_deg is 0 there for want of a measurement; {coverage}.",
+        "Without a sensor the phase error of axis {} is not monitored, and phase_error_deg is 0 there for want of a measurement{of_platform}.",
         axes.join(", ")
     ))
 }
@@ -149,7 +154,7 @@ fn unwatched(checked: &Checked) -> Option<String> {
 mod tests {
     use super::*;
     use crate::scene::file::Fidelity;
-    use crate::scene::load;
+    use crate::scene::{library, load};
 
     /// Were it wrong, motors that cannot turn their load would pass for a machine that runs, or be taken for a broken axis.
     #[test]
@@ -224,6 +229,9 @@ mod tests {
         }
         let said = said(5, &[4], false).expect("one is not watched");
         assert!(said.ends_with("the best through the others."), "{said}");
+        let arm = Checked::new(library::find("five-bar").unwrap().scene()).unwrap();
+        let said = unwatched(&arm).expect("joints have no sensors");
+        assert!(!said.contains("platform"), "{said}");
     }
 
     fn scene(more: &str, axes: &str) -> Checked {

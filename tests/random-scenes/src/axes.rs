@@ -22,6 +22,7 @@ pub fn drive(source: &mut Source, kind: Kind, fidelity: Fidelity) -> Drive {
             Drive::Stepper,
             Drive::Servo,
             Drive::PulseServo,
+            Drive::Induction,
         ]),
     }
 }
@@ -30,7 +31,7 @@ pub fn drive(source: &mut Source, kind: Kind, fidelity: Fidelity) -> Drive {
 pub fn other_drive(source: &mut Source, common: Drive) -> Option<Drive> {
     let others = match common {
         Drive::Stepper | Drive::Servo => [Drive::PulseServo, Drive::PulseServo],
-        Drive::PulseServo => [Drive::Stepper, Drive::Stepper],
+        Drive::PulseServo | Drive::Induction => [Drive::Stepper, Drive::Stepper],
     };
     source.maybe(10, |source| source.one_of(&others))
 }
@@ -87,6 +88,7 @@ pub fn axes(
         damping_nms: motors.damping_nms,
         pull_out: motors.pull_out,
         servo: motors.servo,
+        induction: motors.induction,
     }
 }
 
@@ -99,7 +101,8 @@ fn steps(source: &mut Source, basis: &Basis, pulse: &Pulse, fastest_hz: f64) -> 
         dir_hold_ns: pulse.dir_hold_ns,
     };
     let timing = PulseTiming::new(&settings, Rp2040::CLOCK_HZ, basis.tick_hz);
-    let has_pulses = basis.has_drive(Drive::Stepper) || basis.has_drive(Drive::PulseServo);
+    let has_pulses =
+        basis.drive.takes_pulses() || basis.other_drive.is_some_and(Drive::takes_pulses);
     let fits = |steps: u32| {
         let counts = PulseTiming::check_counts(steps, fastest_hz, basis.tick_hz).is_ok();
         let pulses = timing

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use host_sim::mechanism::Mechanism;
-use host_sim::scene::file::{Drive, Limits, ServoDrive};
+use host_sim::scene::file::{Drive, InductionDrive, Limits, ServoDrive};
 
 use crate::source::{Source, at_most};
 use crate::{Basis, Kind};
@@ -14,6 +14,7 @@ pub struct Motors {
     pub damping_nms: f64,
     pub pull_out: Vec<(f64, f64)>,
     pub servo: Option<ServoDrive>,
+    pub induction: Option<InductionDrive>,
 }
 
 /// Radians that what swings fastest usually makes in a tick: few steps follow that.
@@ -27,6 +28,7 @@ pub fn motors(source: &mut Source, basis: &Basis, limits: &Limits, full_steps: u
             damping_nms: 0.0,
             pull_out: Vec::new(),
             servo: None,
+            induction: None,
         };
     }
     let lever_m = basis.mechanism.crank_radius_m() * basis.mechanism.greatest_s();
@@ -69,6 +71,7 @@ pub fn motors(source: &mut Source, basis: &Basis, limits: &Limits, full_steps: u
             damping_nms: 0.0,
             pull_out: Vec::new(),
             servo: None,
+            induction: None,
         };
     }
     let swings_rad_s = (most_nm * cycles / rotor_inertia_kgm2).sqrt();
@@ -85,6 +88,31 @@ pub fn motors(source: &mut Source, basis: &Basis, limits: &Limits, full_steps: u
         },
         servo: (basis.has_drive(Drive::Servo) || basis.has_drive(Drive::PulseServo))
             .then(|| servo(source, basis, rotor_inertia_kgm2, most_nm)),
+        induction: basis
+            .has_drive(Drive::Induction)
+            .then(|| induction(source, basis, rotor_inertia_kgm2, most_nm)),
+    }
+}
+
+/// A motor that has its breakdown torque, and a slip that brings its rotor to speed within some ticks.
+fn induction(
+    source: &mut Source,
+    basis: &Basis,
+    inertia_kgm2: f64,
+    most_nm: f64,
+) -> InductionDrive {
+    let velocity_rad_s = f64::from(basis.tick_hz) * source.log_between(0.02, 0.5);
+    let breakdown_ratio = source.number(1.1, 4.0);
+    let breakdown_rad_s = 2.0 * most_nm / (velocity_rad_s * inertia_kgm2);
+    let rated_rad_s =
+        breakdown_rad_s / (breakdown_ratio + (breakdown_ratio * breakdown_ratio - 1.0).sqrt());
+    InductionDrive {
+        rated_nm: (most_nm / breakdown_ratio).clamp(1e-3, 1e6),
+        rated_slip_hz: (rated_rad_s / TAU).clamp(1e-4, 10.0),
+        breakdown_ratio,
+        position_gain_per_s: source
+            .usual((0.02 * velocity_rad_s, 0.25 * velocity_rad_s), (1e-3, 1e3)),
+        following_error_deg: source.maybe(30, |source| source.usual((1.0, 90.0), (0.01, 180.0))),
     }
 }
 

@@ -81,8 +81,12 @@ fn write_dynamic(dynamic: &Dynamic, out: &mut impl Write) -> io::Result<()> {
         "\nUnder {} kN of rock, periodic: converged, and with {} nodes a turn\n",
         rock.peak_kn, rock.nodes
     )?;
-    let figures: [(&str, fn(&Speeds) -> f64); 4] = [
-        ("fastest speed of the shaft, rad/s", Speeds::fastest_rad_s),
+    type Of = fn(&Speeds) -> f64;
+    let figures = [
+        (
+            "fastest speed of the shaft, rad/s",
+            Speeds::fastest_rad_s as Of,
+        ),
         ("slowest", Speeds::slowest_rad_s),
         ("mean over time", Speeds::mean_rad_s),
         ("irregularity, over that mean", Speeds::irregularity),
