@@ -119,3 +119,18 @@ fn the_controller_keeps_two_shafts_in_phase() {
     assert!((0.05..1.0).contains(&spread_deg), "{spread_deg}°");
     assert!(run.report["faults"].as_array().unwrap().is_empty());
 }
+
+/// If this fails, the screen of the source, which has one shaft, does not run.
+#[test]
+fn one_shaft_runs() {
+    let run = with(&[
+        ("count = 2", "count = 1"),
+        ("[-600, 600]", "[0]"),
+        ("block_kg = 83 ", "block_kg = 166 "),
+        ("limit_nm = 700", "limit_nm = 1400"),
+    ]);
+    assert!(run.report["faults"].as_array().unwrap().is_empty());
+    let working = run.report["machine_figures"]["displacement_working_mm"].as_f64();
+    // Throw of 4.725 mm, and what the run-up has left of free motion.
+    assert!((4.7..8.0).contains(&working.unwrap()), "{working:?}");
+}

@@ -132,7 +132,7 @@ fn what_all_have() {
             "axes.rotor_inertia_kgm2",
             "-1",
             "-1 kg·m² is outside",
-            "0 to 10 kg·m²",
+            "0 to 1000 kg·m²",
         ),
         key(
             "drive",

@@ -49,7 +49,7 @@ fn unknown_values_name_those_there_are() {
         "drive = \"stepper\"",
         "drive = \"steper\"",
         "axes.drive",
-        "\"steper\" is none of its values; did you mean \"stepper\"? give one of \"stepper\", \"servo\", \"pulse-servo\"",
+        "\"steper\" is none of its values; did you mean \"stepper\"? give one of \"stepper\", \"servo\", \"pulse-servo\", \"induction\"",
     );
     assert_says(
         "platform = \"above\"",
