@@ -121,7 +121,7 @@ fn after_the_run_every_axis_is_on_its_table() {
 /// Greatest accelerations of the four laws, over stroke and squared duration, as published.
 const LAWS: [(&str, f64); 4] = [
     ("modified-sine", 5.5280),
-    ("cycloid", 6.2832),
+    ("cycloid", std::f64::consts::TAU),
     ("skewed-cycloid", 5.8883),
     ("modified-trapezoid", 4.8881),
 ];
