@@ -170,6 +170,12 @@ fn the_chart_has_all_panels() {
     let parts: Vec<_> = one.pictures.iter().map(|picture| picture.part).collect();
     let expected: Vec<_> = panels.iter().map(|panel| Some(panel.as_str())).collect();
     assert_eq!(parts, expected);
+    // One sentence for each.
+    assert_eq!(one.says.lines().count(), panels.len());
+    for says in one.says.lines() {
+        let sentence = says.strip_suffix('.').expect("a sentence");
+        assert!(!sentence.contains(". "), "more than one: {says}");
+    }
     // Each legend has the lines of its own panel.
     for record in csv::Reader::from_reader(one.csv.as_bytes()).records() {
         let record = record.unwrap();

@@ -138,6 +138,39 @@ fn edges_of_stability_are_those_of_theory() {
     }
 }
 
+/// If this fails, the picture advises a step for a machine with which the method diverges there, or one far too short. The region of RK4 is bounded by
+/// |z| = 2.6 to 3.0 in the left half plane, and the chain's published limit is 81.5 µs at 34,190.8 rad/s.
+#[test]
+fn longest_stable_steps_of_the_machines() {
+    let drawn = drawn("stability");
+    let rows = rows(&drawn.csv);
+    let edge = |of: &str| {
+        let row = rows.iter().find(|row| row["of"] == of);
+        number(row.unwrap_or_else(|| panic!("no {of}")), "edge_measured")
+    };
+    for machine in [
+        "jaw crusher",
+        "screen's box",
+        "five-bar arm",
+        "elastic chain",
+    ] {
+        let found = edge(&format!("RK4 on {machine}"));
+        assert!((2.6..3.0).contains(&found), "{machine}: {found}");
+        assert!(
+            drawn.svg.contains(&format!(">{machine}<"))
+                || drawn
+                    .svg
+                    .contains(&format!(">{}<", machine.replace('\'', "&apos;"))),
+            "{machine}"
+        );
+    }
+    let chain = edge("RK4 on elastic chain") / (81.5e-6 * 34_190.8);
+    assert!((chain - 1.0).abs() < 0.01, "{chain}");
+    // The springs of the box have a damping ratio of 0.07: explicit Euler is stable up to 2 ζ.
+    let screen = edge("explicit Euler on screen's box");
+    assert!((screen / 0.14 - 1.0).abs() < 0.01, "{screen}");
+}
+
 /// Were it wrong, a method would be drawn below what its reference is known to, or be chosen by looking at too few steps.
 #[test]
 fn methods_are_shown_down_to_ten_times_the_uncertainty_and_at_six_steps() {

@@ -154,7 +154,7 @@ fn panel(ladder: &Ladder) -> Panel {
         stroke: Stroke::None,
         chosen: true,
         ..Line::new(
-            "model_level",
+            "model level",
             Ink::Black,
             taken
                 .map(|model_level| (model_level.cost, shown(part(&model_level.judged, measured))))

@@ -13,7 +13,7 @@ pub(super) struct Shown {
     pub(super) y: Axis,
     pub(super) curves: Vec<Curve>,
     pub(super) levels: Vec<Level>,
-    /// Message, in a sentence or two; it stands under the picture.
+    /// Message, one sentence; it stands under the picture.
     pub(super) says: String,
 }
 

@@ -1,6 +1,7 @@
 //! Where things stop being stable: methods, by the growth a step of an oscillation against step × frequency; and the trim
 //! of an axis, in gain × delay.
 
+pub mod machines;
 mod trim;
 
 use std::fmt::Write;
@@ -96,6 +97,7 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
     panels.push(trims(&mut csv, &mut |done| {
         progress(ZETAS.len() as u64 + done, of);
     }));
+    panels.push(machines::panel(&mut csv)?);
     let (limited, free): (Vec<_>, Vec<_>) = Scheme::ALL
         .iter()
         .map(|scheme| (scheme, ZETAS.map(|zeta| scheme.stability_limit(zeta))))
@@ -117,7 +119,7 @@ pub fn draw(_: Size, progress: Progress) -> Result<Drawn, ChartError> {
     let svg = render(Picture {
         title: "Stability: where an oscillation grows, and where a drift does".to_owned(),
         says: says.clone(),
-        columns: 3,
+        columns: 2,
         chosen_is: "default",
         panels,
     });
