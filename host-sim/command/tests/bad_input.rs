@@ -24,6 +24,8 @@ mod form;
 mod limits;
 #[path = "bad_input/machine.rs"]
 mod machine;
+#[path = "bad_input/plants.rs"]
+mod plants;
 #[path = "bad_input/program.rs"]
 mod program;
 #[path = "bad_input/sweep.rs"]

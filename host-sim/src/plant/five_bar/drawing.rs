@@ -3,22 +3,12 @@
 use super::Arm;
 use crate::drawing::{Drawing, FIRST, Place, SECOND};
 use crate::ink::{INK, MUTED};
-use crate::mechanism::five_bar::FiveBar;
 
 /// Draws it with its hand a quarter along the path, as SVG text.
 pub fn draw(arm: &Arm) -> String {
     let [one, two, _, four] = arm.arm.rods.map(|rod| rod.length_m);
-    let links = FiveBar {
-        l1_m: one,
-        l4_m: four,
-    };
     let hand = arm.path.at(0.25).at_m;
-    // The path was checked when its tables were made.
-    let joints = links.joints(hand[0], hand[1]).map(|modes| modes[arm.mode]);
-    let Ok(joints) = joints else {
-        return Drawing::new("Five-bar arm", [0.0, 0.0], [1.0, 1.0]).render();
-    };
-    let (q1, q2) = (joints.q1_rad, joints.q2_rad);
+    let [q1, q2] = arm.quarter_rad;
     let from = |start: Place, length: f64, angle: f64| -> Place {
         [
             start[0] + length * angle.cos(),

@@ -10,7 +10,7 @@
 //! A path has no amplitude. The controller is given a Scotch yoke of the radius R of the circle that is as long as the path, so that the program's amax
 //! is R ω²: the acceleration of a hand that follows this circle in a turn of the master. The hand's own greatest acceleration is in the blends.
 //!
-//! Where the hand presses against a surface, the drives have the hybrid law in place of their position loops: position along the surface, force across it.
+//! Drives of a hand that presses against a surface have the hybrid law in place of their position loops: position along the surface, force across it.
 //!
 //! Not modelled: elastic links and joints, and a tool that swings on its rope.
 
@@ -26,32 +26,25 @@ use cophase_methods::problems::five_bar::{FiveBarArm, HybridLaw, Target};
 use nalgebra::{Matrix2, Vector2};
 
 use super::{Memory, Plant, Record, Shafts};
-use crate::dynamics::{Body, Field, MOST, PlaneMotion};
+use crate::dynamics::{Body, Field, MOST, Mode, PlaneMotion};
 use crate::machine::Pose;
 use crate::scene::file::Fidelity;
 
 pub use path::{Motion, NoTable, Path};
 use record::ArmRecord;
-pub use table::{ContactTable, FiveBarTable, Mode, Plane};
-
-/// Hybrid law of a hand that presses against a surface.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Contact {
-    /// The law, with its integral at 0.
-    pub law: HybridLaw,
-}
+pub use table::{Assembly, ContactTable, FiveBarTable, Plane};
 
 /// Arm with its path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arm {
     /// Equations, without friction and motors.
     pub arm: FiveBarArm,
-    /// Law of its drives where the hand presses against a surface.
-    pub contact: Option<Contact>,
+    /// Law of its drives if the hand presses against a surface, with its integral at 0.
+    pub law: Option<HybridLaw>,
     /// Path of the hand.
     pub path: Path,
-    /// Number of its assembly mode: 0 for that with the larger q₁.
-    pub mode: usize,
+    /// Angles of the joints a quarter along the path, rad.
+    pub quarter_rad: [f64; 2],
     /// Least |sin(q₁ − q₂)| on the path.
     pub least_sine: f64,
 }
@@ -162,7 +155,7 @@ impl Plant for Arm {
         memory: &mut Memory,
         tick_s: f64,
     ) -> Option<[f64; MOST]> {
-        let mut law = self.contact.as_ref()?.law.clone();
+        let mut law = self.law.clone()?;
         let [integral_ns, before_1, before_2, is_known] = *memory;
         let omega = [fields[0].omega_rad_s, fields[1].omega_rad_s];
         let before = if is_known == 0.0 {
@@ -200,14 +193,14 @@ impl Plant for Arm {
         self.arm.energy_j(&[q[0], q[1], v[0], v[1]]) + 0.5 * turning
     }
 
-    fn fastest_mode(&self) -> crate::dynamics::Mode {
+    fn fastest_mode(&self) -> Mode {
         let Some(surface) = &self.arm.surface else {
-            return crate::dynamics::Mode::default();
+            return Mode::default();
         };
         // The least mass that the surface feels at the hand is above that of the tool and half of link 4.
         let mass_kg = self.arm.hand_kg + 0.5 * self.arm.rods[3].mass_kg;
         let omega_rad_s = (surface.stiffness_n_per_m / mass_kg).sqrt();
-        crate::dynamics::Mode {
+        Mode {
             omega_rad_s,
             zeta: 0.5 * surface.damping_ns_per_m / (mass_kg * omega_rad_s),
         }

@@ -52,14 +52,14 @@ impl Record for ArmRecord {
         }
         let actual = arm.hand_m(both(tick.turns).map(|turns| turns * TAU));
         let off = [0, 1].map(|i| actual[i] - commanded[i]);
-        let off_m = match self.arm.contact {
+        let off_m = match self.arm.law {
             Some(_) => self.arm.along(off).abs(),
             None => off[0].hypot(off[1]),
         };
         self.place_m = worst(self.place_m, off_m);
-        if let (Some(contact), Some(state)) = (&self.arm.contact, tick.state) {
+        if let (Some(law), Some(state)) = (&self.arm.law, tick.state) {
             let pressed_n = arm.contact_n(both(state.q), both(state.v));
-            let off_n = (pressed_n - contact.law.required_n).abs();
+            let off_n = (pressed_n - law.required_n).abs();
             self.force_n = worst(self.force_n, off_n);
         }
     }

@@ -1,12 +1,13 @@
 //! `[five_bar]`: a suspended five-bar arm and the path of its hand.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use cophase_methods::problems::five_bar::{FiveBarArm, ForceSensor, HybridLaw, Load, Rod, Surface};
 use serde::{Deserialize, Serialize};
 
+use super::Arm;
 use super::path::{NoTable, Path};
-use super::{Arm, Contact};
 use crate::design::STANDARD_GRAVITY_MPS2;
 use crate::mechanism::five_bar::{FiveBar, Unreachable};
 use crate::plant::{Made, Table};
@@ -29,7 +30,7 @@ pub struct FiveBarTable {
     pub plane: Plane,
     /// Which of the two ways to assemble the arm.
     #[serde(default)]
-    pub mode: Mode,
+    pub mode: Assembly,
     /// Points of the hand's path, mm: it goes from point to point and back to the first.
     pub path_mm: Vec<[f64; 2]>,
     /// Speed of the hand between the blends, mm/s.
@@ -67,7 +68,7 @@ pub enum Plane {
 /// Way to assemble the arm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Mode {
+pub enum Assembly {
     /// Link 1 is on the left of the line from the axis to the hand: q₁ is larger.
     #[default]
     Left,
@@ -75,7 +76,7 @@ pub enum Mode {
     Right,
 }
 
-impl Mode {
+impl Assembly {
     /// Number among the solutions of the inverse kinematics.
     const fn number(self) -> usize {
         match self {
@@ -154,6 +155,16 @@ impl FiveBarTable {
         in_range("five_bar.margin", self.margin, 1e-3, 1.0)?;
         in_range("five_bar.lift_n", self.lift_n, 0.0, 1e5)?;
         in_range("five_bar.rope_mm", self.rope_mm, 1.0, 1e5)?;
+        for (i, point) in self.path_mm.iter().enumerate() {
+            for (axis, &mm) in point.iter().enumerate() {
+                let key = format!("five_bar.path_mm[{i}][{axis}]");
+                in_range(&key, mm, -20_000.0, 20_000.0)?;
+            }
+        }
+        for (axis, &mm) in self.balancer_mm.iter().flatten().enumerate() {
+            let key = format!("five_bar.balancer_mm[{axis}]");
+            in_range(&key, mm, -20_000.0, 20_000.0)?;
+        }
         if self.path_mm.len() < 2 {
             return Err(SceneError::at(
                 "five_bar.path_mm",
@@ -229,7 +240,7 @@ impl FiveBarTable {
         })
     }
 
-    fn arm(&self, scene: &Scene, path: Path, least_sine: f64) -> Arm {
+    fn arm(&self, scene: &Scene, path: Path, (tables, least_sine): ([Vec<f64>; 2], f64)) -> Arm {
         let [l1, l2, l4] = self.links_mm.map(|mm| mm / 1e3);
         let lengths = [l1, l2, l1, l4];
         let direction = path.direction();
@@ -272,19 +283,17 @@ impl FiveBarTable {
                 }),
                 torque_nm: [0.0; 2],
             },
-            contact: self.contact.map(|contact| Contact {
-                law: HybridLaw {
-                    position_per_s2: contact.position_per_s2,
-                    velocity_per_s: contact.velocity_per_s,
-                    force_per_s: contact.force_per_s,
-                    required_n: contact.force_n,
-                    limit_nm: limit_nm.unwrap_or(f64::INFINITY),
-                    sensor: ForceSensor::SOURCE,
-                    integral_ns: 0.0,
-                },
+            law: self.contact.map(|contact| HybridLaw {
+                position_per_s2: contact.position_per_s2,
+                velocity_per_s: contact.velocity_per_s,
+                force_per_s: contact.force_per_s,
+                required_n: contact.force_n,
+                limit_nm: limit_nm.unwrap_or(f64::INFINITY),
+                sensor: ForceSensor::SOURCE,
+                integral_ns: 0.0,
             }),
             path,
-            mode: self.mode.number(),
+            quarter_rad: tables.map(|turns| turns[turns.len() / 4] * TAU),
             least_sine,
         }
     }
@@ -304,11 +313,23 @@ impl Table for FiveBarTable {
         self.check()?;
         let path = self.path()?;
         let (tables, _) = self.tables(&path)?;
-        let own = |table: &CamTable| JOINTS.contains(&table.name.as_str());
+        let is_made = |table: &CamTable| table.segments.is_empty() && table.file.is_none();
+        let own = |table: &CamTable| is_made(table) && JOINTS.contains(&table.name.as_str());
         if let Some(i) = scene.cam_table.iter().position(|table| !own(table)) {
             return Err(SceneError::at(
                 format!("cam_table[{i}]"),
                 "is given beside [five_bar], whose path makes the tables of both joints; leave it out",
+            ));
+        }
+        let is_own = |axis: &AxisOverrides| match &axis.cam {
+            Some(cam) => JOINTS.get(axis.number).is_some_and(|own| cam == own),
+            None => true,
+        };
+        let given = |axis: &AxisOverrides| axis.cam_shift_deg != 0.0 || !is_own(axis);
+        if let Some(i) = scene.axis.iter().position(given) {
+            return Err(SceneError::at(
+                format!("axis[{i}].cam"),
+                "is given beside [five_bar], whose path makes the tables of both joints; leave it and cam_shift_deg out",
             ));
         }
         scene.cam_table = JOINTS
@@ -336,9 +357,9 @@ impl Table for FiveBarTable {
     fn make(&self, scene: &Scene) -> Result<Made, SceneError> {
         self.check()?;
         let path = self.path()?;
-        let (_, least_sine) = self.tables(&path)?;
+        let tables = self.tables(&path)?;
         let radius = ("five_bar.path_mm", path.radius_m());
-        let arm = self.arm(scene, path, least_sine);
+        let arm = self.arm(scene, path, tables);
         Made::square_law(scene, self.key(), radius, Arc::new(arm))
     }
 }

@@ -3,26 +3,6 @@ use cophase_methods::{Equations, Scheme, advance};
 
 use super::*;
 use crate::dynamics::{Driven, Freedom, Motor, OnPlant, Servo};
-use crate::mechanism::{AnyMechanism, Configured, Load as Platform, Platform as Side};
-
-fn body(rotors_kgm2: [f64; 2]) -> Body {
-    let yoke = cophase_core::mechanism::MechanismSettings::ScotchYoke(
-        cophase_core::mechanism::ScotchYokeSettings {},
-    );
-    Body {
-        mechanism: AnyMechanism::of(&yoke, 0.4),
-        load: Platform {
-            mass_kg: 1e-3,
-            gravity_mps2: 0.0,
-            platform: Side::Above,
-        },
-        tilt_inertia_kgm2: 1.0,
-        rotors_kgm2: rotors_kgm2.to_vec(),
-        mount_radius_m: 5.0,
-        rod_n_per_m: 0.0,
-        friction_nm: vec![0.0; 2],
-    }
-}
 
 fn arm(gravity_mps2: f64) -> Arm {
     let path = Path::new(&[[0.0, 0.3], [0.2, 0.3]], 0.02, 0.5).unwrap();
@@ -38,9 +18,9 @@ fn arm(gravity_mps2: f64) -> Arm {
             }),
             ..FiveBarArm::assumed(gravity_mps2)
         },
-        contact: None,
+        law: None,
         path,
-        mode: 0,
+        quarter_rad: [0.0; 2],
         least_sine: 0.9,
     }
 }
@@ -49,7 +29,7 @@ fn arm(gravity_mps2: f64) -> Arm {
 #[test]
 fn it_moves_as_the_published_arm() {
     let ours = arm(9.81);
-    let light = body([0.0; 2]);
+    let light = Body::of_shafts(vec![0.0; 2]);
     for k in 0..300_u32 {
         let part = |n: u32| f64::from((k * n + 3 * n) % 101) / 101.0;
         let state = [
@@ -109,7 +89,7 @@ fn energy_stays() {
         limit_nm: f64::INFINITY,
         velocity_feed_forward: 0.0,
     });
-    let on = OnPlant::new(body([0.05, 0.02]), std::sync::Arc::new(ours));
+    let on = OnPlant::new(Body::of_shafts(vec![0.05, 0.02]), std::sync::Arc::new(ours));
     let driven = Driven::new(Freedom::Plant(Box::new(on)), vec![no_torque; 2]);
     let mut state = vec![2.4, 0.6, 1.0, -0.5];
     let before = driven.energy_j(&state);
