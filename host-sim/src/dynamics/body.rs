@@ -1,7 +1,10 @@
 //! What all model levels of the ladder share: the mechanism, what it carries, and what turns.
 
 use super::corners::FREEDOMS;
-use crate::mechanism::{AnyMechanism, Load, Mechanism};
+use cophase_core::mechanism::ScotchYokeSettings;
+
+use crate::mechanism::scotch_yoke::ScotchYoke;
+use crate::mechanism::{AnyMechanism, Configured, Load, Mechanism, Platform};
 
 /// Where a plane is, and how it moves: heave in m, tilts in rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,6 +51,23 @@ pub struct Body {
 pub const STICTION_RAD_S: f64 = 0.06;
 
 impl Body {
+    /// Shafts with rotors of these inertias, kg·m², without friction, that carry no platform.
+    pub fn of_shafts(rotors_kgm2: Vec<f64>) -> Self {
+        Self {
+            mechanism: ScotchYoke::of(&ScotchYokeSettings {}, 0.01).into(),
+            load: Load {
+                mass_kg: 0.0,
+                gravity_mps2: 0.0,
+                platform: Platform::Above,
+            },
+            tilt_inertia_kgm2: 0.0,
+            friction_nm: vec![0.0; rotors_kgm2.len()],
+            rotors_kgm2,
+            mount_radius_m: 1.0,
+            rod_n_per_m: 0.0,
+        }
+    }
+
     /// Number of axes.
     pub fn axes(&self) -> usize {
         self.rotors_kgm2.len()

@@ -6,10 +6,12 @@
 //! ([`Chain`]), and are integrated. On both the cam stands where its drive has turned it, and turns evenly within a tick:
 //! what the follower pushes back with does not turn the shaft.
 
+mod drawing;
 mod elastic;
 mod pusher;
 mod screw;
 
+pub use drawing::draw as draw_follower;
 pub use pusher::{Peaks, Pusher, Turned};
 
 use cophase_core::units::MAX_AXES;

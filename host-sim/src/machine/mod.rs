@@ -29,7 +29,7 @@ mod torque;
 
 pub use axis::{Overload, SimulatedAxis};
 pub use broken::{Broken, Cause};
-pub use cam::{Followers, Peaks, Pusher, Turned};
+pub use cam::{Followers, Peaks, Pusher, Turned, draw_follower};
 pub use drive::{AxisDrive, FollowingError};
 pub use flag::{Extra, Flag};
 pub use index::{IndexSensor, Line, Passages, Passed};

@@ -8,7 +8,7 @@ use crate::ink::{INK, MUTED};
 /// Angle of the crank in the drawing, from the dead centre at which the platform is farthest, rad.
 const ALPHA_RAD: f64 = 0.9;
 
-/// What is between the crank's pin and the platform.
+/// Part between the crank's pin and the platform.
 pub enum Link {
     /// A rod of a length, m.
     Rod(f64),

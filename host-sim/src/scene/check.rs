@@ -5,7 +5,6 @@
 //! the file.
 
 mod cam;
-mod cam_drawing;
 mod cam_table;
 mod correction;
 mod faults;
@@ -27,7 +26,6 @@ use crate::mechanism::{AnyMechanism, Configured};
 use crate::plant::Plant;
 
 pub use cam::{Follower, drift as phase_limits};
-pub(super) use cam_drawing::draw as draw_follower;
 pub use correction::plant;
 pub use machine::machine;
 pub use numbers::range as in_range;

@@ -7,10 +7,10 @@ use cophase_core::program::EntrySettings;
 use cophase_core::settings::{AxisSettings, Settings, SettingsError};
 
 use super::SceneError;
-use super::check::{Follower, draw_follower, program};
+use super::check::{Follower, program};
 use super::file::{AxisOverrides, Drive, Fidelity, Scene};
 use crate::fidelity::Choice;
-use crate::machine::Chosen;
+use crate::machine::{self, Chosen};
 use crate::mechanism::{AnyMechanism, Mechanism};
 use crate::plant::{Plant, Table};
 
@@ -82,7 +82,7 @@ impl Checked {
     pub fn draw(&self) -> String {
         match (&self.plant, &self.cam) {
             (Some(plant), _) => plant.draw(),
-            (None, Some(follower)) => draw_follower(follower),
+            (None, Some(follower)) => machine::draw_follower(follower),
             (None, None) => self.mechanism.draw(),
         }
     }

@@ -2,9 +2,9 @@
 
 use core::f64::consts::TAU;
 
-use super::Follower;
 use crate::drawing::{Drawing, FIRST, Place, SECOND};
 use crate::ink::{INK, MUTED};
+use crate::scene::check::Follower;
 
 /// Draws it, as SVG text: the cam of the law on a base circle as large as the stroke. A pusher on a screw has no cam: its lift is drawn over the turn.
 pub fn draw(follower: &Follower) -> String {

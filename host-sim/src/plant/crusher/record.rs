@@ -11,7 +11,7 @@ struct Turn {
     slowest: f64,
     fastest: f64,
     began_s: f64,
-    /// Whether rock was fed all through it, at a constant commanded speed.
+    /// True if rock was fed all through it, at a constant commanded speed.
     is_crushing: bool,
 }
 
@@ -32,7 +32,7 @@ pub struct CrusherRecord {
     crushing: Option<[f64; 3]>,
     /// Greatest commanded speed, rad/s.
     top_rad_s: f64,
-    /// Whether the shaft has turned at more than half of its commanded speed since it stood last.
+    /// True if the shaft has turned at more than half of its commanded speed since it stood last.
     turned: bool,
     stall: Option<Stall>,
 }

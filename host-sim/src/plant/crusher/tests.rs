@@ -4,28 +4,8 @@ use cophase_methods::{Equations, Scheme, advance};
 
 use super::*;
 use crate::dynamics::{Driven, Freedom, Induction, Motor, OnPlant};
-use crate::mechanism::{AnyMechanism, Configured, Load as Platform, Platform as Side};
 
 const FLYWHEEL_KGM2: f64 = 40.79;
-
-fn body() -> Body {
-    let yoke = cophase_core::mechanism::MechanismSettings::ScotchYoke(
-        cophase_core::mechanism::ScotchYokeSettings {},
-    );
-    Body {
-        mechanism: AnyMechanism::of(&yoke, 0.005),
-        load: Platform {
-            mass_kg: 1e-3,
-            gravity_mps2: 0.0,
-            platform: Side::Above,
-        },
-        tilt_inertia_kgm2: 1.0,
-        rotors_kgm2: vec![FLYWHEEL_KGM2],
-        mount_radius_m: 0.1,
-        rod_n_per_m: 0.0,
-        friction_nm: vec![0.0],
-    }
-}
 
 fn crusher(peak_n: f64) -> Crusher {
     Crusher {
@@ -42,7 +22,7 @@ fn crusher(peak_n: f64) -> Crusher {
 #[test]
 fn it_moves_as_the_published_crusher() {
     let published = OnTheMains::SOURCE.with_rock(Shape::LinearRise, 1.3e6);
-    let (ours, body) = (crusher(1.3e6), body());
+    let (ours, body) = (crusher(1.3e6), Body::of_shafts(vec![FLYWHEEL_KGM2]));
     for k in 0..360 {
         let (phi, omega) = (TAU * f64::from(k) / 360.0, 20.0 + f64::from(k % 9));
         let mut rates = [0.0; 2];
@@ -65,7 +45,10 @@ fn it_moves_as_the_published_crusher() {
 #[test]
 fn energy_stays() {
     let off = Motor::Induction(Induction::new(0.0, 1.0, 2.0, 1.0));
-    let on = OnPlant::new(body(), std::sync::Arc::new(crusher(0.0)));
+    let on = OnPlant::new(
+        Body::of_shafts(vec![FLYWHEEL_KGM2]),
+        std::sync::Arc::new(crusher(0.0)),
+    );
     let driven = Driven::new(Freedom::Plant(Box::new(on)), vec![off]);
     let mut state = vec![0.3, 27.0];
     let before = driven.energy_j(&state);

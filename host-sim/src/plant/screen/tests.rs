@@ -3,26 +3,6 @@ use cophase_methods::{Equations, Scheme, advance};
 
 use super::*;
 use crate::dynamics::{Driven, Freedom, Motor, OnPlant, Servo};
-use crate::mechanism::{AnyMechanism, Configured, Load, Platform};
-
-fn body(rotors_kgm2: &[f64]) -> Body {
-    let yoke = cophase_core::mechanism::MechanismSettings::ScotchYoke(
-        cophase_core::mechanism::ScotchYokeSettings {},
-    );
-    Body {
-        mechanism: AnyMechanism::of(&yoke, 0.005),
-        load: Load {
-            mass_kg: 1e-3,
-            gravity_mps2: 0.0,
-            platform: Platform::Above,
-        },
-        tilt_inertia_kgm2: 1.0,
-        rotors_kgm2: rotors_kgm2.to_vec(),
-        mount_radius_m: 0.1,
-        rod_n_per_m: 0.0,
-        friction_nm: vec![0.0; rotors_kgm2.len()],
-    }
-}
 
 /// The source's screen with so many shafts in place of one.
 fn screen(places_m: &[f64]) -> Screen {
@@ -46,7 +26,7 @@ fn screen(places_m: &[f64]) -> Screen {
 fn one_shaft_moves_as_the_published_screen() {
     let screen = screen(&[0.0]);
     let block_kgm2 = 14.487 * 14.487 / 166.0;
-    let body = body(&[6.5 - block_kgm2]);
+    let body = Body::of_shafts(vec![6.5 - block_kgm2]);
     let one = OneShaft {
         torque_over_rated: 1.3,
     };
@@ -96,7 +76,7 @@ fn energy_stays() {
             limit_nm: f64::INFINITY,
             velocity_feed_forward: 0.0,
         });
-        let on = OnPlant::new(body(&vec![2.0; n]), std::sync::Arc::new(screen));
+        let on = OnPlant::new(Body::of_shafts(vec![2.0; n]), std::sync::Arc::new(screen));
         let driven = Driven::new(Freedom::Plant(Box::new(on)), vec![no_torque; n]);
         let mut state = vec![0.0; driven.dimension()];
         let positions = n + 3;
@@ -129,7 +109,7 @@ fn steady_motion_solves_the_equations() {
         let angle = turns[0] * TAU;
         let q = [angle, angle, at.re, at.im, 0.0];
         let v = [omega, omega, rate.re, rate.im, 0.0];
-        let body = body(&[3.0, 3.0]);
+        let body = Body::of_shafts(vec![3.0, 3.0]);
         let shafts = Shafts {
             body: &body,
             torques_nm: &[0.0, 0.0],

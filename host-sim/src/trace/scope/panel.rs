@@ -22,7 +22,7 @@ const ORANGE: &str = "#E69F00";
 const GREEN: &str = "#009E73";
 /// One an axis, in turn.
 const AXES: [&str; 6] = [BLUE, ORANGE, GREEN, "#CC79A7", "#56B4E9", "#444444"];
-/// What an axis of a magnitude shows at least: a platform that hardly moves is seen to do so, where other machines may be slow by their nature.
+/// Least range of an axis of a magnitude. A platform that hardly moves fills little of it; other machines may be slow by their nature.
 fn from_rest(scope: &ScopeData) -> Extent {
     Extent {
         low: 0.0,
@@ -79,31 +79,34 @@ fn in_g(scope: &ScopeData) -> f64 {
 
 /// Mean acceleration of pushers in g: what they really make of what the first panel says.
 pub fn pushers(scope: &ScopeData, time: TimeAxis) -> Panel {
-    let per_mps2 = in_g(scope);
-    let total = scope.envelope.total(channel::ACCEL).times(per_mps2);
-    let y = padded(total, 0.5);
-    let mut draft = Draft::new(scope, time, "pushers, g", y);
-    let pen = Pen {
-        colour: BLUE,
-        width: 1.2,
-    };
-    draft.range(channel::ACCEL, per_mps2, pen);
-    draft.entry(LegendShape::Line, BLUE, peak("mean", total));
-    draft.done()
+    range(
+        scope,
+        time,
+        (channel::ACCEL, in_g(scope)),
+        ("pushers, g", "mean"),
+    )
 }
 
 /// Displacement, in mm, of the part that the machine moves.
 pub fn place(scope: &ScopeData, time: TimeAxis) -> Panel {
-    const PER_M: f64 = 1e3;
-    let total = scope.envelope.total(channel::PLACE).times(PER_M);
-    let y = padded(total, least(scope));
-    let mut draft = Draft::new(scope, time, "moved, mm", y);
+    range(scope, time, (channel::PLACE, 1e3), ("moved, mm", "moved"))
+}
+
+/// One channel, scaled, as the range that it covers; with the label of the panel and the name of the curve.
+fn range(
+    scope: &ScopeData,
+    time: TimeAxis,
+    (channel, scale): (usize, f64),
+    (label, name): (&'static str, &str),
+) -> Panel {
+    let total = scope.envelope.total(channel).times(scale);
+    let mut draft = Draft::new(scope, time, label, padded(total, least(scope)));
     let pen = Pen {
         colour: BLUE,
         width: 1.2,
     };
-    draft.range(channel::PLACE, PER_M, pen);
-    draft.entry(LegendShape::Line, BLUE, peak("moved", total));
+    draft.range(channel, scale, pen);
+    draft.entry(LegendShape::Line, BLUE, peak(name, total));
     draft.done()
 }
 

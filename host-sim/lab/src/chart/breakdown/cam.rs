@@ -14,7 +14,7 @@ use host_sim::sim::{Moment, Observer, simulate};
 /// Part of the turn of the cam, degrees, and acceleration of the first pusher there, m/s²: over the last turn at full speed.
 pub type Turn = Vec<(f64, f64)>;
 
-/// What was measured.
+/// Accelerations that were measured.
 #[derive(Clone, Debug)]
 pub struct Facts {
     /// By the law.

@@ -6,7 +6,6 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use cophase_core::mechanism::{MechanismSettings, ScotchYokeSettings};
 use cophase_methods::Scheme;
 
 use super::panel::{Curve, Shown, failing, guarded};
@@ -14,7 +13,6 @@ use super::runs::run;
 use crate::chart::ChartError;
 use crate::chart::axis::Axis;
 use host_sim::dynamics::{Body, Driven, Field, Freedom, Induction, Motor, OnPlant};
-use host_sim::mechanism::{AnyMechanism, Configured, Load, Platform};
 use host_sim::plant::screen::Screen;
 use host_sim::scene::library;
 
@@ -35,20 +33,27 @@ const ROTOR_KGM2: f64 = 3.0;
 const APART_RAD: f64 = 0.2;
 
 /// Box of scene `screen`, with shafts at these places that share its exciter mass.
-#[must_use]
-pub fn screen(places_m: &[f64]) -> Screen {
-    Screen {
-        box_kg: 2900.0,
-        pitch_kgm2: 2900.0 * 4.2 * 4.2 / 12.0,
-        block_kg: 166.0 / places_m.len() as f64,
-        eccentricity_m: 0.087_27,
+///
+/// # Errors
+/// The scene is missing, or has no screen.
+pub fn screen(places_m: &[f64]) -> Result<Screen, ChartError> {
+    let scene = library::find("screen").map(|built_in| built_in.scene());
+    let table = scene.and_then(|scene| scene.screen);
+    let table = table.ok_or_else(|| ChartError("no built-in scene `screen`".to_owned()))?;
+    let length_m = 1e-3 * table.length_mm;
+    let shafts = table.shafts_mm.len() as f64;
+    Ok(Screen {
+        box_kg: table.box_kg,
+        pitch_kgm2: table.box_kg * length_m * length_m / 12.0,
+        block_kg: table.block_kg * shafts / places_m.len() as f64,
+        eccentricity_m: 1e-3 * table.eccentricity_mm,
         places_m: places_m.to_vec(),
-        stiffness_n_per_m: 1285.5e3,
-        zeta: 0.07,
-        springs_m: 2.1,
-        gravity_mps2: 9.80665,
+        stiffness_n_per_m: 1e3 * table.stiffness_n_per_mm,
+        zeta: table.zeta,
+        springs_m: 0.5 * length_m,
+        gravity_mps2: table.gravity_mps2,
         motor_nm: None,
-    }
+    })
 }
 
 fn resultant(angles_rad: &[f64]) -> f64 {
@@ -63,21 +68,10 @@ fn resultant(angles_rad: &[f64]) -> f64 {
 pub fn free(places_m: &[f64]) -> Result<Resultant, ChartError> {
     let wrong = |error: &dyn std::fmt::Display| ChartError(error.to_string());
     let n = places_m.len();
-    let yoke = MechanismSettings::ScotchYoke(ScotchYokeSettings {});
-    let body = Body {
-        mechanism: AnyMechanism::of(&yoke, 0.005),
-        load: Load {
-            mass_kg: 1e-3,
-            gravity_mps2: 0.0,
-            platform: Platform::Above,
-        },
-        tilt_inertia_kgm2: 1.0,
-        rotors_kgm2: vec![ROTOR_KGM2; n],
-        mount_radius_m: 0.1,
-        rod_n_per_m: 0.0,
-        friction_nm: vec![0.0; n],
-    };
-    let on = OnPlant::new(body, Arc::new(screen(places_m)));
+    let on = OnPlant::new(
+        Body::of_shafts(vec![ROTOR_KGM2; n]),
+        Arc::new(screen(places_m)?),
+    );
     let motor = Motor::Induction(Induction::new(200.0, 0.3 * TAU, 2.0, 0.0));
     let mut driven = Driven::new(Freedom::Plant(Box::new(on)), vec![motor; n]);
     driven.energised = true;
