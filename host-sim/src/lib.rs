@@ -13,6 +13,7 @@ pub mod dynamics;
 pub mod faults;
 pub mod fidelity;
 mod ink;
+pub mod live;
 pub mod machine;
 pub mod mechanism;
 pub mod plant;

@@ -12,12 +12,21 @@ use core::future::Future;
 use embassy_time::{Duration, Instant, Timer};
 
 use crate::controller::Controller;
+use crate::program::Program;
 use crate::signals::{Feedback, Output};
 
 /// Interface to the world outside the loop: sensors and safety lines in; pulses, setpoints and safety lines out.
 pub trait Io {
     /// Reads the feedback since the last call.
     fn read(&mut self) -> Feedback;
+
+    /// Returns a new program for a machine that is idle or parked, once.
+    fn new_program(&mut self) -> Option<&Program> {
+        None
+    }
+
+    /// Takes the result of the last [`Self::new_program`]: false if the machine was in another state.
+    fn program_loaded(&mut self, _is_loaded: bool) {}
 
     /// Submits the output to be played from `start` on, for one tick.
     ///
@@ -66,6 +75,10 @@ pub async fn run(controller: &mut Controller, io: &mut impl Io) {
             controller.late(u32::try_from(missed).unwrap_or(u32::MAX), over_half);
         }
         let feedback = io.read();
+        if let Some(program) = io.new_program() {
+            let is_loaded = controller.load_program(program);
+            io.program_loaded(is_loaded);
+        }
         deadline += tick;
         let output = controller.tick(&feedback);
         let mut held_over = 0;

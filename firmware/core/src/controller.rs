@@ -19,12 +19,12 @@ mod wiring_proof;
 use crate::axes::{Cams, PhaseOffsets};
 use crate::drift::{AxisSet, DriftMonitor, History};
 use crate::mechanism::AnyMechanism;
-use crate::program::{Cursor, Program};
+use crate::program::{AmplitudeOverride, Cursor, Program};
 use crate::pulse::StepRates;
 use crate::servo::Coupling;
 use crate::shaft::{Motion, Shaft, Target};
 use crate::signals::Output;
-use crate::supervisor::{Fault, FaultKind, Supervisor};
+use crate::supervisor::{Fault, FaultKind, State, Supervisor};
 use crate::units::{Amax, MAX_AXES, Phase, Turns};
 use channel::Channel;
 use correction::Correction;
@@ -60,6 +60,7 @@ pub struct Controller {
     /// Phase at which the cranks park, as they stand, and as the master counts it.
     park_crank: Turns,
     park: Turns,
+    amplitude: AmplitudeOverride,
     supervisor: Supervisor,
     /// Event that is published a tick later, as another was published in this one.
     unpublished: Option<Fault>,
@@ -106,6 +107,19 @@ impl Controller {
     /// The program, and the place in it.
     pub const fn program(&self) -> (&Program, &Cursor) {
         (&self.program, &self.cursor)
+    }
+
+    /// Replaces the program of a machine that is idle or parked, and begins it anew. Returns false in any other state.
+    ///
+    /// The program must have been made for this controller's tick rate, mechanism and greatest speed.
+    #[cold]
+    pub fn load_program(&mut self, program: &Program) -> bool {
+        if !matches!(self.supervisor.state(), State::Idle | State::Parked) {
+            return false;
+        }
+        self.program.clone_from(program);
+        self.cursor = Cursor::new();
+        true
     }
 
     /// Goes to a place in the program, ticks from its start. Takes effect like a jump of the level:

@@ -136,6 +136,12 @@ pub struct Telemetry {
     pub event_count: u32,
     /// True while a hold command stops the program's time.
     pub holding: bool,
+    /// True once homing is over.
+    pub homed: bool,
+    /// True once the program is over.
+    pub program_done: bool,
+    /// Factor on the program's amplitude, in thousandths.
+    pub override_permille: u16,
     /// Deviations that are not faults.
     pub limits: Limits,
 }
@@ -189,6 +195,9 @@ impl Telemetry {
             event: None,
             event_count: 0,
             holding: false,
+            homed: false,
+            program_done: false,
+            override_permille: 1000,
             limits: Limits {
                 missed_deadlines: 0,
                 late_deadlines: 0,

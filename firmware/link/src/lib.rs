@@ -23,17 +23,32 @@
 extern crate std;
 
 pub mod board;
+pub mod client;
 pub mod codec;
 mod error;
+pub mod frame;
 pub mod header;
 pub mod layout;
+pub mod message;
+pub mod program;
+pub mod sample;
+pub mod server;
 pub mod store;
+pub mod watch;
 
 pub use codec::{MAX_FILE_BYTES, decode, decode_into, encode, verify};
 pub use cophase_core::settings::Settings;
 pub use error::SettingsFileError;
 pub use header::Header;
 pub use store::{Choice, Newest, Slot, Store, StoreError, choose, inspect};
+
+/// CRC-32 of a file, as requests and identities state it.
+pub fn checksum(bytes: &[u8]) -> u32 {
+    CRC.checksum(bytes)
+}
+
+/// CRC-32 of frames: the same one with a table, as a stream has up to 100,000 bytes a second.
+const FRAME_CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
 /// CRC-32 of zip and Ethernet. It has no table: a settings file is read once, and the table would take 1 KiB.
 const CRC: crc::Crc<u32, crc::NoTable> = crc::Crc::<u32, crc::NoTable>::new(&crc::CRC_32_ISO_HDLC);

@@ -10,6 +10,7 @@ mod chart;
 pub mod design;
 pub mod drawing;
 mod expected;
+mod link;
 mod reproduced;
 mod run;
 mod scenes;
@@ -44,6 +45,7 @@ enum What {
     /// Compile a scene for a board: all that the control loop is given, as a file to be placed in flash
     #[command(alias = "image")]
     Settings(settings::SettingsArgs),
+    Link(link::LinkArgs),
     /// List the built-in scenes, or print one to start your own from
     Scenes(scenes::ScenesArgs),
     /// Draw thousands of machines and what goes wrong with each, and hold what the loop does against what it claims
@@ -64,6 +66,7 @@ impl Command {
             What::Campaign(args) => campaign::campaign(&args, out, err),
             What::Chart(args) => chart::chart(&args, out),
             What::Reproduced(args) => reproduced::reproduced(&args, out),
+            What::Link(args) => link::link(&args, out, err),
             What::Scenes(args) => scenes::scenes(&args, out),
             What::Design(args) => match design::run(&args, out) {
                 Ok(()) => Ok(Status::Done),

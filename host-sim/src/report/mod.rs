@@ -8,7 +8,7 @@ mod written;
 
 pub use summary::{coupling, summary};
 pub use warnings::warnings;
-pub use words::{describe, is_notable};
+pub use words::{describe, fault_words, is_notable};
 pub use written::Written;
 
 use std::collections::BTreeMap;

@@ -115,8 +115,8 @@ fn injected_words(fault: &FaultAt) -> String {
     words.join(", ")
 }
 
-/// A fault in words.
-pub(super) fn fault_words(fault: &Fault) -> String {
+/// Describes a fault in words.
+pub fn fault_words(fault: &Fault) -> String {
     let mut words = fault.kind.to_string();
     if let Some(axis) = fault.axis {
         words += &format!(", axis {axis}");
@@ -136,5 +136,9 @@ const fn command_name(command: Command) -> &'static str {
         Command::Resume => "resume",
         Command::ResetPeak => "reset-peak",
         Command::Reset => "reset",
+        Command::Home => "home",
+        Command::Jog => "jog",
+        Command::StopNow => "stop-now",
+        Command::Override(_) => "override",
     }
 }

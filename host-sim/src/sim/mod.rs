@@ -9,7 +9,7 @@ pub mod events;
 mod io;
 mod moment;
 mod outcome;
-mod schedule;
+pub(crate) mod schedule;
 pub mod statistics;
 mod unwrapped;
 
@@ -23,7 +23,7 @@ use crate::faults::Faults;
 use crate::machine::Machine;
 use crate::scene::{Checked, SceneError};
 use crate::virtual_time;
-use io::{SimulatedIo, World};
+pub(crate) use io::{SimulatedIo, World};
 use schedule::Schedule;
 
 /// Runs a scene to its end.

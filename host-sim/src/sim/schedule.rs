@@ -148,6 +148,13 @@ impl Schedule {
         self
     }
 
+    /// The same without commands: a host gives them.
+    #[must_use]
+    pub(crate) fn without_commands(mut self) -> Self {
+        self.commands.clear();
+        self
+    }
+
     /// What makes the loop late.
     pub fn lateness(&self) -> Lateness {
         let mut late = self.late.clone();

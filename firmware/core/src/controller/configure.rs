@@ -12,13 +12,13 @@ use super::wiring_proof::wiring_patterns;
 use crate::axes::{Bounds, Cams, Follower, NO_CAMS, PhaseOffsets};
 use crate::drift::{AxisSet, DriftMonitor, History};
 use crate::mechanism::AnyMechanism;
-use crate::program::{Cursor, Program};
+use crate::program::{AmplitudeOverride, Cursor, Program};
 use crate::pulse::{Planner, PulseTiming, StepRates};
 use crate::servo::{Coupling, FeedForward};
 use crate::settings::{AxisSettings, DriveKind, Problem, Settings, SettingsError, turns};
 use crate::shaft::{Motion, Shaft, ShaftLimits, Target};
 use crate::signals::Output;
-use crate::supervisor::Supervisor;
+use crate::supervisor::{JOG_S, Supervisor};
 use crate::units::{Amax, MAX_AXES, PerAxis, Phase, Turns};
 
 /// A mean phase error that is found in homing counts as lag up to this part of the common limit: one in four.
@@ -102,7 +102,8 @@ impl Controller {
             offsets: PhaseOffsets::new(),
             correction: Correction::new(),
             coupling: None,
-            supervisor: Supervisor::new(0),
+            amplitude: AmplitudeOverride::new(2000),
+            supervisor: Supervisor::new(0, 0),
             unpublished: None,
             stop_input: false,
             driven: 0,
@@ -153,7 +154,9 @@ impl Controller {
         self.park = self.park_crank;
         self.correction = Correction::new();
         let settle_ticks = libm::ceil(settings.settle_s * f64::from(settings.tick_hz));
-        self.supervisor = Supervisor::new(settle_ticks as u32);
+        let jog_ticks = libm::ceil(JOG_S * f64::from(settings.tick_hz));
+        self.supervisor = Supervisor::new(settle_ticks as u32, jog_ticks as u32);
+        self.amplitude = AmplitudeOverride::new(settings.tick_hz);
         self.unpublished = None;
         self.stop_input = false;
         self.driven = 0;

@@ -19,8 +19,10 @@ impl Controller {
     /// Never inlined: this is the name by which the firmware's checks find the tick.
     #[inline(never)]
     pub fn tick(&mut self, feedback: &Feedback) -> &Output {
-        if feedback.command == Some(Command::ResetPeak) {
-            self.drift.reset_peak();
+        match feedback.command {
+            Some(Command::ResetPeak) => self.drift.reset_peak(),
+            Some(Command::Override(permille)) => self.amplitude.set(permille),
+            _ => {}
         }
         let mut input = SupervisorInput::default();
         let reported = self.observe(feedback, &mut input);
@@ -215,7 +217,11 @@ impl Controller {
     /// Reads one tick of the program.
     #[inline(never)]
     fn play(&mut self) -> Target {
-        let reading = self.cursor.next(&self.program);
+        let mut reading = self.cursor.next(&self.program);
+        if !self.amplitude.is_one() {
+            (reading.level, reading.end_level) =
+                self.amplitude.advance(reading.level, reading.end_level);
+        }
         self.output.telemetry.amax_requested = reading.level;
         if self.end.0 != reading.end_level {
             self.end = (reading.end_level, self.mechanism.speed(reading.end_level));
@@ -257,5 +263,8 @@ impl Controller {
             telemetry.modes = *self.drift.modes();
         }
         telemetry.home_offset = self.homing.home_offset();
+        telemetry.homed = self.homing.is_done();
+        telemetry.program_done = self.cursor.is_done(&self.program);
+        telemetry.override_permille = self.amplitude.permille();
     }
 }

@@ -4,10 +4,12 @@
 //! earlier entries again. A [`Cursor`] reads it, one control tick at a time. A tick costs the same at the end of a month
 //! as at the beginning.
 
+mod amplitude;
 mod builder;
 mod cursor;
 mod segment;
 
+pub use amplitude::AmplitudeOverride;
 pub use builder::{EntrySettings, ProgramBuilder, SegmentSettings};
 pub use cursor::{Cursor, Reading};
 pub use segment::{Segment, Shape};

@@ -85,8 +85,14 @@ pub struct SafetyInputs {
 pub enum Command {
     /// Run the program. From idle the machine homes first. When parked it continues, or starts again if it was over.
     Start,
+    /// Home, and park. A machine that is not idle ignores it.
+    Home,
+    /// Turn a parked machine at homing speed, for [`JOG_S`]; repeated, for as much longer.
+    Jog,
     /// Stop at the parking phase.
     Stop,
+    /// Stop as fast as the limits allow, at any phase.
+    StopNow,
     /// Stop the program's time; the shaft keeps its speed.
     Hold,
     /// Resume the program's time.
@@ -95,7 +101,13 @@ pub enum Command {
     Reset,
     /// Reset the largest phase errors.
     ResetPeak,
+    /// Scale the program's amplitude, in thousandths.
+    Override(u16),
 }
+
+/// Time for which one [`Command::Jog`] turns the machine, seconds. Whoever jogs repeats it, so that a lost operator stops
+/// the machine.
+pub const JOG_S: f64 = 0.5;
 
 /// Input of the supervisor from the rest of the loop, for the tick that is over.
 #[derive(Clone, Copy, Debug)]
@@ -157,18 +169,30 @@ pub struct Supervisor {
     state: State,
     fault: Option<Fault>,
     holding: bool,
+    /// The present or last stop is the fastest, and not one at the parking phase.
+    stops_now: bool,
+    /// Homing ends parked.
+    only_homes: bool,
+    /// Ticks for which the machine jogs on; zero while it plays the program.
+    jogging: u32,
+    jog_ticks: u32,
     /// Ticks for which the drives settle after they were switched on.
     settle_ticks: u32,
     settling: u32,
 }
 
 impl Supervisor {
-    /// Supervisor in the idle state. The drives need `settle_ticks` after they are switched on.
-    pub const fn new(settle_ticks: u32) -> Self {
+    /// Supervisor in the idle state. The drives need `settle_ticks` after they are switched on, and one jog lasts
+    /// `jog_ticks`.
+    pub const fn new(settle_ticks: u32, jog_ticks: u32) -> Self {
         Self {
             state: State::Idle,
             fault: None,
             holding: false,
+            stops_now: false,
+            only_homes: false,
+            jogging: 0,
+            jog_ticks,
             settle_ticks,
             settling: 0,
         }
@@ -247,7 +271,8 @@ impl Supervisor {
         command: Option<Command>,
         input: &SupervisorInput,
     ) -> State {
-        let stop = inputs.stop || command == Some(Command::Stop);
+        self.stops_now |= command == Some(Command::StopNow);
+        let stop = inputs.stop || matches!(command, Some(Command::Stop | Command::StopNow));
         let moving = matches!(self.state, State::Homing | State::Run | State::Stop);
         if moving && !inputs.enable {
             return self.lose_enable(input);
@@ -258,9 +283,14 @@ impl Supervisor {
             return State::Fault;
         }
         match self.state {
-            State::Idle if command == Some(Command::Start) && inputs.enable && !inputs.stop => {
+            State::Idle
+                if matches!(command, Some(Command::Start | Command::Home))
+                    && inputs.enable
+                    && !inputs.stop =>
+            {
                 self.settling = self.settle_ticks;
-                self.holding = false;
+                self.begin();
+                self.only_homes = command == Some(Command::Home);
                 State::Homing
             }
             State::Idle => State::Idle,
@@ -269,8 +299,10 @@ impl Supervisor {
                 self.settling -= 1;
                 State::Homing
             }
+            State::Homing if input.homed && self.only_homes => State::Stop,
             State::Homing if input.homed => State::Run,
             State::Homing => State::Homing,
+            State::Run if self.jogging > 0 => self.jog_on(command),
             State::Run if input.program_done => State::Stop,
             State::Run => {
                 match command {
@@ -285,8 +317,13 @@ impl Supervisor {
             State::Stop => State::Parked,
             State::Parked if self.fault.is_some() => State::Fault,
             State::Parked if !inputs.enable => State::Idle,
+            State::Parked if !inputs.stop && input.homed && command == Some(Command::Jog) => {
+                self.begin();
+                self.jogging = self.jog_ticks;
+                State::Run
+            }
             State::Parked if !inputs.stop && command == Some(Command::Start) => {
-                self.holding = false;
+                self.begin();
                 // The machine may have been stopped before homing was over.
                 if input.homed {
                     State::Run
@@ -303,14 +340,37 @@ impl Supervisor {
         }
     }
 
+    /// Forgets how the last motion went.
+    const fn begin(&mut self) {
+        self.holding = false;
+        self.stops_now = false;
+        self.only_homes = false;
+        self.jogging = 0;
+    }
+
+    const fn jog_on(&mut self, command: Option<Command>) -> State {
+        self.jogging = match command {
+            Some(Command::Jog) => self.jog_ticks,
+            _ => self.jogging - 1,
+        };
+        if self.jogging == 0 {
+            State::Stop
+        } else {
+            State::Run
+        }
+    }
+
     fn action(&self) -> Action {
         match self.state {
             State::Idle | State::Fault => Action::Stand,
             State::Homing if self.settling > 0 => Action::Stand,
             State::Homing => Action::Home,
+            State::Run if self.jogging > 0 => Action::Home,
             State::Run if self.holding => Action::Hold,
             State::Run => Action::Play,
-            State::Stop | State::Parked if self.fault.is_some() => Action::StopFast,
+            State::Stop | State::Parked if self.fault.is_some() || self.stops_now => {
+                Action::StopFast
+            }
             State::Stop | State::Parked => Action::Park,
         }
     }

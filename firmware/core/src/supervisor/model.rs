@@ -1,7 +1,7 @@
 //! Complete graph of the supervisor: every state that any sequence of ticks can reach, under every input.
 //!
-//! Four things decide the next tick: the state, whether a fault is latched, whether the program is held, and the
-//! remaining settling time of the drives. The kind of the fault decides nothing. This set is finite, so it is searched
+//! These things decide the next tick: the state, whether a fault is latched, whether the program is held, whether the
+//! stop is the fastest, whether the machine only homes, and the remaining times of settling and of a jog. The kind of the fault decides nothing. This set is finite, so it is searched
 //! until nothing new is found, which covers sequences of every length. The model also keeps the knowledge of an observer
 //! of inputs and drives: whether the machine needs a reset, or a start after it.
 //!
@@ -18,10 +18,13 @@ use std::vec::Vec;
 /// Ticks for which the drives settle: more than one, so that events during settling are covered.
 const SETTLE: u32 = 2;
 
+/// Ticks of one jog, for the same reason.
+const JOG: u32 = 2;
+
 /// Length of the sequences that are played one by one.
 const DEPTH: u32 = 6;
 
-const COMMANDS: [Option<Command>; 7] = [
+const COMMANDS: [Option<Command>; 11] = [
     None,
     Some(Command::Start),
     Some(Command::Stop),
@@ -29,9 +32,13 @@ const COMMANDS: [Option<Command>; 7] = [
     Some(Command::Resume),
     Some(Command::Reset),
     Some(Command::ResetPeak),
+    Some(Command::Home),
+    Some(Command::Jog),
+    Some(Command::StopNow),
+    Some(Command::Override(500)),
 ];
 
-/// All possible inputs of one tick: 1,120 of them.
+/// All possible inputs of one tick: 1,760 of them.
 fn all_inputs() -> Vec<Input> {
     let faults = [
         (None, false),
@@ -68,24 +75,35 @@ fn all_inputs() -> Vec<Input> {
 }
 
 /// Everything that decides the next tick.
-type Key = (u8, bool, bool, u32, Owed);
+type Key = (u8, bool, [bool; 3], [u32; 2], Owed);
 
 fn key(supervisor: &Supervisor, owed: Owed) -> Key {
     let Supervisor {
         state,
         fault,
         holding,
+        stops_now,
+        only_homes,
+        jogging,
         settling,
         settle_ticks: _,
+        jog_ticks: _,
     } = *supervisor;
-    (state as u8, fault.is_some(), holding, settling, owed)
+    let modes = [holding, stops_now, only_homes];
+    (
+        state as u8,
+        fault.is_some(),
+        modes,
+        [settling, jogging],
+        owed,
+    )
 }
 
 /// Explores the reachable set and checks every tick; returns the successors of each state.
 fn explore(inputs: &[Input]) -> BTreeMap<Key, BTreeSet<Key>> {
     let mut graph = BTreeMap::new();
-    let mut open = VecDeque::from([(Supervisor::new(SETTLE), Owed::Nothing)]);
-    let mut after_reset = Supervisor::new(SETTLE);
+    let mut open = VecDeque::from([(Supervisor::new(SETTLE, JOG), Owed::Nothing)]);
+    let mut after_reset = Supervisor::new(SETTLE, JOG);
     after_reset.begin_with(Fault::new(FaultKind::WatchdogReset));
     open.push_back((after_reset, Owed::Reset));
     while let Some((supervisor, owed)) = open.pop_front() {
@@ -133,7 +151,7 @@ fn ticks_to(graph: &BTreeMap<Key, BTreeSet<Key>>, goal: State) -> usize {
 #[test]
 fn no_sequence_of_any_length_breaks_a_demand_or_ends_in_a_dead_state() {
     let inputs = all_inputs();
-    assert_eq!(inputs.len(), 1120);
+    assert_eq!(inputs.len(), 1760);
     let graph = explore(&inputs);
     for state in State::ALL {
         let ticks = ticks_to(&graph, state);
@@ -151,13 +169,16 @@ fn no_sequence_of_any_length_breaks_a_demand_or_ends_in_a_dead_state() {
 }
 
 /// Single events in a tick; safety inputs and observations of the machine stay as they are until they change.
-const EVENTS: [fn(&mut Input); 16] = [
+const EVENTS: [fn(&mut Input); 19] = [
     |_| {},
     |input| input.command = Some(Command::Start),
     |input| input.command = Some(Command::Stop),
     |input| input.command = Some(Command::Hold),
     |input| input.command = Some(Command::Resume),
     |input| input.command = Some(Command::Reset),
+    |input| input.command = Some(Command::Home),
+    |input| input.command = Some(Command::Jog),
+    |input| input.command = Some(Command::StopNow),
     |input| input.inputs.enable = !input.inputs.enable,
     |input| input.inputs.stop = !input.inputs.stop,
     |input| input.observed.at_rest = !input.observed.at_rest,
@@ -197,7 +218,7 @@ fn all_sequences_of_six_events_stay_within_the_graph() {
         observed: SupervisorInput::default(),
     };
     let mut ticks = 0_u64;
-    let mut stack = std::vec![(Supervisor::new(SETTLE), Owed::Nothing, quiet, 0)];
+    let mut stack = std::vec![(Supervisor::new(SETTLE, JOG), Owed::Nothing, quiet, 0)];
     while let Some((supervisor, owed, held, depth)) = stack.pop() {
         for event in EVENTS {
             let mut input = held;

@@ -8,7 +8,7 @@ const SAFE: SafetyInputs = SafetyInputs {
 };
 
 fn in_state(state: State) -> Supervisor {
-    let mut supervisor = Supervisor::new(0);
+    let mut supervisor = Supervisor::new(0, 2);
     let mut go = |command, input| {
         supervisor.step(SAFE, command, &input);
     };
@@ -267,7 +267,7 @@ fn nothing_runs_before_homing() {
     ];
     // All sequences of five ticks, each with a command and a shaft that is at rest or not.
     for sequence in 0..8_u32.pow(5) {
-        let mut supervisor = Supervisor::new(0);
+        let mut supervisor = Supervisor::new(0, 2);
         for tick in 0..5 {
             let choice = sequence / 8_u32.pow(tick) % 8;
             let input = SupervisorInput {

@@ -18,7 +18,7 @@ impl Input {
     }
 
     fn stops(&self) -> bool {
-        self.inputs.stop || self.command == Some(Command::Stop)
+        self.inputs.stop || matches!(self.command, Some(Command::Stop | Command::StopNow))
     }
 }
 
@@ -40,7 +40,7 @@ impl Owed {
         match (self, input.command) {
             _ if faulted => Self::Reset,
             (Self::Reset, Some(Command::Reset)) if !drives => Self::Start,
-            (Self::Start, Some(Command::Start)) => Self::Nothing,
+            (Self::Start, Some(Command::Start | Command::Home)) => Self::Nothing,
             (owed, _) => owed,
         }
     }
@@ -61,6 +61,7 @@ pub(super) fn check(
     let (from, to) = (before.state, after.state);
     let owes = owed.after(before.drives_enabled(), moving(from), input);
     let drives = after.drives_enabled();
+    let jogs = to == State::Run && after.jogging > 0;
     let say = |what: &str| std::format!("{what}: {from:?} to {to:?}, {action:?}, by {input:?}");
 
     // Drives. Faults while they are off do not count, as the machine may be turned by hand. A fault that persists is
@@ -85,7 +86,8 @@ pub(super) fn check(
         "{}",
         say("not disabled")
     );
-    let started = input.command == Some(Command::Start) && !input.inputs.stop;
+    let starts = matches!(input.command, Some(Command::Start | Command::Home));
+    let started = starts && !input.inputs.stop;
     assert!(
         before.drives_enabled() || !drives || (from == State::Idle && started),
         "{}",
@@ -146,19 +148,36 @@ pub(super) fn check(
         say("runs without homing")
     );
     assert!(
-        !ran_on || !input.observed.program_done,
+        !ran_on || before.jogging > 0 || !input.observed.program_done,
         "{}",
         say("runs beyond the program's end")
     );
     assert!(
-        to != State::Run || ran_on || action == Action::Play,
+        to != State::Run || ran_on || action == if jogs { Action::Home } else { Action::Play },
         "{}",
         say("a hold without a command")
     );
     assert!(
-        (action == Action::Home) == (to == State::Homing && after.settling == 0),
+        (action == Action::Home) == (jogs || to == State::Homing && after.settling == 0),
         "{}",
-        say("homing speed exactly in homing")
+        say("homing speed exactly in homing and jogs")
+    );
+    let may_begin = from == State::Parked && input.command == Some(Command::Jog);
+    assert!(
+        !jogs || may_begin || (ran_on && before.jogging > 0),
+        "{}",
+        say("a jog without a command")
+    );
+    assert!(
+        from != State::Homing || to != State::Run || !before.only_homes,
+        "{}",
+        say("runs after a command to home")
+    );
+    let is_stopping = matches!(to, State::Stop);
+    assert!(
+        input.command != Some(Command::StopNow) || !is_stopping || action == Action::StopFast,
+        "{}",
+        say("an immediate stop that waits for the phase")
     );
     owes
 }

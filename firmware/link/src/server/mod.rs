@@ -1,0 +1,191 @@
+//! The controller's side of the link, without any input or output of its own.
+//!
+//! A [`Hub`] serves a fixed number of *sessions*, one for each line (USB, UART, a TCP connection). Bytes that arrive go
+//! into [`Hub::receive`], and bytes to send come out of [`Hub::transmit`]. [`Hub::poll`] moves samples and events from
+//! the loop to the sessions. The [`Device`] is the controller as the hub needs it: firmware and simulator each have one.
+//!
+//! One session has *control* at a time. Requests that change anything need it; a stop needs nothing. Motion needs two
+//! steps: a request that arms, and within [`ARMED_S`] a start, home or jog. The loop itself checks every command again,
+//! and keeps its limits. So nothing that arrives here can move an axis beyond a limit.
+
+#![expect(
+    clippy::result_large_err,
+    reason = "a refusal holds its text, as there is no heap"
+)]
+
+mod access;
+mod device;
+mod requests;
+mod session;
+mod upload;
+
+pub use access::ARMED_S;
+pub use device::{Device, SettingsRefusal};
+
+use heapless::HistoryBuf;
+
+use crate::message::{Event, EventRecord, FaultRecord, Message};
+use crate::sample::{Sample, flags};
+use access::Access;
+use session::Session;
+use upload::Upload;
+
+/// Events that the log keeps.
+const EVENTS: usize = 64;
+
+/// Samples a second for statuses while no stream needs more.
+const STATUS_HZ: u32 = 100;
+
+/// Server of all sessions of a controller.
+#[derive(Debug)]
+pub struct Hub<D, const SESSIONS: usize> {
+    device: D,
+    sessions: [Session; SESSIONS],
+    access: Access,
+    upload: Upload,
+    latest: Sample,
+    events: HistoryBuf<EventRecord, EVENTS>,
+    event_count: u32,
+    /// Fault that latched, under its best name.
+    fault: Option<FaultRecord>,
+    missed_deadlines: u32,
+    late_deadlines: u32,
+}
+
+impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
+    /// Server of a device, with all lines open and no host.
+    pub fn new(mut device: D) -> Self {
+        device.set_sampling(status_ticks(device.tick_hz()));
+        Self {
+            device,
+            sessions: [const { Session::new() }; SESSIONS],
+            access: Access::new(),
+            upload: Upload::new(),
+            latest: Sample::ZERO,
+            events: HistoryBuf::new(),
+            event_count: 0,
+            fault: None,
+            missed_deadlines: 0,
+            late_deadlines: 0,
+        }
+    }
+
+    /// The device.
+    pub const fn device(&mut self) -> &mut D {
+        &mut self.device
+    }
+
+    /// Takes bytes that arrived on a session's line, and answers the requests that they end.
+    pub fn receive(&mut self, session: usize, bytes: &[u8]) {
+        for &byte in bytes {
+            let Some(line) = self.sessions.get_mut(session) else {
+                return;
+            };
+            // The payload is copied out of the receiver, as a request changes the session.
+            let mut payload = [0; crate::frame::MAX_PAYLOAD_BYTES];
+            let Some((number, received)) = line.receiver.push(byte) else {
+                continue;
+            };
+            let length = received.len();
+            payload[..length].copy_from_slice(received);
+            self.answer(session, number, &payload[..length]);
+        }
+    }
+
+    /// Takes the bytes to be sent on a session's line, at most as many as `bytes` holds; returns their number.
+    pub fn transmit(&mut self, session: usize, bytes: &mut [u8]) -> usize {
+        self.sessions
+            .get_mut(session)
+            .map_or(0, |line| line.transmit(bytes))
+    }
+
+    /// A host opened a session's line: streams and control of an earlier host end.
+    pub fn connect(&mut self, session: usize) {
+        if let Some(line) = self.sessions.get_mut(session) {
+            line.restart();
+        }
+        self.access.disconnect(session);
+        self.choose_sampling();
+    }
+
+    /// A session's line was closed: bytes that wait are dropped. The machine goes on as it is.
+    pub fn disconnect(&mut self, session: usize) {
+        self.connect(session);
+        if let Some(line) = self.sessions.get_mut(session) {
+            line.drop_output();
+        }
+    }
+
+    /// Moves samples and events from the loop to the sessions. To be called every few milliseconds.
+    pub fn poll(&mut self) {
+        while let Some((tick, event)) = self.device.next_event() {
+            self.log(tick, event);
+        }
+        let (axes, tick_hz) = (self.device.axes(), self.device.tick_hz());
+        while let Some(sample) = self.device.next_sample() {
+            self.latest = sample;
+            if sample.flags & flags::FAULT == 0 {
+                self.fault = None;
+            }
+            for line in &mut self.sessions {
+                line.stream(&sample, axes, tick_hz);
+            }
+        }
+        let now_ms = self.device.now_ms();
+        self.access.expire(now_ms, &self.latest);
+        for session in 0..SESSIONS {
+            if self.sessions[session].is_status_due(now_ms) {
+                let status = self.status(session);
+                self.sessions[session].send_stream(&Message::Status(status));
+            }
+        }
+    }
+
+    fn log(&mut self, tick: u32, event: Event) {
+        match event {
+            Event::Missed(all) => self.missed_deadlines = all,
+            Event::Fault(fault) => self.fault = Some(fault),
+            Event::Late(all) => self.late_deadlines = all,
+            _ => {}
+        }
+        let record = EventRecord {
+            number: self.event_count,
+            tick,
+            event,
+        };
+        self.event_count = self.event_count.wrapping_add(1);
+        self.events.write(record);
+        for line in &mut self.sessions {
+            line.event(&record);
+        }
+    }
+
+    /// Sets the loop's rate of samples to what all sessions need.
+    fn choose_sampling(&mut self) {
+        let lines = self.sessions.iter().filter_map(Session::stream_every);
+        let every = lines.fold(status_ticks(self.device.tick_hz()), greatest_common_divisor);
+        self.device.set_sampling(every);
+    }
+
+    fn is_set(&self, flag: u8) -> bool {
+        self.latest.flags & flag != 0
+    }
+
+    fn drives_are_on(&self) -> bool {
+        self.is_set(flags::DRIVES)
+    }
+}
+
+/// Ticks between two samples for statuses.
+fn status_ticks(tick_hz: u32) -> u16 {
+    u16::try_from(tick_hz / STATUS_HZ)
+        .unwrap_or(u16::MAX)
+        .max(1)
+}
+
+const fn greatest_common_divisor(mut a: u16, mut b: u16) -> u16 {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}

@@ -1,0 +1,124 @@
+//! Arguments of `cophase link`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+#[derive(Debug, Args)]
+#[command(
+    about = "Operate a controller: load a program, start, stop, watch",
+    after_help = "With one controller plugged in, no --to is needed. Exit status: 0 done; 1 the machine is in a fault; \
+                  2 bad input, a refused request, or no controller."
+)]
+pub(crate) struct LinkArgs {
+    /// The controller: a serial port, tcp:HOST:PORT, or sim[:SCENE] for a simulated one
+    #[arg(long, value_name = "WHERE", global = true)]
+    pub(super) to: Option<String>,
+    /// Baud rate of a UART; a USB port ignores it
+    #[arg(long, value_name = "BAUD", default_value_t = 115_200, global = true)]
+    pub(super) baud: u32,
+    /// Take control even if another host has it
+    #[arg(long, global = true)]
+    pub(super) take_over: bool,
+    #[command(subcommand)]
+    pub(super) action: Action,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Action {
+    /// List the serial ports, controllers first
+    List,
+    /// Show board, firmware and settings
+    Identify,
+    /// Load the program of a scene, which takes effect at once; or all its settings, with a restart
+    Load(LoadArgs),
+    /// Arm the machine, and run its program
+    Start(StartArgs),
+    /// Stop all axes together; needs no control
+    Stop(StopArgs),
+    /// Stop the program's time; the machine keeps its speed
+    Hold,
+    /// Resume the program's time
+    Resume,
+    /// Leave the fault state
+    Reset,
+    /// Scale the program's amplitude
+    Override(OverrideArgs),
+    /// Arm the machine, and turn it at homing speed
+    Jog(JogArgs),
+    /// Arm the machine, home it, and park it
+    Home(StartArgs),
+    /// Show the machine's status until it is interrupted
+    Monitor(MonitorArgs),
+    /// Show the event log
+    Log,
+    /// Show the counters of link and loop
+    Counters,
+    /// Restart the controller, which then runs the stored settings
+    Restart,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct LoadArgs {
+    /// A scene file, the name of a built-in scene, or a settings file
+    #[arg(value_name = "SCENE")]
+    pub(super) scene: PathBuf,
+    /// Load all settings of a scene, and restart; without it, only its program is loaded
+    #[arg(long)]
+    pub(super) settings: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct StartArgs {
+    /// Do not ask before the machine moves
+    #[arg(long)]
+    pub(super) yes: bool,
+    /// Wait until the machine is parked again; a simulated controller is always waited for
+    #[arg(long)]
+    pub(super) wait: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct StopArgs {
+    /// Stop as fast as the limits allow, and not at the parking phase
+    #[arg(long)]
+    pub(super) now: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct OverrideArgs {
+    /// Percent of the program's amplitude, 0 to 120
+    #[arg(value_name = "PERCENT", value_parser = percent)]
+    pub(super) permille: u16,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct JogArgs {
+    /// Time to turn, seconds
+    #[arg(long = "for", value_name = "S", default_value_t = 1.0, value_parser = seconds)]
+    pub(super) for_s: f64,
+    /// Do not ask before the machine moves
+    #[arg(long)]
+    pub(super) yes: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct MonitorArgs {
+    /// Time to show, seconds; without it, until interrupted
+    #[arg(long = "for", value_name = "S", value_parser = seconds)]
+    pub(super) for_s: Option<f64>,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(s) if (0.0..=1e6).contains(&s) => Ok(s),
+        _ => Err("give seconds, 0 to 1,000,000".to_owned()),
+    }
+}
+
+fn percent(text: &str) -> Result<u16, String> {
+    match text.parse::<f64>() {
+        Ok(percent) if (0.0..=120.0).contains(&percent) => Ok((percent * 10.0).round() as u16),
+        _ => Err("give a percentage, 0 to 120".to_owned()),
+    }
+}

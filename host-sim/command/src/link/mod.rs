@@ -1,0 +1,82 @@
+//! `cophase link`: operates a controller over a serial port or TCP, or a simulated one.
+
+mod args;
+mod connection;
+mod operate;
+mod show;
+mod transport;
+mod write;
+
+pub(super) use args::LinkArgs;
+
+use std::io::Write;
+
+use args::Action;
+use connection::Connection;
+
+use super::{CommandError, Status};
+
+/// Carries out one action on a controller.
+pub(super) fn link(
+    args: &LinkArgs,
+    out: &mut impl Write,
+    err: &mut impl Write,
+) -> Result<Status, CommandError> {
+    if let Action::List = args.action {
+        return show::list(out);
+    }
+    let transport = transport::open(args.to.as_deref(), args.baud).map_err(CommandError::Input)?;
+    let mut link = Connection::new(transport);
+    match run(args, &mut link, out, err) {
+        Ok(status) => Ok(status),
+        Err(Problem::Link(error)) => Err(CommandError::Input(error.to_string())),
+        Err(Problem::Command(error)) => Err(error),
+    }
+}
+
+/// Reason why an action failed.
+enum Problem {
+    Link(connection::LinkError),
+    Command(CommandError),
+}
+
+impl From<connection::LinkError> for Problem {
+    fn from(error: connection::LinkError) -> Self {
+        Self::Link(error)
+    }
+}
+
+impl From<CommandError> for Problem {
+    fn from(error: CommandError) -> Self {
+        Self::Command(error)
+    }
+}
+
+impl From<std::io::Error> for Problem {
+    fn from(error: std::io::Error) -> Self {
+        Self::Command(error.into())
+    }
+}
+
+fn run(
+    args: &LinkArgs,
+    link: &mut Connection,
+    out: &mut impl Write,
+    err: &mut impl Write,
+) -> Result<Status, Problem> {
+    let identity = link.identify()?;
+    match &args.action {
+        Action::List => {}
+        Action::Identify => show::identity(&identity, out)?,
+        Action::Counters => show::counters(link, out)?,
+        Action::Log => show::log(link, &identity, out)?,
+        Action::Monitor(monitor) => return show::monitor(link, &identity, monitor, out),
+        Action::Load(load) => write::load(link, &identity, load, out)?,
+        Action::Restart => {
+            link.take_control(args.take_over)?;
+            write::restart(link, out)?;
+        }
+        action => return operate::operate(action, args, link, &identity, out, err),
+    }
+    Ok(Status::Done)
+}

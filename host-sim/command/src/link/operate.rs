@@ -1,0 +1,124 @@
+//! Commands that move or stop the machine.
+
+use std::io::{BufRead, IsTerminal, Write};
+use std::time::{Duration, Instant};
+
+use cophase_core::supervisor::State;
+use cophase_link::message::{Event, Identity, Request, StopKind};
+
+use super::Problem;
+use super::args::{Action, LinkArgs};
+use super::connection::{Connection, Incoming, LinkError};
+use super::show::describe;
+use crate::Status;
+
+/// Time between two requests of a jog: half of what one lasts.
+const JOG_EVERY: Duration = Duration::from_millis(200);
+
+/// Carries out a command.
+pub(super) fn operate(
+    action: &Action,
+    args: &LinkArgs,
+    link: &mut Connection,
+    identity: &Identity,
+    out: &mut impl Write,
+    err: &mut impl Write,
+) -> Result<Status, Problem> {
+    if let Action::Stop(stop) = action {
+        let kind = if stop.now {
+            StopKind::Now
+        } else {
+            StopKind::AtPhase
+        };
+        link.repeatable("stop", &Request::Stop(kind))?;
+        return Ok(Status::Done);
+    }
+    link.take_control(args.take_over)?;
+    match action {
+        Action::Start(start) => {
+            confirm(start.yes, "runs its program", err)?;
+            begin(link, "start", &Request::Start)?;
+            if start.wait || link.is_simulated() {
+                return wait(link, identity, out);
+            }
+        }
+        Action::Home(home) => {
+            confirm(home.yes, "homes", err)?;
+            begin(link, "home", &Request::Home)?;
+            if home.wait || link.is_simulated() {
+                return wait(link, identity, out);
+            }
+        }
+        Action::Jog(jog) => {
+            confirm(jog.yes, "turns at homing speed", err)?;
+            begin(link, "jog", &Request::Jog)?;
+            let end = Instant::now() + Duration::from_secs_f64(jog.for_s);
+            while Instant::now() + JOG_EVERY < end {
+                std::thread::sleep(JOG_EVERY);
+                link.command("jog", &Request::Jog)?;
+            }
+        }
+        Action::Hold => link.repeatable("hold", &Request::Hold)?,
+        Action::Resume => link.repeatable("resume", &Request::Resume)?,
+        Action::Reset => link.command("reset", &Request::Reset)?,
+        Action::Override(change) => {
+            let permille = change.permille;
+            link.repeatable("override", &Request::Override { permille })?;
+        }
+        _ => {}
+    }
+    Ok(Status::Done)
+}
+
+/// Asks the operator before the machine moves.
+fn confirm(yes: bool, what: &str, err: &mut impl Write) -> Result<(), Problem> {
+    if yes {
+        return Ok(());
+    }
+    let input = std::io::stdin();
+    if !input.is_terminal() {
+        let problem =
+            format!("the machine {what}: give --yes, as there is no terminal to confirm it");
+        return Err(LinkError::Input(problem).into());
+    }
+    write!(err, "The machine {what}. Keep clear. Continue? [y/N] ")?;
+    err.flush()?;
+    let mut answer = String::new();
+    input.lock().read_line(&mut answer)?;
+    if matches!(answer.trim(), "y" | "Y" | "yes") {
+        Ok(())
+    } else {
+        Err(LinkError::Input("not confirmed; nothing was started".to_owned()).into())
+    }
+}
+
+/// Arms the machine, and begins a motion.
+fn begin(
+    link: &mut Connection,
+    name: &'static str,
+    request: &Request<'_>,
+) -> Result<(), LinkError> {
+    link.repeatable("arm", &Request::Arm)?;
+    link.command(name, request)
+}
+
+/// Shows events until the machine rests again.
+fn wait(
+    link: &mut Connection,
+    identity: &Identity,
+    out: &mut impl Write,
+) -> Result<Status, Problem> {
+    loop {
+        let Some(Incoming::Event(record)) = link.next(Duration::from_secs(1))? else {
+            continue;
+        };
+        writeln!(out, "{}", describe(&record, identity.tick_hz))?;
+        if let Event::State(state) = record.event {
+            match State::ALL.get(usize::from(state)) {
+                Some(State::Parked) => return Ok(Status::Done),
+                Some(State::Fault | State::Idle) => return Ok(Status::Fault),
+                _ => {}
+            }
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! Loading of programs and settings.
+
+use std::io::Write;
+use std::path::Path;
+
+use cophase_core::settings::Settings;
+use cophase_link::header::{FIRST_SEQUENCE, OUTSIDE};
+use cophase_link::message::{File, Identity};
+use cophase_link::program::MAX_PROGRAM_BYTES;
+use cophase_link::{MAX_FILE_BYTES, decode, encode};
+
+use super::Problem;
+use super::args::LoadArgs;
+use super::connection::{Connection, LinkError};
+use crate::scenes;
+
+/// Loads a program, or all settings.
+pub(super) fn load(
+    link: &mut Connection,
+    identity: &Identity,
+    args: &LoadArgs,
+    out: &mut impl Write,
+) -> Result<(), Problem> {
+    let name = args.scene.display().to_string();
+    if args.scene.extension().is_some_and(|end| end == "settings") {
+        let file = std::fs::read(&args.scene)
+            .map_err(|e| LinkError::Input(format!("{name}: {e}; give a file that is there")))?;
+        cophase_link::verify(&file).map_err(|e| LinkError::Input(format!("{name}: {e}")))?;
+        return store(link, &name, &file, out);
+    }
+    let checked = scenes::read(&name).map_err(LinkError::Input)?;
+    if args.settings {
+        let mut buffer = vec![0; MAX_FILE_BYTES];
+        let file = encode(&checked.settings, FIRST_SEQUENCE, OUTSIDE, &mut buffer)
+            .map_err(|e| LinkError::Input(format!("{name}: {e}")))?;
+        return store(link, &name, file, out);
+    }
+    let present = decode(&link.read_file(File::Settings)?)
+        .map_err(|e| LinkError::Input(format!("the controller's settings: {e}")))?;
+    compare(&args.scene, &checked.settings, &present, identity)?;
+    let mut buffer = [0; MAX_PROGRAM_BYTES];
+    let file = cophase_link::program::encode(&checked.settings, &mut buffer)
+        .ok_or_else(|| LinkError::Input(format!("{name}: the program is too long")))?;
+    link.take_control(false)?;
+    link.write_file(File::Program, file)?;
+    let entries = checked.settings.program.len();
+    writeln!(
+        out,
+        "Loaded the program of {name}: {entries} entries. It runs until the controller restarts; \
+         `cophase link load {name} --settings` stores it."
+    )?;
+    Ok(())
+}
+
+/// Checks that a program was made for the machine of the controller.
+fn compare(
+    path: &Path,
+    scene: &Settings,
+    present: &Settings,
+    identity: &Identity,
+) -> Result<(), LinkError> {
+    let differs = [
+        ("machine", scene.machine != present.machine),
+        ("limits", scene.limits != present.limits),
+        ("control.tick_hz", scene.tick_hz != present.tick_hz),
+        ("axes", scene.axes != present.axes),
+    ];
+    match differs.iter().find(|(_, differs)| *differs) {
+        None => Ok(()),
+        Some((key, _)) => Err(LinkError::Input(format!(
+            "{}: {key} differs from the controller's settings ({}); give --settings to load all settings, \
+             or a scene of that machine",
+            path.display(),
+            identity.settings
+        ))),
+    }
+}
+
+/// Stores settings, and restarts the controller with them.
+fn store(
+    link: &mut Connection,
+    name: &str,
+    file: &[u8],
+    out: &mut impl Write,
+) -> Result<(), Problem> {
+    link.take_control(false)?;
+    link.write_file(File::Settings, file)?;
+    writeln!(out, "Stored the settings of {name}: {} bytes.", file.len())?;
+    restart(link, out)
+}
+
+/// Restarts the controller.
+pub(super) fn restart(link: &mut Connection, out: &mut impl Write) -> Result<(), Problem> {
+    let identity = link.restart()?;
+    writeln!(out, "Restarted with the settings {}.", identity.settings)?;
+    Ok(())
+}

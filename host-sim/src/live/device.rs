@@ -1,0 +1,267 @@
+//! The simulated controller as the link's server needs it.
+
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use cophase_core::control_loop;
+use cophase_core::program::Program;
+use cophase_core::settings::{Settings, short_name};
+use cophase_core::supervisor::Command;
+use cophase_link::header::{FIRST_SEQUENCE, OUTSIDE};
+use cophase_link::message::{Event, File, Identity, Name, Text, VERSION};
+use cophase_link::program::{self, MAX_PROGRAM_BYTES};
+use cophase_link::sample::Sample;
+use cophase_link::server::{Device, SettingsRefusal};
+use cophase_link::{Header, MAX_FILE_BYTES, decode_into, encode};
+
+use super::paced::{FromLoop, Paced, ToLoop};
+use crate::faults::Faults;
+use crate::machine::Machine;
+use crate::scene::{Checked, SceneError};
+use crate::sim::{SimulatedIo, Statistics, World, schedule::Schedule};
+use crate::virtual_time;
+
+/// Samples and events that wait for the host.
+const WAITING: usize = 4096;
+
+/// Commands that wait for the loop.
+const COMMANDS: usize = 8;
+
+/// Longest time that the loop takes to answer.
+const ANSWERS_WITHIN: Duration = Duration::from_secs(2);
+
+/// A simulated controller and its machine.
+pub struct SimulatedDevice {
+    checked: Checked,
+    speed: f64,
+    settings_file: Vec<u8>,
+    /// Settings that the next restart runs.
+    stored: Option<Box<Settings>>,
+    program_file: Vec<u8>,
+    sampling: u16,
+    began: Instant,
+    running: Running,
+}
+
+/// The thread of the loop.
+struct Running {
+    to_loop: Option<SyncSender<ToLoop>>,
+    from_loop: Receiver<FromLoop>,
+    event: Option<(u32, Event)>,
+    sample: Option<Sample>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl SimulatedDevice {
+    /// Switches on the controller and the machine of a scene, at `speed` simulated seconds per second.
+    ///
+    /// # Errors
+    /// The machine or the controller of the scene cannot be made.
+    pub fn new(checked: Checked, speed: f64) -> Result<Self, SceneError> {
+        let running = Running::new(&checked, speed)?;
+        let mut device = Self {
+            checked,
+            speed,
+            settings_file: Vec::new(),
+            stored: None,
+            program_file: Vec::new(),
+            sampling: 1,
+            began: Instant::now(),
+            running,
+        };
+        device.make_files();
+        Ok(device)
+    }
+
+    /// Encodes the files of the settings that run.
+    fn make_files(&mut self) {
+        let settings = &self.checked.settings;
+        let mut buffer = vec![0; MAX_FILE_BYTES];
+        // Both buffers are large enough for any settings.
+        let file = encode(settings, FIRST_SEQUENCE, OUTSIDE, &mut buffer);
+        self.settings_file = file.map(<[u8]>::to_vec).unwrap_or_default();
+        let mut buffer = [0; MAX_PROGRAM_BYTES];
+        let file = program::encode(settings, &mut buffer);
+        self.program_file = file.unwrap_or_default().to_vec();
+    }
+
+    fn send(&self, item: ToLoop) -> bool {
+        let to_loop = self.running.to_loop.as_ref();
+        to_loop.is_some_and(|to_loop| to_loop.try_send(item).is_ok())
+    }
+}
+
+impl Running {
+    fn new(checked: &Checked, speed: f64) -> Result<Self, SceneError> {
+        // Errors are found here, where somebody waits for them.
+        let mut controller = Box::new(checked.controller()?);
+        Machine::new(checked)?;
+        let (to_loop, from_host) = sync_channel(COMMANDS);
+        let (to_host, from_loop) = sync_channel(WAITING);
+        let checked = checked.clone();
+        let run = move || {
+            let Ok(machine) = Machine::new(&checked) else {
+                return;
+            };
+            let program_ticks = controller.program().0.duration();
+            let sensors = machine.sensors(&checked);
+            let statistics = Statistics::new(&checked, machine.platform.mechanism());
+            let world = World {
+                machine,
+                sensors,
+                schedule: Schedule::new(&checked, program_ticks).without_commands(),
+                faults: Faults::new(&checked),
+            };
+            let mut observer = ();
+            let hz = controller.tick_hz();
+            let inner = SimulatedIo::new(hz, world, statistics, &mut observer, |_, _| {});
+            let mut io = Paced::new(inner, speed, from_host, to_host);
+            virtual_time::run(control_loop::run(&mut controller, &mut io), |_| 0);
+        };
+        let thread = std::thread::Builder::new().name("control loop".to_owned());
+        let mut running = Self {
+            to_loop: Some(to_loop),
+            from_loop,
+            event: None,
+            sample: None,
+            // Without a thread there is no loop, and every command is refused.
+            thread: thread.spawn(run).ok(),
+        };
+        // The first tick has been: from here on the state is known.
+        if let Ok(first) = running.from_loop.recv_timeout(ANSWERS_WITHIN) {
+            running.put(first);
+        }
+        Ok(running)
+    }
+
+    fn put(&mut self, item: FromLoop) {
+        match item {
+            FromLoop::Event(tick, event) => self.event = Some((tick, event)),
+            FromLoop::Sample(sample) => self.sample = Some(sample),
+        }
+    }
+
+    /// Fetches what came from the loop, as far as there is room for it.
+    fn fetch(&mut self) {
+        while self.event.is_none() && self.sample.is_none() {
+            match self.from_loop.try_recv() {
+                Ok(item) => self.put(item),
+                Err(_) => return,
+            }
+        }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // The loop ends when nobody can give it commands any more.
+        self.to_loop = None;
+        if let Some(thread) = self.thread.take() {
+            // A panic of the loop has been printed already.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Device for SimulatedDevice {
+    fn identity(&self) -> Identity {
+        let settings = &self.checked.settings;
+        let name = |text: &str| Name::try_from(&*short_name(text)).unwrap_or_default();
+        let header = Header::read(&self.settings_file).ok();
+        Identity {
+            version: VERSION,
+            board: name("simulated"),
+            serial: 0,
+            firmware: name(env!("CARGO_PKG_VERSION")),
+            settings: name(&settings.name),
+            settings_crc: header.map_or(0, |header| header.payload_crc),
+            program_crc: cophase_link::checksum(&self.program_file),
+            axes: settings.axes.len() as u8,
+            tick_hz: settings.tick_hz,
+            can_run: self.running.thread.is_some(),
+        }
+    }
+
+    fn axes(&self) -> usize {
+        self.checked.settings.axes.len()
+    }
+
+    fn tick_hz(&self) -> u32 {
+        self.checked.settings.tick_hz
+    }
+
+    fn now_ms(&self) -> u32 {
+        self.began.elapsed().as_millis() as u32
+    }
+
+    fn file(&self, file: File) -> &[u8] {
+        match file {
+            File::Settings => &self.settings_file,
+            File::Program => &self.program_file,
+        }
+    }
+
+    fn command(&mut self, command: Command) -> bool {
+        self.send(ToLoop::Command(command))
+    }
+
+    fn set_sampling(&mut self, every: u16) {
+        self.sampling = every;
+        self.send(ToLoop::Sampling(every));
+    }
+
+    fn next_sample(&mut self) -> Option<Sample> {
+        self.running.fetch();
+        self.running.sample.take()
+    }
+
+    fn next_event(&mut self) -> Option<(u32, Event)> {
+        self.running.fetch();
+        self.running.event.take()
+    }
+
+    fn load_program(&mut self, bytes: &[u8]) -> Result<(), Text> {
+        let mut program = Box::new(Program::new());
+        program::decode_into(bytes, &self.checked.settings, &mut program)
+            .map_err(|error| program::text(&error))?;
+        let (loaded, is_loaded) = sync_channel(1);
+        self.send(ToLoop::Program(program, loaded));
+        match is_loaded.recv_timeout(ANSWERS_WITHIN) {
+            Ok(true) => {
+                self.program_file = bytes.to_vec();
+                Ok(())
+            }
+            Ok(false) => Err(program::text(&"the machine has begun to move")),
+            Err(_) => Err(program::text(&"the control loop does not answer")),
+        }
+    }
+
+    fn store_settings(&mut self, settings_file: &[u8]) -> Result<(), SettingsRefusal> {
+        let rejected = |error: &dyn std::fmt::Display| {
+            SettingsRefusal::Rejected(program::text(&format_args!("{error}")))
+        };
+        let mut settings = Box::new(Settings::new());
+        decode_into(settings_file, &mut settings).map_err(|error| rejected(&error))?;
+        settings.clock_hz = self.checked.settings.clock_hz;
+        settings.controller().map_err(|error| rejected(&error))?;
+        let axes = self.checked.settings.axes.len();
+        if settings.axes.len() != axes {
+            let problem = format!("axes.count: the simulated machine has {axes} axes");
+            return Err(rejected(&problem));
+        }
+        self.stored = Some(settings);
+        Ok(())
+    }
+
+    fn restart(&mut self) {
+        if let Some(settings) = self.stored.take() {
+            self.checked.settings = *settings;
+            self.make_files();
+        }
+        if let Ok(running) = Running::new(&self.checked, self.speed) {
+            self.running = running;
+            self.set_sampling(self.sampling);
+        }
+    }
+}

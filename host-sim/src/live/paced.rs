@@ -1,0 +1,171 @@
+//! The loop's world while a host operates it: the simulated machine, at the pace of the wall clock.
+
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError};
+use std::time::{Duration, Instant as WallInstant};
+
+use cophase_core::control_loop::{Io, SubmissionResult};
+use cophase_core::program::Program;
+use cophase_core::signals::{Feedback, Output};
+use cophase_core::supervisor::{Command, SafetyInputs};
+use cophase_link::message::Event;
+use cophase_link::sample::{Sample, flags};
+use cophase_link::watch::Watch;
+use embassy_time::Instant;
+
+/// Something for the loop.
+pub(super) enum ToLoop {
+    /// A command for the next tick.
+    Command(Command),
+    /// A new program, and where to report whether it was taken.
+    Program(Box<Program>, SyncSender<bool>),
+    /// Ticks between two samples.
+    Sampling(u16),
+}
+
+/// Something from the loop.
+#[expect(clippy::large_enum_variant, reason = "nearly all of them are samples")]
+pub(super) enum FromLoop {
+    Sample(Sample),
+    Event(u32, Event),
+}
+
+/// Longest time that the wall clock may be ahead before the pace starts anew: a computer that slept, or is too slow.
+const MOST_BEHIND: Duration = Duration::from_millis(200);
+
+pub(super) struct Paced<I> {
+    inner: I,
+    from_host: Receiver<ToLoop>,
+    to_host: SyncSender<FromLoop>,
+    /// Simulated seconds per second of the wall clock.
+    speed: f64,
+    began: (WallInstant, Instant),
+    tick: u32,
+    every: u32,
+    inputs: SafetyInputs,
+    watch: Watch,
+    program: Option<(Box<Program>, SyncSender<bool>)>,
+    lost_events: u32,
+    is_over: bool,
+}
+
+impl<I> Paced<I> {
+    pub(super) fn new(
+        inner: I,
+        speed: f64,
+        from_host: Receiver<ToLoop>,
+        to_host: SyncSender<FromLoop>,
+    ) -> Self {
+        Self {
+            inner,
+            from_host,
+            to_host,
+            speed,
+            began: (WallInstant::now(), Instant::from_ticks(0)),
+            tick: 0,
+            every: 1,
+            inputs: SafetyInputs {
+                enable: true,
+                stop: false,
+            },
+            watch: Watch::new(),
+            program: None,
+            lost_events: 0,
+            is_over: false,
+        }
+    }
+
+    /// Sleeps until the wall clock reaches the simulated time.
+    fn keep_pace(&mut self) {
+        let now = Instant::now();
+        let (wall, simulated) = self.began;
+        let due_s = (now - simulated).as_micros() as f64 * 1e-6 / self.speed;
+        let due = wall + Duration::from_secs_f64(due_s);
+        let wall_now = WallInstant::now();
+        match due.checked_duration_since(wall_now) {
+            Some(early) => std::thread::sleep(early),
+            None if wall_now - due > MOST_BEHIND => self.began = (wall_now, now),
+            None => {}
+        }
+    }
+
+    /// Reads what the host sent, up to the next command; the loop takes one a tick.
+    fn next_command(&mut self) -> Option<Command> {
+        loop {
+            match self.from_host.try_recv() {
+                Ok(ToLoop::Command(command)) => return Some(command),
+                Ok(ToLoop::Program(program, loaded)) => self.program = Some((program, loaded)),
+                Ok(ToLoop::Sampling(every)) => self.every = every.into(),
+                Err(TryRecvError::Empty) => return None,
+                Err(TryRecvError::Disconnected) => {
+                    self.is_over = true;
+                    return None;
+                }
+            }
+        }
+    }
+
+    /// Passes an event on; those that find no room are counted.
+    fn publish(&mut self, event: Event) {
+        let tick = self.tick;
+        if self.lost_events > 0 {
+            let lost = FromLoop::Event(tick, Event::Lost(self.lost_events));
+            if self.to_host.try_send(lost).is_ok() {
+                self.lost_events = 0;
+            }
+        }
+        if self.to_host.try_send(FromLoop::Event(tick, event)).is_err() {
+            self.lost_events += 1;
+        }
+    }
+}
+
+impl<I: Io> Io for Paced<I> {
+    fn read(&mut self) -> Feedback {
+        self.keep_pace();
+        let mut feedback = self.inner.read();
+        feedback.command = self.next_command();
+        self.inputs = feedback.inputs;
+        feedback
+    }
+
+    fn new_program(&mut self) -> Option<&Program> {
+        self.program.as_ref().map(|(program, _)| &**program)
+    }
+
+    fn program_loaded(&mut self, is_loaded: bool) {
+        if let Some((_, loaded)) = self.program.take() {
+            // Whoever waited for it may have given up.
+            let _ = loaded.send(is_loaded);
+        }
+    }
+
+    fn until(&mut self, deadline: Instant) -> impl Future<Output = ()> {
+        self.inner.until(deadline)
+    }
+
+    fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult {
+        let telemetry = &output.telemetry;
+        let mut changes = Vec::new();
+        self.watch
+            .observe(telemetry, |change| changes.push(Event::from(&change)));
+        for event in changes {
+            self.publish(event);
+        }
+        if self.tick.is_multiple_of(self.every) {
+            let mut inputs = 0;
+            inputs |= if self.inputs.enable { flags::ENABLE } else { 0 };
+            inputs |= if self.inputs.stop { flags::STOP } else { 0 };
+            let sample = Sample::new(self.tick, telemetry, output.drives_enabled, inputs);
+            // The tick of the next sample shows that one was lost.
+            let _ = self.to_host.try_send(FromLoop::Sample(sample));
+        }
+        self.tick = self.tick.wrapping_add(1);
+        // A scene ends where nothing more is to happen; here the host may still give commands.
+        let _ = self.inner.write(output, start);
+        if self.is_over {
+            SubmissionResult::Over
+        } else {
+            SubmissionResult::InTime
+        }
+    }
+}
