@@ -8,9 +8,11 @@ use core::future::Future;
 use cophase_core::control_loop::{Io, SubmissionResult};
 use cophase_core::drift::{IndexFilter, IndexPulse};
 use cophase_core::panel::{self, Button};
+use cophase_core::program::Program;
 use cophase_core::signals::{Feedback, Output};
 use cophase_core::supervisor::State;
 use cophase_core::units::{MAX_AXES, PerAxis};
+use cophase_link::sample::flags;
 use embassy_time::Instant;
 
 use crate::board::alarm::Until;
@@ -18,6 +20,7 @@ use crate::board::index::Index;
 use crate::board::steps::{Steps, Submission};
 use crate::board::watchdog::Fed;
 use crate::board::{has_passed, lines};
+use crate::link::LoopEnd;
 use crate::report::Reporter;
 
 /// The world of the loop.
@@ -39,6 +42,10 @@ pub struct Board {
     pub button: Button,
     /// Timing of the index pulses.
     pub index: Index,
+    /// Commands and samples of the host link.
+    pub link: LoopEnd,
+    /// Levels of the inputs that were read last, as a sample has them.
+    pub inputs: u8,
     /// Log of states and faults.
     pub reporter: Reporter,
     /// Generation of the step edges.
@@ -75,6 +82,10 @@ impl Io for Board {
         let index = self.read_index();
         let levels = lines::read();
         let pressed = self.button.read(levels.start());
+        let inputs = lines::safety_inputs(levels);
+        self.inputs = if inputs.enable { flags::ENABLE } else { 0 };
+        self.inputs |= if inputs.stop { flags::STOP } else { 0 };
+        let from_host = self.link.command();
         Feedback {
             index,
             // This board has no pins left to count with.
@@ -85,9 +96,22 @@ impl Io for Board {
                 [false; MAX_AXES]
             },
             fifo_underrun: self.fifo_underrun.take(),
-            inputs: lines::safety_inputs(levels),
-            command: pressed.then(|| panel::command(self.state)),
+            inputs,
+            // A press comes first; what the host sent is dropped, as it was for another state.
+            command: if pressed {
+                Some(panel::command(self.state))
+            } else {
+                from_host
+            },
         }
+    }
+
+    fn new_program(&mut self) -> Option<&Program> {
+        self.link.program()
+    }
+
+    fn program_loaded(&mut self, is_loaded: bool) {
+        self.link.loaded(is_loaded);
     }
 
     fn until(&mut self, deadline: Instant) -> impl Future<Output = ()> {
@@ -114,6 +138,12 @@ impl Io for Board {
         self.watchdog.feed(self.state, self.ticks);
         lines::led(self.state);
         self.reporter.observe(self.ticks, &output.telemetry);
+        self.link.sample(
+            self.ticks,
+            &output.telemetry,
+            output.drives_enabled,
+            self.inputs,
+        );
         self.ticks = self.ticks.wrapping_add(1);
         SubmissionResult::InTime
     }

@@ -17,6 +17,7 @@ use crate::board::steps::{Buffers, Steps};
 use crate::board::watchdog::Fed;
 use crate::board::{CYCLES_PER_US, lines};
 use crate::control::Board;
+use crate::link::LoopEnd;
 use crate::report::Reporter;
 
 /// Reason why the machine cannot run.
@@ -51,6 +52,7 @@ pub fn make(
     watchdog: Peri<'static, WATCHDOG>,
     after_watchdog_reset: bool,
     reporter: Reporter,
+    link: LoopEnd,
 ) -> Result<(&'static mut Controller, &'static mut Board), Refusal> {
     static CONTROLLER: ConstStaticCell<Controller> = ConstStaticCell::new(Controller::new());
     static BUFFERS: ConstStaticCell<Buffers> = ConstStaticCell::new(Buffers::new());
@@ -83,6 +85,8 @@ pub fn make(
         ticks: 0,
         state: State::Idle,
         reporter,
+        link,
+        inputs: 0,
         sync: true,
         fifo_underrun: None,
         read_to: None,

@@ -11,6 +11,7 @@
 //! | `settings` | choice and storage of the settings |
 //! | `machine` | loop and board, set up for the axes of the settings |
 //! | `from_ram` | code that is copied to RAM before all else |
+//! | `link` | host link over USB and UART |
 //! | `control` | input and output of the loop on this board |
 //! | `report` | events, reported over the debug probe |
 //!
@@ -24,6 +25,8 @@ mod board;
 mod control;
 #[cfg(target_os = "none")]
 mod from_ram;
+#[cfg(target_os = "none")]
+mod link;
 #[cfg(target_os = "none")]
 mod machine;
 #[cfg(target_os = "none")]

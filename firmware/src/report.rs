@@ -6,15 +6,13 @@
 use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::{Fault, FaultKind, State};
 use cophase_core::units::{PerAxis, Turns};
-use embassy_time::{Duration, Timer};
+use cophase_link::message::Event;
+use cophase_link::watch::{Change, Watch};
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::ConstStaticCell;
 
 /// Capacity of the queue, in notes.
 const WAITING: usize = 32;
-
-/// Time between two polls of the queue.
-const POLL: Duration = Duration::from_millis(5);
 
 /// Returns the two ends of the queue: the loop's, and the log's. To be called once.
 pub fn queue() -> (Producer<'static, Note>, Consumer<'static, Note>) {
@@ -23,12 +21,14 @@ pub fn queue() -> (Producer<'static, Note>, Consumer<'static, Note>) {
 }
 
 /// A change to log, and its time.
+#[derive(Clone, Copy)]
 pub struct Note {
     /// Control ticks since power-up.
     tick: u32,
     what: What,
 }
 
+#[derive(Clone, Copy)]
 #[repr(u32)] // With a tag of a byte the rest would be copied byte by byte: 1,300 cycles a note.
 enum What {
     /// New state of the machine, and the phase errors at its start.
@@ -47,14 +47,26 @@ enum What {
     Lost(u32),
 }
 
-/// Compares each tick with the one before, and notes what changed.
+impl Note {
+    /// Tick and event, for hosts.
+    #[cold]
+    pub fn event(&self) -> (u32, Event) {
+        let event = match self.what {
+            What::State { state, .. } => Event::State(state as u8),
+            What::Event { fault, latched } => (&Change::Event { fault, latched }).into(),
+            What::Missed(all) => Event::Missed(all),
+            What::Late(all) => Event::Late(all),
+            What::Lost(notes) => Event::Lost(notes),
+        };
+        (self.tick, event)
+    }
+}
+
+/// Notes what changed from tick to tick.
 pub struct Reporter {
     notes: Producer<'static, Note>,
     axes: usize,
-    state: State,
-    faulty: bool,
-    missed: u32,
-    late: u32,
+    watch: Watch,
     lost: u32,
 }
 
@@ -64,52 +76,28 @@ impl Reporter {
         Self {
             notes,
             axes,
-            state: State::Idle,
-            faulty: false,
-            missed: 0,
-            late: 0,
+            watch: Watch::new(),
             lost: 0,
         }
     }
 
     /// Compares the telemetry of a tick with the one before.
     pub fn observe(&mut self, tick: u32, telemetry: &Telemetry) {
-        // A fault that latched before the first tick was not an event of any tick.
-        let is_new = telemetry.fault.is_some() && !self.faulty;
-        self.faulty = telemetry.fault.is_some();
-        if telemetry.event.is_some() || is_new {
-            self.note_event(tick, telemetry.event, telemetry.fault);
-        }
-        if telemetry.state != self.state {
-            self.state = telemetry.state;
-            let (state, phase_error, axes) = (self.state, telemetry.phase_error, self.axes);
-            self.note(
-                tick,
-                What::State {
+        let mut watch = core::mem::take(&mut self.watch);
+        watch.observe(telemetry, |change| {
+            let what = match change {
+                Change::State(state) => What::State {
                     state,
-                    phase_error,
-                    axes,
+                    phase_error: telemetry.phase_error,
+                    axes: self.axes,
                 },
-            );
-        }
-        let limits = &telemetry.limits;
-        if limits.missed_deadlines != self.missed {
-            self.missed = limits.missed_deadlines;
-            self.note(tick, What::Missed(self.missed));
-        }
-        if limits.late_deadlines != self.late {
-            self.late = limits.late_deadlines;
-            self.note(tick, What::Late(self.late));
-        }
-    }
-
-    /// Notes an event, or a fault that latched without an event.
-    #[inline(never)]
-    fn note_event(&mut self, tick: u32, event: Option<Fault>, latched: Option<Fault>) {
-        if let Some(fault) = event.or(latched) {
-            let latched = latched == Some(fault);
-            self.note(tick, What::Event { fault, latched });
-        }
+                Change::Event { fault, latched } => What::Event { fault, latched },
+                Change::Missed(all) => What::Missed(all),
+                Change::Late(all) => What::Late(all),
+            };
+            self.note(tick, what);
+        });
+        self.watch = watch;
     }
 
     #[inline(never)] // The check of the linked firmware for panics knows it by name.
@@ -126,38 +114,33 @@ impl Reporter {
     }
 }
 
-/// Task that logs all notes.
-#[embassy_executor::task]
-pub async fn publish(mut notes: Consumer<'static, Note>) -> ! {
-    loop {
-        let Some(Note { tick, what }) = notes.dequeue() else {
-            Timer::after(POLL).await;
-            continue;
-        };
-        match what {
-            What::State {
+/// Logs a note.
+#[cold]
+pub fn log(note: &Note) {
+    let tick = note.tick;
+    match note.what {
+        What::State {
+            state,
+            phase_error,
+            axes,
+        } => {
+            let phase_error_deg = phase_error.map(degrees);
+            let phase_error_deg = phase_error_deg.get(..axes).unwrap_or_default();
+            defmt::info!(
+                "tick {=u32}: {}, phase error {} deg",
+                tick,
                 state,
-                phase_error,
-                axes,
-            } => {
-                let phase_error_deg = phase_error.map(degrees);
-                let phase_error_deg = phase_error_deg.get(..axes).unwrap_or_default();
-                defmt::info!(
-                    "tick {=u32}: {}, phase error {} deg",
-                    tick,
-                    state,
-                    phase_error_deg
-                );
-            }
-            What::Event { fault, latched } => log_fault(tick, &fault, latched),
-            What::Missed(all) => {
-                defmt::warn!("tick {=u32}: {=u32} deadlines missed in all", tick, all);
-            }
-            What::Late(all) => {
-                defmt::warn!("tick {=u32}: {=u32} deadlines met late in all", tick, all);
-            }
-            What::Lost(notes) => defmt::warn!("tick {=u32}: {=u32} notes lost", tick, notes),
+                phase_error_deg
+            );
         }
+        What::Event { fault, latched } => log_fault(tick, &fault, latched),
+        What::Missed(all) => {
+            defmt::warn!("tick {=u32}: {=u32} deadlines missed in all", tick, all);
+        }
+        What::Late(all) => {
+            defmt::warn!("tick {=u32}: {=u32} deadlines met late in all", tick, all);
+        }
+        What::Lost(notes) => defmt::warn!("tick {=u32}: {=u32} notes lost", tick, notes),
     }
 }
 

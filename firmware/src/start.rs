@@ -10,9 +10,10 @@ use cophase_core::controller::Controller;
 use cophase_core::settings::Settings;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
 use defmt_rtt as _;
-use embassy_rp::Peri;
 use embassy_rp::executor::Executor;
+use embassy_rp::interrupt::{InterruptExt, Priority};
 use embassy_rp::peripherals::{FLASH, WATCHDOG};
+use embassy_rp::{Peri, interrupt};
 use embassy_time::{Duration, Timer};
 use heapless::spsc::Producer;
 use static_cell::StaticCell;
@@ -20,6 +21,7 @@ use static_cell::StaticCell;
 use crate::board::{alarm, lines, watchdog};
 use crate::control::Board;
 use crate::from_ram;
+use crate::link::{self, FirmwareDevice, Lines, LoopEnd, Running};
 use crate::machine;
 use crate::report::{self, Note, Reporter};
 use crate::settings;
@@ -59,40 +61,68 @@ fn main() -> ! {
         Some(state) => defmt::error!("reset by the watchdog: {}", state),
         None => defmt::info!("power-up"),
     }
+    interrupt::TIMER_IRQ_0.set_priority(Priority::P3);
     let (notes, noted) = report::queue();
-    let machine = machine(p.FLASH, p.WATCHDOG, last_state.is_some(), notes);
+    let (loop_end, link_end) = link::queues();
+    let running = link::running();
+    let mut flash = p.FLASH;
+    let made = machine(
+        flash.reborrow(),
+        p.WATCHDOG,
+        last_state.is_some(),
+        notes,
+        loop_end,
+        running,
+    );
+    let device = FirmwareDevice::new(link_end, noted, running, flash);
+    let lines = Lines {
+        usb: p.USB,
+        uart: p.UART1,
+        tx: p.PIN_8,
+        rx: p.PIN_9,
+    };
 
     static EXECUTOR: StaticCell<Executor> = StaticCell::new();
     let executor = EXECUTOR.init(Executor::new());
-    let Some((controller, board)) = machine else {
+    let Some((controller, board)) = made else {
         executor.run(|spawner| {
-            spawner.spawn(defmt::unwrap!(report::publish(noted)));
+            link::spawn(spawner, device, lines);
             spawner.spawn(defmt::unwrap!(refuse()));
         })
     };
     let task: Pin<&mut dyn Future<Output = ()>> = pin!(control_loop::run(controller, board));
     // SAFETY: this function never returns, and a panic does not unwind: what it has on its stack stays there.
     alarm::run(unsafe { mem::transmute::<Pin<&mut _>, Pin<&'static mut _>>(task) });
-    executor.run(|spawner| spawner.spawn(defmt::unwrap!(report::publish(noted))))
+    executor.run(|spawner| link::spawn(spawner, device, lines))
 }
 
 /// Makes the machine from the chosen settings; returns none if there are no valid settings, which is logged.
 #[cold]
 #[inline(never)] // Settings take kilobytes, which the stack holds no longer than needed.
 fn machine(
-    flash: Peri<'static, FLASH>,
+    flash: Peri<'_, FLASH>,
     watchdog: Peri<'static, WATCHDOG>,
     after_watchdog_reset: bool,
     notes: Producer<'static, Note>,
+    loop_end: LoopEnd,
+    running: &mut Running,
 ) -> Option<(&'static mut Controller, &'static mut Board)> {
     let mut settings = Settings::new();
-    if !settings::load(flash, &mut settings) {
-        return None;
-    }
+    let file = settings::load(flash, &mut settings)?;
+    running.take_over(&settings, file);
     let reporter = Reporter::new(notes, settings.axes.len());
-    let made = machine::make(&settings, watchdog, after_watchdog_reset, reporter);
-    made.inspect_err(|refusal| report::refused(refusal.kind(), refusal))
-        .ok()
+    let made = machine::make(
+        &settings,
+        watchdog,
+        after_watchdog_reset,
+        reporter,
+        loop_end,
+    );
+    let (controller, board) = made
+        .inspect_err(|refusal| report::refused(refusal.kind(), refusal))
+        .ok()?;
+    running.runs(*controller.mechanism());
+    Some((controller, board))
 }
 
 /// Task that shows that there are no settings to run: two short flashes of the LED a second. The drives are off.

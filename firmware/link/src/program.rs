@@ -4,7 +4,7 @@
 
 use core::fmt::Write;
 
-use cophase_core::program::{CAPACITY, EntrySettings, Program, ProgramBuilder};
+use cophase_core::program::{CAPACITY, EntrySettings, ProgramBuilder};
 use cophase_core::settings::{Settings, SettingsError};
 
 use crate::message::Text;
@@ -33,24 +33,13 @@ pub fn encode<'a>(settings: &Settings, buffer: &'a mut [u8]) -> Option<&'a [u8]>
     Some(bytes)
 }
 
-/// Decodes a program file into `program`, for the machine of `settings`. The entries are decoded one by one, as all of
-/// them would take 5 KB of stack.
+/// Decodes a program file into the program of a builder. The entries are decoded one by one, as all of them would take
+/// 5 KB of stack.
 ///
 /// # Errors
-/// The bytes are no program, or the machine cannot run it. `program` is then not to be used.
+/// The bytes are no program, or the machine cannot run it. The program is then not to be used.
 #[inline(never)]
-pub fn decode_into(
-    bytes: &[u8],
-    settings: &Settings,
-    program: &mut Program,
-) -> Result<(), ProgramFileError> {
-    let mut builder = settings.program_builder(program);
-    decode(bytes, &mut builder)?;
-    builder.finish()?;
-    Ok(())
-}
-
-fn decode(bytes: &[u8], builder: &mut ProgramBuilder<'_>) -> Result<(), ProgramFileError> {
+pub fn fill(bytes: &[u8], mut builder: ProgramBuilder<'_>) -> Result<(), ProgramFileError> {
     let unreadable = |_| ProgramFileError::Unreadable;
     let (count, mut rest) = postcard::take_from_bytes::<u32>(bytes).map_err(unreadable)?;
     for _ in 0..count {
@@ -62,11 +51,11 @@ fn decode(bytes: &[u8], builder: &mut ProgramBuilder<'_>) -> Result<(), ProgramF
             .entry(&entry)
             .map_err(|error| error.on_entry(number))?;
     }
-    if rest.is_empty() {
-        Ok(())
-    } else {
-        Err(ProgramFileError::Unreadable)
+    if !rest.is_empty() {
+        return Err(ProgramFileError::Unreadable);
     }
+    builder.finish()?;
+    Ok(())
 }
 
 /// Text of an error, cut to what a reply holds.

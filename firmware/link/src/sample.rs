@@ -114,6 +114,7 @@ impl Sample {
     };
 
     /// Sample of a tick. `flags` has the bits of the inputs; the others are added.
+    #[inline] // The firmware makes it in the tick, from RAM.
     pub fn new(tick: u32, telemetry: &Telemetry, drives: bool, flags: u8) -> Self {
         let mut all = flags;
         for (bit, is_set) in [

@@ -46,6 +46,32 @@ pub fn last_state() -> Option<LastState> {
     })
 }
 
+/// Lets the watchdog wait for its longest time, 8 s, until the loop feeds it again.
+pub fn wait() {
+    pac::WATCHDOG
+        .load()
+        .write_value(pac::watchdog::regs::Load(0xFF_FFFF));
+}
+
+/// Restarts the controller as after power-up.
+#[cold]
+pub fn restart() -> ! {
+    critical_section::with(|_| {
+        super::lines::drives(false);
+        // Without the mark, the start takes it for no reset of the watchdog.
+        pac::WATCHDOG.scratch0().write_value(0);
+        // All blocks but the two oscillators, as `embassy_rp` selects them.
+        const ALL_BUT_OSCILLATORS: u32 = 0x1_FFFC;
+        pac::PSM
+            .wdsel()
+            .write_value(pac::psm::regs::Wdsel(ALL_BUT_OSCILLATORS));
+        pac::WATCHDOG.ctrl().modify(|w| w.set_trigger(true));
+        loop {
+            cortex_m::asm::nop();
+        }
+    })
+}
+
 /// A running watchdog.
 pub struct Fed {
     /// Register value for [`TICKS`] ticks; the register counts down twice a microsecond (erratum RP2040-E1).

@@ -223,8 +223,8 @@ impl Device for SimulatedDevice {
 
     fn load_program(&mut self, bytes: &[u8]) -> Result<(), Text> {
         let mut program = Box::new(Program::new());
-        program::decode_into(bytes, &self.checked.settings, &mut program)
-            .map_err(|error| program::text(&error))?;
+        let builder = self.checked.settings.program_builder(&mut program);
+        program::fill(bytes, builder).map_err(|error| program::text(&error))?;
         let (loaded, is_loaded) = sync_channel(1);
         self.send(ToLoop::Program(program, loaded));
         match is_loaded.recv_timeout(ANSWERS_WITHIN) {

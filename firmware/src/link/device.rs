@@ -1,0 +1,352 @@
+//! The controller as the link's server needs it.
+
+use core::cell::UnsafeCell;
+use core::sync::atomic::{AtomicU8, AtomicU16, Ordering};
+
+use cophase_core::mechanism::AnyMechanism;
+use cophase_core::program::{Program, ProgramBuilder};
+use cophase_core::settings::{NAME_BYTES, Settings};
+use cophase_core::signals::Telemetry;
+use cophase_core::supervisor::Command;
+use cophase_link::message::{Event, File, Identity, Name, Text, VERSION};
+use cophase_link::program::{MAX_PROGRAM_BYTES, ProgramFileError, encode, fill, text};
+use cophase_link::sample::Sample;
+use cophase_link::server::{Device, SettingsRefusal};
+use cophase_link::{Header, checksum};
+use embassy_rp::Peri;
+use embassy_rp::peripherals::FLASH;
+use embassy_time::{Duration, Instant};
+use heapless::spsc::{Consumer, Producer, Queue};
+use static_cell::{ConstStaticCell, StaticCell};
+
+use crate::board::watchdog;
+use crate::report::{self, Note};
+use crate::settings;
+
+/// Commands that wait for the loop.
+const COMMANDS: usize = 8;
+
+/// Samples that wait for the link, one less than this: 30 ms at 2 kHz.
+const SAMPLES: usize = 64;
+
+/// Time that a reply gets to leave before a restart.
+const REPLY_TIME: Duration = Duration::from_millis(100);
+
+/// Longest time in which the loop answers: a tick at 0.5 kHz, and as much again.
+const ANSWER_TIME: Duration = Duration::from_millis(5);
+
+/// Ticks between two samples; 0: none are made.
+static EVERY: AtomicU16 = AtomicU16::new(0);
+
+/// Program on its way to the loop, and which of the two may use it.
+static PROGRAM: Handover = Handover {
+    state: AtomicU8::new(Handover::FREE),
+    program: UnsafeCell::new(Program::new()),
+};
+
+struct Handover {
+    state: AtomicU8,
+    program: UnsafeCell<Program>,
+}
+
+// SAFETY: the link uses the program in every state but `OFFERED`, and the loop only in that one. Both are on one core,
+// and a change of the state is the last access of the side that makes it.
+unsafe impl Sync for Handover {}
+
+impl Handover {
+    const FREE: u8 = 0;
+    const OFFERED: u8 = 1;
+    const LOADED: u8 = 2;
+    const REFUSED: u8 = 3;
+}
+
+/// The loop's end of the queues.
+pub struct LoopEnd {
+    commands: Consumer<'static, Command>,
+    samples: Producer<'static, Sample>,
+    /// Ticks until the next sample.
+    wait: u16,
+}
+
+impl LoopEnd {
+    /// Next command, if there is one.
+    pub fn command(&mut self) -> Option<Command> {
+        self.commands.dequeue()
+    }
+
+    /// New program, if there is one.
+    pub fn program(&self) -> Option<&'static Program> {
+        if PROGRAM.state.load(Ordering::Acquire) != Handover::OFFERED {
+            return None;
+        }
+        // SAFETY: in this state only the loop uses it, until `loaded`.
+        Some(unsafe { &*PROGRAM.program.get() })
+    }
+
+    /// Reports the result of the program.
+    pub fn loaded(&self, is_loaded: bool) {
+        let state = if is_loaded {
+            Handover::LOADED
+        } else {
+            Handover::REFUSED
+        };
+        PROGRAM.state.store(state, Ordering::Release);
+    }
+
+    /// Makes a sample of a tick, if one is due. One that finds no room is lost, which the next one's tick shows.
+    pub fn sample(&mut self, tick: u32, telemetry: &Telemetry, drives: bool, inputs: u8) {
+        if self.wait > 1 {
+            self.wait -= 1;
+            return;
+        }
+        let every = EVERY.load(Ordering::Relaxed);
+        if every == 0 {
+            return;
+        }
+        // Samples are at multiples of their distance, so that sessions can select among them.
+        self.wait = every - (tick % u32::from(every)) as u16;
+        if self.wait == every {
+            self.make(tick, telemetry, drives, inputs);
+        }
+    }
+
+    #[inline(never)] // The check of the linked firmware for panics knows it by name.
+    fn make(&mut self, tick: u32, telemetry: &Telemetry, drives: bool, inputs: u8) {
+        let _ = self
+            .samples
+            .enqueue(Sample::new(tick, telemetry, drives, inputs));
+    }
+}
+
+/// The link's end of the queues.
+pub struct LinkEnd {
+    commands: Producer<'static, Command>,
+    samples: Consumer<'static, Sample>,
+}
+
+/// Returns both ends of the queues. To be called once.
+#[cold]
+pub fn queues() -> (LoopEnd, LinkEnd) {
+    static COMMAND_QUEUE: ConstStaticCell<Queue<Command, COMMANDS>> =
+        ConstStaticCell::new(Queue::new());
+    static SAMPLE_QUEUE: ConstStaticCell<Queue<Sample, SAMPLES>> =
+        ConstStaticCell::new(Queue::new());
+    let (give_command, take_command) = COMMAND_QUEUE.take().split();
+    let (give_sample, take_sample) = SAMPLE_QUEUE.take().split();
+    let loop_end = LoopEnd {
+        commands: take_command,
+        samples: give_sample,
+        wait: 0,
+    };
+    let link_end = LinkEnd {
+        commands: give_command,
+        samples: take_sample,
+    };
+    (loop_end, link_end)
+}
+
+/// What the link knows of the settings that run.
+pub struct Running {
+    name: heapless::String<NAME_BYTES>,
+    axes: usize,
+    tick_hz: u32,
+    speed_hz: f64,
+    mechanism: AnyMechanism,
+    can_run: bool,
+    /// Settings file, in the flash.
+    file: &'static [u8],
+    /// A host has stored other settings since the start.
+    has_stored: bool,
+    program: heapless::Vec<u8, MAX_PROGRAM_BYTES>,
+}
+
+impl Running {
+    /// Creates it for settings that could not be read: the link then serves to store others.
+    pub const fn nothing() -> Self {
+        Self {
+            name: heapless::String::new(),
+            axes: 0,
+            tick_hz: 1000,
+            speed_hz: 0.0,
+            mechanism: AnyMechanism::STANDSTILL,
+            can_run: false,
+            file: &[],
+            has_stored: false,
+            program: heapless::Vec::new(),
+        }
+    }
+
+    /// Takes over settings, before they are configured.
+    #[cold]
+    pub fn take_over(&mut self, settings: &Settings, file: &'static [u8]) {
+        self.file = file;
+        self.name.clone_from(&settings.name);
+        self.axes = settings.axes.len();
+        self.tick_hz = settings.tick_hz;
+        self.speed_hz = settings.limits.speed_hz;
+        self.program.resize(MAX_PROGRAM_BYTES, 0).ok();
+        let length = encode(settings, &mut self.program).map_or(0, <[u8]>::len);
+        self.program.truncate(length);
+    }
+
+    /// The settings are those of a running loop, with this mechanism.
+    #[cold]
+    pub fn runs(&mut self, mechanism: AnyMechanism) {
+        self.mechanism = mechanism;
+        self.can_run = true;
+    }
+}
+
+/// The controller behind the link.
+pub struct FirmwareDevice {
+    link: LinkEnd,
+    notes: Consumer<'static, Note>,
+    running: &'static mut Running,
+    flash: Peri<'static, FLASH>,
+    restart_at: Option<Instant>,
+}
+
+impl FirmwareDevice {
+    /// Controller behind the link's end of the queues.
+    pub const fn new(
+        link: LinkEnd,
+        notes: Consumer<'static, Note>,
+        running: &'static mut Running,
+        flash: Peri<'static, FLASH>,
+    ) -> Self {
+        Self {
+            link,
+            notes,
+            running,
+            flash,
+            restart_at: None,
+        }
+    }
+
+    /// Number of axes.
+    pub const fn axis_count(&self) -> usize {
+        self.running.axes
+    }
+
+    /// Restarts the controller when a request for it is old enough.
+    #[cold]
+    pub fn restart_if_due(&mut self) {
+        if self.restart_at.is_some_and(|at| Instant::now() >= at) {
+            watchdog::restart();
+        }
+    }
+
+    /// Waits for the loop's answer to a program; one that does not come in time counts as a refusal.
+    fn is_loaded(&self) -> bool {
+        let end = Instant::now() + ANSWER_TIME;
+        while PROGRAM.state.load(Ordering::Acquire) == Handover::OFFERED && Instant::now() < end {}
+        // A loop that answers now finds nothing any more.
+        critical_section::with(|_| {
+            let state = PROGRAM.state.load(Ordering::Acquire);
+            PROGRAM.state.store(Handover::FREE, Ordering::Release);
+            state == Handover::LOADED
+        })
+    }
+}
+
+impl Device for FirmwareDevice {
+    #[cold]
+    fn identity(&self) -> Identity {
+        let name = |text: &str| Name::try_from(text).unwrap_or_default();
+        let header = Header::read(self.running.file).ok();
+        Identity {
+            version: VERSION,
+            board: name("RP2040"),
+            serial: 0,
+            firmware: name(env!("CARGO_PKG_VERSION")),
+            settings: name(&self.running.name),
+            settings_crc: header.map_or(0, |header| header.payload_crc),
+            program_crc: checksum(&self.running.program),
+            axes: self.running.axes as u8,
+            tick_hz: self.running.tick_hz,
+            can_run: self.running.can_run,
+        }
+    }
+
+    fn axes(&self) -> usize {
+        self.running.axes
+    }
+
+    fn tick_hz(&self) -> u32 {
+        self.running.tick_hz
+    }
+
+    fn now_ms(&self) -> u32 {
+        Instant::now().as_millis() as u32
+    }
+
+    fn file(&self, file: File) -> &[u8] {
+        match file {
+            File::Settings => self.running.file,
+            File::Program => &self.running.program,
+        }
+    }
+
+    fn command(&mut self, command: Command) -> bool {
+        self.running.can_run && self.link.commands.enqueue(command).is_ok()
+    }
+
+    fn set_sampling(&mut self, every: u16) {
+        EVERY.store(every, Ordering::Relaxed);
+    }
+
+    fn next_sample(&mut self) -> Option<Sample> {
+        self.link.samples.dequeue()
+    }
+
+    fn next_event(&mut self) -> Option<(u32, Event)> {
+        let note = self.notes.dequeue()?;
+        report::log(&note);
+        Some(note.event())
+    }
+
+    #[cold]
+    fn load_program(&mut self, bytes: &[u8]) -> Result<(), Text> {
+        if !self.running.can_run {
+            return Err(text(&"the settings cannot run"));
+        }
+        // SAFETY: the state is not `OFFERED`, as `is_loaded` ended the last one.
+        let program = unsafe { &mut *PROGRAM.program.get() };
+        let (hz, speed_hz) = (self.running.tick_hz, self.running.speed_hz);
+        let builder = ProgramBuilder::new(hz, self.running.mechanism, speed_hz, program);
+        fill(bytes, builder).map_err(|error: ProgramFileError| text(&error))?;
+        PROGRAM.state.store(Handover::OFFERED, Ordering::Release);
+        if !self.is_loaded() {
+            return Err(text(&"the machine has begun to move"));
+        }
+        self.running.program.clear();
+        // It is no longer than the buffer, or it would have more entries than a program.
+        let _ = self.running.program.extend_from_slice(bytes);
+        Ok(())
+    }
+
+    #[cold]
+    fn store_settings(&mut self, settings_file: &[u8]) -> Result<(), SettingsRefusal> {
+        settings::check(settings_file).map_err(SettingsRefusal::Rejected)?;
+        if self.running.has_stored {
+            // A second file would overwrite the one that runs.
+            let why = "settings were stored already; restart the controller first";
+            return Err(SettingsRefusal::NotStored(text(&why)));
+        }
+        settings::store_from_host(self.flash.reborrow(), settings_file)
+            .map_err(SettingsRefusal::NotStored)?;
+        self.running.has_stored = true;
+        Ok(())
+    }
+
+    fn restart(&mut self) {
+        self.restart_at = Some(Instant::now() + REPLY_TIME);
+    }
+}
+
+/// Returns the place for what the link knows of the settings. To be called once.
+#[cold]
+pub fn running() -> &'static mut Running {
+    static RUNNING: StaticCell<Running> = StaticCell::new();
+    RUNNING.init_with(Running::nothing)
+}

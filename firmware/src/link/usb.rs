@@ -1,0 +1,97 @@
+//! USB line: a CDC-ACM serial port.
+
+use embassy_executor::Spawner;
+use embassy_futures::join::join;
+use embassy_rp::peripherals::USB;
+use embassy_rp::usb::{Driver, InterruptHandler};
+use embassy_rp::{Peri, bind_interrupts};
+use embassy_time::Timer;
+use embassy_usb::class::cdc_acm::{CdcAcmClass, Receiver, Sender, State};
+use embassy_usb::{Builder, Config, UsbDevice};
+use static_cell::{ConstStaticCell, StaticCell};
+
+use super::{ROUND, SharedHub, USB_SESSION};
+
+bind_interrupts!(struct Interrupts {
+    USBCTRL_IRQ => InterruptHandler<USB>;
+});
+
+/// Vendor and product number for tests, of pid.codes; `cophase link` knows them.
+const USB_ID: (u16, u16) = (0x1209, 0x0001);
+
+/// Bytes of a packet at full speed.
+const PACKET_BYTES: usize = 64;
+
+type Usb = Driver<'static, USB>;
+
+/// Starts the tasks of the line.
+#[cold]
+pub fn spawn(spawner: Spawner, hub: SharedHub, usb: Peri<'static, USB>) {
+    static CONFIGURATION: ConstStaticCell<[u8; 128]> = ConstStaticCell::new([0; 128]);
+    static BOS: ConstStaticCell<[u8; 16]> = ConstStaticCell::new([0; 16]);
+    static CONTROL: ConstStaticCell<[u8; 64]> = ConstStaticCell::new([0; 64]);
+    static STATE: StaticCell<State<'static>> = StaticCell::new();
+    let mut config = Config::new(USB_ID.0, USB_ID.1);
+    config.manufacturer = Some("Cophase");
+    config.product = Some("Cophase controller");
+    config.max_power = 100;
+    let mut builder = Builder::new(
+        Driver::new(usb, Interrupts),
+        config,
+        CONFIGURATION.take(),
+        BOS.take(),
+        &mut [],
+        CONTROL.take(),
+    );
+    let class = CdcAcmClass::new(&mut builder, STATE.init(State::new()), PACKET_BYTES as u16);
+    let (sender, receiver) = class.split();
+    spawner.spawn(defmt::unwrap!(run(builder.build())));
+    spawner.spawn(defmt::unwrap!(exchange(hub, sender, receiver)));
+}
+
+#[embassy_executor::task]
+async fn run(mut device: UsbDevice<'static, Usb>) -> ! {
+    device.run().await
+}
+
+/// Task that passes bytes between the host and the server.
+#[embassy_executor::task]
+async fn exchange(
+    hub: SharedHub,
+    mut sender: Sender<'static, Usb>,
+    mut receiver: Receiver<'static, Usb>,
+) -> ! {
+    join(receive(hub, &mut receiver), send(hub, &mut sender)).await;
+    loop {
+        Timer::after(ROUND).await;
+    }
+}
+
+async fn receive(hub: SharedHub, line: &mut Receiver<'static, Usb>) {
+    let mut packet = [0; PACKET_BYTES];
+    loop {
+        line.wait_connection().await;
+        hub.borrow_mut().connect(USB_SESSION);
+        while let Ok(length) = line.read_packet(&mut packet).await {
+            let bytes = packet.get(..length).unwrap_or_default();
+            hub.borrow_mut().receive(USB_SESSION, bytes);
+        }
+        hub.borrow_mut().disconnect(USB_SESSION);
+    }
+}
+
+async fn send(hub: SharedHub, line: &mut Sender<'static, Usb>) {
+    let mut packet = [0; PACKET_BYTES];
+    // A full packet is followed by another one, if only an empty one, or the host would wait for more.
+    let mut last_was_full = false;
+    loop {
+        line.wait_connection().await;
+        let length = hub.borrow_mut().transmit(USB_SESSION, &mut packet);
+        if length == 0 && !last_was_full {
+            Timer::after(ROUND).await;
+            continue;
+        }
+        let bytes = packet.get(..length).unwrap_or_default();
+        last_was_full = line.write_packet(bytes).await.is_ok() && length == PACKET_BYTES;
+    }
+}
