@@ -15,7 +15,9 @@ import { Outside } from './pads.mjs';
 import { CallProfile } from './profile.mjs';
 import { Rtt } from './rtt.mjs';
 import { Stimulus } from './stimulus.mjs';
+import { UartLine } from './uart-line.mjs';
 import { Usage } from './usage.mjs';
+import { UsbPort } from './usb-port.mjs';
 
 const APB_READ_WAIT = 3;
 const APB_WRITE_WAIT = 4;
@@ -62,6 +64,8 @@ export class Board {
     this.outside = new Outside();
     this.stimulus = new Stimulus();
     this.stimulus.onSchedule = (cycle) => this.onDue(cycle);
+    this.usb = new UsbPort(this);
+    this.serial = [0, 1].map((index) => new UartLine(this, index));
     this.edges = new Edges(pins);
     this.usage = new Usage(() => this.cycle, watched);
     this.profile = profile ? new CallProfile(this.elf.functions) : null;
@@ -76,13 +80,22 @@ export class Board {
   /** Power comes: RAM holds nothing of use, the flash what it held. */
   powerUp() {
     this.sram = new Uint8Array(RAM_BYTES).fill(POWER_UP_PATTERN);
+    this.powered = true;
     this.boot('power', new Uint32Array(8), 0, 0);
+  }
+
+  /** Power goes, until `powerUp`: nothing runs, nothing drives a pin, and time goes on. */
+  powerDown() {
+    this.powered = false;
+    this.boot('no power', new Uint32Array(8), 0, 0);
   }
 
   boot(cause, scratch, reason, levels) {
     this.note('reset', cause);
+    const former = this.clock;
     this.clock = new CycleClock(this.cycle);
     this.clock.onSchedule = (cycle) => this.onDue(cycle);
+    if (former) this.clock.inherit(former);
     this.chip = buildChip(this, {
       clock: this.clock,
       sram: this.sram,
@@ -97,10 +110,10 @@ export class Board {
     this.pads = this.chip.pads;
     this.pio = this.chip.pio;
     this.pads.update(this.stamp);
-    this.nextEvent = this.stimulus.next;
+    this.nextEvent = Math.min(this.stimulus.next, this.clock.next);
     this.usage.restart();
     this.rtt?.attach();
-    if (this.bare) this.core.waiting = true;
+    if (this.bare || !this.powered) this.core.waiting = true;
     else startCore(this.core);
   }
 

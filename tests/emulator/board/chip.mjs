@@ -10,8 +10,10 @@ import { fixDma } from './dma.mjs';
 import { Fault } from './core-memory.mjs';
 import { Pads } from './pads.mjs';
 import { Block } from './pio-block.mjs';
+import { Pl011 } from './pl011.mjs';
 import { fixPpb } from './ppb.mjs';
 import { fixTimer } from './timer.mjs';
+import { UsbDevice } from './usb-device.mjs';
 
 /** The firmware's vector table, at which the second-stage boot block would have left off. */
 export const VECTOR_TABLE = 0x1000_0100;
@@ -88,6 +90,13 @@ export function buildChip(board, { clock, sram, flash, rom, outside, levels, scr
     peripherals[index === 0 ? 0x50200 : 0x50300] = block;
     return block;
   });
+  chip.uart = [0, 1].map((index) => {
+    const uart = new Pl011(chip, index, board.serial[index]);
+    peripherals[index === 0 ? 0x40034 : 0x40038] = uart;
+    return uart;
+  });
+  chip.usbCtrl = new UsbDevice(chip, board.usb);
+  peripherals[0x50110] = chip.usbCtrl;
   fixDma(chip);
   fixPpb(chip, () => board.requestReset('system'));
   fixTimer(chip);

@@ -15,6 +15,8 @@ class Alarm {
     this.cycle = 0;
     this.next = null;
     this.scheduled = false;
+    /** True for an alarm of something outside the chip, which a reset of the chip does not cancel. */
+    this.outside = false;
   }
 
   /** Fires `nanos` from now; a part of a cycle is rounded up. */
@@ -56,6 +58,26 @@ export class CycleClock {
 
   createAlarm(callback) {
     return new Alarm(this, callback);
+  }
+
+  /** Calls `callback` once, `nanos` from now, even if the chip is reset meanwhile. Gives the alarm. */
+  later(nanos, callback) {
+    const alarm = this.createAlarm(callback);
+    alarm.outside = true;
+    alarm.schedule(nanos);
+    return alarm;
+  }
+
+  /** Takes over the alarms of what is outside the chip from the clock before a reset. */
+  inherit(former) {
+    for (let alarm = former.first; alarm !== null; ) {
+      const { next } = alarm;
+      if (alarm.outside) {
+        alarm.clock = this;
+        this.link(alarm);
+      }
+      alarm = next;
+    }
   }
 
   /** Cycle of the next alarm, or Infinity. */
