@@ -119,6 +119,11 @@ export class UsbDevice extends BasePeripheral {
     return (buffer & given) === given ? 'ready' : 'nak';
   }
 
+  /** Bytes of the packet with which an endpoint will answer IN. */
+  packetBytes(endpoint, answer) {
+    return answer === 'ready' ? this.bufferControl(endpoint, false) & LENGTH : 0;
+  }
+
   /** SETUP: always taken. Gives the answer. */
   setup(address, bytes) {
     if (address !== this.address || !this.pullsUp) return 'none';

@@ -1,0 +1,73 @@
+// The cranks of a machine while its firmware runs: they follow STEP and DIR, and their flags drive the index lines. For what
+// cannot be predicted, because somebody commands the board as it runs; kinematic, so nothing is lost, slips or takes time.
+//
+// Stands in for the recorder of edges (board.edges), and keeps none of them: a run may last for hours.
+
+import { CYCLES_PER_US } from '../board/clock.mjs';
+import * as pins from './pins.mjs';
+
+/** How long a flag without a length holds its line (docs/scenes.md), at least twice the width that counts. */
+const PULSE_US = 20;
+const DEFAULT_WIDTH_US = 2;
+
+class Crank {
+  /** `axis`: the scene's settings of one axis, its own over those of all. */
+  constructor(axis, step, dir, index) {
+    Object.assign(this, { step, dir, index });
+    this.reversed = axis.reversed ?? false;
+    this.stepsPerTurn = axis.steps_per_turn;
+    const steps = (deg) => (deg / 360) * this.stepsPerTurn;
+    /** Where it is, in steps; the loop takes it to be at its offset at power-up. */
+    this.at = steps((axis.offset_deg ?? 0) + (axis.start_deg ?? 0));
+    this.hasIndex = axis.index ?? true;
+    this.flag = steps(axis.index_deg ?? 0);
+    this.width = steps(axis.index_width_deg ?? 0);
+  }
+
+  /** Steps beyond the beginning of the flag, less than a turn. */
+  get beyondFlag() {
+    const beyond = (this.at - this.flag) % this.stepsPerTurn;
+    return beyond < 0 ? beyond + this.stepsPerTurn : beyond;
+  }
+
+  get isOver() {
+    return this.beyondFlag < this.width;
+  }
+}
+
+export class Cranks {
+  /** `toml`: a scene. */
+  constructor(board, toml) {
+    this.board = board;
+    this.cranks = Array.from({ length: toml.axes.count }, (_, number) => {
+      const own = toml.axis?.find((axis) => axis.number === number);
+      return new Crank({ ...toml.axes, ...own }, pins.STEP[number], pins.DIR[number], pins.INDEX[number]);
+    });
+    this.pulseCycles = Math.round(Math.max(PULSE_US, 2 * (toml.index?.width_us ?? DEFAULT_WIDTH_US)) * CYCLES_PER_US);
+    this.mask = this.cranks.reduce((mask, { step }) => mask | (1 << step), 0);
+    board.edges = this;
+    for (const crank of this.cranks) board.stimulus.at(board.cycle, crank.index, Number(crank.isOver));
+  }
+
+  /** Called by the board on each change of levels. */
+  record(stamp, changed) {
+    const { levels } = this.board.pads;
+    const rising = changed & levels & this.mask;
+    if (rising === 0 || !((levels >>> pins.DRIVE_ENABLE) & 1)) return;
+    for (const crank of this.cranks) {
+      if ((rising >>> crank.step) & 1) this.turn(crank, ((levels >>> crank.dir) & 1) !== Number(crank.reversed), stamp + 1);
+    }
+  }
+
+  turn(crank, forward, cycle) {
+    const was = crank.isOver;
+    crank.at += forward ? 1 : -1;
+    if (!crank.hasIndex) return;
+    const { stimulus } = this.board;
+    if (crank.width > 0) {
+      if (crank.isOver !== was) stimulus.at(cycle, crank.index, Number(crank.isOver));
+    } else if (forward && crank.beyondFlag < 1) {
+      stimulus.pulse(cycle, crank.index, this.pulseCycles);
+    }
+  }
+}

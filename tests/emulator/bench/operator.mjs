@@ -1,0 +1,51 @@
+// What is done to a running board from outside, one line a command: its cable, its power, its inputs.
+
+import { CYCLES_PER_S } from './machine.mjs';
+import * as pins from './pins.mjs';
+
+const PRESSED_S = 0.05;
+
+export class Operator {
+  /** `machine`: a Machine; `link`: of link.mjs; `transport`: 'usb' or 'uart'. */
+  constructor(machine, link, transport) {
+    Object.assign(this, { machine, link, transport });
+    this.commands = {
+      plug: () => this.usb('plug'),
+      unplug: () => this.usb('unplug'),
+      'reset-bus': () => this.usb('resetBus'),
+      suspend: () => this.usb('suspend'),
+      resume: () => this.usb('resume'),
+      'power-cut': () => this.power(false),
+      'power-up': () => this.power(true),
+      'press start': () => this.press(),
+      'enable on': () => machine.set(pins.ENABLE, 0),
+      'enable off': () => machine.set(pins.ENABLE, 1),
+    };
+  }
+
+  /** Carries out a command; throws if there is none of that name, or it cannot be now. */
+  obey(line) {
+    const command = this.commands[line.trim().replace(/\s+/g, ' ')];
+    if (!command) throw new Error(`no command is called ${line.trim()}: use one of ${Object.keys(this.commands).join(', ')}`);
+    command();
+  }
+
+  usb(method) {
+    if (this.transport !== 'usb') throw new Error('the link is a UART, which has no bus: start the bridge with --transport usb');
+    this.link[method]();
+  }
+
+  power(on) {
+    const { board } = this.machine;
+    if (board.powered === on) throw new Error(`the power is ${on ? 'on' : 'off'} already`);
+    if (on) board.powerUp();
+    else board.powerDown();
+  }
+
+  press() {
+    const { machine } = this;
+    const { cycle } = machine.board;
+    machine.set(pins.START, 0);
+    machine.set(pins.START, 1, cycle + Math.round(PRESSED_S * CYCLES_PER_S));
+  }
+}

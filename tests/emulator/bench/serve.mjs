@@ -1,0 +1,119 @@
+// A board behind a TCP port on loopback, as a real one behind its serial port: runs it in slices, at up to real-time speed, and
+// passes bytes between the one client and its link.
+
+import net from 'node:net';
+import { CYCLES_PER_S } from './machine.mjs';
+
+const SLICE_S = 0.001;
+const SLICE_CYCLES = SLICE_S * CYCLES_PER_S;
+/** A board that lags by more than this is not hurried afterwards. */
+const MOST_LAG_MS = 50;
+/** Bytes for the board beyond which the client is held back. */
+const MOST_PENDING = 4096;
+
+export class Server {
+  /** `fast`: as fast as it goes. `report(line)` gets what happens; `ended(problem)` is called once, without one if all is well. */
+  constructor(board, link, { fast, report, ended }) {
+    Object.assign(this, { board, link, fast, report, ended });
+    this.client = null;
+    this.closing = false;
+    this.ahead = { cycle: board.cycle, wall: performance.now() };
+    this.server = net.createServer({ allowHalfOpen: false }, (socket) => this.accept(socket));
+    link.onData = (bytes) => this.fromBoard(bytes);
+    link.onReady = () => this.report('event ready');
+    link.onGone = () => {
+      this.report('event gone');
+      this.drop();
+    };
+  }
+
+  get seconds() {
+    return this.board.cycle / CYCLES_PER_S;
+  }
+
+  /** Listens on `port`, or on any free one for 0; gives which. */
+  listen(port) {
+    return new Promise((resolve, reject) => {
+      this.server.once('error', reject);
+      this.server.listen(port, '127.0.0.1', () => resolve(this.server.address().port));
+    });
+  }
+
+  close(problem) {
+    if (this.closing) return;
+    this.closing = true;
+    this.drop();
+    this.server.close();
+    this.ended(problem);
+  }
+
+  // ---- the client ----
+
+  accept(socket) {
+    if (this.client || !this.link.ready) {
+      this.report(`event refused: ${this.client ? 'there is a client already' : 'the port is not there'}`);
+      socket.destroy();
+      return;
+    }
+    this.client = socket;
+    socket.setNoDelay(true);
+    this.report('event client');
+    this.link.open();
+    this.link.setReading(true);
+    socket.on('data', (data) => this.fromClient(data));
+    socket.on('drain', () => this.link.setReading(true));
+    socket.on('error', () => {});
+    socket.on('close', () => this.left(socket));
+  }
+
+  left(socket) {
+    if (this.client !== socket) return;
+    this.client = null;
+    this.report('event client left');
+    this.link.close();
+    this.link.setReading(true);
+  }
+
+  drop() {
+    this.client?.destroy();
+  }
+
+  fromClient(data) {
+    if (!this.link.ready) return;
+    this.link.send(data);
+    if (this.link.pending > MOST_PENDING) this.client.pause();
+  }
+
+  fromBoard(bytes) {
+    if (this.client?.writable && !this.client.write(bytes)) this.link.setReading(false);
+  }
+
+  // ---- the board ----
+
+  /** Runs the board until `close`. */
+  run() {
+    if (this.closing) return;
+    let end;
+    try {
+      end = this.board.run({ cycles: SLICE_CYCLES });
+    } catch (error) {
+      this.close(error);
+      return;
+    }
+    if (end.reason !== 'cycles') {
+      this.close(new Error(`the board stopped after ${this.seconds.toFixed(3)} s: ${end.reason}, ${end.detail ?? ''}`));
+      return;
+    }
+    if (this.client?.isPaused() && this.link.pending <= MOST_PENDING) this.client.resume();
+    const wait = this.fast ? 0 : this.leadMs();
+    if (wait >= 1) setTimeout(() => this.run(), wait);
+    else setImmediate(() => this.run());
+  }
+
+  /** By how much the board is ahead of the clock on the wall. */
+  leadMs() {
+    const lead = ((this.board.cycle - this.ahead.cycle) / CYCLES_PER_S) * 1000 - (performance.now() - this.ahead.wall);
+    if (lead < -MOST_LAG_MS) this.ahead = { cycle: this.board.cycle, wall: performance.now() };
+    return lead;
+  }
+}
