@@ -5,7 +5,7 @@
 // A buffer is the controller's from the store that sets AVAILABLE to the end of the transaction that fills or empties it.
 // `usb-port.mjs` says when transactions happen; this file says what they do.
 //
-// Convention, where the datasheet (RP2040, 4.1) is silent: a packet with the other DATA PID than that of the buffer control is
+// Convention, where the datasheet (RP2040, 4.1) does not say: a packet with the other DATA PID than that of the buffer control is
 // acknowledged and dropped, as USB 2.0 (8.6.4) has it, and sets DATA_SEQ_ERROR. SETUP leaves buffers of endpoint 0 alone.
 
 import { BasePeripheral } from 'rp2040js';
@@ -229,8 +229,8 @@ export class UsbDevice extends BasePeripheral {
   }
 
   stalled(endpoint, out) {
-    const wanted = endpoint === 0 ? this.control & SIE_EP0_STALL : this.endpointControl(endpoint, out) & ON_STALL;
-    if (wanted) this.stallStatus |= bitOf(endpoint, out);
+    const enabled = endpoint === 0 ? this.control & SIE_EP0_STALL : this.endpointControl(endpoint, out) & ON_STALL;
+    if (enabled) this.stallStatus |= bitOf(endpoint, out);
     this.update();
   }
 
