@@ -64,14 +64,14 @@ export class CdcHost extends UsbHost {
   // ---- enumeration ----
 
   onReset() {
-    this.descriptor(DEVICE, 0, CONTROL_MOST, (bytes) => this.gotDevice(bytes));
+    this.descriptor(DEVICE, 0, CONTROL_MOST, (bytes) => this.readDevice(bytes));
   }
 
   descriptor(kind, number, length, done, language = 0) {
     this.request({ type: FROM_DEVICE, request: GET_DESCRIPTOR, value: (kind << 8) | number, index: language, length }, done);
   }
 
-  gotDevice(first) {
+  readDevice(first) {
     if (first.length < DEVICE_BYTES) return this.error(`the device descriptor has ${first.length} bytes, not ${DEVICE_BYTES}`);
     this.request({ type: 0, request: SET_ADDRESS, value: ADDRESS });
     this.descriptor(DEVICE, 0, DEVICE_BYTES, (bytes) => {

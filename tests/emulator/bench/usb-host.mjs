@@ -28,7 +28,7 @@ class Pipe {
     this.done = 0;
   }
 
-  get wants() {
+  get active() {
     return !this.halted && (this.out ? this.packets.length > 0 : this.reading);
   }
 
@@ -193,10 +193,10 @@ export class UsbHost {
       return undefined;
     }
     control.data1 = !control.data1;
-    const got = answer.bytes ?? bytes;
-    control.at += got.length;
-    if (kind === 'in') control.bytes.push(...got);
-    if (control.at >= control.length || (kind === 'in' && got.length < CONTROL_PACKET)) {
+    const packet = answer.bytes ?? bytes;
+    control.at += packet.length;
+    if (kind === 'in') control.bytes.push(...packet);
+    if (control.at >= control.length || (kind === 'in' && packet.length < CONTROL_PACKET)) {
       control.stage = 'status';
       control.data1 = true;
     }
@@ -314,7 +314,7 @@ export class UsbHost {
     for (let i = 0; i < this.pipes.length; i += 1) {
       const at = (this.turn + i) % this.pipes.length;
       const pipe = this.pipes[at];
-      if (!pipe.wants) continue;
+      if (!pipe.active) continue;
       const packet = pipe.out ? { kind: 'out', data1: pipe.data1, bytes: pipe.packets[0] } : { kind: 'in', data1: pipe.data1 };
       if (this.begin(pipe.endpoint, packet, pipe)) {
         this.turn = at + 1;
