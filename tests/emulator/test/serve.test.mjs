@@ -1,0 +1,154 @@
+// The board behind a TCP port: bytes there and back, one client at a time, and what a client sees of cable and power.
+
+import assert from 'node:assert/strict';
+import { once } from 'node:events';
+import net from 'node:net';
+import path from 'node:path';
+import { spawnSync } from 'node:child_process';
+import { test } from 'node:test';
+import { linkTo } from '../bench/link.mjs';
+import { Operator } from '../bench/operator.mjs';
+import { HERE } from '../bench/paths.mjs';
+import * as pins from '../bench/pins.mjs';
+import { Server } from '../bench/serve.mjs';
+import { Board } from '../board/board.mjs';
+import { UsbDriver } from '../support/usb-driver.mjs';
+
+const MS = 125_000;
+const TIMES = { debounce: 1, reset: 1, recovery: 1, resume: 1, address: 0.1 };
+
+/** A served board with the driver that sends everything back; `lines` are what the server reports. */
+async function served() {
+  const board = new Board({ bare: true });
+  const driver = new UsbDriver(board).start();
+  const link = linkTo(board, { transport: 'usb', times: TIMES });
+  const lines = [];
+  let ended = 0;
+  const server = new Server(board, link, { fast: true, report: (line) => lines.push(line), ended: () => (ended += 1) });
+  board.run({ cycles: 20 * MS, until: () => link.ready });
+  const machine = { board, set: (pin, level, cycle = board.cycle) => board.stimulus.at(cycle, pin, level) };
+  const operator = new Operator(machine, link, 'usb');
+  const port = await server.listen(0);
+  server.run();
+  const reported = async (line) => {
+    for (let i = 0; i < 5000 && !lines.includes(line); i += 1) await new Promise(setImmediate);
+    assert.ok(lines.includes(line), `"${line}" is reported; there is ${lines.join(', ')}`);
+    lines.splice(0, lines.indexOf(line) + 1);
+  };
+  return { board, driver, link, server, operator, port, reported, get ended() { return ended; } };
+}
+
+async function connect(port) {
+  const socket = net.connect(port, '127.0.0.1');
+  await once(socket, 'connect');
+  return socket;
+}
+
+async function exchange(socket, bytes) {
+  const received = [];
+  socket.write(bytes);
+  while (received.length < bytes.length) received.push(...(await once(socket, 'data'))[0]);
+  return Buffer.from(received);
+}
+
+const bytesOf = (count) => Buffer.from(Array.from({ length: count }, (_, i) => (i * 37 + (i >> 8)) & 0xff));
+
+/** Bytes are lost where the board is slower than its client, or DTR does not follow the client. */
+test('bytes go there and back; DTR says whether there is a client', async () => {
+  const { server, port, driver, reported } = await served();
+  for (let i = 0; i < 2; i += 1) {
+    const socket = await connect(port);
+    assert.deepEqual(await exchange(socket, bytesOf(20_000)), bytesOf(20_000));
+    socket.destroy();
+    await reported('event client left');
+  }
+  for (let i = 0; i < 200; i += 1) await new Promise(setImmediate);
+  assert.deepEqual(driver.lines, [3, 0, 3, 0]);
+  server.close();
+});
+
+/** Two clients would share a port, which no serial port lets them. */
+test('a second client is turned away while the first is there', async () => {
+  const { server, port, reported } = await served();
+  const first = await connect(port);
+  await reported('event client');
+  const second = await connect(port);
+  await once(second, 'close');
+  await reported('event refused: there is a client already');
+  assert.deepEqual(await exchange(first, bytesOf(10)), bytesOf(10));
+  server.close();
+  await once(first, 'close');
+});
+
+/** A client would wait for ever for a board that is gone, or have none after it is back. */
+test('the client loses its port with the cable and with the power, and the next has it again', async () => {
+  const { server, port, operator, reported, board, driver } = await served();
+  const losses = [
+    ['unplug', 'plug', () => {}],
+    ['power-cut', 'power-up', () => driver.start()],
+  ];
+  for (const [off, on, boot] of losses) {
+    const socket = await connect(port);
+    await reported('event client');
+    operator.obey(off);
+    await once(socket, 'close');
+    await reported('event gone');
+    const early = await connect(port);
+    await once(early, 'close');
+    await reported('event refused: the port is not there');
+    operator.obey(on);
+    boot();
+    await reported('event ready');
+    const next = await connect(port);
+    assert.deepEqual(await exchange(next, bytesOf(100)), bytesOf(100), on);
+    next.destroy();
+    await reported('event client left');
+  }
+  assert.ok(board.powered);
+  server.close();
+});
+
+/** A command would do something else, or nothing, without a word. */
+test('commands set inputs and drive the bus; what cannot be done is said', async () => {
+  const rig = await served();
+  const { server, operator, board, driver, port } = rig;
+  operator.obey('enable  off');
+  board.run({ cycles: MS });
+  assert.equal((board.pads.levels >>> pins.ENABLE) & 1, 1);
+  operator.obey('enable on');
+  operator.obey('press start');
+  board.run({ cycles: MS });
+  assert.equal((board.pads.levels >>> pins.ENABLE) & 1, 0);
+  assert.equal((board.pads.levels >>> pins.START) & 1, 0, 'the button is down');
+  board.run({ cycles: 60 * MS });
+  assert.equal((board.pads.levels >>> pins.START) & 1, 1, 'and released');
+  driver.events.length = 0;
+  operator.obey('suspend');
+  board.run({ cycles: 10 * MS });
+  operator.obey('resume');
+  board.run({ cycles: 10 * MS });
+  assert.deepEqual(driver.events, ['suspend', 'resume']);
+  assert.throws(() => operator.obey('resume'), /not suspended/);
+  assert.throws(() => operator.obey('power-up'), /on already/);
+  assert.throws(() => operator.obey('jump'), /no command is called jump: use one of plug,/);
+  assert.throws(() => new Operator(operator.machine, operator.link, 'uart').obey('unplug'), /--transport usb/);
+  const socket = await connect(port);
+  assert.deepEqual(await exchange(socket, bytesOf(10)), bytesOf(10));
+  server.close();
+  server.close();
+  assert.equal(rig.ended, 1, 'it ends once');
+});
+
+/** A wrong argument would be taken for another, or its message not say what to do. */
+test('bad arguments of the bridge name the argument and what it can be', () => {
+  for (const [args, message] of [
+    [['--transport', 'tin'], /--transport is tin: give one of usb, uart/],
+    [['--port', '70000'], /--port is 70000: give a whole number from 0 to 65535/],
+    [['--elf', '/nowhere'], /--elf is \/nowhere, which does not exist: build/],
+    [['--sceen', 'x'], /--sceen/],
+  ]) {
+    const done = spawnSync(process.execPath, [path.join(HERE, 'bridge.mjs'), ...args], { encoding: 'utf8' });
+    assert.equal(done.status, 2);
+    assert.match(done.stderr, message);
+  }
+});
