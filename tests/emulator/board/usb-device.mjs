@@ -7,6 +7,7 @@
 //
 // Convention, where the datasheet (RP2040, 4.1) does not say: a packet with the other DATA PID than that of the buffer control is
 // acknowledged and dropped, as USB 2.0 (8.6.4) has it, and sets DATA_SEQ_ERROR. SETUP leaves buffers of endpoint 0 alone.
+// SUSPENDED falls with the bus's next activity, unless software has cleared it before.
 
 import { BasePeripheral } from 'rp2040js';
 
@@ -172,7 +173,7 @@ export class UsbDevice extends BasePeripheral {
   }
 
   busReset() {
-    this.idleAlarm.cancel();
+    this.active(false);
     this.setConnected(true);
     this.raise(BUS_RESET);
   }
@@ -185,7 +186,9 @@ export class UsbDevice extends BasePeripheral {
   /** The host sends again: it resumes a suspended bus (`resuming`) or goes on after a reset. */
   active(resuming) {
     this.idleAlarm.cancel();
-    if (resuming) this.raise(RESUME);
+    this.status &= ~SUSPENDED;
+    if (resuming) this.status |= RESUME;
+    this.update();
   }
 
   /** The cable was plugged in or out. */

@@ -215,6 +215,13 @@ test('suspend is reported after 3 ms without frames, resume as the host drives i
   assert.deepEqual(driver.events, ['suspend', 'resume'], 'as the host drives K');
   board.run({ cycles: 20 * MS, until: () => data.length === 2000 });
   assert.deepEqual(data, bytesOf(2000));
+  driver.poll.cancel();
+  host.suspend();
+  wait(4);
+  assert.equal(driver.read(u.SIE_STATUS) & (u.SUSPENDED | u.RESUME), u.SUSPENDED);
+  host.resume();
+  wait(2);
+  assert.equal(driver.read(u.SIE_STATUS) & (u.SUSPENDED | u.RESUME), u.RESUME, 'the bus is no longer suspended');
 });
 
 /** Firmware would be informed of the loss of its host by what a real controller does not give. */
