@@ -1,6 +1,8 @@
 //! Settings for encoding, and two slots in a flash whose power can be cut.
 #![allow(dead_code, reason = "each test uses its part")]
 
+pub mod device;
+pub mod line;
 pub mod nor;
 pub mod slots;
 

@@ -1,0 +1,133 @@
+//! A controller that records what the server of the link does with it.
+
+use std::collections::VecDeque;
+
+use cophase_core::supervisor::{Command, State};
+use cophase_link::message::{Event, File, Identity, Name, Text, VERSION};
+use cophase_link::sample::{Sample, flags};
+use cophase_link::server::{Device, SettingsRefusal};
+
+/// Control ticks a second.
+pub const TICK_HZ: u32 = 2000;
+
+/// Number of axes.
+pub const AXES: usize = 6;
+
+/// A controller without a loop: the test sets its state.
+pub struct RecordingDevice {
+    /// Everything that changed the controller, in order.
+    pub effects: Vec<Effect>,
+    pub samples: VecDeque<Sample>,
+    pub events: VecDeque<(u32, Event)>,
+    pub every: u16,
+    pub now_ms: u32,
+    pub settings: Vec<u8>,
+    /// No command is taken.
+    pub is_busy: bool,
+}
+
+/// A change of the controller.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Effect {
+    Command(Command),
+    Program(Vec<u8>),
+    Settings(Vec<u8>),
+    Restart,
+}
+
+impl RecordingDevice {
+    pub fn new() -> Self {
+        let mut device = Self {
+            effects: Vec::new(),
+            samples: VecDeque::new(),
+            events: VecDeque::new(),
+            every: 0,
+            now_ms: 0,
+            settings: (0..1000_u32).map(|i| (i * i) as u8).collect(),
+            is_busy: false,
+        };
+        device.enters(State::Idle);
+        device
+    }
+
+    /// The machine is in a state, with the enable input closed.
+    pub fn enters(&mut self, state: State) {
+        let drives = !matches!(state, State::Idle | State::Fault);
+        let inputs = flags::ENABLE | if drives { flags::DRIVES } else { 0 };
+        self.samples.push_back(Sample {
+            state: state as u8,
+            flags: inputs,
+            ..Sample::ZERO
+        });
+    }
+}
+
+impl Device for RecordingDevice {
+    fn identity(&self) -> Identity {
+        let name = |text: &str| Name::try_from(text).unwrap();
+        Identity {
+            version: VERSION,
+            board: name("test"),
+            serial: 0x0123_4567_89AB_CDEF,
+            firmware: name("1.2.3"),
+            settings: name("machine"),
+            settings_crc: 1,
+            program_crc: 2,
+            axes: AXES as u8,
+            tick_hz: TICK_HZ,
+            can_run: true,
+        }
+    }
+
+    fn axes(&self) -> usize {
+        AXES
+    }
+
+    fn tick_hz(&self) -> u32 {
+        TICK_HZ
+    }
+
+    fn now_ms(&self) -> u32 {
+        self.now_ms
+    }
+
+    fn file(&self, file: File) -> &[u8] {
+        match file {
+            File::Settings => &self.settings,
+            File::Program => b"program",
+        }
+    }
+
+    fn command(&mut self, command: Command) -> bool {
+        if !self.is_busy {
+            self.effects.push(Effect::Command(command));
+        }
+        !self.is_busy
+    }
+
+    fn set_sampling(&mut self, every: u16) {
+        self.every = every;
+    }
+
+    fn next_sample(&mut self) -> Option<Sample> {
+        self.samples.pop_front()
+    }
+
+    fn next_event(&mut self) -> Option<(u32, Event)> {
+        self.events.pop_front()
+    }
+
+    fn load_program(&mut self, program: &[u8]) -> Result<(), Text> {
+        self.effects.push(Effect::Program(program.to_vec()));
+        Ok(())
+    }
+
+    fn store_settings(&mut self, settings_file: &[u8]) -> Result<(), SettingsRefusal> {
+        self.effects.push(Effect::Settings(settings_file.to_vec()));
+        Ok(())
+    }
+
+    fn restart(&mut self) {
+        self.effects.push(Effect::Restart);
+    }
+}

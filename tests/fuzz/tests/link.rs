@@ -1,0 +1,125 @@
+//! Arbitrary bytes and arbitrary messages at both ends of the host link. `COPHASE_FUZZ_FRAMES` says how many frames each
+//! decoder gets; without it there are few:
+//!
+//!     COPHASE_FUZZ_FRAMES=10000000 cargo test -p cophase-fuzz --test link -- --nocapture
+
+#[path = "../../../firmware/link/tests/support/device.rs"]
+#[expect(dead_code, reason = "the tests of the crate itself use all of it")]
+mod device;
+
+use std::sync::Mutex;
+
+use cophase_link::client::Client;
+use cophase_link::frame::{self, MAX_FRAME_BYTES, Receiver};
+use cophase_link::message::Message;
+use cophase_link::sample::{Sample, unpack};
+use cophase_link::server::Hub;
+use device::RecordingDevice;
+
+fn frames() -> usize {
+    let requested = std::env::var("COPHASE_FUZZ_FRAMES").ok();
+    requested.map_or(200_000, |requested| {
+        requested.parse().expect("a number of frames")
+    })
+}
+
+/// A server that all cases share: its state after one case is where the next begins.
+fn hub() -> Mutex<Hub<RecordingDevice, 1>> {
+    Mutex::new(Hub::new(RecordingDevice::new()))
+}
+
+/// Makes a frame of arbitrary bytes, with the right CRC.
+fn framed(payload: &[u8]) -> Vec<u8> {
+    let mut buffer = [0; MAX_FRAME_BYTES];
+    let length = frame::encode(0, &mut buffer, |room| {
+        room.get_mut(..payload.len())?.copy_from_slice(payload);
+        Some(payload.len())
+    });
+    buffer[..length.expect("the payload is short")].to_vec()
+}
+
+/// Bytes of noise are no request. If one had an effect, a bad cable could start a machine.
+#[test]
+fn noise_has_no_effect_on_a_controller() {
+    let hub = hub();
+    bolero::check!()
+        .with_iterations(frames())
+        .with_max_len(64)
+        .for_each(|bytes: &[u8]| {
+            let mut hub = hub.lock().expect("no case left it locked");
+            hub.receive(0, bytes);
+            hub.receive(0, &[0]);
+            assert!(hub.device().effects.is_empty());
+            assert_eq!(hub.transmit(0, &mut [0; 64]), 0, "noise was answered");
+        });
+}
+
+/// An intact frame may have any payload. The server must answer it, and must not panic.
+#[test]
+fn any_payload_is_answered() {
+    let hub = hub();
+    bolero::check!()
+        .with_iterations(frames())
+        .with_max_len(64)
+        .for_each(|payload: &[u8]| {
+            let mut hub = hub.lock().expect("no case left it locked");
+            hub.receive(0, &framed(payload));
+            let mut bytes = [0; 2048];
+            assert!(hub.transmit(0, &mut bytes) > 0, "no answer");
+            while hub.transmit(0, &mut bytes) > 0 {}
+            hub.device().effects.clear();
+        });
+}
+
+/// The host's decoders: of frames, messages and packets of samples.
+#[test]
+fn any_bytes_are_decoded_or_refused_by_the_host() {
+    bolero::check!()
+        .with_iterations(frames())
+        .with_max_len(64)
+        .for_each(|bytes: &[u8]| {
+            let mut client = Client::new();
+            for &byte in framed(bytes).iter().chain(bytes) {
+                if let Some(Message::Samples {
+                    every,
+                    channels,
+                    count,
+                    mut packet,
+                    ..
+                }) = client.push(byte)
+                {
+                    let mut sample = Sample::ZERO;
+                    for _ in 0..count {
+                        match unpack(&sample, every, channels, device::AXES, &mut packet) {
+                            Some(next) => sample = next,
+                            None => break,
+                        }
+                    }
+                }
+            }
+        });
+}
+
+/// A damaged frame is never taken for an intact one: one to three changed bytes are always found by the CRC, as they lie
+/// within 32 bits or are few.
+#[test]
+fn changed_frames_are_found() {
+    bolero::check!()
+        .with_iterations(frames())
+        .with_max_len(64)
+        .for_each(|bytes: &[u8]| {
+            let Some((&[place, change], payload)) = bytes.split_first_chunk::<2>() else {
+                return;
+            };
+            let mut frame = framed(payload);
+            let place = usize::from(place) % (frame.len() - 1);
+            let changed = frame[place] ^ change.max(1);
+            if changed == 0 {
+                return; // A zero ends a frame: that is a cut one, and another test's.
+            }
+            frame[place] = changed;
+            let mut receiver = Receiver::new();
+            let is_intact = frame.iter().any(|&byte| receiver.push(byte).is_some());
+            assert!(!is_intact, "byte {place} was changed");
+        });
+}
