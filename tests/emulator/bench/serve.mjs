@@ -19,7 +19,9 @@ export class Server {
     this.closing = false;
     this.ahead = { cycle: board.cycle, wall: performance.now() };
     this.server = net.createServer({ allowHalfOpen: false }, (socket) => this.accept(socket));
-    link.onData = (bytes) => this.fromBoard(bytes);
+    /** Bytes from the board since the client was given some last. */
+    this.outbox = [];
+    link.onData = (bytes) => this.outbox.push(bytes);
     link.onReady = () => this.report('event ready');
     link.onGone = () => {
       this.report('event gone');
@@ -84,7 +86,9 @@ export class Server {
     if (this.link.pending > MOST_PENDING) this.client.pause();
   }
 
-  fromBoard(bytes) {
+  toClient() {
+    if (this.outbox.length === 0) return;
+    const bytes = Buffer.concat(this.outbox.splice(0));
     if (this.client?.writable && !this.client.write(bytes)) this.link.setReading(false);
   }
 
@@ -104,6 +108,7 @@ export class Server {
       this.close(new Error(`the board stopped after ${this.seconds.toFixed(3)} s: ${end.reason}, ${end.detail ?? ''}`));
       return;
     }
+    this.toClient();
     if (this.client?.isPaused() && this.link.pending <= MOST_PENDING) this.client.resume();
     const wait = this.fast ? 0 : this.leadMs();
     if (wait >= 1) setTimeout(() => this.run(), wait);

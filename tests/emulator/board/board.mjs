@@ -81,13 +81,13 @@ export class Board {
   powerUp() {
     this.sram = new Uint8Array(RAM_BYTES).fill(POWER_UP_PATTERN);
     this.powered = true;
-    this.boot('power', new Uint32Array(8), 0, 0);
+    this.boot('power', new Uint32Array(8), 0, this.pads?.levels ?? 0);
   }
 
   /** Power goes, until `powerUp`: nothing runs, nothing drives a pin, and time goes on. */
   powerDown() {
     this.powered = false;
-    this.boot('no power', new Uint32Array(8), 0, 0);
+    this.boot('no power', new Uint32Array(8), 0, this.pads.levels);
   }
 
   boot(cause, scratch, reason, levels) {

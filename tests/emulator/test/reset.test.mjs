@@ -100,6 +100,23 @@ test('levels between edges come from the recording', () => {
   assert.deepEqual(levels, [0, 1, 1, 0]);
 });
 
+/** A board without power would go on driving its pins, or come back with what it knew before. */
+test('without power nothing runs and no pin is driven, until it is back', () => {
+  const board = watched(10_000);
+  board.run({ cycles: 1000 });
+  assert.equal(board.edges.levelAt('out', board.cycle), 1);
+  board.powerDown();
+  const off = board.cycle;
+  board.run({ cycles: 1_000_000 });
+  assert.deepEqual(board.edges.of('out').slice(-1).map(({ level, cycle }) => [level, cycle - off <= 1]), [[0, true]]);
+  assert.equal(board.core.waiting, true);
+  board.powerUp();
+  board.run({ cycles: 100 });
+  assert.notEqual(board.peek(RAM), 0xcafe_f00d);
+  assert.equal(board.core.waiting, false, 'its firmware runs');
+  assert.deepEqual(board.events.map(({ text }) => text), ['power', 'no power', 'power']);
+});
+
 test('power-up leaves nothing of use in RAM', () => {
   const board = watched(1000);
   assert.notEqual(board.peek(RAM + 64), 0);
