@@ -85,8 +85,9 @@ try {
   played = scene(given.scene ?? BUILT_IN_SCENE);
   if (given.scene !== undefined) settings = settingsOf(played);
 } catch (error) {
-  const fix = fs.existsSync(COPHASE) ? '' : `; ${COPHASE} is missing: build it with \`cargo build --release --package cophase\``;
-  bad(`--scene is ${given.scene}: ${error.message}${fix}`);
+  if (error.syscall === 'open') bad(`--scene is ${given.scene}, which does not exist: give a file, or a name in tests/emulator/scenes or host-sim/scenes`);
+  if (!fs.existsSync(COPHASE)) bad(`--scene needs ${COPHASE}, which does not exist: build it with \`cargo build --release --package cophase\``);
+  bad(`--scene is ${given.scene}: ${error.message}`);
 }
 
 const machine = new Machine({ ...played, settings, options: { elf: fs.readFileSync(given.elf), pins: {}, watched: [] } });

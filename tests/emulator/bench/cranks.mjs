@@ -1,5 +1,5 @@
-// The cranks of a machine while its firmware runs: they follow STEP and DIR, and their flags drive the index lines. For what
-// cannot be predicted, because somebody commands the board as it runs; kinematic, so nothing is lost, slips or takes time.
+// The cranks of a machine while its firmware runs: they follow STEP and DIR, and their flags drive the index lines. For runs
+// that cannot be predicted, because somebody commands the board as it runs. Kinematic: no crank slips or lags.
 //
 // Stands in for the recorder of edges (board.edges), and keeps none of them: a run may last for hours.
 

@@ -15,7 +15,7 @@ export function linkTo(board, { transport, uart = 1, baud = null, times }) {
   return host;
 }
 
-/** Two wires and nothing else: always there, and nothing to hold the board back with. */
+/** Two wires: always there, and without flow control. */
 class SerialLink {
   constructor(line, baud) {
     this.line = line;

@@ -1,4 +1,4 @@
-// What is done to a running board from outside, one line a command: its cable, its power, its inputs.
+// Commands to a running board's surroundings, one a line: its cable, its power, its inputs.
 
 import { CYCLES_PER_S } from './machine.mjs';
 import * as pins from './pins.mjs';

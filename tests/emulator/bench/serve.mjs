@@ -6,7 +6,7 @@ import { CYCLES_PER_S } from './machine.mjs';
 
 const SLICE_S = 0.001;
 const SLICE_CYCLES = SLICE_S * CYCLES_PER_S;
-/** A board that lags by more than this is not hurried afterwards. */
+/** The longest lag behind the clock on the wall that is made up for. */
 const MOST_LAG_MS = 50;
 /** Bytes for the board beyond which the client is held back. */
 const MOST_PENDING = 4096;

@@ -1,5 +1,5 @@
-// The driver of a serial port over USB (CDC-ACM), as a PC has it: finds the device's interfaces, configures it, sets the line
-// coding and DTR, and exchanges bytes.
+// The driver of a serial port over USB (CDC-ACM), as a PC has it: it finds the device's interfaces, configures it, sets the
+// line coding and DTR, and exchanges bytes.
 
 import { UsbHost } from './usb-host.mjs';
 
@@ -13,7 +13,7 @@ const ADDRESS = 1;
 const ENGLISH = 0x0409;
 const DEVICE_BYTES = 18;
 const HEADER_BYTES = 9;
-/** 115,200 baud, one stop bit, no parity, 8 bits: what a PC sets without a wish of its own. */
+/** 115,200 baud, one stop bit, no parity, 8 bits: the default of a PC. */
 const LINE_CODING = [0x00, 0xc2, 0x01, 0x00, 0, 0, 8];
 const DTR_AND_RTS = 3;
 

@@ -110,6 +110,9 @@ export class Pl011 extends BasePeripheral {
     );
   }
 
+  /** Called by rp2040js; the board's clocks are always at 125 MHz. */
+  clkPeriChanged() {}
+
   // ---- the wires ----
 
   /** A frame has arrived from the line, whose bits last `bitNanos`. */

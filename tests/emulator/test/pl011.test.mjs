@@ -129,7 +129,7 @@ test('the receive interrupt comes with the sixteenth byte, and goes below it', (
   assert.equal(read(RIS), 0);
 });
 
-/** Firmware that is late would lose bytes and not learn of it, or learn of it at the wrong byte. */
+/** Firmware that is late would lose bytes without an error, or have the error at the wrong byte. */
 test('an overrun loses what finds no room, and is marked on the first byte after it', () => {
   const { line, read, wait, drain } = rig();
   line.send(bytesOf(35));
@@ -152,7 +152,7 @@ test('frames with errors arrive with them; so does every byte of a sender at ano
     assert.deepEqual(drain(), [flags], error);
     write(ICR, 0x7ff);
   }
-  assert.throws(() => line.sendWithError('smell'), /framing, parity, break/);
+  assert.throws(() => line.sendWithError('noise'), /framing, parity, break/);
   for (const [factor, flags] of [[1.03, 0], [0.97, 0], [1.1, 0x100], [0.5, 0x100]]) {
     line.baud = (factor * 125e6) / BIT;
     line.send([0x41]);

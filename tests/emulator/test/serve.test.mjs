@@ -1,4 +1,4 @@
-// The board behind a TCP port: bytes there and back, one client at a time, and what a client sees of cable and power.
+// The board behind a TCP port: bytes there and back, one client at a time, and what a client notices of cable and power.
 
 import assert from 'node:assert/strict';
 import { once } from 'node:events';
@@ -17,6 +17,9 @@ import { UsbDriver } from '../support/usb-driver.mjs';
 const MS = 125_000;
 const TIMES = { debounce: 1, reset: 1, recovery: 1, resume: 1, address: 0.1 };
 
+/** Time of the board after which a test that still waits for something ends. */
+const MOST_S = 30;
+
 /** A served board with the driver that sends everything back; `lines` are what the server reports. */
 async function served() {
   const board = new Board({ bare: true });
@@ -30,6 +33,11 @@ async function served() {
   const operator = new Operator(machine, link, 'usb');
   const port = await server.listen(0);
   server.run();
+  const guard = () => {
+    if (server.seconds > MOST_S) server.close();
+    if (!server.closing) setImmediate(guard);
+  };
+  guard();
   const reported = async (line) => {
     for (let i = 0; i < 5000 && !lines.includes(line); i += 1) await new Promise(setImmediate);
     assert.ok(lines.includes(line), `"${line}" is reported; there is ${lines.join(', ')}`);
@@ -47,7 +55,10 @@ async function connect(port) {
 async function exchange(socket, bytes) {
   const received = [];
   socket.write(bytes);
-  while (received.length < bytes.length) received.push(...(await once(socket, 'data'))[0]);
+  for await (const data of socket.iterator({ destroyOnReturn: false })) {
+    received.push(...data);
+    if (received.length >= bytes.length) break;
+  }
   return Buffer.from(received);
 }
 
@@ -67,8 +78,8 @@ test('bytes go there and back; DTR says whether there is a client', async () => 
   server.close();
 });
 
-/** Two clients would share a port, which no serial port lets them. */
-test('a second client is turned away while the first is there', async () => {
+/** Two clients would share a port, which a serial port does not allow. */
+test('a second client is refused while the first is there', async () => {
   const { server, port, reported } = await served();
   const first = await connect(port);
   await reported('event client');
@@ -108,8 +119,8 @@ test('the client loses its port with the cable and with the power, and the next 
   server.close();
 });
 
-/** A command would do something else, or nothing, without a word. */
-test('commands set inputs and drive the bus; what cannot be done is said', async () => {
+/** A command would do something else, or fail without a message. */
+test('commands set inputs and drive the bus; what cannot be done is an error', async () => {
   const rig = await served();
   const { server, operator, board, driver, port } = rig;
   operator.obey('enable  off');
@@ -144,6 +155,7 @@ test('bad arguments of the bridge name the argument and what it can be', () => {
   for (const [args, message] of [
     [['--transport', 'tin'], /--transport is tin: give one of usb, uart/],
     [['--port', '70000'], /--port is 70000: give a whole number from 0 to 65535/],
+    [['--scene', 'nowhere'], /--scene is nowhere, which does not exist: give a file/],
     [['--elf', '/nowhere'], /--elf is \/nowhere, which does not exist: build/],
     [['--sceen', 'x'], /--sceen/],
   ]) {
