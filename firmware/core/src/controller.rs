@@ -112,12 +112,12 @@ impl Controller {
     /// Replaces the program of a machine that is idle or parked, and begins it anew. Returns false in any other state.
     ///
     /// The program must have been made for this controller's tick rate, mechanism and greatest speed.
-    #[cold]
+    #[inline(never)]
     pub fn load_program(&mut self, program: &Program) -> bool {
         if !matches!(self.supervisor.state(), State::Idle | State::Parked) {
             return false;
         }
-        self.program.clone_from(program);
+        self.program.copy_from(program);
         self.cursor = Cursor::new();
         true
     }

@@ -64,8 +64,9 @@ impl Handover {
 pub struct LoopEnd {
     commands: Consumer<'static, Command>,
     samples: Producer<'static, Sample>,
-    /// Ticks until the next sample.
-    wait: u16,
+    /// Ticks between two samples, as last read, and the tick of the next.
+    every: u16,
+    next: u32,
 }
 
 impl LoopEnd {
@@ -95,19 +96,22 @@ impl LoopEnd {
 
     /// Makes a sample of a tick, if one is due. One that finds no room is lost, which the next one's tick shows.
     pub fn sample(&mut self, tick: u32, telemetry: &Telemetry, drives: bool, inputs: u8) {
-        if self.wait > 1 {
-            self.wait -= 1;
-            return;
-        }
         let every = EVERY.load(Ordering::Relaxed);
-        if every == 0 {
-            return;
+        if every != self.every {
+            self.align(every, tick);
         }
-        // Samples are at multiples of their distance, so that sessions can select among them.
-        self.wait = every - (tick % u32::from(every)) as u16;
-        if self.wait == every {
+        if tick == self.next && every > 0 {
+            self.next = tick.wrapping_add(every.into());
             self.make(tick, telemetry, drives, inputs);
         }
+    }
+
+    /// Samples are at multiples of their distance, so that sessions can select among them.
+    #[inline(never)]
+    fn align(&mut self, every: u16, tick: u32) {
+        self.every = every;
+        let since = tick.checked_rem(every.into()).unwrap_or(0);
+        self.next = tick.wrapping_sub(since).wrapping_add(every.into());
     }
 
     #[inline(never)] // The check of the linked firmware for panics knows it by name.
@@ -136,7 +140,8 @@ pub fn queues() -> (LoopEnd, LinkEnd) {
     let loop_end = LoopEnd {
         commands: take_command,
         samples: give_sample,
-        wait: 0,
+        every: 0,
+        next: 0,
     };
     let link_end = LinkEnd {
         commands: give_command,

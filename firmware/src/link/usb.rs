@@ -2,9 +2,10 @@
 
 use embassy_executor::Spawner;
 use embassy_futures::join::join;
+use embassy_futures::select::select;
 use embassy_rp::peripherals::USB;
 use embassy_rp::usb::{Driver, InterruptHandler};
-use embassy_rp::{Peri, bind_interrupts};
+use embassy_rp::{Peri, bind_interrupts, pac};
 use embassy_time::Timer;
 use embassy_usb::class::cdc_acm::{CdcAcmClass, Receiver, Sender, State};
 use embassy_usb::{Builder, Config, UsbDevice};
@@ -51,7 +52,25 @@ pub fn spawn(spawner: Spawner, hub: SharedHub, usb: Peri<'static, USB>) {
 
 #[embassy_executor::task]
 async fn run(mut device: UsbDevice<'static, Usb>) -> ! {
-    device.run().await
+    loop {
+        select(device.run(), reset_is_pending()).await;
+    }
+}
+
+/// Completes when a bus reset has waited for 3 to 6 ms.
+///
+/// A reset or an unplug within the data stage of a control request leaves embassy-usb 0.6 waiting for that request for
+/// ever (embassy issue 3868). Beginning anew gets it out.
+async fn reset_is_pending() {
+    let mut was_pending = false;
+    loop {
+        Timer::after_millis(3).await;
+        let is_pending = pac::USB.sie_status().read().bus_reset();
+        if was_pending && is_pending {
+            return;
+        }
+        was_pending = is_pending;
+    }
 }
 
 /// Task that passes bytes between the host and the server.

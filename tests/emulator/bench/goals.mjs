@@ -1,10 +1,10 @@
 // Goals of the firmware. A goal that is enforced has been reached: the bench fails when it is missed. Set `enforced` once a goal is reached.
 
-/** Static RAM and the deepest stack together, bytes. */
-export const RAM_BYTES = { most: 140_000, enforced: true };
+/** Static RAM and the deepest stack together, bytes: at least 60,000 of the 270,336 stay free. */
+export const RAM_BYTES = { most: 210_336, enforced: true };
 
-/** The firmware in the flash, bytes. */
-export const FLASH_BYTES = { most: 220_000, enforced: true };
+/** The firmware in the flash, bytes, with the host link and its USB stack. */
+export const FLASH_BYTES = { most: 350_000, enforced: true };
 
 /** A tick of six axes, all index sensors at one crank angle, corrections in motion; cycles. */
 export const WORST_TICK_CYCLES = { most: 9000, enforced: false };

@@ -4,7 +4,6 @@
 //!     COPHASE_FUZZ_FRAMES=10000000 cargo test -p cophase-fuzz --test link -- --nocapture
 
 #[path = "../../../firmware/link/tests/support/device.rs"]
-#[expect(dead_code, reason = "the tests of the crate itself use all of it")]
 mod device;
 
 use std::sync::Mutex;

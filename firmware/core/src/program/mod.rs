@@ -50,6 +50,16 @@ impl Program {
         self.ends.clear();
     }
 
+    /// Replaces the entries by those of another program.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.clear();
+        for (&entry, &end) in other.entries.iter().zip(&other.ends) {
+            // Both lists have as much room as those of the other program.
+            let _ = self.entries.push(entry);
+            let _ = self.ends.push(end);
+        }
+    }
+
     /// Duration of the whole program, in ticks.
     pub fn duration(&self) -> u64 {
         self.ends.last().copied().unwrap_or(0)
