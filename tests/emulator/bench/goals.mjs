@@ -15,3 +15,6 @@ export const TICK_HZ = 10_000;
 
 /** Deadlines missed at any tick rate that the board accepts. */
 export const MISSED_DEADLINES = { most: 0, enforced: true };
+
+/** By how much a saturated host link makes the worst tick longer, cycles. */
+export const LINK_TICK_CYCLES = { most: 500, enforced: true };

@@ -90,10 +90,16 @@ export class Machine {
     this.set(pins.START, 1);
     this.run(STEADY_S);
     this.set(pins.START, 0);
+    const began = this.begins();
+    this.set(pins.START, 1);
+    return began;
+  }
+
+  /** Runs until a start switches the drives on. Gives the same cycle as `start`. */
+  begins() {
     const on = (board) => board.edges.levelAt('enable', board.cycle) === 1;
     const { reason } = this.board.run({ cycles: 0.1 * CYCLES_PER_S, until: on, every: 500 });
-    if (reason !== 'until') throw new Error('pressing the button did not switch the drives on');
-    this.set(pins.START, 1);
+    if (reason !== 'until') throw new Error('the start did not switch the drives on');
     const [rise] = this.board.edges.to('enable', 1).slice(-1);
     // The run of the loop that switched the drives on may still be under way.
     const { calls, stack } = this.board.usage;

@@ -4,8 +4,12 @@ import { VECTOR_TABLE } from '../board/chip.mjs';
 import { CallProfile } from '../board/profile.mjs';
 import { eventsOfLog } from './events.mjs';
 import { log } from './log.mjs';
+import { DMA_IRQ_1, TIMER_IRQ_1 } from '../board/usage.mjs';
 import { CYCLES_PER_S, Machine } from './machine.mjs';
 import { act } from './play.mjs';
+
+/** The loop's alarm, and the end of a step buffer. Interrupts of the host link and of its timers have a lower priority. */
+const LOOP = [TIMER_IRQ_1, DMA_IRQ_1];
 
 /** Exceptions of the processor, and 32 interrupts. */
 const VECTORS = 16 + 32;
@@ -14,14 +18,15 @@ const VECTORS = 16 + 32;
 const WIDTH_US = 2;
 
 /**
- * Runs the scene to its end. Gives { machine, lines: the log, period: cycles of a tick, ticks, profile: null unless
- * requested, awake: cycles in which the processor did not sleep, reads: of the flash by interrupts, [{ pc, address, count, cycles waited }] }; ticks:
+ * Runs the scene to its end; `prepare(machine)` comes before its start. Gives { machine, lines: the log, period: cycles of a tick, ticks, profile: null unless
+ * requested, awake: cycles in which the processor did not sleep, reads: of the flash by the loop's interrupts, [{ pc, address, count, cycles waited }] }; ticks:
  * [{ number, own, state, pulses, call: of the profile }], numbered from the deadline at which the start was read.
  */
-export function run(played, predicted, settings, { profile = false } = {}) {
+export function run(played, predicted, settings, { profile = false, prepare = () => {} } = {}) {
   const machine = new Machine({ ...played, settings });
   const { board } = machine;
   machine.boot();
+  prepare(machine);
   if (profile) board.profile = new CallProfile(board.elf.functions);
   const began = machine.start();
   const before = board.usage.sums();
@@ -45,7 +50,7 @@ export function run(played, predicted, settings, { profile = false } = {}) {
     profile: board.profile,
     period: machine.tick,
     awake: after.awake - before.awake,
-    reads: [...board.core.handlerReads.values()].filter(({ address }) => !isVector(address)),
+    reads: [...board.core.handlerReads.values()].filter(({ exception, address }) => LOOP.includes(exception) && !isVector(address)),
   };
 }
 

@@ -35,7 +35,7 @@ export class MemoryCore extends StockCore {
     this.cache = new XipCache(board.missCycles);
     /**
      * Reads of the flash by handlers of interrupts since reset, vectors included, by instruction and address:
-     * { pc, address, count, cycles waited }.
+     * { exception, pc, address, count, cycles waited }.
      */
     this.handlerReads = new Map();
     /** Cycles of the present instruction beyond what its own table gives. */
@@ -179,7 +179,7 @@ export class MemoryCore extends StockCore {
     const pc = this.registers[15] >>> 0;
     const key = pc * 2 ** 24 + (address & XIP_MASK);
     const read = this.handlerReads.get(key);
-    if (read === undefined) this.handlerReads.set(key, { pc, address, count: 1, cycles });
+    if (read === undefined) this.handlerReads.set(key, { exception: this.IPSR, pc, address, count: 1, cycles });
     else {
       read.count += 1;
       read.cycles += cycles;

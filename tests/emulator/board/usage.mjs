@@ -4,6 +4,7 @@
 // exceptions that preempted it. Thread mode is number 0; interrupt n is exception 16 + n (TIMER_IRQ_1 is 1 + 16 = 17).
 
 export const TIMER_IRQ_1 = 17;
+export const DMA_IRQ_1 = 28;
 
 export class Usage {
   /** `now()` gives the present cycle. Calls of the exceptions in `watched` are listed one by one. */

@@ -67,14 +67,27 @@ function compare(outcome, played) {
   machine.boot();
   const began = machine.start();
   act(machine, played, predicted, began);
+  const { edges, offsets, wrong } = compared(machine, played, predicted, began);
+  for (const text of wrong) outcome.check(false, text);
+  return { edges, offsets };
+}
+
+/** Edges of a run that are as predicted: their number, and the first that is not, in words. */
+export function edgesOff(machine, played, predicted, began) {
+  const { edges, wrong } = compared(machine, played, predicted, began);
+  return { edges, off: wrong[0] ?? null };
+}
+
+function compared(machine, played, predicted, began) {
   const offsets = [];
+  const wrong = [];
   let count = 0;
   for (let axis = 0; axis < played.axes; axis += 1) {
     for (const wire of [`step_${axis}`, `dir_${axis}`]) {
       const expected = predicted.edges.get(wire);
       const actual = machine.board.edges.of(wire).filter(({ cycle }) => cycle >= began);
       const where = `${played.name}, ${wire}`;
-      outcome.check(actual.length === expected.length, `${where}: ${expected.length} edges, not ${actual.length}`);
+      if (actual.length !== expected.length) wrong.push(`${where}: ${expected.length} edges, not ${actual.length}`);
       const block = pins.blockOf(axis);
       const worst = { at: -1, off: 0 };
       for (let i = 0; i < Math.min(actual.length, expected.length); i += 1) {
@@ -86,9 +99,9 @@ function compare(outcome, played) {
           break;
         }
       }
-      outcome.check(worst.at < 0, `${where}: edge ${worst.at} is ${worst.off} cycles from its prediction, as are all before it by ${offsets[block]}`);
+      if (worst.at >= 0) wrong.push(`${where}: edge ${worst.at} is ${worst.off} cycles from its prediction, as are all before it by ${offsets[block]}`);
       count += actual.length;
     }
   }
-  return { edges: count, offsets };
+  return { edges: count, offsets, wrong };
 }

@@ -1,0 +1,112 @@
+// Frames of the host link (docs/link.md), written a second time: what the firmware's own crate encodes is judged by this.
+
+import { crc32 } from './crc.mjs';
+
+const NUMBER_BYTES = 2;
+const CRC_BYTES = 4;
+
+/** A frame with its number and payload, as bytes on the line. */
+export function encode(number, payload) {
+  const body = Buffer.from([number & 0xff, (number >> 8) & 0xff, ...payload]);
+  const plain = Buffer.concat([body, Buffer.from(Uint32Array.of(crc32(body)).buffer)]);
+  const out = [];
+  let block = [];
+  const flush = () => {
+    out.push(block.length + 1, ...block);
+    block = [];
+  };
+  for (const byte of plain) {
+    if (byte === 0) flush();
+    else block.push(byte);
+    if (block.length === 254) {
+      out.push(255, ...block);
+      block = [];
+    }
+  }
+  flush();
+  return Uint8Array.from([...out, 0]);
+}
+
+/** Receives frames: `onFrame(number, payload)` for each intact one. */
+export class Receiver {
+  constructor(onFrame) {
+    this.onFrame = onFrame;
+    this.bytes = [];
+    this.bad = 0;
+    this.missing = 0;
+    this.next = null;
+  }
+
+  push(bytes) {
+    for (const byte of bytes) {
+      if (byte !== 0) this.bytes.push(byte);
+      else if (this.bytes.length > 0) this.frame(this.bytes.splice(0));
+    }
+  }
+
+  frame(coded) {
+    const plain = [];
+    for (let at = 0; at < coded.length; ) {
+      const length = coded[at];
+      plain.push(...coded.slice(at + 1, at + length));
+      at += length;
+      if (length < 255 && at < coded.length) plain.push(0);
+    }
+    const body = Buffer.from(plain.slice(0, -CRC_BYTES));
+    const crc = Buffer.from(plain.slice(-CRC_BYTES)).readUInt32LE();
+    if (crc !== crc32(body)) {
+      this.bad += 1;
+      return;
+    }
+    const number = body.readUInt16LE();
+    this.missing += this.next === null ? 0 : (number - this.next + 0x1_0000) % 0x1_0000;
+    this.next = (number + 1) % 0x1_0000;
+    this.onFrame(number, body.subarray(NUMBER_BYTES));
+  }
+}
+
+/** Variants of a request, as `Request` in firmware/link/src/message.rs numbers them, and of what it contains. */
+const VARIANTS = {
+  identify: 0,
+  read: 1,
+  beginWrite: 2,
+  write: 3,
+  finishWrite: 4,
+  control: 6,
+  arm: 7,
+  start: 9,
+  counters: 17,
+  stream: 19,
+  streamStatus: 20,
+};
+
+/** A number as postcard has it: seven bits a byte, the lowest first. */
+export function varint(value) {
+  const bytes = [];
+  let rest = value;
+  for (; rest > 0x7f; rest = Math.floor(rest / 128)) bytes.push((rest % 128) | 0x80);
+  return [...bytes, rest];
+}
+
+const request = (name, ...fields) => [VARIANTS[name], ...fields.flat()];
+
+export const SETTINGS = 0;
+export const PROGRAM = 1;
+
+/** Payloads of requests. */
+export const requests = {
+  identify: (version = 1) => request('identify', varint(version)),
+  read: (file, offset) => request('read', file, varint(offset)),
+  beginWrite: (file, bytes) => request('beginWrite', file, varint(bytes.length), varint(crc32(bytes))),
+  write: (offset, bytes) => request('write', varint(offset), varint(bytes.length), [...bytes]),
+  finishWrite: () => request('finishWrite'),
+  takeControl: () => request('control', 0),
+  arm: () => request('arm'),
+  start: () => request('start'),
+  counters: () => request('counters'),
+  stream: (channels, every) => request('stream', varint(channels), varint(every)),
+  streamStatus: (milliseconds) => request('streamStatus', varint(milliseconds)),
+};
+
+/** What a message of the controller is: [kind, rest]. */
+export const MESSAGE = { reply: 0, status: 1, samples: 2, event: 3 };

@@ -1,0 +1,187 @@
+// Host link: a program that comes over USB or UART runs as `cophase run` predicts, streams are complete or say what is
+// missing, a load is quick and survives power cuts, and the loop does not notice a busy line.
+
+import { PROGRAM, SETTINGS, requests } from '../bench/frames.mjs';
+import * as goals from '../bench/goals.mjs';
+import { predict, scene, settingsOf, withAxes } from '../bench/host.mjs';
+import { LinkHost } from '../bench/link-host.mjs';
+import { log } from '../bench/log.mjs';
+import { CYCLES_PER_S, Machine, flashWith } from '../bench/machine.mjs';
+import { act } from '../bench/play.mjs';
+import { run as play, summary } from '../bench/ticks.mjs';
+import { edgesOff } from './parity.mjs';
+
+/** Channels of a stream: all of firmware/link/src/sample.rs. */
+const ALL_CHANNELS = (1 << 11) - 1;
+
+/** Loads: a program of this many segments, in at most these times, s. */
+const SEGMENTS = 64;
+const LOAD_S = { usb: 1, uart: 2 };
+
+/** Flash operations as quick as they may be, where only their order matters. */
+const QUICK = { flashTimes: { eraseSector: 2000, programPage: 500 } };
+
+export const title = 'Link: programs, streams, loads and power cuts over USB and UART';
+
+export function run(outcome) {
+  programs(outcome);
+  loads(outcome);
+  cuts(outcome);
+  saturation(outcome);
+}
+
+// ---- a program that comes over the link ----
+
+/** The same scene with another program: one level, one second. */
+function otherProgram(toml) {
+  toml.program = [{ amax_g: 1, ramp_s: 0.5, hold_s: 0.5 }];
+}
+
+function programs(outcome) {
+  for (const [transport, name, axes] of [['usb', 'gears', undefined], ['usb', 'everything', 6], ['uart', 'everything', 4]]) {
+    const change = axes === undefined ? () => {} : withAxes(axes);
+    const played = scene(name, change);
+    const source = new Machine({ ...played, settings: settingsOf(played) });
+    source.boot();
+    const first = new LinkHost(source, transport);
+    first.connect();
+    const program = first.readFile(PROGRAM);
+
+    const other = scene(name, (toml) => { change(toml); otherProgram(toml); });
+    const machine = new Machine({ ...played, settings: settingsOf(other) });
+    machine.boot();
+    const host = new LinkHost(machine, transport);
+    host.connect();
+    host.ask(requests.takeControl());
+    host.writeFile(PROGRAM, program);
+    host.ask(requests.stream(ALL_CHANNELS, Math.max(1, Math.floor(played.tickHz / 1000))));
+    host.ask(requests.arm());
+    host.send(requests.start());
+    const began = machine.begins();
+    const predicted = predict(played);
+    act(machine, played, predicted, began);
+    const { edges, off } = edgesOff(machine, played, predicted, began);
+    outcome.check(off === null, `${transport}, ${name}: every edge is where \`cophase run\` has it: ${off}`);
+    const { received, gaps, lost } = streamed(host);
+    outcome.check(received > 100, `${transport}, ${name}: samples come`);
+    outcome.check(gaps <= lost, `${transport}, ${name}: every lost sample is counted, not ${lost} of ${gaps}`);
+    if (transport === 'usb') outcome.check(lost === 0, `${transport}, ${name}: no sample is lost, not ${lost}`);
+    outcome.say(`${transport}, ${name}, ${played.axes} axes: ${edges} edges, 0 cycles off; 1 kHz: ${received} samples, ${lost} lost, all counted`);
+  }
+}
+
+/** Samples received, those missing between them, and those that the controller counted as lost. */
+function streamed(host) {
+  const runs = host.samples;
+  const received = runs.reduce((sum, { count }) => sum + count, 0);
+  let gaps = 0;
+  runs.slice(1).forEach(({ tick, every }, i) => {
+    gaps += (tick - runs[i].tick) / every - runs[i].count;
+  });
+  return { received, gaps, lost: host.samplesLost() };
+}
+
+// ---- how long a load takes ----
+
+/** A program of many segments. */
+function manySegments(toml) {
+  toml.program = Array.from({ length: SEGMENTS }, (_, i) => ({ amax_g: 0.5 + (i % 7) / 10, ramp_s: 0.5, hold_s: 0.25 + i / 100 }));
+}
+
+function loads(outcome) {
+  const made = scene('start-stop', (toml) => { withAxes(2)(toml); manySegments(toml); });
+  const source = new Machine({ ...made, settings: settingsOf(made) });
+  source.boot();
+  const reader = new LinkHost(source, 'usb');
+  reader.connect();
+  const program = reader.readFile(PROGRAM);
+  for (const transport of ['usb', 'uart']) {
+    const played = scene('start-stop', withAxes(2));
+    const machine = new Machine({ ...played, settings: settingsOf(played) });
+    machine.boot();
+    const host = new LinkHost(machine, transport);
+    host.connect();
+    const from = host.seconds;
+    host.ask(requests.takeControl());
+    host.writeFile(PROGRAM, program);
+    const took = host.seconds - from;
+    outcome.check(host.readFile(PROGRAM).equals(program), `${transport}: the program is read back as it was written`);
+    outcome.check(took < LOAD_S[transport], `${transport}: ${SEGMENTS} segments load in ${LOAD_S[transport]} s, not ${took.toFixed(3)} s`);
+    outcome.figure(`program of ${SEGMENTS} segments over ${transport}, ms`, Math.round(1000 * took));
+    outcome.say(`${transport}: ${SEGMENTS} segments (${program.length} bytes) in ${(1000 * took).toFixed(0)} ms`);
+  }
+}
+
+// ---- power cuts ----
+
+const CUT_AFTER = [0, 1, 97, 255, 2048, 4095];
+
+function cuts(outcome) {
+  const older = settingsOf(scene('hold'));
+  const newer = settingsOf(scene('start-stop'));
+  let count = 0;
+  for (let operation = 0; ; operation += 1) {
+    const torn = CUT_AFTER.map((bytes) => cut(outcome, older, newer, { operation, bytes }));
+    count += torn.filter(Boolean).length;
+    if (!torn.some(Boolean)) break;
+  }
+  outcome.check(count > 20, `at least 20 power cuts are tried, not ${count}`);
+  outcome.say(`${count} power cuts while settings are loaded: each next start ran, on whole settings`);
+}
+
+/** Loads settings, and cuts the power in one operation of the flash. Says whether the cut came at all. */
+function cut(outcome, older, newer, where) {
+  const flash = flashWith(older);
+  const machine = new Machine({ axes: 4, tickHz: 2000, flash, options: QUICK });
+  machine.boot();
+  const host = new LinkHost(machine, 'uart');
+  host.connect();
+  host.ask(requests.takeControl());
+  machine.board.rom.cutPower(where);
+  let isCut = false;
+  try {
+    host.writeFile(SETTINGS, newer);
+  } catch (error) {
+    isCut = /power-cut/.test(error.message);
+    if (!isCut) throw error;
+  }
+  const again = new Machine({ axes: 4, tickHz: 2000, flash, options: QUICK });
+  again.boot();
+  again.run(0.01);
+  const runs = log(again.board).find((line) => /settings: /.test(line)) ?? '';
+  const expected = isCut ? /settings: (hold|start-stop), / : /settings: start-stop, /;
+  outcome.check(expected.test(runs), `cut in operation ${where.operation} after ${where.bytes} bytes: the next start runs whole settings: ${runs}`);
+  return isCut;
+}
+
+// ---- a busy line ----
+
+const SATURATED_EVERY_NS = 250_000;
+const BUSY_BYTES = 4096;
+
+function saturation(outcome) {
+  const played = scene('alike', withAxes(6));
+  const [predicted, settings] = [predict(played), settingsOf(played)];
+  const quiet = summary(play(played, predicted, settings).ticks);
+  let host;
+  const prepare = (machine) => {
+    host = new LinkHost(machine, 'usb');
+    host.connect();
+    host.ask(requests.stream(ALL_CHANNELS, 1));
+    host.ask(requests.streamStatus(10));
+    const block = Buffer.alloc(384, 0xa5);
+    const refill = () => {
+      while (host.link.pending < BUSY_BYTES) host.send(requests.write(0, block));
+      machine.board.clock.later(SATURATED_EVERY_NS, refill);
+    };
+    refill();
+  };
+  const { ticks, machine } = play(played, predicted, settings, { prepare });
+  const busy = summary(ticks);
+  const seconds = ticks.length / played.tickHz;
+  const perSecond = (bytes) => Math.round(bytes / seconds / 1000);
+  outcome.say(`6 axes, worst tick ${quiet.worst} cycles without a host, ${busy.worst} with USB saturated both ways (mean ${quiet.mean.toFixed(0)}, ${busy.mean.toFixed(0)})`);
+  outcome.say(`${perSecond(host.bytes)} kB/s to the host meanwhile; ${streamed(host).lost} samples lost`);
+  outcome.goal('tick of 6 axes, worst, with the link saturated, more cycles', busy.worst - quiet.worst, goals.LINK_TICK_CYCLES);
+  outcome.check(machine.ticks().length > 0, 'the loop runs');
+}
