@@ -19,7 +19,7 @@ use crate::board::alarm::Until;
 use crate::board::index::Index;
 use crate::board::steps::{Steps, Submission};
 use crate::board::watchdog::Fed;
-use crate::board::{has_passed, lines};
+use crate::board::{has_passed, lines, sampler};
 use crate::link::LoopEnd;
 use crate::report::Reporter;
 
@@ -138,12 +138,15 @@ impl Io for Board {
         self.watchdog.feed(self.state, self.ticks);
         lines::led(self.state);
         self.reporter.observe(self.ticks, &output.telemetry);
-        self.link.sample(
-            self.ticks,
-            &output.telemetry,
-            output.drives_enabled,
-            self.inputs,
-        );
+        sampler::begin(self.ticks);
+        if self.link.is_sample_due(self.ticks) {
+            let drives = if output.drives_enabled {
+                flags::DRIVES
+            } else {
+                0
+            };
+            sampler::request(&output.telemetry, self.inputs | drives);
+        }
         self.ticks = self.ticks.wrapping_add(1);
         SubmissionResult::InTime
     }

@@ -64,44 +64,54 @@ impl Note {
 
 /// Notes what changed from tick to tick.
 pub struct Reporter {
-    notes: Producer<'static, Note>,
     axes: usize,
     watch: Watch,
-    lost: u32,
+    queue: NoteQueue,
 }
 
 impl Reporter {
     /// Reporter of a loop that is idle and has missed no deadline.
     pub const fn new(notes: Producer<'static, Note>, axes: usize) -> Self {
         Self {
-            notes,
             axes,
             watch: Watch::new(),
-            lost: 0,
+            queue: NoteQueue { notes, lost: 0 },
         }
     }
 
     /// Compares the telemetry of a tick with the one before.
     pub fn observe(&mut self, tick: u32, telemetry: &Telemetry) {
-        let mut watch = core::mem::take(&mut self.watch);
-        watch.observe(telemetry, |change| {
-            let what = match change {
-                Change::State(state) => What::State {
-                    state,
-                    phase_error: telemetry.phase_error,
-                    axes: self.axes,
-                },
-                Change::Event { fault, latched } => What::Event { fault, latched },
-                Change::Missed(all) => What::Missed(all),
-                Change::Late(all) => What::Late(all),
-            };
-            self.note(tick, what);
+        let axes = self.axes;
+        let queue = &mut self.queue;
+        self.watch.observe(telemetry, |change| {
+            queue.note(tick, change, telemetry, axes);
         });
-        self.watch = watch;
+    }
+}
+
+/// End of the queue that the loop writes.
+struct NoteQueue {
+    notes: Producer<'static, Note>,
+    lost: u32,
+}
+
+impl NoteQueue {
+    #[inline(never)] // The check of the linked firmware for panics knows it by name.
+    fn note(&mut self, tick: u32, change: Change, telemetry: &Telemetry, axes: usize) {
+        let what = match change {
+            Change::State(state) => What::State {
+                state,
+                phase_error: telemetry.phase_error,
+                axes,
+            },
+            Change::Event { fault, latched } => What::Event { fault, latched },
+            Change::Missed(all) => What::Missed(all),
+            Change::Late(all) => What::Late(all),
+        };
+        self.push(tick, what);
     }
 
-    #[inline(never)] // The check of the linked firmware for panics knows it by name.
-    fn note(&mut self, tick: u32, what: What) {
+    fn push(&mut self, tick: u32, what: What) {
         if self.lost > 0 {
             let what = What::Lost(self.lost);
             if self.notes.enqueue(Note { tick, what }).is_ok() {

@@ -113,12 +113,10 @@ impl Sample {
         correction: [0; MAX_AXES],
     };
 
-    /// Sample of a tick. `flags` has the bits of the inputs; the others are added.
-    #[inline] // The firmware makes it in the tick, from RAM.
-    pub fn new(tick: u32, telemetry: &Telemetry, drives: bool, flags: u8) -> Self {
+    /// Sample of a tick. `flags` has the bits of the drives and the inputs; the others are added.
+    pub fn new(tick: u32, telemetry: &Telemetry, flags: u8) -> Self {
         let mut all = flags;
         for (bit, is_set) in [
-            (flags::DRIVES, drives),
             (flags::HOLDING, telemetry.holding),
             (flags::FAULT, telemetry.fault.is_some()),
             (flags::HOMED, telemetry.homed),

@@ -3,7 +3,7 @@
 //! This module contains hardware access and makes no decisions. [`pins`] is the one table of all pins, [`steps`] plays
 //! step edges, and [`index`] times index pulses. [`guard`] switches off the drives when the enable input opens. [`lines`]
 //! are the other safety lines and the LED. [`alarm`] runs the loop at its deadlines. [`watchdog`] resets a controller
-//! that hangs.
+//! that hangs. [`sampler`] copies telemetry for the host link.
 //!
 //! Terms: a *block* is one of the two PIO blocks, a *machine* one of its four state machines. A *cycle* is a clock cycle
 //! of the core and the machines, 8 ns. A microsecond is a tick of the timer for the loop's deadlines. Both come from the
@@ -16,6 +16,7 @@ pub mod guard;
 pub mod index;
 pub mod lines;
 pub mod pins;
+pub mod sampler;
 pub mod steps;
 pub mod watchdog;
 

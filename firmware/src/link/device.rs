@@ -6,7 +6,6 @@ use core::sync::atomic::{AtomicU8, AtomicU16, Ordering};
 use cophase_core::mechanism::AnyMechanism;
 use cophase_core::program::{Program, ProgramBuilder};
 use cophase_core::settings::{NAME_BYTES, Settings};
-use cophase_core::signals::Telemetry;
 use cophase_core::supervisor::Command;
 use cophase_link::message::{Event, File, Identity, Name, Text, VERSION};
 use cophase_link::program::{MAX_PROGRAM_BYTES, ProgramFileError, encode, fill, text};
@@ -19,7 +18,7 @@ use embassy_time::{Duration, Instant};
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::{ConstStaticCell, StaticCell};
 
-use crate::board::watchdog;
+use crate::board::{sampler, watchdog};
 use crate::report::{self, Note};
 use crate::settings;
 
@@ -63,7 +62,6 @@ impl Handover {
 /// The loop's end of the queues.
 pub struct LoopEnd {
     commands: Consumer<'static, Command>,
-    samples: Producer<'static, Sample>,
     /// Ticks between two samples, as last read, and the tick of the next.
     every: u16,
     next: u32,
@@ -94,16 +92,17 @@ impl LoopEnd {
         PROGRAM.state.store(state, Ordering::Release);
     }
 
-    /// Makes a sample of a tick, if one is due. One that finds no room is lost, which the next one's tick shows.
-    pub fn sample(&mut self, tick: u32, telemetry: &Telemetry, drives: bool, inputs: u8) {
+    /// True if a sample of a tick is due.
+    pub fn is_sample_due(&mut self, tick: u32) -> bool {
         let every = EVERY.load(Ordering::Relaxed);
         if every != self.every {
             self.align(every, tick);
         }
-        if tick == self.next && every > 0 {
+        let is_due = tick == self.next && every > 0;
+        if is_due {
             self.next = tick.wrapping_add(every.into());
-            self.make(tick, telemetry, drives, inputs);
         }
+        is_due
     }
 
     /// Samples are at multiples of their distance, so that sessions can select among them.
@@ -112,13 +111,6 @@ impl LoopEnd {
         self.every = every;
         let since = tick.checked_rem(every.into()).unwrap_or(0);
         self.next = tick.wrapping_sub(since).wrapping_add(every.into());
-    }
-
-    #[inline(never)] // The check of the linked firmware for panics knows it by name.
-    fn make(&mut self, tick: u32, telemetry: &Telemetry, drives: bool, inputs: u8) {
-        let _ = self
-            .samples
-            .enqueue(Sample::new(tick, telemetry, drives, inputs));
     }
 }
 
@@ -137,9 +129,9 @@ pub fn queues() -> (LoopEnd, LinkEnd) {
         ConstStaticCell::new(Queue::new());
     let (give_command, take_command) = COMMAND_QUEUE.take().split();
     let (give_sample, take_sample) = SAMPLE_QUEUE.take().split();
+    sampler::set_up(give_sample);
     let loop_end = LoopEnd {
         commands: take_command,
-        samples: give_sample,
         every: 0,
         next: 0,
     };

@@ -3,6 +3,7 @@
 use embassy_executor::Spawner;
 use embassy_futures::join::join;
 use embassy_futures::select::select;
+use embassy_futures::yield_now;
 use embassy_rp::peripherals::USB;
 use embassy_rp::usb::{Driver, InterruptHandler};
 use embassy_rp::{Peri, bind_interrupts, pac};
@@ -94,6 +95,11 @@ async fn receive(hub: SharedHub, line: &mut Receiver<'static, Usb>) {
         while let Ok(length) = line.read_packet(&mut packet).await {
             let bytes = packet.get(..length).unwrap_or_default();
             hub.borrow_mut().receive(USB_SESSION, bytes);
+            // A host that sends without a break must not keep the other tasks from running.
+            yield_now().await;
+            while !hub.borrow().can_answer(USB_SESSION) {
+                Timer::after(ROUND).await;
+            }
         }
         hub.borrow_mut().disconnect(USB_SESSION);
     }

@@ -155,7 +155,12 @@ impl<I: Io> Io for Paced<I> {
             let mut inputs = 0;
             inputs |= if self.inputs.enable { flags::ENABLE } else { 0 };
             inputs |= if self.inputs.stop { flags::STOP } else { 0 };
-            let sample = Sample::new(self.tick, telemetry, output.drives_enabled, inputs);
+            inputs |= if output.drives_enabled {
+                flags::DRIVES
+            } else {
+                0
+            };
+            let sample = Sample::new(self.tick, telemetry, inputs);
             // The tick of the next sample shows that one was lost.
             let _ = self.to_host.try_send(FromLoop::Sample(sample));
         }

@@ -59,9 +59,8 @@ export class LinkHost {
     const to = this.number;
     this.reply = null;
     this.send(payload);
-    this.until(() => this.reply !== null, REPLY_S, `request ${payload[0]} has no reply`);
-    const { number, result, rest } = this.reply;
-    if (number !== to) throw new Error(`link: a reply to request ${number}, not to ${to}`);
+    this.until(() => this.reply?.number === to, REPLY_S, `request ${payload[0]} has no reply`);
+    const { result, rest } = this.reply;
     if (result === RESULT_ERROR) throw new Error(`link: request ${payload[0]} refused: ${[...rest]}`);
     return rest;
   }

@@ -37,7 +37,7 @@ function otherProgram(toml) {
   toml.program = [{ amax_g: 1, ramp_s: 0.5, hold_s: 0.5 }];
 }
 
-function programs(outcome) {
+export function programs(outcome) {
   for (const [transport, name, axes] of [['usb', 'gears', undefined], ['usb', 'everything', 6], ['uart', 'everything', 4]]) {
     const change = axes === undefined ? () => {} : withAxes(axes);
     const played = scene(name, change);
@@ -88,7 +88,7 @@ function manySegments(toml) {
   toml.program = Array.from({ length: SEGMENTS }, (_, i) => ({ amax_g: 0.5 + (i % 7) / 10, ramp_s: 0.5, hold_s: 0.25 + i / 100 }));
 }
 
-function loads(outcome) {
+export function loads(outcome) {
   const made = scene('start-stop', (toml) => { withAxes(2)(toml); manySegments(toml); });
   const source = new Machine({ ...made, settings: settingsOf(made) });
   source.boot();
@@ -116,7 +116,7 @@ function loads(outcome) {
 
 const CUT_AFTER = [0, 1, 97, 255, 2048, 4095];
 
-function cuts(outcome) {
+export function cuts(outcome) {
   const older = settingsOf(scene('hold'));
   const newer = settingsOf(scene('start-stop'));
   let count = 0;
@@ -159,11 +159,12 @@ function cut(outcome, older, newer, where) {
 const SATURATED_EVERY_NS = 250_000;
 const BUSY_BYTES = 4096;
 
-function saturation(outcome) {
+export function saturation(outcome) {
   const played = scene('alike', withAxes(6));
   const [predicted, settings] = [predict(played), settingsOf(played)];
   const quiet = summary(play(played, predicted, settings).ticks);
   let host;
+  let isBusy = true;
   const prepare = (machine) => {
     host = new LinkHost(machine, 'usb');
     host.connect();
@@ -171,6 +172,7 @@ function saturation(outcome) {
     host.ask(requests.streamStatus(10));
     const block = Buffer.alloc(384, 0xa5);
     const refill = () => {
+      if (!isBusy) return;
       while (host.link.pending < BUSY_BYTES) host.send(requests.write(0, block));
       machine.board.clock.later(SATURATED_EVERY_NS, refill);
     };
@@ -178,6 +180,7 @@ function saturation(outcome) {
   };
   const { ticks, machine } = play(played, predicted, settings, { prepare });
   const busy = summary(ticks);
+  isBusy = false;
   const seconds = ticks.length / played.tickHz;
   const perSecond = (bytes) => Math.round(bytes / seconds / 1000);
   outcome.say(`6 axes, worst tick ${quiet.worst} cycles without a host, ${busy.worst} with USB saturated both ways (mean ${quiet.mean.toFixed(0)}, ${busy.mean.toFixed(0)})`);

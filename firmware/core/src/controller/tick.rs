@@ -83,6 +83,8 @@ impl Controller {
         input.at_rest = self.motion.at_rest;
         input.homed = self.homing.is_done();
         input.program_done = self.cursor.is_done(&self.program);
+        self.output.telemetry.homed = input.homed;
+        self.output.telemetry.program_done = input.program_done;
         input.tick = self.ticks;
         input.phase = self.crank_phase();
         let reported = found.and_then(|found| select_reaction(found, &self.supervisor, input));
@@ -263,8 +265,6 @@ impl Controller {
             telemetry.modes = *self.drift.modes();
         }
         telemetry.home_offset = self.homing.home_offset();
-        telemetry.homed = self.homing.is_done();
-        telemetry.program_done = self.cursor.is_done(&self.program);
         telemetry.override_permille = self.amplitude.permille();
     }
 }

@@ -81,15 +81,19 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
             let Some(line) = self.sessions.get_mut(session) else {
                 return;
             };
-            // The payload is copied out of the receiver, as a request changes the session.
-            let mut payload = [0; crate::frame::MAX_PAYLOAD_BYTES];
-            let Some((number, received)) = line.receiver.push(byte) else {
-                continue;
-            };
-            let length = received.len();
-            payload[..length].copy_from_slice(received);
-            self.answer(session, number, &payload[..length]);
+            if let Some((number, received)) = line.receiver.push(byte) {
+                // The payload is copied out of the receiver, as a request changes the session.
+                let mut payload = [0; crate::frame::MAX_PAYLOAD_BYTES];
+                let length = received.len();
+                payload[..length].copy_from_slice(received);
+                self.answer(session, number, &payload[..length]);
+            }
         }
+    }
+
+    /// True if there is room for the reply to another request. A line that can make its host wait does so until then.
+    pub fn can_answer(&self, session: usize) -> bool {
+        self.sessions.get(session).is_some_and(Session::has_room)
     }
 
     /// Takes the bytes to be sent on a session's line, at most as many as `bytes` holds; returns their number.

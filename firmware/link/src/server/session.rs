@@ -88,6 +88,10 @@ impl Session {
         count
     }
 
+    pub(super) fn has_room(&self) -> bool {
+        OUT_BYTES - self.out.len() >= MAX_FRAME_BYTES
+    }
+
     /// Sends a reply; returns false if there is no room, as the host has not fetched earlier ones.
     pub(super) fn send(&mut self, message: &Message<'_>) -> bool {
         self.push(message, 0)

@@ -1,0 +1,81 @@
+//! Sampler: copies the loop's telemetry for the host link, after the tick and not within it.
+//!
+//! A sample takes some 800 cycles to make. So the tick only says that one is due, and requests an interrupt of a lower
+//! priority, which runs as soon as the tick is over.
+
+use core::cell::UnsafeCell;
+use core::mem::MaybeUninit;
+use core::ptr;
+use core::sync::atomic::{AtomicPtr, AtomicU8, AtomicU32, Ordering};
+
+use cophase_core::signals::Telemetry;
+use cophase_link::sample::Sample;
+use embassy_rp::interrupt;
+use embassy_rp::interrupt::{InterruptExt, Priority};
+use heapless::spsc::Producer;
+
+struct Slot(UnsafeCell<Option<Producer<'static, Sample>>>);
+
+// SAFETY: it is written once, before the interrupt is enabled; from then on only that interrupt accesses it.
+unsafe impl Sync for Slot {}
+
+static SAMPLES: Slot = Slot(UnsafeCell::new(None));
+
+/// Number of the last tick.
+static NOW: AtomicU32 = AtomicU32::new(0);
+
+/// Telemetry of the loop.
+static TELEMETRY: AtomicPtr<Telemetry> = AtomicPtr::new(ptr::null_mut());
+
+/// Flags of the requested sample.
+static FLAGS: AtomicU8 = AtomicU8::new(0);
+
+/// Takes the queue of samples, and enables the interrupt. To be called once.
+#[cold]
+pub fn set_up(samples: Producer<'static, Sample>) {
+    // SAFETY: the interrupt is not enabled yet.
+    unsafe { *SAMPLES.0.get() = Some(samples) };
+    interrupt::SWI_IRQ_0.set_priority(Priority::P3);
+    // SAFETY: this interrupt calls only the handler below.
+    unsafe { interrupt::SWI_IRQ_0.enable() };
+}
+
+/// Notes the number of a tick, by every tick: a copy that it interrupts is then dropped.
+pub fn begin(tick: u32) {
+    NOW.store(tick, Ordering::Release);
+}
+
+/// Requests a sample of the present tick, with the flags of its inputs and drives. The telemetry must be in a static.
+pub fn request(telemetry: &Telemetry, flags: u8) {
+    TELEMETRY.store(ptr::from_ref(telemetry).cast_mut(), Ordering::Relaxed);
+    FLAGS.store(flags, Ordering::Relaxed);
+    interrupt::SWI_IRQ_0.pend();
+}
+
+/// The requested sample; none if another tick has begun.
+fn sample() -> Option<Sample> {
+    let tick = NOW.load(Ordering::Acquire);
+    let telemetry = TELEMETRY.load(Ordering::Relaxed);
+    let flags = FLAGS.load(Ordering::Relaxed);
+    if telemetry.is_null() {
+        return None;
+    }
+    // SAFETY: it is in a static. A tick may interrupt the copy and change it, but then the copy is not used.
+    let copy = unsafe { ptr::read_volatile(telemetry.cast::<MaybeUninit<Telemetry>>()) };
+    if NOW.load(Ordering::Acquire) != tick {
+        return None;
+    }
+    // SAFETY: no tick has begun since it was written, so it is whole.
+    let telemetry = unsafe { copy.assume_init_ref() };
+    Some(Sample::new(tick, telemetry, flags))
+}
+
+#[interrupt]
+fn SWI_IRQ_0() {
+    // SAFETY: only this handler accesses it, and it does not preempt itself.
+    let samples = unsafe { &mut *SAMPLES.0.get() };
+    if let (Some(samples), Some(sample)) = (samples, sample()) {
+        // The tick of the next sample shows one that finds no room.
+        let _ = samples.enqueue(sample);
+    }
+}
