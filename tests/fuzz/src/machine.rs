@@ -48,13 +48,18 @@ pub struct Machine {
     pulse: Option<(usize, i32)>,
 }
 
-const COMMANDS: [Command; 6] = [
+const COMMANDS: [Command; 11] = [
     Command::Start,
     Command::Stop,
     Command::Hold,
     Command::Resume,
     Command::Reset,
     Command::ResetPeak,
+    Command::Home,
+    Command::Jog,
+    Command::StopNow,
+    Command::Override(0),
+    Command::Override(1200),
 ];
 
 impl Machine {

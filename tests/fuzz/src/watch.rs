@@ -27,6 +27,8 @@ pub struct Watch {
     acceleration: i64,
     state: State,
     fault: Option<Fault>,
+    /// An immediate stop was commanded since the machine rested.
+    stops_now: bool,
     reached: Reached,
 }
 
@@ -74,6 +76,7 @@ impl Watch {
             acceleration: 0,
             state: State::Idle,
             fault: None,
+            stops_now: false,
             reached: Reached::default(),
         }
     }
@@ -85,6 +88,7 @@ impl Watch {
     /// Holds one tick against everything.
     pub fn check(&mut self, feedback: &Feedback, output: &Output) {
         let telemetry = &output.telemetry;
+        self.stops_now |= feedback.command == Some(Command::StopNow);
         self.check_state(feedback, output);
         self.check_shaft(output);
         self.check_offsets(output);
@@ -107,6 +111,9 @@ impl Watch {
                 "axis {i}: pulses for a drive that is off"
             );
         }
+        let rested = matches!(self.state, State::Idle | State::Parked);
+        let moves = matches!(telemetry.state, State::Homing | State::Run);
+        self.stops_now &= !(rested && moves);
         self.state = telemetry.state;
         self.reached.ticks += 1;
         self.reached.running += u32::from(telemetry.state == State::Run);
@@ -153,7 +160,9 @@ impl Watch {
             );
         }
         assert!(
-            before != State::Idle || now == State::Idle || feedback.command == Some(Command::Start),
+            before != State::Idle
+                || now == State::Idle
+                || matches!(feedback.command, Some(Command::Start | Command::Home)),
             "started by nobody"
         );
     }
@@ -163,7 +172,7 @@ impl Watch {
         let speed = phase.since(self.phase).to_bits();
         let (acceleration, jerk) = (speed - self.speed, speed - self.speed - self.acceleration);
         if drives {
-            let fault = usize::from(output.telemetry.fault.is_some());
+            let fault = usize::from(output.telemetry.fault.is_some() || self.stops_now);
             let most = (self.acceleration_most[fault], self.jerk_most[fault]);
             assert!(
                 speed >= 0 && speed as f64 <= self.speed_most,
