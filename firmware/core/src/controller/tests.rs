@@ -190,7 +190,7 @@ fn an_immediate_stop_is_no_longer_than_one_at_the_parking_phase() {
 /// Half the amplitude is reached at the speed that the mechanism has for it.
 #[test]
 fn an_override_scales_the_amplitude() {
-    let mut controller = running(100.0);
+    let mut controller = running(40.0);
     play(&mut controller, None, 1500, false);
     let amax = |controller: &Controller| {
         let telemetry = &controller.output.telemetry;
@@ -200,7 +200,7 @@ fn an_override_scales_the_amplitude() {
             commanded.to_num::<f64>(),
         )
     };
-    for (permille, expected) in [(500, 50.0), (1200, 120.0), (1000, 100.0)] {
+    for (permille, expected) in [(500, 20.0), (1200, 48.0), (1000, 40.0)] {
         play(
             &mut controller,
             Some(Command::Override(permille)),
