@@ -1,0 +1,223 @@
+//! `cophase link` against a simulated controller: in its own process, and behind a TCP port.
+
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use assert_cmd::Command;
+use cophase_link::server::Hub;
+use host_sim::live::SimulatedDevice;
+use host_sim::scene::{Checked, load};
+
+/// Simulated seconds per second.
+const SPEED: f64 = 4.0;
+
+fn scene(level_g: f64, load_kg: f64) -> String {
+    scene_holding(level_g, load_kg, 0.2)
+}
+
+fn scene_holding(level_g: f64, load_kg: f64, hold_s: f64) -> String {
+    format!(
+        "name = \"link\"\n\
+         fidelity = \"kinematic\"\n\
+         [machine]\ncrank_radius_mm = 12\nlambda = 0.3\nload_kg = {load_kg}\n\
+         [control]\nsettle_s = 0.01\n\
+         [limits]\nspeed_hz = 20\nacceleration_hz_per_s = 100\njerk_hz_per_s2 = 4000\nhoming_speed_hz = 5\n\
+         [axes]\ncount = 3\ndrive = \"stepper\"\nsteps_per_turn = 3200\n\
+         [[program]]\namax_g = {level_g}\nramp_s = 0.2\nhold_s = {hold_s}\n\
+         [[program]]\namax_g = 0\nramp_s = 0.2\nhold_s = 0.0\n"
+    )
+}
+
+/// A simulated controller behind a TCP port, as the bridge of the emulator bench has a board.
+struct Served {
+    port: u16,
+    is_over: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Served {
+    fn new(scene: &str) -> Self {
+        let checked = Checked::new(load::parse(scene).unwrap()).unwrap();
+        let mut hub = Hub::<_, 1>::new(SimulatedDevice::new(checked, SPEED).unwrap());
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let port = listener.local_addr().unwrap().port();
+        listener.set_nonblocking(true).unwrap();
+        let is_over = Arc::new(AtomicBool::new(false));
+        let ends = is_over.clone();
+        let thread = std::thread::spawn(move || {
+            while !ends.load(Ordering::Relaxed) {
+                hub.poll();
+                if let Ok((stream, _)) = listener.accept() {
+                    hub.connect(0);
+                    exchange(&mut hub, stream);
+                    hub.disconnect(0);
+                }
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        });
+        Self {
+            port,
+            is_over,
+            thread: Some(thread),
+        }
+    }
+
+    fn link(&self, args: &[&str]) -> Command {
+        let mut command = Command::cargo_bin("cophase").unwrap();
+        command.args(["link", "--to", &format!("tcp:127.0.0.1:{}", self.port)]);
+        command.args(args).timeout(Duration::from_secs(60));
+        command
+    }
+
+    fn out(&self, args: &[&str]) -> String {
+        let done = self.link(args).assert().success();
+        String::from_utf8(done.get_output().stdout.clone()).unwrap()
+    }
+
+    fn refused(&self, args: &[&str]) -> String {
+        let done = self.link(args).assert().code(2);
+        String::from_utf8(done.get_output().stderr.clone()).unwrap()
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        self.is_over.store(true, Ordering::Relaxed);
+        let _ = self.thread.take().map(JoinHandle::join);
+    }
+}
+
+/// Passes bytes until the client leaves.
+fn exchange(hub: &mut Hub<SimulatedDevice, 1>, mut stream: TcpStream) {
+    stream.set_nonblocking(false).unwrap();
+    stream
+        .set_read_timeout(Some(Duration::from_millis(1)))
+        .unwrap();
+    let mut bytes = [0; 1024];
+    loop {
+        hub.poll();
+        let count = hub.transmit(0, &mut bytes);
+        if stream.write_all(&bytes[..count]).is_err() {
+            return;
+        }
+        match stream.read(&mut bytes) {
+            Ok(0) => return,
+            Ok(count) => hub.receive(0, &bytes[..count]),
+            Err(_) => {}
+        }
+    }
+}
+
+/// A scene as a file.
+fn file(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).unwrap();
+    (folder, path)
+}
+
+#[test]
+fn a_program_is_loaded_run_and_watched() {
+    let served = Served::new(&scene(1.0, 5.0));
+    let identity = served.out(&["identify"]);
+    assert!(
+        identity.contains("simulated") && identity.contains("3, 2000 ticks"),
+        "{identity}"
+    );
+    let (_folder, program) = file("program.toml", &scene(3.0, 5.0));
+    let loaded = served.out(&["load", program.to_str().unwrap()]);
+    assert!(loaded.contains("2 entries"), "{loaded}");
+    assert_ne!(
+        served.out(&["identify"]),
+        identity,
+        "the program's CRC changes"
+    );
+    let run = served.out(&["start", "--yes", "--wait"]);
+    for state in ["homing", "run", "stop", "parked"] {
+        assert!(run.contains(state), "{run}");
+    }
+    let log = served.out(&["log"]);
+    assert!(log.contains("homing") && log.contains("parked"), "{log}");
+    let seen = served.out(&["monitor", "--for", "0.5"]);
+    assert!(
+        seen.contains("parked") && seen.contains("override 100 %"),
+        "{seen}"
+    );
+    assert!(served.out(&["counters"]).contains("frames damaged       0"));
+}
+
+#[test]
+fn a_run_is_held_scaled_resumed_and_stopped() {
+    let served = Served::new(&scene_holding(1.0, 5.0, 1000.0));
+    served.out(&["start", "--yes"]);
+    while !served.out(&["log"]).contains("run") {}
+    served.out(&["hold"]);
+    served.out(&["override", "50"]);
+    assert!(
+        served
+            .out(&["monitor", "--for", "0.3"])
+            .contains("override 50 %")
+    );
+    served.out(&["resume"]);
+    served.out(&["stop", "--now"]);
+}
+
+/// What cannot be done is refused by name, with exit status 2, and nothing moves.
+#[test]
+fn refusals_name_the_reason() {
+    let served = Served::new(&scene(1.0, 5.0));
+    for (args, reason) in [
+        (vec!["hold"], "not possible in state idle"),
+        (vec!["start"], "give --yes"),
+        (vec!["jog", "--yes"], "not possible in state idle"),
+        (vec!["reset"], "not possible in state idle"),
+        (vec!["override", "121"], "0 to 120"),
+        (vec!["load", "no-such-scene"], "no-such-scene"),
+    ] {
+        let error = served.refused(&args);
+        assert!(error.contains(reason), "{args:?}: {error}");
+    }
+    let (_folder, other) = file("other.toml", &scene(1.0, 6.0));
+    let error = served.refused(&["load", other.to_str().unwrap()]);
+    assert!(error.contains("machine differs"), "{error}");
+    assert!(served.out(&["log"]).contains("No event"), "something moved");
+}
+
+#[test]
+fn a_controller_that_is_not_there_is_named() {
+    for (to, problem) in [
+        ("tcp:127.0.0.1:1", "--to tcp:127.0.0.1:1"),
+        ("/dev/no-such-port", "--to /dev/no-such-port"),
+        ("sim:no-such-scene", "no-such-scene"),
+    ] {
+        let mut command = Command::cargo_bin("cophase").unwrap();
+        let done = command
+            .args(["link", "--to", to, "identify"])
+            .assert()
+            .code(2);
+        let error = String::from_utf8(done.get_output().stderr.clone()).unwrap();
+        assert!(error.contains(problem), "{to}: {error}");
+    }
+}
+
+/// Settings that differ are stored, and run after the restart.
+#[test]
+fn settings_are_loaded_with_a_restart() {
+    let mut command = Command::cargo_bin("cophase").unwrap();
+    let (_folder, other) = file("other.toml", &scene(1.0, 6.0));
+    let (_folder, first) = file("first.toml", &scene(1.0, 5.0));
+    let to = format!("sim:{}", first.display());
+    let done = command
+        .args(["link", "--to", &to, "load", "--settings"])
+        .arg(&other)
+        .timeout(Duration::from_secs(60))
+        .assert()
+        .success();
+    let out = String::from_utf8(done.get_output().stdout.clone()).unwrap();
+    assert!(out.contains("Restarted with the settings link"), "{out}");
+}
