@@ -238,7 +238,10 @@ fn a_program_that_is_loaded_runs() {
             .to_vec()
     };
     let refused = write(&mut bench, &bytes).unwrap_err();
-    assert!(refused.contains("program.amax_mps2 (number 1)"), "{refused}");
+    assert!(
+        refused.contains("program.amax_mps2 (number 1)"),
+        "{refused}"
+    );
     let read = bench.request(&Request::Read { file, offset }).unwrap();
     assert_ne!(read, bytes);
 }

@@ -46,7 +46,7 @@ fn identity_has_the_protocol_version_and_another_version_is_refused() {
     assert_eq!(refused, Refusal::Version { controller });
 }
 
-/// If one of the steps could be left out, a stray request could move a machine.
+/// If one of the steps could be left out, a single request could move a machine.
 #[test]
 fn motion_needs_control_then_an_arm_then_a_start() {
     let mut hub = hub();

@@ -96,7 +96,7 @@ impl LoopEnd {
     pub fn is_sample_due(&mut self, tick: u32) -> bool {
         let every = EVERY.load(Ordering::Relaxed);
         if every != self.every {
-            self.align(every, tick);
+            self.synchronise(every, tick);
         }
         let is_due = tick == self.next && every > 0;
         if is_due {
@@ -107,7 +107,7 @@ impl LoopEnd {
 
     /// Samples are at multiples of their distance, so that sessions can select among them.
     #[inline(never)]
-    fn align(&mut self, every: u16, tick: u32) {
+    fn synchronise(&mut self, every: u16, tick: u32) {
         self.every = every;
         let since = tick.checked_rem(every.into()).unwrap_or(0);
         self.next = tick.wrapping_sub(since).wrapping_add(every.into());

@@ -6,7 +6,7 @@ use embassy_rp::peripherals::{PIN_8, PIN_9, UART1};
 use embassy_rp::uart::{
     BufferedInterruptHandler, BufferedUart, BufferedUartRx, BufferedUartTx, Config,
 };
-use embassy_rp::{Peri, bind_interrupts};
+use embassy_rp::{Peri, bind_interrupts, pac};
 use embassy_time::Timer;
 use embedded_io_async::{Read, Write};
 use static_cell::ConstStaticCell;
@@ -19,6 +19,8 @@ bind_interrupts!(struct Interrupts {
 
 /// Baud rate, with 8 data bits, no parity, 1 stop bit.
 const BAUD: u32 = 115_200;
+
+const RX_PIN: usize = 9;
 
 const SEND_BYTES: usize = 256;
 const RECEIVE_BYTES: usize = 512;
@@ -45,6 +47,11 @@ pub fn spawn(
         RECEIVE.take(),
         config,
     );
+    // A line that nothing drives is idle, and not a break.
+    pac::PADS_BANK0.gpio(RX_PIN).modify(|w| {
+        w.set_pue(true);
+        w.set_pde(false);
+    });
     let (sender, receiver) = uart.split();
     spawner.spawn(defmt::unwrap!(exchange(hub, sender, receiver)));
 }

@@ -143,10 +143,10 @@ fn a_program_is_loaded_run_and_watched() {
     }
     let log = served.out(&["log"]);
     assert!(log.contains("homing") && log.contains("parked"), "{log}");
-    let seen = served.out(&["monitor", "--for", "0.5"]);
+    let shown = served.out(&["monitor", "--for", "0.5"]);
     assert!(
-        seen.contains("parked") && seen.contains("override 100 %"),
-        "{seen}"
+        shown.contains("parked") && shown.contains("override 100 %"),
+        "{shown}"
     );
     assert!(served.out(&["counters"]).contains("frames damaged       0"));
 }

@@ -1,4 +1,4 @@
-//! The loop's world while a host operates it: the simulated machine, at the pace of the wall clock.
+//! The loop's world while a host operates it: the simulated machine, in step with the wall clock.
 
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError};
 use std::time::{Duration, Instant as WallInstant};
@@ -75,7 +75,7 @@ impl<I> Paced<I> {
     }
 
     /// Sleeps until the wall clock reaches the simulated time.
-    fn keep_pace(&mut self) {
+    fn wait_for_wall_clock(&mut self) {
         let now = Instant::now();
         let (wall, simulated) = self.began;
         let due_s = (now - simulated).as_micros() as f64 * 1e-6 / self.speed;
@@ -121,7 +121,7 @@ impl<I> Paced<I> {
 
 impl<I: Io> Io for Paced<I> {
     fn read(&mut self) -> Feedback {
-        self.keep_pace();
+        self.wait_for_wall_clock();
         let mut feedback = self.inner.read();
         feedback.command = self.next_command();
         self.inputs = feedback.inputs;
