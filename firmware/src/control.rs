@@ -19,7 +19,7 @@ use crate::board::alarm::Until;
 use crate::board::index::Index;
 use crate::board::steps::{Steps, Submission};
 use crate::board::watchdog::Fed;
-use crate::board::{has_passed, lines, sampler};
+use crate::board::{handover, has_passed, lines, sampler};
 use crate::link::LoopEnd;
 use crate::report::Reporter;
 
@@ -107,11 +107,11 @@ impl Io for Board {
     }
 
     fn new_program(&mut self) -> Option<&Program> {
-        self.link.program()
+        handover::offered()
     }
 
     fn program_loaded(&mut self, is_loaded: bool) {
-        self.link.loaded(is_loaded);
+        handover::answer(is_loaded);
     }
 
     fn until(&mut self, deadline: Instant) -> impl Future<Output = ()> {

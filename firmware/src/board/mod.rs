@@ -3,7 +3,8 @@
 //! This module contains hardware access and makes no decisions. [`pins`] is the one table of all pins, [`steps`] plays
 //! step edges, and [`index`] times index pulses. [`guard`] switches off the drives when the enable input opens. [`lines`]
 //! are the other safety lines and the LED. [`alarm`] runs the loop at its deadlines. [`watchdog`] resets a controller
-//! that hangs. [`sampler`] copies telemetry for the host link.
+//! that hangs. [`sampler`] copies telemetry for the host link, and
+//! [`handover`] passes programs to the loop.
 //!
 //! Terms: a *block* is one of the two PIO blocks, a *machine* one of its four state machines. A *cycle* is a clock cycle
 //! of the core and the machines, 8 ns. A microsecond is a tick of the timer for the loop's deadlines. Both come from the
@@ -13,6 +14,7 @@
 
 pub mod alarm;
 pub mod guard;
+pub mod handover;
 pub mod index;
 pub mod lines;
 pub mod pins;

@@ -1,10 +1,9 @@
 //! The controller as the link's server needs it.
 
-use core::cell::UnsafeCell;
-use core::sync::atomic::{AtomicU8, AtomicU16, Ordering};
+use core::sync::atomic::{AtomicU16, Ordering};
 
 use cophase_core::mechanism::AnyMechanism;
-use cophase_core::program::{Program, ProgramBuilder};
+use cophase_core::program::ProgramBuilder;
 use cophase_core::settings::{NAME_BYTES, Settings};
 use cophase_core::supervisor::Command;
 use cophase_link::message::{Event, File, Identity, Name, Text, VERSION};
@@ -18,7 +17,7 @@ use embassy_time::{Duration, Instant};
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::{ConstStaticCell, StaticCell};
 
-use crate::board::{sampler, watchdog};
+use crate::board::{handover, sampler, watchdog};
 use crate::report::{self, Note};
 use crate::settings;
 
@@ -37,28 +36,6 @@ const ANSWER_TIME: Duration = Duration::from_millis(5);
 /// Ticks between two samples; 0: none are made.
 static EVERY: AtomicU16 = AtomicU16::new(0);
 
-/// Program on its way to the loop, and which of the two may use it.
-static PROGRAM: Handover = Handover {
-    state: AtomicU8::new(Handover::FREE),
-    program: UnsafeCell::new(Program::new()),
-};
-
-struct Handover {
-    state: AtomicU8,
-    program: UnsafeCell<Program>,
-}
-
-// SAFETY: the link uses the program in every state but `OFFERED`, and the loop only in that one. Both are on one core,
-// and a change of the state is the last access of the side that makes it.
-unsafe impl Sync for Handover {}
-
-impl Handover {
-    const FREE: u8 = 0;
-    const OFFERED: u8 = 1;
-    const LOADED: u8 = 2;
-    const REFUSED: u8 = 3;
-}
-
 /// The loop's end of the queues.
 pub struct LoopEnd {
     commands: Consumer<'static, Command>,
@@ -71,25 +48,6 @@ impl LoopEnd {
     /// Next command, if there is one.
     pub fn command(&mut self) -> Option<Command> {
         self.commands.dequeue()
-    }
-
-    /// New program, if there is one.
-    pub fn program(&self) -> Option<&'static Program> {
-        if PROGRAM.state.load(Ordering::Acquire) != Handover::OFFERED {
-            return None;
-        }
-        // SAFETY: in this state only the loop uses it, until `loaded`.
-        Some(unsafe { &*PROGRAM.program.get() })
-    }
-
-    /// Reports the result of the program.
-    pub fn loaded(&self, is_loaded: bool) {
-        let state = if is_loaded {
-            Handover::LOADED
-        } else {
-            Handover::REFUSED
-        };
-        PROGRAM.state.store(state, Ordering::Release);
     }
 
     /// True if a sample of a tick is due.
@@ -232,18 +190,6 @@ impl FirmwareDevice {
             watchdog::restart();
         }
     }
-
-    /// Waits for the loop's answer to a program; one that does not come in time counts as a refusal.
-    fn is_loaded(&self) -> bool {
-        let end = Instant::now() + ANSWER_TIME;
-        while PROGRAM.state.load(Ordering::Acquire) == Handover::OFFERED && Instant::now() < end {}
-        // A loop that answers now finds nothing any more.
-        critical_section::with(|_| {
-            let state = PROGRAM.state.load(Ordering::Acquire);
-            PROGRAM.state.store(Handover::FREE, Ordering::Release);
-            state == Handover::LOADED
-        })
-    }
 }
 
 impl Device for FirmwareDevice {
@@ -307,13 +253,22 @@ impl Device for FirmwareDevice {
         if !self.running.can_run {
             return Err(text(&"the settings cannot run"));
         }
-        // SAFETY: the state is not `OFFERED`, as `is_loaded` ended the last one.
-        let program = unsafe { &mut *PROGRAM.program.get() };
-        let (hz, speed_hz) = (self.running.tick_hz, self.running.speed_hz);
-        let builder = ProgramBuilder::new(hz, self.running.mechanism, speed_hz, program);
-        fill(bytes, builder).map_err(|error: ProgramFileError| text(&error))?;
-        PROGRAM.state.store(Handover::OFFERED, Ordering::Release);
-        if !self.is_loaded() {
+        let Running {
+            tick_hz,
+            mechanism,
+            speed_hz,
+            ..
+        } = *self.running;
+        handover::offer(|program| {
+            fill(
+                bytes,
+                ProgramBuilder::new(tick_hz, mechanism, speed_hz, program),
+            )
+        })
+        .map_err(|error: ProgramFileError| text(&error))?;
+        let end = Instant::now() + ANSWER_TIME;
+        while handover::is_offered() && Instant::now() < end {}
+        if !handover::withdraw() {
             return Err(text(&"the machine has begun to move"));
         }
         self.running.program.clear();

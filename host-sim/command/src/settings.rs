@@ -5,20 +5,24 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use cophase_link::header::{FIRST_SEQUENCE, HEADER_BYTES, MAGIC, OUTSIDE};
+use cophase_link::layout::{FLASH_ADDRESS, SLOT_A_OFFSET, SLOT_B_OFFSET};
 use cophase_link::{Header, MAX_FILE_BYTES, board, encode};
 
-use super::{CommandError, Status, scenes};
+use super::{CommandError, Status, scenes, uf2};
 use host_sim::report;
 use host_sim::scene::file::{AxisOverrides, CamShaft, Fidelity, Rods};
 use host_sim::scene::{Checked, Scene};
 use host_sim::trace::RunFiles;
+
+/// Both slots: in one alone, the file would lose against a later one in the other.
+const SLOT_ADDRESSES: [u32; 2] = [FLASH_ADDRESS + SLOT_A_OFFSET, FLASH_ADDRESS + SLOT_B_OFFSET];
 
 #[derive(Debug, clap::Args)]
 pub(super) struct SettingsArgs {
     /// A scene file, or the name of a built-in scene
     #[arg(value_name = "SCENE")]
     scene: String,
-    /// The file to write
+    /// The file to write; one that ends in .uf2 is for drag and drop onto a board
     #[arg(
         short,
         long = "out",
@@ -36,7 +40,13 @@ pub(super) fn settings(args: &SettingsArgs, out: &mut impl Write) -> Result<Stat
         .map_err(|error| refused(&error))?;
     let header = Header::read(settings_file).map_err(|error| refused(&error))?;
     let summary = summary(&checked, &header, &args.out)?;
-    put(&args.out, settings_file).map_err(|error| refused(&error))?;
+    let is_uf2 = args.out.extension().is_some_and(|end| end == "uf2");
+    let file = if is_uf2 {
+        &uf2::file(settings_file, &SLOT_ADDRESSES)
+    } else {
+        settings_file
+    };
+    put(&args.out, file).map_err(|error| refused(&error))?;
     out.write_all(summary.as_bytes())?;
     let fits = |board: &board::AnyBoard| (board.check)(&checked.settings).is_ok();
     Ok(if board::BOARDS.iter().any(fits) {
@@ -177,7 +187,7 @@ fn put(path: &Path, bytes: &[u8]) -> Result<(), String> {
     }
     // A slip of the pen must not cost somebody the scene, or whatever it is.
     if let Ok(there) = fs::read(path)
-        && !there.starts_with(&MAGIC)
+        && !(there.starts_with(&MAGIC) || uf2::is_uf2(&there))
     {
         return Err(format!(
             "{show} is there and is no settings file; take it away, or give another name, such as my.settings"

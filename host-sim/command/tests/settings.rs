@@ -53,6 +53,51 @@ fn refusal(dir: &Path, arguments: &[&str]) -> String {
     line.to_owned()
 }
 
+/// Reads a UF2 file as the RP2040's boot ROM does; returns what it writes to the flash.
+fn flashed(uf2: &[u8]) -> std::collections::BTreeMap<u32, Vec<u8>> {
+    let word = |block: &[u8], at: usize| u32::from_le_bytes(block[at..at + 4].try_into().unwrap());
+    let blocks = uf2.as_chunks::<512>().0;
+    assert_eq!(blocks.len() * 512, uf2.len());
+    let mut pages = std::collections::BTreeMap::new();
+    for (number, block) in blocks.iter().enumerate() {
+        assert_eq!((word(block, 0), word(block, 4)), (0x0A324655, 0x9E5D5157));
+        assert_eq!(word(block, 508), 0x0AB16F30);
+        assert_eq!((word(block, 8), word(block, 28)), (0x2000, 0xE48BFF56));
+        assert_eq!(word(block, 16), 256);
+        assert_eq!(
+            (word(block, 20) as usize, word(block, 24) as usize),
+            (number, blocks.len())
+        );
+        assert!(
+            pages
+                .insert(word(block, 12), block[32..288].to_vec())
+                .is_none()
+        );
+    }
+    pages
+}
+
+/// If it were in one slot alone, an older file in the other could win.
+#[test]
+fn a_uf2_file_places_the_settings_in_both_slots() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("scene.toml"), BASE).unwrap();
+    said(&settings(dir.path(), &["scene.toml", "-o", "my.settings"]));
+    said(&settings(dir.path(), &["scene.toml", "-o", "my.uf2"]));
+    said(&settings(dir.path(), &["scene.toml", "-o", "my.uf2"]));
+    let file = fs::read(dir.path().join("my.settings")).unwrap();
+    let pages = flashed(&fs::read(dir.path().join("my.uf2")).unwrap());
+    assert_eq!(pages.len(), 2 * file.len().div_ceil(256));
+    for slot in [0x101F_0000, 0x101F_8000] {
+        let placed: Vec<u8> = pages
+            .range(slot..slot + 0x8000)
+            .flat_map(|(_, page)| page.clone())
+            .collect();
+        assert_eq!(placed[..file.len()], file);
+        assert!(placed[file.len()..].iter().all(|byte| *byte == 0xFF));
+    }
+}
+
 /// Were it wrong, a board would run another machine than the one that was tried on the desk.
 #[test]
 fn a_scene_becomes_a_settings_file_of_the_same_setup() {
