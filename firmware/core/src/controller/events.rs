@@ -10,7 +10,7 @@ use crate::units::MAX_AXES;
 const LAST_PULSES: u64 = 7 + MAX_AXES as u64;
 
 impl Controller {
-    /// Drops a finding that is nobody's fault, and names one that homing has a better name for.
+    /// Drops a finding that is nobody's fault, and names one that homing or the master's speed has a better name for.
     #[inline(never)] // A finding has 48 bytes: it is moved about only where there is one.
     pub(super) fn judge(&self, found: Option<Finding>) -> Option<Finding> {
         let mut finding = found?;
@@ -23,6 +23,10 @@ impl Controller {
             && let Some(fault) = self.homing.explain(&self.drift, &self.offsets)
         {
             finding.fault = fault;
+        }
+        if finding.all_lag && self.shaft.limits().is_at_band(self.motion.speed) {
+            finding.fault.kind = FaultKind::Capture;
+            finding.fault.axis = None;
         }
         Some(finding)
     }

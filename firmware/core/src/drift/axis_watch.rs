@@ -340,6 +340,12 @@ impl AxisWatch {
         self.history.of_one(by)
     }
 
+    /// Turns at the end of a tick by which the pulse of an axis by index is late, beyond its phase error.
+    pub(super) fn lateness(&self, commanded: &TickPhase) -> Turns {
+        let index = self.index.as_ref().filter(|_| self.is_by_index());
+        index.map_or(Turns::ZERO, |index| index.lateness(commanded))
+    }
+
     /// Its pulse is late, or was until this tick, or nothing is expected of it.
     pub(super) fn is_late(&self) -> bool {
         let came_late = matches!(self.detection, Detection::Moved { by } if by < 0);

@@ -51,7 +51,11 @@ impl DriftMonitor {
             self.moved = Some((axis, by));
         }
         if let Some((kind, by, within_limits)) = sorted.reported {
-            self.find(axis, kind, by, within_limits);
+            // One axis alone cannot be compared with others.
+            let may_be_all = kind == FaultKind::IndexTimeout && self.watched().count_ones() > 1;
+            let all_lag = may_be_all && self.all_lag_by(self.lag(axis, sensed), sensed);
+            let fault = Fault::new(kind).on_axis(axis).with_size(by);
+            self.findings.push_lag(fault, within_limits, all_lag);
         }
         is_far
     }
@@ -171,7 +175,7 @@ impl DriftMonitor {
         }
         if let Some(kind) = exceeded {
             let error = self.corrected_errors(sensed.correction);
-            self.attribute(kind, &error, sensed.speed);
+            self.attribute(kind, &error, sensed);
         }
     }
 
@@ -195,10 +199,17 @@ impl DriftMonitor {
 
     /// The cranks are beyond a limit: which of them, and why, if that is known.
     #[inline(never)]
-    pub(super) fn attribute(&mut self, kind: FaultKind, error: &PerAxis<Turns>, speed: Turns) {
+    pub(super) fn attribute(
+        &mut self,
+        kind: FaultKind,
+        error: &PerAxis<Turns>,
+        sensed: &Sensed<'_>,
+    ) {
         if kind == FaultKind::CommonLag {
-            let size = self.limits.beyond_natural(&self.modes, speed);
-            return self.findings.push(Fault::new(kind).with_size(size), false);
+            let size = self.limits.beyond_natural(&self.modes, sensed.speed);
+            let all_lag = self.all_lag_by(size.wrapping_neg(), sensed);
+            let fault = Fault::new(kind).with_size(size);
+            return self.findings.push_lag(fault, false, all_lag);
         }
         let kind = if self.finding_out {
             FaultKind::HomingRangeExceeded
@@ -216,6 +227,33 @@ impl DriftMonitor {
             Some(axis) => self.push_axis(axis, named(axis).unwrap_or(kind)),
             None => self.push_axis(worst, kind),
         }
+    }
+
+    /// Turns by which an axis lags, beyond what belongs to the speed: its phase error, and what its next pulse is late.
+    fn lag(&self, axis: usize, sensed: &Sensed<'_>) -> Turns {
+        let value = |of: &PerAxis<Turns>| of.get(axis).copied().unwrap_or_default();
+        let late = match self.axes.get(axis) {
+            // A pulse that waits to be processed came, and does not show yet where.
+            Some(watch) if self.queue.pulsed & 1 << axis == 0 => watch.lateness(&sensed.over(axis)),
+            _ => Turns::ZERO,
+        };
+        let error = self
+            .axes
+            .get(axis)
+            .map_or(Turns::ZERO, AxisWatch::phase_error);
+        let ahead = nearest(error.wrapping_add(value(sensed.correction)))
+            .wrapping_add(self.limits.natural(sensed.speed));
+        late.wrapping_sub(ahead)
+    }
+
+    /// Whether every watched axis lags by at least three quarters of `lag`. Cranks that lag for a common reason lag about alike, where
+    /// flags at different places show it at different times; one that failed is alone.
+    #[inline(never)]
+    fn all_lag_by(&self, lag: Turns, sensed: &Sensed<'_>) -> bool {
+        let least = lag.wrapping_sub(lag / 4);
+        let watched = self.watched();
+        let mut axes = 0..self.axes.len();
+        lag > 0 && axes.all(|axis| watched & 1 << axis == 0 || self.lag(axis, sensed) >= least)
     }
 
     #[inline(never)]

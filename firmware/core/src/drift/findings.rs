@@ -15,6 +15,8 @@ pub struct Finding {
     pub within_limits: bool,
     /// It is what was found before, better named.
     pub supersedes: bool,
+    /// It is a lag, and every axis shows about as much of it.
+    pub all_lag: bool,
 }
 
 impl Finding {
@@ -24,6 +26,7 @@ impl Finding {
             fault,
             within_limits: false,
             supersedes: false,
+            all_lag: false,
         }
     }
 }
@@ -79,8 +82,13 @@ impl Findings {
     }
 
     /// Queues a finding. One that is outside the limits goes first, and once; after that only better names for it.
-    #[inline(never)]
     pub(super) fn push(&mut self, fault: Fault, within_limits: bool) {
+        self.push_lag(fault, within_limits, false);
+    }
+
+    /// The same of a fault that may be a lag of all axes.
+    #[inline(never)]
+    pub(super) fn push_lag(&mut self, fault: Fault, within_limits: bool, all_lag: bool) {
         let mut supersedes = false;
         if let Some((axis, kind)) = self.open {
             let same = axis == fault.axis || axis.is_none();
@@ -101,6 +109,7 @@ impl Findings {
             fault,
             within_limits: within_limits && !supersedes,
             supersedes,
+            all_lag,
         };
         if self.waiting.is_full() {
             self.waiting.pop_back();

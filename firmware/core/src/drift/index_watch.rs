@@ -131,6 +131,14 @@ impl IndexWatch {
         self.alert.saturating_sub(end.since(self.detected_at))
     }
 
+    /// Turns at the end of a tick by which the next pulse is late; none if it is not due.
+    pub(super) fn lateness(&self, phase: &TickPhase) -> Turns {
+        let end = phase.start.advanced(phase.turns);
+        end.since(self.detected_at)
+            .wrapping_sub(ONE)
+            .max(Turns::ZERO)
+    }
+
     /// Whether it is sure that no flag came where there would be something to say of it.
     fn has_timed_out(&self, phase: &TickPhase, commanded: Turns) -> bool {
         let sure = (commanded.to_bits() >> 16).wrapping_mul(i64::from(self.place.covered));

@@ -112,8 +112,12 @@ impl DriftLimits {
 
     /// The common lag less what belongs to the speed.
     pub(super) fn beyond_natural(&self, modes: &Modes, speed: Turns) -> Turns {
-        let natural = (speed.to_bits() >> 16).wrapping_mul(self.lag);
-        modes.common.wrapping_add(Turns::from_bits(natural))
+        modes.common.wrapping_add(self.natural(speed))
+    }
+
+    /// The lag that belongs to the speed.
+    pub(super) fn natural(&self, speed: Turns) -> Turns {
+        Turns::from_bits((speed.to_bits() >> 16).wrapping_mul(self.lag))
     }
 
     /// By how much one axis alone must seem off for some limit to be passed.

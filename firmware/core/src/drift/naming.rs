@@ -116,7 +116,8 @@ pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
             | FaultKind::Warp
             | FaultKind::CommonLag
             | FaultKind::IndexTimeout
-            | FaultKind::IndexExtra => 0,
+            | FaultKind::IndexExtra
+            | FaultKind::Capture => 0,
             FaultKind::LostSteps | FaultKind::Slip => 1,
             FaultKind::IndexMissing | FaultKind::Stuck | FaultKind::Runaway => 2,
             // At first a crank may seem to stand. One that turns back must not be driven on.

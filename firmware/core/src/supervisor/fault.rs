@@ -76,11 +76,14 @@ pub enum FaultKind {
     /// The watchdog reset the controller, in a state in which the machine may have been moving.
     #[error("watchdog reset")]
     WatchdogReset = 21,
+    /// All cranks lag together where the master crosses a forbidden band: the resonance takes more torque than the motors have.
+    #[error("captured at a resonance: all cranks lag together at a forbidden band")]
+    Capture = 22,
 }
 
 impl FaultKind {
     /// All kinds, each at the index of its number.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::Tilt,
         Self::Warp,
         Self::CommonLag,
@@ -103,6 +106,7 @@ impl FaultKind {
         Self::ProgramRejected,
         Self::SettingsRejected,
         Self::WatchdogReset,
+        Self::Capture,
     ];
 
     /// Name of the kind in reports and tables.
@@ -130,6 +134,7 @@ impl FaultKind {
             Self::ProgramRejected => "program-rejected",
             Self::SettingsRejected => "settings-rejected",
             Self::WatchdogReset => "watchdog-reset",
+            Self::Capture => "capture",
         }
     }
 }

@@ -69,6 +69,7 @@ pub const REACTIONS: [Row; FaultKind::ALL.len()] = {
         row(Kind::ProgramRejected, Report, Report),
         row(Kind::SettingsRejected, Report, Report),
         row(Kind::WatchdogReset, Disable, Disable),
+        row(Kind::Capture, Stop, Stop),
     ]
 };
 

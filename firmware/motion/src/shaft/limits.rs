@@ -3,6 +3,7 @@
 use super::Band;
 use super::gain::Gain;
 use crate::settings::{LimitSettings, MAX_BANDS, turns_at_most};
+use crate::units::FRACTION_BITS;
 
 /// Limits of the shaft in units of 2⁻⁴⁸ turn and one tick, rounded so that they stay within the settings.
 ///
@@ -117,6 +118,18 @@ impl ShaftLimits {
                 hz,
             ),
         }
+    }
+
+    /// Whether a speed, turns a tick, lies in a forbidden band or above it by no more than the shaft gains within a turn of full
+    /// acceleration, v² = to² + 2 a · 1 turn: an index shows once a turn what its crank did in the band.
+    pub fn is_at_band(&self, speed: crate::units::Turns) -> bool {
+        // Bits of a speed that are left out, so that a square has 64.
+        const CUT: u32 = 20;
+        let square = |speed: i64| (speed.unsigned_abs() >> CUT).pow(2);
+        let gained = self.usual.acceleration.unsigned_abs() << (1 + FRACTION_BITS - 2 * CUT);
+        let speed = speed.to_bits();
+        let mut bands = self.bands.iter();
+        bands.any(|band| band.from < speed && square(speed) <= square(band.to) + gained)
     }
 
     /// Homing speed, turns a tick.
