@@ -90,6 +90,7 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
             Kind::LostSteps,
             Kind::Slip,
             Kind::CommonLag,
+            Kind::Capture,
             Kind::Tilt,
             Kind::Warp,
         ],

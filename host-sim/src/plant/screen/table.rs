@@ -31,6 +31,9 @@ pub struct ScreenTable {
     /// Gravity, m/s².
     #[serde(default = "standard_gravity")]
     pub gravity_mps2: f64,
+    /// Runs the scene even if its motors have less torque than is enough at the resonance.
+    #[serde(default)]
+    pub allow_capture: bool,
 }
 
 const fn default_zeta() -> f64 {
@@ -88,6 +91,31 @@ impl ScreenTable {
         };
         Ok(screen)
     }
+
+    /// Refuses motors that lack torque at a resonance that the shafts may have to cross.
+    fn check_torque(&self, screen: &Screen, scene: &Scene) -> Result<(), SceneError> {
+        let crosses = scene.limits.speed_hz > screen.natural_rad_s() / std::f64::consts::TAU;
+        let enough_nm = screen.resonance_nm();
+        match screen.motor_nm {
+            Some(motor_nm) if crosses && motor_nm < enough_nm && !self.allow_capture => {
+                let key = if scene.axes.pull_out.is_empty() {
+                    "axes.servo.limit_nm"
+                } else {
+                    "axes.pull_out"
+                };
+                Err(SceneError::at(
+                    key,
+                    format!(
+                        "gives {motor_nm:.1} N·m of each motor at the resonance, and {enough_nm:.1} N·m are enough to turn there: the torque reserve is \
+                         {:.1} N·m, and the resonance may capture the shafts; raise the torque or `screen.zeta`, or set `screen.allow_capture = true` \
+                         to run it all the same",
+                        motor_nm - enough_nm
+                    ),
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 impl Table for ScreenTable {
@@ -109,6 +137,7 @@ impl Table for ScreenTable {
 
     fn make(&self, scene: &Scene) -> Result<Made, SceneError> {
         let screen = self.screen(scene)?;
+        self.check_torque(&screen, scene)?;
         let radius = ("screen.eccentricity_mm", screen.throw_m());
         Made::square_law(scene, self.key(), radius, Arc::new(screen))
     }
