@@ -73,16 +73,20 @@ fn the_box_moves_by_its_throw() {
 }
 
 /// If this fails, a screen that hangs in its resonance looks like one that works: without sensors nothing stops it, and the report must name
-/// the capture. With index sensors the controller must stop it.
+/// the capture. With index sensors or encoders the controller must stop it, and name the capture too. Motors of 90 N·m run it up at 1 rev/s²
+/// until the resonance takes their torque.
 #[test]
 fn capture_is_reported_and_stopped() {
     let weak = ("limit_nm = 700, following_error_deg = 30", "limit_nm = 100");
+    let run_on = ("[screen]", "[screen]\nallow_capture = true");
+    let weaker = ("limit_nm = 700, following_error_deg = 30", "limit_nm = 90");
+    let gently = ("acceleration_hz_per_s = 8", "acceleration_hz_per_s = 1");
     let long = ("hold_s = 1", "hold_s = 3");
     let blind = (
         "steps_per_turn = 2000",
         "steps_per_turn = 2000\nindex = false",
     );
-    let run = with(&[weak, long, blind]);
+    let run = with(&[weak, run_on, long, blind]);
     let captured_hz = run.report["machine_figures"]["captured_hz"].as_f64();
     let natural_hz = (STIFFNESS_N_PER_M / MASS_KG).sqrt() / TAU;
     let captured = captured_hz.expect("the capture is reported") / natural_hz;
@@ -90,20 +94,92 @@ fn capture_is_reported_and_stopped() {
     let warnings = run.report["warnings"].to_string();
     assert!(warnings.contains("captured at its resonance"), "{warnings}");
 
-    let run = with(&[weak, long]);
-    let faults = run.report["faults"].as_array().unwrap();
-    let kind = faults.first().expect("the controller stops")["kind"].as_str();
-    assert!(
-        matches!(
-            kind,
-            Some("common-lag" | "slip" | "index-timeout" | "stuck")
-        ),
-        "{kind:?}"
+    let encoder = (
+        "steps_per_turn = 2000",
+        "steps_per_turn = 2000\nencoder = true",
     );
+    for changes in [
+        &[weak, run_on, long][..],
+        &[weaker, run_on, gently, long],
+        &[weaker, run_on, gently, long, encoder],
+    ] {
+        let run = with(changes);
+        assert_eq!(kinds(&run), ["capture"]);
+        let fault = &run.report["faults"][0];
+        assert!(fault["axis"].is_null(), "{fault}");
+    }
 
     // A motor with enough torque passes.
     let run = with(&[]);
+    assert!(kinds(&run).is_empty());
     assert!(run.report["machine_figures"]["captured_hz"].is_null());
+}
+
+/// Kinds of the faults of a run, in their order.
+fn kinds(run: &Run) -> Vec<String> {
+    let faults = run.report["faults"].as_array().unwrap();
+    let kind = |fault: &serde_json::Value| fault["kind"].as_str().unwrap().to_owned();
+    faults.iter().map(kind).collect()
+}
+
+/// If this fails, one crank that failed while the shafts crossed the resonance is taken for a capture, and its cause is looked for in the wrong
+/// place. Flags stand at one angle and at several, as that decides when the others are known to follow.
+#[test]
+fn one_failed_crank_of_four_is_no_capture() {
+    let band_hz = {
+        let natural_hz = (STIFFNESS_N_PER_M / MASS_KG).sqrt() / TAU;
+        (2.0_f64 / 3.0).sqrt() * natural_hz..2.0_f64.sqrt() * natural_hz
+    };
+    let servo = "drive = \"pulse-servo\"\nsteps_per_turn = 2000\nrotor_inertia_kgm2 = 3\nfriction_nm = 2\nservo = { position_gain_per_s = 40, \
+                 velocity_gain_nms = 700, limit_nm = 700, following_error_deg = 30 }";
+    let stepper = "drive = \"stepper\"\nsteps_per_turn = 3200\nrotor_inertia_kgm2 = 3\nfriction_nm = 2\ndamping_nms = 30\npull_out = [[0, 3000], [60, 3000]]";
+    let encoders = format!("{stepper}\nencoder = true");
+    let at_one_angle = "[[program]]";
+    let apart = "[[axis]]\nnumber = 0\nindex_deg = 90\n[[axis]]\nnumber = 1\nindex_deg = -160\n[[axis]]\nnumber = 2\nindex_deg = -50\n[[program]]";
+    // A slip that goes on may show as whole cycles in one of its turns.
+    let failures: [(&str, &str, &[&str], &[&str]); 3] = [
+        ("lost-steps", "cycles = 3", &["lost-steps"], &["lost-steps"]),
+        (
+            "slip",
+            "rate_deg_per_s = 200",
+            &["slip", "lost-steps"],
+            &["slip"],
+        ),
+        ("stuck", "", &["index-timeout"], &["stuck"]),
+    ];
+    for flags in [at_one_angle, apart] {
+        for axes in [stepper, &encoders] {
+            for (kind, how, by_index, by_encoder) in failures {
+                for at_s in [1.75, 2.0, 2.25] {
+                    let fault = format!(
+                        "hold_s = 1\n[[fault]]\nat_s = {at_s}\naxis = 2\nkind = \"{kind}\"\n{how}\n"
+                    );
+                    let run = with(&[
+                        ("block_kg = 83 ", "block_kg = 41.5 "),
+                        ("[-600, 600]", "[-600, -200, 200, 600]"),
+                        ("count = 2", "count = 4"),
+                        ("acceleration_hz_per_s = 8", "acceleration_hz_per_s = 2"),
+                        (servo, axes),
+                        ("[[program]]", flags),
+                        ("hold_s = 1", &fault),
+                    ]);
+                    let row = (at_s / 0.0005) as usize;
+                    let speed_hz = run.trace().column("omega_rad_s")[row] / TAU;
+                    assert!(band_hz.contains(&speed_hz), "{speed_hz} rev/s at {at_s} s");
+                    let accepted = if axes == stepper {
+                        by_index
+                    } else {
+                        by_encoder
+                    };
+                    let found = kinds(&run);
+                    let context = format!("{kind} at {at_s} s, {axes}, {flags}: {found:?}");
+                    assert!(!found.iter().any(|found| found == "capture"), "{context}");
+                    let last = found.last().expect(&context);
+                    assert!(accepted.contains(&last.as_str()), "{context}");
+                }
+            }
+        }
+    }
 }
 
 /// If this fails, two shafts that nothing but the controller couples are not kept in phase where their friction differs.

@@ -279,6 +279,58 @@ fn a_lag_in_common_is_no_ones_own() {
     assert_eq!(cranks.turn(500, move |i, t| was + small(i) + jump(t)), []);
 }
 
+/// If this fails, a crank that failed alone counts as a lag of all, or cranks that all stand together as one that failed.
+#[test]
+fn a_lag_is_of_all_axes_only_if_each_shows_it() {
+    let first = |limits: [f64; 3], off: &dyn Fn(usize, f64) -> f64, dead: Option<usize>| {
+        let mut cranks = Cranks::new(monitor(4, limits[0], limits[1], limits[2]), 0.01).homed();
+        let from = f64::from(cranks.tick) * 0.01 + 0.4;
+        let found = cranks.turn_with(
+            600,
+            |i, t| off(i, (t - from).max(0.0)),
+            |i, _, pulse| pulse.filter(|_| dead != Some(i)),
+        );
+        let (_, finding) = found.first().expect("something is found");
+        (finding.fault.kind, finding.all_lag)
+    };
+    let tight = [3.0, 5.0, 15.0];
+    // All stand: each pulse is overdue.
+    let stand = |_: usize, t: f64| -t;
+    assert_eq!(first(tight, &stand, None), (FaultKind::IndexTimeout, true));
+    // All but one stand, whatever the number of the one.
+    for goes_on in 0..4 {
+        let off = move |i: usize, t: f64| if i == goes_on { 0.0 } else { -t };
+        assert!(!first(tight, &off, None).1, "axis {goes_on} goes on");
+    }
+    // One stands, or its sensor is dead; the others are behind by what is no lag of theirs, 1 degree.
+    for alone in 0..4 {
+        let one = move |i: usize, t: f64| {
+            if i == alone {
+                -t
+            } else {
+                (-t).max(-1.0 / 360.0)
+            }
+        };
+        assert_eq!(first(tight, &one, None), (FaultKind::IndexTimeout, false));
+        let none = |_: usize, _: f64| 0.0;
+        assert_eq!(
+            first(tight, &none, Some(alone)),
+            (FaultKind::IndexTimeout, false)
+        );
+    }
+    // Pulses show a lag that grows by 3.6 degrees a turn; a lead is none.
+    let slow = |_: usize, t: f64| -0.01 * t;
+    assert_eq!(
+        first([3.0, 5.0, 5.0], &slow, None),
+        (FaultKind::CommonLag, true)
+    );
+    let ahead = |_: usize, t: f64| 0.01 * t;
+    assert_eq!(
+        first([3.0, 5.0, 5.0], &ahead, None),
+        (FaultKind::CommonLag, false)
+    );
+}
+
 #[test]
 fn an_index_timeout_is_reported_within_its_turn() {
     let mut cranks = Cranks::new(monitor(4, 3.0, 5.0, 15.0), 0.01).homed();

@@ -229,6 +229,35 @@ fn targets(limits: &ShaftLimits, speeds: &[(f64, u32, u32)]) -> Vec<Target> {
     targets
 }
 
+/// If this fails, a lag in a band counts as one elsewhere, or one far from any band as one within. From 4 rev/s a shaft reaches √(4² + 2 · 10) = 6 rev/s
+/// within a turn at 10 rev/s².
+#[test]
+fn a_speed_is_at_a_band_up_to_what_a_turn_gains() {
+    let settings = LimitSettings {
+        speed_hz: 20.0,
+        acceleration_hz_per_s: 10.0,
+        jerk_hz_per_s2: 1000.0,
+        stop_acceleration_hz_per_s: 10.0,
+        stop_jerk_hz_per_s2: 1000.0,
+        homing_speed_hz: 1.0,
+        bands: [(3.0, 4.0), (12.0, 14.0)]
+            .map(|(from_hz, to_hz)| BandSettings { from_hz, to_hz })
+            .into_iter()
+            .collect(),
+    };
+    for tick_hz in [500, 2000, 10_000] {
+        let limits = ShaftLimits::of(&settings, tick_hz);
+        let is_at = |hz: f64| limits.is_at_band(Turns::from_num(hz / f64::from(tick_hz)));
+        let top = 216_f64.sqrt();
+        for hz in [3.001, 3.5, 4.0, 5.0, 5.99, 12.001, 13.0, top - 0.01] {
+            assert!(is_at(hz), "{hz} rev/s, {tick_hz} ticks/s");
+        }
+        for hz in [0.0, 1.0, 2.999, 6.01, 9.0, 11.999, top + 0.01, 20.0] {
+            assert!(!is_at(hz), "{hz} rev/s, {tick_hz} ticks/s");
+        }
+    }
+}
+
 proptest! {
     /// Limits hold for every request, and however often the shaft is stopped and started in between.
     #[test]

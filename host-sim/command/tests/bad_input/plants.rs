@@ -205,3 +205,48 @@ fn five_bar_arms() {
         ),
     ]);
 }
+
+/// If this fails, a screen runs up with motors that its resonance may capture, and nothing but a warning says so.
+#[test]
+fn screens_whose_motors_lack_torque_at_the_resonance() {
+    let text = library::find("screen").unwrap().text;
+    let edit = |from: &str, to: &str| {
+        assert!(text.contains(from), "the screen has no {from}");
+        text.replacen(from, to, 1)
+    };
+    // 103 N·m for the damping and 71 N·m for a block's weight, each shaft (docs/machines/screen.md).
+    let weak = edit("limit_nm = 700", "limit_nm = 150");
+    let stepper = edit(
+        "servo = { position_gain_per_s = 40, velocity_gain_nms = 700, limit_nm = 700, following_error_deg = 30 }",
+        "damping_nms = 30\npull_out = [[0, 200.0], [3, 160.0], [60, 100.0]]",
+    );
+    let stepper = stepper.replacen("pulse-servo", "stepper", 1);
+    assert_all_refused(&[
+        case(
+            "a weak servo",
+            weak.clone(),
+            "axes.servo.limit_nm",
+            "173.5 N·m",
+            "screen.allow_capture = true",
+        ),
+        case(
+            "a weak stepper",
+            stepper,
+            "axes.pull_out",
+            "reserve is -",
+            "raise the torque",
+        ),
+    ]);
+    let dir = tempfile::tempdir().unwrap();
+    let slow = weak
+        .replacen("speed_hz = 15", "speed_hz = 2.5", 1)
+        .replacen("homing_speed_hz = 2", "homing_speed_hz = 1", 1)
+        .replacen("amax_g = 3.73", "amax_g = 0.1", 1);
+    let allowed = weak.replacen("[screen]", "[screen]\nallow_capture = true", 1);
+    for (name, text) in [("slow", slow), ("allowed", allowed)] {
+        std::fs::write(dir.path().join("scene.toml"), text).unwrap();
+        let output = super::cophase(dir.path(), &["run", "scene.toml"]);
+        let words = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_ne!(output.status.code(), Some(2), "{name}: {words}");
+    }
+}

@@ -67,7 +67,11 @@ fn follow(torque_over_rated: f64, mut state: [f64; Screen::DIMENSION]) -> Result
 /// Scene `screen` with motors of 100 N·m, of the 174 N·m that are enough at its resonance.
 fn weak_scene() -> Option<String> {
     let text = library::find("screen")?.text;
-    let text = text.replacen("[screen]", "fidelity = \"phased\"\n[screen]\nallow_capture = true", 1);
+    let text = text.replacen(
+        "[screen]",
+        "fidelity = \"phased\"\n[screen]\nallow_capture = true",
+        1,
+    );
     Some(text.replacen(
         "limit_nm = 700, following_error_deg = 30",
         "limit_nm = 100",
