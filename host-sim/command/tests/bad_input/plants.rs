@@ -238,15 +238,9 @@ fn screens_whose_motors_lack_torque_at_the_resonance() {
         ),
     ]);
     let dir = tempfile::tempdir().unwrap();
-    let slow = weak
-        .replacen("speed_hz = 15", "speed_hz = 2.5", 1)
-        .replacen("homing_speed_hz = 2", "homing_speed_hz = 1", 1)
-        .replacen("amax_g = 3.73", "amax_g = 0.1", 1);
     let allowed = weak.replacen("[screen]", "[screen]\nallow_capture = true", 1);
-    for (name, text) in [("slow", slow), ("allowed", allowed)] {
-        std::fs::write(dir.path().join("scene.toml"), text).unwrap();
-        let output = super::cophase(dir.path(), &["run", "scene.toml"]);
-        let words = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_ne!(output.status.code(), Some(2), "{name}: {words}");
-    }
+    std::fs::write(dir.path().join("scene.toml"), allowed).unwrap();
+    let output = super::cophase(dir.path(), &["run", "scene.toml"]);
+    let words = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_ne!(output.status.code(), Some(2), "{words}");
 }

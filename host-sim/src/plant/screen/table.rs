@@ -92,12 +92,11 @@ impl ScreenTable {
         Ok(screen)
     }
 
-    /// Refuses motors that lack torque at a resonance that the shafts may have to cross.
+    /// Refuses motors that lack torque at the resonance, which every scene crosses: its band must end below the greatest speed.
     fn check_torque(&self, screen: &Screen, scene: &Scene) -> Result<(), SceneError> {
-        let crosses = scene.limits.speed_hz > screen.natural_rad_s() / std::f64::consts::TAU;
         let enough_nm = screen.resonance_nm();
         match screen.motor_nm {
-            Some(motor_nm) if crosses && motor_nm < enough_nm && !self.allow_capture => {
+            Some(motor_nm) if motor_nm < enough_nm && !self.allow_capture => {
                 let key = if scene.axes.pull_out.is_empty() {
                     "axes.servo.limit_nm"
                 } else {
