@@ -107,7 +107,7 @@ impl Io for Board {
     }
 
     fn new_program(&mut self) -> Option<&Program> {
-        handover::offered()
+        handover::submitted()
     }
 
     fn program_loaded(&mut self, is_loaded: bool) {

@@ -1,4 +1,10 @@
-//! Settings of the Cophase firmware as bytes: the *settings file*.
+//! What is stored in a Cophase controller, or sent between it and a host.
+//!
+//! **The host link**, without any input or output of its own: [`frame`], [`message`] and [`sample`] are what is sent. [`server`]
+//! is the controller's side, and [`client`] the host's. [`program`] is the file of a program, and [`watch`] makes events
+//! of what changes in the loop. `docs/link.md` describes the protocol.
+//!
+//! **The settings file:** settings as bytes.
 //!
 //! A settings file is a [`Settings`] behind a header. `cophase settings` makes one from a scene. The firmware has one built
 //! in, and keeps one in its flash.

@@ -10,7 +10,7 @@ use cophase_core::program::Program;
 /// The link may use the program.
 const FREE: u8 = 0;
 /// The loop may use it.
-const OFFERED: u8 = 1;
+const SUBMITTED: u8 = 1;
 /// The loop has loaded it, and the link may use it again.
 const LOADED: u8 = 2;
 /// The loop has refused it, and the link may use it again.
@@ -18,32 +18,32 @@ const REFUSED: u8 = 3;
 
 struct Place(UnsafeCell<Program>);
 
-// SAFETY: the link uses the program in every state but `OFFERED`, and the loop only in that one. Both are on one core,
+// SAFETY: the link uses the program in every state but `SUBMITTED`, and the loop only in that one. Both are on one core,
 // and a change of the state is the last access of the side that makes it.
 unsafe impl Sync for Place {}
 
 static PLACE: Place = Place(UnsafeCell::new(Program::new()));
 static STATE: AtomicU8 = AtomicU8::new(FREE);
 
-/// Lets the link fill the program, and offers it to the loop. By the link alone.
+/// Lets the link fill the program, and submits it to the loop. By the link alone.
 ///
 /// # Errors
-/// Those of `fill`; nothing is offered then.
+/// Those of `fill`; nothing is submitted then.
 #[cold]
-pub fn offer<E>(fill: impl FnOnce(&mut Program) -> Result<(), E>) -> Result<(), E> {
+pub fn submit<E>(fill: impl FnOnce(&mut Program) -> Result<(), E>) -> Result<(), E> {
     withdraw();
-    // SAFETY: the state is not `OFFERED`, and only the link sets that.
+    // SAFETY: the state is not `SUBMITTED`, and only the link sets that.
     fill(unsafe { &mut *PLACE.0.get() })?;
-    STATE.store(OFFERED, Ordering::Release);
+    STATE.store(SUBMITTED, Ordering::Release);
     Ok(())
 }
 
 /// True while the loop has not answered. By the link.
-pub fn is_offered() -> bool {
-    STATE.load(Ordering::Acquire) == OFFERED
+pub fn is_waiting() -> bool {
+    STATE.load(Ordering::Acquire) == SUBMITTED
 }
 
-/// Ends an offer; returns true if the loop has loaded the program. By the link.
+/// Ends the handover; returns true if the loop has loaded the program. By the link.
 #[cold]
 pub fn withdraw() -> bool {
     // The core has no atomic exchange, so the loop is kept out.
@@ -54,16 +54,16 @@ pub fn withdraw() -> bool {
     })
 }
 
-/// Program that is offered, if there is one. By the loop.
-pub fn offered() -> Option<&'static Program> {
-    if STATE.load(Ordering::Acquire) != OFFERED {
+/// Program that is submitted, if there is one. By the loop.
+pub fn submitted() -> Option<&'static Program> {
+    if STATE.load(Ordering::Acquire) != SUBMITTED {
         return None;
     }
     // SAFETY: in this state only the loop uses it, until it answers.
     Some(unsafe { &*PLACE.0.get() })
 }
 
-/// Answers the offer. By the loop.
+/// Answers it. By the loop.
 pub fn answer(is_loaded: bool) {
     let state = if is_loaded { LOADED } else { REFUSED };
     STATE.store(state, Ordering::Release);

@@ -259,7 +259,7 @@ impl Device for FirmwareDevice {
             speed_hz,
             ..
         } = *self.running;
-        handover::offer(|program| {
+        handover::submit(|program| {
             fill(
                 bytes,
                 ProgramBuilder::new(tick_hz, mechanism, speed_hz, program),
@@ -267,7 +267,7 @@ impl Device for FirmwareDevice {
         })
         .map_err(|error: ProgramFileError| text(&error))?;
         let end = Instant::now() + ANSWER_TIME;
-        while handover::is_offered() && Instant::now() < end {}
+        while handover::is_waiting() && Instant::now() < end {}
         if !handover::withdraw() {
             return Err(text(&"the machine has begun to move"));
         }
