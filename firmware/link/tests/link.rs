@@ -1,4 +1,8 @@
 //! The link's server, with hosts at its sessions.
+#![allow(
+    clippy::result_large_err,
+    reason = "a refusal holds its text, as there is no heap"
+)]
 
 mod support;
 
