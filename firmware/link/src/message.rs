@@ -4,6 +4,7 @@
 //! which repeats the number of the request's frame. New variants go to the end of an enum, so that the number of an old
 //! one never changes. A change that an older program could misread gets a new [`VERSION`].
 
+pub use cophase_core::program::MAX_OVERRIDE_PERMILLE;
 use cophase_core::supervisor::{FAULT_BYTES, Fault};
 use serde::{Deserialize, Serialize};
 
@@ -15,9 +16,6 @@ pub const VERSION: u16 = 1;
 
 /// Greatest number of bytes of a file in one message.
 pub const MAX_CHUNK_BYTES: usize = 384;
-
-/// Greatest override of the amplitude, in thousandths of the program's.
-pub const MAX_OVERRIDE_PERMILLE: u16 = 1200;
 
 /// Short text: a name, or a reason.
 pub type Text = heapless::String<TEXT_BYTES>;

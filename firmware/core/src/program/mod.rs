@@ -9,7 +9,7 @@ mod builder;
 mod cursor;
 mod segment;
 
-pub use amplitude::AmplitudeOverride;
+pub use amplitude::{AmplitudeOverride, MAX_OVERRIDE_PERMILLE};
 pub use builder::{EntrySettings, ProgramBuilder, SegmentSettings};
 pub use cursor::{Cursor, Reading};
 pub use segment::{Segment, Shape};
