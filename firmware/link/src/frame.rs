@@ -73,12 +73,6 @@ impl Receiver {
         }
     }
 
-    /// Forgets the beginning of a frame, as the line was cut. The counts stay.
-    pub const fn resynchronise(&mut self) {
-        self.length = 0;
-        self.next = None;
-    }
-
     /// Frames so far.
     pub const fn counts(&self) -> FrameCounts {
         self.counts
@@ -124,6 +118,8 @@ fn check(frame: &mut [u8]) -> Option<(u16, usize)> {
     let length = cobs::decode_in_place(frame).ok()?;
     let (body, crc) = frame.get(..length)?.split_last_chunk::<CRC_BYTES>()?;
     let number = body.first_chunk::<NUMBER_BYTES>()?;
-    let is_intact = FRAME_CRC.checksum(body) == u32::from_le_bytes(*crc);
+    // COBS adds less to some frames than to others, so that a longer one may still fit the buffer.
+    let fits = body.len() <= NUMBER_BYTES + MAX_PAYLOAD_BYTES;
+    let is_intact = fits && FRAME_CRC.checksum(body) == u32::from_le_bytes(*crc);
     is_intact.then_some((u16::from_le_bytes(*number), body.len()))
 }

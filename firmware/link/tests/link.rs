@@ -8,7 +8,7 @@ mod support;
 
 use cophase_core::supervisor::{Command, State};
 use cophase_link::client::Client;
-use cophase_link::frame::MAX_FRAME_BYTES;
+use cophase_link::frame::{MAX_FRAME_BYTES, MAX_PAYLOAD_BYTES};
 use cophase_link::message::{
     Control, ControlRequest, Event, File, Message, Refusal, ReplyBody, Request, StopKind, VERSION,
 };
@@ -462,6 +462,40 @@ fn every_flipped_bit_of_a_session_is_detected_and_counted() {
         assert!(is_part, "bit {bit}: {effects:?}");
     }
     println!("{} bits", 8 * bytes.len());
+}
+
+/// A frame as any sender could make it, of any length, with the right CRC.
+fn frame_of(payload: &[u8]) -> Vec<u8> {
+    let mut plain = vec![0, 0];
+    plain.extend(payload);
+    let crc = cophase_link::checksum(&plain);
+    plain.extend(crc.to_le_bytes());
+    // No block of it has a zero, so that its code is as short as codes get.
+    let mut coded = Vec::new();
+    for block in plain.split(|&byte| byte == 0) {
+        let mut rest = block;
+        while rest.len() >= 254 {
+            coded.push(255);
+            coded.extend(&rest[..254]);
+            rest = &rest[254..];
+        }
+        coded.push(rest.len() as u8 + 1);
+        coded.extend(rest);
+    }
+    coded.push(0);
+    coded
+}
+
+/// If a long frame made the server panic, any host could reset a running controller.
+#[test]
+fn frames_of_any_length_are_answered_or_counted() {
+    for length in 0..1000 {
+        let mut hub = hub();
+        hub.receive(0, &frame_of(&vec![0xFF; length]));
+        let mut bytes = [0; 1024];
+        let is_answered = hub.transmit(0, &mut bytes) > 0;
+        assert_eq!(is_answered, length <= MAX_PAYLOAD_BYTES, "{length} bytes");
+    }
 }
 
 proptest! {
