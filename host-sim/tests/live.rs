@@ -85,18 +85,12 @@ impl Bench {
                     tick,
                     every,
                     channels,
-                    count,
-                    mut packet,
+                    packet,
+                    ..
                 } = message
                 {
-                    let mut before = Sample {
-                        tick: tick.wrapping_sub(every.into()),
-                        ..Sample::ZERO
-                    };
-                    for _ in 0..count {
-                        before = unpack(&before, every, channels, self.axes, &mut packet).unwrap();
-                        self.samples.push(before);
-                    }
+                    let samples = unpack(tick, every, channels, self.axes, packet);
+                    self.samples.extend(samples);
                 }
             }
             if count == 0 {

@@ -229,24 +229,32 @@ pub fn pack<const N: usize>(
     fits
 }
 
-/// Reads the next sample of a packet, after the sample `before`; none at its end, or if the bytes are no sample.
-///
-/// Channels that are not in the packet keep the values of `before`. The tick is that of `before` plus `every`.
+/// Samples of a packet, of which `tick` is the first one's tick and `every` their distance. They end with the packet, or
+/// where its bytes are no sample. Channels that are not in the packet are zero.
 pub fn unpack(
-    before: &Sample,
+    tick: u32,
     every: u16,
     channels: Channels,
     axes: usize,
-    packet: &mut &[u8],
-) -> Option<Sample> {
-    let mut sample = *before;
-    let mut complete = true;
-    sample.values(channels, axes, |value| match take_varint(packet) {
-        Some(delta) => *value = value.wrapping_add(delta),
-        None => complete = false,
-    });
-    sample.tick = before.tick.wrapping_add(every.into());
-    complete.then_some(sample)
+    mut packet: &[u8],
+) -> impl Iterator<Item = Sample> {
+    let mut last = Sample {
+        tick: tick.wrapping_sub(every.into()),
+        ..Sample::ZERO
+    };
+    core::iter::from_fn(move || {
+        // Without a channel, a packet has no samples, whatever bytes it has.
+        if packet.is_empty() || channels & ALL_CHANNELS == 0 || axes == 0 {
+            return None;
+        }
+        let mut complete = true;
+        last.values(channels, axes, |value| match take_varint(&mut packet) {
+            Some(delta) => *value = value.wrapping_add(delta),
+            None => complete = false,
+        });
+        last.tick = last.tick.wrapping_add(every.into());
+        complete.then_some(last)
+    })
 }
 
 /// Greatest length of a number of 64 bits, 7 bits a byte.

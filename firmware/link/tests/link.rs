@@ -12,7 +12,7 @@ use cophase_link::frame::{MAX_FRAME_BYTES, MAX_PAYLOAD_BYTES};
 use cophase_link::message::{
     Control, ControlRequest, Event, File, Message, Refusal, ReplyBody, Request, StopKind, VERSION,
 };
-use cophase_link::sample::{ALL_CHANNELS, Sample, unpack};
+use cophase_link::sample::{ALL_CHANNELS, Channel, Sample, unpack};
 use cophase_link::server::{ARMED_S, Hub};
 use proptest::prelude::*;
 use support::device::{AXES, Effect, RecordingDevice, TICK_HZ};
@@ -273,18 +273,12 @@ fn received(host: &mut Host, hub: &mut TestHub) -> Vec<Sample> {
             every,
             channels,
             count,
-            mut packet,
+            packet,
         } = message
         {
-            let mut before = Sample {
-                tick: tick.wrapping_sub(every.into()),
-                ..Sample::ZERO
-            };
-            for _ in 0..count {
-                before = unpack(&before, every, channels, AXES, &mut packet).unwrap();
-                all.push(before);
-            }
-            assert!(packet.is_empty(), "bytes behind the samples");
+            let before = all.len();
+            all.extend(unpack(tick, every, channels, AXES, packet));
+            assert_eq!(all.len() - before, usize::from(count));
         }
     });
     all
@@ -498,6 +492,13 @@ fn frames_of_any_length_are_answered_or_counted() {
     }
 }
 
+/// If they had samples without end, a damaged controller would stop its host.
+#[test]
+fn packets_without_channels_have_no_samples() {
+    assert_eq!(unpack(0, 1, 0, AXES, &[1, 2, 3]).count(), 0);
+    assert_eq!(unpack(0, 1, Channel::Lead as u16, 0, &[1, 2, 3]).count(), 0);
+}
+
 proptest! {
     /// Packing and unpacking is exact for any values and any selection of channels.
     #[test]
@@ -509,18 +510,15 @@ proptest! {
             prop_assert!(cophase_link::sample::pack(sample, &before, ALL_CHANNELS, axes, &mut packet));
             before = *sample;
         }
-        let mut rest = &*packet;
-        let mut before = Sample { tick: u32::MAX, ..Sample::ZERO };
-        for sample in &all {
-            before = unpack(&before, 1, ALL_CHANNELS, axes, &mut rest).unwrap();
-            let mut expected = *sample;
+        let unpacked: Vec<_> = unpack(0, 1, ALL_CHANNELS, axes, &packet).collect();
+        prop_assert_eq!(unpacked.len(), all.len());
+        for (sample, mut expected) in unpacked.into_iter().zip(all) {
             for axis in axes..AXES {
                 for values in [&mut expected.lead, &mut expected.steps, &mut expected.phase_error, &mut expected.correction] {
                     values[axis] = 0;
                 }
             }
-            prop_assert_eq!(before, expected);
+            prop_assert_eq!(sample, expected);
         }
-        prop_assert!(rest.is_empty());
     }
 }

@@ -9,9 +9,9 @@ mod device;
 use std::sync::Mutex;
 
 use cophase_link::client::Client;
-use cophase_link::frame::{self, MAX_FRAME_BYTES, Receiver};
+use cophase_link::frame::{self, MAX_FRAME_BYTES, MAX_PAYLOAD_BYTES, Receiver};
 use cophase_link::message::Message;
-use cophase_link::sample::{Sample, unpack};
+use cophase_link::sample::unpack;
 use cophase_link::server::Hub;
 use device::RecordingDevice;
 
@@ -59,7 +59,7 @@ fn any_payload_is_answered() {
     let hub = hub();
     bolero::check!()
         .with_iterations(frames())
-        .with_max_len(64)
+        .with_max_len(MAX_PAYLOAD_BYTES)
         .for_each(|payload: &[u8]| {
             let mut hub = hub.lock().expect("no case left it locked");
             hub.receive(0, &framed(payload));
@@ -80,20 +80,14 @@ fn any_bytes_are_decoded_or_refused_by_the_host() {
             let mut client = Client::new();
             for &byte in framed(bytes).iter().chain(bytes) {
                 if let Some(Message::Samples {
+                    tick,
                     every,
                     channels,
-                    count,
-                    mut packet,
+                    packet,
                     ..
                 }) = client.push(byte)
                 {
-                    let mut sample = Sample::ZERO;
-                    for _ in 0..count {
-                        match unpack(&sample, every, channels, device::AXES, &mut packet) {
-                            Some(next) => sample = next,
-                            None => break,
-                        }
-                    }
+                    unpack(tick, every, channels, device::AXES, packet).for_each(drop);
                 }
             }
         });
