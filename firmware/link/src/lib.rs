@@ -1,4 +1,4 @@
-//! What is stored in a Cophase controller, or sent between it and a host.
+//! Data that a Cophase controller stores, or exchanges with a host.
 //!
 //! **The host link**, without any input or output of its own: [`frame`], [`message`] and [`sample`] are what is sent. [`server`]
 //! is the controller's side, and [`client`] the host's. [`program`] is the file of a program, and [`watch`] makes events
@@ -35,6 +35,7 @@ mod error;
 pub mod frame;
 pub mod header;
 pub mod layout;
+pub mod line;
 pub mod message;
 pub mod program;
 pub mod sample;

@@ -4,8 +4,10 @@
 //! which repeats the number of the request's frame. New variants go to the end of an enum, so that the number of an old
 //! one never changes. A change that an older program could misread gets a new [`VERSION`].
 
+use core::fmt::Write;
+
 pub use cophase_core::program::MAX_OVERRIDE_PERMILLE;
-use cophase_core::supervisor::{FAULT_BYTES, Fault};
+use cophase_core::supervisor::{FAULT_BYTES, Fault, State};
 use serde::{Deserialize, Serialize};
 
 use crate::frame::FrameCounts;
@@ -25,6 +27,25 @@ pub type Name = heapless::String<40>;
 
 /// Greatest length of a [`Text`], bytes.
 pub const TEXT_BYTES: usize = 160;
+
+/// Text of an error, cut to what a reply holds.
+pub fn text(error: &impl core::fmt::Display) -> Text {
+    struct Cut(Text);
+    impl Write for Cut {
+        fn write_str(&mut self, part: &str) -> core::fmt::Result {
+            for c in part.chars() {
+                if self.0.push(c).is_err() {
+                    return Err(core::fmt::Error);
+                }
+            }
+            Ok(())
+        }
+    }
+    let mut cut = Cut(Text::new());
+    // A text that is too long ends where the room ends.
+    let _ = write!(cut, "{error}");
+    cut.0
+}
 
 /// Request of a host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -244,8 +265,8 @@ pub enum Refusal {
     Busy,
 }
 
-fn state_name(state: u8) -> &'static str {
-    use cophase_core::supervisor::State;
+/// Name of the state of a number.
+pub fn state_name(state: u8) -> &'static str {
     State::ALL
         .get(usize::from(state))
         .map_or("unknown", |state| state.name())
@@ -344,7 +365,7 @@ pub struct EventRecord {
     pub number: u32,
     /// Control ticks since power-up.
     pub tick: u32,
-    /// What happened.
+    /// The event.
     pub event: Event,
 }
 

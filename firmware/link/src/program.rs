@@ -2,12 +2,8 @@
 //!
 //! The bytes are `program` of the settings, in postcard's format: the number of entries, then the entries.
 
-use core::fmt::Write;
-
 use cophase_core::program::{CAPACITY, EntrySettings, ProgramBuilder};
 use cophase_core::settings::{Settings, SettingsError};
-
-use crate::message::Text;
 
 /// Greatest length of a program file, bytes.
 pub const MAX_PROGRAM_BYTES: usize = {
@@ -56,23 +52,4 @@ pub fn fill(bytes: &[u8], mut builder: ProgramBuilder<'_>) -> Result<(), Program
     }
     builder.finish()?;
     Ok(())
-}
-
-/// Text of an error, cut to what a reply holds.
-pub fn text(error: &impl core::fmt::Display) -> Text {
-    struct Cut(Text);
-    impl Write for Cut {
-        fn write_str(&mut self, part: &str) -> core::fmt::Result {
-            for c in part.chars() {
-                if self.0.push(c).is_err() {
-                    return Err(core::fmt::Error);
-                }
-            }
-            Ok(())
-        }
-    }
-    let mut cut = Cut(Text::new());
-    // A text that is too long ends where the room ends.
-    let _ = write!(cut, "{error}");
-    cut.0
 }

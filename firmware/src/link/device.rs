@@ -6,8 +6,9 @@ use cophase_core::mechanism::AnyMechanism;
 use cophase_core::program::ProgramBuilder;
 use cophase_core::settings::{NAME_BYTES, Settings};
 use cophase_core::supervisor::Command;
-use cophase_link::message::{Event, File, Identity, Name, Text, VERSION};
-use cophase_link::program::{MAX_PROGRAM_BYTES, ProgramFileError, encode, fill, text};
+use cophase_link::board::{Board as _, Rp2040};
+use cophase_link::message::{Event, File, Identity, Name, Text, VERSION, text};
+use cophase_link::program::{MAX_PROGRAM_BYTES, ProgramFileError, encode, fill};
 use cophase_link::sample::Sample;
 use cophase_link::server::{Device, SettingsRefusal};
 use cophase_link::{Header, checksum};
@@ -100,7 +101,7 @@ pub fn queues() -> (LoopEnd, LinkEnd) {
     (loop_end, link_end)
 }
 
-/// What the link knows of the settings that run.
+/// Settings that run, as far as the link needs them.
 pub struct Running {
     name: heapless::String<NAME_BYTES>,
     axes: usize,
@@ -199,7 +200,7 @@ impl Device for FirmwareDevice {
         let header = Header::read(self.running.file).ok();
         Identity {
             version: VERSION,
-            board: name("RP2040"),
+            board: name(Rp2040::NAME),
             serial: 0,
             firmware: name(env!("CARGO_PKG_VERSION")),
             settings: name(&self.running.name),

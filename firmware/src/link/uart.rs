@@ -1,5 +1,6 @@
 //! UART line.
 
+use cophase_link::line::UART_BAUD;
 use embassy_executor::Spawner;
 use embassy_futures::join::join;
 use embassy_rp::peripherals::{PIN_8, PIN_9, UART1};
@@ -16,9 +17,6 @@ use super::{ROUND, SharedHub, UART_SESSION};
 bind_interrupts!(struct Interrupts {
     UART1_IRQ => BufferedInterruptHandler<UART1>;
 });
-
-/// Baud rate, with 8 data bits, no parity, 1 stop bit.
-const BAUD: u32 = 115_200;
 
 const RX_PIN: usize = 9;
 
@@ -37,7 +35,7 @@ pub fn spawn(
     static SEND: ConstStaticCell<[u8; SEND_BYTES]> = ConstStaticCell::new([0; SEND_BYTES]);
     static RECEIVE: ConstStaticCell<[u8; RECEIVE_BYTES]> = ConstStaticCell::new([0; RECEIVE_BYTES]);
     let mut config = Config::default();
-    config.baudrate = BAUD;
+    config.baudrate = UART_BAUD;
     let uart = BufferedUart::new(
         uart,
         tx,

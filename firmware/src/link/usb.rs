@@ -1,5 +1,6 @@
 //! USB line: a CDC-ACM serial port.
 
+use cophase_link::line::{USB_ID, USB_PRODUCT};
 use embassy_executor::Spawner;
 use embassy_futures::join::join;
 use embassy_futures::select::select;
@@ -18,9 +19,6 @@ bind_interrupts!(struct Interrupts {
     USBCTRL_IRQ => InterruptHandler<USB>;
 });
 
-/// Vendor and product number for tests, of pid.codes; `cophase link` knows them.
-const USB_ID: (u16, u16) = (0x1209, 0x0001);
-
 /// Bytes of a packet at full speed.
 const PACKET_BYTES: usize = 64;
 
@@ -35,7 +33,7 @@ pub fn spawn(spawner: Spawner, hub: SharedHub, usb: Peri<'static, USB>) {
     static STATE: StaticCell<State<'static>> = StaticCell::new();
     let mut config = Config::new(USB_ID.0, USB_ID.1);
     config.manufacturer = Some("Cophase");
-    config.product = Some("Cophase controller");
+    config.product = Some(USB_PRODUCT);
     config.max_power = 100;
     let mut builder = Builder::new(
         Driver::new(usb, Interrupts),

@@ -167,7 +167,7 @@ fn a_run_is_held_scaled_resumed_and_stopped() {
     served.out(&["stop", "--now"]);
 }
 
-/// What cannot be done is refused by name, with exit status 2, and nothing moves.
+/// A request that cannot be met is refused by name, with exit status 2, and nothing moves.
 #[test]
 fn refusals_name_the_reason() {
     let served = Served::new(&scene(1.0, 5.0));

@@ -9,7 +9,7 @@ use cophase_core::program::Program;
 use cophase_core::settings::{Settings, short_name};
 use cophase_core::supervisor::Command;
 use cophase_link::header::{FIRST_SEQUENCE, OUTSIDE};
-use cophase_link::message::{Event, File, Identity, Name, Text, VERSION};
+use cophase_link::message::{Event, File, Identity, Name, Text, VERSION, text};
 use cophase_link::program::{self, MAX_PROGRAM_BYTES};
 use cophase_link::sample::Sample;
 use cophase_link::server::{Device, SettingsRefusal};
@@ -224,7 +224,7 @@ impl Device for SimulatedDevice {
     fn load_program(&mut self, bytes: &[u8]) -> Result<(), Text> {
         let mut program = Box::new(Program::new());
         let builder = self.checked.settings.program_builder(&mut program);
-        program::fill(bytes, builder).map_err(|error| program::text(&error))?;
+        program::fill(bytes, builder).map_err(|error| text(&error))?;
         let (loaded, is_loaded) = sync_channel(1);
         self.send(ToLoop::Program(program, loaded));
         match is_loaded.recv_timeout(ANSWERS_WITHIN) {
@@ -232,14 +232,14 @@ impl Device for SimulatedDevice {
                 self.program_file = bytes.to_vec();
                 Ok(())
             }
-            Ok(false) => Err(program::text(&"the machine has begun to move")),
-            Err(_) => Err(program::text(&"the control loop does not answer")),
+            Ok(false) => Err(text(&"the machine has begun to move")),
+            Err(_) => Err(text(&"the control loop does not answer")),
         }
     }
 
     fn store_settings(&mut self, settings_file: &[u8]) -> Result<(), SettingsRefusal> {
         let rejected = |error: &dyn std::fmt::Display| {
-            SettingsRefusal::Rejected(program::text(&format_args!("{error}")))
+            SettingsRefusal::Rejected(text(&format_args!("{error}")))
         };
         let mut settings = Box::new(Settings::new());
         decode_into(settings_file, &mut settings).map_err(|error| rejected(&error))?;

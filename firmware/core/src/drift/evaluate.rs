@@ -246,7 +246,7 @@ impl DriftMonitor {
         late.wrapping_sub(ahead)
     }
 
-    /// Whether every watched axis lags by at least three quarters of `lag`. Cranks that lag for a common reason lag about alike, where
+    /// Returns true if every watched axis lags by at least three quarters of `lag`. Cranks that lag for a common reason lag about alike, where
     /// flags at different places show it at different times; one that failed is alone.
     #[inline(never)]
     fn all_lag_by(&self, lag: Turns, sensed: &Sensed<'_>) -> bool {

@@ -39,11 +39,6 @@ impl Access {
         }
     }
 
-    /// The host of a session is another one, or none.
-    pub(super) fn disconnect(&mut self, session: usize) {
-        self.release(session);
-    }
-
     pub(super) const fn disarm(&mut self) {
         self.armed_until_ms = None;
     }

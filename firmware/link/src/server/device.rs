@@ -7,7 +7,8 @@ use crate::sample::Sample;
 
 /// Controller behind a link.
 ///
-/// No function waits for the loop. Commands and samples pass through queues.
+/// Commands and samples pass through queues, so that no function waits for the loop, except [`Self::load_program`] for a
+/// few ticks.
 pub trait Device {
     /// Identity of the controller.
     fn identity(&self) -> Identity;

@@ -108,7 +108,7 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
         if let Some(line) = self.sessions.get_mut(session) {
             line.restart();
         }
-        self.access.disconnect(session);
+        self.access.release(session);
         self.choose_sampling();
     }
 
@@ -171,12 +171,8 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
         self.device.set_sampling(every);
     }
 
-    fn is_set(&self, flag: u8) -> bool {
-        self.latest.flags & flag != 0
-    }
-
-    fn drives_are_on(&self) -> bool {
-        self.is_set(flags::DRIVES)
+    const fn drives_are_on(&self) -> bool {
+        self.latest.flags & flags::DRIVES != 0
     }
 }
 

@@ -17,7 +17,8 @@ const MAX_EVERY: u16 = 10_000;
 /// Period of a stream of statuses, ms.
 const STATUS_MS: core::ops::RangeInclusive<u16> = 10..=1000;
 
-const CONTROL: [State; 2] = [State::Idle, State::Parked];
+/// States in which the machine rests and may start.
+const AT_REST: [State; 2] = [State::Idle, State::Parked];
 
 impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
     /// Answers the request of a frame.
@@ -75,12 +76,12 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
             Request::Control(ControlRequest::TakeOver) => self.access.take(session, true)?,
             Request::Control(ControlRequest::Release) => self.access.release(session),
             Request::Arm => {
-                self.check_state(&CONTROL)?;
+                self.check_state(&AT_REST)?;
                 let now_ms = self.device.now_ms();
                 self.access.arm(session, now_ms, &self.latest)?;
             }
             Request::Disarm => self.access.disarm(),
-            Request::Start => self.start(session, &CONTROL, Command::Start)?,
+            Request::Start => self.start(session, &AT_REST, Command::Start)?,
             Request::Home => self.start(session, &[State::Idle], Command::Home)?,
             Request::Jog => self.jog(session)?,
             Request::Stop(StopKind::AtPhase) => self.command(Command::Stop)?,
@@ -115,7 +116,7 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
         let (state, drives_are_on) = (self.state(), self.drives_are_on());
         let (file, bytes) = self.upload.finish(session)?;
         match file {
-            File::Program if CONTROL.contains(&state) => {
+            File::Program if AT_REST.contains(&state) => {
                 self.device.load_program(bytes).map_err(Refusal::Rejected)
             }
             File::Settings if !drives_are_on => {

@@ -92,9 +92,9 @@ impl Session {
         OUT_BYTES - self.out.len() >= MAX_FRAME_BYTES
     }
 
-    /// Sends a reply; returns false if there is no room, as the host has not fetched earlier ones.
-    pub(super) fn send(&mut self, message: &Message<'_>) -> bool {
-        self.push(message, 0)
+    /// Sends a reply. One that finds no room, as the host has not fetched earlier ones, is counted.
+    pub(super) fn send(&mut self, message: &Message<'_>) {
+        self.push(message, 0);
     }
 
     /// Sends a message of a stream, if that leaves room for a reply. A message that is not sent is counted, and its frame

@@ -120,7 +120,7 @@ impl ShaftLimits {
         }
     }
 
-    /// Whether a speed, turns a tick, lies in a forbidden band or above it by no more than the shaft gains within a turn of full
+    /// Returns true if a speed, turns a tick, lies in a forbidden band or above it by no more than the shaft gains within a turn of full
     /// acceleration, v² = to² + 2 a · 1 turn: an index shows once a turn what its crank did in the band.
     pub fn is_at_band(&self, speed: crate::units::Turns) -> bool {
         // Bits of a speed that are left out, so that a square has 64.

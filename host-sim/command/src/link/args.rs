@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
+use cophase_link::line::UART_BAUD;
 
 #[derive(Debug, Args)]
 #[command(
@@ -15,7 +16,7 @@ pub(crate) struct LinkArgs {
     #[arg(long, value_name = "WHERE", global = true)]
     pub(super) to: Option<String>,
     /// Baud rate of a UART; a USB port ignores it
-    #[arg(long, value_name = "BAUD", default_value_t = 115_200, global = true)]
+    #[arg(long, value_name = "BAUD", default_value_t = UART_BAUD, global = true)]
     pub(super) baud: u32,
     /// Take control even if another host has it
     #[arg(long, global = true)]

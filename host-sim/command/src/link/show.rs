@@ -1,11 +1,11 @@
-//! What a controller reports, as text.
+//! Reports of a controller as text.
 
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-use cophase_core::supervisor::State;
 use cophase_link::message::{
     Control, Event, EventRecord, FaultRecord, Identity, Request, Status as MachineStatus,
+    state_name,
 };
 use cophase_link::sample::flags;
 use host_sim::report;
@@ -186,10 +186,4 @@ pub(super) fn describe(record: &EventRecord, tick_hz: u32) -> String {
         Event::Lost(count) => format!("{count} events lost before the next"),
     };
     format!("{t_s:10.3} s  {what}")
-}
-
-fn state_name(state: u8) -> &'static str {
-    State::ALL
-        .get(usize::from(state))
-        .map_or("unknown", |state| state.name())
 }

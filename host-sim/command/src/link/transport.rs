@@ -4,17 +4,12 @@ use std::io::{self, Read, Write};
 use std::net::TcpStream;
 use std::time::Duration;
 
+use cophase_link::line::{USB_ID, USB_PRODUCT};
 use cophase_link::server::Hub;
 use host_sim::live::SimulatedDevice;
 use serialport::{SerialPort, SerialPortInfo, SerialPortType};
 
 use crate::scenes;
-
-/// USB vendor and product number of the firmware; `firmware/src/link/usb.rs` has the same.
-const USB_ID: (u16, u16) = (0x1209, 0x0001);
-
-/// USB product name of the firmware.
-const USB_PRODUCT: &str = "Cophase";
 
 /// Time for which a read waits for bytes.
 const READ_WAIT: Duration = Duration::from_millis(5);
