@@ -25,6 +25,9 @@ use crate::settings;
 /// Commands that wait for the loop.
 const COMMANDS: usize = 8;
 
+/// Commands that may wait besides stops.
+const COMMANDS_BESIDE_STOPS: usize = 4;
+
 /// Samples that wait for the link, one less than this: 30 ms at 2 kHz.
 const SAMPLES: usize = 64;
 
@@ -232,7 +235,11 @@ impl Device for FirmwareDevice {
     }
 
     fn command(&mut self, command: Command) -> bool {
-        self.running.can_run && self.link.commands.enqueue(command).is_ok()
+        let commands = &mut self.link.commands;
+        let is_stop = matches!(command, Command::Stop | Command::StopNow);
+        // A host that sends more than the loop takes must not keep another one from stopping the machine.
+        let has_room = is_stop || commands.len() < COMMANDS_BESIDE_STOPS;
+        self.running.can_run && has_room && commands.enqueue(command).is_ok()
     }
 
     fn set_sampling(&mut self, every: u16) {

@@ -57,13 +57,10 @@ pub fn spawn(
 /// Task that passes bytes between the host and the server.
 #[embassy_executor::task]
 async fn exchange(hub: SharedHub, sender: BufferedUartTx, receiver: BufferedUartRx) -> ! {
-    join(receive(hub, receiver), send(hub, sender)).await;
-    loop {
-        Timer::after(ROUND).await;
-    }
+    join(receive(hub, receiver), send(hub, sender)).await.0
 }
 
-async fn receive(hub: SharedHub, mut line: BufferedUartRx) {
+async fn receive(hub: SharedHub, mut line: BufferedUartRx) -> ! {
     let mut bytes = [0; 64];
     loop {
         // Noise on the line damages a frame, which the server counts.
@@ -74,7 +71,7 @@ async fn receive(hub: SharedHub, mut line: BufferedUartRx) {
     }
 }
 
-async fn send(hub: SharedHub, mut line: BufferedUartTx) {
+async fn send(hub: SharedHub, mut line: BufferedUartTx) -> ! {
     let mut bytes = [0; 64];
     loop {
         let length = hub.borrow_mut().transmit(UART_SESSION, &mut bytes);

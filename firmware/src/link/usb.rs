@@ -3,13 +3,13 @@
 use cophase_link::line::{USB_ID, USB_PRODUCT};
 use embassy_executor::Spawner;
 use embassy_futures::join::join;
-use embassy_futures::select::select;
+use embassy_futures::select::{Either, select};
 use embassy_futures::yield_now;
 use embassy_rp::peripherals::USB;
 use embassy_rp::usb::{Driver, InterruptHandler};
 use embassy_rp::{Peri, bind_interrupts, pac};
 use embassy_time::Timer;
-use embassy_usb::class::cdc_acm::{CdcAcmClass, Receiver, Sender, State};
+use embassy_usb::class::cdc_acm::{CdcAcmClass, ControlChanged, Receiver, Sender, State};
 use embassy_usb::{Builder, Config, UsbDevice};
 use static_cell::{ConstStaticCell, StaticCell};
 
@@ -44,9 +44,9 @@ pub fn spawn(spawner: Spawner, hub: SharedHub, usb: Peri<'static, USB>) {
         CONTROL.take(),
     );
     let class = CdcAcmClass::new(&mut builder, STATE.init(State::new()), PACKET_BYTES as u16);
-    let (sender, receiver) = class.split();
+    let (sender, receiver, control) = class.split_with_control();
     spawner.spawn(defmt::unwrap!(run(builder.build())));
-    spawner.spawn(defmt::unwrap!(exchange(hub, sender, receiver)));
+    spawner.spawn(defmt::unwrap!(exchange(hub, sender, receiver, control)));
 }
 
 #[embassy_executor::task]
@@ -76,21 +76,36 @@ async fn reset_is_pending() {
 #[embassy_executor::task]
 async fn exchange(
     hub: SharedHub,
-    mut sender: Sender<'static, Usb>,
-    mut receiver: Receiver<'static, Usb>,
+    sender: Sender<'static, Usb>,
+    receiver: Receiver<'static, Usb>,
+    control: ControlChanged<'static>,
 ) -> ! {
-    join(receive(hub, &mut receiver), send(hub, &mut sender)).await;
-    loop {
-        Timer::after(ROUND).await;
-    }
+    join(receive(hub, receiver, control), send(hub, sender))
+        .await
+        .0
 }
 
-async fn receive(hub: SharedHub, line: &mut Receiver<'static, Usb>) {
+async fn receive(
+    hub: SharedHub,
+    mut line: Receiver<'static, Usb>,
+    control: ControlChanged<'static>,
+) -> ! {
     let mut packet = [0; PACKET_BYTES];
     loop {
         line.wait_connection().await;
         hub.borrow_mut().connect(USB_SESSION);
-        while let Ok(length) = line.read_packet(&mut packet).await {
+        loop {
+            let length =
+                match select(line.read_packet(&mut packet), control.control_changed()).await {
+                    Either::First(Ok(length)) => length,
+                    Either::First(Err(_)) => break,
+                    // Without DTR no program has the port open.
+                    Either::Second(()) if !control.dtr() => {
+                        hub.borrow_mut().disconnect(USB_SESSION);
+                        continue;
+                    }
+                    Either::Second(()) => continue,
+                };
             let bytes = packet.get(..length).unwrap_or_default();
             hub.borrow_mut().receive(USB_SESSION, bytes);
             // A host that sends without a break must not keep the other tasks from running.
@@ -103,7 +118,7 @@ async fn receive(hub: SharedHub, line: &mut Receiver<'static, Usb>) {
     }
 }
 
-async fn send(hub: SharedHub, line: &mut Sender<'static, Usb>) {
+async fn send(hub: SharedHub, mut line: Sender<'static, Usb>) -> ! {
     let mut packet = [0; PACKET_BYTES];
     // A full packet is followed by another one, if only an empty one, or the host would wait for more.
     let mut last_was_full = false;

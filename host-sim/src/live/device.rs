@@ -25,8 +25,8 @@ use crate::virtual_time;
 /// Samples and events that wait for the host.
 const WAITING: usize = 4096;
 
-/// Commands that wait for the loop.
-const COMMANDS: usize = 8;
+/// Commands and programs that wait for the loop.
+const COMMANDS: usize = 64;
 
 /// Longest time that the loop takes to answer.
 const ANSWERS_WITHIN: Duration = Duration::from_secs(2);

@@ -25,7 +25,8 @@ pub trait Device {
     /// Bytes of a file as it runs now.
     fn file(&self, file: File) -> &[u8];
 
-    /// Gives the loop a command for its next tick; returns false if it has not taken the last ones yet.
+    /// Gives the loop a command for its next ticks; returns false if it has not taken the last ones yet. Other commands leave
+    /// room for a stop.
     fn command(&mut self, command: Command) -> bool;
 
     /// Sets the ticks between two samples.

@@ -133,11 +133,11 @@ impl Connection {
         }
     }
 
-    /// All events that the controller still has.
-    pub(super) fn events(&mut self) -> Result<Vec<EventRecord>, LinkError> {
+    /// Events from a number on, as far as the controller still has them.
+    pub(super) fn events(&mut self, first: u32) -> Result<Vec<EventRecord>, LinkError> {
         let mut all: Vec<EventRecord> = Vec::new();
         loop {
-            let from = all.last().map_or(0, |event| event.number + 1);
+            let from = all.last().map_or(first, |event| event.number + 1);
             match self.request("log", &Request::Events { from }, RETRIES)? {
                 Reply::Events(events) if events.is_empty() => return Ok(all),
                 Reply::Events(events) => all.extend(events),

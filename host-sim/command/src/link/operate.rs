@@ -7,7 +7,7 @@ use cophase_core::supervisor::State;
 use cophase_link::message::{Event, Identity, Request, StopKind};
 
 use super::Problem;
-use super::args::{Action, LinkArgs};
+use super::args::{Action, LinkArgs, StartArgs};
 use super::connection::{Connection, Incoming, LinkError};
 use super::show::describe;
 use crate::Status;
@@ -37,17 +37,11 @@ pub(super) fn operate(
     match action {
         Action::Start(start) => {
             confirm(start.yes, "runs its program", err)?;
-            begin(link, "start", &Request::Start)?;
-            if start.wait || link.is_simulated() {
-                return wait(link, identity, out);
-            }
+            return begin_and_wait(link, "start", &Request::Start, start, identity, out);
         }
         Action::Home(home) => {
             confirm(home.yes, "homes", err)?;
-            begin(link, "home", &Request::Home)?;
-            if home.wait || link.is_simulated() {
-                return wait(link, identity, out);
-            }
+            return begin_and_wait(link, "home", &Request::Home, home, identity, out);
         }
         Action::Jog(jog) => {
             confirm(jog.yes, "turns at homing speed", err)?;
@@ -102,22 +96,46 @@ fn begin(
     link.command(name, request)
 }
 
-/// Shows events until the machine rests again.
-fn wait(
+/// Begins a motion, and waits for its end if that is requested.
+fn begin_and_wait(
     link: &mut Connection,
+    name: &'static str,
+    request: &Request<'_>,
+    args: &StartArgs,
     identity: &Identity,
     out: &mut impl Write,
 ) -> Result<Status, Problem> {
+    let next = link.events(0)?.last().map_or(0, |event| event.number + 1);
+    begin(link, name, request)?;
+    if args.wait || link.is_simulated() {
+        return wait(link, identity, next, out);
+    }
+    Ok(Status::Done)
+}
+
+/// Shows events from a number on until the machine rests again.
+fn wait(
+    link: &mut Connection,
+    identity: &Identity,
+    mut next: u32,
+    out: &mut impl Write,
+) -> Result<Status, Problem> {
     loop {
-        let Some(Incoming::Event(record)) = link.next(Duration::from_secs(1))? else {
-            continue;
+        let records = match link.next(Duration::from_secs(1))? {
+            Some(Incoming::Event(record)) if record.number == next => vec![record],
+            Some(Incoming::Status(_)) => continue,
+            // An event was lost on the line, or there was none.
+            _ => link.events(next)?,
         };
-        writeln!(out, "{}", describe(&record, identity.tick_hz))?;
-        if let Event::State(state) = record.event {
-            match State::ALL.get(usize::from(state)) {
-                Some(State::Parked) => return Ok(Status::Done),
-                Some(State::Fault | State::Idle) => return Ok(Status::Fault),
-                _ => {}
+        for record in records {
+            next = record.number + 1;
+            writeln!(out, "{}", describe(&record, identity.tick_hz))?;
+            if let Event::State(state) = record.event {
+                match State::ALL.get(usize::from(state)) {
+                    Some(State::Parked) => return Ok(Status::Done),
+                    Some(State::Fault | State::Idle) => return Ok(Status::Fault),
+                    _ => {}
+                }
             }
         }
     }

@@ -85,7 +85,7 @@ pub(super) fn log(
     identity: &Identity,
     out: &mut impl Write,
 ) -> Result<(), Problem> {
-    let events = link.events()?;
+    let events = link.events(0)?;
     if events.is_empty() {
         writeln!(out, "No event since power-up.")?;
     }
