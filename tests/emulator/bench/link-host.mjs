@@ -11,6 +11,9 @@ const REPLY_S = 2;
 /** Bytes of a file in one request. */
 const CHUNK_BYTES = 384;
 
+/** Bytes of a frame besides its payload: number, CRC, COBS and the zero. */
+const FRAME_BYTES = 9;
+
 const RESULT_ERROR = 1;
 const CHUNK = 2;
 const COUNTERS = 3;
@@ -24,6 +27,8 @@ export class LinkHost {
     /** Runs of samples: { tick, every, count }. */
     this.samples = [];
     this.bytes = 0;
+    /** Bytes on the line of the frames that have samples. */
+    this.sampleBytes = 0;
     this.receiver = new Receiver((_, payload) => this.message(payload));
     this.link.onData = (bytes) => {
       this.bytes += bytes.length;
@@ -54,13 +59,24 @@ export class LinkHost {
     this.number = (this.number + 1) % 0x1_0000;
   }
 
-  /** Makes a request; gives the payload of its reply behind the result's tag. Throws if it is refused. */
-  ask(payload) {
+  /** Makes a request; gives its reply: { result, rest }. */
+  exchange(payload) {
     const to = this.number;
     this.reply = null;
     this.send(payload);
     this.until(() => this.reply?.number === to, REPLY_S, `request ${payload[0]} has no reply`);
-    const { result, rest } = this.reply;
+    return this.reply;
+  }
+
+  /** Makes a request that must be refused; gives the number of the refusal, or null. */
+  refusal(payload) {
+    const { result, rest } = this.exchange(payload);
+    return result === RESULT_ERROR ? rest[0] : null;
+  }
+
+  /** Makes a request; gives the payload of its reply behind the result's tag. Throws if it is refused. */
+  ask(payload) {
+    const { result, rest } = this.exchange(payload);
     if (result === RESULT_ERROR) throw new Error(`link: request ${payload[0]} refused: ${[...rest]}`);
     return rest;
   }
@@ -74,6 +90,7 @@ export class LinkHost {
       const [tick, every] = [reader.varint(), reader.varint()];
       reader.varint(); // channels
       this.samples.push({ tick, every, count: reader.byte() });
+      this.sampleBytes += payload.length + FRAME_BYTES;
     }
   }
 

@@ -20,7 +20,8 @@ const WIDTH_US = 2;
 /**
  * Runs the scene to its end; `prepare(machine)` comes before its start. Gives { machine, lines: the log, period: cycles of a tick, ticks, profile: null unless
  * requested, awake: cycles in which the processor did not sleep, reads: of the flash by the loop's interrupts, [{ pc, address, count, cycles waited }] }; ticks:
- * [{ number, own, state, pulses, call: of the profile }], numbered from the deadline at which the start was read.
+ * [{ number, own, late, state, pulses, call: of the profile }], numbered from the deadline at which the start was read; `late` is by how many
+ * cycles more than that one the tick began behind its deadline.
  */
 export function run(played, predicted, settings, { profile = false, prepare = () => {} } = {}) {
   const machine = new Machine({ ...played, settings });
@@ -41,7 +42,8 @@ export function run(played, predicted, settings, { profile = false, prepare = ()
   const calls = new Map((board.profile?.calls ?? []).map((call) => [call.entry, call]));
   const ticks = machine.ticks(began).map(({ entry, own }) => {
     const number = Math.floor((entry - began) / machine.tick);
-    return { number, own, state: stateAt(number), pulses: confirmed.get(number) ?? 0, call: calls.get(entry) };
+    const late = ((entry - began + machine.tick / 2) % machine.tick) - machine.tick / 2;
+    return { number, own, late, state: stateAt(number), pulses: confirmed.get(number) ?? 0, call: calls.get(entry) };
   });
   return {
     machine,
@@ -57,11 +59,12 @@ export function run(played, predicted, settings, { profile = false, prepare = ()
 /** True for an address in the vector table, which the processor reads at each exception. */
 const isVector = (address) => address >= VECTOR_TABLE && address < VECTOR_TABLE + 4 * VECTORS;
 
-/** Summarizes ticks: { worst, mean, pulses: index pulses that were confirmed in the worst }, in cycles. */
+/** Summarizes ticks: { worst, mean, late: the latest beginning, pulses: index pulses that were confirmed in the worst }, in cycles. */
 export function summary(ticks) {
   const worst = ticks.reduce((most, tick) => (tick.own > most.own ? tick : most));
   const mean = ticks.reduce((sum, { own }) => sum + own, 0) / ticks.length;
-  return { worst: worst.own, mean, pulses: worst.pulses };
+  const late = ticks.reduce((most, tick) => Math.max(most, tick.late), 0);
+  return { worst: worst.own, mean, late, pulses: worst.pulses };
 }
 
 /** Number of index pulses confirmed in each tick, by its number: pulses whose level has lasted at that deadline. */
