@@ -16,10 +16,8 @@ use cophase_link::server::{Device, SettingsRefusal};
 use cophase_link::{Header, MAX_FILE_BYTES, decode_into, encode};
 
 use super::paced::{FromLoop, Paced, ToLoop};
-use crate::faults::Faults;
-use crate::machine::Machine;
 use crate::scene::{Checked, SceneError};
-use crate::sim::{SimulatedIo, Statistics, World, schedule::Schedule};
+use crate::sim::{SimulatedIo, schedule::Schedule};
 use crate::virtual_time;
 
 /// Samples and events that wait for the host.
@@ -94,30 +92,27 @@ impl SimulatedDevice {
 
 impl Running {
     fn new(checked: &Checked, speed: f64) -> Result<Self, SceneError> {
-        // Errors are found here, where somebody waits for them.
         let mut controller = Box::new(checked.controller()?);
-        Machine::new(checked)?;
         let (to_loop, from_host) = sync_channel(COMMANDS);
         let (to_host, from_loop) = sync_channel(WAITING);
+        let (made, is_made) = sync_channel(1);
         let checked = checked.clone();
         let run = move || {
-            let Ok(machine) = Machine::new(&checked) else {
-                return;
-            };
-            let program_ticks = controller.program().0.duration();
-            let sensors = machine.sensors(&checked);
-            let statistics = Statistics::new(&checked, machine.platform.mechanism());
-            let world = World {
-                machine,
-                sensors,
-                schedule: Schedule::new(&checked, program_ticks).without_commands(),
-                faults: Faults::new(&checked),
-            };
+            let ticks = controller.program().0.duration();
+            let schedule = Schedule::new(&checked, ticks).without_commands();
             let mut observer = ();
-            let hz = controller.tick_hz();
-            let inner = SimulatedIo::new(hz, world, statistics, &mut observer, |_, _| {});
-            let mut io = Paced::new(inner, speed, from_host, to_host);
-            virtual_time::run(control_loop::run(&mut controller, &mut io), |_| 0);
+            let inner = SimulatedIo::new(&checked, schedule, &mut observer, |_, _| {});
+            // Whoever began the thread waits for this.
+            match inner {
+                Ok(inner) => {
+                    let _ = made.send(Ok(()));
+                    let mut io = Paced::new(inner, speed, from_host, to_host);
+                    virtual_time::run(control_loop::run(&mut controller, &mut io), |_| 0);
+                }
+                Err(error) => {
+                    let _ = made.send(Err(error));
+                }
+            }
         };
         let thread = std::thread::Builder::new().name("control loop".to_owned());
         let mut running = Self {
@@ -128,6 +123,8 @@ impl Running {
             // Without a thread there is no loop, and every command is refused.
             thread: thread.spawn(run).ok(),
         };
+        // Without an answer there is no thread, and so no error of the machine.
+        is_made.recv().unwrap_or(Ok(()))?;
         // The first tick has been: from here on the state is known.
         if let Ok(first) = running.from_loop.recv_timeout(ANSWERS_WITHIN) {
             running.put(first);

@@ -22,6 +22,7 @@ use super::unwrapped::Unwrapped;
 use crate::axes::{Axes, per_axis};
 use crate::faults::Faults;
 use crate::machine::{IndexSensor, Machine, Passages, Played, SimulatedAxis};
+use crate::scene::{Checked, SceneError};
 use crate::units::turns;
 use crate::virtual_time::{self, TICKS_PER_S};
 
@@ -32,19 +33,6 @@ struct Waiting {
     played: Played,
     telemetry: Telemetry,
     sync: bool,
-}
-
-/// What the loop stands against.
-#[derive(Debug)]
-pub struct World {
-    /// The machine.
-    pub machine: Machine,
-    /// Its index sensors.
-    pub sensors: Axes<IndexSensor>,
-    /// What happens from outside.
-    pub schedule: Schedule,
-    /// What goes wrong.
-    pub faults: Faults,
 }
 
 /// The loop's world, simulated.
@@ -96,31 +84,29 @@ const MOST_TAIL_S: f64 = 5.0;
 const PROGRESS_TICKS: u64 = 8192;
 
 impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
-    /// A machine at power-up.
+    /// Makes the machine of a scene, at power-up.
+    ///
+    /// # Errors
+    /// The machine of the scene cannot be made.
     pub fn new(
-        tick_hz: u32,
-        world: World,
-        statistics: Statistics,
+        checked: &Checked,
+        schedule: Schedule,
         observer: &'a mut O,
         progress: P,
-    ) -> Self {
-        let World {
-            machine,
-            sensors,
-            schedule,
-            faults,
-        } = world;
-        Self {
+    ) -> Result<Self, SceneError> {
+        let machine = Machine::new(checked)?;
+        let tick_hz = checked.settings.tick_hz;
+        Ok(Self {
             tick_us: 1_000_000 / u64::from(tick_hz),
             tick_hz,
             now: Now::new(machine.axes.len()),
+            sensors: machine.sensors(checked),
+            statistics: Statistics::new(checked, machine.platform.mechanism()),
             machine,
-            sensors,
             awake: u8::MAX,
             sensed_us: 0,
             schedule,
-            faults,
-            statistics,
+            faults: Faults::new(checked),
             observer,
             progress,
             waiting: VecDeque::new(),
@@ -135,7 +121,7 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
             fault: None,
             quiet: 0,
             tail_ticks: ticks_in(TAIL_S, tick_hz),
-        }
+        })
     }
 
     /// How the run ended.

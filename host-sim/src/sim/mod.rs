@@ -19,11 +19,9 @@ pub use statistics::Statistics;
 
 use cophase_core::control_loop;
 
-use crate::faults::Faults;
-use crate::machine::Machine;
 use crate::scene::{Checked, SceneError};
 use crate::virtual_time;
-pub(crate) use io::{SimulatedIo, World};
+pub(crate) use io::SimulatedIo;
 use schedule::Schedule;
 
 /// Runs a scene to its end.
@@ -63,16 +61,7 @@ pub fn simulate_first(
     let end_us = ticks.saturating_mul(tick_us(checked));
     let schedule = Schedule::new(checked, controller.program().0.duration()).ending_by(end_us);
     let mut lateness = schedule.lateness();
-    let machine = Machine::new(checked)?;
-    let sensors = machine.sensors(checked);
-    let statistics = Statistics::new(checked, machine.platform.mechanism());
-    let world = World {
-        machine,
-        sensors,
-        schedule,
-        faults: Faults::new(checked),
-    };
-    let mut io = SimulatedIo::new(controller.tick_hz(), world, statistics, observer, progress);
+    let mut io = SimulatedIo::new(checked, schedule, observer, progress)?;
     virtual_time::run(control_loop::run(&mut controller, &mut io), |at| {
         lateness.overshoot(at)
     });
