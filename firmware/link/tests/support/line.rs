@@ -12,6 +12,11 @@ pub const SESSIONS: usize = 2;
 
 pub type TestHub = Hub<RecordingDevice, SESSIONS>;
 
+/// A controller without a host.
+pub fn hub() -> TestHub {
+    Hub::new(RecordingDevice::new())
+}
+
 /// One host at one session of a controller.
 pub struct Host {
     pub session: usize,
@@ -71,9 +76,7 @@ impl Host {
             }
         }
     }
-}
 
-impl Host {
     /// Reads the counters of damaged and missing frames, with a request that continues the numbers of a session.
     pub fn ask_counters(&mut self, hub: &mut TestHub, mut visit: impl FnMut(u32, u32)) {
         let mut frame = [0; MAX_FRAME_BYTES];

@@ -1,0 +1,135 @@
+//! Commands of a host: homing, jogs, immediate stops, the override, another program.
+
+use super::*;
+use crate::mechanism::Mechanism as _;
+use crate::supervisor::JOG_S;
+
+/// A machine that has homed on command stands at its parking phase and has not begun its program.
+#[test]
+fn a_command_to_home_ends_parked_and_a_start_then_runs() {
+    let mut settings = settings();
+    for axis in &mut settings.axes {
+        axis.index_turns = None;
+    }
+    let mut controller = controller(&settings, 100.0);
+    play(&mut controller, Some(Command::Home), 6000, false);
+    let telemetry = &controller.output.telemetry;
+    assert_eq!(
+        (telemetry.state, telemetry.program_ticks),
+        (State::Parked, 0)
+    );
+    assert!(telemetry.homed);
+    play(&mut controller, Some(Command::Start), 100, false);
+    assert_eq!(controller.output.telemetry.state, State::Run);
+}
+
+/// If a jog went on by itself, a lost operator would leave a machine turning.
+#[test]
+fn a_jog_turns_at_homing_speed_and_ends_unless_it_is_repeated() {
+    let mut controller = running(100.0);
+    play(&mut controller, Some(Command::Stop), 6000, false);
+    assert_eq!(controller.output.telemetry.state, State::Parked);
+    let program_ticks = controller.output.telemetry.program_ticks;
+    let jog = JOG_S * f64::from(HZ);
+    for _ in 0..4 {
+        play(&mut controller, Some(Command::Jog), jog as u32 - 1, false);
+        assert_eq!(controller.output.telemetry.state, State::Run);
+    }
+    let speed_hz = controller.output.telemetry.motion.speed.to_num::<f64>() * f64::from(HZ);
+    let homing_hz = settings().limits.homing_speed_hz;
+    assert!((speed_hz - homing_hz).abs() < 1e-6, "{speed_hz} rev/s");
+    play(&mut controller, None, 6000, false);
+    let telemetry = &controller.output.telemetry;
+    assert_eq!(telemetry.state, State::Parked);
+    assert_eq!(
+        telemetry.program_ticks, program_ticks,
+        "the program went on"
+    );
+}
+
+/// The immediate stop takes the stop limits, and does not wait for the parking phase.
+#[test]
+fn an_immediate_stop_is_no_longer_than_one_at_the_parking_phase() {
+    let ticks_to_park = |command| {
+        let mut controller = running(100.0);
+        play(&mut controller, None, 3000, false);
+        let mut ticks = 0;
+        play(&mut controller, Some(command), 1, false);
+        while controller.output.telemetry.state != State::Parked {
+            play(&mut controller, None, 1, false);
+            ticks += 1;
+            assert!(ticks < 20_000, "it never parks");
+        }
+        // It stays where it is.
+        let phase = controller.output.telemetry.phase;
+        play(&mut controller, None, 1000, false);
+        assert_eq!(controller.output.telemetry.phase, phase);
+        ticks
+    };
+    let (now, at_phase) = (
+        ticks_to_park(Command::StopNow),
+        ticks_to_park(Command::Stop),
+    );
+    assert!(now < at_phase, "{now} ticks, and {at_phase} at the phase");
+}
+
+/// Half the amplitude is reached at the speed that the mechanism has for it.
+#[test]
+fn an_override_scales_the_amplitude() {
+    let mut controller = running(40.0);
+    play(&mut controller, None, 1500, false);
+    let amax = |controller: &Controller| {
+        let telemetry = &controller.output.telemetry;
+        let commanded = controller.mechanism().amax(telemetry.motion.speed);
+        (
+            telemetry.amax_requested.to_num::<f64>(),
+            commanded.to_num::<f64>(),
+        )
+    };
+    for (permille, expected) in [(500, 20.0), (1200, 48.0), (1000, 40.0)] {
+        play(
+            &mut controller,
+            Some(Command::Override(permille)),
+            2200,
+            false,
+        );
+        let (requested, commanded) = amax(&controller);
+        assert!(
+            (requested - expected).abs() < 1e-6,
+            "{permille}: {requested}"
+        );
+        assert!(
+            (commanded - expected).abs() < 1e-3,
+            "{permille}: {commanded}"
+        );
+        assert_eq!(controller.output.telemetry.override_permille, permille);
+    }
+}
+
+/// A program is loaded only while nothing runs, and then begins anew.
+#[test]
+fn a_program_is_loaded_while_the_machine_rests() {
+    let mut other = crate::program::Program::new();
+    let settings = settings();
+    let mut builder = settings.program_builder(&mut other);
+    let segment = crate::program::SegmentSettings {
+        amax_mps2: 30.0,
+        ramp_s: 1.0,
+        hold_s: 1.0,
+        shape: crate::program::Shape::Linear,
+    };
+    builder.segment(segment).unwrap();
+    builder.finish().unwrap();
+    let mut controller = running(100.0);
+    assert!(!controller.load_program(&other));
+    play(&mut controller, Some(Command::Stop), 6000, false);
+    assert!(controller.load_program(&other));
+    let (program, cursor) = controller.program();
+    assert_eq!(
+        (program.duration(), cursor.elapsed()),
+        (2 * u64::from(HZ), 0)
+    );
+    play(&mut controller, Some(Command::Start), 3 * HZ / 2, false);
+    let requested: f64 = controller.output.telemetry.amax_requested.to_num();
+    assert!((requested - 30.0).abs() < 1e-9, "{requested}");
+}
