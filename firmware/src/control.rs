@@ -48,6 +48,8 @@ pub struct Board {
     pub inputs: u8,
     /// Log of states and faults.
     pub reporter: Reporter,
+    /// Axis of the board on whose lines axis 0 is.
+    pub first_axis: usize,
     /// Generation of the step edges.
     pub steps: Steps,
     /// Filters that make pulses of the index lines' changes.
@@ -91,7 +93,7 @@ impl Io for Board {
             // This board has no pins left to count with.
             encoder: [0; MAX_AXES],
             alarm: if levels.any_alarm() {
-                core::array::from_fn(|axis| levels.alarm(axis))
+                core::array::from_fn(|axis| levels.alarm(self.first_axis + axis))
             } else {
                 [false; MAX_AXES]
             },

@@ -40,7 +40,7 @@ impl Refusal {
     }
 }
 
-/// Sets up the controller, the board and the watchdog. After a watchdog reset the controller begins in the fault state.
+/// Sets up the controller, the board and the watchdog. The lines of axis 0 are those of the board's axis `first_axis`. After a watchdog reset the controller begins in the fault state.
 /// To be called once.
 ///
 /// # Errors
@@ -49,6 +49,7 @@ impl Refusal {
 #[inline(never)] // It has a stack frame of its own.
 pub fn make(
     settings: &Settings,
+    first_axis: usize,
     watchdog: Peri<'static, WATCHDOG>,
     after_watchdog_reset: bool,
     reporter: Reporter,
@@ -75,10 +76,17 @@ pub fn make(
     let levels = lines::read();
     let width = settings.index_width_cycles();
     let board = BOARD.init(Board {
-        steps: Steps::new(BUFFERS.take(), &reversed[..axes], tick),
-        index: Index::new(tick_us * CYCLES_PER_US),
+        steps: Steps::new(
+            BUFFERS.take(),
+            &reversed[..axes],
+            first_axis,
+            settings.wiring.step,
+            tick,
+        ),
+        index: Index::new(tick_us * CYCLES_PER_US, first_axis),
+        first_axis,
         filters: (0..axes)
-            .map(|axis| IndexFilter::new(width, levels.index(axis)))
+            .map(|axis| IndexFilter::new(width, levels.index(first_axis + axis)))
             .collect(),
         watchdog: Fed::start(watchdog, tick_us),
         button: Button::new(settings.tick_hz),

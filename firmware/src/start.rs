@@ -55,7 +55,7 @@ fn panic(info: &PanicInfo<'_>) -> ! {
 fn main() -> ! {
     from_ram::place();
     let p = embassy_rp::init(embassy_rp::config::Config::default());
-    lines::set_up();
+    lines::set_up_led();
     let last_state = watchdog::last_state();
     match last_state {
         Some(state) => defmt::error!("reset by the watchdog: {}", state),
@@ -109,10 +109,15 @@ fn machine(
 ) -> Option<(&'static mut Controller, &'static mut Board)> {
     let mut settings = Settings::new();
     let file = settings::load(flash, &mut settings)?;
-    running.take_over(&settings, file);
+    lines::set_up(&settings.wiring);
+    let only_axis = watchdog::only_axis()
+        .map(usize::from)
+        .filter(|&axis| axis < settings.axes.len());
+    running.take_over(&mut settings, only_axis, file);
     let reporter = Reporter::new(notes, settings.axes.len());
     let made = machine::make(
         &settings,
+        only_axis.unwrap_or(0),
         watchdog,
         after_watchdog_reset,
         reporter,

@@ -129,6 +129,50 @@ pub enum Request<'a> {
     },
     /// Resets the largest phase errors. Needs control.
     ResetPeak,
+    /// Inputs as the controller reads them: [`ReplyBody::Inputs`].
+    Inputs,
+    /// Allows bring-up for [`UNLOCKED_S`](crate::server::UNLOCKED_S). Needs control, and the drives off.
+    Unlock,
+    /// Holds an output for [`OUTPUT_MS`](crate::server::OUTPUT_MS); repeated, for as much longer. Needs the unlock, and the
+    /// drives off.
+    Output {
+        /// Output to hold; another one that is held is released.
+        output: Output,
+        /// True to hold it at its active level.
+        is_active: bool,
+    },
+    /// Restarts the controller as one of a single axis, on the lines of this axis of the settings. The next restart has all
+    /// axes again. Needs the unlock, and the drives off.
+    OnlyAxis(u8),
+}
+
+/// Output of the controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Output {
+    /// STEP of an axis.
+    Step(u8),
+    /// DIR of an axis.
+    Dir(u8),
+    /// DRIVE ENABLE. The enable input keeps its effect on it.
+    DriveEnable,
+    /// SYNC.
+    Sync,
+}
+
+/// Inputs of the controller: true, or a set bit, if an input is active as the settings define it. Axes are bits, axis 0
+/// is the lowest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Inputs {
+    /// Index sensors.
+    pub index: u8,
+    /// Alarms.
+    pub alarm: u8,
+    /// The drives may be on.
+    pub enable: bool,
+    /// The machine must stop.
+    pub stop: bool,
+    /// The start button is pressed.
+    pub start: bool,
 }
 
 /// File of the controller.
@@ -218,6 +262,8 @@ pub enum ReplyBody<'a> {
     Counters(Counters),
     /// Reply to [`Request::Events`].
     Events(heapless::Vec<EventRecord, EVENTS_IN_REPLY>),
+    /// Reply to [`Request::Inputs`].
+    Inputs(Inputs),
 }
 
 /// Greatest number of events in a reply.
@@ -263,6 +309,8 @@ pub enum Refusal {
     NotStored(Text),
     #[error("the controller is busy with an earlier request; try again")]
     Busy,
+    #[error("bring-up is locked; unlock it first")]
+    Locked,
 }
 
 /// Name of the state of a number.
@@ -295,6 +343,8 @@ pub struct Identity {
     pub tick_hz: u32,
     /// False if the settings were refused, so that nothing can move.
     pub can_run: bool,
+    /// Axis of the settings that is the only one until the next restart, for bring-up.
+    pub only_axis: Option<u8>,
 }
 
 /// Who has control.

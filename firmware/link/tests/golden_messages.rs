@@ -5,8 +5,8 @@ use cophase_core::supervisor::{Fault, FaultKind};
 use cophase_core::units::{Phase, Turns};
 use cophase_link::frame::{self, FrameCounts, MAX_FRAME_BYTES};
 use cophase_link::message::{
-    Control, ControlRequest, Counters, Event, EventRecord, FaultRecord, File, Identity, Message,
-    Name, Refusal, ReplyBody, Request, Status, StopKind, Text, VERSION,
+    Control, ControlRequest, Counters, Event, EventRecord, FaultRecord, File, Identity, Inputs,
+    Message, Name, Output, Refusal, ReplyBody, Request, Status, StopKind, Text, VERSION,
 };
 use cophase_link::sample::ALL_CHANNELS;
 
@@ -50,6 +50,17 @@ fn requests() -> Vec<Request<'static>> {
         },
         Request::StreamStatus { period_ms: 100 },
         Request::ResetPeak,
+        Request::Inputs,
+        Request::Unlock,
+        Request::Output {
+            output: Output::Step(3),
+            is_active: true,
+        },
+        Request::Output {
+            output: Output::DriveEnable,
+            is_active: false,
+        },
+        Request::OnlyAxis(2),
     ]
 }
 
@@ -78,6 +89,7 @@ fn refusals() -> Vec<Refusal> {
         Refusal::Rejected(text.clone()),
         Refusal::NotStored(text),
         Refusal::Busy,
+        Refusal::Locked,
     ]
 }
 
@@ -117,6 +129,7 @@ fn messages() -> Vec<Message<'static>> {
             axes: 4,
             tick_hz: 2000,
             can_run: true,
+            only_axis: Some(3),
         }),
         ReplyBody::Chunk {
             length: 3,
@@ -135,6 +148,13 @@ fn messages() -> Vec<Message<'static>> {
             late_deadlines: 8,
         }),
         ReplyBody::Events(events.clone().collect()),
+        ReplyBody::Inputs(Inputs {
+            index: 0b10_0001,
+            alarm: 0b00_0010,
+            enable: true,
+            stop: false,
+            start: true,
+        }),
     ];
     let mut all: Vec<_> = replies
         .into_iter()

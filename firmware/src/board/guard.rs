@@ -9,6 +9,8 @@
 //!
 //! The guard starts with a loss, so that no drive is on before the first tick of the loop.
 
+use core::sync::atomic::{AtomicBool, Ordering};
+
 use embassy_rp::pac;
 use embassy_rp::pac::io::vals::Outover;
 use pio::{Program, RP2040_MAX_PROGRAM_SIZE};
@@ -50,9 +52,13 @@ fn program() -> Program<{ RP2040_MAX_PROGRAM_SIZE }> {
     .program
 }
 
-/// Starts the guard. DRIVE ENABLE is held low from here on, until it is permitted to be high.
+/// DRIVE ENABLE is low while the drives are on.
+static IS_INVERTED: AtomicBool = AtomicBool::new(false);
+
+/// Starts the guard. DRIVE ENABLE is driven from here on, and the drives are held off until they are permitted.
 #[cold]
-pub fn set_up() {
+pub fn set_up(is_inverted: bool) {
+    IS_INVERTED.store(is_inverted, Ordering::Relaxed);
     let program = program();
     let block = pac::PIO1;
     for (slot, &instruction) in program.code.iter().enumerate() {
@@ -83,12 +89,19 @@ pub fn set_up() {
         .modify(|w| w.set_sm_enable(w.sm_enable() | 1 << GUARD_MACHINE));
 }
 
-/// Permits the guard's level on DRIVE ENABLE, or holds the line low.
+/// Permits the guard's level on DRIVE ENABLE, or holds the drives off.
 pub fn permit(on: bool) {
+    let is_inverted = IS_INVERTED.load(Ordering::Relaxed);
+    let level = match (on, is_inverted) {
+        (true, false) => Outover::NORMAL,
+        (true, true) => Outover::INVERT,
+        (false, false) => Outover::LOW,
+        (false, true) => Outover::HIGH,
+    };
     let ctrl = pac::IO_BANK0.gpio(pins::DRIVE_ENABLE.into()).ctrl();
     ctrl.write(|w| {
         w.set_funcsel(lines::PIO0 + BLOCK as u8);
-        w.set_outover(if on { Outover::NORMAL } else { Outover::LOW });
+        w.set_outover(level);
     });
 }
 

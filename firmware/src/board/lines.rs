@@ -1,16 +1,26 @@
 //! Safety lines, sync output and LED: levels that the CPU reads and sets.
 //!
-//! Inputs are pulled up and read low in normal operation, so that a broken wire stops the machine. All inputs are read at
-//! one instant, and one write switches all drives. They are on only if the [`guard`], which polls the enable input,
-//! permits it.
+//! All inputs are read at one instant, and one write switches all drives. They are on only if the [`guard`], which polls
+//! the enable input, permits it.
+//!
+//! A line whose settings have another active level than [`WiringSettings::DEFAULT`] is inverted where it enters or leaves
+//! the chip, by the pin's own override. So the rest of the firmware has the default levels only.
 
+use core::sync::atomic::{AtomicBool, Ordering};
+
+use cophase_core::settings::{InputWiring, WiringSettings};
 use cophase_core::supervisor::{SafetyInputs, State};
+use cophase_link::message::{Inputs, Output};
 use embassy_rp::pac;
+use embassy_rp::pac::io::vals::{Inover, Outover};
 
 use super::{guard, now_us, pins};
 
 /// Function of a pin that the CPU drives and reads.
 const SIO: u8 = 5;
+
+/// DRIVE ENABLE is held active for bring-up.
+static IS_ENABLE_HELD: AtomicBool = AtomicBool::new(false);
 
 /// Levels of all inputs at one instant.
 #[derive(Clone, Copy)]
@@ -53,17 +63,29 @@ impl Levels {
 /// Function of a pin that the machines of the first block drive; the next number is the second block's.
 pub(super) const PIO0: u8 = 6;
 
-/// Sets up the lines: first switches the drives off, and starts the guard before any drive may be on.
+/// Wiring for which the firmware's own levels are those of the lines.
+const DEFAULT: WiringSettings = WiringSettings::DEFAULT;
+
+/// Sets up the LED.
 #[cold]
-pub fn set_up() {
-    for pin in [pins::DRIVE_ENABLE, pins::SYNC, pins::LED] {
-        output(pin);
+pub fn set_up_led() {
+    output(pins::LED);
+}
+
+/// Sets up the lines. No output is driven before, as its active level is not known.
+#[cold]
+pub fn set_up(wiring: &WiringSettings) {
+    output(pins::SYNC);
+    input(pins::ENABLE, wiring.enable, DEFAULT.enable, Pull::Up);
+    input(pins::STOP, wiring.stop, DEFAULT.stop, Pull::Up);
+    input(pins::START, wiring.start, DEFAULT.start, Pull::Up);
+    for pin in pins::ALARM {
+        input(pin, wiring.alarm, DEFAULT.alarm, Pull::Up);
     }
-    let inputs = [pins::ENABLE, pins::STOP, pins::START];
-    for pin in inputs.into_iter().chain(pins::ALARM) {
-        input(pin, Pull::Up);
+    for axis in 0..pins::AXES as u8 {
+        input(pins::INDEX + axis, wiring.index, DEFAULT.index, Pull::Down);
     }
-    guard::set_up();
+    guard::set_up(wiring.drive_enable != DEFAULT.drive_enable);
 }
 
 fn output(pin: u8) {
@@ -77,29 +99,34 @@ fn output(pin: u8) {
 
 /// Level of a pin that nothing drives.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Pull {
+enum Pull {
     /// Pulled high.
     Up,
     /// Pulled low.
     Down,
 }
 
-/// Makes a pin an input.
-pub fn input(pin: u8, pull: Pull) {
+/// Makes a pin an input. With the wiring `default` it is pulled to `pull`.
+fn input(pin: u8, wiring: InputWiring, default: InputWiring, pull: Pull) {
+    let is_inverted = wiring.active != default.active;
+    let is_pulled = |to: Pull| wiring.has_pull && (pull == to) != is_inverted;
     pac::PADS_BANK0.gpio(pin.into()).modify(|w| {
         w.set_ie(true);
         w.set_od(true);
-        w.set_pue(pull == Pull::Up);
-        w.set_pde(pull == Pull::Down);
+        w.set_pue(is_pulled(Pull::Up));
+        w.set_pde(is_pulled(Pull::Down));
         w.set_schmitt(true);
     });
     let ctrl = pac::IO_BANK0.gpio(pin.into()).ctrl();
-    ctrl.write(|w| w.set_funcsel(SIO));
+    ctrl.write(|w| {
+        w.set_funcsel(SIO);
+        w.set_inover(Inover::from_bits(is_inverted.into()));
+    });
 }
 
-/// Makes a pin an output of a PIO block.
+/// Makes a pin an output of a PIO block, which reads its own output. It is inverted outside the chip if `is_inverted`.
 #[cold]
-pub fn give_to_block(pin: u8, block: usize) {
+pub fn give_to_block(pin: u8, block: usize, is_inverted: bool) {
     pac::PADS_BANK0.gpio(pin.into()).modify(|w| {
         w.set_ie(true);
         w.set_od(false);
@@ -107,7 +134,11 @@ pub fn give_to_block(pin: u8, block: usize) {
         w.set_pde(false);
     });
     let ctrl = pac::IO_BANK0.gpio(pin.into()).ctrl();
-    ctrl.write(|w| w.set_funcsel(PIO0 + block as u8));
+    ctrl.write(|w| {
+        w.set_funcsel(PIO0 + block as u8);
+        w.set_outover(Outover::from_bits(is_inverted.into()));
+        w.set_inover(Inover::from_bits(is_inverted.into()));
+    });
 }
 
 fn set(pin: u8, high: bool) {
@@ -134,7 +165,61 @@ pub fn safety_inputs(levels: Levels) -> SafetyInputs {
 
 /// Switches all drives on or off; on only if the enable input has not opened meanwhile.
 pub fn drives(on: bool) {
-    guard::permit(on);
+    guard::permit(on || IS_ENABLE_HELD.load(Ordering::Relaxed));
+}
+
+/// Inputs as a host sees them, of the first `axes` axes.
+#[cold]
+pub fn inputs(axes: usize) -> Inputs {
+    let levels = read();
+    let set = |is_active: fn(Levels, usize) -> bool| {
+        let axes = (0..axes.min(pins::AXES)).filter(|&axis| is_active(levels, axis));
+        axes.fold(0, |set, axis| set | 1 << axis)
+    };
+    Inputs {
+        index: set(Levels::index),
+        alarm: set(Levels::alarm),
+        enable: !levels.is_high(pins::ENABLE),
+        stop: levels.is_high(pins::STOP),
+        start: levels.start(),
+    }
+}
+
+/// Holds an output active or not for bring-up, and releases the one that was held. The drives are off, and nothing moves.
+#[cold]
+pub fn hold(output: Option<(Output, bool)>) {
+    release();
+    let Some((output, is_active)) = output else {
+        return;
+    };
+    let pin = match output {
+        Output::DriveEnable => {
+            IS_ENABLE_HELD.store(is_active, Ordering::Relaxed);
+            return;
+        }
+        Output::Step(axis) => pins::STEP.get(usize::from(axis)),
+        Output::Dir(axis) => pins::DIR.get(usize::from(axis)),
+        Output::Sync => Some(&pins::SYNC),
+    };
+    let Some(&pin) = pin else {
+        return;
+    };
+    // The output's own inversion is also that of its input, which a hold leaves alone.
+    pac::IO_BANK0.gpio(pin.into()).ctrl().modify(|w| {
+        let is_high = is_active != (w.inover() == Inover::INVERT);
+        w.set_outover(if is_high { Outover::HIGH } else { Outover::LOW });
+    });
+}
+
+/// Releases an output that is held.
+fn release() {
+    IS_ENABLE_HELD.store(false, Ordering::Relaxed);
+    let outputs = pins::STEP.into_iter().chain(pins::DIR).chain([pins::SYNC]);
+    for pin in outputs {
+        pac::IO_BANK0.gpio(pin.into()).ctrl().modify(|w| {
+            w.set_outover(Outover::from_bits(w.inover().to_bits()));
+        });
+    }
 }
 
 /// Sets the trigger output for an oscilloscope.

@@ -18,6 +18,9 @@ const TICKS: u32 = 20;
 /// Mark of registers that this firmware has written. The last byte is the state.
 const LEFT: u32 = 0xC0F4_5E00;
 
+/// Mark of the register that selects a single axis. The last byte is the axis.
+const ONLY: u32 = 0xA715_0100;
+
 /// Value in place of a state, before the loop's first tick.
 const NOT_BEGUN: u32 = 0xFF;
 
@@ -53,13 +56,22 @@ pub fn wait() {
         .write_value(pac::watchdog::regs::Load(0xFF_FFFF));
 }
 
-/// Restarts the controller as after power-up.
+/// Axis that is the only one after this start, if the restart before selected one. To be read once.
+pub fn only_axis() -> Option<u8> {
+    let selected = pac::WATCHDOG.scratch2().read();
+    pac::WATCHDOG.scratch2().write_value(0);
+    (selected & !0xFF == ONLY).then_some(selected as u8)
+}
+
+/// Restarts the controller as after power-up; with a single axis, if one is selected.
 #[cold]
-pub fn restart() -> ! {
+pub fn restart(only_axis: Option<u8>) -> ! {
     critical_section::with(|_| {
         super::lines::drives(false);
         // Without the mark, the start takes it for no reset of the watchdog.
         pac::WATCHDOG.scratch0().write_value(0);
+        let selected = only_axis.map_or(0, |axis| ONLY | u32::from(axis));
+        pac::WATCHDOG.scratch2().write_value(selected);
         // All blocks but the two oscillators, as `embassy_rp` selects them.
         const ALL_BUT_OSCILLATORS: u32 = 0x1_FFFC;
         pac::PSM

@@ -4,10 +4,10 @@ use core::sync::atomic::{AtomicU16, Ordering};
 
 use cophase_core::mechanism::AnyMechanism;
 use cophase_core::program::ProgramBuilder;
-use cophase_core::settings::{NAME_BYTES, Settings};
+use cophase_core::settings::{HostLossSettings, NAME_BYTES, Settings};
 use cophase_core::supervisor::Command;
 use cophase_link::board::{Board as _, Rp2040};
-use cophase_link::message::{Event, File, Identity, Name, Text, VERSION, text};
+use cophase_link::message::{Event, File, Identity, Inputs, Name, Output, Text, VERSION, text};
 use cophase_link::program::{MAX_PROGRAM_BYTES, ProgramFileError, encode, fill};
 use cophase_link::sample::Sample;
 use cophase_link::server::{Device, SettingsRefusal};
@@ -18,7 +18,7 @@ use embassy_time::{Duration, Instant};
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::{ConstStaticCell, StaticCell};
 
-use crate::board::{handover, sampler, watchdog};
+use crate::board::{handover, lines, sampler, watchdog};
 use crate::report::{self, Note};
 use crate::settings;
 
@@ -108,6 +108,10 @@ pub fn queues() -> (LoopEnd, LinkEnd) {
 pub struct Running {
     name: heapless::String<NAME_BYTES>,
     axes: usize,
+    /// Axes that have lines, whether or not they are used.
+    lines: usize,
+    only_axis: Option<u8>,
+    host_loss: HostLossSettings,
     tick_hz: u32,
     speed_hz: f64,
     mechanism: AnyMechanism,
@@ -125,6 +129,9 @@ impl Running {
         Self {
             name: heapless::String::new(),
             axes: 0,
+            lines: 0,
+            only_axis: None,
+            host_loss: HostLossSettings::NONE,
             tick_hz: 1000,
             speed_hz: 0.0,
             mechanism: AnyMechanism::STANDSTILL,
@@ -135,10 +142,22 @@ impl Running {
         }
     }
 
-    /// Takes over settings, before they are configured.
+    /// Takes over settings, before they are configured. Of several axes it keeps `only_axis`, if there is one.
     #[cold]
-    pub fn take_over(&mut self, settings: &Settings, file: &'static [u8]) {
+    pub fn take_over(
+        &mut self,
+        settings: &mut Settings,
+        only_axis: Option<usize>,
+        file: &'static [u8],
+    ) {
         self.file = file;
+        self.lines = settings.axes.len();
+        self.host_loss = settings.host_loss;
+        if let Some(axis) = only_axis
+            && settings.keep_axis(axis)
+        {
+            self.only_axis = Some(axis as u8);
+        }
         self.name.clone_from(&settings.name);
         self.axes = settings.axes.len();
         self.tick_hz = settings.tick_hz;
@@ -162,7 +181,7 @@ pub struct FirmwareDevice {
     notes: Consumer<'static, Note>,
     running: &'static mut Running,
     flash: Peri<'static, FLASH>,
-    restart_at: Option<Instant>,
+    restart_at: Option<(Instant, Option<u8>)>,
 }
 
 impl FirmwareDevice {
@@ -182,16 +201,30 @@ impl FirmwareDevice {
         }
     }
 
-    /// Number of axes.
-    pub const fn axis_count(&self) -> usize {
-        self.running.axes
+    /// Number of axes of the settings, each of which has its lines.
+    pub const fn axes_with_lines(&self) -> usize {
+        self.running.lines
+    }
+
+    /// Checks that the settings have an axis.
+    #[cold]
+    fn check_axis(&self, axis: u8) -> Result<(), Text> {
+        let axes = self.running.lines;
+        if usize::from(axis) < axes {
+            return Ok(());
+        }
+        Err(text(&format_args!(
+            "there is no axis {axis}; the settings have {axes}, counted from 0"
+        )))
     }
 
     /// Restarts the controller when a request for it is old enough.
     #[cold]
     pub fn restart_if_due(&mut self) {
-        if self.restart_at.is_some_and(|at| Instant::now() >= at) {
-            watchdog::restart();
+        if let Some((at, only_axis)) = self.restart_at
+            && Instant::now() >= at
+        {
+            watchdog::restart(only_axis);
         }
     }
 }
@@ -212,6 +245,7 @@ impl Device for FirmwareDevice {
             axes: self.running.axes as u8,
             tick_hz: self.running.tick_hz,
             can_run: self.running.can_run,
+            only_axis: self.running.only_axis,
         }
     }
 
@@ -299,8 +333,30 @@ impl Device for FirmwareDevice {
         Ok(())
     }
 
-    fn restart(&mut self) {
-        self.restart_at = Some(Instant::now() + REPLY_TIME);
+    fn restart(&mut self, only_axis: Option<u8>) -> Result<(), Text> {
+        if let Some(axis) = only_axis {
+            self.check_axis(axis)?;
+        }
+        self.restart_at = Some((Instant::now() + REPLY_TIME, only_axis));
+        Ok(())
+    }
+
+    fn host_loss(&self) -> HostLossSettings {
+        self.running.host_loss
+    }
+
+    #[cold]
+    fn inputs(&self) -> Inputs {
+        lines::inputs(self.running.lines)
+    }
+
+    #[cold]
+    fn hold_output(&mut self, output: Option<(Output, bool)>) -> Result<(), Text> {
+        if let Some((Output::Step(axis) | Output::Dir(axis), _)) = output {
+            self.check_axis(axis)?;
+        }
+        lines::hold(output);
+        Ok(())
     }
 }
 

@@ -50,7 +50,7 @@ pub struct Lines {
 #[inline(never)]
 pub fn spawn(spawner: Spawner, device: FirmwareDevice, lines: Lines) {
     static HUB: StaticCell<RefCell<Hub<FirmwareDevice, SESSIONS>>> = StaticCell::new();
-    let has_uart = device.axis_count() <= UART_AXES;
+    let has_uart = device.axes_with_lines() <= UART_AXES;
     let hub: SharedHub = HUB.init_with(|| RefCell::new(Hub::new(device)));
     for interrupt in [interrupt::USBCTRL_IRQ, interrupt::UART1_IRQ] {
         interrupt.set_priority(Priority::P3);

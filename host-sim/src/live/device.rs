@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 
 use cophase_core::control_loop;
 use cophase_core::program::Program;
-use cophase_core::settings::{Settings, short_name};
+use cophase_core::settings::{HostLossSettings, Settings, short_name};
 use cophase_core::supervisor::Command;
 use cophase_link::header::{FIRST_SEQUENCE, OUTSIDE};
-use cophase_link::message::{Event, File, Identity, Name, Text, VERSION, text};
+use cophase_link::message::{Event, File, Identity, Inputs, Name, Output, Text, VERSION, text};
 use cophase_link::program::{self, MAX_PROGRAM_BYTES};
 use cophase_link::sample::Sample;
 use cophase_link::server::{Device, SettingsRefusal};
@@ -28,6 +28,9 @@ const COMMANDS: usize = 64;
 
 /// Longest time that the loop takes to answer.
 const ANSWERS_WITHIN: Duration = Duration::from_secs(2);
+
+/// Reason why a simulated machine cannot be brought up.
+const NO_WIRING: &str = "a simulated machine has no wiring to bring up; connect a board";
 
 /// A simulated controller and its machine.
 pub struct SimulatedDevice {
@@ -177,6 +180,7 @@ impl Device for SimulatedDevice {
             axes: settings.axes.len() as u8,
             tick_hz: settings.tick_hz,
             can_run: self.running.thread.is_some(),
+            only_axis: None,
         }
     }
 
@@ -251,7 +255,10 @@ impl Device for SimulatedDevice {
         Ok(())
     }
 
-    fn restart(&mut self) {
+    fn restart(&mut self, only_axis: Option<u8>) -> Result<(), Text> {
+        if only_axis.is_some() {
+            return Err(text(&NO_WIRING));
+        }
         if let Some(settings) = self.stored.take() {
             self.checked.settings = *settings;
             self.make_files();
@@ -259,6 +266,26 @@ impl Device for SimulatedDevice {
         if let Ok(running) = Running::new(&self.checked, self.speed) {
             self.running = running;
             self.set_sampling(self.sampling);
+        }
+        Ok(())
+    }
+
+    fn host_loss(&self) -> HostLossSettings {
+        self.checked.settings.host_loss
+    }
+
+    /// A simulated machine reads as one whose inputs let it run.
+    fn inputs(&self) -> Inputs {
+        Inputs {
+            enable: true,
+            ..Inputs::default()
+        }
+    }
+
+    fn hold_output(&mut self, output: Option<(Output, bool)>) -> Result<(), Text> {
+        match output {
+            Some(_) => Err(text(&NO_WIRING)),
+            None => Ok(()),
         }
     }
 }

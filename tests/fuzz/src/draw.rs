@@ -7,8 +7,9 @@ use cophase_core::mechanism::{
 };
 use cophase_core::program::{EntrySettings, SegmentSettings, Shape};
 use cophase_core::settings::{
-    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, IndexSettings,
-    LimitSettings, MachineSettings, Platform, PulseSettings, Settings,
+    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, HostLossSettings,
+    IndexSettings, LimitSettings, MachineSettings, Platform, PulseSettings, Settings,
+    WiringSettings,
 };
 
 use cophase_core::units::Turns;
@@ -174,6 +175,8 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
         },
         park_turns: f64::from(script.byte()) / 256.0,
         settle_s: if script.one_in(2) { 0.01 } else { 0.0 },
+        wiring: WiringSettings::DEFAULT,
+        host_loss: HostLossSettings::NONE,
     }
 }
 

@@ -3,7 +3,10 @@
 use std::f64::consts::TAU;
 
 use host_sim::mechanism::{AnyMechanism, Mechanism};
-use host_sim::scene::file::{Axes, Band, Control, Correction, Drift, Drive, Index, Limits, Pulse};
+use host_sim::scene::file::{
+    Axes, Band, Control, Correction, Drift, Drive, Index, InputName, Level, Limits, Link,
+    LossReaction, Pulse, Wiring,
+};
 
 use crate::source::Source;
 use crate::{Basis, Kind};
@@ -50,6 +53,35 @@ pub fn control(source: &mut Source, tick_hz: u32) -> Control {
         } else {
             source.number(0.0, 10.0)
         },
+    }
+}
+
+pub fn wiring(source: &mut Source) -> Wiring {
+    if source.percent(80) {
+        return Wiring::default();
+    }
+    let level = |source: &mut Source| source.one_of(&[Level::Low, Level::High]);
+    Wiring {
+        step: level(source),
+        drive_enable: level(source),
+        index: level(source),
+        alarm: level(source),
+        enable: level(source),
+        stop: level(source),
+        start: level(source),
+        no_pull: source
+            .maybe(50, |source| {
+                source.one_of(&[InputName::Index, InputName::Alarm])
+            })
+            .into_iter()
+            .collect(),
+    }
+}
+
+pub fn link(source: &mut Source) -> Link {
+    Link {
+        timeout_s: source.or_default(0.0, 0.1, 60.0),
+        reaction: source.one_of(&[LossReaction::Stop, LossReaction::StopNow]),
     }
 }
 

@@ -227,6 +227,8 @@ impl Basis {
             axes,
             axis,
             noise,
+            wiring: control::wiring(source),
+            link: control::link(source),
             program,
             command: events.commands,
             input: events.inputs,

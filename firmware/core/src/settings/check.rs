@@ -56,7 +56,7 @@ impl Settings {
         self.correction.check()?;
         inside("control.park_deg", self.park_turns * 360.0, 0.0, 360.0)?;
         inside("control.settle_s", self.settle_s, 0.0, 10.0)?;
-        Ok(())
+        self.host_loss.check()
     }
 }
 

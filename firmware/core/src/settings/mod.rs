@@ -5,21 +5,25 @@
 
 mod check;
 mod error;
+mod host_loss;
 #[cfg(test)]
 pub(crate) mod sample;
 #[cfg(test)]
 mod tests;
+mod wiring;
 
 pub use cophase_motion::settings::{
     BandSettings, LimitSettings, MAX_BANDS, PulseSettings, inside, tick_cycles, turns,
     turns_at_most,
 };
 pub use error::{Problem, SettingsError};
+pub use host_loss::{HostLossReaction, HostLossSettings};
+pub use wiring::{ActiveLevel, InputWiring, WiringSettings};
 
 use crate::axes::{CamSettings, FollowerSettings, MAX_CAMS};
 use crate::drift::index_filter::MOST_OF_TICK;
 use crate::mechanism::{AnyMechanism, MechanismSettings, ScotchYokeSettings};
-use crate::program::{CAPACITY, EntrySettings, Program, ProgramBuilder};
+use crate::program::{CAPACITY, EntrySettings, Program, ProgramBuilder, SegmentSettings, Shape};
 use crate::units::MAX_AXES;
 
 /// Longest name of a machine, bytes of UTF-8.
@@ -66,6 +70,10 @@ pub struct Settings {
     pub park_turns: f64,
     /// Time for which energised drives settle before anything moves, seconds, 0 to 10.
     pub settle_s: f64,
+    /// Levels of the board's lines.
+    pub wiring: WiringSettings,
+    /// Reaction to the loss of the host.
+    pub host_loss: HostLossSettings,
     /// Program amax(t): segments, and repeats of earlier entries.
     pub program: heapless::Vec<EntrySettings, CAPACITY>,
 }
@@ -254,6 +262,8 @@ impl Settings {
             correction: CorrectionSettings::NONE,
             park_turns: 0.0,
             settle_s: 0.0,
+            wiring: WiringSettings::DEFAULT,
+            host_loss: HostLossSettings::NONE,
             program: heapless::Vec::new(),
         }
     }
@@ -288,6 +298,31 @@ impl Settings {
             builder.entry(entry).map_err(|error| error.on_entry(i))?;
         }
         builder.finish()
+    }
+
+    /// Keeps one axis of several, for bring-up: its crank can be homed and jogged while its rod is detached. Corrections
+    /// and the program, which are for all axes together, are removed. Returns false, without a change, if there is no such
+    /// axis.
+    #[cold]
+    pub fn keep_axis(&mut self, number: usize) -> bool {
+        let Some(&axis) = self.axes.get(number) else {
+            return false;
+        };
+        let trim = self.trims_turns.get(number).copied().unwrap_or(0.0);
+        self.axes.clear();
+        self.trims_turns.clear();
+        self.program.clear();
+        // Each list has room for one entry.
+        let _ = self.axes.push(axis);
+        let _ = self.trims_turns.push(trim);
+        let _ = self.program.push(EntrySettings::Segment(SegmentSettings {
+            amax_mps2: 0.0,
+            ramp_s: 0.0,
+            hold_s: 0.0,
+            shape: Shape::Linear,
+        }));
+        self.correction = CorrectionSettings::NONE;
+        true
     }
 
     /// Cycles of the step clock in one control tick.

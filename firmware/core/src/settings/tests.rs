@@ -26,6 +26,27 @@ fn a_number_of_axes_out_of_range_is_refused() {
     assert_eq!(refused(&none), "axes.count: 0 is outside 1 to 6");
 }
 
+/// If this were wrong, bring-up would turn another crank, or none.
+#[test]
+fn one_axis_is_kept_with_its_own_numbers() {
+    for number in 0..MAX_AXES {
+        let mut kept = settings(MAX_AXES);
+        kept.correction.prove_wiring = true;
+        for (i, axis) in kept.axes.iter_mut().enumerate() {
+            axis.steps_per_turn = 3200 + i as u32;
+        }
+        let axis = kept.axes[number];
+        assert!(kept.keep_axis(number));
+        assert_eq!(kept.axes, [axis]);
+        let controller = kept.controller().unwrap();
+        assert_eq!(controller.axis_count(), 1);
+        assert_eq!(controller.program().0.duration(), 0);
+    }
+    let mut three = settings(3);
+    assert!(!three.keep_axis(3));
+    assert_eq!(three, settings(3));
+}
+
 #[test]
 fn errors_name_their_entry() {
     let mut broken = settings(2);

@@ -1,4 +1,4 @@
-//! Access: which session has control, and whether it may start a motion.
+//! Access: which session has control, and whether it may start a motion or bring the machine up.
 
 use crate::message::{Control, Refusal};
 use crate::sample::{Sample, flags};
@@ -6,11 +6,16 @@ use crate::sample::{Sample, flags};
 /// Time for which a machine stays armed, seconds.
 pub const ARMED_S: u32 = 30;
 
+/// Time for which bring-up stays unlocked, seconds.
+pub const UNLOCKED_S: u32 = 600;
+
 #[derive(Clone, Debug)]
 pub(super) struct Access {
     owner: Option<usize>,
     /// Time at which the permission ends, ms.
     armed_until_ms: Option<u32>,
+    /// Time at which bring-up is locked, ms.
+    unlocked_until_ms: Option<u32>,
 }
 
 impl Access {
@@ -18,6 +23,7 @@ impl Access {
         Self {
             owner: None,
             armed_until_ms: None,
+            unlocked_until_ms: None,
         }
     }
 
@@ -26,7 +32,7 @@ impl Access {
             if !by_force {
                 return Err(Refusal::ControlTaken);
             }
-            self.disarm();
+            self.revoke();
         }
         self.owner = Some(session);
         Ok(())
@@ -35,7 +41,36 @@ impl Access {
     pub(super) fn release(&mut self, session: usize) {
         if self.owner == Some(session) {
             self.owner = None;
-            self.disarm();
+            self.revoke();
+        }
+    }
+
+    /// Ends what the session with control was allowed.
+    const fn revoke(&mut self) {
+        self.disarm();
+        self.unlocked_until_ms = None;
+    }
+
+    pub(super) fn has_control(&self, session: usize) -> bool {
+        self.owner == Some(session)
+    }
+
+    pub(super) fn unlock(&mut self, session: usize, now_ms: u32) -> Result<(), Refusal> {
+        self.check_control(session)?;
+        self.unlocked_until_ms = Some(now_ms.wrapping_add(1000 * UNLOCKED_S));
+        Ok(())
+    }
+
+    pub(super) const fn is_unlocked(&self) -> bool {
+        self.unlocked_until_ms.is_some()
+    }
+
+    pub(super) fn check_unlocked(&self, session: usize) -> Result<(), Refusal> {
+        self.check_control(session)?;
+        if self.is_unlocked() {
+            Ok(())
+        } else {
+            Err(Refusal::Locked)
         }
     }
 
@@ -86,13 +121,21 @@ impl Access {
         }
     }
 
-    /// The permission ends with its time, and when an input forbids motion.
+    /// A permission ends with its time. That to move ends when an input forbids motion, too.
     pub(super) fn expire(&mut self, now_ms: u32, sample: &Sample) {
-        let is_over = |until: u32| until.wrapping_sub(now_ms).cast_signed() <= 0;
+        let is_over = |until: u32| has_come(until, now_ms);
         if self.armed_until_ms.is_some_and(is_over) || check_inputs(sample).is_err() {
             self.disarm();
         }
+        if self.unlocked_until_ms.is_some_and(is_over) {
+            self.unlocked_until_ms = None;
+        }
     }
+}
+
+/// True if a time of the wrapping clock is not in the future.
+pub(super) const fn has_come(time_ms: u32, now_ms: u32) -> bool {
+    time_ms.wrapping_sub(now_ms).cast_signed() <= 0
 }
 
 fn check_inputs(sample: &Sample) -> Result<(), Refusal> {

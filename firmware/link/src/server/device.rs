@@ -1,8 +1,9 @@
 //! The controller as the server of the link needs it.
 
+use cophase_core::settings::HostLossSettings;
 use cophase_core::supervisor::Command;
 
-use crate::message::{Event, File, Identity, Text};
+use crate::message::{Event, File, Identity, Inputs, Output, Text};
 use crate::sample::Sample;
 
 /// Controller behind a link.
@@ -50,8 +51,23 @@ pub trait Device {
     /// Why it was not stored. The old settings stay.
     fn store_settings(&mut self, settings_file: &[u8]) -> Result<(), SettingsRefusal>;
 
-    /// Restarts the controller, once the reply had time to leave.
-    fn restart(&mut self);
+    /// Restarts the controller, once the reply had time to leave; with only one axis of the settings, if one is given.
+    ///
+    /// # Errors
+    /// The axis does not exist.
+    fn restart(&mut self, only_axis: Option<u8>) -> Result<(), Text>;
+
+    /// Reaction to the loss of the host.
+    fn host_loss(&self) -> HostLossSettings;
+
+    /// Inputs, as they are now.
+    fn inputs(&self) -> Inputs;
+
+    /// Holds an output active or not, and releases the one that is held. The drives are off.
+    ///
+    /// # Errors
+    /// The output does not exist.
+    fn hold_output(&mut self, output: Option<(Output, bool)>) -> Result<(), Text>;
 }
 
 /// Reason why settings were not stored.

@@ -14,19 +14,25 @@
 )]
 
 mod access;
+mod bring_up;
 mod device;
+mod host_loss;
 mod requests;
 mod session;
 mod upload;
 
-pub use access::ARMED_S;
+pub use access::{ARMED_S, UNLOCKED_S};
+pub use bring_up::OUTPUT_MS;
 pub use device::{Device, SettingsRefusal};
 
+use cophase_core::supervisor::State;
 use heapless::HistoryBuf;
 
 use crate::message::{Event, EventRecord, FaultRecord, Message};
 use crate::sample::{Sample, flags};
 use access::Access;
+use bring_up::HeldOutput;
+use host_loss::HostWatch;
 use session::Session;
 use upload::Upload;
 
@@ -43,6 +49,8 @@ pub struct Hub<D, const SESSIONS: usize> {
     sessions: [Session; SESSIONS],
     access: Access,
     upload: Upload,
+    host: HostWatch,
+    held: HeldOutput,
     latest: Sample,
     events: HistoryBuf<EventRecord, EVENTS>,
     event_count: u32,
@@ -61,6 +69,8 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
             sessions: [const { Session::new() }; SESSIONS],
             access: Access::new(),
             upload: Upload::new(),
+            host: HostWatch::new(),
+            held: HeldOutput::new(),
             latest: Sample::ZERO,
             events: HistoryBuf::new(),
             event_count: 0,
@@ -86,6 +96,9 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
                 let mut payload = [0; crate::frame::MAX_PAYLOAD_BYTES];
                 let length = received.len();
                 payload[..length].copy_from_slice(received);
+                if self.access.has_control(session) {
+                    self.host.is_there(self.device.now_ms());
+                }
                 self.answer(session, number, &payload[..length]);
             }
         }
@@ -137,6 +150,8 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
         }
         let now_ms = self.device.now_ms();
         self.access.expire(now_ms, &self.latest);
+        self.react_to_host_loss(now_ms);
+        self.release_output(now_ms);
         for session in 0..SESSIONS {
             if self.sessions[session].is_status_due(now_ms) {
                 let status = self.status(session);
@@ -149,6 +164,7 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
         match event {
             Event::Missed(all) => self.missed_deadlines = all,
             Event::Fault(fault) => self.fault = Some(fault),
+            Event::State(state) => self.host.entered(state_of(state)),
             Event::Late(all) => self.late_deadlines = all,
             _ => {}
         }
@@ -174,6 +190,14 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
     const fn drives_are_on(&self) -> bool {
         self.latest.flags & flags::DRIVES != 0
     }
+}
+
+/// State of a number; idle if there is none.
+fn state_of(number: u8) -> State {
+    State::ALL
+        .get(usize::from(number))
+        .copied()
+        .unwrap_or_default()
 }
 
 /// Ticks between two samples for statuses.

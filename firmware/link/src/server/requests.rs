@@ -4,7 +4,7 @@ use cophase_core::supervisor::{Command, State};
 use cophase_core::units::Turns;
 
 use super::device::{Device, SettingsRefusal};
-use super::{EVENTS, Hub};
+use super::{EVENTS, Hub, state_of};
 use crate::message::{
     ControlRequest, Counters, EVENTS_IN_REPLY, EventRecord, File, MAX_CHUNK_BYTES,
     MAX_OVERRIDE_PERMILLE, Message, Refusal, ReplyBody, Request, Status, StopKind, VERSION,
@@ -59,6 +59,21 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
                 return body(ReplyBody::Identity(self.device.identity()));
             }
             Request::Read { file, offset } => return Ok(Answer::Chunk { file, offset }),
+            Request::Inputs => return body(ReplyBody::Inputs(self.device.inputs())),
+            Request::Unlock => {
+                self.check_drives_off()?;
+                self.access.unlock(session, self.device.now_ms())?;
+            }
+            Request::Output { output, is_active } => {
+                self.access.check_unlocked(session)?;
+                self.check_state(&[State::Idle])?;
+                self.hold_output(output, is_active)?;
+            }
+            Request::OnlyAxis(axis) => {
+                self.access.check_unlocked(session)?;
+                self.check_drives_off()?;
+                self.device.restart(Some(axis)).map_err(Refusal::Rejected)?;
+            }
             Request::Counters => return body(ReplyBody::Counters(self.counters(session))),
             Request::Events { from } => return body(ReplyBody::Events(self.events_from(from))),
             Request::BeginWrite { file, length, crc } => {
@@ -70,7 +85,7 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
             Request::Restart => {
                 self.access.check_control(session)?;
                 self.check_drives_off()?;
-                self.device.restart();
+                self.device.restart(None).map_err(Refusal::Rejected)?;
             }
             Request::Control(ControlRequest::Take) => self.access.take(session, false)?,
             Request::Control(ControlRequest::TakeOver) => self.access.take(session, true)?,
@@ -137,6 +152,7 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
         self.access.check_armed(session, &self.latest)?;
         self.command(command)?;
         self.access.disarm();
+        self.host.begins(self.device.now_ms());
         Ok(())
     }
 
@@ -167,9 +183,8 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
         }
     }
 
-    fn state(&self) -> State {
-        let number = usize::from(self.latest.state);
-        State::ALL.get(number).copied().unwrap_or_default()
+    pub(super) fn state(&self) -> State {
+        state_of(self.latest.state)
     }
 
     fn check_state(&self, states: &[State]) -> Result<(), Refusal> {

@@ -2,6 +2,7 @@
 
 use heapless::Deque;
 
+use super::access::has_come;
 use crate::frame::{self, MAX_FRAME_BYTES, MAX_PAYLOAD_BYTES, Receiver};
 use crate::message::{EventRecord, Message};
 use crate::sample::{Channels, Sample, pack};
@@ -134,7 +135,7 @@ impl Session {
     }
 
     pub(super) const fn is_status_due(&mut self, now_ms: u32) -> bool {
-        if self.status_ms == 0 || now_ms.wrapping_sub(self.next_status_ms).cast_signed() < 0 {
+        if self.status_ms == 0 || !has_come(self.next_status_ms, now_ms) {
             return false;
         }
         self.next_status_ms = now_ms.wrapping_add(self.status_ms as u32);

@@ -2,8 +2,9 @@
 
 use std::collections::VecDeque;
 
+use cophase_core::settings::HostLossSettings;
 use cophase_core::supervisor::{Command, State};
-use cophase_link::message::{Event, File, Identity, Name, Text, VERSION};
+use cophase_link::message::{Event, File, Identity, Inputs, Name, Output, Text, VERSION};
 use cophase_link::sample::{Sample, flags};
 use cophase_link::server::{Device, SettingsRefusal};
 
@@ -12,6 +13,15 @@ pub const TICK_HZ: u32 = 2000;
 
 /// Number of axes.
 pub const AXES: usize = 6;
+
+/// Inputs that it reads.
+pub const INPUTS: Inputs = Inputs {
+    index: 0b10_0001,
+    alarm: 0b00_0010,
+    enable: true,
+    stop: false,
+    start: true,
+};
 
 /// A controller without a loop: the test sets its state.
 pub struct RecordingDevice {
@@ -22,6 +32,7 @@ pub struct RecordingDevice {
     pub every: u16,
     pub now_ms: u32,
     pub settings: Vec<u8>,
+    pub host_loss: HostLossSettings,
     /// No command is taken.
     pub is_busy: bool,
 }
@@ -32,7 +43,8 @@ pub enum Effect {
     Command(Command),
     Program(Vec<u8>),
     Settings(Vec<u8>),
-    Restart,
+    Restart(Option<u8>),
+    Output(Option<(Output, bool)>),
 }
 
 impl RecordingDevice {
@@ -44,6 +56,7 @@ impl RecordingDevice {
             every: 0,
             now_ms: 0,
             settings: (0..1000_u32).map(|i| (i * i) as u8).collect(),
+            host_loss: HostLossSettings::NONE,
             is_busy: false,
         };
         device.enters(State::Idle);
@@ -76,6 +89,7 @@ impl Device for RecordingDevice {
             axes: AXES as u8,
             tick_hz: TICK_HZ,
             can_run: true,
+            only_axis: None,
         }
     }
 
@@ -127,7 +141,21 @@ impl Device for RecordingDevice {
         Ok(())
     }
 
-    fn restart(&mut self) {
-        self.effects.push(Effect::Restart);
+    fn restart(&mut self, only_axis: Option<u8>) -> Result<(), Text> {
+        self.effects.push(Effect::Restart(only_axis));
+        Ok(())
+    }
+
+    fn host_loss(&self) -> HostLossSettings {
+        self.host_loss
+    }
+
+    fn inputs(&self) -> Inputs {
+        INPUTS
+    }
+
+    fn hold_output(&mut self, output: Option<(Output, bool)>) -> Result<(), Text> {
+        self.effects.push(Effect::Output(output));
+        Ok(())
     }
 }

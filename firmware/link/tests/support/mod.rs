@@ -15,8 +15,9 @@ use cophase_core::mechanism::{MechanismSettings, SliderCrankSettings};
 use cophase_core::program::{CAPACITY, EntrySettings, SegmentSettings, Shape};
 use cophase_core::settings::Settings;
 use cophase_core::settings::{
-    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, IndexSettings,
-    LimitSettings, MAX_BANDS, MachineSettings, NAME_BYTES, Platform, PulseSettings, short_name,
+    AxisSettings, BandSettings, CorrectionSettings, DriftSettings, DriveKind, HostLossSettings,
+    IndexSettings, LimitSettings, MAX_BANDS, MachineSettings, NAME_BYTES, Platform, PulseSettings,
+    WiringSettings, short_name,
 };
 use cophase_core::units::MAX_AXES;
 use cophase_link::board::{Board, Rp2040};
@@ -85,6 +86,8 @@ pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
         correction: CorrectionSettings::NONE,
         park_turns: 0.5,
         settle_s: 0.1,
+        wiring: WiringSettings::DEFAULT,
+        host_loss: HostLossSettings::NONE,
         program: (0..entries)
             .map(|i| {
                 EntrySettings::Segment(SegmentSettings {

@@ -15,7 +15,7 @@ use cophase_core::units::PerAxis;
 use embassy_rp::pac;
 use embassy_rp::pac::pio::vals::SmExecctrlStatusSel;
 
-use super::{INDEX_MACHINE, lines, pins, relocated, steps};
+use super::{INDEX_MACHINE, pins, relocated, steps};
 use program::{COUNT_BITS, POLL_CYCLES, SAMPLED_AFTER};
 use ring::Ring;
 
@@ -60,9 +60,9 @@ pub struct Index {
 }
 
 impl Index {
-    /// Sets up pins, machine and channel, for ticks of `tick_cycles` cycles.
+    /// Sets up machine and channel, for ticks of `tick_cycles` cycles. The line of axis 0 is that of the board's axis `first`.
     #[cold]
-    pub fn new(tick_cycles: u32) -> Self {
+    pub fn new(tick_cycles: u32, first: usize) -> Self {
         let program = program::index_program();
         let origin = steps::PROGRAM_LENGTH;
         for (slot, &instruction) in program.code.iter().enumerate() {
@@ -77,13 +77,10 @@ impl Index {
             w.set_status_sel(SmExecctrlStatusSel::TXLEVEL);
         });
         sm.shiftctrl().write(|w| w.set_fjoin_rx(true)); // Both shift directions are to the left.
-        sm.pinctrl().write(|w| w.set_in_base(pins::INDEX));
+        sm.pinctrl()
+            .write(|w| w.set_in_base(pins::INDEX + first as u8));
         const JMP: u16 = 0;
         sm.instr().write(|w| w.set_instr(JMP | origin as u16));
-        for axis in 0..pins::AXES as u8 {
-            // A missing sensor, or one with a broken wire, makes no pulse.
-            lines::input(pins::INDEX + axis, lines::Pull::Down);
-        }
         Self {
             ring: Ring::new(),
             tick_cycles: tick_cycles as i32,

@@ -22,6 +22,7 @@ mod release;
 mod words;
 
 use cophase_core::pulse::Sharing;
+use cophase_core::settings::{ActiveLevel, WiringSettings};
 use cophase_core::signals::Output;
 use cophase_link::board::{Board as _, Rp2040};
 use critical_section::CriticalSection;
@@ -111,9 +112,16 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// Sets up pins, machines and channels of as many axes as there are in `reversed`. Nothing moves yet.
+    /// Sets up pins, machines and channels of as many axes as there are in `reversed`, on the lines of the board's axes from
+    /// `first` on. Nothing moves yet.
     #[cold]
-    pub fn new(buffers: &'static mut Buffers, reversed: &[bool], tick: Duration) -> Self {
+    pub fn new(
+        buffers: &'static mut Buffers,
+        reversed: &[bool],
+        first: usize,
+        active: ActiveLevel,
+        tick: Duration,
+    ) -> Self {
         let axes = reversed.len().min(AXES);
         let program = program::step_program();
         assert!(program.code.len() == PROGRAM_LENGTH);
@@ -127,7 +135,7 @@ impl Steps {
         }
         let mut turned = [0; AXES];
         for (axis, &is_reversed) in reversed.iter().enumerate().take(axes) {
-            set_up_machine(axis, program.wrap);
+            set_up_machine(axis, first + axis, active, program.wrap);
             feed::set_up(axis);
             turned[axis] = if is_reversed { words::DIR } else { 0 };
         }
@@ -328,12 +336,12 @@ fn has_underrun(axis: usize) -> bool {
     pio.fdebug().read().txstall() & 1 << machine_of(axis) != 0
 }
 
-/// Sets up the state machine of an axis, and its two pins. It waits at the program's first instruction,
+/// Sets up the state machine of an axis, on the pins of the board's axis `place`. It waits at the program's first instruction,
 /// which is at address 0.
 #[cold]
-fn set_up_machine(axis: usize, wrap: Wrap) {
+fn set_up_machine(axis: usize, place: usize, active: ActiveLevel, wrap: Wrap) {
     let (block, machine) = (block_of(axis), machine_of(axis));
-    let (step, dir) = (pins::STEP[axis], pins::DIR[axis]);
+    let (step, dir) = (pins::STEP[place], pins::DIR[place]);
     let sm = BLOCKS[block].sm(machine);
     sm.clkdiv().write(|w| w.set_int(1));
     sm.execctrl().write(|w| {
@@ -354,7 +362,8 @@ fn set_up_machine(axis: usize, wrap: Wrap) {
             w.set_set_count(1);
         });
         sm.instr().write(|w| w.set_instr(SET_PINDIRS_1));
-        super::lines::give_to_block(pin, block);
+        let is_inverted = pin == step && active != WiringSettings::DEFAULT.step;
+        super::lines::give_to_block(pin, block, is_inverted);
     }
     sm.pinctrl().write(|w| {
         w.set_out_base(step);

@@ -4,6 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use cophase_link::line::UART_BAUD;
+use cophase_link::message::Output;
+
+use super::bring_up;
 
 #[derive(Debug, Args)]
 #[command(
@@ -55,8 +58,44 @@ pub(super) enum Action {
     Log,
     /// Show the counters of link and loop
     Counters,
-    /// Restart the controller, which then runs the stored settings
+    /// Check the wiring: read inputs, switch one output, turn one axis
+    #[command(subcommand)]
+    BringUp(BringUp),
+    /// Restart the controller, which then runs the stored settings, with all axes
     Restart,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum BringUp {
+    /// Show the inputs, and every change, until interrupted
+    Inputs(MonitorArgs),
+    /// Switch one output between its levels twice a second; the drives must be off
+    Output(OutputArgs),
+    /// Restart with one axis, which `home` and `jog` then turn; `restart` ends it
+    Axis(AxisArgs),
+}
+
+#[derive(Debug, Args)]
+pub(super) struct OutputArgs {
+    /// step0, step1, … or dir0, dir1, …, drive-enable, sync
+    #[arg(value_name = "OUTPUT", value_parser = bring_up::output)]
+    pub(super) output: Output,
+    /// Time to switch it, seconds
+    #[arg(long = "for", value_name = "S", default_value_t = 5.0, value_parser = seconds)]
+    pub(super) for_s: f64,
+    /// Do not ask before the output is switched
+    #[arg(long)]
+    pub(super) yes: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct AxisArgs {
+    /// Number of the axis, counted from 0
+    #[arg(value_name = "AXIS")]
+    pub(super) number: u8,
+    /// Do not ask before the controller restarts
+    #[arg(long)]
+    pub(super) yes: bool,
 }
 
 #[derive(Debug, Args)]

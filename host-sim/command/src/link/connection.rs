@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 use cophase_link::client::Client;
 use cophase_link::frame::MAX_FRAME_BYTES;
 use cophase_link::message::{
-    ControlRequest, Counters, EventRecord, File, Identity, Message, Refusal, ReplyBody, Request,
-    Status, VERSION,
+    ControlRequest, Counters, EventRecord, File, Identity, Inputs, Message, Refusal, ReplyBody,
+    Request, Status, VERSION,
 };
 
 use super::transport::Transport;
@@ -55,6 +55,7 @@ enum Reply {
     Chunk { length: u32, bytes: Vec<u8> },
     Counters(Counters),
     Events(Vec<EventRecord>),
+    Inputs(Inputs),
 }
 
 pub(super) struct Connection {
@@ -176,9 +177,16 @@ impl Connection {
         self.command("load", &Request::FinishWrite)
     }
 
-    /// Restarts the controller, and waits until it answers.
-    pub(super) fn restart(&mut self) -> Result<Identity, LinkError> {
-        self.command("restart", &Request::Restart)?;
+    pub(super) fn inputs(&mut self) -> Result<Inputs, LinkError> {
+        match self.request("inputs", &Request::Inputs, RETRIES)? {
+            Reply::Inputs(inputs) => Ok(inputs),
+            _ => Err(LinkError::Unexpected("inputs")),
+        }
+    }
+
+    /// Restarts the controller by a request, and waits until it answers.
+    pub(super) fn restart(&mut self, request: &Request<'_>) -> Result<Identity, LinkError> {
+        self.command("restart", request)?;
         let end = Instant::now() + RESTART_WAIT;
         // It needs a moment to go.
         std::thread::sleep(Duration::from_millis(100));
@@ -259,6 +267,7 @@ impl Connection {
                         },
                         ReplyBody::Counters(counters) => Reply::Counters(counters),
                         ReplyBody::Events(events) => Reply::Events(events.to_vec()),
+                        ReplyBody::Inputs(inputs) => Reply::Inputs(inputs),
                     });
                     self.replies.push_back((to, body));
                 }

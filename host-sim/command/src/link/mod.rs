@@ -1,6 +1,7 @@
 //! `cophase link`: operates a controller over a serial port or TCP, or a simulated one.
 
 mod args;
+mod bring_up;
 mod connection;
 mod operate;
 mod show;
@@ -71,6 +72,9 @@ fn run(
         Action::Counters => show::counters(link, out)?,
         Action::Log => show::log(link, &identity, out)?,
         Action::Monitor(monitor) => return show::monitor(link, &identity, monitor, out),
+        Action::BringUp(action) => {
+            return bring_up::bring_up(action, args, link, &identity, out, err);
+        }
         Action::Load(load) => write::load(link, &identity, load, out)?,
         Action::Restart => {
             link.take_control(args.take_over)?;

@@ -65,7 +65,7 @@ pub(super) fn operate(
 }
 
 /// Asks the operator before the machine moves.
-fn confirm(yes: bool, what: &str, err: &mut impl Write) -> Result<(), Problem> {
+pub(super) fn confirm(yes: bool, what: &str, err: &mut impl Write) -> Result<(), Problem> {
     if yes {
         return Ok(());
     }

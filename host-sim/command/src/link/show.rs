@@ -47,12 +47,19 @@ pub(super) fn identity(identity: &Identity, out: &mut impl Write) -> std::io::Re
         axes,
         tick_hz,
         can_run,
+        only_axis,
     } = identity;
     writeln!(out, "board      {board}, serial number {serial:016x}")?;
     writeln!(out, "firmware   {firmware}, link protocol {version}")?;
     writeln!(out, "settings   {settings}, CRC-32 {settings_crc:08x}")?;
     writeln!(out, "program    CRC-32 {program_crc:08x}")?;
     writeln!(out, "axes       {axes}, {tick_hz} ticks a second")?;
+    if let Some(axis) = only_axis {
+        writeln!(
+            out,
+            "Only axis {axis} of the settings runs, for bring-up. `cophase link restart` ends that."
+        )?;
+    }
     if !can_run {
         writeln!(
             out,

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use cophase_core::settings::Settings;
 use cophase_link::header::{FIRST_SEQUENCE, OUTSIDE};
-use cophase_link::message::{File, Identity};
+use cophase_link::message::{File, Identity, Request};
 use cophase_link::program::MAX_PROGRAM_BYTES;
 use cophase_link::{MAX_FILE_BYTES, decode, encode};
 
@@ -91,7 +91,7 @@ fn store(
 
 /// Restarts the controller.
 pub(super) fn restart(link: &mut Connection, out: &mut impl Write) -> Result<(), Problem> {
-    let identity = link.restart()?;
+    let identity = link.restart(&Request::Restart)?;
     writeln!(out, "Restarted with the settings {}.", identity.settings)?;
     Ok(())
 }

@@ -67,6 +67,8 @@ pub(super) fn settings(
         correction,
         park_turns: scene.control.park_deg / 360.0,
         settle_s: scene.control.settle_s,
+        wiring: scene.wiring.settings(),
+        host_loss: scene.link.settings(),
         program: program.into_iter().take(CAPACITY).collect(),
     }
 }

@@ -14,6 +14,7 @@ mod lengths;
 mod machine;
 mod program;
 mod questions;
+mod wiring;
 
 pub use axes::{Axes, AxisOverrides, Drive, InductionDrive, ServoDrive};
 pub use cam::{CamShaft, Damper, LawName};
@@ -25,6 +26,7 @@ pub use fidelity::{Fidelity, Method, MethodName};
 pub use machine::{Foundation, Frame, Machine, Platform, Rods};
 pub use program::{Segment, Shape};
 pub use questions::Questions;
+pub use wiring::{InputName, Level, Link, LossReaction, Wiring};
 
 use serde::{Deserialize, Serialize};
 
@@ -96,6 +98,12 @@ pub struct Scene {
     /// What sensors and loads make of themselves.
     #[serde(default, skip_serializing_if = "Noise::is_none")]
     pub noise: Noise,
+    /// Levels of the board's lines.
+    #[serde(default, skip_serializing_if = "Wiring::is_default")]
+    pub wiring: Wiring,
+    /// Loss of the host that started the machine.
+    #[serde(default, skip_serializing_if = "Link::is_default")]
+    pub link: Link,
     /// amax(t).
     pub program: Vec<Segment>,
     /// Commands that come at a time.

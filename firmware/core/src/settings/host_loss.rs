@@ -1,0 +1,41 @@
+//! Reaction to the loss of the host that started the machine.
+
+use super::{SettingsError, inside};
+
+/// Action when the host is lost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum HostLossReaction {
+    /// Stop at the parking phase.
+    Stop,
+    /// Stop as fast as the limits allow.
+    StopNow,
+}
+
+/// Reaction to the loss of the host that started the machine.
+///
+/// The loop does not read these settings: the server of the host link does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct HostLossSettings {
+    /// Time without a frame of the host after which it is lost, seconds, 0.1 to 60; 0: the machine goes on without it.
+    pub timeout_s: f64,
+    /// Action then.
+    pub reaction: HostLossReaction,
+}
+
+impl HostLossSettings {
+    /// The machine goes on without a host.
+    pub const NONE: Self = Self {
+        timeout_s: 0.0,
+        reaction: HostLossReaction::Stop,
+    };
+
+    #[cold]
+    pub(super) fn check(&self) -> Result<(), SettingsError> {
+        if self.timeout_s != 0.0 {
+            inside("link.timeout_s", self.timeout_s, 0.1, 60.0)?;
+        }
+        Ok(())
+    }
+}

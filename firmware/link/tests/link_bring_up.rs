@@ -1,0 +1,177 @@
+//! Bring-up over the link, and the loss of the host.
+#![allow(
+    clippy::result_large_err,
+    reason = "a refusal holds its text, as there is no heap"
+)]
+
+mod support;
+
+use cophase_core::settings::{HostLossReaction, HostLossSettings};
+use cophase_core::supervisor::{Command, State};
+use cophase_link::message::{ControlRequest, Event, Output, Refusal, ReplyBody, Request};
+use cophase_link::server::{OUTPUT_MS, UNLOCKED_S};
+use support::device::{Effect, INPUTS};
+use support::line::{Host, TestHub, hub};
+
+const STEP: Request<'_> = Request::Output {
+    output: Output::Step(2),
+    is_active: true,
+};
+const HELD: Effect = Effect::Output(Some((Output::Step(2), true)));
+const RELEASED: Effect = Effect::Output(None);
+
+fn effects(hub: &mut TestHub) -> Vec<Effect> {
+    std::mem::take(&mut hub.device().effects)
+}
+
+/// A host that has control.
+fn operator(hub: &mut TestHub) -> Host {
+    let mut host = Host::new(0);
+    let take = Request::Control(ControlRequest::Take);
+    host.request(hub, &take).unwrap();
+    host
+}
+
+fn passes(hub: &mut TestHub, ms: u32) {
+    hub.device().now_ms += ms;
+    hub.poll();
+}
+
+#[test]
+fn any_host_reads_the_inputs() {
+    let mut hub = hub();
+    Host::new(1).ask(&mut hub, &Request::Inputs, |reply| {
+        assert_eq!(reply.unwrap(), ReplyBody::Inputs(INPUTS));
+    });
+}
+
+#[test]
+fn outputs_and_single_axes_need_control_and_the_unlock() {
+    let mut hub = hub();
+    let mut host = Host::new(0);
+    for request in [STEP, Request::OnlyAxis(1), Request::Unlock] {
+        let refused = host.request(&mut hub, &request);
+        assert_eq!(refused, Err(Refusal::NoControl));
+    }
+    let mut host = operator(&mut hub);
+    for request in [STEP, Request::OnlyAxis(1)] {
+        assert_eq!(host.request(&mut hub, &request), Err(Refusal::Locked));
+    }
+    assert_eq!(effects(&mut hub), []);
+    host.request(&mut hub, &Request::Unlock).unwrap();
+    host.request(&mut hub, &STEP).unwrap();
+    host.request(&mut hub, &Request::OnlyAxis(1)).unwrap();
+    assert_eq!(effects(&mut hub), [HELD, Effect::Restart(Some(1))]);
+    passes(&mut hub, 1000 * UNLOCKED_S);
+    assert_eq!(host.request(&mut hub, &STEP), Err(Refusal::Locked));
+}
+
+/// A host that leaves must not leave an output behind.
+#[test]
+fn a_held_output_is_released_after_its_time_and_with_its_host() {
+    let mut hub = hub();
+    let mut host = operator(&mut hub);
+    host.request(&mut hub, &Request::Unlock).unwrap();
+    host.request(&mut hub, &STEP).unwrap();
+    passes(&mut hub, OUTPUT_MS / 2);
+    host.request(&mut hub, &STEP).unwrap();
+    passes(&mut hub, OUTPUT_MS - 1);
+    assert_eq!(effects(&mut hub), [HELD, HELD]);
+    passes(&mut hub, 1);
+    passes(&mut hub, 1);
+    assert_eq!(effects(&mut hub), [RELEASED], "once");
+
+    host.request(&mut hub, &STEP).unwrap();
+    hub.disconnect(0);
+    hub.poll();
+    assert_eq!(effects(&mut hub), [HELD, RELEASED]);
+}
+
+#[test]
+fn bring_up_ends_where_the_machine_begins() {
+    let mut hub = hub();
+    let mut host = operator(&mut hub);
+    host.request(&mut hub, &Request::Unlock).unwrap();
+    host.request(&mut hub, &STEP).unwrap();
+    hub.device().enters(State::Homing);
+    hub.poll();
+    assert_eq!(effects(&mut hub), [HELD, RELEASED]);
+    for request in [STEP, Request::OnlyAxis(0), Request::Unlock] {
+        let refused = host.request(&mut hub, &request);
+        let state = State::Homing as u8;
+        assert_eq!(refused, Err(Refusal::State { state }));
+    }
+    assert_eq!(effects(&mut hub), []);
+}
+
+/// A host that started the machine, and a hub that stops it half a second after the host is lost.
+fn started(reaction: HostLossReaction) -> (TestHub, Host) {
+    let mut hub = hub();
+    hub.device().host_loss = HostLossSettings {
+        timeout_s: 0.5,
+        reaction,
+    };
+    let mut host = operator(&mut hub);
+    host.request(&mut hub, &Request::Arm).unwrap();
+    host.request(&mut hub, &Request::Start).unwrap();
+    hub.device().enters(State::Run);
+    assert_eq!(effects(&mut hub), [Effect::Command(Command::Start)]);
+    (hub, host)
+}
+
+#[test]
+fn a_machine_whose_host_is_lost_stops_as_its_settings_define() {
+    for (reaction, command) in [
+        (HostLossReaction::Stop, Command::Stop),
+        (HostLossReaction::StopNow, Command::StopNow),
+    ] {
+        let (mut hub, mut host) = started(reaction);
+        passes(&mut hub, 499);
+        // Any frame shows that it is there.
+        host.ask(&mut hub, &Request::Counters, |reply| assert!(reply.is_ok()));
+        passes(&mut hub, 499);
+        assert_eq!(effects(&mut hub), []);
+        passes(&mut hub, 1);
+        passes(&mut hub, 10_000);
+        assert_eq!(effects(&mut hub), [Effect::Command(command)], "once");
+    }
+}
+
+/// Frames of a host that only watches do not keep a machine running whose operator is lost.
+#[test]
+fn another_host_does_not_stand_in() {
+    let (mut hub, _host) = started(HostLossReaction::Stop);
+    let mut other = Host::new(1);
+    passes(&mut hub, 499);
+    other.ask(&mut hub, &Request::Counters, |reply| assert!(reply.is_ok()));
+    passes(&mut hub, 1);
+    assert_eq!(effects(&mut hub), [Effect::Command(Command::Stop)]);
+}
+
+#[test]
+fn a_queue_that_is_full_is_tried_again() {
+    let (mut hub, _host) = started(HostLossReaction::Stop);
+    hub.device().is_busy = true;
+    passes(&mut hub, 500);
+    assert_eq!(effects(&mut hub), []);
+    hub.device().is_busy = false;
+    passes(&mut hub, 2);
+    assert_eq!(effects(&mut hub), [Effect::Command(Command::Stop)]);
+}
+
+#[test]
+fn without_a_timeout_or_a_host_the_machine_goes_on() {
+    let (mut hub, _host) = started(HostLossReaction::Stop);
+    hub.device().host_loss = HostLossSettings::NONE;
+    passes(&mut hub, 3_600_000);
+    assert_eq!(effects(&mut hub), []);
+
+    // Parked, and started again by the button.
+    let (mut hub, _host) = started(HostLossReaction::Stop);
+    hub.device()
+        .events
+        .push_back((1, Event::State(State::Parked as u8)));
+    hub.poll();
+    passes(&mut hub, 3_600_000);
+    assert_eq!(effects(&mut hub), []);
+}
