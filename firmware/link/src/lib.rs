@@ -19,7 +19,8 @@
 //! An intact settings file may still hold invalid numbers. They are checked like those of a scene, when the controller
 //! is made ([`Settings::controller`]).
 //!
-//! [`board`] checks whether a board can run the settings.
+//! [`board`] checks whether a board can run the settings. [`uf2`] is the file that places bytes in a board's flash by drag and
+//! drop.
 //!
 //! `docs/settings-file.md` has the format as a table.
 #![no_std]
@@ -41,6 +42,7 @@ pub mod program;
 pub mod sample;
 pub mod server;
 pub mod store;
+pub mod uf2;
 pub mod watch;
 
 pub use codec::{MAX_FILE_BYTES, decode, decode_into, encode, verify};

@@ -17,7 +17,6 @@ mod scenes;
 mod settings;
 mod signals;
 mod status;
-mod uf2;
 
 pub use signals::clean_up_on_signals;
 pub use status::{CommandError, Status};

@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 
 use cophase_link::header::{FIRST_SEQUENCE, HEADER_BYTES, MAGIC, OUTSIDE};
 use cophase_link::layout::{FLASH_ADDRESS, SLOT_A_OFFSET, SLOT_B_OFFSET};
+use cophase_link::uf2::{self, PAGE_BYTES};
 use cophase_link::{Header, MAX_FILE_BYTES, board, encode};
 
-use super::{CommandError, Status, scenes, uf2};
+use super::{CommandError, Status, scenes};
 use host_sim::report;
 use host_sim::scene::file::{AxisOverrides, CamShaft, Fidelity, Rods};
 use host_sim::scene::{Checked, Scene};
@@ -42,7 +43,7 @@ pub(super) fn settings(args: &SettingsArgs, out: &mut impl Write) -> Result<Stat
     let summary = summary(&checked, &header, &args.out)?;
     let is_uf2 = args.out.extension().is_some_and(|end| end == "uf2");
     let file = if is_uf2 {
-        &uf2::file(settings_file, &SLOT_ADDRESSES)
+        &drag_and_drop(settings_file)
     } else {
         settings_file
     };
@@ -54,6 +55,19 @@ pub(super) fn settings(args: &SettingsArgs, out: &mut impl Write) -> Result<Stat
     } else {
         Status::Fault
     })
+}
+
+/// UF2 file that places a settings file in both slots.
+fn drag_and_drop(settings_file: &[u8]) -> Vec<u8> {
+    let pages = SLOT_ADDRESSES.iter().flat_map(|&start| {
+        let addresses = (start..).step_by(PAGE_BYTES);
+        addresses.zip(settings_file.chunks(PAGE_BYTES))
+    });
+    let count = pages.clone().count() as u32;
+    let blocks = (0..).zip(pages);
+    blocks
+        .flat_map(|(number, (address, page))| uf2::block(address, page, number, count))
+        .collect()
 }
 
 /// What was made, and what of the scene is not in it.

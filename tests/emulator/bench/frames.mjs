@@ -72,12 +72,19 @@ const VARIANTS = {
   beginWrite: 2,
   write: 3,
   finishWrite: 4,
+  restart: 5,
   control: 6,
   arm: 7,
   start: 9,
+  home: 15,
+  jog: 16,
   counters: 17,
   stream: 19,
   streamStatus: 20,
+  inputs: 22,
+  unlock: 23,
+  output: 24,
+  onlyAxis: 25,
 };
 
 /** A number as postcard has it: seven bits a byte, the lowest first. */
@@ -103,10 +110,21 @@ export const requests = {
   takeControl: () => request('control', 0),
   arm: () => request('arm'),
   start: () => request('start'),
+  restart: () => request('restart'),
+  home: () => request('home'),
+  jog: () => request('jog'),
+  inputs: () => request('inputs'),
+  unlock: () => request('unlock'),
+  /** `line`: one of OUTPUTS, with an axis for step and dir. */
+  output: (line, active) => request('output', line, Number(active)),
+  onlyAxis: (axis) => request('onlyAxis', axis),
   counters: () => request('counters'),
   stream: (channels, every) => request('stream', varint(channels), varint(every)),
   streamStatus: (milliseconds) => request('streamStatus', varint(milliseconds)),
 };
+
+/** Outputs, as `Output` numbers them. */
+export const OUTPUTS = { step: (axis) => [0, axis], dir: (axis) => [1, axis], driveEnable: [2], sync: [3] };
 
 /** What a message of the controller is: [kind, rest]. */
 export const MESSAGE = { reply: 0, status: 1, samples: 2, event: 3 };

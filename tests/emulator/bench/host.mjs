@@ -6,6 +6,7 @@ import os from 'node:os';
 import path from 'node:path';
 import { parse, stringify } from 'smol-toml';
 import { BUILT_IN, COPHASE, SCENES } from './paths.mjs';
+import { inverted } from './pins.mjs';
 
 const NANOS_PER_CYCLE = 8;
 
@@ -25,6 +26,7 @@ export function scene(name, change = () => {}) {
     axes: toml.axes.count,
     tickHz: toml.control?.tick_hz ?? 2000,
     inputs: toml.input ?? [],
+    inverted: inverted(toml.wiring),
   };
 }
 

@@ -34,9 +34,13 @@ export function flashWith(settings) {
 }
 
 export class Machine {
-  /** `scene` and `settings` as of host.mjs; `flash`: what the board has instead; `options` go to the board. */
-  constructor({ axes, tickHz, settings, flash, options = {} }) {
+  /**
+   * `scene` and `settings` as of host.mjs; `flash`: what the board has instead; `options` go to the board. Levels here are those
+   * of the usual wiring: `inverted` pins have the others.
+   */
+  constructor({ axes, tickHz, settings, flash, inverted = new Set(), options = {} }) {
     this.axes = axes;
+    this.inverted = inverted;
     this.tick = CYCLES_PER_S / tickHz;
     this.board = new Board({
       elf: firmware(),
@@ -46,15 +50,17 @@ export class Machine {
       missCycles: MISS_CYCLES,
       ...options,
     });
+    for (const track of this.board.edges.tracks ?? []) track.first ^= Number(inverted.has(track.pin));
     this.set(pins.ENABLE, 0);
     this.set(pins.STOP, 0);
     this.set(pins.START, 1);
     for (let axis = 0; axis < axes; axis += 1) this.set(pins.ALARM[axis], 0);
   }
 
-  /** Sets an input, now or at a cycle. */
+  /** Sets an input, now or at a cycle; null is a broken wire. */
   set(pin, level, cycle = this.board.cycle) {
-    this.board.stimulus.at(cycle, pin, level);
+    const isInverted = level !== null && this.inverted.has(pin);
+    this.board.stimulus.at(cycle, pin, isInverted ? 1 - Number(level) : level);
   }
 
   run(seconds) {

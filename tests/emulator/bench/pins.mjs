@@ -28,6 +28,22 @@ const FIRST_BLOCK = 3;
 
 export const blockOf = (axis) => Math.floor(axis / FIRST_BLOCK);
 
+/** Lines by the keys of a scene's `[wiring]`, and the levels at which they are active without it. */
+const LINES = {
+  step: [STEP, 'high'],
+  drive_enable: [[DRIVE_ENABLE], 'high'],
+  index: [INDEX, 'high'],
+  alarm: [ALARM, 'high'],
+  enable: [[ENABLE], 'low'],
+  stop: [[STOP], 'high'],
+  start: [[START], 'low'],
+};
+
+/** The pins whose active level is not the usual one. */
+export function inverted(wiring = {}) {
+  return new Set(Object.entries(LINES).flatMap(([key, [pins, usual]]) => ((wiring[key] ?? usual) === usual ? [] : pins)));
+}
+
 /** The pins to record for a machine of `axes` axes, by name. */
 export function outputs(axes) {
   const pins = { enable: DRIVE_ENABLE, sync: SYNC, led: LED };

@@ -317,7 +317,7 @@ impl Settings {
         let _ = self.trims_turns.push(trim);
         let _ = self.program.push(EntrySettings::Segment(SegmentSettings {
             amax_mps2: 0.0,
-            ramp_s: 0.0,
+            ramp_s: 0.1,
             hold_s: 0.0,
             shape: Shape::Linear,
         }));

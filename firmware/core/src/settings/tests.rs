@@ -40,7 +40,7 @@ fn one_axis_is_kept_with_its_own_numbers() {
         assert_eq!(kept.axes, [axis]);
         let controller = kept.controller().unwrap();
         assert_eq!(controller.axis_count(), 1);
-        assert_eq!(controller.program().0.duration(), 0);
+        assert_eq!(controller.program().0.duration(), 200);
     }
     let mut three = settings(3);
     assert!(!three.keep_axis(3));

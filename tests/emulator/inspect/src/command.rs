@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Parser;
 
 use crate::error::Error;
-use crate::{frames, log, panics, places, size};
+use crate::{frames, log, panics, places, size, uf2};
 
 /// Looks into the Cophase firmware.
 #[derive(Debug, Parser)]
@@ -67,6 +67,13 @@ pub enum Command {
         #[arg(long, value_name = "N", requires = "stack_bytes")]
         stack_axes: Option<u64>,
     },
+    /// Write the firmware as a UF2 file, which the board's boot drive takes by drag and drop
+    Uf2 {
+        /// The firmware's ELF file
+        elf: PathBuf,
+        /// The file to write
+        out: PathBuf,
+    },
 }
 
 impl Command {
@@ -85,6 +92,7 @@ impl Command {
             Self::Panics { elf, roots, allow } => panics::check(&elf, &roots, allow.as_deref()),
             Self::Places { elf, roots } => places::check(&elf, &roots),
             Self::Frames { elf, addresses } => frames::print(&elf, &addresses),
+            Self::Uf2 { elf, out } => uf2::convert(&elf, &out),
             Self::Size {
                 elf,
                 golden,

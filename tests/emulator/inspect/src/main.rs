@@ -4,7 +4,8 @@
 //! - `panics` proves that no panic can be reached from given functions, and bounds their stack;
 //! - `places` checks that what functions may call lies in RAM;
 //! - `frames` names the functions at code addresses, those inlined there too;
-//! - `size` prints the firmware's size in flash and RAM, and compares it with what was kept.
+//! - `size` prints the firmware's size in flash and RAM, and compares it with what was kept;
+//! - `uf2` writes the firmware as a file for drag and drop.
 //!
 //! Exit status: 0 all is well; 1 a check failed; 2 the question makes no sense, with a sentence that says
 //! why: a file that is not there, a name that matches nothing.
@@ -19,6 +20,7 @@ mod name;
 mod panics;
 mod places;
 mod size;
+mod uf2;
 
 use std::process::ExitCode;
 
