@@ -30,7 +30,7 @@ Prints "port N" once the link is there. Its cranks follow the steps, and their i
   --fast            as fast as it goes, instead of at most in real time
 
 Commands, one a line on the standard input, each answered by "ok" or "error": unplug, plug, reset-bus, suspend, resume,
-power-cut, power-up, press start, enable on, enable off. The end of the input ends it, as SIGTERM does.
+power-cut, power-up, press start, enable on, enable off, place cranks. The end of the input ends it, as SIGTERM does.
 
 Exit status: 0 ended so; 1 the board stopped or did not attach; 2 bad arguments.`;
 
@@ -92,7 +92,7 @@ try {
 
 const machine = new Machine({ ...played, settings, options: { elf: fs.readFileSync(given.elf), pins: {}, watched: [] } });
 const { board } = machine;
-new Cranks(board, played.toml);
+const cranks = new Cranks(board, played.toml);
 const link = linkTo(board, { transport: given.transport, uart, baud });
 link.onError = (text) => say(`event error: ${text}`);
 
@@ -108,7 +108,7 @@ const server = new Server(board, link, {
 board.run({ cycles: MOST_S * CYCLES_PER_S, until: () => link.ready });
 if (!link.ready) server.close(new Error(`the firmware did not come up as a serial port over USB within ${MOST_S} s of the board`));
 
-const operator = new Operator(machine, link, given.transport);
+const operator = new Operator(machine, cranks, link, given.transport);
 const lines = readline.createInterface({ input: process.stdin });
 lines.on('line', (line) => {
   if (line.trim() === '') return;

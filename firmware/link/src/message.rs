@@ -345,6 +345,8 @@ pub struct Identity {
     pub can_run: bool,
     /// Axis of the settings that is the only one until the next restart, for bring-up.
     pub only_axis: Option<u8>,
+    /// Restarts since power-up, wrapping: shows a host that a restart is over.
+    pub restarts: u32,
 }
 
 /// Who has control.

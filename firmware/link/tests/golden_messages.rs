@@ -130,6 +130,7 @@ fn messages() -> Vec<Message<'static>> {
             tick_hz: 2000,
             can_run: true,
             only_axis: Some(3),
+            restarts: 300,
         }),
         ReplyBody::Chunk {
             length: 3,

@@ -49,6 +49,11 @@ pub fn last_state() -> Option<LastState> {
     })
 }
 
+/// Requested restarts since power-up. The register is zero then.
+pub fn restarts() -> u32 {
+    pac::WATCHDOG.scratch3().read()
+}
+
 /// Lets the watchdog wait for its longest time, 8 s, until the loop feeds it again.
 pub fn wait() {
     pac::WATCHDOG
@@ -72,6 +77,8 @@ pub fn restart(only_axis: Option<u8>) -> ! {
         pac::WATCHDOG.scratch0().write_value(0);
         let selected = only_axis.map_or(0, |axis| ONLY | u32::from(axis));
         pac::WATCHDOG.scratch2().write_value(selected);
+        let restarts = restarts().wrapping_add(1);
+        pac::WATCHDOG.scratch3().write_value(restarts);
         // All blocks but the two oscillators, as `embassy_rp` selects them.
         const ALL_BUT_OSCILLATORS: u32 = 0x1_FFFC;
         pac::PSM

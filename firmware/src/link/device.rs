@@ -246,6 +246,7 @@ impl Device for FirmwareDevice {
             tick_hz: self.running.tick_hz,
             can_run: self.running.can_run,
             only_axis: self.running.only_axis,
+            restarts: watchdog::restarts(),
         }
     }
 

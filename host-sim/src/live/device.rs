@@ -42,6 +42,7 @@ pub struct SimulatedDevice {
     program_file: Vec<u8>,
     sampling: u16,
     began: Instant,
+    restarts: u32,
     running: Running,
 }
 
@@ -69,6 +70,7 @@ impl SimulatedDevice {
             program_file: Vec::new(),
             sampling: 1,
             began: Instant::now(),
+            restarts: 0,
             running,
         };
         device.make_files();
@@ -181,6 +183,7 @@ impl Device for SimulatedDevice {
             tick_hz: settings.tick_hz,
             can_run: self.running.thread.is_some(),
             only_axis: None,
+            restarts: self.restarts,
         }
     }
 
@@ -263,6 +266,7 @@ impl Device for SimulatedDevice {
             self.checked.settings = *settings;
             self.make_files();
         }
+        self.restarts = self.restarts.wrapping_add(1);
         if let Ok(running) = Running::new(&self.checked, self.speed) {
             self.running = running;
             self.set_sampling(self.sampling);

@@ -18,7 +18,8 @@ class Crank {
     this.stepsPerTurn = axis.steps_per_turn;
     const steps = (deg) => (deg / 360) * this.stepsPerTurn;
     /** Where it is, in steps; the loop takes it to be at its offset at power-up. */
-    this.at = steps((axis.offset_deg ?? 0) + (axis.start_deg ?? 0));
+    this.start = steps((axis.offset_deg ?? 0) + (axis.start_deg ?? 0));
+    this.at = this.start;
     this.hasIndex = axis.index ?? true;
     this.flag = steps(axis.index_deg ?? 0);
     this.width = steps(axis.index_width_deg ?? 0);
@@ -36,9 +37,10 @@ class Crank {
 }
 
 export class Cranks {
-  /** `toml`: a scene. */
-  constructor(board, toml) {
+  /** `toml`: a scene; `inverted`: pins of the other active level (pins.mjs). */
+  constructor(board, toml, inverted = pins.inverted(toml.wiring)) {
     this.board = board;
+    this.inverted = [...inverted].reduce((mask, pin) => mask | (1 << pin), 0);
     this.cranks = Array.from({ length: toml.axes.count }, (_, number) => {
       const own = toml.axis?.find((axis) => axis.number === number);
       return new Crank({ ...toml.axes, ...own }, pins.STEP[number], pins.DIR[number], pins.INDEX[number]);
@@ -46,12 +48,12 @@ export class Cranks {
     this.pulseCycles = Math.round(Math.max(PULSE_US, 2 * (toml.index?.width_us ?? DEFAULT_WIDTH_US)) * CYCLES_PER_US);
     this.mask = this.cranks.reduce((mask, { step }) => mask | (1 << step), 0);
     board.edges = this;
-    for (const crank of this.cranks) board.stimulus.at(board.cycle, crank.index, Number(crank.isOver));
+    for (const crank of this.cranks) this.set(board.cycle, crank);
   }
 
   /** Called by the board on each change of levels. */
   record(stamp, changed) {
-    const { levels } = this.board.pads;
+    const levels = this.board.pads.levels ^ this.inverted;
     const rising = changed & levels & this.mask;
     if (rising === 0 || !((levels >>> pins.DRIVE_ENABLE) & 1)) return;
     for (const crank of this.cranks) {
@@ -63,11 +65,27 @@ export class Cranks {
     const was = crank.isOver;
     crank.at += forward ? 1 : -1;
     if (!crank.hasIndex) return;
-    const { stimulus } = this.board;
     if (crank.width > 0) {
-      if (crank.isOver !== was) stimulus.at(cycle, crank.index, Number(crank.isOver));
+      if (crank.isOver !== was) this.set(cycle, crank);
     } else if (forward && crank.beyondFlag < 1) {
-      stimulus.pulse(cycle, crank.index, this.pulseCycles);
+      this.board.stimulus.pulse(cycle, crank.index, this.pulseCycles, this.level(crank, true));
     }
+  }
+
+  /** Turns the cranks to where they were at first. */
+  place() {
+    for (const crank of this.cranks) {
+      crank.at = crank.start;
+      if (crank.hasIndex) this.set(this.board.cycle, crank);
+    }
+  }
+
+  /** Level of a crank's index line. */
+  level(crank, isOver) {
+    return Number(isOver !== Boolean((this.inverted >>> crank.index) & 1));
+  }
+
+  set(cycle, crank) {
+    this.board.stimulus.at(cycle, crank.index, this.level(crank, crank.isOver));
   }
 }

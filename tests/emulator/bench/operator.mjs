@@ -6,8 +6,8 @@ import * as pins from './pins.mjs';
 const PRESSED_S = 0.05;
 
 export class Operator {
-  /** `machine`: a Machine; `link`: of link.mjs; `transport`: 'usb' or 'uart'. */
-  constructor(machine, link, transport) {
+  /** `machine`: a Machine, with its `cranks`; `link`: of link.mjs; `transport`: 'usb' or 'uart'. */
+  constructor(machine, cranks, link, transport) {
     Object.assign(this, { machine, link, transport });
     this.commands = {
       plug: () => this.usb('plug'),
@@ -20,6 +20,7 @@ export class Operator {
       'press start': () => this.press(),
       'enable on': () => machine.set(pins.ENABLE, 0),
       'enable off': () => machine.set(pins.ENABLE, 1),
+      'place cranks': () => cranks.place(),
     };
   }
 

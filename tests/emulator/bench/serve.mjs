@@ -8,6 +8,8 @@ const SLICE_S = 0.001;
 const SLICE_CYCLES = SLICE_S * CYCLES_PER_S;
 /** The longest lag behind the clock on the wall that is made up for. */
 const MOST_LAG_MS = 50;
+/** Time for which a client waits for the one before to leave. */
+const LEAVING_MS = 200;
 /** Bytes for the board beyond which the client is held back. */
 const MOST_PENDING = 4096;
 
@@ -51,7 +53,19 @@ export class Server {
 
   // ---- the client ----
 
+  /** A client may come before the end of the last one's connection is known here: it waits for that a moment. */
   accept(socket) {
+    if (!this.client || this.closing) {
+      this.enter(socket);
+      return;
+    }
+    socket.pause();
+    socket.on('error', () => {});
+    setTimeout(() => this.enter(socket), LEAVING_MS);
+  }
+
+  enter(socket) {
+    if (socket.destroyed) return;
     if (this.client || !this.link.ready) {
       this.report(`event refused: ${this.client ? 'there is a client already' : 'the port is not there'}`);
       socket.destroy();
@@ -63,6 +77,7 @@ export class Server {
     this.link.open();
     this.link.setReading(true);
     socket.on('data', (data) => this.fromClient(data));
+    socket.resume();
     socket.on('drain', () => this.link.setReading(true));
     socket.on('error', () => {});
     socket.on('close', () => this.left(socket));

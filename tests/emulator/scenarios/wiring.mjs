@@ -1,6 +1,7 @@
 // Wiring: lines of either active level run the same machine, a broken wire is safe with both, and bring-up shows each line by
 // itself.
 
+import { Cranks } from '../bench/cranks.mjs';
 import { OUTPUTS, requests } from '../bench/frames.mjs';
 import { predict, scene, settingsOf } from '../bench/host.mjs';
 import { LinkHost } from '../bench/link-host.mjs';
@@ -137,13 +138,14 @@ function bringUp(outcome, wiring) {
   machine.set(pins.ENABLE, 0);
   machine.run(1.2);
   check(active('enable') === 0, 'they are off after a second');
-  oneAxis(machine, host, check);
+  oneAxis(machine, played, host, check);
   outcome.say(`${name} wiring: bring-up reads each input, switches each output alone, and turns one axis of four`);
 }
 
 /** Restarts with one axis, and homes and jogs it. */
-function oneAxis(machine, host, check) {
+function oneAxis(machine, played, host, check) {
   const turned = 2;
+  followSteps(machine, played);
   host.ask(requests.onlyAxis(turned));
   machine.run(0.5);
   host.connect();
@@ -151,10 +153,6 @@ function oneAxis(machine, host, check) {
   host.ask(requests.arm());
   const from = machine.board.cycle;
   host.ask(requests.home());
-  // Its flag, about a turn later at 8 rev/s, long enough to count.
-  const flag = machine.board.cycle + Math.round(312.5 * machine.tick);
-  machine.set(pins.INDEX[turned], 1, flag);
-  machine.set(pins.INDEX[turned], 0, flag + 12_500);
   machine.run(1);
   const wires = stepEdges(machine, from);
   check(wires[turned] > 1000, `axis ${turned} turns: ${wires.join(', ')} edges`);
@@ -175,6 +173,18 @@ function oneAxis(machine, host, check) {
   machine.run(0.1);
   const all = stepEdges(machine, again);
   check(all.every((edges) => edges > 100), `after another restart all axes turn: ${all.join(', ')} edges`);
+}
+
+/** Lets the cranks follow the steps, and keeps the recorder of edges. */
+function followSteps({ board }, played) {
+  const { edges } = board;
+  const cranks = new Cranks(board, played.toml);
+  board.edges = Object.assign(Object.create(edges), {
+    record(stamp, changed) {
+      edges.record(stamp, changed);
+      cranks.record(stamp, changed);
+    },
+  });
 }
 
 /** Edges of each axis's STEP from a cycle on. */

@@ -19,7 +19,7 @@ const skip = missing ? `${missing} is not built: run tests/emulator/run first` :
 /** What the operator does by hand before a command, in the words of the bridge. */
 const BY_HAND = {
   'cophase link restart': ['enable off'],
-  'cophase link home --yes --wait': ['enable on'],
+  'cophase link home --yes --wait': ['place cranks', 'enable on'],
 };
 
 /** Lines of the page's code blocks, in order. */
@@ -109,7 +109,7 @@ const CHECKS = [
   [/bring-up output/, has(/drive-enable active[^]*drive-enable inactive/)],
   [/bring-up axis/, has(/axes +1,[^]*Only axis 0/)],
   [/home/, has(/parked/i)],
-  [/link restart/, has(/axes +4/)],
+  [/link restart/, has(/4 axes/)],
   [/monitor/, has(/run/i)],
 ];
 

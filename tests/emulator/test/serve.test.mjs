@@ -17,6 +17,9 @@ import { UsbDriver } from '../support/usb-driver.mjs';
 const MS = 125_000;
 const TIMES = { debounce: 1, reset: 1, recovery: 1, resume: 1, address: 0.1 };
 
+/** No cranks. */
+const CRANKS = { place() {} };
+
 /** Time of the board after which a test that still waits for something ends. */
 const MOST_S = 30;
 
@@ -30,7 +33,7 @@ async function served() {
   const server = new Server(board, link, { fast: true, report: (line) => lines.push(line), ended: () => (ended += 1) });
   board.run({ cycles: 20 * MS, until: () => link.ready });
   const machine = { board, set: (pin, level, cycle = board.cycle) => board.stimulus.at(cycle, pin, level) };
-  const operator = new Operator(machine, link, 'usb');
+  const operator = new Operator(machine, CRANKS, link, 'usb');
   const port = await server.listen(0);
   server.run();
   const guard = () => {
@@ -142,7 +145,7 @@ test('commands set inputs and drive the bus; what cannot be done is an error', a
   assert.throws(() => operator.obey('resume'), /not suspended/);
   assert.throws(() => operator.obey('power-up'), /on already/);
   assert.throws(() => operator.obey('jump'), /no command is called jump: use one of plug,/);
-  assert.throws(() => new Operator(operator.machine, operator.link, 'uart').obey('unplug'), /--transport usb/);
+  assert.throws(() => new Operator(operator.machine, CRANKS, operator.link, 'uart').obey('unplug'), /--transport usb/);
   const socket = await connect(port);
   assert.deepEqual(await exchange(socket, bytesOf(10)), bytesOf(10));
   server.close();

@@ -90,6 +90,7 @@ impl Device for RecordingDevice {
             tick_hz: TICK_HZ,
             can_run: true,
             only_axis: None,
+            restarts: 0,
         }
     }
 

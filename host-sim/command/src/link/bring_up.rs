@@ -37,7 +37,7 @@ pub(super) fn bring_up(
         BringUp::Axis(axis) => {
             let what = "restarts with one axis, which can then be homed and jogged; detach its rod";
             unlock(args, axis.yes, what, link, err)?;
-            let identity = link.restart(&Request::OnlyAxis(axis.number))?;
+            let identity = link.restart(identity, &Request::OnlyAxis(axis.number))?;
             show::identity(&identity, out)?;
         }
     }
@@ -108,22 +108,21 @@ fn describe(inputs: &Inputs, identity: &Identity) -> String {
 /// Switches an output between its levels, and leaves it released.
 fn toggle(link: &mut Connection, args: &OutputArgs, out: &mut impl Write) -> Result<(), Problem> {
     let end = Instant::now() + Duration::from_secs_f64(args.for_s);
-    let mut is_active = true;
-    loop {
-        let output = args.output;
+    let output = args.output;
+    let mut set = |link: &mut Connection, is_active| -> Result<(), Problem> {
         link.repeatable("output", &Request::Output { output, is_active })?;
         let level = if is_active { "active" } else { "inactive" };
         writeln!(out, "{} {level}", name(output))?;
-        out.flush()?;
-        let now = Instant::now();
-        if now >= end {
-            break;
-        }
-        std::thread::sleep(LEVEL_TIME.min(end - now));
+        Ok(out.flush()?)
+    };
+    let mut is_active = true;
+    while Instant::now() < end {
+        set(link, is_active)?;
+        std::thread::sleep(LEVEL_TIME.min(end.saturating_duration_since(Instant::now())));
         is_active = !is_active;
     }
-    // The controller releases it by itself.
-    Ok(())
+    // The controller releases it by itself soon.
+    set(link, false)
 }
 
 /// Parses the name of an output.

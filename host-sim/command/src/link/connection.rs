@@ -19,6 +19,9 @@ const REPLY_WAIT: Duration = Duration::from_millis(1500);
 /// Times that a request without an effect is sent again.
 const RETRIES: u32 = 2;
 
+/// Time between two attempts to reach a controller that restarts.
+const RESTART_EVERY: Duration = Duration::from_millis(100);
+
 /// Time within which a controller that restarts answers again.
 const RESTART_WAIT: Duration = Duration::from_secs(10);
 
@@ -184,22 +187,31 @@ impl Connection {
         }
     }
 
-    /// Restarts the controller by a request, and waits until it answers.
-    pub(super) fn restart(&mut self, request: &Request<'_>) -> Result<Identity, LinkError> {
+    /// Restarts the controller by a request, and waits until it answers again.
+    pub(super) fn restart(
+        &mut self,
+        before: &Identity,
+        request: &Request<'_>,
+    ) -> Result<Identity, LinkError> {
         self.command("restart", request)?;
         let end = Instant::now() + RESTART_WAIT;
-        // It needs a moment to go.
-        std::thread::sleep(Duration::from_millis(100));
         loop {
+            std::thread::sleep(RESTART_EVERY);
             self.client = Client::new();
             let identity = if self.transport.reopen() {
                 self.identify()
             } else {
-                std::thread::sleep(Duration::from_millis(100));
                 Err(LinkError::NoReply("restart"))
             };
-            if identity.is_ok() || Instant::now() > end {
+            // It answers once more before it goes, and its line may be lost then.
+            let is_over = identity
+                .as_ref()
+                .is_ok_and(|identity| identity.restarts != before.restarts);
+            if is_over {
                 return identity;
+            }
+            if Instant::now() > end {
+                return Err(LinkError::NoReply("restart"));
             }
         }
     }

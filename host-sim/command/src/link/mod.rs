@@ -78,7 +78,7 @@ fn run(
         Action::Load(load) => write::load(link, &identity, load, out)?,
         Action::Restart => {
             link.take_control(args.take_over)?;
-            write::restart(link, out)?;
+            write::restart(link, &identity, out)?;
         }
         action => return operate::operate(action, args, link, &identity, out, err),
     }

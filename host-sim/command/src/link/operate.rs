@@ -45,12 +45,14 @@ pub(super) fn operate(
         }
         Action::Jog(jog) => {
             confirm(jog.yes, "turns at homing speed", err)?;
+            let next = next_event(link)?;
             begin(link, "jog", &Request::Jog)?;
             let end = Instant::now() + Duration::from_secs_f64(jog.for_s);
             while Instant::now() + JOG_EVERY < end {
                 std::thread::sleep(JOG_EVERY);
                 link.command("jog", &Request::Jog)?;
             }
+            return wait(link, identity, next, out);
         }
         Action::Hold => link.repeatable("hold", &Request::Hold)?,
         Action::Resume => link.repeatable("resume", &Request::Resume)?,
@@ -105,12 +107,17 @@ fn begin_and_wait(
     identity: &Identity,
     out: &mut impl Write,
 ) -> Result<Status, Problem> {
-    let next = link.events(0)?.last().map_or(0, |event| event.number + 1);
+    let next = next_event(link)?;
     begin(link, name, request)?;
     if args.wait || link.is_simulated() {
         return wait(link, identity, next, out);
     }
     Ok(Status::Done)
+}
+
+/// Number of the next event.
+fn next_event(link: &mut Connection) -> Result<u32, LinkError> {
+    Ok(link.events(0)?.last().map_or(0, |event| event.number + 1))
 }
 
 /// Shows events from a number on until the machine rests again.

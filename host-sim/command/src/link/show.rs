@@ -48,6 +48,7 @@ pub(super) fn identity(identity: &Identity, out: &mut impl Write) -> std::io::Re
         tick_hz,
         can_run,
         only_axis,
+        restarts: _,
     } = identity;
     writeln!(out, "board      {board}, serial number {serial:016x}")?;
     writeln!(out, "firmware   {firmware}, link protocol {version}")?;
@@ -167,6 +168,7 @@ fn line(status: &MachineStatus, tick_hz: u32) -> String {
         Control::Other => notes.push("another host in control"),
         Control::Free => {}
     }
+    let worst = worst + 0.0; // no negative zero
     format!(
         "{t_s:10.3} s  {:<7} amax {:8.2} m/s²  {:6.2} rev/s  worst phase error {worst:+.3}°  override {} %  {}",
         state_name(status.state),

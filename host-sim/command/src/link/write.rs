@@ -26,14 +26,14 @@ pub(super) fn load(
         let file = std::fs::read(&args.scene)
             .map_err(|e| LinkError::Input(format!("{name}: {e}; give a file that is there")))?;
         cophase_link::verify(&file).map_err(|e| LinkError::Input(format!("{name}: {e}")))?;
-        return store(link, &name, &file, out);
+        return store(link, identity, &name, &file, out);
     }
     let checked = scenes::read(&name).map_err(LinkError::Input)?;
     if args.settings {
         let mut buffer = vec![0; MAX_FILE_BYTES];
         let file = encode(&checked.settings, FIRST_SEQUENCE, OUTSIDE, &mut buffer)
             .map_err(|e| LinkError::Input(format!("{name}: {e}")))?;
-        return store(link, &name, file, out);
+        return store(link, identity, &name, file, out);
     }
     let present = decode(&link.read_file(File::Settings)?)
         .map_err(|e| LinkError::Input(format!("the controller's settings: {e}")))?;
@@ -79,6 +79,7 @@ fn compare(
 /// Stores settings, and restarts the controller with them.
 fn store(
     link: &mut Connection,
+    identity: &Identity,
     name: &str,
     file: &[u8],
     out: &mut impl Write,
@@ -86,12 +87,17 @@ fn store(
     link.take_control(false)?;
     link.write_file(File::Settings, file)?;
     writeln!(out, "Stored the settings of {name}: {} bytes.", file.len())?;
-    restart(link, out)
+    restart(link, identity, out)
 }
 
 /// Restarts the controller.
-pub(super) fn restart(link: &mut Connection, out: &mut impl Write) -> Result<(), Problem> {
-    let identity = link.restart(&Request::Restart)?;
-    writeln!(out, "Restarted with the settings {}.", identity.settings)?;
+pub(super) fn restart(
+    link: &mut Connection,
+    before: &Identity,
+    out: &mut impl Write,
+) -> Result<(), Problem> {
+    let identity = link.restart(before, &Request::Restart)?;
+    let Identity { settings, axes, .. } = identity;
+    writeln!(out, "Restarted with the settings {settings}, {axes} axes.")?;
     Ok(())
 }

@@ -71,8 +71,8 @@ pub enum Command {
     Uf2 {
         /// The firmware's ELF file
         elf: PathBuf,
-        /// The file to write
-        out: PathBuf,
+        /// The file to write; default: beside the ELF file, with the ending .uf2
+        out: Option<PathBuf>,
     },
 }
 
@@ -92,7 +92,10 @@ impl Command {
             Self::Panics { elf, roots, allow } => panics::check(&elf, &roots, allow.as_deref()),
             Self::Places { elf, roots } => places::check(&elf, &roots),
             Self::Frames { elf, addresses } => frames::print(&elf, &addresses),
-            Self::Uf2 { elf, out } => uf2::convert(&elf, &out),
+            Self::Uf2 { elf, out } => {
+                let out = out.unwrap_or_else(|| elf.with_extension("uf2"));
+                uf2::convert(&elf, &out)
+            }
             Self::Size {
                 elf,
                 golden,
