@@ -168,7 +168,6 @@ fn line(status: &MachineStatus, tick_hz: u32) -> String {
         Control::Other => notes.push("another host in control"),
         Control::Free => {}
     }
-    let worst = worst + 0.0; // no negative zero
     format!(
         "{t_s:10.3} s  {:<7} amax {:8.2} m/s²  {:6.2} rev/s  worst phase error {worst:+.3}°  override {} %  {}",
         state_name(status.state),

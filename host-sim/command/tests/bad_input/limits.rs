@@ -230,6 +230,20 @@ fn ticks_and_pulses() {
             "0 to 10 s",
         ),
         case(
+            "a host that is lost at once",
+            set("link.timeout_s", "0.01"),
+            "link.timeout_s",
+            "0.01 is outside",
+            "0.1 to 60",
+        ),
+        case(
+            "a level that is none",
+            set("wiring.step", "\"up\""),
+            "step",
+            "up",
+            "high",
+        ),
+        case(
             "parking past a turn",
             set("control.park_deg", "400"),
             "control.park_deg",

@@ -23,6 +23,7 @@ const NUMBERS: &[(&str, bool)] = &[
     ("frame.foundation.ground_zeta", true),
     ("control.park_deg", true),
     ("control.settle_s", true),
+    ("link.timeout_s", true),
     ("limits.speed_hz", false),
     ("limits.acceleration_hz_per_s", false),
     ("limits.jerk_hz_per_s2", false),
