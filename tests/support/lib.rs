@@ -14,10 +14,12 @@ pub use edges::{Edges, Wire};
 pub use trace::Trace;
 pub use watch::{Tick, Watched, watch};
 
+use std::io::Cursor;
+
 use host_sim::report::Report;
 use host_sim::scene::{Checked, library, load};
 use host_sim::sim::{Outcome, simulate};
-use host_sim::trace::{Every, Recorder, ScopeData, ScopeFrame, Window};
+use host_sim::trace::{Every, Format, Recorder, ScopeData, ScopeFrame, Window};
 
 /// A scene from its text.
 ///
@@ -107,13 +109,14 @@ impl Run {
 /// # Panics
 /// If it cannot be recorded.
 pub fn record(checked: &Checked, every: Every, window: Window) -> Run {
-    let (mut csv, mut vcd) = (Vec::new(), Vec::new());
+    let (mut csv, mut vcd) = (Cursor::new(Vec::new()), Cursor::new(Vec::new()));
+    let files = [(Format::Csv, &mut csv), (Format::Vcd, &mut vcd)];
     let frame = ScopeFrame {
         title: checked.scene.name.clone(),
         ..ScopeFrame::default()
     };
     let scope = ScopeData::new(checked.scene.axes.count, frame);
-    let mut recorder = Recorder::new(checked, &mut csv, &mut vcd, every, window, scope)
+    let mut recorder = Recorder::new(checked, files, None, every, window, scope)
         .expect("a header can be written to memory");
     let outcome = simulate(checked, &mut recorder, |_, _| {}).expect("a checked scene runs");
     let (written, scope) = recorder.finish().expect("memory takes it all");
@@ -121,8 +124,8 @@ pub fn record(checked: &Checked, every: Every, window: Window) -> Run {
     let report = serde_json::to_value(report).expect("a report is JSON");
     Run {
         outcome,
-        csv,
-        vcd,
+        csv: csv.into_inner(),
+        vcd: vcd.into_inner(),
         svg: scope.render(),
         report,
     }

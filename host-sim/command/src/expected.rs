@@ -11,7 +11,7 @@ use std::time::Instant;
 use host_sim::fidelity::{Answers, SampleRuns, sample_runs};
 use host_sim::scene::{Checked, SceneError};
 use host_sim::sim::{Observer, expected_ticks, simulate_first};
-use host_sim::trace::{Every, Recorder, ScopeData, Window};
+use host_sim::trace::{Every, Format, Recorder, ScopeData, Window};
 
 use super::run::frame;
 
@@ -106,11 +106,12 @@ fn expected_s(
 /// An observer like that of a run, as it takes a part of the time; it keeps nothing.
 fn recorder(checked: &Checked) -> impl Observer {
     let scope = ScopeData::new(checked.scene.axes.count, frame(checked));
-    let (csv, vcd) = (io::sink(), io::sink());
+    // It takes everything, as `io::sink()` does, and has positions, as a file has.
+    let files = [Format::Csv, Format::Vcd].map(|format| (format, io::empty()));
     let recorder = Recorder::new(
         checked,
-        csv,
-        vcd,
+        files,
+        None,
         Every::Fitting,
         Window::FirstMotion,
         scope,

@@ -6,5 +6,7 @@
 
 mod device;
 mod paced;
+mod wall_clock;
 
 pub use device::SimulatedDevice;
+pub use wall_clock::WallClock;

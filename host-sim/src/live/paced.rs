@@ -1,7 +1,7 @@
 //! The loop's world while a host operates it: the simulated machine, in step with the wall clock.
 
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError};
-use std::time::{Duration, Instant as WallInstant};
+use std::time::Duration;
 
 use cophase_core::control_loop::{Io, SubmissionResult};
 use cophase_core::program::Program;
@@ -11,6 +11,8 @@ use cophase_link::message::Event;
 use cophase_link::sample::{Sample, flags};
 use cophase_link::watch::Watch;
 use embassy_time::Instant;
+
+use super::WallClock;
 
 /// Something for the loop.
 pub(super) enum ToLoop {
@@ -29,16 +31,11 @@ pub(super) enum FromLoop {
     Event(u32, Event),
 }
 
-/// Longest time that the wall clock may be ahead before the pace starts anew: a computer that slept, or is too slow.
-const MOST_BEHIND: Duration = Duration::from_millis(200);
-
 pub(super) struct Paced<I> {
     inner: I,
     from_host: Receiver<ToLoop>,
     to_host: SyncSender<FromLoop>,
-    /// Simulated seconds per second of the wall clock.
-    speed: f64,
-    began: (WallInstant, Instant),
+    clock: WallClock,
     tick: u32,
     every: u32,
     inputs: SafetyInputs,
@@ -59,8 +56,7 @@ impl<I> Paced<I> {
             inner,
             from_host,
             to_host,
-            speed,
-            began: (WallInstant::now(), Instant::from_ticks(0)),
+            clock: WallClock::new(speed),
             tick: 0,
             every: 1,
             inputs: SafetyInputs {
@@ -71,20 +67,6 @@ impl<I> Paced<I> {
             program: None,
             lost_events: 0,
             is_over: false,
-        }
-    }
-
-    /// Sleeps until the wall clock reaches the simulated time.
-    fn wait_for_wall_clock(&mut self) {
-        let now = Instant::now();
-        let (wall, simulated) = self.began;
-        let due_s = (now - simulated).as_micros() as f64 * 1e-6 / self.speed;
-        let due = wall + Duration::from_secs_f64(due_s);
-        let wall_now = WallInstant::now();
-        match due.checked_duration_since(wall_now) {
-            Some(early) => std::thread::sleep(early),
-            None if wall_now - due > MOST_BEHIND => self.began = (wall_now, now),
-            None => {}
         }
     }
 
@@ -121,7 +103,8 @@ impl<I> Paced<I> {
 
 impl<I: Io> Io for Paced<I> {
     fn read(&mut self) -> Feedback {
-        self.wait_for_wall_clock();
+        self.clock
+            .wait(Duration::from_micros(Instant::now().as_micros()));
         let mut feedback = self.inner.read();
         feedback.command = self.next_command();
         self.inputs = feedback.inputs;

@@ -1,25 +1,39 @@
 //! What a run leaves behind for people to look at.
 //!
-//! One [`Row`] a control tick goes in; out come [`TraceCsv`] (numbers), [`StepsVcd`] (edges, as a logic
-//! analyser sees them) and [`ScopeData`] (one page, as a scope shows it). [`RunFiles`] puts them in a folder,
-//! all or none, and a [`Recorder`] makes rows of what it sees of a run. What the columns and wires mean for a reader is in `docs/formats.md`.
+//! One [`Row`] a control tick goes in; out come numbers ([`TraceCsv`], [`TraceMcap`], and [`RowsUdp`] for live plots), edges as a
+//! logic analyser shows them ([`StepsVcd`], [`StepsFst`]), and one page as a scope shows it ([`ScopeData`]). The [`column`]s are
+//! stated once for all of them. [`RunFiles`] puts the files in a folder, all or none, and a [`Recorder`] makes rows of a run. What
+//! columns and wires mean for a reader is in `docs/formats.md`.
 //!
 //! Nothing here reads a clock or a locale: the same run gives the same bytes.
 
+pub mod column;
 mod csv;
+mod edges;
 mod files;
+mod format;
+mod fst;
+mod json;
+mod mcap;
 mod recorder;
 mod row;
 mod rows;
 mod scope;
+mod udp;
 mod vcd;
 mod window;
+mod wires;
 
 pub use csv::{TraceCsv, TraceError};
 pub use files::{RunFiles, RunFilesError};
+pub use format::Format;
+pub use fst::StepsFst;
+pub use mcap::{McapTraceError, TraceMcap};
 pub use recorder::{RecordError, Recorder};
 pub use row::{AxisRow, Row};
 pub use rows::{Every, MOST_ROWS};
 pub use scope::{Moved, ScopeData, ScopeFrame};
-pub use vcd::{Levels, Signal, StepsVcd, VcdError};
+pub use udp::{RowsUdp, SentRows};
+pub use vcd::StepsVcd;
 pub use window::Window;
+pub use wires::{EdgeError, Levels, Signal};

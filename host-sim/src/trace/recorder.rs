@@ -1,12 +1,14 @@
 //! Looks on while a scene runs, and writes down what is to be written.
 
-use std::io::Write;
+use std::io::{Seek, Write};
 
 use cophase_core::mechanism::{AnyMechanism, Mechanism};
 
-use super::rows::{Every, Rows};
+use super::edges::EdgeOutputs;
+use super::mcap::{McapTraceError, TraceMcap};
+use super::rows::{Every, RowWriter, Rows};
 use super::window::{StepWindow, Window};
-use super::{AxisRow, Row, ScopeData, TraceCsv, TraceError, VcdError};
+use super::{AxisRow, EdgeError, Format, Row, RowsUdp, ScopeData, TraceCsv, TraceError};
 use crate::scene::Checked;
 use crate::sim::{Moment, Observer};
 use crate::units::{degrees, speed_hz};
@@ -15,17 +17,20 @@ use crate::units::{degrees, speed_hz};
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
     /// In `trace.csv`.
-    #[error("trace.csv: {0}")]
+    #[error("{file}: {0}", file = Format::Csv.file_name())]
     Csv(#[from] TraceError),
-    /// In `steps.vcd`.
-    #[error("steps.vcd: {0}")]
-    Vcd(#[from] VcdError),
+    /// In `trace.mcap`.
+    #[error("{file}: {0}", file = Format::Mcap.file_name())]
+    Mcap(#[from] McapTraceError),
+    /// In a file of edges.
+    #[error("edges: {0}")]
+    Edges(#[from] EdgeError),
 }
 
-/// Writes `trace.csv` and `steps.vcd`, and gathers what `scope.svg` is drawn from.
-pub struct Recorder<C: Write, V: Write> {
-    rows: Rows<C>,
-    steps: StepWindow<V>,
+/// Writes the files of a trace, and gathers what `scope.svg` is drawn from.
+pub struct Recorder<'a, W: Write + Seek> {
+    rows: Rows<'a>,
+    steps: StepWindow<W>,
     scope: ScopeData,
     row: Row,
     reversed: Vec<bool>,
@@ -34,15 +39,15 @@ pub struct Recorder<C: Write, V: Write> {
     mechanism: AnyMechanism,
 }
 
-impl<C: Write, V: Write> Recorder<C, V> {
-    /// Writes to `csv` and `vcd` what a scene's run shows, and gathers `scope`.
+impl<'a, W: Write + Seek + 'a> Recorder<'a, W> {
+    /// Writes to `files`, one of each format at most, what a scene's run shows; sends its rows to `udp`; and gathers `scope`.
     ///
     /// # Errors
-    /// The trace's header cannot be written.
+    /// A header cannot be written.
     pub fn new(
         checked: &Checked,
-        csv: C,
-        vcd: V,
+        files: impl IntoIterator<Item = (Format, W)>,
+        udp: Option<&'a mut RowsUdp>,
         every: Every,
         window: Window,
         scope: ScopeData,
@@ -51,9 +56,22 @@ impl<C: Write, V: Write> Recorder<C, V> {
         let reversed = (0..axes)
             .map(|i| checked.overrides(i).is_some_and(|own| own.reversed))
             .collect();
+        let mut rows: Vec<Box<dyn RowWriter + 'a>> = Vec::new();
+        let mut edges = EdgeOutputs::default();
+        for (format, w) in files {
+            match format {
+                Format::Csv => rows.push(Box::new(TraceCsv::new(w, axes)?)),
+                Format::Mcap => rows.push(Box::new(TraceMcap::new(w, axes)?)),
+                Format::Vcd => edges.vcd = Some(w),
+                Format::Fst => edges.fst = Some(w),
+            }
+        }
+        if let Some(udp) = udp {
+            rows.push(Box::new(udp));
+        }
         Ok(Self {
-            rows: Rows::new(TraceCsv::new(csv, axes)?, every),
-            steps: StepWindow::new(vcd, window),
+            rows: Rows::new(rows, every),
+            steps: StepWindow::new(edges, window),
             scope,
             row: Row {
                 axes: vec![AxisRow::default(); axes],
@@ -66,10 +84,10 @@ impl<C: Write, V: Write> Recorder<C, V> {
         })
     }
 
-    /// Closes both files; returns how the trace was written, and what the scope shows.
+    /// Closes the files; returns how the trace was written, and what the scope shows.
     ///
     /// # Errors
-    /// The first thing that went wrong with either file.
+    /// The first thing that went wrong with a file.
     pub fn finish(self) -> Result<(crate::report::Written, ScopeData), RecordError> {
         if let Some(error) = self.failed {
             return Err(error);
@@ -112,22 +130,53 @@ impl<C: Write, V: Write> Recorder<C, V> {
     }
 }
 
-impl<C: Write, V: Write> Observer for Recorder<C, V> {
+impl<'a, W: Write + Seek + 'a> Observer for Recorder<'a, W> {
     fn tick(&mut self, moment: &Moment<'_>) {
         if self.failed.is_some() {
             return;
         }
         self.fill(moment);
         self.scope.push(&self.row);
-        let done = self
-            .rows
-            .push(&self.row)
-            .map_err(RecordError::from)
-            .and_then(|()| {
-                self.steps
-                    .tick(moment, &self.reversed)
-                    .map_err(RecordError::from)
-            });
+        let edges = &mut self.steps;
+        let done = self.rows.push(&self.row).and_then(|()| {
+            edges
+                .tick(moment, &self.reversed, &self.row)
+                .map_err(RecordError::from)
+        });
         self.failed = done.err();
+    }
+}
+
+impl<W: Write> RowWriter for TraceCsv<W> {
+    fn write(&mut self, row: &Row) -> Result<(), RecordError> {
+        Ok(self.write(row)?)
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), RecordError> {
+        (*self).finish()?;
+        Ok(())
+    }
+}
+
+impl<W: Write + Seek> RowWriter for TraceMcap<W> {
+    fn write(&mut self, row: &Row) -> Result<(), RecordError> {
+        Ok(self.write(row)?)
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), RecordError> {
+        (*self).finish()?;
+        Ok(())
+    }
+}
+
+/// What cannot be sent is counted, and is no reason to end a run.
+impl RowWriter for &mut RowsUdp {
+    fn write(&mut self, row: &Row) -> Result<(), RecordError> {
+        self.send(row);
+        Ok(())
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), RecordError> {
+        Ok(())
     }
 }

@@ -1,8 +1,7 @@
-//! Which control ticks become rows of `trace.csv`.
+//! Which control ticks become rows.
 
-use std::io::Write;
-
-use super::{Row, TraceCsv, TraceError};
+use super::Row;
+use super::recorder::RecordError;
 
 /// Most rows that a trace gets unless more are requested.
 pub const MOST_ROWS: usize = 20_000;
@@ -16,9 +15,26 @@ pub enum Every {
     Fitting,
 }
 
+impl Every {
+    /// The fewest ticks between rows with which a run of `ticks` has at most [`MOST_ROWS`]: for rows that cannot wait for its end.
+    pub const fn for_run(ticks: u64) -> Self {
+        let every = ticks.div_ceil(MOST_ROWS as u64);
+        Self::Ticks(if every == 0 { 1 } else { every })
+    }
+}
+
+/// Whoever writes rows.
+pub(super) trait RowWriter {
+    /// Writes a row.
+    fn write(&mut self, row: &Row) -> Result<(), RecordError>;
+
+    /// Writes what comes after the last row.
+    fn finish(self: Box<Self>) -> Result<(), RecordError>;
+}
+
 /// Rows of a trace, thinned while they are gathered.
-pub(super) struct Rows<C: Write> {
-    csv: TraceCsv<C>,
+pub(super) struct Rows<'a> {
+    writers: Vec<Box<dyn RowWriter + 'a>>,
     /// Kept back until the end, as the thinning may have to double.
     kept: Option<Vec<(u64, Row)>>,
     every: u64,
@@ -26,14 +42,14 @@ pub(super) struct Rows<C: Write> {
     written: usize,
 }
 
-impl<C: Write> Rows<C> {
-    pub fn new(csv: TraceCsv<C>, every: Every) -> Self {
+impl<'a> Rows<'a> {
+    pub fn new(writers: Vec<Box<dyn RowWriter + 'a>>, every: Every) -> Self {
         let (every, kept) = match every {
             Every::Ticks(every) => (every.max(1), None),
             Every::Fitting => (1, Some(Vec::new())),
         };
         Self {
-            csv,
+            writers,
             kept,
             every,
             tick: 0,
@@ -41,14 +57,13 @@ impl<C: Write> Rows<C> {
         }
     }
 
-    pub fn push(&mut self, row: &Row) -> Result<(), TraceError> {
+    pub fn push(&mut self, row: &Row) -> Result<(), RecordError> {
         self.tick += 1;
         if !self.tick.is_multiple_of(self.every) {
             return Ok(());
         }
         let Some(kept) = &mut self.kept else {
-            self.written += 1;
-            return self.csv.write(row);
+            return self.write(row);
         };
         if kept.len() == MOST_ROWS {
             // Rows are at multiples of `every`, so every second one is at a multiple of twice that.
@@ -63,12 +78,20 @@ impl<C: Write> Rows<C> {
         Ok(())
     }
 
-    pub fn finish(mut self) -> Result<(u64, usize), TraceError> {
+    pub fn finish(mut self) -> Result<(u64, usize), RecordError> {
         for (_, row) in self.kept.take().unwrap_or_default() {
-            self.written += 1;
-            self.csv.write(&row)?;
+            self.write(&row)?;
         }
-        self.csv.finish()?;
+        for writer in self.writers {
+            writer.finish()?;
+        }
         Ok((self.every, self.written))
+    }
+
+    fn write(&mut self, row: &Row) -> Result<(), RecordError> {
+        self.written += 1;
+        self.writers
+            .iter_mut()
+            .try_for_each(|writer| writer.write(row))
     }
 }

@@ -9,73 +9,8 @@
 use std::io::{self, Write};
 
 use ::vcd::{IdCode, SimulationCommand, TimescaleUnit};
-use thiserror::Error;
 
-/// A wire of the file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Signal {
-    /// `step_i`: rises at each step's crossing, falls half a step later.
-    Step(usize),
-    /// `dir_i`: the level at the drive's pin, after the axis's inversion.
-    Dir(usize),
-    /// `index_i`: the index sensor, once a turn.
-    Index(usize),
-    /// `enable`: the drives' common enable.
-    Enable,
-    /// `sync`: the controller's mark for a scope's trigger.
-    Sync,
-}
-
-/// Every wire's level at the window's start. A vector shorter than the number of axes means low for the rest.
-#[derive(Clone, Debug, Default)]
-pub struct Levels {
-    /// `step_i`.
-    pub step: Vec<bool>,
-    /// `dir_i`.
-    pub dir: Vec<bool>,
-    /// `index_i`.
-    pub index: Vec<bool>,
-    /// `enable`.
-    pub enable: bool,
-    /// `sync`.
-    pub sync: bool,
-}
-
-/// Why a change was not written.
-#[derive(Debug, Error)]
-pub enum VcdError {
-    /// The change is earlier than what is already written (a file's times cannot go back).
-    #[error("a change at {time_ns} ns comes after one at {last_ns} ns")]
-    Order {
-        /// The time refused.
-        time_ns: u64,
-        /// The latest time in the file.
-        last_ns: u64,
-    },
-    /// There is no such axis.
-    #[error("{signal:?} is not a wire of a file with {axes} axes")]
-    Wire {
-        /// The requested wire.
-        signal: Signal,
-        /// The file's axes.
-        axes: usize,
-    },
-    /// There are more edges than any viewer likes.
-    #[error(
-        "from {:.3} to {:.3} s there are more than 60 million edges, about a gigabyte; show less with --window",
-        *from_ns as f64 * 1e-9,
-        *at_ns as f64 * 1e-9
-    )]
-    TooLong {
-        /// Where the window begins.
-        from_ns: u64,
-        /// Where it became too much.
-        at_ns: u64,
-    },
-    /// The writer refused.
-    #[error("steps not written: {0}")]
-    Io(#[from] io::Error),
-}
+use super::wires::{EdgeError, Levels, Signal, Wires};
 
 /// Writes changes of the wires `step_i`, `dir_i`, `index_i`, `enable` and `sync` of module `cophase`.
 ///
@@ -88,15 +23,13 @@ pub enum VcdError {
 /// let text = String::from_utf8(steps.finish(6_000)?).unwrap();
 /// assert!(text.contains("$timescale 1 ns $end"));
 /// assert!(text.ends_with("#5250\n1\"\n#5500\n0\"\n#6000\n"));
-/// # Ok::<(), host_sim::trace::VcdError>(())
+/// # Ok::<(), host_sim::trace::EdgeError>(())
 /// ```
 pub struct StepsVcd<W: Write> {
     // The `vcd` writer does not give its own writer back, so it is borrowed through this one.
     file: ::vcd::Writer<Held<W>>,
-    axes: usize,
     ids: Vec<IdCode>,
-    levels: Vec<bool>,
-    now_ns: u64,
+    wires: Wires,
 }
 
 impl<W: Write> StepsVcd<W> {
@@ -106,104 +39,56 @@ impl<W: Write> StepsVcd<W> {
     ///
     /// # Errors
     /// When `w` refuses.
-    pub fn new(w: W, axes: usize, start_ns: u64, initial: &Levels) -> Result<Self, VcdError> {
+    pub fn new(w: W, axes: usize, start_ns: u64, initial: &Levels) -> Result<Self, EdgeError> {
+        let wires = Wires::new(axes, start_ns, initial);
         let mut file = ::vcd::Writer::new(Held(Some(w)));
         file.version("cophase")?;
         file.comment("times count from power-up")?;
         file.timescale(1, TimescaleUnit::NS)?;
         file.add_module("cophase")?;
-        let mut ids = Vec::with_capacity(3 * axes + 2);
-        let mut levels = Vec::with_capacity(3 * axes + 2);
-        for (name, initial) in [
-            ("step", &initial.step),
-            ("dir", &initial.dir),
-            ("index", &initial.index),
-        ] {
-            for i in 0..axes {
-                ids.push(file.add_wire(1, &format!("{name}_{i}"))?);
-                levels.push(initial.get(i).copied().unwrap_or(false));
-            }
-        }
-        for (name, level) in [("enable", initial.enable), ("sync", initial.sync)] {
-            ids.push(file.add_wire(1, name)?);
-            levels.push(level);
-        }
+        let ids = wires
+            .names()
+            .map(|name| file.add_wire(1, &name))
+            .collect::<Result<Vec<_>, _>>()?;
         file.upscope()?;
         file.enddefinitions()?;
         file.timestamp(start_ns)?;
         file.begin(SimulationCommand::Dumpvars)?;
-        for (&id, &level) in ids.iter().zip(&levels) {
+        for (&id, &level) in ids.iter().zip(wires.levels()) {
             file.change_scalar(id, level)?;
         }
         file.end()?;
-        Ok(Self {
-            file,
-            axes,
-            ids,
-            levels,
-            now_ns: start_ns,
-        })
+        Ok(Self { file, ids, wires })
     }
 
     /// `signal` is at `level` from `time_ns` on. A level it already has is not written.
     ///
     /// # Errors
-    /// [`VcdError::Order`] for a time before the last one written or before the window,
-    /// [`VcdError::Wire`] for an axis the file has not; neither leaves a trace in the file.
-    pub fn change(&mut self, time_ns: u64, signal: Signal, level: bool) -> Result<(), VcdError> {
-        let wire = self.wire(signal)?;
-        self.check(time_ns)?;
-        if self.levels[wire] == level {
-            return Ok(());
+    /// [`EdgeError::Order`] for a time before the last one written or before the window,
+    /// [`EdgeError::Wire`] for an axis the file has not; neither leaves a trace in the file.
+    pub fn change(&mut self, time_ns: u64, signal: Signal, level: bool) -> Result<(), EdgeError> {
+        if let Some(wire) = self.wires.change(time_ns, signal, level)? {
+            self.advance(time_ns)?;
+            self.file.change_scalar(self.ids[wire], level)?;
         }
-        self.advance(time_ns)?;
-        self.file.change_scalar(self.ids[wire], level)?;
-        self.levels[wire] = level;
         Ok(())
     }
 
     /// Writes the window's end, flushes, and gives the writer back.
     ///
     /// # Errors
-    /// [`VcdError::Order`] for an end before the last change, or what the writer says.
-    pub fn finish(mut self, end_time_ns: u64) -> Result<W, VcdError> {
-        self.check(end_time_ns)?;
+    /// [`EdgeError::Order`] for an end before the last change, or what the writer says.
+    pub fn finish(mut self, end_time_ns: u64) -> Result<W, EdgeError> {
         self.advance(end_time_ns)?;
         self.file.flush()?;
         let writer = self.file.writer().0.take();
         Ok(writer.ok_or_else(|| io::Error::other("writer already taken"))?)
     }
 
-    /// Position of a wire in `ids` and `levels`.
-    fn wire(&self, signal: Signal) -> Result<usize, VcdError> {
-        let axes = self.axes;
-        match signal {
-            Signal::Step(i) if i < axes => Ok(i),
-            Signal::Dir(i) if i < axes => Ok(axes + i),
-            Signal::Index(i) if i < axes => Ok(2 * axes + i),
-            Signal::Enable => Ok(3 * axes),
-            Signal::Sync => Ok(3 * axes + 1),
-            Signal::Step(_) | Signal::Dir(_) | Signal::Index(_) => {
-                Err(VcdError::Wire { signal, axes })
-            }
-        }
-    }
-
-    fn check(&self, time_ns: u64) -> Result<(), VcdError> {
-        if time_ns < self.now_ns {
-            return Err(VcdError::Order {
-                time_ns,
-                last_ns: self.now_ns,
-            });
-        }
-        Ok(())
-    }
-
     /// Writes a timestamp, unless the file is already there.
-    fn advance(&mut self, time_ns: u64) -> io::Result<()> {
-        if time_ns > self.now_ns {
+    fn advance(&mut self, time_ns: u64) -> Result<(), EdgeError> {
+        if self.wires.advance(time_ns)? {
             self.file.timestamp(time_ns)?;
-            self.now_ns = time_ns;
         }
         Ok(())
     }
@@ -255,7 +140,7 @@ mod tests {
         let mut steps = StepsVcd::new(Vec::new(), 1, 100, &Levels::default()).unwrap();
         assert!(matches!(
             steps.change(99, Signal::Sync, true),
-            Err(VcdError::Order {
+            Err(EdgeError::Order {
                 time_ns: 99,
                 last_ns: 100
             })
@@ -263,7 +148,7 @@ mod tests {
         steps.change(150, Signal::Sync, true).unwrap();
         // Refused even where there would be nothing to write.
         assert!(steps.change(149, Signal::Sync, true).is_err());
-        assert!(matches!(steps.finish(149), Err(VcdError::Order { .. })));
+        assert!(matches!(steps.finish(149), Err(EdgeError::Order { .. })));
     }
 
     #[test]
@@ -272,7 +157,7 @@ mod tests {
         for signal in [Signal::Step(2), Signal::Dir(2), Signal::Index(9)] {
             assert!(matches!(
                 steps.change(1, signal, true),
-                Err(VcdError::Wire { axes: 2, .. })
+                Err(EdgeError::Wire { axes: 2, .. })
             ));
         }
     }

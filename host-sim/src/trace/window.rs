@@ -1,13 +1,14 @@
-//! The window of step edges that `steps.vcd` shows.
+//! The window of step edges that `steps.vcd` and `steps.fst` show.
 //!
 //! Outside the window levels are kept track of but not written, so that a window that begins in the
 //! middle of a run begins with the levels that the wires have there.
 
-use std::io::Write;
+use std::io::{Seek, Write};
 
 use cophase_core::pulse::Run;
 
-use super::{Levels, Signal, StepsVcd, VcdError};
+use super::edges::{EdgeFile, EdgeOutputs};
+use super::{EdgeError, Levels, Row, Signal};
 use crate::faults::Planned;
 use crate::scene::Scene;
 use crate::sim::Moment;
@@ -59,10 +60,10 @@ impl Window {
 const MOST_EDGES: u64 = 60_000_000;
 
 /// Edges of the window.
-pub(super) struct StepWindow<V: Write> {
+pub(super) struct StepWindow<W: Write + Seek> {
     window: Window,
-    /// Not begun; or what was written to. A file that never began is begun at the end, to be whole.
-    vcd: Begun<V>,
+    /// Not begun; or what was written to. Files that never began are begun at the end, to be whole.
+    files: Begun<W>,
     levels: Levels,
     edges: Vec<(u64, Signal, bool)>,
     ended: Option<(u64, u64)>,
@@ -71,17 +72,17 @@ pub(super) struct StepWindow<V: Write> {
     shown: u64,
 }
 
-enum Begun<V: Write> {
-    Not(V),
-    At(u64, StepsVcd<V>),
+enum Begun<W: Write + Seek> {
+    Not(EdgeOutputs<W>),
+    At(u64, Vec<EdgeFile<W>>),
     Over,
 }
 
-impl<V: Write> StepWindow<V> {
-    pub fn new(vcd: V, window: Window) -> Self {
+impl<W: Write + Seek> StepWindow<W> {
+    pub fn new(outputs: EdgeOutputs<W>, window: Window) -> Self {
         Self {
             window,
-            vcd: Begun::Not(vcd),
+            files: Begun::Not(outputs),
             levels: Levels::default(),
             edges: Vec::new(),
             ended: None,
@@ -90,7 +91,12 @@ impl<V: Write> StepWindow<V> {
         }
     }
 
-    pub fn tick(&mut self, moment: &Moment<'_>, reversed: &[bool]) -> Result<(), VcdError> {
+    pub fn tick(
+        &mut self,
+        moment: &Moment<'_>,
+        reversed: &[bool],
+        row: &Row,
+    ) -> Result<(), EdgeError> {
         let (start_ns, end_ns) = (moment.start_ns, moment.end_ns);
         let axes = moment.axis_count();
         self.last_ns = end_ns;
@@ -125,16 +131,25 @@ impl<V: Write> StepWindow<V> {
             }
             if at >= from_ns {
                 self.begin(from_ns, axes)?;
-                if let Begun::At(_, vcd) = &mut self.vcd {
-                    vcd.change(at, signal, level)?;
+                if let Begun::At(_, files) = &mut self.files {
+                    files
+                        .iter_mut()
+                        .try_for_each(|file| file.change(at, signal, level))?;
                     self.shown += u64::from(matches!(signal, Signal::Step(_)));
                 }
             }
             self.set(signal, level);
         }
         self.begin(from_ns, axes)?;
+        if let Begun::At(_, files) = &mut self.files
+            && end_ns <= to_ns
+        {
+            files
+                .iter_mut()
+                .try_for_each(|file| file.sample(end_ns, row))?;
+        }
         if self.shown > MOST_EDGES {
-            return Err(VcdError::TooLong {
+            return Err(EdgeError::TooLong {
                 from_ns,
                 at_ns: end_ns,
             });
@@ -162,7 +177,7 @@ impl<V: Write> StepWindow<V> {
         }
     }
 
-    fn close_after(&mut self, end_ns: u64, to_ns: u64) -> Result<(), VcdError> {
+    fn close_after(&mut self, end_ns: u64, to_ns: u64) -> Result<(), EdgeError> {
         if end_ns > to_ns {
             self.close(to_ns)
         } else {
@@ -215,28 +230,25 @@ impl<V: Write> StepWindow<V> {
         }
     }
 
-    fn begin(&mut self, from_ns: u64, axes: usize) -> Result<(), VcdError> {
-        if let Begun::Not(_) = self.vcd {
-            let Begun::Not(out) = std::mem::replace(&mut self.vcd, Begun::Over) else {
-                return Ok(());
-            };
-            self.vcd = Begun::At(from_ns, StepsVcd::new(out, axes, from_ns, &self.levels)?);
+    fn begin(&mut self, from_ns: u64, axes: usize) -> Result<(), EdgeError> {
+        if let Begun::Not(outputs) = &mut self.files {
+            let files = std::mem::take(outputs).begin(axes, from_ns, &self.levels)?;
+            self.files = Begun::At(from_ns, files);
         }
         Ok(())
     }
 
-    fn close(&mut self, end_ns: u64) -> Result<(), VcdError> {
-        if let Begun::At(from_ns, _) = self.vcd {
-            let Begun::At(_, vcd) = std::mem::replace(&mut self.vcd, Begun::Over) else {
-                return Ok(());
-            };
-            vcd.finish(end_ns)?;
-            self.ended = Some((from_ns, end_ns));
+    fn close(&mut self, end_ns: u64) -> Result<(), EdgeError> {
+        if let Begun::At(from_ns, files) = &mut self.files {
+            self.ended = Some((*from_ns, end_ns));
+            let files = std::mem::take(files);
+            self.files = Begun::Over;
+            files.into_iter().try_for_each(|file| file.finish(end_ns))?;
         }
         Ok(())
     }
 
-    pub fn finish(mut self, axes: usize) -> Result<(u64, u64), VcdError> {
+    pub fn finish(mut self, axes: usize) -> Result<(u64, u64), EdgeError> {
         let last_ns = self.last_ns;
         self.begin(last_ns, axes)?;
         self.close(last_ns)?;

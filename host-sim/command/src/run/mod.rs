@@ -1,35 +1,53 @@
-//! `cophase run`: a scene goes in, four files and a page of words come out.
+//! `cophase run`: a scene goes in, files and a page of words come out.
+
+mod live;
+mod page;
+mod values;
 
 use std::io::Write;
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
+
+use live::Live;
+pub(super) use page::frame;
+use page::mark;
+use values::{formats, receiver, speed, ticks, window};
 
 use super::{CommandError, Status, expected, scenes};
 use host_sim::fidelity::{self, Answers};
 use host_sim::report::{self, Report, Written};
 use host_sim::scene::library::SCENES;
 use host_sim::scene::{Checked, SceneError};
-use host_sim::sim::events::EventKind;
-use host_sim::sim::{Outcome, simulate};
-use host_sim::trace::{Every, Moved, Recorder, RunFiles, ScopeData, ScopeFrame, Window};
+use host_sim::sim::{Outcome, expected_ticks, simulate};
+use host_sim::trace::{Every, Format, Recorder, RunFiles, ScopeData, SentRows, Window};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct RunArgs {
     /// A scene file, or the name of a built-in scene
     #[arg(value_name = "SCENE", default_value = SCENES[0].name)]
     scene: String,
-    /// Where to write report.json, trace.csv, steps.vcd and scope.svg
+    /// Where to write report.json, scope.svg and the files of the trace
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
-    /// A row of trace.csv every N control ticks [default: so that there are at most 20,000]
+    /// The files of the trace, separated by commas: csv (trace.csv), vcd (steps.vcd), fst (steps.fst), mcap (trace.mcap)
+    #[arg(long, value_name = "LIST", default_value = "csv,vcd", value_delimiter = ',', value_parser = formats())]
+    trace: Vec<Format>,
+    /// A row every N control ticks [default: so that there are at most 20,000]
     #[arg(long, value_name = "N", value_parser = ticks)]
     every: Option<u64>,
-    /// What steps.vcd shows, in seconds, or `all` [default: the scene's window, or 200 ms: around the first fault that is put in, around
-    /// the first slip or latched fault, or the first of motion]
+    /// What steps.vcd and steps.fst show, in seconds, or `all` [default: the scene's window, or 200 ms: around the first fault that is put
+    /// in, around the first slip or latched fault, or the first of motion]
     #[arg(long, value_name = "FROM..TO", value_parser = window)]
     window: Option<Window>,
+    /// Send each row as a datagram in JSON, for a live plot such as PlotJuggler's at 127.0.0.1:9870; lost ones are counted
+    #[arg(long, value_name = "HOST:PORT", value_parser = receiver)]
+    udp: Option<SocketAddr>,
+    /// Take the simulated time, divided by FACTOR, so that a live plot moves [default without =FACTOR: 1]
+    #[arg(long, value_name = "FACTOR", value_parser = speed, num_args = 0..=1, require_equals = true, default_missing_value = "1")]
+    real_time: Option<f64>,
     /// Process all index pulses of a tick in that tick, where a board processes one per tick: reactions come up to N + 3 ticks earlier
     #[arg(long)]
     detect_at_once: bool,
@@ -44,40 +62,21 @@ impl RunArgs {
         Self {
             scene: scene.display().to_string(),
             out: out.to_path_buf(),
+            trace: vec![Format::Csv, Format::Vcd],
             every: None,
             window: None,
+            udp: None,
+            real_time: None,
             detect_at_once: false,
             quiet,
         }
     }
-}
 
-fn ticks(text: &str) -> Result<u64, String> {
-    text.parse()
-        .ok()
-        .filter(|&ticks| ticks > 0)
-        .ok_or_else(|| "give a whole number of control ticks, 1 or more".to_owned())
-}
-
-fn window(text: &str) -> Result<Window, String> {
-    if text == "all" {
-        return Ok(Window::All);
+    /// The files of the trace, each once.
+    fn files(&self) -> impl Iterator<Item = Format> {
+        let all = Format::ALL.into_iter();
+        all.filter(|format| self.trace.contains(format))
     }
-    let wrong = || "give FROM..TO in seconds, 0 or later, such as 2.5..2.6, or `all`".to_owned();
-    let (from, to) = text.split_once("..").ok_or_else(wrong)?;
-    let seconds = |text: &str| {
-        text.trim()
-            .parse::<f64>()
-            .ok()
-            .filter(|s| (0.0..=1e6).contains(s))
-    };
-    let (from_s, to_s) = seconds(from).zip(seconds(to)).ok_or_else(wrong)?;
-    if to_s <= from_s {
-        return Err(format!(
-            "it ends at {to_s} s, not after its beginning at {from_s} s; swap the two"
-        ));
-    }
-    Ok(Window::seconds(from_s, to_s))
 }
 
 /// Runs a scene: prints what it came to to `out`, and how long that will take to `err` if it is long.
@@ -94,24 +93,29 @@ pub(super) fn run(
         expected::before_choice(&checked, err).map_err(refused)?;
     }
     let checked = fidelity::check(checked).map_err(refused)?;
-    if !args.quiet {
+    // A run in step with the wall clock takes the time that was requested.
+    if !args.quiet && args.real_time.is_none() {
         expected::before_run(&checked, err).map_err(refused)?;
     }
-    let (checked, outcome, written) = record(args, checked, began).map_err(CommandError::Input)?;
+    let mut live = Live::new(args, &checked).map_err(CommandError::Input)?;
+    let (checked, outcome, written) =
+        record(args, checked, began, &mut live).map_err(CommandError::Input)?;
     if !args.quiet {
         let wall_s = began.elapsed().as_secs_f64();
         out.write_all(report::summary(&checked, &outcome, Some(written), wall_s).as_bytes())?;
-        let rows = match written.every {
-            1 => "a row every tick".to_owned(),
-            every => format!("a row every {every} ticks"),
-        };
+        let files: Vec<String> = args
+            .files()
+            .map(|format| described(format, written))
+            .collect();
         writeln!(
             out,
-            "Written to {}: report.json, trace.csv ({rows}), steps.vcd ({:.3} to {:.3} s; --window shows others), scope.svg.",
+            "Written to {}: report.json, {}, scope.svg.",
             args.out.display(),
-            written.window_from_s,
-            written.window_to_s,
+            files.join(", "),
         )?;
+        if let Some((receiver, SentRows { rows, lost })) = live.finish() {
+            writeln!(out, "Sent to {receiver}: {rows} rows, {lost} of them lost.")?;
+        }
     }
     let went_wrong =
         outcome.fault.is_some() || outcome.slipped_undetected() || outcome.diverged.is_some();
@@ -122,17 +126,33 @@ pub(super) fn run(
     })
 }
 
-const FILES: [&str; 4] = ["report.json", "trace.csv", "steps.vcd", "scope.svg"];
+/// A file of the trace, and what it shows.
+fn described(format: Format, written: Written) -> String {
+    let shows = match (format.has_edges(), written.every) {
+        (true, _) => format!(
+            "{:.3} to {:.3} s; --window shows others",
+            written.window_from_s, written.window_to_s
+        ),
+        (false, 1) => "a row every tick".to_owned(),
+        (false, every) => format!("a row every {every} ticks"),
+    };
+    format!("{} ({shows})", format.file_name())
+}
+
+const REPORT: &str = "report.json";
+const PAGE: &str = "scope.svg";
 
 /// Runs a scene and writes its files: all of them, or none. Returns the scene with the values of what was requested.
 fn record(
     args: &RunArgs,
     checked: Checked,
     began: Instant,
+    live: &mut Live,
 ) -> Result<(Checked, Outcome, Written), String> {
     let place = |error: &dyn std::fmt::Display| error.to_string();
     // Found before the run, not after it, when the files before it would be in place already.
-    for path in FILES.map(|name| args.out.join(name)) {
+    let names = args.files().map(Format::file_name);
+    for path in names.chain([REPORT, PAGE]).map(|name| args.out.join(name)) {
         if path.is_dir() {
             let path = path.display();
             return Err(format!(
@@ -142,20 +162,24 @@ fn record(
     }
     let is_requested = args.window.is_some() || checked.scene.scope.is_some();
     let window = args.window.unwrap_or_else(|| Window::of(&checked.scene));
-    let (files, checked, outcome, written) = record_window(args, checked, began, window)?;
+    let (files, checked, outcome, written) =
+        record_window(args, checked, began, window, Some(live))?;
     // What went wrong by itself is known after a run only, as is that the run ended before its first fault. The same run again shows
     // the edges at that time.
     let never_began = !is_requested && window != Window::FirstMotion && written.is_empty();
     let by_itself = window == Window::FirstMotion && checked.scene.fault.is_empty();
     let effect_s = outcome.statistics.first_effect_s();
+    let has_edges = args.files().any(Format::has_edges);
     let other = match effect_s.filter(|_| by_itself || never_began) {
         Some(at_s) => Some(Window::around(at_s)),
         None => never_began.then_some(Window::FirstMotion),
     };
+    let other = other.filter(|_| has_edges);
     let (files, checked, outcome, written) = match other {
         Some(window) => {
             drop(files);
-            record_window(args, checked, began, window)?
+            // It was live once already.
+            record_window(args, checked, began, window, None)?
         }
         None => (files, checked, outcome, written),
     };
@@ -195,23 +219,29 @@ fn record_window(
     checked: Checked,
     began: Instant,
     window: Window,
+    live: Option<&mut Live>,
 ) -> Result<(RunFiles, Checked, Outcome, Written), String> {
     let place = |error: &dyn std::fmt::Display| error.to_string();
     let mut files = RunFiles::create(&args.out)
         .map_err(|e| format!("--out: {e}; give a directory that is there or can be made"))?;
     let mut file = |name| files.file(name).map_err(|e| place(&e));
-    let (mut report_file, csv, vcd, mut svg) = (
-        file(FILES[0])?,
-        file(FILES[1])?,
-        file(FILES[2])?,
-        file(FILES[3])?,
-    );
+    let (mut report_file, mut svg) = (file(REPORT)?, file(PAGE)?);
+    let traces = args
+        .files()
+        .map(|format| Ok((format, file(format.file_name())?)));
+    let traces = traces.collect::<Result<Vec<_>, String>>()?;
 
-    let every = args.every.map_or(Every::Fitting, Every::Ticks);
+    let every = match (args.every, args.udp) {
+        (Some(every), _) => Every::Ticks(every),
+        // Rows that are sent at once cannot be thinned afterwards.
+        (None, Some(_)) => Every::for_run(expected_ticks(&checked).map_err(|e| place(&e))?),
+        (None, None) => Every::Fitting,
+    };
+    let (udp, clock) = live.map(Live::begin).unwrap_or_default();
     let recorder = Recorder::new(
         &checked,
-        csv,
-        vcd,
+        traces,
+        udp,
         every,
         window,
         ScopeData::new(checked.scene.axes.count, frame(&checked)),
@@ -223,7 +253,8 @@ fn record_window(
         .choice
         .as_ref()
         .is_some_and(|choice| !choice.judged.is_empty());
-    let mut observers = (recorder, has_questions.then(Answers::default));
+    // The clock is first: a row is sent when its time has come.
+    let mut observers = (clock, (recorder, has_questions.then(Answers::default)));
     let outcome = simulate(&checked, &mut observers, |done, about| {
         bar.set_length(about.max(done));
         bar.set_position(done);
@@ -231,7 +262,7 @@ fn record_window(
     .map_err(|e| e.in_file(&args.scene).to_string())?;
     bar.finish_and_clear();
 
-    let (recorder, answers) = observers;
+    let (_, (recorder, answers)) = observers;
     let checked = fidelity::answered(checked, &answers.unwrap_or_default());
     let (written, mut scope) = recorder.finish().map_err(|e| place(&e))?;
     mark(&mut scope, &outcome);
@@ -252,64 +283,6 @@ fn record_window(
     drop((report_file, svg));
     drop(report);
     Ok((files, checked, outcome, written))
-}
-
-pub(super) fn frame(checked: &Checked) -> ScopeFrame {
-    let scene = &checked.scene;
-    ScopeFrame {
-        title: scene.name.clone(),
-        subtitle: scene.description.clone(),
-        bands_hz: scene
-            .limits
-            .band
-            .iter()
-            .map(|band| (band.from_hz, band.to_hz))
-            .collect(),
-        gravity_mps2: host_sim::design::STANDARD_GRAVITY_MPS2,
-        tilt_limit_mrad: checked
-            .has_platform()
-            .then_some(scene.drift.tilt_limit_mrad),
-        moved: match (&checked.plant, &checked.cam) {
-            (Some(_), _) => Moved::Machine,
-            (None, Some(_)) => Moved::Pushers,
-            (None, None) => Moved::Platform,
-        },
-        phase_error_limit_deg: None, // limits are on the modes of all phase errors, not on one
-    }
-}
-
-/// Events that are worth a mark on the page; the states have a ribbon of their own.
-fn mark(scope: &mut ScopeData, outcome: &Outcome) {
-    let mut slips = vec![0; outcome.statistics.slipped_cycles.len()];
-    for event in outcome
-        .statistics
-        .events
-        .iter()
-        .filter(|event| report::is_notable(&event.what))
-    {
-        match &event.what {
-            EventKind::BandCrossed { .. } => scope.mark(event.t_s, "band crossed"),
-            EventKind::TurnedBackInBand { .. } => scope.mark(event.t_s, "turned back in band"),
-            EventKind::HeldAtBand { .. } => scope.mark(event.t_s, "held at band"),
-            EventKind::Missed { .. } => scope.mark(event.t_s, "deadlines missed"),
-            EventKind::Slipped { axis, .. } => {
-                slips[*axis] += 1;
-                if slips[*axis] == 1 {
-                    scope.mark(event.t_s, &format!("axis {axis} slips"));
-                }
-            }
-            EventKind::Fault { fault, .. } => {
-                scope.mark(event.t_s, &format!("fault: {}", fault.kind));
-            }
-            EventKind::Reported(fault) => {
-                scope.mark(event.t_s, &format!("reported: {}", fault.kind));
-            }
-            EventKind::Commanded(_) | EventKind::Input { .. } | EventKind::Injected(_) => {
-                scope.mark(event.t_s, &report::describe(&event.what));
-            }
-            EventKind::State(_) | EventKind::Running { .. } | EventKind::Lagged { .. } => {}
-        }
-    }
 }
 
 /// Seen on a terminal only, and only once a run takes its time.

@@ -1,0 +1,45 @@
+//! What of a run is live: rows that are sent while it runs, in step with the wall clock.
+
+use std::net::SocketAddr;
+
+use host_sim::live::WallClock;
+use host_sim::scene::Checked;
+use host_sim::trace::{RowsUdp, SentRows};
+
+use super::RunArgs;
+
+/// The receiver of rows, and the speed.
+pub(super) struct Live {
+    rows: Option<(SocketAddr, RowsUdp)>,
+    speed: Option<f64>,
+}
+
+impl Live {
+    /// Opens the socket that was requested.
+    ///
+    /// # Errors
+    /// In words: there is no way to the receiver.
+    pub(super) fn new(args: &RunArgs, checked: &Checked) -> Result<Self, String> {
+        let open = |receiver| match RowsUdp::new(receiver, checked.scene.axes.count) {
+            Ok(rows) => Ok((receiver, rows)),
+            Err(error) => Err(format!(
+                "--udp: no way to {receiver}: {error}; give a receiver that can be reached"
+            )),
+        };
+        Ok(Self {
+            rows: args.udp.map(open).transpose()?,
+            speed: args.real_time,
+        })
+    }
+
+    /// The parts that observe a run that begins now.
+    pub(super) fn begin(&mut self) -> (Option<&mut RowsUdp>, Option<WallClock>) {
+        let rows = self.rows.as_mut().map(|(_, rows)| rows);
+        (rows, self.speed.map(WallClock::new))
+    }
+
+    /// How much was sent, and to whom.
+    pub(super) fn finish(self) -> Option<(SocketAddr, SentRows)> {
+        self.rows.map(|(receiver, rows)| (receiver, rows.finish()))
+    }
+}

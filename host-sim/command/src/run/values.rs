@@ -1,0 +1,59 @@
+//! Values of the options of `cophase run`.
+
+use std::net::{SocketAddr, ToSocketAddrs};
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use host_sim::trace::{Format, Window};
+
+pub(super) fn ticks(text: &str) -> Result<u64, String> {
+    text.parse()
+        .ok()
+        .filter(|&ticks| ticks > 0)
+        .ok_or_else(|| "give a whole number of control ticks, 1 or more".to_owned())
+}
+
+pub(super) fn window(text: &str) -> Result<Window, String> {
+    if text == "all" {
+        return Ok(Window::All);
+    }
+    let wrong = || "give FROM..TO in seconds, 0 or later, such as 2.5..2.6, or `all`".to_owned();
+    let (from, to) = text.split_once("..").ok_or_else(wrong)?;
+    let seconds = |text: &str| {
+        text.trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|s| (0.0..=1e6).contains(s))
+    };
+    let (from_s, to_s) = seconds(from).zip(seconds(to)).ok_or_else(wrong)?;
+    if to_s <= from_s {
+        return Err(format!(
+            "it ends at {to_s} s, not after its beginning at {from_s} s; swap the two"
+        ));
+    }
+    Ok(Window::seconds(from_s, to_s))
+}
+
+/// A format of a trace, by its name.
+pub(super) fn formats() -> impl TypedValueParser<Value = Format> {
+    PossibleValuesParser::new(Format::ALL.map(Format::name)).try_map(|name| {
+        let named = Format::ALL.into_iter().find(|format| format.name() == name);
+        named.ok_or("no such format")
+    })
+}
+
+pub(super) fn receiver(text: &str) -> Result<SocketAddr, String> {
+    let mut addresses = text.to_socket_addrs().map_err(|error| {
+        format!("{error}; give HOST:PORT of the receiver, such as 127.0.0.1:9870")
+    })?;
+    addresses
+        .next()
+        .filter(|address| address.port() != 0)
+        .ok_or_else(|| "no such receiver; give HOST:PORT, such as 127.0.0.1:9870".to_owned())
+}
+
+pub(super) fn speed(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|speed| (1e-3..=1e3).contains(speed))
+        .ok_or_else(|| "give simulated seconds per second, 0.001 to 1000".to_owned())
+}

@@ -1,0 +1,349 @@
+//! The columns of a row: name, unit, source, resolution and value, stated once for every writer.
+//!
+//! *Resolution*: a number is rounded to a fixed count of decimals, so that all writers give the same number. *Topic*: columns
+//! that belong together, for formats that have groups.
+
+use super::{AxisRow, Row};
+
+/// Where a value comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// The controller requests, commands or measures it.
+    Controller,
+    /// The truth of the simulated machine, which no controller has access to.
+    Machine,
+}
+
+impl Source {
+    /// The source in words.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Controller => "controller",
+            Self::Machine => "simulated machine",
+        }
+    }
+}
+
+/// A group of columns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Topic {
+    /// The control loop.
+    Loop,
+    /// One axis, counted from 0.
+    Axis(usize),
+    /// The platform.
+    Platform,
+}
+
+impl Topic {
+    /// The topics of a run with `axes` axes, in the order of their columns.
+    pub fn of_run(axes: usize) -> impl Iterator<Item = Self> {
+        let each = (0..axes).map(Self::Axis);
+        [Self::Loop].into_iter().chain(each).chain([Self::Platform])
+    }
+
+    const fn fields(self) -> &'static [Field] {
+        match self {
+            Self::Loop => LOOP,
+            Self::Axis(_) => AXIS,
+            Self::Platform => PLATFORM,
+        }
+    }
+}
+
+/// A value of a column in one row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// Rounded to the column's resolution; may be no finite number.
+    Number(f64),
+    /// A whole number.
+    Count(i64),
+    /// A word.
+    Word(&'static str),
+}
+
+/// How a value is read from a row. The second argument is the axis; columns without an axis ignore it.
+#[derive(Clone, Copy, Debug)]
+pub enum Read {
+    /// A number with so many decimals, at most 9.
+    Number(u32, fn(&Row, usize) -> f64),
+    /// A whole number.
+    Count(fn(&Row, usize) -> i64),
+    /// A word.
+    Word(fn(&Row, usize) -> &'static str),
+}
+
+/// A column, without the axis to which it belongs.
+#[derive(Debug)]
+pub struct Field {
+    /// Name, without the number of an axis.
+    pub name: &'static str,
+    /// Unit; empty for what has none.
+    pub unit: &'static str,
+    /// Where the value comes from.
+    pub source: Source,
+    /// How it is read.
+    pub read: Read,
+}
+
+impl Field {
+    const fn new(name: &'static str, unit: &'static str, source: Source, read: Read) -> Self {
+        Self {
+            name,
+            unit,
+            source,
+            read,
+        }
+    }
+}
+
+/// A column of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    /// The group to which it belongs.
+    pub topic: Topic,
+    /// What all columns of its kind share.
+    pub field: &'static Field,
+}
+
+impl Column {
+    /// The columns of a run with `axes` axes, in the order of `trace.csv`.
+    pub fn of_run(axes: usize) -> impl Iterator<Item = Self> {
+        Topic::of_run(axes).flat_map(Self::of_topic)
+    }
+
+    /// The columns of one topic.
+    pub fn of_topic(topic: Topic) -> impl Iterator<Item = Self> {
+        let fields = topic.fields().iter();
+        fields.map(move |field| Self { topic, field })
+    }
+
+    /// The name, unique in a run: that of the field, and the number of the axis.
+    pub fn name(&self) -> String {
+        match self.topic {
+            Topic::Axis(i) => format!("{}_{i}", self.field.name),
+            Topic::Loop | Topic::Platform => self.field.name.to_owned(),
+        }
+    }
+
+    /// Whether its values are numbers.
+    pub const fn is_numeric(&self) -> bool {
+        !matches!(self.field.read, Read::Word(_))
+    }
+
+    /// The value in a row, which must have the column's axis.
+    pub fn value(&self, row: &Row) -> Value {
+        let axis = match self.topic {
+            Topic::Axis(i) => i,
+            Topic::Loop | Topic::Platform => 0,
+        };
+        match self.field.read {
+            Read::Number(decimals, read) => Value::Number(rounded(read(row, axis), decimals)),
+            Read::Count(read) => Value::Count(read(row, axis)),
+            Read::Word(read) => Value::Word(read(row, axis)),
+        }
+    }
+}
+
+/// Decimals of each kind of number.
+mod decimals {
+    /// Seconds: 1 ns.
+    pub const TIME: u32 = 9;
+    /// m/s²: 0.1 mm/s², 1e-5 g.
+    pub const ACCELERATION: u32 = 4;
+    /// rad/s: 1 µrad/s.
+    pub const SPEED: u32 = 6;
+    /// Turns: 1e-9, about the resolution of a phase with 32 fraction bits (2.3e-10).
+    pub const TURNS: u32 = 9;
+    /// Degrees: 10 µdeg.
+    pub const DEGREES: u32 = 5;
+    /// Milliradians: 10 nrad.
+    pub const TILT: u32 = 5;
+    /// Metres: 1 nm.
+    pub const HEIGHT: u32 = 9;
+}
+
+use Read::{Count, Number, Word};
+use Source::{Controller, Machine};
+
+const LOOP: &[Field] = &[
+    Field::new(
+        "t_s",
+        "s",
+        Controller,
+        Number(decimals::TIME, |row, _| row.t_s),
+    ),
+    Field::new("state", "", Controller, Word(|row, _| row.state)),
+    Field::new(
+        "state_code",
+        "",
+        Controller,
+        Count(|row, _| row.state_code.into()),
+    ),
+    Field::new(
+        "amax_requested_mps2",
+        "m/s²",
+        Controller,
+        Number(decimals::ACCELERATION, |row, _| row.amax_requested_mps2),
+    ),
+    Field::new(
+        "amax_commanded_mps2",
+        "m/s²",
+        Controller,
+        Number(decimals::ACCELERATION, |row, _| row.amax_commanded_mps2),
+    ),
+    Field::new(
+        "omega_rad_s",
+        "rad/s",
+        Controller,
+        Number(decimals::SPEED, |row, _| row.omega_rad_s),
+    ),
+    Field::new(
+        "phase_turns",
+        "turns",
+        Controller,
+        Number(decimals::TURNS, |row, _| row.phase_turns),
+    ),
+];
+
+const AXIS: &[Field] = &[
+    Field::new("steps", "", Controller, Count(|row, i| axis(row, i).steps)),
+    Field::new(
+        "command_turns",
+        "turns",
+        Controller,
+        Number(decimals::TURNS, |row, i| axis(row, i).command_turns),
+    ),
+    Field::new(
+        "actual_turns",
+        "turns",
+        Machine,
+        Number(decimals::TURNS, |row, i| axis(row, i).actual_turns),
+    ),
+    Field::new(
+        "phase_error_deg",
+        "deg",
+        Controller,
+        Number(decimals::DEGREES, |row, i| axis(row, i).phase_error_deg),
+    ),
+];
+
+const PLATFORM: &[Field] = &[
+    Field::new(
+        "tilt_x_mrad",
+        "mrad",
+        Machine,
+        Number(decimals::TILT, |row, _| row.tilt_x_mrad),
+    ),
+    Field::new(
+        "tilt_y_mrad",
+        "mrad",
+        Machine,
+        Number(decimals::TILT, |row, _| row.tilt_y_mrad),
+    ),
+    Field::new(
+        "warp_deg",
+        "deg",
+        Machine,
+        Number(decimals::DEGREES, |row, _| row.warp_deg),
+    ),
+    Field::new(
+        "z_m",
+        "m",
+        Machine,
+        Number(decimals::HEIGHT, |row, _| row.z_m),
+    ),
+    Field::new(
+        "accel_mps2",
+        "m/s²",
+        Machine,
+        Number(decimals::ACCELERATION, |row, _| row.accel_mps2),
+    ),
+];
+
+fn axis(row: &Row, i: usize) -> &AxisRow {
+    &row.axes[i]
+}
+
+/// The double nearest to `value` rounded to `decimals` decimals, never a negative zero.
+///
+/// Its shortest decimal form has at most that many decimals. Where doubles are coarser than the resolution, it is `value`.
+fn rounded(value: f64, decimals: u32) -> f64 {
+    const EXACT: f64 = 9_007_199_254_740_992.0; // 2^53
+    // Powers of ten up to 1e9 are exact in f64, and a quotient of exact numbers is rounded once.
+    let unit = 10_u64.pow(decimals) as f64;
+    let scaled = (value * unit).round();
+    if scaled.abs() < EXACT {
+        scaled / unit + 0.0
+    } else {
+        value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn text(value: f64, decimals: u32) -> String {
+        rounded(value, decimals).to_string()
+    }
+
+    #[test]
+    fn numbers_are_short_and_without_a_negative_zero() {
+        assert_eq!(text(0.0, 9), "0");
+        assert_eq!(text(-0.0, 9), "0");
+        assert_eq!(text(-1e-12, 9), "0");
+        assert_eq!(text(1e-9, 9), "0.000000001");
+        assert_eq!(text(0.1 + 0.2, 9), "0.3");
+        assert_eq!(text(-12.5, 4), "-12.5");
+        assert_eq!(text(1_234.000_000_001, 9), "1234.000000001");
+        assert_eq!(text(100.0, 0), "100");
+    }
+
+    #[test]
+    fn numbers_coarser_than_the_resolution_stay() {
+        assert_eq!(text(f64::NAN, 4), "NaN");
+        assert_eq!(text(f64::INFINITY, 4), "inf");
+        assert_eq!(text(f64::NEG_INFINITY, 4), "-inf");
+        assert_eq!(text(1e15, 9), "1000000000000000");
+        assert_eq!(text(123_456_789.5, 9), "123456789.5");
+    }
+
+    #[test]
+    fn tick_times_are_exact_multiples_after_any_number_of_ticks() {
+        // 2 kHz for eleven hours: the time in f64 is off by ulps, the text is not.
+        for tick in [1_u64, 3, 7, 1_999, 7_200_001, 79_999_999] {
+            let t_s = tick as f64 * 0.0005;
+            let ten_thousandths = tick * 5;
+            let expected = format!(
+                "{}.{:04}",
+                ten_thousandths / 10_000,
+                ten_thousandths % 10_000
+            );
+            assert_eq!(
+                text(t_s, 9),
+                expected.trim_end_matches('0').trim_end_matches('.')
+            );
+        }
+    }
+
+    proptest! {
+        /// Half a unit of the last place, plus one rounding in scaling (2^-53 of the value).
+        #[test]
+        fn reads_back_within_half_the_last_place(value in -1e7_f64..1e7, decimals in 0_u32..=9) {
+            let text = text(value, decimals);
+            let back: f64 = text.parse().unwrap();
+            let bound = 0.5 * 10_f64.powi(-(decimals as i32)) + value.abs() * f64::EPSILON;
+            prop_assert!((back - value).abs() <= bound, "{value} became {back}");
+        }
+
+        /// A column of turns would otherwise print digits that mean nothing.
+        #[test]
+        fn has_at_most_the_column_s_decimals(value in -4e6_f64..4e6, decimals in 0_u32..=9) {
+            let text = text(value, decimals);
+            let found = text.split_once('.').map_or(0, |(_, fraction)| fraction.len());
+            prop_assert!(found <= decimals as usize, "{value} became {text}");
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! The files of a trace, by format.
+
+/// A format in which a trace is written, to a file of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Comma-separated values: rows.
+    Csv,
+    /// Value Change Dump: edges.
+    Vcd,
+    /// Fast Signal Trace: edges and values.
+    Fst,
+    /// MCAP with messages in JSON: rows.
+    Mcap,
+}
+
+impl Format {
+    /// All of them, in the order in which they are listed.
+    pub const ALL: [Self; 4] = [Self::Csv, Self::Vcd, Self::Fst, Self::Mcap];
+
+    /// Its name, as it is requested.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Csv => "csv",
+            Self::Vcd => "vcd",
+            Self::Fst => "fst",
+            Self::Mcap => "mcap",
+        }
+    }
+
+    /// The name of its file.
+    pub const fn file_name(self) -> &'static str {
+        match self {
+            Self::Csv => "trace.csv",
+            Self::Vcd => "steps.vcd",
+            Self::Fst => "steps.fst",
+            Self::Mcap => "trace.mcap",
+        }
+    }
+
+    /// Whether its file shows edges in a window, not rows of the whole run.
+    pub const fn has_edges(self) -> bool {
+        matches!(self, Self::Vcd | Self::Fst)
+    }
+}
