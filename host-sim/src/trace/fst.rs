@@ -1,8 +1,8 @@
 //! `steps.fst`: the edges of `steps.vcd`, and the numbers of each control tick in the same window.
 //!
-//! Times are those of `steps.vcd`. The format begins at 0: before the window every wire is unknown (`x`), every number `NaN`.
+//! Times are those of `steps.vcd`. Before the window's start every wire is unknown (`x`), every number `NaN`.
 
-use std::io::{Seek, Write};
+use std::io::{Seek, SeekFrom, Write};
 
 use fst_writer::{
     FstBodyWriter, FstFileType, FstHeaderWriter, FstInfo, FstScopeType, FstSignalId, FstSignalType,
@@ -13,12 +13,16 @@ use super::Row;
 use super::column::{Column, Value};
 use super::wires::{EdgeError, Levels, Signal, Wires};
 
+/// Where the format's header has its start time: after a byte for the kind of block, and eight for its length.
+const START_TIME_AT: u64 = 9;
+
 /// Changes are kept in memory and compressed in blocks of this many bytes.
 const BLOCK: usize = 1 << 24;
 
 /// Writes changes of wires, and values of columns, of scope `cophase`.
 pub struct StepsFst<W: Write + Seek> {
     file: FstBodyWriter<W>,
+    start_ns: u64,
     wires: Wires,
     ids: Vec<FstSignalId>,
     columns: Vec<(FstSignalId, Column)>,
@@ -62,6 +66,7 @@ impl<W: Write + Seek> StepsFst<W> {
         }
         Ok(Self {
             file,
+            start_ns,
             wires,
             ids,
             columns,
@@ -104,6 +109,9 @@ impl<W: Write + Seek> StepsFst<W> {
     pub fn finish(mut self, end_time_ns: u64) -> Result<W, EdgeError> {
         self.advance(end_time_ns)?;
         let mut w = self.file.finish()?;
+        // The crate has 0 there, and a viewer would show all time since power-up.
+        w.seek(SeekFrom::Start(START_TIME_AT))?;
+        w.write_all(&self.start_ns.to_be_bytes())?;
         w.flush()?;
         Ok(w)
     }

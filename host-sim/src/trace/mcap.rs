@@ -102,11 +102,11 @@ impl<W: Write + Seek> TraceMcap<W> {
 fn schema(name: &str, topic: Topic) -> serde_json::Value {
     let properties = Column::of_topic(topic).map(|column| {
         let field = column.field;
-        // A number that is not finite is written as null.
+        // A single type, though a number that is not finite is written as null: Foxglove refuses lists of types.
         let kind = match field.read {
-            Read::Number(..) => json!(["number", "null"]),
-            Read::Count(_) => json!("integer"),
-            Read::Word(_) => json!("string"),
+            Read::Number(..) => "number",
+            Read::Count(_) => "integer",
+            Read::Word(_) => "string",
         };
         let source = field.source.name();
         let description = match field.unit {

@@ -84,3 +84,49 @@ impl RowsUdp {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::AxisRow;
+    use std::time::Duration;
+
+    /// PlotJuggler's UDP server cuts a datagram off there, and reports that it is no JSON.
+    const LONGEST: usize = 2048;
+
+    /// Were it wrong, a machine with many axes could not be plotted live, while one with few could.
+    #[test]
+    fn six_axes_fit_into_a_datagram() {
+        let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let wait = Some(Duration::from_secs(60));
+        receiver.set_read_timeout(wait).unwrap();
+        // As long as numbers become: hundreds of hours at full speed.
+        let axis = AxisRow {
+            steps: i64::MIN,
+            command_turns: -123_456_789.123_456_789,
+            actual_turns: -123_456_789.123_456_789,
+            phase_error_deg: -17_999.123_45,
+        };
+        let row = Row {
+            t_s: 1_000_000.123_456_789,
+            state: "homing",
+            amax_requested_mps2: 12_345.678_9,
+            amax_commanded_mps2: 12_345.678_9,
+            omega_rad_s: -12_345.678_901,
+            phase_turns: -123_456_789.123_456_789,
+            axes: vec![axis; 6],
+            tilt_x_mrad: -1_234.567_89,
+            tilt_y_mrad: -1_234.567_89,
+            warp_deg: -17_999.123_45,
+            z_m: -0.123_456_789,
+            accel_mps2: -12_345.678_9,
+            ..Row::default()
+        };
+        let mut rows = RowsUdp::new(receiver.local_addr().unwrap(), 6).unwrap();
+        rows.send(&row);
+        let mut buffer = [0; 65_536];
+        let length = receiver.recv(&mut buffer).unwrap();
+        assert!((1000..=LONGEST).contains(&length), "{length} bytes");
+        assert_eq!(rows.finish(), SentRows { rows: 1, lost: 0 });
+    }
+}

@@ -1,0 +1,336 @@
+//! The files of `cophase run --trace` in readers that people use, and the layouts for viewers.
+//!
+//! GTKWave's `fst2vcd` reads `steps.fst`, the Python package `mcap` reads `trace.mcap`. Where one of these is not installed, its
+//! test says so and passes, unless `COPHASE_REQUIRE_READERS=1` is set: then it fails.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Runs a built-in scene, and gives the names of the files in its folder.
+fn run(scene: &str, out: &Path, options: &[&str]) -> BTreeSet<String> {
+    let status = Command::new(env!("CARGO_BIN_EXE_cophase"))
+        .args(["run", scene, "--quiet", "--out"])
+        .arg(out)
+        .args(options)
+        .status()
+        .expect("the command starts");
+    assert!(matches!(status.code(), Some(0 | 1)), "{status}");
+    let entries = fs::read_dir(out).expect("a folder");
+    let name = |entry: fs::DirEntry| entry.file_name().into_string().expect("UTF-8");
+    entries
+        .map(|entry| name(entry.expect("an entry")))
+        .collect()
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn missing(reader: &str) {
+    let required = std::env::var("COPHASE_REQUIRE_READERS").is_ok_and(|value| value == "1");
+    assert!(
+        !required,
+        "{reader} is not installed, and COPHASE_REQUIRE_READERS=1"
+    );
+    // Past the test harness, which keeps what a passing test prints to itself.
+    let _ = writeln!(std::io::stderr(), "NOT TESTED: {reader} is not installed");
+}
+
+/// Were it wrong, someone would look for a file that was not requested, or lose one that was.
+#[test]
+fn the_requested_files_are_written_and_no_others() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let always = ["report.json", "scope.svg"];
+    for (list, files) in [
+        ("csv", vec!["trace.csv"]),
+        ("fst", vec!["steps.fst"]),
+        ("mcap,mcap", vec!["trace.mcap"]),
+        ("vcd,fst", vec!["steps.vcd", "steps.fst"]),
+    ] {
+        let found = run("patent-4", &folder.path().join(list), &["--trace", list]);
+        let expected = files.into_iter().chain(always).map(str::to_owned);
+        assert_eq!(found, expected.collect(), "--trace {list}");
+    }
+}
+
+/// Were it wrong, a misspelt format would be left out in silence, or its user would have to guess the right name.
+#[test]
+fn a_format_that_does_not_exist_is_refused_with_the_list() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = Command::new(env!("CARGO_BIN_EXE_cophase"))
+        .args(["run", "--trace", "csv,fsdb", "--out", "out"])
+        .current_dir(&folder)
+        .output()
+        .expect("the command starts");
+    assert_eq!(output.status.code(), Some(2));
+    let message = String::from_utf8(output.stderr).expect("UTF-8");
+    for part in ["--trace", "'fsdb'", "csv, vcd, fst, mcap"] {
+        assert!(message.contains(part), "no `{part}` in: {message}");
+    }
+    assert_eq!(fs::read_dir(&folder).expect("a folder").count(), 0);
+}
+
+/// Changes by signal, ns and the value as it is written, and the time unit's line, of a value change dump.
+///
+/// Signals that do not change at the start of the window have their value there.
+fn changes(vcd: &str) -> BTreeMap<String, Vec<(u64, String)>> {
+    let mut words = vcd.split_whitespace().peekable();
+    let mut names = BTreeMap::new();
+    let mut changes: BTreeMap<String, Vec<(u64, String)>> = BTreeMap::new();
+    let mut now = 0;
+    while let Some(word) = words.next() {
+        match word {
+            "$var" => {
+                let declared: Vec<&str> =
+                    words.by_ref().take_while(|word| *word != "$end").collect();
+                let [_, _, code, name] = declared[..] else {
+                    panic!("a variable of four words: {declared:?}")
+                };
+                names.insert(code.to_owned(), name.to_owned());
+            }
+            "$dumpvars" | "$end" => {}
+            _ if word.starts_with('$') => {
+                let text: Vec<&str> = words.by_ref().take_while(|word| *word != "$end").collect();
+                assert!(
+                    word != "$timescale" || text.concat() == "1ns",
+                    "times are nanoseconds: {text:?}"
+                );
+            }
+            _ if word.starts_with('#') => now = word[1..].parse().expect("a time"),
+            _ => {
+                let (value, code) = match word.strip_prefix('r') {
+                    Some(number) => (number, words.next().expect("a code")),
+                    None => word.split_at(1),
+                };
+                let name = names[code].clone();
+                changes
+                    .entry(name)
+                    .or_default()
+                    .push((now, value.to_owned()));
+            }
+        }
+    }
+    changes
+}
+
+/// `steps.fst` of a run, read by `fst2vcd`; nothing where that is not installed.
+fn fst_changes(out: &Path) -> Option<BTreeMap<String, Vec<(u64, String)>>> {
+    let Ok(output) = Command::new("fst2vcd").arg(out.join("steps.fst")).output() else {
+        missing("fst2vcd");
+        return None;
+    };
+    assert!(output.status.success(), "{output:?}");
+    Some(changes(&String::from_utf8(output.stdout).expect("UTF-8")))
+}
+
+/// Were it wrong, GTKWave would show other edges in one format than in the other.
+#[test]
+fn fst_has_the_edges_of_vcd() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // From power-up, from the middle, and more than one block of changes.
+    for window in ["0..0.3", "10.5..10.6", "all"] {
+        let out = folder.path().join(window);
+        let options = ["--trace", "vcd,fst", "--window", window];
+        run("lost-steps", &out, &options);
+        let Some(fst) = fst_changes(&out) else { return };
+        let vcd = changes(&fs::read_to_string(out.join("steps.vcd")).expect("a file"));
+        assert!(vcd["step_0"].len() > 100, "{window}: something moves");
+        for (name, expected) in &vcd {
+            // Before the window a wire is unknown.
+            let known: Vec<_> = fst[name].iter().filter(|(_, value)| value != "x").collect();
+            assert_eq!(
+                known,
+                expected.iter().collect::<Vec<_>>(),
+                "{window}: {name}"
+            );
+        }
+    }
+}
+
+/// Were it wrong, a curve in GTKWave would show other numbers, or at other times, than a plot of the table.
+#[test]
+fn fst_has_the_numbers_of_csv() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let options = [
+        "--trace",
+        "csv,fst",
+        "--every",
+        "1",
+        "--window",
+        "10.4..10.7",
+    ];
+    run("lost-steps", folder.path(), &options);
+    let Some(fst) = fst_changes(folder.path()) else {
+        return;
+    };
+    let mut rows = csv::Reader::from_path(folder.path().join("trace.csv")).expect("a trace");
+    let names = rows.headers().expect("a header").clone();
+    let rows: Vec<_> = rows.records().map(|row| row.expect("a row")).collect();
+    let time_ns = |row: &csv::StringRecord| {
+        let t_s: f64 = row[0].parse().expect("a time");
+        (t_s * 1e9).round() as u64
+    };
+    for (column, name) in names
+        .iter()
+        .enumerate()
+        .filter(|(_, name)| *name != "state")
+    {
+        let mut held = f64::NAN;
+        let mut changes = fst[name].iter().peekable();
+        let mut compared = 0;
+        for row in &rows {
+            let now = time_ns(row);
+            while let Some((_, value)) = changes.next_if(|(at, _)| *at <= now) {
+                held = value.parse().expect("a number");
+            }
+            if (10_400_500_000..=10_700_000_000).contains(&now) {
+                let expected: f64 = row[column].parse().expect("a number");
+                // fst2vcd prints 16 digits.
+                assert!(
+                    (held - expected).abs() <= expected.abs() * 1e-15,
+                    "{name} at {now} ns: {held}, not {expected}"
+                );
+                compared += 1;
+            }
+        }
+        assert_eq!(compared, 600, "{name}: ticks of 0.5 ms");
+    }
+}
+
+/// Reads an MCAP file, and prints topic, time and each value by all its bits; then how many messages its index has.
+const PYTHON: &str = r#"
+import json, struct, sys
+from mcap.reader import make_reader
+with open(sys.argv[1], "rb") as file:
+    reader = make_reader(file, validate_crcs=True)
+    for schema, channel, message in reader.iter_messages(log_time_order=False):
+        assert schema.encoding == "jsonschema" and channel.message_encoding == "json"
+        properties = json.loads(schema.data)["properties"]
+        data = json.loads(message.data)
+        assert list(properties) and set(properties) == set(data)
+        assert message.log_time == message.publish_time
+        for name, value in data.items():
+            known = {"string": str, "integer": int, "number": (int, float)}
+            assert isinstance(value, known[properties[name]["type"]]), (name, value)
+            value = value if isinstance(value, str) else struct.pack(">d", value).hex()
+            print(channel.topic, message.log_time, name, value)
+    print("messages", reader.get_summary().statistics.message_count)
+"#;
+
+/// Were it wrong, a plot in Foxglove or PlotJuggler would show other numbers than the table.
+#[test]
+fn python_reads_the_rows_of_csv_from_mcap() {
+    let python = root().join("target/readers/bin/python");
+    if !python.exists() {
+        missing("the Python package mcap (tests/readers/install)");
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let options = ["--trace", "csv,mcap", "--every", "7"];
+    run("lost-steps", folder.path(), &options);
+    let output = Command::new(python)
+        .args(["-c", PYTHON])
+        .arg(folder.path().join("trace.mcap"))
+        .output()
+        .expect("Python runs");
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let text = String::from_utf8(output.stdout).expect("UTF-8");
+    let mut found: BTreeMap<(u64, String), String> = BTreeMap::new();
+    let (mut messages, mut values) = (None, 0);
+    for line in text.lines() {
+        let words: Vec<&str> = line.split(' ').collect();
+        if let ["messages", count] = words[..] {
+            messages = Some(count.parse::<usize>().expect("a count"));
+            continue;
+        }
+        let [topic, time_ns, name, value] = words[..] else {
+            panic!("four words: {line}")
+        };
+        let column = match topic.strip_prefix("/axis/") {
+            Some(axis) => format!("{name}_{axis}"),
+            None => name.to_owned(),
+        };
+        found.insert((time_ns.parse().expect("a time"), column), value.to_owned());
+        values += 1;
+    }
+    assert_eq!(found.len(), values, "each value once");
+    let mut rows = csv::Reader::from_path(folder.path().join("trace.csv")).expect("a trace");
+    let names = rows.headers().expect("a header").clone();
+    let axes = names
+        .iter()
+        .filter(|name| name.starts_with("steps_"))
+        .count();
+    let mut count = 0;
+    for row in rows.records() {
+        let row = row.expect("a row");
+        let t_s: f64 = row[0].parse().expect("a time");
+        let time_ns = (t_s * 1e9).round() as u64;
+        for (name, field) in names.iter().zip(&row) {
+            let expected = match field.parse::<f64>() {
+                Ok(number) => format!("{:016x}", number.to_bits()),
+                Err(_) => field.to_owned(),
+            };
+            let value = found.remove(&(time_ns, name.to_owned()));
+            assert_eq!(value, Some(expected), "{name} at {time_ns} ns");
+        }
+        count += 1;
+    }
+    assert!(count > 1000 && found.is_empty(), "{count} rows; {found:?}");
+    assert_eq!(
+        messages,
+        Some(count * (axes + 2)),
+        "a message a topic and row"
+    );
+}
+
+/// The names in a layout: the values of `name` of curves, or the lines of signals.
+fn names_in(layout: &str) -> Vec<String> {
+    let text = fs::read_to_string(root().join("docs/layouts").join(layout)).expect("a layout");
+    let curve = |line: &str| {
+        let (_, rest) = line.split_once("<curve name=\"")?;
+        Some(rest.split_once('"')?.0.to_owned())
+    };
+    let signal = |line: &str| line.strip_prefix("cophase.").map(str::to_owned);
+    let names: Vec<_> = text
+        .lines()
+        .filter_map(|line| curve(line).or_else(|| signal(line)))
+        .collect();
+    assert!(names.len() > 10, "{layout}: {names:?}");
+    names
+}
+
+/// Were it wrong, a ready layout would open empty.
+#[test]
+fn layouts_name_only_signals_of_the_default_scene() {
+    let folder = tempfile::tempdir().expect("a folder");
+    run(
+        "default",
+        folder.path(),
+        &["--trace", "csv,fst", "--every", "1000"],
+    );
+    let rows = csv::Reader::from_path(folder.path().join("trace.csv"));
+    let columns = rows.expect("a trace").headers().expect("a header").clone();
+    let has = |column: &str| columns.iter().any(|name| name == column);
+    let table = names_in("plotjuggler.xml");
+    let live = names_in("plotjuggler-udp.xml");
+    for name in &table {
+        assert!(has(name), "trace.csv has no {name}");
+    }
+    let slashed: Vec<_> = table.iter().map(|name| format!("/{name}")).collect();
+    assert_eq!(
+        live, slashed,
+        "PlotJuggler's JSON parser begins names with a slash"
+    );
+    if let Some(fst) = fst_changes(folder.path()) {
+        for name in names_in("gtkwave.gtkw") {
+            assert!(fst.contains_key(&name), "steps.fst has no {name}");
+        }
+    }
+}
