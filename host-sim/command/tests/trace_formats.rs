@@ -131,11 +131,14 @@ fn fst_changes(out: &Path) -> Option<BTreeMap<String, Vec<(u64, String)>>> {
 fn fst_has_the_edges_of_vcd() {
     let folder = tempfile::tempdir().expect("a folder");
     // From power-up, from the middle, and more than one block of changes.
-    for window in ["0..0.3", "10.5..10.6", "all"] {
+    for (window, many_blocks) in [("0..0.3", false), ("10.5..10.6", false), ("all", true)] {
         let out = folder.path().join(window);
         let options = ["--trace", "vcd,fst", "--window", window];
         run("lost-steps", &out, &options);
         let Some(fst) = fst_changes(&out) else { return };
+        let header = fs::read(out.join("steps.fst")).expect("a file");
+        let blocks = u64::from_be_bytes(header[65..73].try_into().expect("eight bytes"));
+        assert_eq!(blocks > 1, many_blocks, "{window}: {blocks} blocks");
         let vcd = changes(&fs::read_to_string(out.join("steps.vcd")).expect("a file"));
         assert!(vcd["step_0"].len() > 100, "{window}: something moves");
         for (name, expected) in &vcd {

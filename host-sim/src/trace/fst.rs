@@ -17,7 +17,7 @@ use super::wires::{EdgeError, Levels, Signal, Wires};
 const START_TIME_AT: u64 = 9;
 
 /// Changes are kept in memory and compressed in blocks of this many bytes.
-const BLOCK: usize = 1 << 24;
+const BLOCK: usize = 1 << 22;
 
 /// Writes changes of wires, and values of columns, of scope `cophase`.
 pub struct StepsFst<W: Write + Seek> {

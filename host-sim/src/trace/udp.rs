@@ -103,8 +103,8 @@ mod tests {
         // As long as numbers become: hundreds of hours at full speed.
         let axis = AxisRow {
             steps: i64::MIN,
-            command_turns: -123_456_789.123_456_789,
-            actual_turns: -123_456_789.123_456_789,
+            command_turns: -123_456_789.123_456_79,
+            actual_turns: -123_456_789.123_456_79,
             phase_error_deg: -17_999.123_45,
         };
         let row = Row {
@@ -113,7 +113,7 @@ mod tests {
             amax_requested_mps2: 12_345.678_9,
             amax_commanded_mps2: 12_345.678_9,
             omega_rad_s: -12_345.678_901,
-            phase_turns: -123_456_789.123_456_789,
+            phase_turns: -123_456_789.123_456_79,
             axes: vec![axis; 6],
             tilt_x_mrad: -1_234.567_89,
             tilt_y_mrad: -1_234.567_89,
