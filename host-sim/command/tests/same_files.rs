@@ -1,4 +1,4 @@
-//! The four files that `cophase run` writes are the same on every run of a scene, byte for byte, but for
+//! The files that `cophase run` writes are the same on every run of a scene, byte for byte, but for
 //! the report's `speed`; `--every` and `--window` change what is written, never what happened.
 
 use std::fs;
@@ -39,9 +39,11 @@ fn the_same_scene_writes_the_same_files() {
     let folder = tempfile::tempdir().expect("a folder");
     let (one, other) = (folder.path().join("one"), folder.path().join("other"));
     for (scene, status) in [("lost-steps", 1), ("patent-4", 0)] {
-        assert_eq!(run(scene, &one, &[]), status);
-        assert_eq!(run(scene, &other, &[]), status);
-        for file in ["trace.csv", "steps.vcd", "scope.svg"] {
+        let formats = ["--trace", "csv,vcd,fst,mcap"];
+        assert_eq!(run(scene, &one, &formats), status);
+        assert_eq!(run(scene, &other, &formats), status);
+        let traces = ["trace.csv", "steps.vcd", "steps.fst", "trace.mcap"];
+        for file in traces.into_iter().chain(["scope.svg"]) {
             assert_same_bytes(&one, &other, file);
         }
         assert_eq!(

@@ -85,10 +85,13 @@ impl<W: Write + Seek> StepsFst<W> {
         Ok(())
     }
 
-    /// The numbers of `row` hold from `time_ns` on. The row must have the file's axes.
+    /// The numbers of `row` hold from `time_ns` on.
     ///
     /// # Errors
     /// A time before the last one, or what the writer says.
+    ///
+    /// # Panics
+    /// If the row has fewer axes than the file.
     pub fn sample(&mut self, time_ns: u64, row: &Row) -> Result<(), EdgeError> {
         self.advance(time_ns)?;
         for (id, column) in &self.columns {

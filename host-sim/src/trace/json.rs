@@ -18,7 +18,7 @@ impl JsonColumns {
     /// Replaces `text` by the object of a row, which must have the columns' axes.
     ///
     /// # Errors
-    /// Of the serializer; there is none for these values.
+    /// When the serializer refuses, which it does for no value of a column.
     pub fn write(&self, row: &Row, text: &mut Vec<u8>) -> serde_json::Result<()> {
         text.clear();
         serde_json::to_writer(text, &Object { columns: self, row })

@@ -67,10 +67,13 @@ impl<W: Write + Seek> TraceMcap<W> {
         })
     }
 
-    /// Writes one row, a message to each channel. It must have the header's axes.
+    /// Writes one row, a message to each channel.
     ///
     /// # Errors
     /// When the writer refuses.
+    ///
+    /// # Panics
+    /// If the row has fewer axes than the header.
     pub fn write(&mut self, row: &Row) -> Result<(), McapTraceError> {
         let time_ns = (row.t_s * 1e9).round() as u64;
         for (channel_id, columns) in &self.channels {

@@ -16,6 +16,7 @@ mod fst;
 mod json;
 mod mcap;
 mod recorder;
+mod rounding;
 mod row;
 mod rows;
 mod scope;

@@ -1,7 +1,7 @@
 //! Rows as datagrams, one JSON object each, for a live plot.
 //!
-//! Nothing waits for the receiver: what the system does not take at once is lost, and counted. So is what the receiver's system
-//! refuses, where it reports that. What is lost on the way, or by a receiver that is too slow, nobody reports.
+//! Nothing waits for the receiver. A row that the system does not take at once is lost, and counted. So is a row that the
+//! receiver's host refuses, where it reports that. A row that is lost on the way, or by a slow receiver, is in no count.
 
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
@@ -56,7 +56,10 @@ impl RowsUdp {
         })
     }
 
-    /// Sends a row, which must have the socket's axes, or counts it as lost.
+    /// Sends a row, or counts it as lost.
+    ///
+    /// # Panics
+    /// If the row has fewer axes than were stated.
     pub fn send(&mut self, row: &Row) {
         self.rows += 1;
         let written = self.columns.write(row, &mut self.text);

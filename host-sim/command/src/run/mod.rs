@@ -2,6 +2,7 @@
 
 mod live;
 mod page;
+mod progress;
 mod values;
 
 use std::io::Write;
@@ -9,11 +10,10 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use indicatif::{ProgressBar, ProgressStyle};
-
 use live::Live;
 pub(super) use page::frame;
 use page::mark;
+use progress::progress_bar;
 use values::{formats, receiver, speed, ticks, window};
 
 use super::{CommandError, Status, expected, scenes};
@@ -24,6 +24,9 @@ use host_sim::scene::{Checked, SceneError};
 use host_sim::sim::{Outcome, expected_ticks, simulate};
 use host_sim::trace::{Every, Format, Recorder, RunFiles, ScopeData, SentRows, Window};
 
+/// The files of a trace, unless others are requested.
+const TRACE: [Format; 2] = [Format::Csv, Format::Vcd];
+
 #[derive(Debug, clap::Args)]
 pub(super) struct RunArgs {
     /// A scene file, or the name of a built-in scene
@@ -33,7 +36,7 @@ pub(super) struct RunArgs {
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
     /// The files of the trace, separated by commas: csv (trace.csv), vcd (steps.vcd), fst (steps.fst), mcap (trace.mcap)
-    #[arg(long, value_name = "LIST", default_value = "csv,vcd", value_delimiter = ',', value_parser = formats())]
+    #[arg(long, value_name = "LIST", default_values = TRACE.map(Format::name), value_delimiter = ',', value_parser = formats())]
     trace: Vec<Format>,
     /// A row every N control ticks [default: so that there are at most 20,000]
     #[arg(long, value_name = "N", value_parser = ticks)]
@@ -62,7 +65,7 @@ impl RunArgs {
         Self {
             scene: scene.display().to_string(),
             out: out.to_path_buf(),
-            trace: vec![Format::Csv, Format::Vcd],
+            trace: TRACE.into(),
             every: None,
             window: None,
             udp: None,
@@ -283,15 +286,4 @@ fn record_window(
     drop((report_file, svg));
     drop(report);
     Ok((files, checked, outcome, written))
-}
-
-/// Seen on a terminal only, and only once a run takes its time.
-fn progress_bar(quiet: bool) -> ProgressBar {
-    if quiet {
-        return ProgressBar::hidden();
-    }
-    // indicatif draws to stderr, and only if that is a terminal.
-    let style =
-        ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} gone, {eta} to go");
-    ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

@@ -1,0 +1,14 @@
+//! The progress of a run.
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// A bar that shows on a terminal only, and only once a run takes its time.
+pub(super) fn progress_bar(quiet: bool) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    // indicatif draws to stderr, and only if that is a terminal.
+    let style =
+        ProgressStyle::with_template("{bar:40} {percent:>3} %  {elapsed} gone, {eta} to go");
+    ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
