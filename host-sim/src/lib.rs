@@ -7,6 +7,7 @@
 #![forbid(unsafe_code)]
 
 pub mod axes;
+pub mod compare;
 pub mod design;
 mod drawing;
 pub mod dynamics;
@@ -17,6 +18,7 @@ pub mod live;
 pub mod machine;
 pub mod mechanism;
 pub mod plant;
+pub mod record;
 pub mod report;
 pub mod scene;
 pub mod sim;

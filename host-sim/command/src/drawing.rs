@@ -1,4 +1,4 @@
-//! Writing a drawing that a command's `--svg` names.
+//! Writing a drawing that an option of a command names.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -7,18 +7,20 @@ use host_sim::trace::RunFiles;
 
 /// Why a drawing was not written; nothing of it is left.
 #[derive(Debug, thiserror::Error)]
-#[error("--svg {}: {problem}; give a file in a folder that can be written", file.display())]
+#[error("{option} {}: {problem}; give a file in a folder that can be written", file.display())]
 pub struct NotDrawn {
+    option: &'static str,
     file: PathBuf,
     problem: String,
 }
 
-/// Writes a drawing, whole or not at all.
+/// Writes a drawing, whole or not at all; `option` is for errors.
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write_drawing(file: &Path, svg: &str) -> Result<(), NotDrawn> {
+pub fn write_drawing(option: &'static str, file: &Path, svg: &str) -> Result<(), NotDrawn> {
     let failed = |problem: String| NotDrawn {
+        option,
         file: file.to_owned(),
         problem,
     };

@@ -7,6 +7,7 @@
 
 mod campaign;
 mod chart;
+mod compare;
 pub mod design;
 pub mod drawing;
 mod expected;
@@ -27,8 +28,8 @@ use clap::{Parser, Subcommand};
 
 use design::{DesignArgs, DesignCommandError};
 
-const STATUS_HELP: &str = "Exit status: 0 done; 1 a run ended in a fault, a simulated motor slipped unseen, or no board takes \
-                           the settings (everything is written); 2 bad input (nothing is written).";
+const STATUS_HELP: &str = "Exit status: 0 done; 1 a run ended in a fault, a simulated motor slipped unseen, no board takes \
+                           the settings, or two runs part (everything is written); 2 bad input (nothing is written).";
 
 /// Multi-axis motion control that stays in phase: simulate, look, design.
 #[derive(Debug, Parser)]
@@ -54,6 +55,8 @@ enum What {
     Chart(chart::ChartArgs),
     /// Compare published figures of all machines with those of this project, as a page
     Reproduced(reproduced::ReproducedArgs),
+    /// Lay two runs over each other, and report where they part
+    Compare(compare::CompareArgs),
     Design(DesignArgs),
 }
 
@@ -67,6 +70,7 @@ impl Command {
             What::Chart(args) => chart::chart(&args, out),
             What::Reproduced(args) => reproduced::reproduced(&args, out),
             What::Link(args) => link::link(&args, out, err),
+            What::Compare(args) => compare::compare(&args, out),
             What::Scenes(args) => scenes::scenes(&args, out),
             What::Design(args) => match design::run(&args, out) {
                 Ok(()) => Ok(Status::Done),

@@ -20,7 +20,7 @@ pub(super) struct ScenesArgs {
 pub(super) fn scenes(args: &ScenesArgs, out: &mut impl Write) -> Result<Status, CommandError> {
     if let (Some(name), Some(file)) = (&args.name, &args.svg) {
         let checked = read(name).map_err(CommandError::Input)?;
-        write_drawing(file, &checked.draw())
+        write_drawing("--svg", file, &checked.draw())
             .map_err(|error| CommandError::Input(error.to_string()))?;
         return Ok(Status::Done);
     }

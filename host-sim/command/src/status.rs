@@ -8,7 +8,7 @@ use std::io;
 pub enum Status {
     /// Done.
     Done = 0,
-    /// The run ended in a fault, no board takes the settings, or a claim failed; everything was written.
+    /// The run ended in a fault, no board takes the settings, two runs part, or a claim failed; everything was written.
     Fault = 1,
     /// Bad input; nothing was written.
     BadInput = 2,

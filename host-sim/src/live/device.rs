@@ -23,6 +23,10 @@ use crate::virtual_time;
 /// Samples and events that wait for the host.
 const WAITING: usize = 4096;
 
+/// Samples that the server takes in one poll. Its buffer has room for little more; the others wait here until the host has read
+/// those, however long the computer let it wait.
+const IN_A_POLL: u32 = 8;
+
 /// Commands and programs that wait for the loop.
 const COMMANDS: usize = 64;
 
@@ -41,6 +45,8 @@ pub struct SimulatedDevice {
     stored: Option<Box<Settings>>,
     program_file: Vec<u8>,
     sampling: u16,
+    /// Samples taken in this poll.
+    taken: u32,
     began: Instant,
     restarts: u32,
     running: Running,
@@ -69,6 +75,7 @@ impl SimulatedDevice {
             stored: None,
             program_file: Vec::new(),
             sampling: 1,
+            taken: 0,
             began: Instant::now(),
             restarts: 0,
             running,
@@ -216,8 +223,14 @@ impl Device for SimulatedDevice {
     }
 
     fn next_sample(&mut self) -> Option<Sample> {
+        if self.taken == IN_A_POLL {
+            self.taken = 0;
+            return None;
+        }
         self.running.fetch();
-        self.running.sample.take()
+        let sample = self.running.sample.take();
+        self.taken = sample.map_or(0, |_| self.taken + 1);
+        sample
     }
 
     fn next_event(&mut self) -> Option<(u32, Event)> {

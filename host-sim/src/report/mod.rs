@@ -1,11 +1,13 @@
 //! What a run comes to: `report.json` for machines, and a page of words for people.
 
 mod model;
+mod recorded;
 mod summary;
 mod warnings;
 mod words;
 mod written;
 
+pub use recorded::{Frames, RecordedReport, recorded_summary};
 pub use summary::{coupling, summary};
 pub use warnings::warnings;
 pub use words::{describe, fault_words, is_notable};
@@ -22,8 +24,8 @@ use model::{FidelityReport, MethodReport};
 use crate::plant::Figure;
 use crate::scene::file::FaultName;
 use crate::scene::{Checked, Scene};
+use crate::sim::Outcome;
 use crate::sim::events::{Event, EventKind, StoppedBy};
-use crate::sim::{Outcome, Statistics};
 use crate::units::degrees;
 
 /// `report.json`.
@@ -102,7 +104,7 @@ struct CouplingReport {
 }
 
 #[derive(Clone, Debug, Serialize)]
-struct TimeInState {
+pub(super) struct TimeInState {
     idle: f64,
     homing: f64,
     run: f64,
@@ -306,11 +308,11 @@ impl<'a> Report<'a> {
                 .iter()
                 .filter_map(injected_report)
                 .collect(),
-            reported_faults: faults(statistics, |what| match what {
+            reported_faults: faults_in(&statistics.events, |what| match what {
                 EventKind::Reported(fault) => Some(fault),
                 _ => None,
             }),
-            faults: faults(statistics, |what| match what {
+            faults: faults_in(&statistics.events, |what| match what {
                 EventKind::Fault { fault, .. } => Some(fault),
                 _ => None,
             }),
@@ -327,9 +329,9 @@ impl<'a> Report<'a> {
 }
 
 /// Those events that `pick` has a fault of.
-fn faults(statistics: &Statistics, pick: fn(&EventKind) -> Option<&Fault>) -> Vec<FaultReport> {
-    let events = statistics.events.iter();
+fn faults_in(events: &[Event], pick: fn(&EventKind) -> Option<&Fault>) -> Vec<FaultReport> {
     events
+        .iter()
         .filter_map(|event| Some(fault_report(event.t_s, pick(&event.what)?)))
         .collect()
 }

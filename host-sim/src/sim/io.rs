@@ -77,7 +77,7 @@ pub struct SimulatedIo<'a, O, P> {
 
 /// So long a run goes on for after the end, so that traces show the machine at rest, s; and so long at most, where cranks turn
 /// on that nothing drives any more.
-const TAIL_S: f64 = STANDS_S;
+pub const TAIL_S: f64 = STANDS_S;
 const MOST_TAIL_S: f64 = 5.0;
 
 /// How many ticks go by between two reports of progress.

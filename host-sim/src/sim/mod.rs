@@ -11,7 +11,7 @@ mod moment;
 mod outcome;
 pub(crate) mod schedule;
 pub mod statistics;
-mod unwrapped;
+pub(crate) mod unwrapped;
 
 pub use moment::{Moment, Observer};
 pub use outcome::Outcome;
@@ -22,7 +22,9 @@ use cophase_core::control_loop;
 use crate::scene::{Checked, SceneError};
 use crate::virtual_time;
 pub(crate) use io::SimulatedIo;
+pub use io::TAIL_S;
 use schedule::Schedule;
+pub(crate) use unwrapped::Unwrapped;
 
 /// Runs a scene to its end.
 ///

@@ -72,11 +72,6 @@ impl Moment<'_> {
         self.actual_turns.len()
     }
 
-    /// Time of so many cycles of the step clock, ns, rounded down.
-    pub fn ns(&self, cycles: u64) -> u64 {
-        cycles * (self.end_ns - self.start_ns) / u64::from(self.machine.tick_cycles())
-    }
-
     /// By how much each crank is ahead of where it is to be, turns: the truth, which no controller sees.
     pub fn errors(&self) -> impl ExactSizeIterator<Item = f64> {
         let cranks = self.actual_turns.iter().zip(self.aim_turns);

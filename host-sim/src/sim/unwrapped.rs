@@ -4,7 +4,7 @@ use cophase_core::units::{Phase, Turns};
 
 /// Turns since power-up: whole turns and the rest apart, so that no digit of the rest is lost after a month of turns.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Unwrapped {
+pub(crate) struct Unwrapped {
     last: Phase,
     turns: i64,
     rest: i64,

@@ -150,7 +150,7 @@ impl Column {
 }
 
 /// Decimals of each kind of number.
-mod decimals {
+pub(crate) mod decimals {
     /// Seconds: 1 ns.
     pub const TIME: u32 = 9;
     /// m/s²: 0.1 mm/s², 1e-5 g.

@@ -45,6 +45,8 @@ pub struct TraceCsv<W: Write> {
     axes: usize,
     columns: Vec<Column>,
     text: Vec<u8>,
+    /// Columns that are left empty.
+    unknown: Vec<bool>,
 }
 
 impl<W: Write> TraceCsv<W> {
@@ -60,10 +62,19 @@ impl<W: Write> TraceCsv<W> {
         lines.write_record(columns.iter().map(Column::name))?;
         Ok(Self {
             lines,
+            unknown: vec![false; columns.len()],
             axes,
             columns,
             text: Vec::with_capacity(32),
         })
+    }
+
+    /// Leaves columns empty, as nobody knows their values. The name of a column of axes stands without the number of the axis.
+    #[must_use]
+    pub fn without(mut self, names: &[&str]) -> Self {
+        let is_named = |column: &Column| names.contains(&column.field.name);
+        self.unknown = self.columns.iter().map(is_named).collect();
+        self
     }
 
     /// Writes one row.
@@ -78,9 +89,10 @@ impl<W: Write> TraceCsv<W> {
                 actual: row.axes.len(),
             });
         }
-        for column in &self.columns {
+        for (column, is_unknown) in self.columns.iter().zip(&self.unknown) {
             self.text.clear();
             match column.value(row) {
+                _ if *is_unknown => {}
                 Value::Number(number) => write!(self.text, "{number}")?,
                 Value::Count(count) => write!(self.text, "{count}")?,
                 Value::Word(word) => self.text.extend_from_slice(word.as_bytes()),

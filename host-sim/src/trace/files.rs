@@ -91,6 +91,8 @@ pub struct RunFiles {
     made: Vec<PathBuf>,
     /// Names whose temporaries are not yet in place, in the order requested.
     names: Vec<String>,
+    /// Names of files that this run does not have.
+    left_out: Vec<String>,
 }
 
 impl RunFiles {
@@ -108,6 +110,7 @@ impl RunFiles {
             made: missing.map(Path::to_path_buf).collect(),
             dir,
             names: Vec::new(),
+            left_out: Vec::new(),
         };
         let mut unfinished = Unfinished::lock();
         unfinished.folders.extend(files.made.iter().cloned());
@@ -147,6 +150,16 @@ impl RunFiles {
         Ok(BufWriter::with_capacity(1 << 16, file))
     }
 
+    /// Leaves a file out that was begun: its temporary goes away now, and a file of that name of an earlier run with the
+    /// commit. Files of two runs then never stand together.
+    pub fn leave_out(&mut self, name: &str) {
+        if let Some(place) = self.names.iter().position(|known| known == name) {
+            let temporary = self.temporary(name);
+            Unfinished::lock().take_away(&[temporary], &[]);
+            self.left_out.push(self.names.remove(place));
+        }
+    }
+
     /// Puts every file in place, over what was there under its name, and gives their paths in the order they
     /// were requested.
     ///
@@ -166,6 +179,18 @@ impl RunFiles {
             unfinished.files.retain(|file| *file != temporary);
             self.names.remove(0);
             written.push(path);
+        }
+        for name in &self.left_out {
+            let path = self.dir.join(name);
+            if let Err(source) = fs::remove_file(&path)
+                && source.kind() != io::ErrorKind::NotFound
+            {
+                return Err(RunFilesError::Io {
+                    operation: "remove",
+                    path,
+                    source,
+                });
+            }
         }
         // The folder is wanted now, even if nothing was written into it.
         unfinished

@@ -61,8 +61,8 @@ impl<W: Write + Seek> StepsFst<W> {
         header.up_scope()?;
         let mut file = header.finish()?;
         file.time_change(start_ns)?;
-        for (&id, &level) in ids.iter().zip(wires.levels()) {
-            file.signal_change(id, bit(level))?;
+        for (&id, level) in ids.iter().zip(wires.levels()) {
+            file.signal_change(id, level.map_or(b"x", bit))?;
         }
         Ok(Self {
             file,

@@ -8,6 +8,7 @@
 //! Nothing here reads a clock or a locale: the same run gives the same bytes.
 
 pub mod column;
+mod controller_rows;
 mod csv;
 mod edges;
 mod files;
@@ -20,11 +21,15 @@ mod rounding;
 mod row;
 mod rows;
 mod scope;
+mod tick_edges;
+mod traces;
 mod udp;
 mod vcd;
 mod window;
 mod wires;
 
+pub(crate) use column::decimals;
+pub(crate) use controller_rows::ControllerRows;
 pub use csv::{TraceCsv, TraceError};
 pub use files::{RunFiles, RunFilesError};
 pub use format::Format;
@@ -33,7 +38,9 @@ pub use mcap::{McapTraceError, TraceMcap};
 pub use recorder::{RecordError, Recorder};
 pub use row::{AxisRow, Row};
 pub use rows::{Every, MOST_ROWS};
-pub use scope::{Moved, ScopeData, ScopeFrame};
+pub use scope::{Moved, Overlay, OverlayRow, ScopeData, ScopeFrame};
+pub use tick_edges::{SensedEdges, TickEdges};
+pub(crate) use traces::{TraceSetup, Traces};
 pub use udp::{RowsUdp, SentRows};
 pub use vcd::StepsVcd;
 pub use window::Window;

@@ -2,16 +2,15 @@
 
 use std::io::{Seek, Write};
 
-use cophase_core::mechanism::{AnyMechanism, Mechanism};
+use cophase_link::sample::Sample;
 
-use super::edges::EdgeOutputs;
-use super::mcap::{McapTraceError, TraceMcap};
-use super::rows::{Every, RowWriter, Rows};
-use super::window::{StepWindow, Window};
-use super::{AxisRow, EdgeError, Format, Row, RowsUdp, ScopeData, TraceCsv, TraceError};
+use super::mcap::McapTraceError;
+use super::rows::Every;
+use super::traces::{TraceSetup, Traces};
+use super::window::Window;
+use super::{ControllerRows, EdgeError, Format, Row, RowsUdp, ScopeData, TickEdges, TraceError};
 use crate::scene::Checked;
 use crate::sim::{Moment, Observer};
-use crate::units::{degrees, speed_hz};
 
 /// What went wrong while a trace was written.
 #[derive(Debug, thiserror::Error)]
@@ -29,14 +28,11 @@ pub enum RecordError {
 
 /// Writes the files of a trace, and gathers what `scope.svg` is drawn from.
 pub struct Recorder<'a, W: Write + Seek> {
-    rows: Rows<'a>,
-    steps: StepWindow<W>,
-    scope: ScopeData,
+    traces: Traces<'a, W>,
+    rows: ControllerRows,
     row: Row,
     reversed: Vec<bool>,
     failed: Option<RecordError>,
-    tick_hz: u32,
-    mechanism: AnyMechanism,
 }
 
 impl<'a, W: Write + Seek + 'a> Recorder<'a, W> {
@@ -56,31 +52,18 @@ impl<'a, W: Write + Seek + 'a> Recorder<'a, W> {
         let reversed = (0..axes)
             .map(|i| checked.overrides(i).is_some_and(|own| own.reversed))
             .collect();
-        let mut rows: Vec<Box<dyn RowWriter + 'a>> = Vec::new();
-        let mut edges = EdgeOutputs::default();
-        for (format, w) in files {
-            match format {
-                Format::Csv => rows.push(Box::new(TraceCsv::new(w, axes)?)),
-                Format::Mcap => rows.push(Box::new(TraceMcap::new(w, axes)?)),
-                Format::Vcd => edges.vcd = Some(w),
-                Format::Fst => edges.fst = Some(w),
-            }
-        }
-        if let Some(udp) = udp {
-            rows.push(Box::new(udp));
-        }
+        let setup = TraceSetup {
+            axes,
+            every,
+            window,
+            unknown: &[],
+        };
         Ok(Self {
-            rows: Rows::new(rows, every),
-            steps: StepWindow::new(edges, window),
-            scope,
-            row: Row {
-                axes: vec![AxisRow::default(); axes],
-                ..Row::default()
-            },
+            traces: Traces::new(&setup, files, udp, scope)?,
+            rows: ControllerRows::new(&checked.settings),
+            row: Row::of_axes(axes),
             reversed,
             failed: None,
-            tick_hz: checked.scene.control.tick_hz,
-            mechanism: checked.settings.mechanism(),
         })
     }
 
@@ -89,39 +72,23 @@ impl<'a, W: Write + Seek + 'a> Recorder<'a, W> {
     /// # Errors
     /// The first thing that went wrong with a file.
     pub fn finish(self) -> Result<(crate::report::Written, ScopeData), RecordError> {
-        if let Some(error) = self.failed {
-            return Err(error);
+        match self.failed {
+            Some(error) => Err(error),
+            None => self.traces.finish(),
         }
-        let (every, rows) = self.rows.finish()?;
-        let (from_ns, to_ns) = self.steps.finish(self.row.axes.len())?;
-        let written = crate::report::Written {
-            every,
-            rows,
-            window_from_s: from_ns as f64 * 1e-9,
-            window_to_s: to_ns as f64 * 1e-9,
-        };
-        Ok((written, self.scope))
     }
 
     fn fill(&mut self, moment: &Moment<'_>) {
-        let telemetry = moment.telemetry;
-        let hz = speed_hz(telemetry.motion.speed, self.tick_hz);
-        let omega = hz * std::f64::consts::TAU;
-        let pose = moment.pose();
+        // The row has the time of the tick that is played, and not the number of the one in which it was planned.
+        let sample = Sample::new(0, moment.telemetry, 0);
         let row = &mut self.row;
-        row.t_s = moment.end_ns as f64 * 1e-9;
-        row.state = telemetry.state.name();
-        row.state_code = telemetry.state as u8;
-        row.amax_requested_mps2 = telemetry.amax_requested.to_num();
-        row.amax_commanded_mps2 = self.mechanism.amax(telemetry.motion.speed).to_num();
-        row.omega_rad_s = omega;
-        row.phase_turns = moment.master_turns;
-        for (i, axis) in row.axes.iter_mut().enumerate() {
-            axis.steps = telemetry.steps(i);
-            axis.command_turns = moment.command_turns[i];
-            axis.actual_turns = moment.actual_turns[i];
-            axis.phase_error_deg = degrees(telemetry.phase_error[i]);
+        let (master_turns, command_turns) = (moment.master_turns, moment.command_turns);
+        self.rows
+            .fill(row, moment.end_ns, &sample, master_turns, command_turns);
+        for (axis, &actual_turns) in row.axes.iter_mut().zip(moment.actual_turns) {
+            axis.actual_turns = actual_turns;
         }
+        let pose = moment.pose();
         row.tilt_x_mrad = pose.tilt_x_mrad;
         row.tilt_y_mrad = pose.tilt_y_mrad;
         row.warp_deg = pose.warp_deg;
@@ -136,47 +103,11 @@ impl<'a, W: Write + Seek + 'a> Observer for Recorder<'a, W> {
             return;
         }
         self.fill(moment);
-        self.scope.push(&self.row);
-        let edges = &mut self.steps;
-        let done = self.rows.push(&self.row).and_then(|()| {
-            edges
-                .tick(moment, &self.reversed, &self.row)
-                .map_err(RecordError::from)
-        });
+        let edges = TickEdges::of(moment, &self.reversed);
+        let done = self
+            .traces
+            .push_row(&self.row)
+            .and_then(|()| self.traces.push_edges(&edges, Some(&self.row)));
         self.failed = done.err();
-    }
-}
-
-impl<W: Write> RowWriter for TraceCsv<W> {
-    fn write(&mut self, row: &Row) -> Result<(), RecordError> {
-        Ok(self.write(row)?)
-    }
-
-    fn finish(self: Box<Self>) -> Result<(), RecordError> {
-        (*self).finish()?;
-        Ok(())
-    }
-}
-
-impl<W: Write + Seek> RowWriter for TraceMcap<W> {
-    fn write(&mut self, row: &Row) -> Result<(), RecordError> {
-        Ok(self.write(row)?)
-    }
-
-    fn finish(self: Box<Self>) -> Result<(), RecordError> {
-        (*self).finish()?;
-        Ok(())
-    }
-}
-
-/// What cannot be sent is counted, and is no reason to end a run.
-impl RowWriter for &mut RowsUdp {
-    fn write(&mut self, row: &Row) -> Result<(), RecordError> {
-        self.send(row);
-        Ok(())
-    }
-
-    fn finish(self: Box<Self>) -> Result<(), RecordError> {
-        Ok(())
     }
 }

@@ -34,6 +34,32 @@ pub struct Row {
     pub accel_mps2: f64,
 }
 
+impl Row {
+    /// Row at power-up of a machine with `axes` axes.
+    pub fn of_axes(axes: usize) -> Self {
+        Self {
+            axes: vec![AxisRow::default(); axes],
+            ..Self::default()
+        }
+    }
+
+    /// Makes what only a simulated machine knows not a number.
+    pub fn forget_truth(&mut self) {
+        for axis in &mut self.axes {
+            axis.actual_turns = f64::NAN;
+        }
+        for truth in [
+            &mut self.tilt_x_mrad,
+            &mut self.tilt_y_mrad,
+            &mut self.warp_deg,
+            &mut self.z_m,
+            &mut self.accel_mps2,
+        ] {
+            *truth = f64::NAN;
+        }
+    }
+}
+
 /// One axis at one control tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AxisRow {

@@ -8,7 +8,7 @@
 
 use std::io::{self, Write};
 
-use ::vcd::{IdCode, SimulationCommand, TimescaleUnit};
+use ::vcd::{IdCode, SimulationCommand, TimescaleUnit, Value};
 
 use super::wires::{EdgeError, Levels, Signal, Wires};
 
@@ -54,8 +54,8 @@ impl<W: Write> StepsVcd<W> {
         file.enddefinitions()?;
         file.timestamp(start_ns)?;
         file.begin(SimulationCommand::Dumpvars)?;
-        for (&id, &level) in ids.iter().zip(wires.levels()) {
-            file.change_scalar(id, level)?;
+        for (&id, level) in ids.iter().zip(wires.levels()) {
+            file.change_scalar(id, level.map_or(Value::X, Value::from))?;
         }
         file.end()?;
         Ok(Self { file, ids, wires })

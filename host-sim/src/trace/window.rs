@@ -8,10 +8,9 @@ use std::io::{Seek, Write};
 use cophase_core::pulse::Run;
 
 use super::edges::{EdgeFile, EdgeOutputs};
-use super::{EdgeError, Levels, Row, Signal};
+use super::{EdgeError, Levels, Row, Signal, TickEdges};
 use crate::faults::Planned;
 use crate::scene::Scene;
-use crate::sim::Moment;
 
 /// Which part of the run `steps.vcd` shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,22 +90,18 @@ impl<W: Write + Seek> StepWindow<W> {
         }
     }
 
-    pub fn tick(
-        &mut self,
-        moment: &Moment<'_>,
-        reversed: &[bool],
-        row: &Row,
-    ) -> Result<(), EdgeError> {
-        let (start_ns, end_ns) = (moment.start_ns, moment.end_ns);
-        let axes = moment.axis_count();
+    /// Takes the edges of a tick, and the row of the tick for files that have room for its numbers.
+    pub fn tick(&mut self, tick: &TickEdges<'_>, row: Option<&Row>) -> Result<(), EdgeError> {
+        let (start_ns, end_ns) = (tick.start_ns, tick.end_ns);
+        let axes = tick.runs.len();
         self.last_ns = end_ns;
         if self.levels.step.is_empty() {
             self.levels.step = vec![false; axes];
             self.levels.index = vec![false; axes];
-            self.levels.dir = reversed.iter().map(|reversed| !reversed).collect();
+            self.levels.dir = tick.reversed.iter().map(|reversed| !reversed).collect();
+            self.levels.is_sensed_unknown = tick.sensed.is_none();
         }
-        let moves = moment.telemetry.motion.speed != 0;
-        if self.window == Window::FirstMotion && moves {
+        if self.window == Window::FirstMotion && tick.moves {
             self.window = Window::Between(start_ns, start_ns + SHOWN_NS);
         }
         let (from_ns, to_ns) = match self.window {
@@ -116,10 +111,10 @@ impl<W: Write + Seek> StepWindow<W> {
         };
         self.edges.retain(|(at, ..)| *at >= start_ns); // the ends of index pulses of the tick before
         if end_ns <= from_ns || start_ns > to_ns {
-            self.pass(moment, reversed);
+            self.pass(tick);
             return self.close_after(end_ns, to_ns);
         }
-        self.gather(moment, reversed);
+        self.gather(tick);
         self.edges.sort_by_key(|(at, ..)| *at);
         for i in 0..self.edges.len() {
             let (at, signal, level) = self.edges[i];
@@ -142,6 +137,7 @@ impl<W: Write + Seek> StepWindow<W> {
         }
         self.begin(from_ns, axes)?;
         if let Begun::At(_, files) = &mut self.files
+            && let Some(row) = row
             && end_ns <= to_ns
         {
             files
@@ -158,20 +154,18 @@ impl<W: Write + Seek> StepWindow<W> {
     }
 
     /// Keeps track of the levels over a tick that is not shown, without looking at each edge.
-    fn pass(&mut self, moment: &Moment<'_>, reversed: &[bool]) {
-        self.levels.enable = moment.drives_enabled;
-        self.levels.sync = moment.sync;
-        let index_ns = moment.ns(moment.machine.index_cycles.into());
-        for (i, &reversed) in reversed.iter().enumerate() {
-            for run in moment.played.runs(i) {
+    fn pass(&mut self, tick: &TickEdges<'_>) {
+        self.levels.enable = tick.enable;
+        self.levels.sync = tick.sensed.as_ref().is_some_and(|sensed| sensed.sync);
+        for (i, (&reversed, &runs)) in tick.reversed.iter().zip(&tick.runs).enumerate() {
+            for run in runs {
                 self.levels.step[i] ^= run.edges() % 2 == 1;
                 if run.is_pause() {
                     self.levels.dir[i] = run.forward() != reversed;
                 }
             }
-            let end =
-                moment.index[i].map(|cycle| moment.start_ns + moment.ns(cycle.into()) + index_ns);
-            self.levels.index[i] = end.is_some_and(|end| end >= moment.end_ns);
+            let end = tick.index_ns(i).map(|(_, fall)| fall);
+            self.levels.index[i] = end.is_some_and(|end| end >= tick.end_ns);
             self.edges
                 .extend(end.map(|end| (end, Signal::Index(i), false)));
         }
@@ -186,20 +180,20 @@ impl<W: Write + Seek> StepWindow<W> {
     }
 
     /// Edges of one tick, in no order.
-    fn gather(&mut self, moment: &Moment<'_>, reversed: &[bool]) {
-        let start_ns = moment.start_ns;
-        let index_ns = moment.ns(moment.machine.index_cycles.into());
-        self.edges
-            .push((start_ns, Signal::Enable, moment.drives_enabled));
-        self.edges.push((start_ns, Signal::Sync, moment.sync));
-        for (i, &reversed) in reversed.iter().enumerate() {
+    fn gather(&mut self, tick: &TickEdges<'_>) {
+        let start_ns = tick.start_ns;
+        self.edges.push((start_ns, Signal::Enable, tick.enable));
+        if let Some(sensed) = &tick.sensed {
+            self.edges.push((start_ns, Signal::Sync, sensed.sync));
+        }
+        for (i, (&reversed, &runs)) in tick.reversed.iter().zip(&tick.runs).enumerate() {
             let mut cycle = 0_u64;
             let mut high = self.levels.step[i];
-            for run in moment.played.runs(i) {
+            for run in runs {
                 if run.is_pause() {
                     let turn = cycle + u64::from(Run::DIR_DELAY);
                     self.edges.push((
-                        start_ns + moment.ns(turn),
+                        start_ns + tick.ns(turn),
                         Signal::Dir(i),
                         run.forward() != reversed,
                     ));
@@ -209,13 +203,12 @@ impl<W: Write + Seek> StepWindow<W> {
                     cycle += u64::from(run.period());
                     high = !high;
                     self.edges
-                        .push((start_ns + moment.ns(cycle), Signal::Step(i), high));
+                        .push((start_ns + tick.ns(cycle), Signal::Step(i), high));
                 }
             }
-            if let Some(cycle) = moment.index[i] {
-                let at = start_ns + moment.ns(cycle.into());
-                self.edges.push((at, Signal::Index(i), true));
-                self.edges.push((at + index_ns, Signal::Index(i), false));
+            if let Some((rise, fall)) = tick.index_ns(i) {
+                self.edges.push((rise, Signal::Index(i), true));
+                self.edges.push((fall, Signal::Index(i), false));
             }
         }
     }

@@ -32,6 +32,8 @@ pub struct Levels {
     pub enable: bool,
     /// `sync`.
     pub sync: bool,
+    /// True if `index_i` and `sync` are not known: they are `x` from beginning to end.
+    pub is_sensed_unknown: bool,
 }
 
 /// Why a change was not written.
@@ -77,6 +79,7 @@ pub enum EdgeError {
 pub(super) struct Wires {
     axes: usize,
     levels: Vec<bool>,
+    is_sensed_unknown: bool,
     now_ns: u64,
 }
 
@@ -93,6 +96,7 @@ impl Wires {
         Self {
             axes,
             levels,
+            is_sensed_unknown: initial.is_sensed_unknown,
             now_ns: start_ns,
         }
     }
@@ -105,9 +109,14 @@ impl Wires {
             .chain(["enable", "sync"].map(str::to_owned))
     }
 
-    /// Their levels.
-    pub fn levels(&self) -> &[bool] {
-        &self.levels
+    /// Their levels; none where a level is not known.
+    pub fn levels(&self) -> impl Iterator<Item = Option<bool>> {
+        let (axes, is_sensed_unknown) = (self.axes, self.is_sensed_unknown);
+        let levels = self.levels.iter().enumerate();
+        levels.map(move |(wire, &level)| {
+            let is_sensed = (2 * axes..3 * axes).contains(&wire) || wire == 3 * axes + 1;
+            (!(is_sensed && is_sensed_unknown)).then_some(level)
+        })
     }
 
     /// Takes a change, and gives the wire's position. There is none where the level is there already.

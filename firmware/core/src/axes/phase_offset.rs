@@ -84,6 +84,11 @@ impl PhaseOffsets {
         self.gain = libm::round(settings.correction.gain * 65_536.0) as i64;
     }
 
+    /// Ticks of a slot, in which one axis moves by whole steps: in each tick but the last by an equal part of them, rounded down.
+    pub const fn slot_ticks(&self) -> u32 {
+        self.slot_ticks
+    }
+
     /// True if the settings request corrections by the controller.
     pub const fn corrects(&self) -> bool {
         self.gain > 0

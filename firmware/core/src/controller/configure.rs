@@ -53,7 +53,9 @@ impl Settings {
         follower.bounds(&self.master_bounds(), &curves)
     }
 
-    fn curves(&self) -> Cams {
+    /// Curves of the cam tables of these settings. The settings must have been checked.
+    #[cold]
+    pub fn curves(&self) -> Cams {
         let mut curves = NO_CAMS;
         self.fill_curves(&mut curves);
         curves

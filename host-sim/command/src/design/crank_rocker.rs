@@ -94,7 +94,7 @@ pub fn run(
     })
     .map_err(DesignCommandError::input)?;
     if let Some(file) = &args.svg {
-        write_drawing(file, &found.linkage.draw())?;
+        write_drawing("--svg", file, &found.linkage.draw())?;
     }
     if json {
         write_json(&Figures::from(&found), out)

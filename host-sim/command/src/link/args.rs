@@ -4,6 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use cophase_link::line::UART_BAUD;
+use host_sim::trace::Window;
+
+use super::record::ChannelName;
+use crate::run::window;
 use cophase_link::message::Output;
 
 use super::bring_up;
@@ -54,6 +58,8 @@ pub(super) enum Action {
     Home(StartArgs),
     /// Show the machine's status until it is interrupted
     Monitor(MonitorArgs),
+    /// Record what the controller streams, and write the files of a run
+    Record(RecordArgs),
     /// Show the event log
     Log,
     /// Show the counters of link and loop
@@ -140,6 +146,34 @@ pub(super) struct JogArgs {
     /// Do not ask before the machine moves
     #[arg(long)]
     pub(super) yes: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct RecordArgs {
+    /// Where to write report.json, trace.csv, steps.vcd and scope.svg
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: PathBuf,
+    /// Channels to record, besides the state [default: all]
+    #[arg(long, value_name = "CHANNELS", value_enum, value_delimiter = ',')]
+    pub(super) channels: Vec<ChannelName>,
+    /// A sample every N control ticks, 1 to 10,000; only every tick has edges
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    pub(super) every: u16,
+    /// Time to record, seconds; without it, until the program is over or Ctrl-C
+    #[arg(long = "for", value_name = "S", value_parser = seconds)]
+    pub(super) for_s: Option<f64>,
+    /// What steps.vcd shows, in seconds since power-up, or `all` [default: the first 200 ms of motion]
+    #[arg(long, value_name = "FROM..TO", value_parser = window)]
+    pub(super) window: Option<Window>,
+    /// Arm the machine and run its program; a simulated controller always does
+    #[arg(long)]
+    pub(super) start: bool,
+    /// Do not ask before the machine moves
+    #[arg(long, requires = "start")]
+    pub(super) yes: bool,
+    /// Print nothing but errors
+    #[arg(long, short)]
+    pub(super) quiet: bool,
 }
 
 #[derive(Debug, Args)]

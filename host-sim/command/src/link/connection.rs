@@ -5,11 +5,12 @@ use std::io;
 use std::time::{Duration, Instant};
 
 use cophase_link::client::Client;
-use cophase_link::frame::MAX_FRAME_BYTES;
+use cophase_link::frame::{FrameCounts, MAX_FRAME_BYTES};
 use cophase_link::message::{
     ControlRequest, Counters, EventRecord, File, Identity, Inputs, Message, Refusal, ReplyBody,
     Request, Status, VERSION,
 };
+use cophase_link::sample::Channels;
 
 use super::transport::Transport;
 
@@ -49,6 +50,12 @@ pub(super) enum LinkError {
 pub(super) enum Incoming {
     Status(Status),
     Event(EventRecord),
+    Samples {
+        tick: u32,
+        every: u16,
+        channels: Channels,
+        packet: Vec<u8>,
+    },
 }
 
 /// Reply whose bytes are its own.
@@ -80,6 +87,11 @@ impl Connection {
 
     pub(super) fn is_simulated(&self) -> bool {
         self.transport.is_simulated()
+    }
+
+    /// Frames of the controller so far.
+    pub(super) const fn frames(&self) -> FrameCounts {
+        self.client.counts()
     }
 
     pub(super) fn identify(&mut self) -> Result<Identity, LinkError> {
@@ -285,7 +297,18 @@ impl Connection {
                 }
                 Message::Status(status) => self.incoming.push_back(Incoming::Status(status)),
                 Message::Event(event) => self.incoming.push_back(Incoming::Event(event)),
-                Message::Samples { .. } => {}
+                Message::Samples {
+                    tick,
+                    every,
+                    channels,
+                    packet,
+                    ..
+                } => self.incoming.push_back(Incoming::Samples {
+                    tick,
+                    every,
+                    channels,
+                    packet: packet.to_vec(),
+                }),
             }
         }
         Ok(())

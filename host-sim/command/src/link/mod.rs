@@ -4,6 +4,8 @@ mod args;
 mod bring_up;
 mod connection;
 mod operate;
+mod record;
+mod session;
 mod show;
 mod transport;
 mod write;
@@ -74,6 +76,9 @@ fn run(
         Action::Monitor(monitor) => return show::monitor(link, &identity, monitor, out),
         Action::BringUp(action) => {
             return bring_up::bring_up(action, args, link, &identity, out, err);
+        }
+        Action::Record(record) => {
+            return record::record(record, args, link, &identity, out, err);
         }
         Action::Load(load) => write::load(link, &identity, load, out)?,
         Action::Restart => {

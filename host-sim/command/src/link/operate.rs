@@ -89,7 +89,7 @@ pub(super) fn confirm(yes: bool, what: &str, err: &mut impl Write) -> Result<(),
 }
 
 /// Arms the machine, and begins a motion.
-fn begin(
+pub(super) fn begin(
     link: &mut Connection,
     name: &'static str,
     request: &Request<'_>,

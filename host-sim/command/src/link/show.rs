@@ -125,7 +125,7 @@ pub(super) fn monitor(
             Some(Incoming::Event(record)) => {
                 writeln!(out, "{}", describe(&record, identity.tick_hz))?;
             }
-            None => {}
+            Some(Incoming::Samples { .. }) | None => {}
         }
         out.flush()?;
     }

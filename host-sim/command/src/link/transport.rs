@@ -222,7 +222,8 @@ impl Transport for Simulated {
         self.0.poll();
         let count = self.0.transmit(0, buffer);
         if count == 0 {
-            std::thread::sleep(Duration::from_millis(1));
+            // At 10 kHz, five samples; a poll takes more.
+            std::thread::sleep(Duration::from_micros(500));
         }
         Ok(count)
     }

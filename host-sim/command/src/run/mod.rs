@@ -14,7 +14,8 @@ use live::Live;
 pub(super) use page::frame;
 use page::mark;
 use progress::progress_bar;
-use values::{formats, receiver, speed, ticks, window};
+pub(crate) use values::window;
+use values::{formats, receiver, speed, ticks};
 
 use super::{CommandError, Status, expected, scenes};
 use host_sim::fidelity::{self, Answers};
@@ -142,8 +143,10 @@ fn described(format: Format, written: Written) -> String {
     format!("{} ({shows})", format.file_name())
 }
 
-const REPORT: &str = "report.json";
-const PAGE: &str = "scope.svg";
+/// Name of the report.
+pub(super) const REPORT: &str = "report.json";
+/// Name of the page.
+pub(super) const PAGE: &str = "scope.svg";
 
 /// Runs a scene and writes its files: all of them, or none. Returns the scene with the values of what was requested.
 fn record(
@@ -153,16 +156,8 @@ fn record(
     live: &mut Live,
 ) -> Result<(Checked, Outcome, Written), String> {
     let place = |error: &dyn std::fmt::Display| error.to_string();
-    // Found before the run, not after it, when the files before it would be in place already.
     let names = args.files().map(Format::file_name);
-    for path in names.chain([REPORT, PAGE]).map(|name| args.out.join(name)) {
-        if path.is_dir() {
-            let path = path.display();
-            return Err(format!(
-                "--out: {path} is a directory, where a file is to be written; take it away, or give another --out"
-            ));
-        }
-    }
+    refuse_folders(&args.out, names.chain([REPORT, PAGE]))?;
     let is_requested = args.window.is_some() || checked.scene.scope.is_some();
     let window = args.window.unwrap_or_else(|| Window::of(&checked.scene));
     let (files, checked, outcome, written) =
@@ -191,6 +186,22 @@ fn record(
     }
     files.commit().map_err(|e| place(&e))?;
     Ok((checked, outcome, written))
+}
+
+/// Refuses to write into a folder in which another one has the name of a file: found before the run, as afterwards the files
+/// before it would be in place already.
+pub(super) fn refuse_folders<'a>(
+    out: &Path,
+    mut names: impl Iterator<Item = &'a str>,
+) -> Result<(), String> {
+    let folder = names.find_map(|name| Some(out.join(name)).filter(|path| path.is_dir()));
+    match folder {
+        None => Ok(()),
+        Some(path) => Err(format!(
+            "--out: {} is a directory, where a file is to be written; take it away, or give another --out",
+            path.display()
+        )),
+    }
 }
 
 /// That a window that was requested shows nothing.

@@ -12,7 +12,7 @@ pub(super) fn ticks(text: &str) -> Result<u64, String> {
         .ok_or_else(|| "give a whole number of control ticks, 1 or more".to_owned())
 }
 
-pub(super) fn window(text: &str) -> Result<Window, String> {
+pub(crate) fn window(text: &str) -> Result<Window, String> {
     if text == "all" {
         return Ok(Window::All);
     }

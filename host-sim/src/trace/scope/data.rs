@@ -50,7 +50,7 @@ pub(super) mod channel {
 
 /// Acceleration amplitude as it is measured: the greatest of a turn of the master, known when the turn is over.
 #[derive(Clone, Copy, Debug)]
-struct TurnAmplitude {
+pub(super) struct TurnAmplitude {
     turn: f64,
     /// Greatest magnitude in this turn so far; none of a turn whose beginning was not seen.
     greatest: Option<f64>,
@@ -59,19 +59,20 @@ struct TurnAmplitude {
 }
 
 impl TurnAmplitude {
-    const NONE: Self = Self {
+    pub const NONE: Self = Self {
         turn: f64::NAN,
         greatest: None,
         measured: f64::NAN,
     };
 
-    fn measure(&mut self, row: &Row) -> f64 {
-        if row.omega_rad_s == 0.0 {
+    /// Amplitude of the last whole turn, from the speed, phase and acceleration of the next row.
+    pub fn measure(&mut self, omega_rad_s: f64, phase_turns: f64, accel_mps2: f64) -> f64 {
+        if omega_rad_s == 0.0 {
             *self = Self::NONE;
             return f64::NAN;
         }
         // Turns are counted from half-way: the peak, at phase 0, is then in the middle of one.
-        let (turn, accel) = ((row.phase_turns + 0.5).floor(), row.accel_mps2.abs());
+        let (turn, accel) = ((phase_turns + 0.5).floor(), accel_mps2.abs());
         if turn == self.turn {
             self.greatest = self.greatest.map(|greatest| greatest.max(accel));
         } else {
@@ -136,7 +137,9 @@ impl ScopeData {
         fixed[channel::TILT_Y] = row.tilt_y_mrad;
         fixed[channel::ACCEL] = row.accel_mps2;
         fixed[channel::PLACE] = row.z_m;
-        fixed[channel::ACTUAL] = self.amplitude.measure(row);
+        fixed[channel::ACTUAL] =
+            self.amplitude
+                .measure(row.omega_rad_s, row.phase_turns, row.accel_mps2);
         for (i, phase_error) in phase_errors.iter_mut().enumerate() {
             *phase_error = row
                 .axes

@@ -7,8 +7,7 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 
 use super::curve;
-use super::data::ScopeData;
-use super::envelope::Extent;
+use super::envelope::{Envelope, Extent};
 use super::ink::VERMILION;
 use super::scale::{TimeAxis, plain};
 
@@ -22,7 +21,7 @@ pub struct Panel {
 
 /// A panel that is being put together.
 pub struct Draft<'a> {
-    scope: &'a ScopeData,
+    envelope: &'a Envelope,
     time: TimeAxis,
     y: (f64, f64),
     label: &'static str,
@@ -45,9 +44,9 @@ pub struct Pen {
 
 impl<'a> Draft<'a> {
     /// Of a value axis with a label, from and to.
-    pub fn new(scope: &'a ScopeData, time: TimeAxis, label: &'static str, y: (f64, f64)) -> Self {
+    pub fn new(envelope: &'a Envelope, time: TimeAxis, label: &'static str, y: (f64, f64)) -> Self {
         Self {
-            scope,
+            envelope,
             time,
             y,
             label,
@@ -65,7 +64,7 @@ impl<'a> Draft<'a> {
         factor: f64,
     ) -> impl Iterator<Item = (f64, f64, Extent)> + 'a {
         let per_second = self.time.per_second;
-        let buckets = self.scope.envelope.channel(channel);
+        let buckets = self.envelope.channel(channel);
         buckets.map(move |(first, last, extent)| {
             (first * per_second, last * per_second, extent.times(factor))
         })
@@ -89,7 +88,7 @@ impl<'a> Draft<'a> {
             .fold((0.0, 0.0), |(sum, count), (_, _, e)| {
                 (sum + (e.high - e.low), count + 1.0)
             });
-        let is_thick = self.scope.envelope.is_folded() && sum > 0.01 * span * count;
+        let is_thick = self.envelope.is_folded() && sum > 0.01 * span * count;
         if !is_thick {
             return self.curve(channel, factor, pen);
         }

@@ -3,6 +3,17 @@
 use super::scale::TimeAxis;
 pub use crate::ink::{INK, MUTED, VERMILION, text, text_anchored};
 
+/// Colours of curves.
+pub const PALE_BLUE: &str = "#A6D0EC";
+/// See there.
+pub const DARK_BLUE: &str = "#0B2F5B";
+/// See there.
+pub const BLUE: &str = "#0072B2";
+/// See there.
+pub const ORANGE: &str = "#E69F00";
+/// See there.
+pub const GREEN: &str = "#009E73";
+
 /// The page's width, px.
 pub const WIDTH: f64 = 1200.0;
 /// Margins beside the panels, px.

@@ -16,9 +16,11 @@ mod draft;
 mod envelope;
 mod ink;
 mod labels;
+mod overlay;
 mod page;
 mod panel;
 mod scale;
 mod timeline;
 
 pub use data::{Moved, ScopeData, ScopeFrame};
+pub use overlay::{Overlay, OverlayRow};

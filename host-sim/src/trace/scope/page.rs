@@ -16,9 +16,9 @@ use super::scale::TimeAxis;
 
 const LANES_TOP: f64 = 72.0;
 const RIBBON: f64 = 20.0;
-const GAP: f64 = 14.0;
-const TIME_AXIS: f64 = 50.0;
-const FONT: &str = "sans-serif";
+pub const GAP: f64 = 14.0;
+pub const TIME_AXIS: f64 = 50.0;
+pub const FONT: &str = "sans-serif";
 
 type MakePanel = fn(&ScopeData, TimeAxis) -> Panel;
 
@@ -67,7 +67,7 @@ fn page(scope: &ScopeData) -> String {
             i,
             top,
             plot_height,
-            is_last.then_some(time.unit),
+            is_last.then(|| format!("time since power-up, {}", time.unit)),
         );
         top += plot_height + GAP;
     }
@@ -84,16 +84,16 @@ fn heading(scene: &mut Scene, scope: &ScopeData) {
     text(scene, (LEFT, 56.0), &subtitle, 13, MUTED);
 }
 
-/// Puts a panel's scene on the page, its plot area at `top`; with a time unit it gets the time axis.
-fn embed(
+/// Puts a panel's scene on the page, its plot area at `top`; with a label it gets the time axis.
+pub fn embed(
     page: &mut Scene,
     panel: Panel,
     number: usize,
     top: f64,
     plot_height: f64,
-    unit: Option<&str>,
+    time_label: Option<String>,
 ) {
-    let bottom = if unit.is_some() { TIME_AXIS } else { 1.0 };
+    let bottom = if time_label.is_some() { TIME_AXIS } else { 1.0 };
     let Panel { plots, layout } = panel;
     let mut layout: Layout = layout
         .with_width(WIDTH)
@@ -112,8 +112,8 @@ fn embed(
         .with_label_size(13)
         .with_tick_size(11)
         .with_body_size(12);
-    match unit {
-        Some(unit) => layout = layout.with_x_label(format!("time since power-up, {unit}")),
+    match time_label {
+        Some(label) => layout = layout.with_x_label(label),
         None => layout.suppress_x_ticks = true,
     }
     let drawn = render_multiple(plots, layout);

@@ -12,16 +12,12 @@ use kuva::render::annotations::{ReferenceLine, ShadedRegion};
 use super::data::{Moved, ScopeData, channel};
 use super::draft::{Draft, Panel, Pen};
 use super::envelope::Extent;
+use super::ink::{BLUE, DARK_BLUE, GREEN, ORANGE, PALE_BLUE};
 use super::scale::{TimeAxis, is_in_sight, padded, plain, short};
 
-const PALE_BLUE: &str = "#A6D0EC";
-const DARK_BLUE: &str = "#0B2F5B";
 const BAND: &str = "#E69F00";
-const BLUE: &str = "#0072B2";
-const ORANGE: &str = "#E69F00";
-const GREEN: &str = "#009E73";
 /// One an axis, in turn.
-const AXES: [&str; 6] = [BLUE, ORANGE, GREEN, "#CC79A7", "#56B4E9", "#444444"];
+pub const AXES: [&str; 6] = [BLUE, ORANGE, GREEN, "#CC79A7", "#56B4E9", "#444444"];
 /// Least range of an axis of a magnitude. A platform that hardly moves fills little of it; other machines may be slow by their nature.
 fn from_rest(scope: &ScopeData) -> Extent {
     Extent {
@@ -52,7 +48,12 @@ pub fn acceleration(scope: &ScopeData, time: TimeAxis) -> Panel {
         scope.envelope.total(channel::ACTUAL).times(per_mps2)
     };
     let shown = requested.and(commanded).and(actual).and(from_rest(scope));
-    let mut draft = Draft::new(scope, time, "amax, g", padded(shown, least(scope)));
+    let mut draft = Draft::new(
+        &scope.envelope,
+        time,
+        "amax, g",
+        padded(shown, least(scope)),
+    );
     let pen = |colour, width| Pen { colour, width };
     draft.curve(channel::PROGRAM, per_mps2, pen(PALE_BLUE, 5.0));
     if !actual.is_empty() {
@@ -100,7 +101,7 @@ fn range(
     (label, name): (&'static str, &str),
 ) -> Panel {
     let total = scope.envelope.total(channel).times(scale);
-    let mut draft = Draft::new(scope, time, label, padded(total, least(scope)));
+    let mut draft = Draft::new(&scope.envelope, time, label, padded(total, least(scope)));
     let pen = Pen {
         colour: BLUE,
         width: 1.2,
@@ -129,7 +130,7 @@ pub fn speed(scope: &ScopeData, time: TimeAxis) -> Panel {
         }
     }
     let y = padded(shown, least(scope));
-    let mut draft = Draft::new(scope, time, "speed, Hz", y);
+    let mut draft = Draft::new(&scope.envelope, time, "speed, Hz", y);
     draft.entry(LegendShape::Line, DARK_BLUE, peak("shaft", total));
     for (low, high, is_near) in bands {
         let name = format!("avoid {}–{}", plain(low), plain(high));
@@ -167,7 +168,12 @@ pub fn phase_error(scope: &ScopeData, time: TimeAxis) -> Panel {
     let totals = (0..scope.axes).map(|i| scope.envelope.total(channel::PHASE_ERROR + i));
     let all = totals.fold(Extent::EMPTY, Extent::and);
     let (shown, limit) = with_limit(all, scope.frame.phase_error_limit_deg);
-    let mut draft = Draft::new(scope, time, "phase error, deg", padded(shown, 0.1));
+    let mut draft = Draft::new(
+        &scope.envelope,
+        time,
+        "phase error, deg",
+        padded(shown, 0.1),
+    );
     for i in 0..scope.axes {
         let colour = AXES[i % AXES.len()];
         let total = scope.envelope.total(channel::PHASE_ERROR + i);
@@ -183,7 +189,7 @@ pub fn tilt(scope: &ScopeData, time: TimeAxis) -> Panel {
     let x = scope.envelope.total(channel::TILT_X);
     let y = scope.envelope.total(channel::TILT_Y);
     let (shown, limit) = with_limit(x.and(y), scope.frame.tilt_limit_mrad);
-    let mut draft = Draft::new(scope, time, "tilt, mrad", padded(shown, 0.1));
+    let mut draft = Draft::new(&scope.envelope, time, "tilt, mrad", padded(shown, 0.1));
     for (channel, colour, name, total) in [
         (channel::TILT_X, BLUE, "x", x),
         (channel::TILT_Y, ORANGE, "y", y),
@@ -217,7 +223,7 @@ fn with_limit(data: Extent, limit: Option<f64>) -> (Extent, Option<(f64, bool)>)
 }
 
 /// A legend's entry with the largest magnitude there was.
-fn peak(name: &str, total: Extent) -> String {
+pub fn peak(name: &str, total: Extent) -> String {
     if total.is_empty() {
         format!("{name}, no data")
     } else {

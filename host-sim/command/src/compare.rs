@@ -1,0 +1,79 @@
+//! `cophase compare`: two runs go in; where they part comes out.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use host_sim::compare::{self, CompareError, Origin, Run, Tolerances};
+
+use super::drawing::write_drawing;
+use super::{CommandError, Status};
+
+#[derive(Debug, clap::Args)]
+pub(super) struct CompareArgs {
+    /// The folder of a run, or its trace.csv
+    a: PathBuf,
+    /// Another one, which is compared with it
+    b: PathBuf,
+    /// Write compare.svg into this folder: both runs over each other, and their difference
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Largest difference of a column that counts as none, in its unit; `command_turns=1e-6` is for all axes, `edges_ns=100` for
+    /// edges [default: ten units of the last place; integers, states and edges must be equal]
+    #[arg(long, value_name = "COLUMN=VALUE", value_parser = tolerance)]
+    tolerance: Vec<(String, f64)>,
+    /// What times are counted from
+    #[arg(long, value_enum, default_value_t = From::PowerUp)]
+    from: From,
+    /// Print the comparison as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum From {
+    /// Power-up of each controller
+    PowerUp,
+    /// The moment at which each machine leaves idle
+    Start,
+}
+
+fn tolerance(text: &str) -> Result<(String, f64), String> {
+    let (column, value) = text
+        .split_once('=')
+        .ok_or("give COLUMN=VALUE, such as accel_mps2=0.5")?;
+    let value = value.parse().map_err(|_| {
+        format!("`{value}` is no number; give COLUMN=VALUE, such as accel_mps2=0.5")
+    })?;
+    Ok((column.to_owned(), value))
+}
+
+/// Compares two runs. The status is that of a fault if they part.
+pub(super) fn compare(args: &CompareArgs, out: &mut impl Write) -> Result<Status, CommandError> {
+    let refused = |error: CompareError| CommandError::Input(error.to_string());
+    let (a, b) = (
+        Run::read(&args.a).map_err(refused)?,
+        Run::read(&args.b).map_err(refused)?,
+    );
+    let origin = match args.from {
+        From::PowerUp => Origin::PowerUp,
+        From::Start => Origin::Start,
+    };
+    let tolerances = Tolerances::new(args.tolerance.iter().cloned());
+    let comparison = compare::compare([&a, &b], origin, &tolerances).map_err(refused)?;
+    if let Some(folder) = &args.out {
+        let svg = compare::draw([&a, &b], origin, &comparison).map_err(refused)?;
+        write_drawing("--out", &folder.join("compare.svg"), &svg)
+            .map_err(|error| CommandError::Input(error.to_string()))?;
+    }
+    if args.json {
+        let text = serde_json::to_string_pretty(&comparison).map_err(std::io::Error::from)?;
+        writeln!(out, "{text}")?;
+    } else {
+        out.write_all(compare::summary(&comparison).as_bytes())?;
+    }
+    Ok(match comparison.parts {
+        None => Status::Done,
+        Some(_) => Status::Fault,
+    })
+}

@@ -1,0 +1,396 @@
+//! `cophase link record` against `cophase run`: the same loop and the same machine leave the same files.
+
+use std::fs;
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
+
+use assert_cmd::Command;
+use cophase_link::client::Client;
+use cophase_link::message::Message;
+use cophase_link::server::Hub;
+use host_sim::live::SimulatedDevice;
+use host_sim::scene::{Checked, load};
+
+/// Phase offsets that move, a reversed axis, a gear and a motor of its own: all that edges depend on.
+const SCENE: &str = r#"
+name = "recorded"
+fidelity = "kinematic"
+[machine]
+crank_radius_mm = 20
+lambda = 0.3
+load_kg = 5
+[control]
+settle_s = 0.05
+[limits]
+speed_hz = 8
+acceleration_hz_per_s = 60
+jerk_hz_per_s2 = 2000
+homing_speed_hz = 5
+[axes]
+count = 3
+drive = "stepper"
+steps_per_turn = 400
+trim_rate_deg_per_s = 40
+[drift]
+tilt_limit_mrad = 20
+[[axis]]
+number = 0
+trim_deg = -4.5
+[[axis]]
+number = 1
+reversed = true
+[[axis]]
+number = 2
+steps_per_turn = 1000
+ratio = [2, 3]
+index = false
+[[program]]
+amax_g = 5
+ramp_s = 0.5
+hold_s = 0.3
+[[program]]
+amax_g = 1
+ramp_s = 0.3
+hold_s = 0.1
+"#;
+
+/// Columns that no controller knows.
+const UNKNOWN: [&str; 8] = [
+    "actual_turns_0",
+    "actual_turns_1",
+    "actual_turns_2",
+    "tilt_x_mrad",
+    "tilt_y_mrad",
+    "warp_deg",
+    "z_m",
+    "accel_mps2",
+];
+
+fn cophase() -> Command {
+    let mut command = Command::cargo_bin("cophase").unwrap();
+    command.timeout(Duration::from_secs(120));
+    command
+}
+
+/// The scene as a file, with a folder around it.
+fn scene() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.toml");
+    fs::write(&path, SCENE).unwrap();
+    (folder, path)
+}
+
+fn record(scene: &Path, out: &Path, options: &[&str]) -> String {
+    let to = format!("sim:{}", scene.display());
+    let mut command = cophase();
+    command
+        .args(["link", "record", "--to", &to, "--out"])
+        .arg(out);
+    let done = command.args(options).assert().success();
+    String::from_utf8(done.get_output().stdout.clone()).unwrap()
+}
+
+/// Exit status of the comparison from the start on, and what it found.
+fn compare(a: &Path, b: &Path) -> (i32, serde_json::Value) {
+    let mut command = cophase();
+    command.arg("compare").args([a, b]);
+    let output = command
+        .args(["--from", "start", "--json"])
+        .output()
+        .unwrap();
+    let found = serde_json::from_slice(&output.stdout);
+    (output.status.code().unwrap(), found.unwrap())
+}
+
+fn report(folder: &Path) -> serde_json::Value {
+    serde_json::from_slice(&fs::read(folder.join("report.json")).unwrap()).unwrap()
+}
+
+/// If this fails, a recorded run cannot be compared with a simulated one.
+#[test]
+fn a_recording_of_a_simulated_controller_is_the_run_of_its_scene() {
+    let (folder, scene) = scene();
+    let (ran, recorded) = (folder.path().join("ran"), folder.path().join("recorded"));
+    let mut command = cophase();
+    command.arg("run").arg(&scene).arg("--out").arg(&ran);
+    command
+        .args(["--quiet", "--every", "1", "--window", "all"])
+        .assert()
+        .success();
+    record(&scene, &recorded, &["--window", "all"]);
+    let (status, found) = compare(&ran, &recorded);
+    assert_eq!(status, 0, "{found:#}");
+    let rows = fs::read_to_string(ran.join("trace.csv"))
+        .unwrap()
+        .lines()
+        .count()
+        - 1;
+    assert_eq!(
+        found["points"].as_u64().unwrap() as usize,
+        rows,
+        "every row is compared"
+    );
+    for column in found["columns"].as_array().unwrap() {
+        let is_unknown = UNKNOWN.contains(&column["name"].as_str().unwrap());
+        let compared = column["compared"].as_u64().unwrap();
+        assert_eq!(
+            compared,
+            if is_unknown { 0 } else { rows as u64 },
+            "{column}"
+        );
+        // To the last digit, and not only within a tolerance.
+        assert!(
+            is_unknown || column["largest"].as_f64().unwrap_or(0.0) == 0.0,
+            "{column}"
+        );
+    }
+    assert_eq!(found["events"]["equal"], 4);
+    let wires = found["edges"]["wires"].as_array().unwrap();
+    let equal: u64 = wires
+        .iter()
+        .map(|wire| wire["equal"].as_u64().unwrap())
+        .sum();
+    assert!(equal > 10_000, "{equal} edges");
+    for wire in ["dir_0", "step_0", "step_1", "step_2", "enable"] {
+        assert!(wires.iter().any(|known| known["name"] == wire), "{wire}");
+    }
+    let unknown = &found["edges"]["unknown"];
+    assert_eq!(
+        *unknown,
+        serde_json::json!(["index_0", "index_1", "index_2", "sync"])
+    );
+    let report = report(&recorded);
+    assert_eq!(report["samples"]["lost"], 0);
+    assert_eq!(report["ended"]["state"], "parked");
+    assert_eq!(
+        report["axes"][2]["steps"],
+        self::report(&ran)["axes"][2]["steps"]
+    );
+}
+
+/// Without every tick there are no edges, and none of an earlier recording stay.
+#[test]
+fn a_recording_without_every_tick_has_no_edges_and_says_why() {
+    let (folder, scene) = scene();
+    let out = folder.path().join("out");
+    fs::create_dir(&out).unwrap();
+    fs::write(out.join("steps.vcd"), "of an earlier recording").unwrap();
+    let text = record(
+        &scene,
+        &out,
+        &["--every", "10", "--for", "0.5", "--channels", "speed,phase"],
+    );
+    assert!(
+        text.contains("there is no steps.vcd: not every tick was recorded"),
+        "{text}"
+    );
+    assert!(!out.join("steps.vcd").exists());
+    let report = report(&out);
+    assert_eq!(report["written"]["every"], 10);
+    assert!(report["written"]["window_from_s"].is_null());
+    let trace = fs::read_to_string(out.join("trace.csv")).unwrap();
+    let header: Vec<&str> = trace.lines().next().unwrap().split(',').collect();
+    let known = [
+        "t_s",
+        "state",
+        "state_code",
+        "amax_commanded_mps2",
+        "omega_rad_s",
+        "phase_turns",
+    ];
+    for line in trace.lines().skip(1) {
+        for (name, field) in header.iter().zip(line.split(',')) {
+            assert_eq!(field.is_empty(), !known.contains(name), "{name}: `{field}`");
+        }
+    }
+}
+
+/// Drops some packets of samples, and counts the samples in them.
+#[derive(Default)]
+struct LossyLine {
+    frame: Vec<u8>,
+    packets: u32,
+    lost: Arc<AtomicU64>,
+}
+
+impl LossyLine {
+    /// Bytes that come through.
+    fn pass(&mut self, bytes: &[u8]) -> Vec<u8> {
+        let mut passed = Vec::new();
+        for &byte in bytes {
+            self.frame.push(byte);
+            if byte != 0 {
+                continue;
+            }
+            let samples = samples(&self.frame);
+            self.packets += u32::from(samples > 0);
+            // The first packet shows where the recording begins, and later ones that these were lost.
+            if samples > 0 && matches!(self.packets, 5 | 6 | 20 | 41) {
+                self.lost.fetch_add(samples, Ordering::SeqCst);
+            } else {
+                passed.extend_from_slice(&self.frame);
+            }
+            self.frame.clear();
+        }
+        passed
+    }
+}
+
+/// Samples in a frame.
+fn samples(frame: &[u8]) -> u64 {
+    let mut client = Client::new();
+    let mut count = 0;
+    for &byte in frame {
+        if let Some(Message::Samples { count: samples, .. }) = client.push(byte) {
+            count = samples.into();
+        }
+    }
+    count
+}
+
+/// A simulated controller behind a TCP port whose line loses packets.
+fn serve(lost: Arc<AtomicU64>, is_over: Arc<AtomicBool>) -> (u16, std::thread::JoinHandle<()>) {
+    let checked = Checked::new(load::parse(SCENE).unwrap()).unwrap();
+    let mut hub = Hub::<_, 1>::new(SimulatedDevice::new(checked, 1.0).unwrap());
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    let thread = std::thread::spawn(move || {
+        let (mut stream, _): (TcpStream, _) = listener.accept().unwrap();
+        stream
+            .set_read_timeout(Some(Duration::from_millis(1)))
+            .unwrap();
+        hub.connect(0);
+        let mut line = LossyLine {
+            lost,
+            ..LossyLine::default()
+        };
+        let mut bytes = [0; 1024];
+        while !is_over.load(Ordering::SeqCst) {
+            hub.poll();
+            let count = hub.transmit(0, &mut bytes);
+            if stream.write_all(&line.pass(&bytes[..count])).is_err() {
+                return;
+            }
+            match stream.read(&mut bytes) {
+                Ok(0) => return,
+                Ok(count) => hub.receive(0, &bytes[..count]),
+                Err(_) => {}
+            }
+        }
+    });
+    (port, thread)
+}
+
+#[test]
+fn every_sample_that_the_line_loses_is_counted_and_none_is_made_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let (lost, is_over) = (
+        Arc::new(AtomicU64::new(0)),
+        Arc::new(AtomicBool::new(false)),
+    );
+    let (port, thread) = serve(lost.clone(), is_over.clone());
+    let to = format!("tcp:127.0.0.1:{port}");
+    let mut command = cophase();
+    command
+        .args(["link", "record", "--to", &to, "--start", "--yes", "--out"])
+        .arg(&out);
+    let done = command.assert().success();
+    is_over.store(true, Ordering::SeqCst);
+    thread.join().unwrap();
+    let lost = lost.load(Ordering::SeqCst);
+    assert!(lost > 0);
+    let report = report(&out);
+    assert_eq!(report["samples"]["lost"], lost);
+    assert_eq!(
+        report["samples"]["gaps"], 3,
+        "two packets follow each other"
+    );
+    let text = String::from_utf8(done.get_output().stdout.clone()).unwrap();
+    assert!(text.contains(&format!("{lost} lost in 3 gaps")), "{text}");
+    assert!(
+        text.contains("there is no steps.vcd: samples were lost"),
+        "{text}"
+    );
+    assert!(!out.join("steps.vcd").exists());
+    // Rows are at ticks that came: as many are missing between the first and the last.
+    let trace = fs::read_to_string(out.join("trace.csv")).unwrap();
+    let ticks: Vec<u64> = trace
+        .lines()
+        .skip(1)
+        .map(|line| {
+            (line.split(',').next().unwrap().parse::<f64>().unwrap() * 2000.0).round() as u64
+        })
+        .collect();
+    assert_eq!(
+        ticks.last().unwrap() - ticks[0] + 1 - ticks.len() as u64,
+        lost
+    );
+    assert_eq!(report["samples"]["recorded"], ticks.len());
+}
+
+/// Ctrl-C ends a recording, and its files are written.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_ends_the_recording_and_writes_it() {
+    let (folder, scene) = scene();
+    let long = SCENE.replace("hold_s = 0.3", "hold_s = 1000");
+    fs::write(&scene, long).unwrap();
+    let out = folder.path().join("out");
+    let mut recording = std::process::Command::new(assert_cmd::cargo::cargo_bin("cophase"))
+        .args([
+            "link",
+            "record",
+            "--to",
+            &format!("sim:{}", scene.display()),
+            "--quiet",
+            "--out",
+        ])
+        .arg(&out)
+        .spawn()
+        .unwrap();
+    // The files are begun before the recording is; a second later it is under way.
+    while !out.exists() {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    std::thread::sleep(Duration::from_millis(1000));
+    let interrupt = std::process::Command::new("kill")
+        .args(["-INT", &recording.id().to_string()])
+        .status();
+    assert!(interrupt.unwrap().success());
+    assert_eq!(recording.wait().unwrap().code(), Some(0));
+    let report = report(&out);
+    assert!(report["samples"]["recorded"].as_u64().unwrap() > 100);
+    assert!(out.join("steps.vcd").exists());
+}
+
+#[test]
+fn what_cannot_be_recorded_is_refused() {
+    let (folder, scene) = scene();
+    let taken = folder.path().join("taken");
+    fs::create_dir_all(taken.join("trace.csv")).unwrap();
+    let to = format!("sim:{}", scene.display());
+    for (options, problem) in [
+        (vec!["--out", taken.to_str().unwrap()], "is a directory"),
+        (vec!["--out", "x", "--every", "0"], "0 is not in 1..=10000"),
+        (
+            vec!["--out", "x", "--channels", "torque"],
+            "possible values",
+        ),
+        (vec![], "--out"),
+    ] {
+        let mut command = cophase();
+        command
+            .current_dir(folder.path())
+            .args(["link", "record", "--to", &to])
+            .args(&options);
+        let done = command.assert().code(2);
+        let error = String::from_utf8(done.get_output().stderr.clone()).unwrap();
+        assert!(error.contains(problem), "{error}");
+    }
+    assert!(!folder.path().join("x").exists());
+}

@@ -1,0 +1,77 @@
+//! Samples that were lost.
+
+use serde::Serialize;
+
+/// Gaps that are kept with their times; the others are counted.
+const MOST: usize = 1000;
+
+/// Consecutive samples that were lost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Gap {
+    /// Tick of the first one.
+    pub from_tick: u32,
+    /// Their number.
+    pub samples: u32,
+}
+
+/// Samples that came and samples that did not, between the first and the last that came.
+#[derive(Clone, Debug, Serialize)]
+pub struct Gaps {
+    /// Samples that came.
+    pub recorded: u64,
+    /// Samples that were lost.
+    pub lost: u64,
+    /// Number of gaps.
+    pub gaps: u64,
+    /// The first thousand of them.
+    pub list: Vec<Gap>,
+    #[serde(skip)]
+    every: u32,
+    #[serde(skip)]
+    next: Option<u32>,
+}
+
+impl Gaps {
+    pub(super) const fn new(every: u16) -> Self {
+        Self {
+            recorded: 0,
+            lost: 0,
+            gaps: 0,
+            list: Vec::new(),
+            every: if every == 0 { 1 } else { every as u32 },
+            next: None,
+        }
+    }
+
+    /// Takes note of the tick of a sample; returns how many were lost before it.
+    pub(super) fn push(&mut self, tick: u32) -> u32 {
+        let from_tick = self.next.unwrap_or(tick);
+        let samples = tick.wrapping_sub(from_tick) / self.every;
+        self.next = Some(tick.wrapping_add(self.every));
+        self.recorded += 1;
+        if samples > 0 {
+            self.lost += u64::from(samples);
+            self.gaps += 1;
+            if self.list.len() < MOST {
+                self.list.push(Gap { from_tick, samples });
+            }
+        }
+        samples
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_lost_sample_is_counted_once() {
+        let mut gaps = Gaps::new(5);
+        let lost: Vec<u32> = [10, 15, 35, 40, 50].map(|tick| gaps.push(tick)).into();
+        assert_eq!(lost, [0, 0, 3, 0, 1]);
+        assert_eq!((gaps.recorded, gaps.lost, gaps.gaps), (5, 4, 2));
+        let (first, second) = (gaps.list[0], gaps.list[1]);
+        assert_eq!((first.from_tick, first.samples), (20, 3));
+        assert_eq!((second.from_tick, second.samples), (45, 1));
+    }
+}

@@ -1,0 +1,85 @@
+//! Events that a controller reported, as those of a run.
+
+use cophase_core::supervisor::{Fault, FaultKind, State};
+use cophase_link::message::{Event as Reported, EventRecord};
+
+use super::played_ns;
+use crate::sim::events::{Event, EventKind};
+use crate::trace::ScopeData;
+
+/// Converts events. `runs` has, for each beginning of the program, the tick and the ticks of the program that were over.
+pub(super) fn events(records: &[EventRecord], runs: &[(u32, u32)], tick_ns: u64) -> Vec<Event> {
+    let mut events = Vec::new();
+    let (mut missed, mut latched) = (0, None);
+    for record in records {
+        let t_s = played_ns(record.tick, tick_ns) as f64 * 1e-9;
+        let mut note = |what| events.push(Event { t_s, what });
+        match record.event {
+            Reported::State(state) => {
+                let Some(&state) = State::ALL.get(usize::from(state)) else {
+                    continue;
+                };
+                note(state_event(state, record.tick, runs, tick_ns));
+                if state == State::Idle {
+                    latched = None;
+                }
+            }
+            Reported::Fault(fault) => {
+                let Some(fault) = fault.fault() else { continue };
+                note(EventKind::Reported(fault));
+                if latched != Some(fault) {
+                    latched = Some(fault);
+                    note(latched_event(fault));
+                }
+            }
+            Reported::Reported(fault) => {
+                if let Some(fault) = fault.fault() {
+                    note(EventKind::Reported(fault));
+                }
+            }
+            Reported::Missed(all) => {
+                note(EventKind::Missed {
+                    deadlines: all.saturating_sub(missed),
+                });
+                missed = all;
+            }
+            // The report has their numbers.
+            _ => {}
+        }
+    }
+    events
+}
+
+fn state_event(state: State, tick: u32, runs: &[(u32, u32)], tick_ns: u64) -> EventKind {
+    let from = runs.iter().find(|(from, _)| *from == tick);
+    match from {
+        // The first tick of the program is over already.
+        Some((_, over)) if state == State::Run => EventKind::Running {
+            from_s: f64::from(over.saturating_sub(1)) * tick_ns as f64 * 1e-9,
+        },
+        _ => EventKind::State(state),
+    }
+}
+
+/// The direction of a tilt is not among the events, and is left out.
+const fn latched_event(fault: Fault) -> EventKind {
+    EventKind::Fault {
+        fault,
+        leading_deg: None,
+    }
+}
+
+/// Marks an event on the scope's page.
+pub(super) fn mark(scope: &mut ScopeData, event: &Event) {
+    let kind = |kind: FaultKind| kind.to_string();
+    match event.what {
+        EventKind::Missed { .. } => scope.mark(event.t_s, "deadlines missed"),
+        EventKind::Fault { fault, .. } => {
+            scope.mark(event.t_s, &format!("fault: {}", kind(fault.kind)));
+        }
+        EventKind::Reported(fault) => {
+            scope.mark(event.t_s, &format!("reported: {}", kind(fault.kind)));
+        }
+        _ => {}
+    }
+}

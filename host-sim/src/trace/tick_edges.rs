@@ -1,0 +1,71 @@
+//! Edges of one tick, as `steps.vcd` takes them.
+
+use cophase_core::pulse::Runs;
+
+use crate::sim::Moment;
+
+/// Pulses of all axes in one tick, and the levels of the other wires.
+#[derive(Debug)]
+pub struct TickEdges<'a> {
+    /// Beginning of the tick, ns since power-up.
+    pub start_ns: u64,
+    /// End of it.
+    pub end_ns: u64,
+    /// Cycles of the step clock in the tick.
+    pub tick_cycles: u32,
+    /// True if the master turns.
+    pub moves: bool,
+    /// Pulses of each axis.
+    pub runs: heapless::Vec<&'a Runs, { cophase_core::units::MAX_AXES }>,
+    /// Axes whose direction is inverted at the pin.
+    pub reversed: &'a [bool],
+    /// Level of the drives' enable.
+    pub enable: bool,
+    /// Wires that only a simulated machine knows.
+    pub sensed: Option<SensedEdges<'a>>,
+}
+
+/// Wires that no controller reports.
+#[derive(Debug)]
+pub struct SensedEdges<'a> {
+    /// When index lines rose: cycles from the tick's beginning.
+    pub index: &'a [Option<u32>],
+    /// Length of an index pulse, cycles.
+    pub index_cycles: u32,
+    /// Level of the sync line.
+    pub sync: bool,
+}
+
+impl<'a> TickEdges<'a> {
+    /// Edges of a tick of a simulated run.
+    pub fn of(moment: &Moment<'a>, reversed: &'a [bool]) -> Self {
+        Self {
+            start_ns: moment.start_ns,
+            end_ns: moment.end_ns,
+            tick_cycles: moment.machine.tick_cycles(),
+            moves: moment.telemetry.motion.speed != 0,
+            runs: (0..moment.axis_count())
+                .map(|i| moment.played.runs(i))
+                .collect(),
+            reversed,
+            enable: moment.drives_enabled,
+            sensed: Some(SensedEdges {
+                index: moment.index,
+                index_cycles: moment.machine.index_cycles,
+                sync: moment.sync,
+            }),
+        }
+    }
+
+    /// Time of so many cycles of the step clock, ns, rounded down.
+    pub fn ns(&self, cycles: u64) -> u64 {
+        cycles * (self.end_ns - self.start_ns) / u64::from(self.tick_cycles)
+    }
+
+    /// When the index line of an axis rose and falls again, ns since power-up.
+    pub(super) fn index_ns(&self, axis: usize) -> Option<(u64, u64)> {
+        let sensed = self.sensed.as_ref()?;
+        let rise = self.start_ns + self.ns(sensed.index[axis]?.into());
+        Some((rise, rise + self.ns(sensed.index_cycles.into())))
+    }
+}

@@ -1,0 +1,138 @@
+//! The traces of a run, which all are made of the same rows and edges.
+
+use std::io::{Seek, Write};
+
+use super::edges::EdgeOutputs;
+use super::mcap::TraceMcap;
+use super::rows::{Every, RowWriter, Rows};
+use super::window::{StepWindow, Window};
+use super::{Format, RecordError, Row, RowsUdp, ScopeData, TickEdges, TraceCsv};
+use crate::report::Written;
+
+/// Form of the traces.
+#[derive(Clone, Copy, Debug)]
+pub struct TraceSetup<'a> {
+    /// Number of axes.
+    pub axes: usize,
+    /// Rows that `trace.csv` gets.
+    pub every: Every,
+    /// Time that `steps.vcd` shows.
+    pub window: Window,
+    /// Columns that nobody knows, less the number of the axis.
+    pub unknown: &'a [&'a str],
+}
+
+/// Writer of the files, which gathers what `scope.svg` is drawn from.
+pub struct Traces<'a, W: Write + Seek> {
+    axes: usize,
+    rows: Rows<'a>,
+    steps: StepWindow<W>,
+    scope: ScopeData,
+}
+
+impl<'a, W: Write + Seek + 'a> Traces<'a, W> {
+    /// Writes to `files`, one of each format at most; sends rows to `udp`; and gathers `scope`.
+    ///
+    /// # Errors
+    /// A header cannot be written.
+    pub fn new(
+        setup: &TraceSetup<'_>,
+        files: impl IntoIterator<Item = (Format, W)>,
+        udp: Option<&'a mut RowsUdp>,
+        scope: ScopeData,
+    ) -> Result<Self, RecordError> {
+        let axes = setup.axes;
+        let mut rows: Vec<Box<dyn RowWriter + 'a>> = Vec::new();
+        let mut edges = EdgeOutputs::default();
+        for (format, w) in files {
+            match format {
+                Format::Csv => {
+                    rows.push(Box::new(TraceCsv::new(w, axes)?.without(setup.unknown)));
+                }
+                Format::Mcap => rows.push(Box::new(TraceMcap::new(w, axes)?)),
+                Format::Vcd => edges.vcd = Some(w),
+                Format::Fst => edges.fst = Some(w),
+            }
+        }
+        if let Some(udp) = udp {
+            rows.push(Box::new(udp));
+        }
+        Ok(Self {
+            axes,
+            rows: Rows::new(rows, setup.every),
+            steps: StepWindow::new(edges, setup.window),
+            scope,
+        })
+    }
+
+    /// Takes the row of the next tick.
+    ///
+    /// # Errors
+    /// The trace cannot be written.
+    pub fn push_row(&mut self, row: &Row) -> Result<(), RecordError> {
+        self.scope.push(row);
+        self.rows.push(row)
+    }
+
+    /// Takes the edges of the next tick, and its row for files that have room for its numbers.
+    ///
+    /// # Errors
+    /// The edges cannot be written.
+    pub fn push_edges(
+        &mut self,
+        tick: &TickEdges<'_>,
+        row: Option<&Row>,
+    ) -> Result<(), RecordError> {
+        Ok(self.steps.tick(tick, row)?)
+    }
+
+    /// Closes the files; returns how the trace was written, and what the scope shows.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn finish(self) -> Result<(Written, ScopeData), RecordError> {
+        let (every, rows) = self.rows.finish()?;
+        let (from_ns, to_ns) = self.steps.finish(self.axes)?;
+        let written = Written {
+            every,
+            rows,
+            window_from_s: from_ns as f64 * 1e-9,
+            window_to_s: to_ns as f64 * 1e-9,
+        };
+        Ok((written, self.scope))
+    }
+}
+
+impl<W: Write> RowWriter for TraceCsv<W> {
+    fn write(&mut self, row: &Row) -> Result<(), RecordError> {
+        Ok(self.write(row)?)
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), RecordError> {
+        (*self).finish()?;
+        Ok(())
+    }
+}
+
+impl<W: Write + Seek> RowWriter for TraceMcap<W> {
+    fn write(&mut self, row: &Row) -> Result<(), RecordError> {
+        Ok(self.write(row)?)
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), RecordError> {
+        (*self).finish()?;
+        Ok(())
+    }
+}
+
+/// What cannot be sent is counted, and is no reason to end a run.
+impl RowWriter for &mut RowsUdp {
+    fn write(&mut self, row: &Row) -> Result<(), RecordError> {
+        self.send(row);
+        Ok(())
+    }
+
+    fn finish(self: Box<Self>) -> Result<(), RecordError> {
+        Ok(())
+    }
+}
