@@ -27,15 +27,21 @@ const START_FROM: &str = "`cophase scenes default > my.toml` writes a scene to s
 /// error is reported, of wrong values up to ten together.
 pub fn checked_from_file(path: &Path) -> Result<Checked, SceneError> {
     let origin = path.display().to_string();
-    let read = || {
-        let text = from_path(path)?;
-        let check = |mut scene: Scene| {
-            cam_file::read_all(&mut scene, path.parent().unwrap_or(Path::new("")))?;
-            Checked::new(scene)
-        };
-        check(parse(&text)?).map_err(|first| others::find(&text, first, check))
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let checked = from_path(path).and_then(|text| checked_from_text(&text, Some(folder)));
+    checked.map_err(|error| error.in_file(&origin))
+}
+
+/// Reads a scene from text and checks its numbers. Files of cam tables are relative to `folder`; without one they are refused.
+///
+/// # Errors
+/// As of [`checked_from_file`]. The error has no origin yet.
+pub fn checked_from_text(text: &str, folder: Option<&Path>) -> Result<Checked, SceneError> {
+    let check = |mut scene: Scene| {
+        cam_file::read_all(&mut scene, folder)?;
+        Checked::new(scene)
     };
-    read().map_err(|error| error.in_file(&origin))
+    check(parse(text)?).map_err(|first| others::find(text, first, check))
 }
 
 fn from_path(path: &Path) -> Result<String, SceneError> {

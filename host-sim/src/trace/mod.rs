@@ -38,7 +38,7 @@ pub use mcap::{McapTraceError, TraceMcap};
 pub use recorder::{RecordError, Recorder};
 pub use row::{AxisRow, Row};
 pub use rows::{Every, MOST_ROWS};
-pub use scope::{Moved, Overlay, OverlayRow, ScopeData, ScopeFrame};
+pub use scope::{Envelope, Extent, Moved, Overlay, OverlayRow, ScopeData, ScopeFrame};
 pub use tick_edges::{SensedEdges, TickEdges};
 pub(crate) use traces::{TraceSetup, Traces};
 pub use udp::{RowsUdp, SentRows};

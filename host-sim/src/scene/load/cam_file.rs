@@ -16,13 +16,18 @@ const SAME_TURNS: f64 = 2e-6;
 /// No table needs more.
 const MOST_BYTES: u64 = 1 << 20;
 
-/// Reads the files of all cam tables of a scene in `folder`.
-pub(super) fn read_all(scene: &mut Scene, folder: &Path) -> Result<(), SceneError> {
+/// Reads the files of all cam tables of a scene in `folder`, if it is in one.
+pub(super) fn read_all(scene: &mut Scene, folder: Option<&Path>) -> Result<(), SceneError> {
     for (entry, table) in scene.cam_table.iter_mut().enumerate() {
         let Some(name) = &table.file else {
             continue;
         };
-        let read = read_text(&folder.join(name)).and_then(|text| points(&text, table));
+        let read = folder
+            .ok_or_else(|| {
+                " cannot be opened: the scene is text without a folder; give the curve as [[cam_table.segment]]".to_owned()
+            })
+            .and_then(|folder| read_text(&folder.join(name)))
+            .and_then(|text| points(&text, table));
         table.points_turns = read.map_err(|problem| {
             SceneError::at(
                 format!("cam_table[{entry}].file"),

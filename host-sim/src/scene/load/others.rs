@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use toml::{Table, Value};
 
+use super::parse;
 use super::place::{Step, example_value, line_of_key, steps};
 use crate::scene::{Checked, Scene, SceneError};
 
@@ -71,7 +72,8 @@ impl Replaced {
                 };
                 let mut better = table.clone();
                 if put(&mut better, place, value).is_some()
-                    && let Ok(scene) = better.clone().try_into()
+                    // Read as the file was: a second reader would have to be compiled for every key.
+                    && let Ok(scene) = parse(&better.to_string())
                 {
                     return Some((better, scene));
                 }

@@ -4,7 +4,6 @@
 
 use toml::de::{DeTable, DeValue};
 
-use crate::scene::Scene;
 use crate::scene::library::SCENES;
 
 /// The line of a byte, counted from 1.
@@ -100,9 +99,7 @@ pub(super) fn example(path: &str) -> Option<String> {
 pub(super) fn home_of(key: &str) -> Option<String> {
     let scenes: Vec<toml::Table> = SCENES
         .iter()
-        .filter_map(|built_in| {
-            toml::Table::try_from(toml::from_str::<Scene>(built_in.text).ok()?).ok()
-        })
+        .filter_map(|built_in| toml::Table::try_from(built_in.scene()).ok())
         .collect();
     let is_at_top = |scene: &toml::Table| {
         scene

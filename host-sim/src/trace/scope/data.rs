@@ -1,6 +1,6 @@
 //! What is kept of a run to draw it.
 
-use super::envelope::Envelope;
+use super::envelope::{Envelope, PAGE_BUCKETS};
 use super::timeline::Timeline;
 use crate::trace::Row;
 
@@ -115,7 +115,7 @@ impl ScopeData {
         Self {
             axes,
             frame,
-            envelope: Envelope::new(channels),
+            envelope: Envelope::new(channels, PAGE_BUCKETS),
             timeline: Timeline::default(),
             amplitude: TurnAmplitude::NONE,
             values: vec![f64::NAN; channels],

@@ -5,8 +5,8 @@
 //! two by two and each bucket takes twice as many rows from then on; so a row costs one comparison a channel,
 //! and the merging, spread over the rows, about as much again.
 
-/// Buckets at most. Even, so that they merge in pairs; a page has fewer pixels across.
-pub const CAPACITY: usize = 1500;
+/// Buckets of a page, which has fewer pixels across.
+pub(super) const PAGE_BUCKETS: usize = 1500;
 
 /// Smallest and largest of some values; empty, if none of them was finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,6 +69,7 @@ impl Extent {
 #[derive(Clone, Debug)]
 pub struct Envelope {
     channels: usize,
+    most_buckets: usize,
     rows_per_bucket: u64,
     rows_in_last: u64,
     /// First and last time of each bucket.
@@ -78,10 +79,11 @@ pub struct Envelope {
 }
 
 impl Envelope {
-    /// Of no rows yet.
-    pub fn new(channels: usize) -> Self {
+    /// An envelope without rows, of at most `most_buckets` buckets; an odd number is rounded up, as buckets merge in pairs.
+    pub fn new(channels: usize, most_buckets: usize) -> Self {
         Self {
             channels,
+            most_buckets: most_buckets.max(2).next_multiple_of(2),
             rows_per_bucket: 1,
             rows_in_last: 0,
             spans: Vec::new(),
@@ -94,7 +96,7 @@ impl Envelope {
     pub fn push(&mut self, t_s: f64, values: &[f64]) {
         debug_assert_eq!(values.len(), self.channels);
         if self.spans.is_empty() || self.rows_in_last == self.rows_per_bucket {
-            if self.spans.len() == CAPACITY {
+            if self.spans.len() == self.most_buckets {
                 self.merge();
             }
             self.spans.push((t_s, t_s));
@@ -137,6 +139,19 @@ impl Envelope {
         self.rows_per_bucket > 1
     }
 
+    /// Number of buckets.
+    pub fn buckets(&self) -> usize {
+        self.spans.len()
+    }
+
+    /// All buckets: first time, last time, and the extent of each channel.
+    pub fn rows(&self) -> impl Iterator<Item = (f64, f64, &[Extent])> {
+        self.spans
+            .iter()
+            .zip(self.extents.chunks_exact(self.channels.max(1)))
+            .map(|(&(first, last), extents)| (first, last, extents))
+    }
+
     /// One channel's buckets: first time, last time, extent.
     pub fn channel(&self, channel: usize) -> impl Iterator<Item = (f64, f64, Extent)> + '_ {
         let extents = self
@@ -163,7 +178,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn folded(rows: &[[f64; 2]]) -> Envelope {
-        let mut envelope = Envelope::new(2);
+        let mut envelope = Envelope::new(2, PAGE_BUCKETS);
         for (tick, row) in rows.iter().enumerate() {
             envelope.push(tick as f64, row);
         }
@@ -173,12 +188,12 @@ mod tests {
     #[test]
     fn a_single_spike_survives_any_number_of_merges() {
         let rows = 1_000_000_u32;
-        let mut envelope = Envelope::new(1);
+        let mut envelope = Envelope::new(1, PAGE_BUCKETS);
         for tick in 0..rows {
             let value = if tick == 123_457 { -7.0 } else { 0.0 };
             envelope.push(f64::from(tick), &[value]);
         }
-        assert!(envelope.spans.len() <= CAPACITY);
+        assert!(envelope.spans.len() <= PAGE_BUCKETS);
         assert_eq!(
             envelope.total(0),
             Extent {
@@ -210,7 +225,7 @@ mod tests {
                 .flat_map(|r| seeds.iter().map(move |&(wild, tame)| [wild, tame * (r + 1) as f64]))
                 .collect();
             let envelope = folded(&rows);
-            prop_assert!(envelope.spans.len() <= CAPACITY);
+            prop_assert!(envelope.spans.len() <= PAGE_BUCKETS);
             prop_assert_eq!(envelope.span(), Some((0.0, (rows.len() - 1) as f64)));
             for channel in 0..2 {
                 let mut next = 0;

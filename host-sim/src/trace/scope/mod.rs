@@ -23,4 +23,5 @@ mod scale;
 mod timeline;
 
 pub use data::{Moved, ScopeData, ScopeFrame};
+pub use envelope::{Envelope, Extent};
 pub use overlay::{Overlay, OverlayRow};

@@ -73,7 +73,7 @@ impl Overlay {
             origin,
             names: names.map(String::clone),
             axes,
-            envelope: Envelope::new(channels),
+            envelope: Envelope::new(channels, PAGE_BUCKETS),
             amplitudes: [TurnAmplitude::NONE; 2],
             values: vec![f64::NAN; channels],
         }

@@ -1,0 +1,138 @@
+// Editor of a scene's program: text with line numbers and mistakes at their lines, and a plot of what the controller commands.
+
+import { insertExample, EXAMPLES } from './editor-examples.js';
+import { Plot } from './editor-plot.js';
+import { summarise } from './editor-summary.js';
+import { TextPane } from './editor-text.js';
+import { html } from './html.js';
+import { Previews } from './previews.js';
+
+/** Name of the list of mistakes, which describes the text area. */
+const LIST_ID = 'program-mistakes';
+
+/**
+ * Makes an editor inside `element`. `text` is the scene (TOML) to begin with. `onLoad(text)` loads a text; it may return or
+ * promise a sentence to show, and throws an error with the sentence if the text is refused.
+ *
+ * Returns `{ text, setText(text), close() }`. The element receives the event `preview` when a preview is drawn, with
+ * `{ answer, rows, ms }` in its `detail`: `ms` is the time since the text changed.
+ */
+export function createEditor(element, { text = '', onLoad } = {}) {
+  const parts = html(element, 'program-editor', TEMPLATE);
+  const pane = new TextPane(parts.text, { describedBy: LIST_ID, onInput: changed });
+  const plot = new Plot(parts.plot);
+  const previews = new Previews({ onProgress: progressed, onResult: drawn, onFailed: failed });
+  let changedAt = 0;
+  let limits = null;
+  let isLoading = false;
+  let isValid = false;
+
+  for (const { name } of EXAMPLES) parts.example.add(new Option(name));
+  parts.insert.addEventListener('click', () => insertExample(pane, parts.example.selectedIndex, limits));
+  parts.load.addEventListener('click', load);
+  if (!onLoad) parts.load.hidden = true;
+  pane.text = text;
+  changed();
+
+  function changed() {
+    changedAt = performance.now();
+    parts.result.textContent = '';
+    previews.request(pane.text);
+  }
+
+  function progressed({ rows, ticks, expectedTicks }) {
+    plot.draw(rows, limits);
+    parts.summary.textContent = `Computing: ${Math.min(99, Math.round((100 * ticks) / expectedTicks))} %`;
+  }
+
+  function drawn({ answer, rows }) {
+    showMistakes(answer.mistakes);
+    if (answer.scene) {
+      limits = answer.scene.limits;
+      plot.draw(rows, limits);
+      parts.summary.replaceChildren(...summarise(answer.scene, rows));
+    }
+    element.dispatchEvent(new CustomEvent('preview', { bubbles: true, detail: { answer, rows, ms: performance.now() - changedAt } }));
+  }
+
+  function failed(message) {
+    showMistakes([{ line: null, text: `The preview cannot be computed: ${message}. Change the text, or reload the page.` }]);
+  }
+
+  function showMistakes(mistakes) {
+    isValid = mistakes.length === 0;
+    pane.mark(mistakes);
+    plot.isOutdated = !isValid;
+    parts.mistakes.id = LIST_ID;
+    const items = mistakes.map((mistake) => mistakeItem(mistake));
+    // A list that stays the same is not announced again.
+    const now = items.map((item) => item.textContent).join('\n');
+    if (parts.mistakes.dataset.text !== now) {
+      parts.mistakes.dataset.text = now;
+      parts.mistakes.replaceChildren(...items);
+    }
+    updateLoad();
+  }
+
+  function mistakeItem({ line, text: problem }) {
+    const item = document.createElement('li');
+    if (line !== null) {
+      const button = document.createElement('button');
+      button.type = 'button';
+      button.textContent = `Line ${line}`;
+      button.addEventListener('click', () => pane.goTo(line));
+      item.append(button, ' ');
+    }
+    item.append(problem);
+    return item;
+  }
+
+  function updateLoad() {
+    parts.load.disabled = !isValid || isLoading;
+    parts.load.title = isValid ? '' : 'Fix the mistakes first';
+  }
+
+  async function load() {
+    isLoading = true;
+    updateLoad();
+    parts.result.className = '';
+    parts.result.textContent = 'Loading…';
+    try {
+      const sentence = await onLoad(pane.text);
+      parts.result.textContent = typeof sentence === 'string' ? sentence : 'Loaded.';
+    } catch (error) {
+      parts.result.className = 'is-refused';
+      parts.result.textContent = `Not loaded: ${error.message ?? error}`;
+    }
+    isLoading = false;
+    updateLoad();
+  }
+
+  return {
+    get text() {
+      return pane.text;
+    },
+    setText(newText) {
+      pane.text = newText;
+      changed();
+    },
+    close() {
+      previews.close();
+      element.replaceChildren();
+    },
+  };
+}
+
+const TEMPLATE = `
+  <div class="pe-bar">
+    <label>Example <select data-part="example"></select></label>
+    <button type="button" data-part="insert">Replace program</button>
+    <span class="pe-space"></span>
+    <span role="status" data-part="result"></span>
+    <button type="button" data-part="load">Load</button>
+  </div>
+  <div class="pe-text" data-part="text"></div>
+  <ul class="pe-mistakes" aria-live="polite" aria-label="Mistakes" data-part="mistakes"></ul>
+  <div class="pe-plot" data-part="plot"></div>
+  <dl class="pe-summary" aria-label="Summary" data-part="summary"></dl>
+`;

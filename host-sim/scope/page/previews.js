@@ -1,0 +1,89 @@
+// The latest text's preview, computed in a worker.
+
+import { Rows } from './preview.js';
+
+/** Longest time that a preview goes on once a newer text waits, ms: shorter ones are not worth a new worker. */
+const GRACE_MS = 60;
+
+/** Buckets of a preview, about as many as a plot has pixels. */
+const BUCKETS = 1500;
+
+/** Ticks after which a preview ends: under three hours at 2 kHz. */
+export const MOST_TICKS = 20_000_000;
+
+/** Previews of texts: of those that wait only the newest is computed. */
+export class Previews {
+  /** Calls `onProgress({ rows, ticks, expectedTicks })`, `onResult({ answer, rows })` and `onFailed(message)`. */
+  constructor({ onProgress, onResult, onFailed }) {
+    this.handlers = { onProgress, onResult, onFailed };
+    this.waiting = null;
+    this.worker = null;
+    this.isBusy = false;
+    this.ready = this.compile();
+  }
+
+  async compile() {
+    const response = await fetch(new URL('program.wasm', import.meta.url));
+    if (!response.ok) throw new Error(`program.wasm: ${response.status} ${response.statusText}`);
+    this.module = await WebAssembly.compile(await response.arrayBuffer());
+  }
+
+  startWorker() {
+    this.worker = new Worker(new URL('preview-worker.js', import.meta.url), { type: 'module' });
+    this.worker.onmessage = ({ data }) => this.receive(data);
+    this.worker.onerror = (event) => this.receive({ failed: event.message ?? 'the worker could not be started' });
+    this.worker.postMessage(this.module);
+  }
+
+  /** Ends the worker; the next preview starts another. */
+  close() {
+    this.worker?.terminate();
+    this.worker = null;
+    this.isBusy = false;
+  }
+
+  /** Computes a text's preview as soon as possible, instead of those that wait. */
+  async request(text) {
+    this.waiting = text;
+    try {
+      await this.ready;
+    } catch (error) {
+      this.handlers.onFailed(String(error));
+      return;
+    }
+    // An earlier request that waited as well may have taken the text.
+    if (this.waiting === null) return;
+    if (!this.isBusy) this.next();
+    else this.grace ??= setTimeout(() => this.abandon(), GRACE_MS);
+  }
+
+  next() {
+    clearTimeout(this.grace);
+    this.grace = undefined;
+    if (this.waiting === null) return;
+    if (!this.worker) this.startWorker();
+    this.isBusy = true;
+    this.worker.postMessage({ text: this.waiting, buckets: BUCKETS, ticks: MOST_TICKS });
+    this.waiting = null;
+  }
+
+  abandon() {
+    this.close();
+    this.next();
+  }
+
+  receive({ progress, result, failed }) {
+    if (progress) {
+      if (this.waiting === null) this.handlers.onProgress({ ...progress, rows: new Rows(progress.rows) });
+      return;
+    }
+    this.isBusy = false;
+    if (failed !== undefined) {
+      this.close();
+      this.handlers.onFailed(failed);
+    } else if (this.waiting === null) {
+      this.handlers.onResult({ answer: result.answer, rows: new Rows(result.rows) });
+    }
+    this.next();
+  }
+}

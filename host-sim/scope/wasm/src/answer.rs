@@ -1,0 +1,135 @@
+//! Answer to the page: what is wrong with a text, or what its scene comes to.
+
+use std::f64::consts::TAU;
+
+use host_sim::scene::{Checked, SceneError};
+use serde::Serialize;
+
+use crate::Preview;
+
+/// Answer to a text: mistakes, or a scene.
+#[derive(Debug, Serialize)]
+pub struct Answer {
+    /// Mistakes in the order of their lines; empty if the scene was previewed.
+    pub mistakes: Vec<Mistake>,
+    /// The scene, if there is no mistake.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scene: Option<Scene>,
+}
+
+/// Something wrong with the text.
+#[derive(Debug, PartialEq, Serialize)]
+pub struct Mistake {
+    /// Line, counted from 1; none if it is on no line in particular.
+    pub line: Option<usize>,
+    /// Sentence of `cophase run`: key, problem and fix, without the file's name and line.
+    pub text: String,
+}
+
+/// A scene that was previewed.
+#[derive(Debug, Serialize)]
+pub struct Scene {
+    /// Name of the scene.
+    pub name: String,
+    /// Duration of the program, s, without homing and parking.
+    pub program_s: f64,
+    /// Expected duration of the run, s.
+    pub expected_s: f64,
+    /// End of the last tick in the preview, s since power-up.
+    pub previewed_s: f64,
+    /// End of the run.
+    pub ended: Ended,
+    /// Limits of the shaft.
+    pub limits: Limits,
+}
+
+/// End of a run.
+#[derive(Debug, Serialize)]
+pub struct Ended {
+    /// Last state of the supervisor.
+    pub state: &'static str,
+    /// Fault that latched, if one did.
+    pub fault: Option<&'static str>,
+    /// The run goes on, and was previewed up to here only.
+    pub is_cut_off: bool,
+}
+
+/// Limits of the shaft.
+#[derive(Debug, Serialize)]
+pub struct Limits {
+    /// Greatest speed, rad/s.
+    pub speed_rad_s: f64,
+    /// Amax at the greatest speed, m/s².
+    pub amax_mps2: f64,
+    /// Greatest acceleration, rad/s².
+    pub acceleration_rad_s2: f64,
+    /// Forbidden bands of speed, rad/s: lower and upper edge.
+    pub bands_rad_s: Vec<(f64, f64)>,
+}
+
+impl Answer {
+    /// Answer to a text that is refused.
+    pub(crate) fn refused(mut error: SceneError) -> Self {
+        let others = std::mem::take(&mut error.others);
+        let errors = std::iter::once(error).chain(others);
+        Self {
+            mistakes: errors.map(Mistake::of).collect(),
+            scene: None,
+        }
+    }
+
+    /// Answer to a scene.
+    pub(crate) const fn previewed(scene: Scene) -> Self {
+        Self {
+            mistakes: Vec::new(),
+            scene: Some(scene),
+        }
+    }
+}
+
+impl Mistake {
+    /// The page marks the line, so that it is not repeated in the text.
+    fn of(error: SceneError) -> Self {
+        let line = error.line;
+        let unplaced = SceneError {
+            origin: String::new(),
+            line: None,
+            ..error
+        };
+        let text = unplaced.to_string();
+        Self {
+            line,
+            text: text.strip_prefix(": ").unwrap_or(&text).to_owned(),
+        }
+    }
+}
+
+impl Scene {
+    pub(crate) fn new(
+        checked: &Checked,
+        preview: &Preview,
+        expected_ticks: u64,
+        ended: Ended,
+    ) -> Result<Self, SceneError> {
+        let tick_s = 1.0 / f64::from(checked.settings.tick_hz);
+        let limits = &checked.settings.limits;
+        let program_ticks = checked.controller()?.program().0.duration();
+        Ok(Self {
+            name: checked.scene.name.clone(),
+            program_s: program_ticks as f64 * tick_s,
+            expected_s: expected_ticks as f64 * tick_s,
+            previewed_s: preview.envelope().span().map_or(0.0, |(_, last_s)| last_s),
+            ended,
+            limits: Limits {
+                speed_rad_s: limits.speed_hz * TAU,
+                amax_mps2: preview.amax_at(limits.speed_hz),
+                acceleration_rad_s2: limits.reachable_acceleration_hz_per_s() * TAU,
+                bands_rad_s: limits
+                    .bands
+                    .iter()
+                    .map(|band| (band.from_hz * TAU, band.to_hz * TAU))
+                    .collect(),
+            },
+        })
+    }
+}

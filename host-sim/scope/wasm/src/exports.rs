@@ -1,0 +1,101 @@
+//! Interface for JavaScript: numbers and memory, no generated code.
+//!
+//! The page writes UTF-8 text into the room that [`room`] returns, and calls [`preview`]. The results remain until the next call:
+//! [`answer`] is JSON (UTF-8), [`envelope`] is rows of 64-bit floats. A row is one bucket: its first and last time (s), then smallest
+//! and largest value of each channel. All pointers come with a length from a second function, as a function returns one number.
+
+#![expect(
+    unsafe_code,
+    reason = "an export needs a name of its own; nothing here reads a pointer"
+)]
+
+use std::cell::RefCell;
+
+use host_sim::trace::Envelope;
+
+use crate::{CHANNELS, compute};
+
+#[link(wasm_import_module = "page")]
+unsafe extern "C" {
+    /// Called now and then while a preview grows: rows so far, their number, and the ticks done and expected.
+    safe fn progress(rows: *const f64, count: usize, ticks: f64, expected_ticks: f64);
+}
+
+thread_local! {
+    static TEXT: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
+    static ANSWER: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
+    static ROWS: RefCell<Vec<f64>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Room for a text of so many bytes.
+#[unsafe(no_mangle)]
+extern "C" fn room(length: usize) -> *mut u8 {
+    TEXT.with_borrow_mut(|text| {
+        text.clear();
+        text.resize(length, 0);
+        text.as_mut_ptr()
+    })
+}
+
+/// Checks and previews the text in the room.
+#[unsafe(no_mangle)]
+extern "C" fn preview(most_buckets: usize, most_ticks: f64) {
+    let text = TEXT.take();
+    // A page's text has no lone surrogates once it is encoded.
+    let text = String::from_utf8_lossy(&text);
+    let (answer, envelope) = compute(
+        &text,
+        most_buckets,
+        most_ticks as u64,
+        |preview, expected| {
+            let rows = rows(preview.envelope());
+            let count = preview.envelope().buckets();
+            progress(rows.as_ptr(), count, preview.ticks as f64, expected as f64);
+        },
+    );
+    // Strings and finite numbers can always be written.
+    ANSWER.set(serde_json::to_vec(&answer).unwrap_or_default());
+    ROWS.set(rows(&envelope));
+}
+
+/// Answer of the last preview.
+#[unsafe(no_mangle)]
+extern "C" fn answer() -> *const u8 {
+    ANSWER.with_borrow(|answer| answer.as_ptr())
+}
+
+/// Length of the answer, bytes.
+#[unsafe(no_mangle)]
+extern "C" fn answer_length() -> usize {
+    ANSWER.with_borrow(Vec::len)
+}
+
+/// Rows of the last preview.
+#[unsafe(no_mangle)]
+extern "C" fn envelope() -> *const f64 {
+    ROWS.with_borrow(|rows| rows.as_ptr())
+}
+
+/// Number of the rows.
+#[unsafe(no_mangle)]
+extern "C" fn envelope_rows() -> usize {
+    ROWS.with_borrow(Vec::len) / ROW
+}
+
+/// Numbers in a row.
+const ROW: usize = 2 + 2 * CHANNELS;
+
+/// Numbers in a row.
+#[unsafe(no_mangle)]
+extern "C" fn row_length() -> usize {
+    ROW
+}
+
+fn rows(envelope: &Envelope) -> Vec<f64> {
+    let mut rows = Vec::with_capacity(envelope.buckets() * ROW);
+    for (first_s, last_s, extents) in envelope.rows() {
+        rows.extend([first_s, last_s]);
+        rows.extend(extents.iter().flat_map(|extent| [extent.low, extent.high]));
+    }
+    rows
+}

@@ -1,0 +1,147 @@
+//! Run of a scene whose every tick is folded into an envelope.
+
+use std::f64::consts::TAU;
+
+use cophase_core::mechanism::{AnyMechanism, Mechanism};
+use cophase_core::supervisor::State;
+use cophase_core::units::Turns;
+use host_sim::fidelity::LADDER;
+use host_sim::scene::file::Noise;
+use host_sim::scene::{Checked, SceneError, load};
+use host_sim::sim::{Moment, Observer, simulate_first};
+use host_sim::trace::Envelope;
+use host_sim::units::{mps2, speed_hz, turns};
+
+use crate::answer::{Answer, Ended, Scene};
+
+/// Values of a tick, in the order of the envelope's channels: amax requested and commanded (m/s²), speed (rad/s), acceleration of the
+/// shaft (rad/s²), then 1 or 0: the speed lags behind the program as the acceleration is limited, it is held at the edge of a
+/// forbidden band, it crosses such a band; last the number of the supervisor's state.
+pub const CHANNELS: usize = 8;
+
+/// Ticks between two reports of the envelope.
+const REPORT_TICKS: u64 = 1 << 16;
+
+/// Checks a scene's text and previews it. The envelope has at most `most_buckets` buckets, and the run at most `most_ticks` ticks.
+///
+/// `report` receives the preview now and then while it grows, and the expected number of ticks.
+///
+/// A machine to which nothing happens has no faults, noise or late deadlines. Its model level is the lowest that it has, as
+/// model levels differ in what the machine does, and not in what is commanded.
+pub fn compute(
+    text: &str,
+    most_buckets: usize,
+    most_ticks: u64,
+    report: impl FnMut(&Preview, u64),
+) -> (Answer, Envelope) {
+    let run = || {
+        let checked = undisturbed(load::checked_from_text(text, None)?)?;
+        run(&checked, most_buckets, most_ticks, report)
+    };
+    run().unwrap_or_else(|error: SceneError| {
+        (
+            Answer::refused(error),
+            Envelope::new(CHANNELS, most_buckets),
+        )
+    })
+}
+
+/// The same scene with nothing that disturbs its machine, on the lowest model level that it has.
+fn undisturbed(mut checked: Checked) -> Result<Checked, SceneError> {
+    checked.scene.fault.clear();
+    checked.scene.late.clear();
+    checked.scene.noise = Noise::default();
+    let lowest = LADDER.iter().find_map(|&level| checked.on(level).ok());
+    Ok(lowest.unwrap_or(checked))
+}
+
+fn run(
+    checked: &Checked,
+    most_buckets: usize,
+    most_ticks: u64,
+    report: impl FnMut(&Preview, u64),
+) -> Result<(Answer, Envelope), SceneError> {
+    let expected_ticks = host_sim::sim::expected_ticks(checked)?;
+    let mut observer = Reporting {
+        preview: Preview::new(checked, most_buckets),
+        report,
+        expected_ticks,
+    };
+    let outcome = simulate_first(most_ticks, checked, &mut observer, |_, _| {})?;
+    let preview = observer.preview;
+    let ended = Ended {
+        state: outcome.state.name(),
+        fault: outcome.fault.map(|fault| fault.kind.name()),
+        is_cut_off: matches!(outcome.state, State::Homing | State::Run | State::Stop),
+    };
+    let scene = Scene::new(checked, &preview, expected_ticks, ended)?;
+    Ok((Answer::previewed(scene), preview.envelope))
+}
+
+/// The envelope of a run so far, and its greatest values.
+pub struct Preview {
+    envelope: Envelope,
+    mechanism: AnyMechanism,
+    tick_hz: u32,
+    /// Ticks that are in the envelope.
+    pub ticks: u64,
+}
+
+impl Preview {
+    fn new(checked: &Checked, most_buckets: usize) -> Self {
+        Self {
+            envelope: Envelope::new(CHANNELS, most_buckets),
+            mechanism: checked.settings.mechanism(),
+            tick_hz: checked.settings.tick_hz,
+            ticks: 0,
+        }
+    }
+
+    /// Amax at a speed in rev/s, m/s².
+    pub(crate) fn amax_at(&self, speed_hz: f64) -> f64 {
+        let speed = Turns::saturating_from_num(speed_hz / f64::from(self.tick_hz));
+        mps2(self.mechanism.amax(speed))
+    }
+
+    /// The envelope so far.
+    pub const fn envelope(&self) -> &Envelope {
+        &self.envelope
+    }
+}
+
+impl Observer for Preview {
+    fn tick(&mut self, moment: &Moment<'_>) {
+        let telemetry = moment.telemetry;
+        let motion = &telemetry.motion;
+        let hz = f64::from(self.tick_hz);
+        let flag = |is_set: bool| f64::from(u8::from(is_set));
+        let values: [f64; CHANNELS] = [
+            mps2(telemetry.amax_requested),
+            mps2(self.mechanism.amax(motion.speed)),
+            speed_hz(motion.speed, self.tick_hz) * TAU,
+            turns(motion.acceleration) * hz * hz * TAU,
+            flag(motion.lagging),
+            flag(motion.held_at_band),
+            flag(motion.crossing_band),
+            f64::from(telemetry.state as u8),
+        ];
+        self.envelope.push(moment.end_ns as f64 * 1e-9, &values);
+        self.ticks += 1;
+    }
+}
+
+/// A preview that is reported while it grows.
+struct Reporting<R> {
+    preview: Preview,
+    report: R,
+    expected_ticks: u64,
+}
+
+impl<R: FnMut(&Preview, u64)> Observer for Reporting<R> {
+    fn tick(&mut self, moment: &Moment<'_>) {
+        self.preview.tick(moment);
+        if self.preview.ticks.is_multiple_of(REPORT_TICKS) {
+            (self.report)(&self.preview, self.expected_ticks);
+        }
+    }
+}
