@@ -9,7 +9,7 @@ use kuva::render::render::Scene;
 
 use super::data::TurnAmplitude;
 use super::draft::{Draft, Panel, Pen};
-use super::envelope::{Envelope, Extent};
+use super::envelope::{Envelope, Extent, PAGE_BUCKETS};
 use super::ink::{BLUE, DARK_BLUE, GREEN, INK, LEFT, MUTED, PALE_BLUE, WIDTH, text};
 use super::page::{FONT, GAP, TIME_AXIS, embed};
 use super::panel::{AXES, peak};
