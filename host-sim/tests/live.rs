@@ -2,14 +2,15 @@
 
 use std::time::{Duration, Instant};
 
-use cophase_core::supervisor::State;
+use cophase_core::supervisor::{FaultKind, State};
 use cophase_link::client::Client;
 use cophase_link::frame::MAX_FRAME_BYTES;
-use cophase_link::message::{ControlRequest, File, Message, ReplyBody, Request};
+use cophase_link::message::{ControlRequest, Event, File, Message, ReplyBody, Request};
 use cophase_link::program::MAX_PROGRAM_BYTES;
 use cophase_link::sample::{ALL_CHANNELS, Sample, flags, unpack};
 use cophase_link::server::Hub;
 use host_sim::live::SimulatedDevice;
+use host_sim::scene::file::{FaultAt, FaultName};
 use host_sim::scene::{Checked, load};
 use host_sim::sim::{Moment, Observer, simulate};
 
@@ -44,6 +45,10 @@ struct Bench {
 impl Bench {
     fn new(checked: &Checked) -> Self {
         let device = SimulatedDevice::new(checked.clone(), SPEED).unwrap();
+        Self::on(device, checked)
+    }
+
+    fn on(device: SimulatedDevice, checked: &Checked) -> Self {
         Self {
             hub: Hub::new(device),
             client: Client::new(),
@@ -104,8 +109,9 @@ impl Bench {
         let end = Instant::now() + PATIENCE;
         let mut read = self.samples.len();
         while Instant::now() < end {
-            self.hub.poll();
-            self.read(|_| {});
+            while self.hub.poll_one() {
+                self.read(|_| {});
+            }
             if let Some(sample) = self.samples[read..].iter().find(|sample| is_there(sample)) {
                 return *sample;
             }
@@ -273,4 +279,57 @@ fn settings_run_after_a_restart() {
     let before = crc(&mut bench);
     bench.request(&Request::Restart).unwrap();
     assert_ne!(crc(&mut bench), before);
+}
+
+/// Were a fault injected that the scene's machine cannot have, or too late, the page would show something that no scene
+/// does.
+#[test]
+fn a_fault_that_is_injected_is_named_and_others_are_refused() {
+    let fault = |kind, axis| FaultAt {
+        axis: Some(axis),
+        ..FaultAt::new(0.0, kind)
+    };
+    let checked = checked(2.0);
+    let device = SimulatedDevice::open_to_faults(checked.clone(), SPEED).unwrap();
+    let mut bench = Bench::on(device, &checked);
+    for (wrong, key) in [
+        (fault(FaultName::Stuck, 3), "fault[0].axis"),
+        (fault(FaultName::Slip, 0), "fault[0].rate_deg_per_s"),
+        (fault(FaultName::LoadStep, 0), "fault[0].torque_nm"),
+        (FaultAt::new(0.0, FaultName::Overrun), "fault[0].kind"),
+    ] {
+        let error = bench.hub.device().inject(&wrong).unwrap_err().to_string();
+        assert!(error.contains(key), "{error}");
+    }
+    bench.stream();
+    bench.start();
+    bench.wait(|sample| sample.state == State::Run as u8 && sample.speed > 0);
+    let slip = FaultAt {
+        rate_deg_per_s: Some(90.0),
+        ..fault(FaultName::Slip, 2)
+    };
+    bench.hub.device().inject(&slip).unwrap();
+    bench.wait(|sample| sample.state == State::Fault as u8);
+    let (from, mut fault) = (0, None);
+    let mut frame = [0; MAX_FRAME_BYTES];
+    let (_, length) = bench
+        .client
+        .request(&Request::Events { from }, &mut frame)
+        .unwrap();
+    bench.hub.receive(0, &frame[..length]);
+    bench.read(|message| {
+        if let Message::Reply {
+            body: Ok(ReplyBody::Events(events)),
+            ..
+        } = message
+        {
+            // The last one has the best name.
+            fault = events.iter().rev().find_map(|record| match &record.event {
+                Event::Fault(fault) => fault.fault(),
+                _ => None,
+            });
+        }
+    });
+    let fault = fault.expect("the log has it");
+    assert_eq!((fault.kind, fault.axis), (FaultKind::Slip, Some(2)));
 }

@@ -15,6 +15,7 @@ mod link;
 mod reproduced;
 mod run;
 mod scenes;
+mod scope;
 mod settings;
 mod signals;
 mod status;
@@ -47,6 +48,7 @@ enum What {
     #[command(alias = "image")]
     Settings(settings::SettingsArgs),
     Link(link::LinkArgs),
+    Scope(scope::ScopeArgs),
     /// List the built-in scenes, or print one to start your own from
     Scenes(scenes::ScenesArgs),
     /// Draw thousands of machines and what goes wrong with each, and hold what the loop does against what it claims
@@ -71,6 +73,7 @@ impl Command {
             What::Reproduced(args) => reproduced::reproduced(&args, out),
             What::Link(args) => link::link(&args, out, err),
             What::Compare(args) => compare::compare(&args, out),
+            What::Scope(args) => scope::scope(&args, out),
             What::Scenes(args) => scenes::scenes(&args, out),
             What::Design(args) => match design::run(&args, out) {
                 Ok(()) => Ok(Status::Done),

@@ -37,11 +37,6 @@ impl Faults {
         let noise = &scene.noise;
         let planned: Vec<_> = scene.fault.iter().map(Planned::new).collect();
         let tick_us = 1_000_000 / u64::from(scene.control.tick_hz);
-        let of_sensors = |fault: &FaultAt| {
-            (fault.kind == FaultName::SwappedWiring && fault.lines == Some(Lines::Sensors))
-                .then_some(())?;
-            fault.axis.zip(fault.with)
-        };
         let count = checked.settings.axes.len();
         let streams =
             |sensor, deviation| per_axis(count, |i| Stream::new(noise.seed, sensor, i, deviation));
@@ -50,7 +45,7 @@ impl Faults {
             is_idle: planned.is_empty() && encoder.iter().all(Option::is_none),
             begun: vec![false; planned.len()],
             new_faults: Vec::new(),
-            swapped_sensors: scene.fault.iter().filter_map(of_sensors).collect(),
+            swapped_sensors: scene.fault.iter().filter_map(swapped_sensors).collect(),
             planned,
             tick_us,
             tick_s: tick_us as f64 * 1e-6,
@@ -60,6 +55,20 @@ impl Faults {
             underrun: None,
             missing: per_axis(count, |_| None),
         }
+    }
+
+    /// Lets faults be added, also those that touch drives: [`Self::add`].
+    pub const fn open(&mut self) {
+        self.touches_drives = true;
+    }
+
+    /// Adds a checked fault, which begins at its time.
+    pub fn add(&mut self, fault: &FaultAt) {
+        let planned = Planned::new(fault);
+        self.swapped_sensors.extend(swapped_sensors(fault));
+        self.planned.push(planned);
+        self.begun.push(false);
+        self.is_idle = false;
     }
 
     /// What has begun since this was last asked.
@@ -225,6 +234,12 @@ impl Faults {
             of_each.swap(one, other);
         }
     }
+}
+
+/// Two axes whose sensors a fault swaps.
+fn swapped_sensors(fault: &FaultAt) -> Option<(usize, usize)> {
+    (fault.kind == FaultName::SwappedWiring && fault.lines == Some(Lines::Sensors)).then_some(())?;
+    fault.axis.zip(fault.with)
 }
 
 /// Kinds that begin with a tick that is played.

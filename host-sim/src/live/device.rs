@@ -16,16 +16,13 @@ use cophase_link::server::{Device, SettingsRefusal};
 use cophase_link::{Header, MAX_FILE_BYTES, decode_into, encode};
 
 use super::paced::{FromLoop, Paced, ToLoop};
+use crate::scene::file::{FaultAt, FaultName};
 use crate::scene::{Checked, SceneError};
 use crate::sim::{SimulatedIo, schedule::Schedule};
 use crate::virtual_time;
 
 /// Samples and events that wait for the host.
 const WAITING: usize = 4096;
-
-/// Samples that the server takes in one poll. Its buffer has room for little more; the others wait here until the host has read
-/// those, however long the computer let it wait.
-const IN_A_POLL: u32 = 8;
 
 /// Commands and programs that wait for the loop.
 const COMMANDS: usize = 64;
@@ -40,13 +37,13 @@ const NO_WIRING: &str = "a simulated machine has no wiring to bring up; connect 
 pub struct SimulatedDevice {
     checked: Checked,
     speed: f64,
+    /// Faults can be injected.
+    is_open: bool,
     settings_file: Vec<u8>,
     /// Settings that the next restart runs.
     stored: Option<Box<Settings>>,
     program_file: Vec<u8>,
     sampling: u16,
-    /// Samples taken in this poll.
-    taken: u32,
     began: Instant,
     restarts: u32,
     running: Running,
@@ -67,15 +64,28 @@ impl SimulatedDevice {
     /// # Errors
     /// The machine or the controller of the scene cannot be made.
     pub fn new(checked: Checked, speed: f64) -> Result<Self, SceneError> {
-        let running = Running::new(&checked, speed)?;
+        Self::power_up(checked, speed, false)
+    }
+
+    /// The same, with a machine that [`Self::inject`] can disturb. Its drives turn evenly within a tick, so that measured phases
+    /// differ by less than a step from those of a machine that nothing can disturb.
+    ///
+    /// # Errors
+    /// The machine or the controller of the scene cannot be made.
+    pub fn open_to_faults(checked: Checked, speed: f64) -> Result<Self, SceneError> {
+        Self::power_up(checked, speed, true)
+    }
+
+    fn power_up(checked: Checked, speed: f64, is_open: bool) -> Result<Self, SceneError> {
+        let running = Running::new(&checked, speed, is_open)?;
         let mut device = Self {
             checked,
             speed,
+            is_open,
             settings_file: Vec::new(),
             stored: None,
             program_file: Vec::new(),
             sampling: 1,
-            taken: 0,
             began: Instant::now(),
             restarts: 0,
             running,
@@ -96,6 +106,39 @@ impl SimulatedDevice {
         self.program_file = file.unwrap_or_default().to_vec();
     }
 
+    /// Injects a fault that begins at the next tick, whatever its `at_s`.
+    ///
+    /// # Errors
+    /// The fault is not one that the machine of the scene can have. The error names the key, as in a scene.
+    pub fn inject(&mut self, fault: &FaultAt) -> Result<(), SceneError> {
+        let refused = |key: &str, problem: &str| Err(SceneError::at(key, problem));
+        if !self.is_open {
+            return refused(
+                "",
+                "this simulated machine takes the faults of its scene only",
+            );
+        }
+        if fault.kind == FaultName::Overrun {
+            return refused(
+                "fault[0].kind",
+                "\"overrun\" is a fault of the computer that runs the loop; give it in a scene, for `cophase run`",
+            );
+        }
+        let mut scene = self.checked.scene.clone();
+        scene.fault = vec![*fault];
+        // The level that was chosen at power-up is the one that has to have the fault.
+        scene.fidelity = self.checked.fidelity;
+        let checked = Checked::new(scene)?;
+        if self.send(ToLoop::Fault(Box::new(checked.scene.fault[0]))) {
+            Ok(())
+        } else {
+            refused(
+                "",
+                "the control loop does not answer; start the simulated controller again",
+            )
+        }
+    }
+
     fn send(&self, item: ToLoop) -> bool {
         let to_loop = self.running.to_loop.as_ref();
         to_loop.is_some_and(|to_loop| to_loop.try_send(item).is_ok())
@@ -103,7 +146,7 @@ impl SimulatedDevice {
 }
 
 impl Running {
-    fn new(checked: &Checked, speed: f64) -> Result<Self, SceneError> {
+    fn new(checked: &Checked, speed: f64, is_open: bool) -> Result<Self, SceneError> {
         let mut controller = Box::new(checked.controller()?);
         let (to_loop, from_host) = sync_channel(COMMANDS);
         let (to_host, from_loop) = sync_channel(WAITING);
@@ -116,7 +159,10 @@ impl Running {
             let inner = SimulatedIo::new(&checked, schedule, &mut observer, |_, _| {});
             // Whoever began the thread waits for this.
             match inner {
-                Ok(inner) => {
+                Ok(mut inner) => {
+                    if is_open {
+                        inner.open_to_faults();
+                    }
                     let _ = made.send(Ok(()));
                     let mut io = Paced::new(inner, speed, from_host, to_host);
                     virtual_time::run(control_loop::run(&mut controller, &mut io), |_| 0);
@@ -223,14 +269,8 @@ impl Device for SimulatedDevice {
     }
 
     fn next_sample(&mut self) -> Option<Sample> {
-        if self.taken == IN_A_POLL {
-            self.taken = 0;
-            return None;
-        }
         self.running.fetch();
-        let sample = self.running.sample.take();
-        self.taken = sample.map_or(0, |_| self.taken + 1);
-        sample
+        self.running.sample.take()
     }
 
     fn next_event(&mut self) -> Option<(u32, Event)> {
@@ -277,10 +317,11 @@ impl Device for SimulatedDevice {
         }
         if let Some(settings) = self.stored.take() {
             self.checked.settings = *settings;
-            self.make_files();
         }
         self.restarts = self.restarts.wrapping_add(1);
-        if let Ok(running) = Running::new(&self.checked, self.speed) {
+        // A program that was loaded since is gone.
+        self.make_files();
+        if let Ok(running) = Running::new(&self.checked, self.speed, self.is_open) {
             self.running = running;
             self.set_sampling(self.sampling);
         }

@@ -13,6 +13,9 @@ use cophase_link::watch::Watch;
 use embassy_time::Instant;
 
 use super::WallClock;
+use crate::scene::file::FaultAt;
+use crate::sim::SimulatedIo;
+use crate::virtual_time::TICKS_PER_S;
 
 /// Something for the loop.
 pub(super) enum ToLoop {
@@ -22,6 +25,8 @@ pub(super) enum ToLoop {
     Program(Box<Program>, SyncSender<bool>),
     /// Ticks between two samples.
     Sampling(u16),
+    /// A fault that begins now.
+    Fault(Box<FaultAt>),
 }
 
 /// Something from the loop.
@@ -31,8 +36,9 @@ pub(super) enum FromLoop {
     Event(u32, Event),
 }
 
-pub(super) struct Paced<I> {
-    inner: I,
+/// The simulated machine, in step with the wall clock.
+pub(super) struct Paced<'a, P> {
+    inner: SimulatedIo<'a, (), P>,
     from_host: Receiver<ToLoop>,
     to_host: SyncSender<FromLoop>,
     clock: WallClock,
@@ -45,9 +51,9 @@ pub(super) struct Paced<I> {
     is_over: bool,
 }
 
-impl<I> Paced<I> {
+impl<'a, P: FnMut(u64, u64)> Paced<'a, P> {
     pub(super) fn new(
-        inner: I,
+        inner: SimulatedIo<'a, (), P>,
         speed: f64,
         from_host: Receiver<ToLoop>,
         to_host: SyncSender<FromLoop>,
@@ -77,6 +83,10 @@ impl<I> Paced<I> {
                 Ok(ToLoop::Command(command)) => return Some(command),
                 Ok(ToLoop::Program(program, loaded)) => self.program = Some((program, loaded)),
                 Ok(ToLoop::Sampling(every)) => self.every = every.into(),
+                Ok(ToLoop::Fault(mut fault)) => {
+                    fault.at_s = Instant::now().as_micros() as f64 / TICKS_PER_S as f64;
+                    self.inner.inject(&fault);
+                }
                 Err(TryRecvError::Empty) => return None,
                 Err(TryRecvError::Disconnected) => {
                     self.is_over = true;
@@ -101,7 +111,7 @@ impl<I> Paced<I> {
     }
 }
 
-impl<I: Io> Io for Paced<I> {
+impl<P: FnMut(u64, u64)> Io for Paced<'_, P> {
     fn read(&mut self) -> Feedback {
         self.clock
             .wait(Duration::from_micros(Instant::now().as_micros()));

@@ -157,6 +157,13 @@ impl Machine {
         })
     }
 
+    /// Lets drives and cranks be disturbed later, in a scene that plans nothing of the kind. To be called at power-up.
+    pub fn open_to_faults(&mut self) {
+        let (tick_s, tick_cycles) = (self.tick_s, self.tick_cycles);
+        self.faulted_drives
+            .get_or_insert_with(|| FaultedDrives::new(&self.axes, tick_s, tick_cycles));
+    }
+
     /// Cycles of the step clock in a control tick.
     pub const fn tick_cycles(&self) -> u32 {
         self.tick_cycles

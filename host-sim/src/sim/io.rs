@@ -22,6 +22,7 @@ use super::unwrapped::Unwrapped;
 use crate::axes::{Axes, per_axis};
 use crate::faults::Faults;
 use crate::machine::{IndexSensor, Machine, Passages, Played, SimulatedAxis};
+use crate::scene::file::FaultAt;
 use crate::scene::{Checked, SceneError};
 use crate::units::turns;
 use crate::virtual_time::{self, TICKS_PER_S};
@@ -122,6 +123,17 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
             quiet: 0,
             tail_ticks: ticks_in(TAIL_S, tick_hz),
         })
+    }
+
+    /// Lets faults be injected while the machine runs: [`Self::inject`]. To be called at power-up.
+    pub fn open_to_faults(&mut self) {
+        self.faults.open();
+        self.machine.open_to_faults();
+    }
+
+    /// Adds a fault, which was checked against the scene and begins at its time.
+    pub fn inject(&mut self, fault: &FaultAt) {
+        self.faults.add(fault);
     }
 
     /// How the run ended.

@@ -135,18 +135,19 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
 
     /// Moves samples and events from the loop to the sessions. To be called every few milliseconds.
     pub fn poll(&mut self) {
-        while let Some((tick, event)) = self.device.next_event() {
+        while self.poll_one() {}
+    }
+
+    /// Moves at most one sample or event from the loop to the sessions; returns false once none waits. A host in the same
+    /// process fetches what is to be sent after each call, so that no session has more than its room.
+    pub fn poll_one(&mut self) -> bool {
+        if let Some((tick, event)) = self.device.next_event() {
             self.log(tick, event);
+            return true;
         }
-        let (axes, tick_hz) = (self.device.axes(), self.device.tick_hz());
-        while let Some(sample) = self.device.next_sample() {
-            self.latest = sample;
-            if sample.flags & flags::FAULT == 0 {
-                self.fault = None;
-            }
-            for line in &mut self.sessions {
-                line.stream(&sample, axes, tick_hz);
-            }
+        if let Some(sample) = self.device.next_sample() {
+            self.take(&sample);
+            return true;
         }
         let now_ms = self.device.now_ms();
         self.access.expire(now_ms, &self.latest);
@@ -157,6 +158,18 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
                 let status = self.status(session);
                 self.sessions[session].send_stream(&Message::Status(status));
             }
+        }
+        false
+    }
+
+    fn take(&mut self, sample: &Sample) {
+        self.latest = *sample;
+        if sample.flags & flags::FAULT == 0 {
+            self.fault = None;
+        }
+        let (axes, tick_hz) = (self.device.axes(), self.device.tick_hz());
+        for line in &mut self.sessions {
+            line.stream(sample, axes, tick_hz);
         }
     }
 

@@ -10,7 +10,8 @@ use cophase_link::message::{
     ControlRequest, Counters, EventRecord, File, Identity, Inputs, Message, Refusal, ReplyBody,
     Request, Status, VERSION,
 };
-use cophase_link::sample::Channels;
+use cophase_link::sample::{Sample, unpack};
+use host_sim::scene::file::FaultAt;
 
 use super::transport::Transport;
 
@@ -27,7 +28,7 @@ const RESTART_EVERY: Duration = Duration::from_millis(100);
 const RESTART_WAIT: Duration = Duration::from_secs(10);
 
 #[derive(Debug, thiserror::Error)]
-pub(super) enum LinkError {
+pub(crate) enum LinkError {
     #[error("{request}: refused: {refusal}")]
     Refused {
         request: &'static str,
@@ -47,15 +48,10 @@ pub(super) enum LinkError {
 
 /// Message that is no reply.
 #[derive(Clone, Debug)]
-pub(super) enum Incoming {
+pub(crate) enum Incoming {
     Status(Status),
     Event(EventRecord),
-    Samples {
-        tick: u32,
-        every: u16,
-        channels: Channels,
-        packet: Vec<u8>,
-    },
+    Samples(Vec<Sample>),
 }
 
 /// Reply whose bytes are its own.
@@ -68,24 +64,27 @@ enum Reply {
     Inputs(Inputs),
 }
 
-pub(super) struct Connection {
+pub(crate) struct Connection {
     transport: Box<dyn Transport>,
     client: Client,
+    /// Axes of the controller, as it identified itself.
+    axes: usize,
     replies: VecDeque<(u16, Result<Reply, Refusal>)>,
     incoming: VecDeque<Incoming>,
 }
 
 impl Connection {
-    pub(super) fn new(transport: Box<dyn Transport>) -> Self {
+    pub(crate) fn new(transport: Box<dyn Transport>) -> Self {
         Self {
             transport,
             client: Client::new(),
+            axes: 0,
             replies: VecDeque::new(),
             incoming: VecDeque::new(),
         }
     }
 
-    pub(super) fn is_simulated(&self) -> bool {
+    pub(crate) fn is_simulated(&self) -> bool {
         self.transport.is_simulated()
     }
 
@@ -94,17 +93,25 @@ impl Connection {
         self.client.counts()
     }
 
-    pub(super) fn identify(&mut self) -> Result<Identity, LinkError> {
+    pub(crate) fn identify(&mut self) -> Result<Identity, LinkError> {
         // Ends what may be left of a frame on the line.
         self.transport.send(&[0])?;
         match self.request("identify", &Request::Identify { version: VERSION }, RETRIES)? {
-            Reply::Identity(identity) => Ok(identity),
+            Reply::Identity(identity) => {
+                self.axes = identity.axes.into();
+                Ok(identity)
+            }
             _ => Err(LinkError::Unexpected("identify")),
         }
     }
 
+    /// Injects a fault into a simulated machine.
+    pub(crate) fn inject(&mut self, fault: &FaultAt) -> Result<(), LinkError> {
+        self.transport.inject(fault).map_err(LinkError::Input)
+    }
+
     /// Makes a request that has an effect: it is sent once.
-    pub(super) fn command(
+    pub(crate) fn command(
         &mut self,
         name: &'static str,
         request: &Request<'_>,
@@ -113,7 +120,7 @@ impl Connection {
     }
 
     /// Makes a request that may be repeated.
-    pub(super) fn repeatable(
+    pub(crate) fn repeatable(
         &mut self,
         name: &'static str,
         request: &Request<'_>,
@@ -133,7 +140,7 @@ impl Connection {
         }
     }
 
-    pub(super) fn take_control(&mut self, by_force: bool) -> Result<(), LinkError> {
+    pub(crate) fn take_control(&mut self, by_force: bool) -> Result<(), LinkError> {
         let request = if by_force {
             ControlRequest::TakeOver
         } else {
@@ -142,7 +149,7 @@ impl Connection {
         self.repeatable("control", &Request::Control(request))
     }
 
-    pub(super) fn counters(&mut self) -> Result<Counters, LinkError> {
+    pub(crate) fn counters(&mut self) -> Result<Counters, LinkError> {
         match self.request("counters", &Request::Counters, RETRIES)? {
             Reply::Counters(counters) => Ok(counters),
             _ => Err(LinkError::Unexpected("counters")),
@@ -150,7 +157,7 @@ impl Connection {
     }
 
     /// Events from a number on, as far as the controller still has them.
-    pub(super) fn events(&mut self, first: u32) -> Result<Vec<EventRecord>, LinkError> {
+    pub(crate) fn events(&mut self, first: u32) -> Result<Vec<EventRecord>, LinkError> {
         let mut all: Vec<EventRecord> = Vec::new();
         loop {
             let from = all.last().map_or(first, |event| event.number + 1);
@@ -162,7 +169,7 @@ impl Connection {
         }
     }
 
-    pub(super) fn read_file(&mut self, file: File) -> Result<Vec<u8>, LinkError> {
+    pub(crate) fn read_file(&mut self, file: File) -> Result<Vec<u8>, LinkError> {
         let mut all = Vec::new();
         loop {
             let offset = all.len() as u32;
@@ -179,7 +186,7 @@ impl Connection {
         }
     }
 
-    pub(super) fn write_file(&mut self, file: File, bytes: &[u8]) -> Result<(), LinkError> {
+    pub(crate) fn write_file(&mut self, file: File, bytes: &[u8]) -> Result<(), LinkError> {
         let length = bytes.len() as u32;
         let crc = cophase_link::checksum(bytes);
         self.repeatable("load", &Request::BeginWrite { file, length, crc })?;
@@ -200,7 +207,7 @@ impl Connection {
     }
 
     /// Restarts the controller by a request, and waits until it answers again.
-    pub(super) fn restart(
+    pub(crate) fn restart(
         &mut self,
         before: &Identity,
         request: &Request<'_>,
@@ -209,8 +216,7 @@ impl Connection {
         let end = Instant::now() + RESTART_WAIT;
         loop {
             std::thread::sleep(RESTART_EVERY);
-            self.client = Client::new();
-            let identity = if self.transport.reopen() {
+            let identity = if self.reopen() {
                 self.identify()
             } else {
                 Err(LinkError::NoReply("restart"))
@@ -228,8 +234,14 @@ impl Connection {
         }
     }
 
+    /// Opens the line again; false if the controller is not there yet.
+    pub(crate) fn reopen(&mut self) -> bool {
+        self.client = Client::new();
+        self.transport.reopen()
+    }
+
     /// Next message that is no reply, within a time.
-    pub(super) fn next(&mut self, within: Duration) -> Result<Option<Incoming>, LinkError> {
+    pub(crate) fn next(&mut self, within: Duration) -> Result<Option<Incoming>, LinkError> {
         let end = Instant::now() + within;
         loop {
             if let Some(incoming) = self.incoming.pop_front() {
@@ -303,12 +315,10 @@ impl Connection {
                     channels,
                     packet,
                     ..
-                } => self.incoming.push_back(Incoming::Samples {
-                    tick,
-                    every,
-                    channels,
-                    packet: packet.to_vec(),
-                }),
+                } => {
+                    let samples = unpack(tick, every, channels, self.axes, packet).collect();
+                    self.incoming.push_back(Incoming::Samples(samples));
+                }
             }
         }
         Ok(())

@@ -2,13 +2,13 @@
 
 mod args;
 mod bring_up;
-mod connection;
+pub(crate) mod connection;
 mod operate;
 mod record;
 mod session;
-mod show;
-mod transport;
-mod write;
+pub(crate) mod show;
+pub(crate) mod transport;
+pub(crate) mod write;
 
 pub(super) use args::LinkArgs;
 
@@ -16,6 +16,7 @@ use std::io::Write;
 
 use args::Action;
 use connection::Connection;
+use transport::Faults;
 
 use super::{CommandError, Status};
 
@@ -28,7 +29,8 @@ pub(super) fn link(
     if let Action::List = args.action {
         return show::list(out);
     }
-    let transport = transport::open(args.to.as_deref(), args.baud).map_err(CommandError::Input)?;
+    let transport = transport::open(args.to.as_deref(), args.baud, Faults::OfScene)
+        .map_err(CommandError::Input)?;
     let mut link = Connection::new(transport);
     match run(args, &mut link, out, err) {
         Ok(status) => Ok(status),

@@ -130,7 +130,7 @@ fn wait(
     loop {
         let records = match link.next(Duration::from_secs(1))? {
             Some(Incoming::Event(record)) if record.number == next => vec![record],
-            Some(Incoming::Status(_)) => continue,
+            Some(Incoming::Status(_) | Incoming::Samples(_)) => continue,
             // An event was lost on the line, or there was none.
             _ => link.events(next)?,
         };

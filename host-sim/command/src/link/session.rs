@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use cophase_core::supervisor::State;
 use cophase_link::message::{Counters, EventRecord, Identity, Request};
-use cophase_link::sample::{Sample, unpack};
+use cophase_link::sample::Sample;
 use host_sim::record::{Recorded, Recording, TAIL_S};
 use indicatif::ProgressBar;
 
@@ -22,7 +22,6 @@ pub(super) struct Session<W: Write + Seek> {
     events: Vec<EventRecord>,
     watched: Watched,
     tail_ticks: u32,
-    axes: usize,
     bar: ProgressBar,
 }
 
@@ -60,7 +59,6 @@ impl<W: Write + Seek + 'static> Session<W> {
             events: Vec::new(),
             watched: Watched::default(),
             tail_ticks: (TAIL_S * f64::from(identity.tick_hz)) as u32,
-            axes: identity.axes.into(),
             bar: if is_quiet {
                 ProgressBar::hidden()
             } else {
@@ -100,13 +98,8 @@ impl<W: Write + Seek + 'static> Session<W> {
         match incoming {
             Incoming::Event(event) => self.events.push(event),
             Incoming::Status(_) => {}
-            Incoming::Samples {
-                tick,
-                every,
-                channels,
-                packet,
-            } => {
-                for sample in unpack(tick, every, channels, self.axes, &packet) {
+            Incoming::Samples(samples) => {
+                for sample in samples {
                     self.recording
                         .push(&sample)
                         .map_err(|e| LinkError::Input(e.to_string()))?;

@@ -125,7 +125,7 @@ pub(super) fn monitor(
             Some(Incoming::Event(record)) => {
                 writeln!(out, "{}", describe(&record, identity.tick_hz))?;
             }
-            Some(Incoming::Samples { .. }) | None => {}
+            Some(Incoming::Samples(_)) | None => {}
         }
         out.flush()?;
     }
@@ -181,17 +181,21 @@ fn line(status: &MachineStatus, tick_hz: u32) -> String {
 /// An event with its time, as one line.
 pub(super) fn describe(record: &EventRecord, tick_hz: u32) -> String {
     let t_s = f64::from(record.tick) / f64::from(tick_hz);
+    format!("{t_s:10.3} s  {}", what(&record.event))
+}
+
+/// An event in words.
+pub(crate) fn what(event: &Event) -> String {
     let fault = |record: &FaultRecord| match record.fault() {
         Some(fault) => report::fault_words(&fault),
         None => "unknown; use the `cophase` of the firmware's version".to_owned(),
     };
-    let what = match &record.event {
+    match event {
         Event::State(state) => state_name(*state).to_owned(),
         Event::Fault(record) => format!("fault: {}", fault(record)),
         Event::Reported(record) => format!("reported: {}", fault(record)),
         Event::Missed(all) => format!("{all} deadlines missed so far"),
         Event::Late(all) => format!("{all} deadlines met late so far"),
         Event::Lost(count) => format!("{count} events lost before the next"),
-    };
-    format!("{t_s:10.3} s  {what}")
+    }
 }

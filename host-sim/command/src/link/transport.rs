@@ -1,12 +1,15 @@
 //! Lines to a controller: a serial port, a TCP connection, or a simulated controller in this process.
 
+use std::collections::VecDeque;
 use std::io::{self, Read, Write};
 use std::net::TcpStream;
 use std::time::Duration;
 
+use cophase_link::frame::MAX_FRAME_BYTES;
 use cophase_link::line::{USB_ID, USB_PRODUCT};
 use cophase_link::server::Hub;
 use host_sim::live::SimulatedDevice;
+use host_sim::scene::file::FaultAt;
 use serialport::{SerialPort, SerialPortInfo, SerialPortType};
 
 use crate::scenes;
@@ -15,7 +18,7 @@ use crate::scenes;
 const READ_WAIT: Duration = Duration::from_millis(5);
 
 /// A line that carries bytes both ways.
-pub(super) trait Transport {
+pub(crate) trait Transport {
     /// Sends all bytes.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
 
@@ -31,10 +34,28 @@ pub(super) trait Transport {
     fn is_simulated(&self) -> bool {
         false
     }
+
+    /// Injects a fault into a simulated machine, now.
+    fn inject(&mut self, _fault: &FaultAt) -> Result<(), String> {
+        Err("this machine is not simulated; faults are injected with --to sim".to_owned())
+    }
+}
+
+/// Faults of a simulated machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Faults {
+    /// Those of its scene.
+    OfScene,
+    /// Also those of [`Transport::inject`].
+    Injected,
 }
 
 /// Opens the line that `--to` names, or the one controller that is plugged in.
-pub(super) fn open(to: Option<&str>, baud: u32) -> Result<Box<dyn Transport>, String> {
+pub(crate) fn open(
+    to: Option<&str>,
+    baud: u32,
+    faults: Faults,
+) -> Result<Box<dyn Transport>, String> {
     let to = match to {
         Some(to) => to.to_owned(),
         None => only_port()?,
@@ -43,14 +64,14 @@ pub(super) fn open(to: Option<&str>, baud: u32) -> Result<Box<dyn Transport>, St
         return Ok(Box::new(Tcp::new(address)?));
     }
     match to.split_once(':') {
-        Some(("sim", scene)) => Ok(Box::new(Simulated::new(scene)?)),
-        _ if to == "sim" => Ok(Box::new(Simulated::new("default")?)),
+        Some(("sim", scene)) => Ok(Box::new(Simulated::new(scene, faults)?)),
+        _ if to == "sim" => Ok(Box::new(Simulated::new("default", faults)?)),
         _ => Ok(Box::new(Serial::new(to, baud)?)),
     }
 }
 
 /// Serial ports, and whether a controller is at each.
-pub(super) fn ports() -> Result<Vec<(SerialPortInfo, bool)>, String> {
+pub(crate) fn ports() -> Result<Vec<(SerialPortInfo, bool)>, String> {
     let ports = serialport::available_ports().map_err(|e| format!("serial ports: {e}"))?;
     let is_controller = |port: &SerialPortInfo| match &port.port_type {
         SerialPortType::UsbPort(usb) => {
@@ -146,7 +167,7 @@ fn quiet(read: io::Result<usize>) -> io::Result<usize> {
         Err(e)
             if matches!(
                 e.kind(),
-                io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock
+                io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted
             ) =>
         {
             Ok(0)
@@ -200,35 +221,103 @@ impl Transport for Tcp {
 }
 
 /// Controller of a scene, simulated in real time in this process.
-struct Simulated(Hub<SimulatedDevice, 1>);
+struct Simulated {
+    hub: Hub<SimulatedDevice, 1>,
+    /// Bytes that the controller sent, and that were not fetched yet.
+    arrived: VecDeque<u8>,
+}
 
 impl Simulated {
-    fn new(scene: &str) -> Result<Self, String> {
+    fn new(scene: &str, faults: Faults) -> Result<Self, String> {
         let checked = scenes::read(scene)?;
         let refused = |e: host_sim::scene::SceneError| e.in_file(scene).to_string();
         let checked = host_sim::fidelity::check(checked).map_err(refused)?;
-        let device = SimulatedDevice::new(checked, 1.0).map_err(refused)?;
-        Ok(Self(Hub::new(device)))
+        let device = match faults {
+            Faults::OfScene => SimulatedDevice::new(checked, 1.0),
+            Faults::Injected => SimulatedDevice::open_to_faults(checked, 1.0),
+        };
+        let device = device.map_err(refused)?;
+        Ok(Self {
+            hub: Hub::new(device),
+            arrived: VecDeque::new(),
+        })
+    }
+
+    /// Fetches what waits in the loop. The hub has room for a few frames only: it is emptied after every sample, so that
+    /// none is lost however long the last call was ago.
+    fn fetch(&mut self) {
+        let mut bytes = [0; MAX_FRAME_BYTES];
+        loop {
+            let may_be_more = self.hub.poll_one();
+            loop {
+                let count = self.hub.transmit(0, &mut bytes);
+                if count == 0 {
+                    break;
+                }
+                self.arrived.extend(&bytes[..count]);
+            }
+            if !may_be_more {
+                return;
+            }
+        }
     }
 }
 
 impl Transport for Simulated {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.0.receive(0, bytes);
+        self.fetch();
+        self.hub.receive(0, bytes);
         Ok(())
     }
 
     fn receive(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        self.0.poll();
-        let count = self.0.transmit(0, buffer);
-        if count == 0 {
-            // At 10 kHz, five samples; a poll takes more.
-            std::thread::sleep(Duration::from_micros(500));
+        self.fetch();
+        if self.arrived.is_empty() {
+            std::thread::sleep(Duration::from_millis(1));
         }
-        Ok(count)
+        self.arrived.read(buffer)
     }
 
     fn is_simulated(&self) -> bool {
         true
+    }
+
+    fn inject(&mut self, fault: &FaultAt) -> Result<(), String> {
+        let injected = self.hub.device().inject(fault);
+        injected.map_err(|error| error.to_string())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use cophase_link::message::Request;
+    use cophase_link::sample::ALL_CHANNELS;
+
+    use super::*;
+    use crate::link::connection::{Connection, Incoming};
+
+    /// The hub has room for a few frames. A host that comes late would lose samples, if they were not fetched one by one.
+    #[test]
+    fn a_host_that_comes_late_loses_no_sample_of_the_simulated_controller() {
+        let mut link = Connection::new(open(Some("sim"), 0, Faults::OfScene).unwrap());
+        link.identify().unwrap();
+        let (channels, every) = (ALL_CHANNELS, 1);
+        link.repeatable("samples", &Request::Stream { channels, every })
+            .unwrap();
+        let mut ticks = Vec::new();
+        for _ in 0..3 {
+            std::thread::sleep(Duration::from_millis(300));
+            while let Some(incoming) = link.next(Duration::from_millis(1)).unwrap() {
+                if let Incoming::Samples(samples) = incoming {
+                    ticks.extend(samples.iter().map(|sample| sample.tick));
+                }
+            }
+        }
+        assert!(ticks.len() > 1000, "only {} samples came", ticks.len());
+        assert!(
+            ticks.is_sorted_by(|a, b| a + 1 == *b),
+            "samples are missing"
+        );
+        assert_eq!(link.counters().unwrap().samples_lost, 0);
     }
 }

@@ -1,7 +1,6 @@
 //! Loading of programs and settings.
 
 use std::io::Write;
-use std::path::Path;
 
 use cophase_core::settings::Settings;
 use cophase_link::header::{FIRST_SEQUENCE, OUTSIDE};
@@ -35,14 +34,9 @@ pub(super) fn load(
             .map_err(|e| LinkError::Input(format!("{name}: {e}")))?;
         return store(link, identity, &name, file, out);
     }
-    let present = decode(&link.read_file(File::Settings)?)
-        .map_err(|e| LinkError::Input(format!("the controller's settings: {e}")))?;
-    compare(&args.scene, &checked.settings, &present, identity)?;
-    let mut buffer = [0; MAX_PROGRAM_BYTES];
-    let file = cophase_link::program::encode(&checked.settings, &mut buffer)
-        .ok_or_else(|| LinkError::Input(format!("{name}: the program is too long")))?;
+    let file = program_file(link, identity, &name, &checked.settings)?;
     link.take_control(false)?;
-    link.write_file(File::Program, file)?;
+    link.write_file(File::Program, &file)?;
     let entries = checked.settings.program.len();
     writeln!(
         out,
@@ -52,9 +46,29 @@ pub(super) fn load(
     Ok(())
 }
 
+/// Encodes the program of a scene, after a check that it was made for the machine of the controller.
+pub(crate) fn program_file(
+    link: &mut Connection,
+    identity: &Identity,
+    name: &str,
+    scene: &Settings,
+) -> Result<Vec<u8>, LinkError> {
+    compare(name, scene, &settings(link)?, identity)?;
+    let mut buffer = [0; MAX_PROGRAM_BYTES];
+    cophase_link::program::encode(scene, &mut buffer)
+        .map(<[u8]>::to_vec)
+        .ok_or_else(|| LinkError::Input(format!("{name}: the program is too long")))
+}
+
+/// Settings of the controller.
+pub(crate) fn settings(link: &mut Connection) -> Result<Settings, LinkError> {
+    decode(&link.read_file(File::Settings)?)
+        .map_err(|e| LinkError::Input(format!("the controller's settings: {e}")))
+}
+
 /// Checks that a program was made for the machine of the controller.
 fn compare(
-    path: &Path,
+    name: &str,
     scene: &Settings,
     present: &Settings,
     identity: &Identity,
@@ -68,9 +82,8 @@ fn compare(
     match differs.iter().find(|(_, differs)| *differs) {
         None => Ok(()),
         Some((key, _)) => Err(LinkError::Input(format!(
-            "{}: {key} differs from the controller's settings ({}); give --settings to load all settings, \
+            "{name}: {key} differs from the controller's settings ({}); give --settings to load all settings, \
              or a scene of that machine",
-            path.display(),
             identity.settings
         ))),
     }

@@ -1,0 +1,82 @@
+//! Who is let in: the token, and the server's own host and origin.
+//!
+//! The token is in the path of the page, so that every file and the socket need it, and no cookie carries it to another
+//! page. `Host` must be the server's own: a name that somebody else resolves to this computer is refused. `Origin`, which a
+//! page of another site cannot change, must be the server's own where there is one; a socket needs it.
+
+use std::net::SocketAddr;
+
+use subtle::ConstantTimeEq;
+
+/// Bytes of randomness in a token.
+const TOKEN_BYTES: usize = 16;
+
+/// Head of a request, as far as access depends on it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Credentials<'a> {
+    pub(super) path: &'a str,
+    pub(super) host: Option<&'a str>,
+    pub(super) origin: Option<&'a str>,
+}
+
+/// Reason why a request is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub(super) enum Denied {
+    #[error("the request is for another host; open the address that `cophase scope` printed")]
+    Host,
+    #[error("the token is missing or wrong; open the address that `cophase scope` printed")]
+    Token,
+    #[error(
+        "the request comes from a page of another origin; open the address that `cophase scope` printed"
+    )]
+    Origin,
+}
+
+#[derive(Debug)]
+pub(super) struct Access {
+    token: String,
+    hosts: Vec<String>,
+}
+
+impl Access {
+    /// Draws the token of a server at an address.
+    pub(super) fn new(address: SocketAddr) -> Result<Self, getrandom::Error> {
+        let mut bytes = [0; TOKEN_BYTES];
+        getrandom::fill(&mut bytes)?;
+        let mut hosts = vec![address.to_string()];
+        if address.ip().is_loopback() {
+            hosts.push(format!("localhost:{}", address.port()));
+        }
+        Ok(Self {
+            token: bytes.iter().map(|byte| format!("{byte:02x}")).collect(),
+            hosts,
+        })
+    }
+
+    /// Address of the page.
+    pub(super) fn url(&self) -> String {
+        format!("http://{}/{}/", self.hosts[0], self.token)
+    }
+
+    /// Origins that sockets of the page may connect to.
+    pub(super) fn sockets(&self) -> impl Iterator<Item = String> {
+        self.hosts.iter().map(|host| format!("ws://{host}"))
+    }
+
+    /// Path of the file that a request is for, if it is let in.
+    pub(super) fn check<'a>(&self, credentials: &Credentials<'a>) -> Result<&'a str, Denied> {
+        let own = |host: &str| self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host));
+        let host = credentials.host.filter(|host| own(host));
+        let host = host.ok_or(Denied::Host)?;
+        let path = credentials.path.strip_prefix('/').ok_or(Denied::Token)?;
+        let (token, file) = path.split_once('/').ok_or(Denied::Token)?;
+        if !bool::from(token.as_bytes().ct_eq(self.token.as_bytes())) {
+            return Err(Denied::Token);
+        }
+        let same = |origin: &str| origin.strip_prefix("http://") == Some(host);
+        if credentials.origin.is_some_and(|origin| !same(origin)) {
+            return Err(Denied::Origin);
+        }
+        Ok(file)
+    }
+}

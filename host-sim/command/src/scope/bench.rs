@@ -1,0 +1,229 @@
+//! The controller on one side, and all browsers on the other.
+
+use std::sync::mpsc::{Receiver, TryRecvError};
+use std::time::{Duration, Instant};
+
+use cophase_core::settings::Settings;
+use cophase_link::message::{Control, ControlRequest, Identity, Request as LinkRequest, Status};
+
+use super::browsers::{Browser, Browsers};
+use super::columns::{Batch, CHANNELS, Columns};
+use super::report::Report;
+use super::request::Numbered;
+use super::{ScopeArgs, scene};
+use crate::link::connection::{Connection, Incoming, LinkError};
+use crate::link::write;
+
+/// Something that a browser wants.
+#[derive(Debug)]
+pub(super) enum Job {
+    Joined(Browser),
+    Left(u32),
+    /// A request in JSON.
+    Request(u32, String),
+}
+
+/// Time between two statuses of the controller, ms.
+const STATUS_MS: u16 = 50;
+
+/// Longest time that samples wait to be sent: a frame of the page.
+const BATCH: Duration = Duration::from_millis(16);
+
+/// Time between two attempts to reach a controller that was lost.
+const REOPEN: Duration = Duration::from_millis(500);
+
+pub(super) struct Bench {
+    pub(super) link: Connection,
+    pub(super) identity: Identity,
+    settings: Settings,
+    columns: Columns,
+    batch: Batch,
+    every: u16,
+    pub(super) text: String,
+    pub(super) browsers: Browsers,
+    /// Number of the first event since the restart.
+    pub(super) first_event: u32,
+    next_tick: Option<u32>,
+    lost_samples: u64,
+    sent: Instant,
+}
+
+impl Bench {
+    /// Begins the streams of a controller.
+    pub(super) fn new(mut link: Connection, args: &ScopeArgs) -> Result<Self, LinkError> {
+        let identity = link.identify()?;
+        let settings = write::settings(&mut link)?;
+        let text = scene::text(args, &identity).map_err(LinkError::Input)?;
+        let mut bench = Self {
+            columns: Columns::new(&settings),
+            batch: Batch::new(args.every),
+            every: args.every,
+            text,
+            browsers: Browsers::default(),
+            first_event: 0,
+            next_tick: None,
+            lost_samples: 0,
+            sent: Instant::now(),
+            link,
+            identity,
+            settings,
+        };
+        bench.begin_streams()?;
+        Ok(bench)
+    }
+
+    fn begin_streams(&mut self) -> Result<(), LinkError> {
+        let period_ms = STATUS_MS;
+        let statuses = LinkRequest::StreamStatus { period_ms };
+        self.link.repeatable("status", &statuses)?;
+        let (channels, every) = (CHANNELS, self.every);
+        let samples = LinkRequest::Stream { channels, every };
+        self.link.repeatable("samples", &samples)
+    }
+
+    /// Passes on what arrives from either side, until there can be no more browsers.
+    pub(super) fn run(&mut self, jobs: &Receiver<Job>) -> Result<(), LinkError> {
+        loop {
+            loop {
+                match jobs.try_recv() {
+                    Ok(job) => self.carry_out(job),
+                    Err(TryRecvError::Empty) => break,
+                    Err(TryRecvError::Disconnected) => return Ok(()),
+                }
+            }
+            match self.link.next(Duration::from_millis(2)) {
+                Ok(Some(incoming)) => self.pass_on(incoming),
+                Ok(None) => {}
+                Err(error) => self.reach_again(&error)?,
+            }
+            if self.sent.elapsed() >= BATCH {
+                self.send_batch();
+            }
+        }
+    }
+
+    /// The line is lost: control ends, and the same controller is waited for.
+    fn reach_again(&mut self, error: &LinkError) -> Result<(), LinkError> {
+        self.browsers.set_owner(None);
+        let error = Some(error.to_string());
+        self.browsers.report(&Report::Line { error });
+        while !self.link.reopen() {
+            std::thread::sleep(REOPEN);
+        }
+        let identity = self.link.identify()?;
+        if (&identity.board, identity.serial) != (&self.identity.board, self.identity.serial)
+            || identity.settings_crc != self.identity.settings_crc
+        {
+            let problem = "another controller, or other settings, are at the line now; start `cophase scope` again";
+            return Err(LinkError::Input(problem.to_owned()));
+        }
+        self.begin_again(identity)?;
+        self.browsers.report(&Report::Line { error: None });
+        Ok(())
+    }
+
+    /// Begins the streams of a controller that identified itself again.
+    pub(super) fn begin_again(&mut self, identity: Identity) -> Result<(), LinkError> {
+        self.identity = identity;
+        self.next_tick = None;
+        self.columns.restart();
+        self.begin_streams()
+    }
+
+    fn pass_on(&mut self, incoming: Incoming) {
+        match incoming {
+            Incoming::Samples(samples) => {
+                for sample in samples {
+                    let every = u32::from(self.every);
+                    let expected = self.next_tick.unwrap_or(sample.tick);
+                    let gap = sample.tick.wrapping_sub(expected);
+                    self.lost_samples += u64::from(gap / every);
+                    self.next_tick = Some(sample.tick.wrapping_add(every));
+                    if !self.batch.is_next(sample.tick) {
+                        self.send_batch();
+                    }
+                    let row = self.columns.row(&sample);
+                    self.batch.push(sample.tick, row);
+                }
+            }
+            Incoming::Status(status) => self.report_status(&status),
+            Incoming::Event(record) => {
+                let tick_hz = self.identity.tick_hz;
+                self.browsers.report(&Report::event(&record, tick_hz));
+            }
+        }
+    }
+
+    fn report_status(&mut self, status: &Status) {
+        if status.control == Control::Other {
+            self.browsers.set_owner(None);
+        }
+        let name = self.browsers.owner_name();
+        let owner = (self.browsers.owner(), name.as_deref());
+        let count = self.browsers.count();
+        for browser in self.browsers.iter_mut() {
+            let report = Report::status(
+                status,
+                self.identity.tick_hz,
+                owner,
+                browser,
+                self.lost_samples,
+                count,
+            );
+            browser.report(&report);
+        }
+    }
+
+    pub(super) fn send_batch(&mut self) {
+        self.sent = Instant::now();
+        if let Some((bytes, count)) = self.batch.take() {
+            self.browsers.samples(&bytes, count);
+        }
+    }
+
+    fn carry_out(&mut self, job: Job) {
+        match job {
+            Job::Joined(browser) => self.welcome(browser),
+            Job::Left(id) => {
+                if self.browsers.leave(id) {
+                    // If the line is lost, control ends by itself.
+                    let _ = self.control(ControlRequest::Release);
+                }
+            }
+            Job::Request(id, text) => {
+                // A request that is not understood has its number in the reply, too.
+                let number = serde_json::from_str(&text).map_or(0, |Numbered { id }| id);
+                let done = match serde_json::from_str(&text) {
+                    Ok(request) => self.request(id, &request),
+                    Err(error) => Err(format!("the request is not understood: {error}")),
+                };
+                if let Some(browser) = self.browsers.find(id) {
+                    browser.report(&Report::Reply {
+                        id: number,
+                        error: done.err(),
+                    });
+                }
+            }
+        }
+    }
+
+    /// Welcomes a browser with all that does not change, and with the events so far.
+    fn welcome(&mut self, mut browser: Browser) {
+        // The batch that waits began before the browser came.
+        self.send_batch();
+        browser.report(&Report::hello(
+            browser.name(),
+            &self.identity,
+            &self.settings,
+            &self.columns,
+            self.every,
+            self.link.is_simulated(),
+            &self.text,
+        ));
+        // Without them, the page has those that come.
+        for record in self.link.events(self.first_event).unwrap_or_default() {
+            browser.report(&Report::event(&record, self.identity.tick_hz));
+        }
+        self.browsers.join(browser);
+    }
+}

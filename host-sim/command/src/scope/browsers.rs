@@ -1,0 +1,150 @@
+//! All browsers, and which of them has control.
+
+use std::net::SocketAddr;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::mpsc::SyncSender;
+
+use serde::Serialize;
+use tungstenite::Message;
+
+/// A browser as the bench knows it.
+#[derive(Debug)]
+pub(super) struct Browser {
+    pub(super) id: u32,
+    address: SocketAddr,
+    queue: SyncSender<Message>,
+    /// Samples and reports that found no room in the queue.
+    pub(super) dropped_samples: u64,
+    pub(super) dropped_reports: u64,
+}
+
+impl Browser {
+    pub(super) fn new(address: SocketAddr, queue: SyncSender<Message>) -> Self {
+        static NEXT: AtomicU32 = AtomicU32::new(1);
+        Self {
+            id: NEXT.fetch_add(1, Ordering::Relaxed),
+            address,
+            queue,
+            dropped_samples: 0,
+            dropped_reports: 0,
+        }
+    }
+
+    /// Name by which others know it.
+    pub(super) fn name(&self) -> String {
+        format!("browser {} ({})", self.id, self.address)
+    }
+
+    pub(super) fn report(&mut self, report: &impl Serialize) {
+        // A report has no keys that JSON refuses.
+        let text = serde_json::to_string(report).unwrap_or_default();
+        if self.queue.try_send(Message::text(text)).is_err() {
+            self.dropped_reports += 1;
+        }
+    }
+}
+
+#[derive(Debug, Default)]
+pub(super) struct Browsers {
+    all: Vec<Browser>,
+    /// The browser that has control.
+    owner: Option<u32>,
+}
+
+impl Browsers {
+    pub(super) fn join(&mut self, browser: Browser) {
+        self.all.push(browser);
+    }
+
+    /// Removes a browser; true if it had control, which it has no longer.
+    pub(super) fn leave(&mut self, id: u32) -> bool {
+        self.all.retain(|browser| browser.id != id);
+        self.owner.take_if(|owner| *owner == id).is_some()
+    }
+
+    pub(super) fn find(&mut self, id: u32) -> Option<&mut Browser> {
+        self.all.iter_mut().find(|browser| browser.id == id)
+    }
+
+    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Browser> {
+        self.all.iter_mut()
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.all.len()
+    }
+
+    /// Sends a report to all.
+    pub(super) fn report(&mut self, report: &impl Serialize) {
+        for browser in &mut self.all {
+            browser.report(report);
+        }
+    }
+
+    /// Sends a batch of samples to all, and counts those of them that find no room.
+    pub(super) fn samples(&mut self, batch: &[u8], count: u64) {
+        let message = Message::binary(batch.to_vec());
+        for browser in &mut self.all {
+            if browser.queue.try_send(message.clone()).is_err() {
+                browser.dropped_samples += count;
+            }
+        }
+    }
+
+    pub(super) const fn owner(&self) -> Option<u32> {
+        self.owner
+    }
+
+    pub(super) const fn set_owner(&mut self, owner: Option<u32>) {
+        self.owner = owner;
+    }
+
+    /// Name of the browser that has control.
+    pub(super) fn owner_name(&self) -> Option<String> {
+        let owner = self.owner?;
+        self.all
+            .iter()
+            .find(|browser| browser.id == owner)
+            .map(Browser::name)
+    }
+
+    /// Checks that a browser has control.
+    pub(super) fn check_control(&self, id: u32) -> Result<(), String> {
+        match self.owner_name() {
+            _ if self.owner == Some(id) => Ok(()),
+            Some(name) => Err(format!(
+                "{name} has control; this page can watch, and stop the machine"
+            )),
+            None => Err("this page does not have control; take control first".to_owned()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::sync_channel;
+
+    use super::*;
+
+    /// What finds no room is counted, for the slow browser only.
+    #[test]
+    fn samples_and_reports_that_find_no_room_are_counted() {
+        let address = SocketAddr::from(([127, 0, 0, 1], 1));
+        let (slow, _waits) = sync_channel(1);
+        let (fast, waiting) = sync_channel(8);
+        let mut browsers = Browsers::default();
+        for queue in [slow, fast] {
+            browsers.join(Browser::new(address, queue));
+        }
+        for count in [10, 20, 30] {
+            browsers.samples(&[0], count);
+        }
+        browsers.report(&"status");
+        let dropped: Vec<_> = browsers
+            .iter_mut()
+            .map(|browser| (browser.dropped_samples, browser.dropped_reports))
+            .collect();
+        assert_eq!(dropped, [(50, 1), (0, 0)]);
+        assert_eq!(waiting.try_iter().count(), 4);
+    }
+}

@@ -1,0 +1,90 @@
+//! `cophase scope`: a local web page that shows a controller live, and operates it.
+//!
+//! The thread that began the command is the only one that talks to the controller ([`bench`]). Every browser has a thread of
+//! its own ([`browser`]), which passes JSON requests to it, and takes JSON reports and binary batches of samples from a
+//! queue. Files of the page are in the binary ([`page`]). [`access`] decides who is let in.
+
+mod access;
+mod bench;
+mod browser;
+mod browsers;
+mod columns;
+mod commands;
+mod http;
+mod page;
+mod report;
+mod request;
+mod scene;
+
+use std::io::Write;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
+use std::sync::Arc;
+use std::sync::mpsc::channel;
+
+use clap::Args;
+use cophase_link::line::UART_BAUD;
+
+use super::link::connection::Connection;
+use super::link::transport::{self, Faults};
+use super::{CommandError, Status};
+use access::Access;
+use bench::Bench;
+
+#[derive(Debug, Args)]
+#[command(
+    about = "Show a controller live on a local web page, and operate it",
+    after_help = "The page is served until the command is interrupted. Its address has a token: who has the address can move the machine."
+)]
+pub(crate) struct ScopeArgs {
+    /// The controller: a serial port, tcp:HOST:PORT, or sim[:SCENE] for a simulated one
+    #[arg(long, value_name = "WHERE")]
+    to: Option<String>,
+    /// Baud rate of a UART; a USB port ignores it
+    #[arg(long, value_name = "BAUD", default_value_t = UART_BAUD)]
+    baud: u32,
+    /// TCP port of the page; 0 takes a free one
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    port: u16,
+    /// Address of this computer at which the page is served
+    #[arg(long, value_name = "IP", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
+    listen: IpAddr,
+    /// Ticks between two samples; a UART is too slow for every tick
+    #[arg(long, value_name = "TICKS", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    every: u16,
+    /// Scene of the program editor; by default that of --to sim, or the built-in one that the controller runs
+    #[arg(long, value_name = "SCENE")]
+    scene: Option<String>,
+}
+
+/// Serves the page until the process is interrupted.
+pub(crate) fn scope(args: &ScopeArgs, out: &mut impl Write) -> Result<Status, CommandError> {
+    let input = |error: String| CommandError::Input(error);
+    if args.listen.is_unspecified() {
+        return Err(input(format!(
+            "--listen {}: give one address of this computer, as the page checks that requests are for it",
+            args.listen
+        )));
+    }
+    let address = SocketAddr::new(args.listen, args.port);
+    let listener = TcpListener::bind(address)
+        .map_err(|e| input(format!("--listen {address}: {e}; give a free --port")))?;
+    let address = listener.local_addr()?;
+    let transport =
+        transport::open(args.to.as_deref(), args.baud, Faults::Injected).map_err(input)?;
+    let access = Access::new(address).map_err(|e| {
+        input(format!(
+            "no random token: {e}; the operating system has none"
+        ))
+    })?;
+    let access = Arc::new(access);
+    let mut bench = Bench::new(Connection::new(transport), args)
+        .map_err(|error| CommandError::Input(error.to_string()))?;
+    writeln!(out, "{}", access.url())?;
+    out.flush()?;
+    let (jobs, taken) = channel();
+    std::thread::spawn(move || http::serve(&listener, &access, &jobs));
+    bench
+        .run(&taken)
+        .map_err(|error| CommandError::Input(error.to_string()))?;
+    Ok(Status::Done)
+}

@@ -1,0 +1,23 @@
+//! Text of the scene whose program the editor opens with.
+
+use std::path::Path;
+
+use cophase_link::message::Identity;
+use host_sim::scene::library;
+
+use super::ScopeArgs;
+
+/// Reads the scene of `--scene`, that of `--to sim:SCENE`, or the built-in one that has the name of the controller's settings.
+/// Of a controller with other settings there is no text.
+pub(super) fn text(args: &ScopeArgs, identity: &Identity) -> Result<String, String> {
+    let to = args.to.as_deref().unwrap_or_default();
+    let named = args.scene.as_deref().or_else(|| to.strip_prefix("sim:"));
+    let Some(name) = named else {
+        let built_in = library::find(&identity.settings);
+        return Ok(built_in.map_or_else(String::new, |scene| scene.text.to_owned()));
+    };
+    match library::find(name) {
+        Some(built_in) if !Path::new(name).exists() => Ok(built_in.text.to_owned()),
+        _ => std::fs::read_to_string(name).map_err(|e| format!("{name}: {e}; give a scene file")),
+    }
+}

@@ -1,0 +1,411 @@
+//! `cophase scope` over real sockets: who is let in, and who may command.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+use tungstenite::client::IntoClientRequest;
+use tungstenite::{Message, WebSocket};
+
+/// Longest time that a test waits for a report.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+const SCENE: &str = "name = \"scope\"\n\
+     fidelity = \"kinematic\"\n\
+     [machine]\ncrank_radius_mm = 12\nlambda = 0.3\nload_kg = 5\n\
+     [control]\nsettle_s = 0.01\n\
+     [limits]\nspeed_hz = 20\nacceleration_hz_per_s = 100\njerk_hz_per_s2 = 4000\nhoming_speed_hz = 5\n\
+     [axes]\ncount = 3\ndrive = \"stepper\"\nsteps_per_turn = 3200\n\
+     [[program]]\namax_g = 2\nramp_s = 0.2\nhold_s = 1000\n";
+
+/// A server on a simulated controller.
+struct Served {
+    child: Child,
+    port: u16,
+    token: String,
+    _folder: tempfile::TempDir,
+}
+
+impl Served {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = folder.path().join("scene.toml");
+        std::fs::write(&scene, SCENE).unwrap();
+        let mut child = Command::new(env!("CARGO_BIN_EXE_cophase"))
+            .args(["scope", "--to", &format!("sim:{}", scene.display())])
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut url = String::new();
+        BufReader::new(child.stdout.take().unwrap())
+            .read_line(&mut url)
+            .unwrap();
+        let rest = url.trim().strip_prefix("http://127.0.0.1:").unwrap();
+        let (port, token) = rest.trim_end_matches('/').split_once('/').unwrap();
+        Self {
+            child,
+            port: port.parse().unwrap(),
+            token: token.to_owned(),
+            _folder: folder,
+        }
+    }
+
+    fn host(&self) -> String {
+        format!("127.0.0.1:{}", self.port)
+    }
+
+    /// Answer to a request of these lines.
+    fn answer(&self, lines: &[&str]) -> String {
+        let mut stream = TcpStream::connect(self.host()).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        write!(stream, "{}\r\n\r\n", lines.join("\r\n")).unwrap();
+        let mut answer = Vec::new();
+        // A socket that is let in stays open: its head is enough.
+        let mut part = [0; 4096];
+        while !answer.windows(4).any(|end| end == b"\r\n\r\n") {
+            match stream.read(&mut part) {
+                Ok(0) | Err(_) => break,
+                Ok(count) => answer.extend(&part[..count]),
+            }
+        }
+        String::from_utf8_lossy(&answer).into_owned()
+    }
+
+    /// Status of the answer to `GET` of a path, with more lines.
+    fn get(&self, path: &str, more: &[&str]) -> u16 {
+        let first = format!("GET {path} HTTP/1.1");
+        let mut lines = vec![first.as_str()];
+        lines.extend(more);
+        let answer = self.answer(&lines);
+        let status = answer.split(' ').nth(1).map(str::to_owned);
+        status.and_then(|status| status.parse().ok()).unwrap_or(0)
+    }
+
+    fn browser(&self) -> Browser {
+        let url = format!("ws://{}/{}/socket", self.host(), self.token);
+        let mut request = url.into_client_request().unwrap();
+        let origin = format!("http://{}", self.host()).parse().unwrap();
+        request.headers_mut().insert("origin", origin);
+        let stream = TcpStream::connect(self.host()).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        let (socket, _) = tungstenite::client(request, stream).unwrap();
+        Browser { socket, next: 1 }
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+struct Browser {
+    socket: WebSocket<TcpStream>,
+    next: u64,
+}
+
+impl Browser {
+    /// Next report that is as required.
+    fn wait(&mut self, is_it: impl Fn(&Value) -> bool) -> Value {
+        let end = Instant::now() + PATIENCE;
+        while Instant::now() < end {
+            if let Message::Text(text) = self.socket.read().unwrap() {
+                let report: Value = serde_json::from_str(&text).unwrap();
+                if is_it(&report) {
+                    return report;
+                }
+            }
+        }
+        panic!("not within {PATIENCE:?}");
+    }
+
+    /// Makes a request; the reason if it is refused.
+    fn request(&mut self, mut request: Value) -> Result<(), String> {
+        let id = self.next;
+        self.next += 1;
+        request["id"] = id.into();
+        self.socket
+            .send(Message::text(request.to_string()))
+            .unwrap();
+        let reply = self.wait(|report| report["type"] == "reply" && report["id"] == id);
+        match reply["error"].as_str() {
+            Some(error) => Err(error.to_owned()),
+            None => Ok(()),
+        }
+    }
+
+    fn command(&mut self, name: &str) -> Result<(), String> {
+        self.request(json!({ "request": name }))
+    }
+
+    fn wait_for_state(&mut self, states: &[&str]) -> Value {
+        self.wait(|report| {
+            report["type"] == "status" && states.iter().any(|state| report["state"] == *state)
+        })
+    }
+}
+
+const UPGRADE: [&str; 4] = [
+    "Upgrade: websocket",
+    "Connection: Upgrade",
+    "Sec-WebSocket-Version: 13",
+    "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==",
+];
+
+#[test]
+fn without_the_token_nothing_is_served() {
+    let served = Served::new();
+    let host = format!("Host: {}", served.host());
+    let token = &served.token;
+    let mut other = token.clone().into_bytes();
+    other[0] ^= 1;
+    let other = String::from_utf8(other).unwrap();
+    for path in ["/", "/index.html", "/socket", "//", "/x/", "//socket"] {
+        assert_eq!(served.get(path, &[&host]), 403, "{path}");
+    }
+    for file in [
+        "",
+        "app.js",
+        "style.css",
+        "vendor/uPlot.iife.min.js",
+        "no-such-file",
+        "socket",
+    ] {
+        for wrong in [&other, &token[1..], &format!("{token}0")] {
+            let path = format!("/{wrong}/{file}");
+            assert_eq!(served.get(&path, &[&host]), 403, "{path}");
+        }
+    }
+    let origin = format!("Origin: http://{}", served.host());
+    let mut upgrade = vec![host.as_str(), &origin];
+    upgrade.extend(UPGRADE);
+    assert_eq!(served.get(&format!("/{other}/socket"), &upgrade), 403);
+    assert_eq!(served.get(&format!("/{token}/socket"), &upgrade), 101);
+    assert_eq!(served.get(&format!("/{token}/"), &[&host]), 200);
+    assert_eq!(served.get(&format!("/{token}/app.js"), &[&host]), 200);
+    assert_eq!(
+        served.get(&format!("/{token}/../Cargo.toml"), &[&host]),
+        404
+    );
+}
+
+#[test]
+fn another_host_or_origin_is_refused() {
+    let served = Served::new();
+    let (own, path) = (served.host(), format!("/{}/", served.token));
+    let host = format!("Host: {own}");
+    for other in [
+        "evil.example",
+        "127.0.0.1",
+        "127.0.0.1:1",
+        "evil.example:80",
+    ] {
+        assert_eq!(
+            served.get(&path, &[&format!("Host: {other}")]),
+            403,
+            "{other}"
+        );
+    }
+    assert_eq!(served.get(&path, &[]), 403, "no host");
+    assert_eq!(served.get(&path, &[&host, &host]), 403, "two hosts");
+    let socket = format!("{path}socket");
+    let with = |origin: &[&str]| {
+        let mut lines = vec![host.as_str()];
+        lines.extend(UPGRADE);
+        lines.extend(origin);
+        served.get(&socket, &lines)
+    };
+    let mine = format!("Origin: http://{own}");
+    assert_eq!(with(&[&mine]), 101);
+    assert_eq!(with(&[]), 403, "no origin");
+    for origin in [
+        "http://evil.example".to_owned(),
+        format!("https://{own}"),
+        format!("http://localhost:{}", served.port),
+        format!("http://{own}.evil.example"),
+        "null".to_owned(),
+    ] {
+        assert_eq!(with(&[&format!("Origin: {origin}")]), 403, "{origin}");
+        // A page of another origin can read no file either.
+        assert_eq!(
+            served.get(&path, &[&host, &format!("Origin: {origin}")]),
+            403,
+            "{origin}"
+        );
+    }
+    assert_eq!(
+        with(&[&mine, "Origin: http://evil.example"]),
+        403,
+        "two origins"
+    );
+}
+
+/// Every file has the policy that keeps the page from loading, or connecting to, anything else.
+#[test]
+fn the_page_may_load_own_files_only() {
+    let served = Served::new();
+    let host = format!("Host: {}", served.host());
+    let line = format!("GET /{}/ HTTP/1.1", served.token);
+    let answer = served.answer(&[&line, &host]);
+    let policy = answer
+        .lines()
+        .find_map(|line| line.strip_prefix("Content-Security-Policy: "))
+        .expect("there is a policy");
+    assert!(
+        policy.starts_with("default-src 'none'; script-src 'self'"),
+        "{policy}"
+    );
+    assert!(
+        !policy.contains("unsafe-inline") && !policy.contains('*'),
+        "{policy}"
+    );
+    assert!(answer.contains("Referrer-Policy: no-referrer"), "{answer}");
+}
+
+#[test]
+fn one_browser_commands_and_another_one_may_stop() {
+    let served = Served::new();
+    let mut first = served.browser();
+    let hello = first.wait(|report| report["type"] == "hello");
+    let name = hello["name"].as_str().unwrap();
+    let mut second = served.browser();
+    let refused = |error: Result<(), String>, reason: &str| {
+        let error = error.expect_err(reason);
+        assert!(error.contains(reason), "{error}");
+    };
+    refused(first.command("arm"), "take control first");
+    first.command("take-control").unwrap();
+    for command in [
+        "take-control",
+        "arm",
+        "start",
+        "home",
+        "jog",
+        "hold",
+        "reset",
+        "release-control",
+    ] {
+        refused(second.command(command), name);
+    }
+    refused(
+        second.request(json!({ "request": "override", "permille": 500 })),
+        "has control",
+    );
+    refused(
+        second.request(json!({ "request": "load", "text": SCENE })),
+        "has control",
+    );
+    let slip = json!({ "kind": "slip", "axis": 0, "rate_deg_per_s": 90 });
+    refused(
+        second.request(json!({ "request": "inject", "fault": slip })),
+        "has control",
+    );
+
+    // Arm, then start: two steps.
+    refused(first.command("start"), "not armed");
+    first.command("arm").unwrap();
+    first.command("start").unwrap();
+    first.wait_for_state(&["run"]);
+
+    second
+        .request(json!({ "request": "stop", "now": true }))
+        .unwrap();
+    second.wait_for_state(&["stop", "parked"]);
+    let status = second.wait_for_state(&["parked"]);
+    assert_eq!(status["control"], "other");
+
+    // Control and arm end with the page.
+    first.command("arm").unwrap();
+    drop(first);
+    let status = second.wait(|report| report["type"] == "status" && report["control"] == "free");
+    assert_eq!(status["armed"], false);
+    second.command("take-control").unwrap();
+    refused(second.command("start"), "not armed");
+    second.command("arm").unwrap();
+    second.command("start").unwrap();
+    second.wait_for_state(&["run"]);
+}
+
+#[test]
+fn bad_requests_are_refused_with_the_reason() {
+    let served = Served::new();
+    let mut browser = served.browser();
+    let hello = browser.wait(|report| report["type"] == "hello");
+    assert_eq!(hello["text"], SCENE);
+    assert_eq!(
+        (&hello["simulated"], &hello["axes"]),
+        (&json!(true), &json!(3))
+    );
+    browser.command("take-control").unwrap();
+    let other = SCENE.replace("load_kg = 5", "load_kg = 6");
+    let wrong = SCENE.replace("amax_g = 2", "amax_g = -2");
+    for (request, reason) in [
+        (
+            json!({ "request": "load", "text": other }),
+            "machine differs",
+        ),
+        (json!({ "request": "load", "text": wrong }), "amax_g"),
+        (json!({ "request": "load", "text": "x" }), "the program"),
+        (
+            json!({ "request": "override", "permille": 1201 }),
+            "0 to 1200",
+        ),
+        (json!({ "request": "hold" }), "not possible in state idle"),
+        (
+            json!({ "request": "inject", "fault": { "kind": "stuck", "axis": 7 } }),
+            "fault[0].axis",
+        ),
+        (
+            json!({ "request": "inject", "fault": { "kind": "overrun" } }),
+            "cophase run",
+        ),
+        (
+            json!({ "request": "inject", "fault": { "kind": "sabotage" } }),
+            "sabotage",
+        ),
+    ] {
+        let error = browser.request(request).expect_err(reason);
+        assert!(error.contains(reason), "{error}");
+    }
+    browser
+        .socket
+        .send(Message::text("{\"id\": 9, \"request\": \"explode\"}"))
+        .unwrap();
+    let reply = browser.wait(|report| report["type"] == "reply" && report["id"] == 9);
+    assert!(
+        reply["error"].as_str().unwrap().contains("explode"),
+        "{reply}"
+    );
+}
+
+/// Samples come complete, as batches that follow each other tick by tick.
+#[test]
+fn batches_of_samples_follow_each_other() {
+    let served = Served::new();
+    let mut browser = served.browser();
+    let hello = browser.wait(|report| report["type"] == "hello");
+    let columns = hello["columns"].as_array().unwrap().len();
+    let mut next = None;
+    let mut samples = 0;
+    while samples < 4000 {
+        let Message::Binary(batch) = browser.socket.read().unwrap() else {
+            continue;
+        };
+        let word = |i: usize| u32::from_le_bytes(batch[4 * i..4 * i + 4].try_into().unwrap());
+        let (tick, every, count) = (word(0), word(1), word(2));
+        assert_eq!(every, 1);
+        assert_eq!(word(3) as usize, columns);
+        assert_eq!(batch.len(), 16 + 8 * columns * count as usize);
+        assert!(next.is_none_or(|next| next == tick), "{next:?}, {tick}");
+        next = Some(tick + count);
+        samples += count;
+    }
+    let status = browser.wait(|report| report["type"] == "status");
+    assert_eq!(
+        (&status["lost_samples"], &status["dropped_samples"]),
+        (&json!(0), &json!(0))
+    );
+}

@@ -1,0 +1,171 @@
+// Controls of the machine, each with the reason why it is not possible now.
+
+/** Time between two requests of a jog, ms: less than half of what one lasts. */
+const JOG_MS = 200;
+
+const AT_REST = ['idle', 'parked'];
+
+function needsControl(status) {
+  if (status.control === 'you') return undefined;
+  if (status.control === 'other') return `${status.owner ?? 'another host'} has control`;
+  return 'take control first';
+}
+
+function needsState(states, status) {
+  return states.includes(status.state) ? undefined : `not possible in state ${status.state}`;
+}
+
+function needsInputs(status) {
+  if (!status.enable) return 'the enable input is open';
+  if (status.stop_input) return 'the stop input is active';
+  return undefined;
+}
+
+function needsArm(status) {
+  return needsInputs(status) ?? (status.armed ? undefined : 'arm first');
+}
+
+/** Why an action is not possible in a status; nothing if it is. The controller checks all of it again. */
+export const REASONS = {
+  control: (status) => (status.control === 'other' ? needsControl(status) : undefined),
+  arm: (status) => needsControl(status) ?? needsState(AT_REST, status) ?? needsInputs(status),
+  start: (status) => needsControl(status) ?? needsState(AT_REST, status) ?? needsArm(status),
+  home: (status) => needsControl(status) ?? needsState(['idle'], status) ?? needsArm(status),
+  jog: (status) => needsControl(status) ?? needsState(['parked'], status) ?? needsArm(status),
+  hold: (status) =>
+    needsControl(status) ?? needsState(['run'], status) ?? (status.holding ? 'it holds already' : undefined),
+  resume: (status) =>
+    needsControl(status) ?? needsState(['run'], status) ?? (status.holding ? undefined : 'nothing is held'),
+  reset: (status) => needsControl(status) ?? needsState(['fault'], status),
+  override: (status) => needsControl(status),
+  load: (status) => needsControl(status) ?? needsState(AT_REST, status),
+  inject: (status) => needsControl(status),
+  restart: (status) => needsControl(status) ?? (status.drives ? 'the drives are on: stop the machine, and reset a fault' : undefined),
+  stop: () => undefined,
+  'stop-now': () => undefined,
+};
+
+export class Controls {
+  #root;
+  #socket;
+  #status;
+  #message;
+  #jogging;
+
+  /**
+   * @param {HTMLElement} root Element whose descendants with `data-action` are controls.
+   * @param {(text: string, isError: boolean) => void} message Shows what became of a request.
+   */
+  constructor(root, socket, message) {
+    this.#root = root;
+    this.#socket = socket;
+    this.#message = message;
+    for (const button of root.querySelectorAll('button[data-action]')) {
+      if (button.dataset.action === 'jog') {
+        this.#wireJog(button);
+      } else if (button.type !== 'submit') {
+        // A form has its own use for its button.
+        button.addEventListener('click', () => this.act(button.dataset.action));
+      }
+    }
+    const slider = root.querySelector('input[data-action=override]');
+    slider.addEventListener('input', () => {
+      this.sliderMoved = performance.now();
+      this.#showOverride(slider.value);
+      this.act('override');
+    });
+  }
+
+  /** Shows which controls are possible. */
+  update(status) {
+    this.#status = status;
+    for (const control of this.#root.querySelectorAll('[data-action]')) {
+      const reason = REASONS[control.dataset.action]?.(status);
+      // A control that is not possible keeps its focus, and says why when it is used.
+      control.setAttribute('aria-disabled', String(reason !== undefined && !this.#jogging));
+      control.title = reason === undefined ? (control.dataset.title ?? '') : `Not now: ${reason}`;
+    }
+    const control = this.#root.querySelector('[data-action=control]');
+    const hasControl = status.control === 'you';
+    control.textContent = hasControl ? 'Release' : 'Take control';
+    control.setAttribute('aria-pressed', String(hasControl));
+    control.dataset.title = hasControl ? 'This page has control' : 'One page commands; the others watch';
+    const arm = this.#root.querySelector('[data-action=arm]');
+    arm.textContent = status.armed ? 'Armed' : 'Arm';
+    arm.setAttribute('aria-pressed', String(status.armed));
+    // The slider follows the machine, except while a hand is on it.
+    if (performance.now() - (this.sliderMoved ?? -1e4) > 1000) {
+      const percent = status.override_permille / 10;
+      this.#root.querySelector('input[data-action=override]').value = percent;
+      this.#showOverride(percent);
+    }
+  }
+
+  #showOverride(percent) {
+    this.#root.querySelector('#override-value').textContent = `${Math.round(percent)} %`;
+  }
+
+  /** Carries out an action by its name, if it is possible. */
+  async act(action, fields = {}) {
+    const reason = this.#status ? REASONS[action]?.(this.#status) : 'there is no status of the controller yet';
+    if (reason !== undefined) {
+      this.#message(`${action}: ${reason}`, true);
+      return false;
+    }
+    try {
+      await this.#request(action, fields);
+      this.#message(`${action}: done`, false);
+      return true;
+    } catch (error) {
+      this.#message(error.message, true);
+      return false;
+    }
+  }
+
+  #request(action, fields) {
+    const socket = this.#socket;
+    switch (action) {
+      case 'control':
+        return socket.request(this.#status.control === 'you' ? 'release-control' : 'take-control');
+      case 'arm':
+        return socket.request(this.#status.armed ? 'disarm' : 'arm');
+      case 'stop':
+        return socket.request('stop', { now: false });
+      case 'stop-now':
+        return socket.request('stop', { now: true });
+      case 'override': {
+        const percent = Number(this.#root.querySelector('input[data-action=override]').value);
+        return socket.request('override', { permille: Math.round(10 * percent) });
+      }
+      default:
+        return socket.request(action, fields);
+    }
+  }
+
+  /** A jog lasts while its button or key is held. */
+  #wireJog(button) {
+    const end = () => this.endJog();
+    button.addEventListener('pointerdown', () => this.beginJog());
+    for (const type of ['pointerup', 'pointerleave', 'pointercancel', 'blur']) {
+      button.addEventListener(type, end);
+    }
+    button.addEventListener('keydown', (event) => {
+      if (event.key === 'Enter' && !event.repeat) this.beginJog();
+    });
+    button.addEventListener('keyup', end);
+  }
+
+  async beginJog() {
+    if (this.#jogging) return;
+    this.#jogging = setInterval(() => this.#socket.request('jog').catch((error) => {
+      this.endJog();
+      this.#message(error.message, true);
+    }), JOG_MS);
+    if (!(await this.act('jog'))) this.endJog();
+  }
+
+  endJog() {
+    clearInterval(this.#jogging);
+    this.#jogging = undefined;
+  }
+}

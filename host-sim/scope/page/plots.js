@@ -1,0 +1,201 @@
+// Plots over time. All share one window and its cursors.
+
+/* global uPlot */
+import { Decimation } from './decimation.js';
+import { unitOf } from './signals.js';
+
+/** Width of the scale at the left, CSS pixels. */
+export const LEFT = 58;
+
+/** Colour of style.css in the present theme. */
+export function color(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+export class Plot {
+  #element;
+  #plot;
+  #view;
+  #config;
+  #hidden = new Set();
+  #hasTimes;
+  #decimation;
+  /** Points that were drawn last, as uPlot has them; tests read them. */
+  data = [[]];
+
+  /** @param {boolean} hasTimes Whether the scale of time is at this plot. */
+  constructor(parent, config, view, hasTimes) {
+    this.#hasTimes = hasTimes;
+    this.#view = view;
+    this.#config = config;
+    this.#decimation = new Decimation(config.signals.map((signal) => signal.column));
+    this.#element = document.createElement('figure');
+    this.#element.className = 'plot';
+    this.#element.dataset.plot = config.id;
+    this.#element.style.flexGrow = config.share;
+    this.#element.setAttribute('aria-label', `${config.title} over time, ${config.unit}`);
+    const head = document.createElement('figcaption');
+    const title = document.createElement('strong');
+    title.textContent = config.title;
+    const unit = document.createElement('span');
+    unit.className = 'unit';
+    unit.textContent = config.unit;
+    head.append(title, unit, ...config.signals.map((signal, i) => this.#legend(signal, i)));
+    this.canvas = document.createElement('div');
+    this.canvas.className = 'canvas';
+    this.#element.append(head, this.canvas);
+    parent.append(this.#element);
+  }
+
+  /** A switch for each signal, which shows its colour. */
+  #legend(signal, i) {
+    const button = document.createElement('button');
+    button.type = 'button';
+    button.className = 'legend';
+    button.setAttribute('aria-pressed', 'true');
+    button.style.setProperty('--color', `var(${signal.color})`);
+    button.textContent = signal.name;
+    button.addEventListener('click', () => {
+      const isHidden = !this.#hidden.delete(i) && Boolean(this.#hidden.add(i));
+      button.setAttribute('aria-pressed', String(!isHidden));
+      this.#plot?.setSeries(i + 1, { show: !isHidden });
+    });
+    return button;
+  }
+
+  /** Makes the plot anew, in the colours of the theme. */
+  build() {
+    this.#plot?.destroy();
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    const axis = {
+      stroke: color('--muted'),
+      grid: { stroke: color('--grid'), width: 1 },
+      ticks: { show: false },
+      font: '11px system-ui, sans-serif',
+    };
+    const { signals } = this.#config;
+    this.#plot = new uPlot(
+      {
+        width,
+        height,
+        padding: [8, 8, this.#hasTimes ? 0 : 8, 0],
+        legend: { show: false },
+        cursor: { show: true, points: { show: false }, drag: { x: true, y: false, setScale: false }, sync: { key: 'time' } },
+        select: { show: true },
+        scales: { x: { time: false, auto: false }, y: { range: (_, least, greatest) => range(least, greatest, this.#config.least) } },
+        axes: [
+          { ...axis, size: this.#hasTimes ? 20 : 0, gap: 3, values: (_, ticks) => ticks.map((t) => (this.#hasTimes ? `${+t.toFixed(4)} s` : '')) },
+          { ...axis, size: LEFT, gap: 4, values: (_, ticks) => ticks.map((y) => String(+y.toPrecision(6))) },
+        ],
+        series: [
+          {},
+          ...signals.map((signal, i) => ({
+            stroke: color(signal.color),
+            width: 1.5,
+            dash: signal.dash,
+            points: { show: false },
+            show: !this.#hidden.has(i),
+            spanGaps: false,
+          })),
+        ],
+        hooks: {
+          draw: [(plot) => this.#drawCursors(plot)],
+          setSelect: [(plot) => this.#select(plot)],
+        },
+      },
+      [[]],
+      this.canvas,
+    );
+    this.canvas.onclick = (event) => this.#place(event);
+    this.canvas.onwheel = (event) => {
+      event.preventDefault();
+      this.#view.zoom(Math.sign(event.deltaY), this.#view.isPaused ? this.#timeAt(event) : undefined);
+    };
+  }
+
+  resize() {
+    this.#plot?.setSize({ width: this.canvas.clientWidth, height: this.canvas.clientHeight });
+  }
+
+  draw() {
+    const { from, to, history } = this.#view;
+    if (!this.#plot || history.isEmpty) {
+      return;
+    }
+    const pixels = Math.max(Math.floor(this.#plot.bbox.width / devicePixelRatio), 1);
+    this.data = this.#decimation.points(history, from, to, pixels);
+    this.#config.signals.forEach(({ column: name }, c) => {
+      const { scale } = unitOf(name);
+      if (scale !== 1) {
+        const column = this.data[c + 1];
+        for (let i = 0; i < column.length; i++) {
+          column[i] = column[i] === null ? null : column[i] * scale;
+        }
+      }
+    });
+    this.#plot.batch(() => {
+      this.#plot.setData(this.data, false);
+      this.#plot.setScale('x', { min: from, max: to });
+    });
+  }
+
+  #timeAt(event) {
+    const box = this.#plot.over.getBoundingClientRect();
+    return this.#plot.posToVal(event.clientX - box.left, 'x');
+  }
+
+  /** A click places cursor A, with Shift cursor B. A drag is no click. */
+  #place(event) {
+    if (!this.wasDragged) {
+      this.#view.setCursor(event.shiftKey ? 1 : 0, this.#timeAt(event));
+    }
+    this.wasDragged = false;
+  }
+
+  /** A drag zooms to what it covers. */
+  #select(plot) {
+    const { left, width } = plot.select;
+    if (width < 4) {
+      return;
+    }
+    this.wasDragged = true;
+    const [from, to] = [plot.posToVal(left, 'x'), plot.posToVal(left + width, 'x')];
+    plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+    this.#view.pause();
+    this.#view.show(from, to - from);
+  }
+
+  #drawCursors(plot) {
+    const { ctx, bbox } = plot;
+    const marks = [
+      ...this.#view.cursors.map((time, i) => ({ time, name: 'AB'[i], color: color('--cursor') })),
+      { time: this.#view.trigger, name: 'T', color: color('--trigger') },
+    ];
+    ctx.save();
+    ctx.font = `bold ${11 * devicePixelRatio}px system-ui, sans-serif`;
+    for (const mark of marks) {
+      if (mark.time === undefined || mark.time < this.#view.from || mark.time > this.#view.to) {
+        continue;
+      }
+      const x = Math.round(plot.valToPos(mark.time, 'x', true)) + 0.5;
+      ctx.strokeStyle = mark.color;
+      ctx.fillStyle = mark.color;
+      ctx.lineWidth = devicePixelRatio;
+      ctx.beginPath();
+      ctx.moveTo(x, bbox.top);
+      ctx.lineTo(x, bbox.top + bbox.height);
+      ctx.stroke();
+      ctx.fillText(mark.name, x + 3 * devicePixelRatio, bbox.top + 10 * devicePixelRatio);
+    }
+    ctx.restore();
+  }
+}
+
+/** Range of the scale: all values with some room, at least ±`side`, and never a line blown up to noise. */
+function range(least, greatest, side = 0) {
+  if (least === null || greatest === null) {
+    return [-Math.max(side, 1), Math.max(side, 1)];
+  }
+  const room = Math.max(0.08 * (greatest - least), 0.02 * Math.max(Math.abs(least), Math.abs(greatest)), 0.01);
+  return [Math.min(least - room, -side), Math.max(greatest + room, side)];
+}

@@ -1,0 +1,63 @@
+// Plots: their signals, with the column, the name, and the colour of each. `--trace-*` are colours of style.css. Scales with
+// `least` show at least that on both sides of zero, so that noise is not blown up.
+
+const G = 9.80665;
+
+/** Unit of a column, and by what its values are multiplied to have it. */
+export function unitOf(column) {
+  if (column.endsWith('_mps2')) return { unit: 'g', scale: 1 / G, digits: 2 };
+  if (column.startsWith('speed')) return { unit: 'rev/s', scale: 1, digits: 3 };
+  if (column.includes('_deg')) return { unit: '°', scale: 1, digits: 3 };
+  if (column.endsWith('_mrad')) return { unit: 'mrad', scale: 1, digits: 3 };
+  return { unit: '', scale: 1, digits: 3 };
+}
+
+/** Plots of a machine with so many axes, from top to bottom. */
+export function plots(axes) {
+  return [
+    {
+      id: 'amplitude',
+      title: 'Amplitude amax',
+      unit: 'g',
+      share: 3,
+      signals: [
+        { column: 'amax_requested_mps2', name: 'requested', color: '--trace-requested', dash: [6, 4] },
+        { column: 'amax_commanded_mps2', name: 'commanded', color: '--trace-commanded' },
+        { column: 'amax_actual_mps2', name: 'actual, from the speed over the last turn', short: 'actual', color: '--trace-actual' },
+      ],
+    },
+    {
+      id: 'speed',
+      title: 'Speed',
+      unit: 'rev/s',
+      share: 2,
+      signals: [
+        { column: 'speed_hz', name: 'commanded', color: '--trace-commanded' },
+        { column: 'speed_actual_hz', name: 'actual, over the last turn', short: 'actual', color: '--trace-actual' },
+      ],
+    },
+    {
+      id: 'phase-error',
+      title: 'Phase error',
+      unit: '°',
+      least: 0.1,
+      share: 2,
+      signals: Array.from({ length: axes }, (_, i) => ({
+        column: `phase_error_deg_${i}`,
+        name: `axis ${i}`,
+        color: `--axis-${i}`,
+      })),
+    },
+    {
+      id: 'tilt',
+      title: 'Tilt',
+      unit: 'mrad',
+      least: 0.1,
+      share: 2,
+      signals: [
+        { column: 'tilt_x_mrad', name: 'about x', color: '--trace-x' },
+        { column: 'tilt_y_mrad', name: 'about y', color: '--trace-y' },
+      ],
+    },
+  ];
+}

@@ -1,0 +1,73 @@
+// Connection to the server: requests with their replies, reports, and batches of samples.
+
+const HEADER_WORDS = 4;
+
+export class Socket {
+  #socket;
+  #next = 1;
+  #waiting = new Map();
+
+  /**
+   * @param {{ report: (report: object) => void, batch: (batch: object) => void, closed: () => void }} handlers
+   */
+  constructor(handlers) {
+    // The token is in the path of the page.
+    this.#socket = new WebSocket(new URL('socket', location.href.replace(/^http/, 'ws')));
+    this.#socket.binaryType = 'arraybuffer';
+    this.#socket.addEventListener('message', ({ data }) => {
+      if (typeof data !== 'string') {
+        handlers.batch(decode(data));
+        return;
+      }
+      const report = JSON.parse(data);
+      if (report.type === 'reply') {
+        this.#answer(report);
+      } else {
+        handlers.report(report);
+      }
+    });
+    this.#socket.addEventListener('close', () => {
+      for (const { reject } of this.#waiting.values()) {
+        reject(new Error('the server is gone; start `cophase scope` again, and open its new address'));
+      }
+      this.#waiting.clear();
+      handlers.closed();
+    });
+  }
+
+  /** Makes a request; fails with the reason of a refusal. */
+  request(request, fields = {}) {
+    const id = this.#next++;
+    return new Promise((resolve, reject) => {
+      if (this.#socket.readyState !== WebSocket.OPEN) {
+        reject(new Error('there is no connection to the server'));
+        return;
+      }
+      this.#waiting.set(id, { resolve, reject });
+      this.#socket.send(JSON.stringify({ id, request, ...fields }));
+    });
+  }
+
+  #answer({ id, error }) {
+    const waiting = this.#waiting.get(id);
+    this.#waiting.delete(id);
+    if (error === undefined) {
+      waiting?.resolve();
+    } else {
+      waiting?.reject(new Error(error));
+    }
+  }
+}
+
+/** Batch of samples: first tick, ticks between two, number of samples, and a Float64Array for each column. */
+function decode(buffer) {
+  const [tick, every, count, columns] = new Uint32Array(buffer, 0, HEADER_WORDS);
+  const start = HEADER_WORDS * Uint32Array.BYTES_PER_ELEMENT;
+  const bytes = count * Float64Array.BYTES_PER_ELEMENT;
+  return {
+    tick,
+    every,
+    count,
+    columns: Array.from({ length: columns }, (_, i) => new Float64Array(buffer, start + i * bytes, count)),
+  };
+}
