@@ -11,8 +11,8 @@ import * as pins from '../bench/pins.mjs';
 import { act } from '../bench/play.mjs';
 import { edgesOff } from './parity.mjs';
 
-/** Every line the other way round than usual. */
-const OTHER_WAY = { step: 'low', drive_enable: 'low', index: 'low', alarm: 'low', enable: 'high', stop: 'low', start: 'high' };
+/** Every line at the level that it does not usually have. */
+const INVERTED = { step: 'low', drive_enable: 'low', index: 'low', alarm: 'low', enable: 'high', stop: 'low', start: 'high' };
 
 /** Refusals, as firmware/link/src/message.rs numbers them. */
 const LOCKED = 16;
@@ -22,9 +22,9 @@ export const title = 'Wiring: active levels, broken wires, bring-up';
 
 export function run(outcome) {
   levels(outcome);
-  for (const wiring of [{}, OTHER_WAY]) brokenWires(outcome, wiring);
+  for (const wiring of [{}, INVERTED]) brokenWires(outcome, wiring);
   pulls(outcome);
-  for (const wiring of [{}, OTHER_WAY]) bringUp(outcome, wiring);
+  for (const wiring of [{}, INVERTED]) bringUp(outcome, wiring);
 }
 
 const wired = (wiring) => (toml) => {
@@ -34,7 +34,7 @@ const wired = (wiring) => (toml) => {
 // ---- active levels ----
 
 function levels(outcome) {
-  const played = scene('index', wired(OTHER_WAY));
+  const played = scene('index', wired(INVERTED));
   const predicted = predict(played);
   const machine = new Machine({ ...played, settings: settingsOf(played) });
   machine.boot();
@@ -50,7 +50,7 @@ function levels(outcome) {
 function brokenWires(outcome, wiring) {
   const played = scene('hold', wired(wiring));
   const settings = settingsOf(played);
-  const name = wiring === OTHER_WAY ? 'inverted' : 'usual';
+  const name = wiring === INVERTED ? 'inverted' : 'usual';
   const cases = [
     ['enable', pins.ENABLE, /enable-loss/, 0],
     ['stop', pins.STOP, /: Parked/, 1],
@@ -92,7 +92,7 @@ function bringUp(outcome, wiring) {
     toml.axes.count = 4;
     toml.axis = toml.axis.filter(({ number }) => number < 4);
   });
-  const name = wiring === OTHER_WAY ? 'inverted' : 'usual';
+  const name = wiring === INVERTED ? 'inverted' : 'usual';
   const check = (holds, text) => outcome.check(holds, `${name} wiring, bring-up: ${text}`);
   const machine = new Machine({ ...played, settings: settingsOf(played) });
   machine.boot();

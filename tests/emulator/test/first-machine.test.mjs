@@ -37,9 +37,9 @@ class Bridge {
     this.lines = [];
     readline.createInterface({ input: this.child.stdout }).on('line', (line) => {
       this.lines.push(line);
-      this.waiting.splice(0).forEach((look) => look());
+      this.waiting.splice(0).forEach((wake) => wake());
     });
-    this.child.on('exit', () => this.waiting.splice(0).forEach((look) => look()));
+    this.child.on('exit', () => this.waiting.splice(0).forEach((wake) => wake()));
   }
 
   /** Waits for a line that begins so, and gives it. */
