@@ -56,7 +56,7 @@ fn the_requested_files_are_written_and_no_others() {
     }
 }
 
-/// Were it wrong, a misspelt format would be left out in silence, or its user would have to guess the right name.
+/// Were it wrong, a misspelt format would be left out without a word, or its user would have to guess the right name.
 #[test]
 fn a_format_that_does_not_exist_is_refused_with_the_list() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,7 +1,7 @@
 //! What a run leaves behind for people to look at.
 //!
 //! One [`Row`] a control tick goes in; out come numbers ([`TraceCsv`], [`TraceMcap`], and [`RowsUdp`] for live plots), edges as a
-//! logic analyser shows them ([`StepsVcd`], [`StepsFst`]), and one page as a scope shows it ([`ScopeData`]). The [`column`]s are
+//! logic analyser shows them ([`StepsVcd`], [`StepsFst`]), and one page as a scope shows it ([`ScopeData`]). The [columns](mod@column) are
 //! stated once for all of them. [`RunFiles`] puts the files in a folder, all or none, and a [`Recorder`] makes rows of a run. What
 //! columns and wires mean for a reader is in `docs/formats.md`.
 //!
