@@ -120,9 +120,9 @@ fn runs_part_where_their_programs_do() {
         let x = 0.5 * (low + high);
         let part: f64 = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
         if part * STANDARD_GRAVITY_MPS2 > 0.5 {
-            high = x
+            high = x;
         } else {
-            low = x
+            low = x;
         }
     }
     let expected_s = run_s + 0.4 + 0.2 * high;

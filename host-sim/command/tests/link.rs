@@ -221,3 +221,36 @@ fn settings_are_loaded_with_a_restart() {
     let out = String::from_utf8(done.get_output().stdout.clone()).unwrap();
     assert!(out.contains("Restarted with the settings link"), "{out}");
 }
+
+/// Simulated time from the last run to its stop, s.
+fn ran_s(log: &str) -> f64 {
+    let at = |state: &str| {
+        let line = log.lines().rfind(|line| line.trim_end().ends_with(state));
+        let line = line.unwrap_or_else(|| panic!("no {state} in {log}"));
+        line.split_whitespace()
+            .next()
+            .unwrap()
+            .parse::<f64>()
+            .unwrap()
+    };
+    at(" stop") - at(" run")
+}
+
+/// Settings can require the host that started the machine: one that waits for the end is there, one that leaves is lost.
+#[test]
+fn a_machine_whose_host_leaves_stops_if_its_settings_say_so() {
+    const HOLD_S: f64 = 12.0;
+    let text = scene_holding(1.0, 5.0, HOLD_S) + "[link]\ntimeout_s = 0.25\n";
+    let served = Served::new(&text);
+    let waited = served.out(&["start", "--yes", "--wait"]);
+    assert!(ran_s(&waited) > HOLD_S, "{waited}");
+    served.out(&["start", "--yes"]);
+    let log = loop {
+        std::thread::sleep(Duration::from_millis(100));
+        let log = served.out(&["log"]);
+        if log.matches(" parked").count() == 2 {
+            break log;
+        }
+    };
+    assert!(ran_s(&log) < HOLD_S, "{log}");
+}

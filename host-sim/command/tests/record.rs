@@ -270,10 +270,14 @@ fn serve(lost: Arc<AtomicU64>, is_over: Arc<AtomicBool>) -> (u16, std::thread::J
         };
         let mut bytes = [0; 1024];
         while !is_over.load(Ordering::SeqCst) {
-            hub.poll();
-            let count = hub.transmit(0, &mut bytes);
-            if stream.write_all(&line.pass(&bytes[..count])).is_err() {
-                return;
+            // Only the line loses samples, and not the hub's few frames of room.
+            let mut may_be_more = true;
+            while may_be_more {
+                may_be_more = hub.poll_one();
+                let count = hub.transmit(0, &mut bytes);
+                if stream.write_all(&line.pass(&bytes[..count])).is_err() {
+                    return;
+                }
             }
             match stream.read(&mut bytes) {
                 Ok(0) => return,

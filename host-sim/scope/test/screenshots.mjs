@@ -40,6 +40,10 @@ export async function screenshots(chrome) {
       await page.screenshot({ path: join(ROOT, `docs/scope-${theme}.png`) });
       check(`docs/scope-${theme}.png is written`, true);
     }
+    await page.click('#theme');
+    const editor = join(ROOT, 'docs/scope-editor.png');
+    await page.locator('#editor').screenshot({ path: editor });
+    check('docs/scope-editor.png is written', true);
   } finally {
     await server.stop();
   }

@@ -18,6 +18,10 @@ use super::transport::Transport;
 /// Time for which a reply is waited for. A flash erase takes up to 0.4 s.
 const REPLY_WAIT: Duration = Duration::from_millis(1500);
 
+/// Longest time without a frame while messages are waited for: half of the shortest time after which settings may take a host for
+/// lost.
+const ALIVE_EVERY: Duration = Duration::from_millis(50);
+
 /// Times that a request without an effect is sent again.
 const RETRIES: u32 = 2;
 
@@ -71,6 +75,10 @@ pub(crate) struct Connection {
     axes: usize,
     replies: VecDeque<(u16, Result<Reply, Refusal>)>,
     incoming: VecDeque<Incoming>,
+    /// Time of the last frame that was sent.
+    sent: Instant,
+    /// Request that only shows that this host is there; its reply is not waited for.
+    alive: Option<u16>,
 }
 
 impl Connection {
@@ -81,6 +89,8 @@ impl Connection {
             axes: 0,
             replies: VecDeque::new(),
             incoming: VecDeque::new(),
+            sent: Instant::now(),
+            alive: None,
         }
     }
 
@@ -250,8 +260,29 @@ impl Connection {
             if Instant::now() >= end {
                 return Ok(None);
             }
+            self.keep_alive()?;
             self.read()?;
         }
+    }
+
+    /// Sends a frame if there was none for a while: settings may require a host that started the machine to be there.
+    fn keep_alive(&mut self) -> Result<(), LinkError> {
+        if self.sent.elapsed() >= ALIVE_EVERY {
+            self.alive = Some(self.send("alive", &Request::Counters)?);
+        }
+        Ok(())
+    }
+
+    /// Sends a request, and returns its number.
+    fn send(&mut self, name: &'static str, request: &Request<'_>) -> Result<u16, LinkError> {
+        let mut frame = [0; MAX_FRAME_BYTES];
+        let (number, length) = self
+            .client
+            .request(request, &mut frame)
+            .ok_or(LinkError::Unexpected(name))?;
+        self.transport.send(&frame[..length])?;
+        self.sent = Instant::now();
+        Ok(number)
     }
 
     fn request(
@@ -261,12 +292,7 @@ impl Connection {
         retries: u32,
     ) -> Result<Reply, LinkError> {
         for _ in 0..=retries {
-            let mut frame = [0; MAX_FRAME_BYTES];
-            let (number, length) = self
-                .client
-                .request(request, &mut frame)
-                .ok_or(LinkError::Unexpected(name))?;
-            self.transport.send(&frame[..length])?;
+            let number = self.send(name, request)?;
             let end = Instant::now() + REPLY_WAIT;
             while Instant::now() < end {
                 let place = self.replies.iter().position(|(to, _)| *to == number);
@@ -293,6 +319,7 @@ impl Connection {
                 continue;
             };
             match message {
+                Message::Reply { to, .. } if self.alive == Some(to) => self.alive = None,
                 Message::Reply { to, body } => {
                     let body = body.map(|body| match body {
                         ReplyBody::Done => Reply::Done,
