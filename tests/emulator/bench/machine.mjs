@@ -15,6 +15,9 @@ export const CYCLES_PER_S = 1e6 * CYCLES_PER_US;
 export const SLOT_A = 0x1f_0000;
 export const SLOT_B = 0x1f_8000;
 
+/** Runs of the loop among which one begins without delay; the first after a reset is at no deadline. */
+const RUNS = 8;
+
 /** The button must be steady this long to count (firmware/core/src/panel.rs), and a little more. */
 const STEADY_S = 0.0105;
 
@@ -110,7 +113,10 @@ export class Machine {
     // The run of the loop that switched the drives on may still be under way.
     const { calls, stack } = this.board.usage;
     const runs = [...calls.get(TIMER_IRQ_1), ...stack.filter(({ number }) => number === TIMER_IRQ_1)];
-    return runs.findLast(({ entry }) => entry <= rise).entry;
+    const { entry } = runs.findLast((run) => run.entry <= rise);
+    // An interrupt may begin late, while others are blocked; the deadline is where the earliest ones begin.
+    const late = (other) => ((((entry - other) % this.tick) + 1.5 * this.tick) % this.tick) - this.tick / 2;
+    return entry - Math.max(...runs.slice(-RUNS).map((run) => late(run.entry)));
   }
 
   /** The processor stands for `seconds`, or up to a reset, and everything else goes on: as if something kept it. */

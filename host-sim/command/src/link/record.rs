@@ -122,11 +122,13 @@ pub(super) fn record(
         every: stream.every,
     };
     link.repeatable("record", &request)?;
+    let mut session = Session::new(recording, identity, args.quiet);
     if starts {
         link.take_control(link_args.take_over)?;
+        // Or the recording might begin with a machine whose drives are on already.
+        session.wait_for_sample(link)?;
         begin(link, "start", &Request::Start)?;
     }
-    let mut session = Session::new(recording, identity, args.quiet);
     let recorded = session.record(link, args.for_s);
     let (counters, lost_line) = match recorded.and_then(|()| session.end(link, next)) {
         Ok(counters) => (counters, None),

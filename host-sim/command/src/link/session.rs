@@ -16,6 +16,9 @@ use crate::signals;
 /// Time between two requests that show the controller that the host is there, and between two updates of the progress.
 const ALIVE_EVERY: Duration = Duration::from_millis(250);
 
+/// Time within which the first sample comes, as slow as it may be.
+const FIRST_WITHIN: Duration = Duration::from_secs(30);
+
 /// Recording that is under way.
 pub(super) struct Session<W: Write + Seek> {
     recording: Recording<W>,
@@ -65,6 +68,20 @@ impl<W: Write + Seek + 'static> Session<W> {
                 ProgressBar::new_spinner()
             },
         }
+    }
+
+    /// Waits until the first sample has come.
+    pub(super) fn wait_for_sample(&mut self, link: &mut Connection) -> Result<(), Problem> {
+        let end = Instant::now() + FIRST_WITHIN;
+        while self.recording.last().is_none() {
+            if Instant::now() >= end {
+                return Err(LinkError::NoReply("record").into());
+            }
+            if let Some(incoming) = link.next(Duration::from_millis(20))? {
+                self.take(incoming)?;
+            }
+        }
+        Ok(())
     }
 
     /// Records until the program is over, the time is, or Ctrl-C.
