@@ -10,7 +10,7 @@ use cophase_core::drift::{IndexFilter, IndexPulse};
 use cophase_core::panel::{self, Button};
 use cophase_core::program::Program;
 use cophase_core::signals::{Feedback, Output};
-use cophase_core::supervisor::State;
+use cophase_core::supervisor::{Command, State};
 use cophase_core::units::{MAX_AXES, PerAxis};
 use cophase_link::sample::flags;
 use embassy_time::Instant;
@@ -99,11 +99,11 @@ impl Io for Board {
             },
             fifo_underrun: self.fifo_underrun.take(),
             inputs,
-            // A press comes first; what the host sent is dropped, as it was for another state.
-            command: if pressed {
-                Some(panel::command(self.state))
-            } else {
-                from_host
+            // A host's stop comes first, and then a press; anything else of the host was for another state.
+            command: match from_host {
+                Some(Command::Stop | Command::StopNow) => from_host,
+                _ if pressed => Some(panel::command(self.state)),
+                _ => from_host,
             },
         }
     }
@@ -122,7 +122,7 @@ impl Io for Board {
 
     #[inline(never)] // as `Controller::tick`
     fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult {
-        lines::drives(output.drives_enabled);
+        lines::drives(output.drives_enabled, output.telemetry.state);
         match self.steps.submit(output, start) {
             Submission::TooLate => return SubmissionResult::TooLate,
             Submission::Underrun(axis) => {

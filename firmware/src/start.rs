@@ -29,7 +29,7 @@ use crate::settings;
 /// Handles a fault of the core: switches the drives off; the watchdog then resets the controller.
 #[exception]
 unsafe fn HardFault(_frame: &ExceptionFrame) -> ! {
-    lines::drives(false);
+    lines::cut_drives();
     loop {
         cortex_m::asm::nop();
     }
@@ -40,7 +40,7 @@ unsafe fn HardFault(_frame: &ExceptionFrame) -> ! {
 fn panic(info: &PanicInfo<'_>) -> ! {
     static IS_SECOND: AtomicBool = AtomicBool::new(false);
     cortex_m::interrupt::disable();
-    lines::drives(false);
+    lines::cut_drives();
     // A second panic, from within the message, is not logged.
     if !IS_SECOND.load(Ordering::Relaxed) {
         IS_SECOND.store(true, Ordering::Relaxed);
@@ -113,6 +113,11 @@ fn machine(
     let only_axis = watchdog::only_axis()
         .map(usize::from)
         .filter(|&axis| axis < settings.axes.len());
+    if let Some(only) = only_axis {
+        // All drives are enabled together.
+        let others = (0..settings.axes.len()).filter(|&axis| axis != only);
+        others.for_each(|axis| lines::rest(axis, &settings.wiring));
+    }
     running.take_over(&mut settings, only_axis, file);
     let reporter = Reporter::new(notes, settings.axes.len());
     let made = machine::make(

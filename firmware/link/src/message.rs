@@ -14,7 +14,7 @@ use crate::frame::FrameCounts;
 use crate::sample::Channels;
 
 /// Version of the protocol.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 
 /// Greatest number of bytes of a file in one message.
 pub const MAX_CHUNK_BYTES: usize = 384;

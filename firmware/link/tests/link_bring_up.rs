@@ -104,6 +104,19 @@ fn bring_up_ends_where_the_machine_begins() {
     assert_eq!(effects(&mut hub), []);
 }
 
+/// A held STEP would swallow the first steps.
+#[test]
+fn a_held_output_is_released_before_a_motion_is_commanded() {
+    let mut hub = hub();
+    let mut host = operator(&mut hub);
+    host.request(&mut hub, &Request::Unlock).unwrap();
+    host.request(&mut hub, &STEP).unwrap();
+    host.request(&mut hub, &Request::Arm).unwrap();
+    host.request(&mut hub, &Request::Home).unwrap();
+    let home = Effect::Command(Command::Home);
+    assert_eq!(effects(&mut hub), [HELD, RELEASED, home]);
+}
+
 /// A host that started the machine, and a hub that stops it half a second after the host is lost.
 fn started(reaction: HostLossReaction) -> (TestHub, Host) {
     let mut hub = hub();

@@ -19,6 +19,9 @@ use super::{guard, now_us, pins};
 /// Function of a pin that the CPU drives and reads.
 const SIO: u8 = 5;
 
+/// An output is held for bring-up.
+static IS_HELD: AtomicBool = AtomicBool::new(false);
+
 /// DRIVE ENABLE is held active for bring-up.
 static IS_ENABLE_HELD: AtomicBool = AtomicBool::new(false);
 
@@ -124,6 +127,22 @@ fn input(pin: u8, wiring: InputWiring, default: InputWiring, pull: Pull) {
     });
 }
 
+/// Drives STEP and DIR of an axis that does not move: the drive must not take noise for steps.
+#[cold]
+pub fn rest(axis: usize, wiring: &WiringSettings) {
+    let is_inverted = wiring.step != DEFAULT.step;
+    for (pins, is_inverted) in [(pins::STEP, is_inverted), (pins::DIR, false)] {
+        let Some(&pin) = pins.get(axis) else {
+            continue;
+        };
+        output(pin);
+        pac::IO_BANK0.gpio(pin.into()).ctrl().modify(|w| {
+            w.set_outover(Outover::from_bits(is_inverted.into()));
+            w.set_inover(Inover::from_bits(is_inverted.into()));
+        });
+    }
+}
+
 /// Makes a pin an output of a PIO block, which reads its own output. It is inverted outside the chip if `is_inverted`.
 #[cold]
 pub fn give_to_block(pin: u8, block: usize, is_inverted: bool) {
@@ -163,9 +182,18 @@ pub fn safety_inputs(levels: Levels) -> SafetyInputs {
     }
 }
 
-/// Switches all drives on or off; on only if the enable input has not opened meanwhile.
-pub fn drives(on: bool) {
+/// Switches all drives on or off for a state; on only if the enable input has not opened meanwhile. Outputs are held in
+/// idle only.
+pub fn drives(on: bool, state: State) {
+    if state != State::Idle && IS_HELD.load(Ordering::Relaxed) {
+        release();
+    }
     guard::permit(on || IS_ENABLE_HELD.load(Ordering::Relaxed));
+}
+
+/// Switches all drives off at once, whatever is held.
+pub fn cut_drives() {
+    guard::permit(false);
 }
 
 /// Inputs as a host sees them, of the first `axes` axes.
@@ -192,6 +220,7 @@ pub fn hold(output: Option<(Output, bool)>) {
     let Some((output, is_active)) = output else {
         return;
     };
+    IS_HELD.store(true, Ordering::Relaxed);
     let pin = match output {
         Output::DriveEnable => {
             IS_ENABLE_HELD.store(is_active, Ordering::Relaxed);
@@ -212,7 +241,9 @@ pub fn hold(output: Option<(Output, bool)>) {
 }
 
 /// Releases an output that is held.
+#[inline(never)] // The loop calls it, so it must be in RAM.
 fn release() {
+    IS_HELD.store(false, Ordering::Relaxed);
     IS_ENABLE_HELD.store(false, Ordering::Relaxed);
     let outputs = pins::STEP.into_iter().chain(pins::DIR).chain([pins::SYNC]);
     for pin in outputs {

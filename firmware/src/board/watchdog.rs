@@ -72,7 +72,7 @@ pub fn only_axis() -> Option<u8> {
 #[cold]
 pub fn restart(only_axis: Option<u8>) -> ! {
     critical_section::with(|_| {
-        super::lines::drives(false);
+        super::lines::cut_drives();
         // Without the mark, the start takes it for no reset of the watchdog.
         pac::WATCHDOG.scratch0().write_value(0);
         let selected = only_axis.map_or(0, |axis| ONLY | u32::from(axis));

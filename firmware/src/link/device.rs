@@ -1,4 +1,8 @@
 //! The controller as the link's server needs it.
+#![expect(
+    clippy::result_large_err,
+    reason = "a refusal holds its text, as there is no heap"
+)]
 
 use core::sync::atomic::{AtomicU16, Ordering};
 
@@ -295,6 +299,11 @@ impl Device for FirmwareDevice {
     fn load_program(&mut self, bytes: &[u8]) -> Result<(), Text> {
         if !self.running.can_run {
             return Err(text(&"the settings cannot run"));
+        }
+        if self.running.only_axis.is_some() {
+            return Err(text(
+                &"bring-up has one axis only; restart the controller first",
+            ));
         }
         let Running {
             tick_hz,

@@ -11,7 +11,7 @@ use cophase_link::{Header, MAX_FILE_BYTES, board, encode};
 
 use super::{CommandError, Status, scenes};
 use host_sim::report;
-use host_sim::scene::file::{AxisOverrides, CamShaft, Fidelity, Rods};
+use host_sim::scene::file::{AxisOverrides, CamShaft, Fidelity, Rods, Wiring};
 use host_sim::scene::{Checked, Scene};
 use host_sim::trace::RunFiles;
 
@@ -41,7 +41,10 @@ pub(super) fn settings(args: &SettingsArgs, out: &mut impl Write) -> Result<Stat
         .map_err(|error| refused(&error))?;
     let header = Header::read(settings_file).map_err(|error| refused(&error))?;
     let summary = summary(&checked, &header, &args.out)?;
-    let is_uf2 = args.out.extension().is_some_and(|end| end == "uf2");
+    let is_uf2 = args
+        .out
+        .extension()
+        .is_some_and(|end| end.eq_ignore_ascii_case("uf2"));
     let file = if is_uf2 {
         &drag_and_drop(settings_file)
     } else {
@@ -114,7 +117,10 @@ fn summary(checked: &Checked, header: &Header, path: &Path) -> Result<String, Co
             text += &format!("The {} board will refuse this: {unfit}.\n", board.name);
         }
     }
-    text += "How to get it onto a board: docs/firmware.md, docs/settings-file.md.\n";
+    if checked.scene.wiring != Wiring::default() {
+        text += &format!("Levels: {}.\n", checked.scene.wiring);
+    }
+    text += "How to get it onto a board: docs/first-machine.md, docs/settings-file.md.\n";
     Ok(text)
 }
 

@@ -5,10 +5,15 @@
  *   KeyboardEvent.
  */
 export function wireKeys(keys) {
-  const isTyping = (target) => target.closest('textarea, input:not([type=range]), select, [contenteditable]') !== null;
-  // Space stops the machine also while a button has the focus, which it would press. In a text it is a space.
+  const isText = (target) => target.closest('textarea, input:not([type=range], [type=checkbox], [type=radio]), [contenteditable]') !== null;
+  const isTyping = (target) => isText(target) || target.closest('select') !== null;
+  // Space stops the machine also while a button or a list has the focus, which it would press. In a text it is a space.
+  const takes = (event) => (event.key === ' ' ? !isText(event.target) : !isTyping(event.target));
+  // A key that is released together with Shift has another name.
+  const named = (event) => keys.find(({ key }) => key === event.key || key === event.key.toLowerCase());
+  const releaseAll = () => keys.forEach((key) => key.up?.());
   addEventListener('keydown', (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || isTyping(event.target)) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || !takes(event)) return;
     const found = keys.find(({ key }) => key === event.key);
     if (!found) return;
     // A slider has its own arrows.
@@ -18,10 +23,12 @@ export function wireKeys(keys) {
     if (!event.repeat || found.repeats) found.down(event);
   }, true);
   addEventListener('keyup', (event) => {
-    const found = keys.find(({ key }) => key === event.key);
-    if (event.key === ' ' && !isTyping(event.target)) event.preventDefault();
-    found?.up?.();
+    if (event.key === ' ' && takes(event)) event.preventDefault();
+    named(event)?.up?.();
   }, true);
+  // A key that is released elsewhere is not reported here.
+  addEventListener('blur', releaseAll);
+  document.addEventListener('visibilitychange', releaseAll);
 }
 
 /** Lists the keys in a table's body. */

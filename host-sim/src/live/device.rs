@@ -315,16 +315,22 @@ impl Device for SimulatedDevice {
         if only_axis.is_some() {
             return Err(text(&NO_WIRING));
         }
-        if let Some(settings) = self.stored.take() {
-            self.checked.settings = *settings;
-        }
+        let stored = self.stored.take();
+        let before = stored.map(|stored| core::mem::replace(&mut self.checked.settings, *stored));
+        let running = match Running::new(&self.checked, self.speed, self.is_open) {
+            Ok(running) => running,
+            Err(error) => {
+                if let Some(before) = before {
+                    self.checked.settings = before;
+                }
+                return Err(text(&error));
+            }
+        };
+        self.running = running;
         self.restarts = self.restarts.wrapping_add(1);
         // A program that was loaded since is gone.
         self.make_files();
-        if let Ok(running) = Running::new(&self.checked, self.speed, self.is_open) {
-            self.running = running;
-            self.set_sampling(self.sampling);
-        }
+        self.set_sampling(self.sampling);
         Ok(())
     }
 

@@ -102,7 +102,7 @@ export const PROGRAM = 1;
 
 /** Payloads of requests. */
 export const requests = {
-  identify: (version = 1) => request('identify', varint(version)),
+  identify: (version = 2) => request('identify', varint(version)),
   read: (file, offset) => request('read', file, varint(offset)),
   beginWrite: (file, bytes) => request('beginWrite', file, varint(bytes.length), varint(crc32(bytes))),
   write: (offset, bytes) => request('write', varint(offset), varint(bytes.length), [...bytes]),

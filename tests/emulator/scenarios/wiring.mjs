@@ -149,6 +149,8 @@ function oneAxis(machine, played, host, check) {
   host.ask(requests.onlyAxis(turned));
   machine.run(0.5);
   host.connect();
+  // All drives are enabled together: those of the other axes must not take noise for steps.
+  for (const axis of [0, 1, 3]) check(machine.level(`step_${axis}`) === 0, `STEP of axis ${axis} rests at its inactive level`);
   host.ask(requests.takeControl());
   host.ask(requests.arm());
   const from = machine.board.cycle;

@@ -36,9 +36,15 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
             return;
         };
         if has_come(until_ms, now_ms) || !self.access.is_unlocked() || self.state() != State::Idle {
+            self.release_held();
+        }
+    }
+
+    /// Releases an output that is held.
+    pub(super) fn release_held(&mut self) {
+        if self.held.until_ms.take().is_some() {
             // To release an output is always possible.
             let _ = self.device.hold_output(None);
-            self.held.until_ms = None;
         }
     }
 }

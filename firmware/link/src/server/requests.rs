@@ -150,6 +150,7 @@ impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
     fn start(&mut self, session: usize, states: &[State], command: Command) -> Result<(), Refusal> {
         self.check_state(states)?;
         self.access.check_armed(session, &self.latest)?;
+        self.release_held();
         self.command(command)?;
         self.access.disarm();
         self.host.begins(self.device.now_ms());

@@ -73,12 +73,13 @@ pub(crate) struct Connection {
     client: Client,
     /// Axes of the controller, as it identified itself.
     axes: usize,
-    replies: VecDeque<(u16, Result<Reply, Refusal>)>,
     incoming: VecDeque<Incoming>,
     /// Time of the last frame that was sent.
     sent: Instant,
-    /// Request that only shows that this host is there; its reply is not waited for.
-    alive: Option<u16>,
+    /// Request whose reply is waited for. Others only show that this host is there.
+    awaited: Option<u16>,
+    /// Its reply, once that has come.
+    reply: Option<Result<Reply, Refusal>>,
 }
 
 impl Connection {
@@ -87,10 +88,10 @@ impl Connection {
             transport,
             client: Client::new(),
             axes: 0,
-            replies: VecDeque::new(),
             incoming: VecDeque::new(),
             sent: Instant::now(),
-            alive: None,
+            awaited: None,
+            reply: None,
         }
     }
 
@@ -247,6 +248,10 @@ impl Connection {
     /// Opens the line again; false if the controller is not there yet.
     pub(crate) fn reopen(&mut self) -> bool {
         self.client = Client::new();
+        // What came before is of another session.
+        self.awaited = None;
+        self.reply = None;
+        self.incoming.clear();
         self.transport.reopen()
     }
 
@@ -265,10 +270,20 @@ impl Connection {
         }
     }
 
+    /// Lets time pass, and keeps what arrives.
+    pub(super) fn wait(&mut self, time: Duration) -> Result<(), LinkError> {
+        let end = Instant::now() + time;
+        while Instant::now() < end {
+            self.keep_alive()?;
+            self.read()?;
+        }
+        Ok(())
+    }
+
     /// Sends a frame if there was none for a while: settings may require a host that started the machine to be there.
     fn keep_alive(&mut self) -> Result<(), LinkError> {
         if self.sent.elapsed() >= ALIVE_EVERY {
-            self.alive = Some(self.send("alive", &Request::Counters)?);
+            self.send("alive", &Request::Counters)?;
         }
         Ok(())
     }
@@ -293,17 +308,16 @@ impl Connection {
     ) -> Result<Reply, LinkError> {
         for _ in 0..=retries {
             let number = self.send(name, request)?;
+            self.awaited = Some(number);
             let end = Instant::now() + REPLY_WAIT;
             while Instant::now() < end {
-                let place = self.replies.iter().position(|(to, _)| *to == number);
-                if let Some((_, reply)) = place.and_then(|place| self.replies.remove(place)) {
-                    // Replies to earlier requests came too late.
-                    self.replies.clear();
+                if let Some(reply) = self.reply.take() {
                     return reply.map_err(|refusal| LinkError::Refused {
                         request: name,
                         refusal: Box::new(refusal),
                     });
                 }
+                self.keep_alive()?;
                 self.read()?;
             }
         }
@@ -319,8 +333,8 @@ impl Connection {
                 continue;
             };
             match message {
-                Message::Reply { to, .. } if self.alive == Some(to) => self.alive = None,
-                Message::Reply { to, body } => {
+                Message::Reply { to, .. } if self.awaited != Some(to) => {}
+                Message::Reply { body, .. } => {
                     let body = body.map(|body| match body {
                         ReplyBody::Done => Reply::Done,
                         ReplyBody::Identity(identity) => Reply::Identity(identity),
@@ -332,7 +346,8 @@ impl Connection {
                         ReplyBody::Events(events) => Reply::Events(events.to_vec()),
                         ReplyBody::Inputs(inputs) => Reply::Inputs(inputs),
                     });
-                    self.replies.push_back((to, body));
+                    self.awaited = None;
+                    self.reply = Some(body);
                 }
                 Message::Status(status) => self.incoming.push_back(Incoming::Status(status)),
                 Message::Event(event) => self.incoming.push_back(Incoming::Event(event)),

@@ -49,7 +49,8 @@ pub(super) fn operate(
             begin(link, "jog", &Request::Jog)?;
             let end = Instant::now() + Duration::from_secs_f64(jog.for_s);
             while Instant::now() + JOG_EVERY < end {
-                std::thread::sleep(JOG_EVERY);
+                // Frames in between show the controller that this host is there.
+                link.wait(JOG_EVERY)?;
                 link.command("jog", &Request::Jog)?;
             }
             return wait(link, identity, next, out);

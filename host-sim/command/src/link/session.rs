@@ -150,7 +150,11 @@ impl<W: Write + Seek + 'static> Session<W> {
             every: 1,
         };
         link.repeatable("record", &none)?;
-        self.events = link.events(next)?;
+        // The controller keeps the last ones only; earlier ones came as they happened.
+        let kept = link.events(next)?;
+        let first = kept.first().map_or(u32::MAX, |event| event.number);
+        self.events.retain(|event| event.number < first);
+        self.events.extend(kept);
         Ok(link.counters()?)
     }
 

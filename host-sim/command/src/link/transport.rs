@@ -278,6 +278,12 @@ impl Transport for Simulated {
         self.arrived.read(buffer)
     }
 
+    fn reopen(&mut self) -> bool {
+        self.hub.disconnect(0);
+        self.arrived.clear();
+        true
+    }
+
     fn is_simulated(&self) -> bool {
         true
     }

@@ -47,6 +47,11 @@ impl Access {
         if address.ip().is_loopback() {
             hosts.push(format!("localhost:{}", address.port()));
         }
+        // Browsers leave out the port of HTTP.
+        if address.port() == 80 {
+            let plain = |host: &String| host.trim_end_matches(":80").to_owned();
+            hosts.extend(hosts.iter().map(plain).collect::<Vec<_>>());
+        }
         Ok(Self {
             token: bytes.iter().map(|byte| format!("{byte:02x}")).collect(),
             hosts,

@@ -1,5 +1,6 @@
 //! The controller on one side, and all browsers on the other.
 
+use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, TryRecvError};
 use std::time::{Duration, Instant};
 
@@ -9,7 +10,7 @@ use cophase_link::message::{Control, ControlRequest, Identity, Request as LinkRe
 use super::browsers::{Browser, Browsers};
 use super::columns::{Batch, CHANNELS, Columns};
 use super::report::Report;
-use super::request::Numbered;
+use super::request::{Numbered, Request};
 use super::{ScopeArgs, scene};
 use crate::link::connection::{Connection, Incoming, LinkError};
 use crate::link::write;
@@ -21,6 +22,16 @@ pub(super) enum Job {
     Left(u32),
     /// A request in JSON.
     Request(u32, String),
+}
+
+impl Job {
+    /// True if it stops the machine.
+    fn is_stop(&self) -> bool {
+        let Self::Request(_, text) = self else {
+            return false;
+        };
+        matches!(serde_json::from_str(text), Ok(Request::Stop { .. }))
+    }
 }
 
 /// Time between two statuses of the controller, ms.
@@ -84,11 +95,17 @@ impl Bench {
     /// Passes on what arrives from either side, until there can be no more browsers.
     pub(super) fn run(&mut self, jobs: &Receiver<Job>) -> Result<(), LinkError> {
         loop {
+            // A stop does not wait behind what else was requested.
+            let mut waiting = VecDeque::new();
             loop {
                 match jobs.try_recv() {
-                    Ok(job) => self.carry_out(job),
-                    Err(TryRecvError::Empty) => break,
+                    Ok(job) if job.is_stop() => self.carry_out(job),
+                    Ok(job) => waiting.push_back(job),
                     Err(TryRecvError::Disconnected) => return Ok(()),
+                    Err(TryRecvError::Empty) => match waiting.pop_front() {
+                        Some(job) => self.carry_out(job),
+                        None => break,
+                    },
                 }
             }
             match self.link.next(Duration::from_millis(2)) {
@@ -110,12 +127,28 @@ impl Bench {
         while !self.link.reopen() {
             std::thread::sleep(REOPEN);
         }
-        let identity = self.link.identify()?;
+        let identity = loop {
+            match self.link.identify() {
+                Ok(identity) => break identity,
+                // It has a line already, and has not begun yet; or the line is lost again.
+                Err(LinkError::NoReply(_) | LinkError::Line(_)) => {
+                    std::thread::sleep(REOPEN);
+                    while !self.link.reopen() {
+                        std::thread::sleep(REOPEN);
+                    }
+                }
+                Err(error) => return Err(error),
+            }
+        };
         if (&identity.board, identity.serial) != (&self.identity.board, self.identity.serial)
             || identity.settings_crc != self.identity.settings_crc
         {
             let problem = "another controller, or other settings, are at the line now; start `cophase scope` again";
             return Err(LinkError::Input(problem.to_owned()));
+        }
+        if identity.restarts != self.identity.restarts || !self.link.is_simulated() {
+            self.first_event = 0;
+            self.browsers.report(&Report::Restarted);
         }
         self.begin_again(identity)?;
         self.browsers.report(&Report::Line { error: None });

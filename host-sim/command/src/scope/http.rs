@@ -5,7 +5,7 @@ use std::net::{TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::Sender;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use tungstenite::handshake::derive_accept_key;
 
@@ -120,10 +120,11 @@ fn answer(mut stream: TcpStream, access: &Access, jobs: &Sender<Job>) -> io::Res
 /// Reads up to the empty line. A request for a file has no body.
 fn read_head(stream: &mut TcpStream) -> io::Result<Vec<u8>> {
     let mut head = Vec::new();
+    let end = Instant::now() + PATIENCE;
     while !head.ends_with(b"\r\n\r\n") {
         // Byte by byte, as what follows belongs to the socket. A head is short.
         let mut byte = [0];
-        if head.len() == HEAD_BYTES || stream.read(&mut byte)? == 0 {
+        if head.len() == HEAD_BYTES || Instant::now() > end || stream.read(&mut byte)? == 0 {
             return Err(io::ErrorKind::InvalidData.into());
         }
         head.push(byte[0]);

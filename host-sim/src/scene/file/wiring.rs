@@ -1,5 +1,7 @@
 //! Levels of a board's lines, and the loss of its host. Simulated machines have neither.
 
+use std::fmt;
+
 use cophase_core::settings::{
     ActiveLevel, HostLossReaction, HostLossSettings, InputWiring, WiringSettings,
 };
@@ -107,6 +109,36 @@ impl Wiring {
             stop: input(InputName::Stop, self.stop),
             start: input(InputName::Start, self.start),
         }
+    }
+}
+
+/// Lines that differ from the default, and their levels.
+impl fmt::Display for Wiring {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let usual = Self::default();
+        let lines = [
+            ("step", self.step, usual.step),
+            ("drive_enable", self.drive_enable, usual.drive_enable),
+            ("index", self.index, usual.index),
+            ("alarm", self.alarm, usual.alarm),
+            ("enable", self.enable, usual.enable),
+            ("stop", self.stop, usual.stop),
+            ("start", self.start, usual.start),
+        ];
+        let other = lines.iter().filter(|(_, level, usual)| level != usual);
+        let mut parts: Vec<String> = other
+            .map(|(name, level, _)| match level {
+                Level::Low => format!("{name} is active low"),
+                Level::High => format!("{name} is active high"),
+            })
+            .collect();
+        if !self.no_pull.is_empty() {
+            parts.push(format!(
+                "{} kinds of inputs have no pull",
+                self.no_pull.len()
+            ));
+        }
+        f.write_str(&parts.join(", "))
     }
 }
 
