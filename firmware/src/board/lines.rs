@@ -245,11 +245,21 @@ pub fn hold(output: Option<(Output, bool)>) {
 fn release() {
     IS_HELD.store(false, Ordering::Relaxed);
     IS_ENABLE_HELD.store(false, Ordering::Relaxed);
-    let outputs = pins::STEP.into_iter().chain(pins::DIR).chain([pins::SYNC]);
-    for pin in outputs {
-        pac::IO_BANK0.gpio(pin.into()).ctrl().modify(|w| {
-            w.set_outover(Outover::from_bits(w.inover().to_bits()));
-        });
+    const OUTPUTS: u32 = {
+        let (mut mask, mut axis) = (1 << pins::SYNC, 0);
+        while axis < pins::AXES {
+            mask |= 1 << pins::STEP[axis] | 1 << pins::DIR[axis];
+            axis += 1;
+        }
+        mask
+    };
+    // In this form the compiler knows that every pin exists, and that nothing can panic here.
+    for pin in 0..30 {
+        if OUTPUTS & 1 << pin != 0 {
+            pac::IO_BANK0.gpio(pin).ctrl().modify(|w| {
+                w.set_outover(Outover::from_bits(w.inover().to_bits()));
+            });
+        }
     }
 }
 

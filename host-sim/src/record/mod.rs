@@ -5,7 +5,7 @@
 //! crank; it is left empty. *Gap*: samples that were lost on the line. Rows are never made up: a gap is counted, and has no rows.
 //!
 //! Edges are not sent. They follow from the commanded phases of consecutive ticks, by the core's own planner
-//! ([`Derivation`]), as long as every tick since power-up at rest is known.
+//! (`derived_edges`), as long as every tick since power-up at rest is known.
 
 mod derived_edges;
 mod gaps;
