@@ -14,6 +14,7 @@
 //! | `link` | host link over USB and UART |
 //! | `control` | input and output of the loop on this board |
 //! | `report` | events, reported over the debug probe |
+//! | `log` | frames of the log, over RTT |
 //!
 //! Every member of this workspace builds for a host. There this binary has no hardware to drive and prints a message.
 //! The loop itself runs on a host through `host-sim`.
@@ -27,6 +28,8 @@ mod control;
 mod from_ram;
 #[cfg(target_os = "none")]
 mod link;
+#[cfg(target_os = "none")]
+mod log;
 #[cfg(target_os = "none")]
 mod machine;
 #[cfg(target_os = "none")]

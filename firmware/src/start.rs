@@ -9,7 +9,6 @@ use cophase_core::control_loop;
 use cophase_core::controller::Controller;
 use cophase_core::settings::Settings;
 use cortex_m_rt::{ExceptionFrame, entry, exception};
-use defmt_rtt as _;
 use embassy_rp::executor::Executor;
 use embassy_rp::interrupt::{InterruptExt, Priority};
 use embassy_rp::peripherals::{FLASH, WATCHDOG};
@@ -22,6 +21,7 @@ use crate::board::{alarm, lines, watchdog};
 use crate::control::Board;
 use crate::from_ram;
 use crate::link::{self, FirmwareDevice, Lines, LoopEnd, Running};
+use crate::log;
 use crate::machine;
 use crate::report::{self, Note, Reporter};
 use crate::settings;
@@ -44,6 +44,7 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     // A second panic, from within the message, is not logged.
     if !IS_SECOND.load(Ordering::Relaxed) {
         IS_SECOND.store(true, Ordering::Relaxed);
+        log::discard();
         defmt::error!("{}", defmt::Display2Format(info));
     }
     cortex_m::asm::udf();

@@ -7,6 +7,7 @@ import { predict, scene, settingsOf, withAxes } from '../bench/host.mjs';
 import { LinkHost } from '../bench/link-host.mjs';
 import { log } from '../bench/log.mjs';
 import { Machine, flashWith } from '../bench/machine.mjs';
+import { watchMasked } from '../bench/masked.mjs';
 import { act } from '../bench/play.mjs';
 import { run as play, summary } from '../bench/ticks.mjs';
 import { TIMER_IRQ_1 } from '../board/usage.mjs';
@@ -199,6 +200,7 @@ function saturation(outcome) {
   const [predicted, settings] = [predict(played), settingsOf(played)];
   const quiet = summary(play(played, predicted, settings).ticks);
   let host;
+  let masked;
   let isBusy = true;
   const prepare = (machine) => {
     host = new LinkHost(machine, 'usb');
@@ -212,6 +214,7 @@ function saturation(outcome) {
       machine.board.clock.later(SATURATED_EVERY_NS, refill);
     };
     refill();
+    masked = watchMasked(machine.board);
   };
   const { ticks, machine } = play(played, predicted, settings, { prepare });
   const busy = summary(ticks);
@@ -220,7 +223,8 @@ function saturation(outcome) {
   const perSecond = (bytes) => Math.round(bytes / seconds / 1000);
   outcome.say(`6 axes, worst tick ${quiet.worst} cycles without a host, ${busy.worst} with USB saturated both ways (mean ${quiet.mean.toFixed(0)}, ${busy.mean.toFixed(0)})`);
   outcome.say(`latest beginning of a tick: ${quiet.late} cycles after the first one's without a host, ${busy.late} with it`);
-  outcome.figure('latest beginning of a tick with the link saturated, cycles', busy.late);
+  outcome.say(`interrupts are blocked for ${masked.longest} cycles at most: no tick begins later than that`);
+  outcome.figure('interrupts blocked with the link saturated, cycles at most', masked.longest);
   const { received, lost } = streamed(host);
   outcome.say(`${perSecond(host.bytes)} kB/s to the host meanwhile: ${received} samples of ${(host.sampleBytes / received).toFixed(1)} bytes, ${lost} lost`);
   for (const number of BESIDE_THE_LOOP) {

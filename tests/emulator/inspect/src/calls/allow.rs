@@ -2,8 +2,8 @@
 //!
 //! ```toml
 //! [[allow]]
-//! from = "defmt_rtt::acquire"      # patterns, as roots are
-//! to = "core::panicking::panic"    # or "unknown", for a call through a register; or "trap"
+//! from = "cophase_firmware::report::note"  # patterns, as roots are
+//! to = "core::panicking::panic"            # or "unknown", for a call through a register; or "trap"
 //! reason = "why this cannot happen, or does no harm"
 //! calls = []                       # what it may call instead: bounds a call through a register
 //! ```
