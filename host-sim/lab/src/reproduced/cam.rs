@@ -6,7 +6,7 @@ use cophase_methods::{Equations, Scheme, advance};
 use super::Tolerance::{Absolute, Relative};
 use super::{Figure, ReproducedError, Section};
 
-const FILE: &str = "host-sim/methods/tests/chain.rs";
+const FILE: &str = "host-sim/methods/references/tests/references/chain.rs";
 
 /// Largest accelerations of the first and the third mass, m/s², largest deviation of the third from the law, mm, and mean power of a damper between the
 /// first mass and the ground, kW, in the periodic regime.
@@ -150,7 +150,7 @@ pub(super) fn section() -> Result<Section, ReproducedError> {
     Ok(Section {
         title: "Cam and elastic follower",
         source: "Chinese article on a chocolate wrapper at 450 rpm. It prints no result; these were calculated from its equations.",
-        command: "cargo test -p cophase-methods --test chain -- --nocapture",
+        command: "cargo test -p cophase-references chain -- --nocapture",
         figures,
     })
 }

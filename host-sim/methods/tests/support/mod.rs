@@ -1,9 +1,6 @@
 //! What several tests share.
 #![allow(dead_code, reason = "each test takes what it needs")]
 
-pub mod reference;
-pub mod slope;
-
 use cophase_methods::{Equations, Scheme, StepError, advance};
 
 /// The state at `end_s`, from `start` at 0, in `steps` equal steps.

@@ -2,13 +2,13 @@
 //!
 //! `cargo test -p cophase-methods --test chain -- --nocapture` prints them all.
 
-mod support;
-
 use core::f64::consts::TAU;
 
 use cophase_methods::problems::{Cam, Chain, Law, Shaft};
 use cophase_methods::{Equations, Scheme, advance};
-use support::{difference, play, reference};
+use cophase_references::reference;
+
+use super::support::{difference, play};
 
 fn assert_within(what: &str, is: f64, must: f64, relative: f64) {
     println!("{what}: {is:.6}, published {must}");

@@ -6,12 +6,12 @@
 //!
 //! `cargo test -p cophase-methods --test order -- --nocapture` prints the slopes.
 
-mod support;
-
 use cophase_methods::problems::{Oscillator, Pendulum};
 use cophase_methods::{Needs, Scheme};
-use support::slope::Slope;
-use support::{difference, play, reference};
+use cophase_references::reference;
+use cophase_references::slope::Slope;
+
+use super::support::{difference, play};
 
 /// How far a slope may be from the order.
 const MARGIN: f64 = 0.1;

@@ -2,11 +2,11 @@
 //!
 //! `cargo test -p cophase-methods --test published -- --nocapture` prints how far each is off.
 
-mod support;
-
 use cophase_methods::problems::{Andrews, BouncingBall, Hires, VanDerPol};
 use cophase_methods::{Equations, Scheme, StepError};
-use support::{difference, play, reference};
+use cophase_references::reference;
+
+use super::support::{difference, play};
 
 fn andrews_start() -> [f64; 14] {
     let mut start = [0.0; 14];
