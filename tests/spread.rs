@@ -3,7 +3,7 @@
 //!
 //! A short time by default; ten minutes of each, as docs/faults.md has them, by
 //!
-//!     COPHASE_STEADY_S=600 cargo test --release -p cophase-tests --test spread -- --nocapture
+//!     COPHASE_STEADY_S=600 cargo test --release -p cophase-tests spread -- --nocapture
 
 use cophase_core::supervisor::State;
 use cophase_tests::scene;

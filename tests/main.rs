@@ -1,0 +1,31 @@
+//! What crosses crates, a module for each subject: `cargo test -p cophase-tests homing` runs the tests of one.
+
+mod agreement;
+mod code_walk;
+mod coupling;
+mod crank_rocker;
+mod crusher;
+mod elastic;
+mod electronic_cam;
+mod faults;
+mod five_bar;
+mod followers;
+mod holds;
+mod homing;
+mod late;
+mod model_levels;
+mod phases;
+mod pulse_servo;
+mod reactions;
+mod readers;
+mod restarts;
+mod same_bytes;
+mod scotch_yoke;
+mod screen;
+mod setpoints;
+mod settings_file;
+mod shortest;
+mod spread;
+mod stops;
+mod wires;
+mod wiring;
