@@ -13,40 +13,40 @@ use cophase_lab::campaign::tally::Tally;
 use cophase_lab::campaign::{self, picture, table};
 use host_sim::trace::RunFiles;
 
-/// Each case is run twice: with its fault, and once more without, with noise alone.
+/// Inject one random fault into each of thousands of machines, and compare every reaction with the claims
 ///
-/// Without SCENE, machines are drawn: three mechanisms, two to six axes, steppers with index sensors alone or with encoders, and
+/// Each case is run twice: with its fault, and without it, with noise alone. Without SCENE, machines are drawn: three mechanisms, two to six axes, steppers with index sensors alone or with encoders, and
 /// servos. So `--runs 10000` makes 10,000 faulty runs and 10,000 clean ones.
 #[derive(Debug, clap::Args)]
 pub(super) struct CampaignArgs {
     /// A scene file, or the name of a built-in scene, to draw faults for [default: machines are drawn]
     #[arg(value_name = "SCENE")]
     scene: Option<String>,
-    /// How many cases, each a faulty and a clean run
+    /// Number of cases, each a faulty and a clean run
     #[arg(long, value_name = "N", default_value_t = 1000)]
     runs: u64,
-    /// What all is drawn from: the same seed, the same rows
+    /// Seed of all random draws; the same seed gives the same rows
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// The first case of this shard, to split a campaign over machines
+    /// First case of this shard, to split a campaign over several computers
     #[arg(long, value_name = "K", default_value_t = 0)]
     from: u64,
-    /// The case after the last of this shard [default: all of --runs]
+    /// Case after the last of this shard [default: all of --runs]
     #[arg(long, value_name = "K")]
     to: Option<u64>,
-    /// On how many threads [default: one for each core]; rows are the same on any
+    /// Number of threads [default: one for each core]; rows do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Where to write campaign.csv (of a shard: campaign-FROM-TO.csv), campaign.svg and campaign-table.md
+    /// Folder for campaign.csv (of a shard: campaign-FROM-TO.csv), campaign.svg and campaign-table.md
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
     /// Run case K alone, as `cophase run` does, and write its scene.toml too
     #[arg(long, value_name = "K", conflicts_with_all = ["from", "to", "join", "threads"])]
     replay: Option<u64>,
-    /// With --replay: the case's clean run
+    /// With --replay: make the clean run of the case, without its fault
     #[arg(long, requires = "replay")]
     clean: bool,
-    /// Run nothing: join shards, files or folders of campaign-*.csv
+    /// Run nothing, and join shards: files, or folders with campaign-*.csv
     #[arg(long, value_name = "PATH", num_args = 1.., conflicts_with_all = ["scene", "from", "to", "threads", "runs", "seed"])]
     join: Vec<PathBuf>,
     /// Print nothing but errors

@@ -12,12 +12,12 @@ use host_sim::trace::RunFiles;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ChartArgs {
-    /// Which chart; `list` names them
+    /// Name of the chart; `list` lists them all
     name: String,
-    /// Where to write NAME.csv and NAME.svg, or NAME-PART.svg for each picture of several
+    /// Folder for NAME.csv and NAME.svg, or NAME-PART.svg for each picture of several
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
-    /// How much is measured; the docs show full ones
+    /// Extent of the measurements; the charts of the manual are full
     #[arg(long, value_enum, default_value_t)]
     size: Size,
 }

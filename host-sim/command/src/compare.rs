@@ -11,9 +11,9 @@ use super::{CommandError, Status};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct CompareArgs {
-    /// The folder of a run, or its trace.csv
+    /// Folder of a run, or its trace.csv
     a: PathBuf,
-    /// Another one, which is compared with it
+    /// Another run, to compare with it
     b: PathBuf,
     /// Write compare.svg into this folder: both runs over each other, and their difference
     #[arg(long, value_name = "DIR")]
@@ -22,7 +22,7 @@ pub(super) struct CompareArgs {
     /// edges [default: ten units of the last place; integers, states and edges must be equal]
     #[arg(long, value_name = "COLUMN=VALUE", value_parser = tolerance)]
     tolerance: Vec<(String, f64)>,
-    /// What times are counted from
+    /// Moment from which times are counted
     #[arg(long, value_enum, default_value_t = From::PowerUp)]
     from: From,
     /// Print the comparison as JSON

@@ -8,10 +8,12 @@
 mod campaign;
 mod chart;
 mod compare;
+mod completions;
 pub mod design;
 pub mod drawing;
 mod expected;
 mod link;
+mod man;
 mod reproduced;
 mod run;
 mod scenes;
@@ -29,10 +31,11 @@ use clap::{Parser, Subcommand};
 
 use design::{DesignArgs, DesignCommandError};
 
-const STATUS_HELP: &str = "Exit status: 0 done; 1 a run ended in a fault, a simulated motor slipped unseen, no board takes \
-                           the settings, or two runs part (everything is written); 2 bad input (nothing is written).";
+const STATUS_HELP: &str = "Exit status: 0 done; 1 a run ended in a fault, a simulated motor slipped undetected, no board takes \
+                           the settings, two runs part, or a figure or claim does not hold (everything is written); \
+                           2 bad input (nothing is written).";
 
-/// Multi-axis motion control that stays in phase: simulate, look, design.
+/// Motion control for machines whose motors must turn in phase: simulate one, size one, operate a board.
 #[derive(Debug, Parser)]
 #[command(name = "cophase", version, arg_required_else_help = true, after_help = STATUS_HELP)]
 pub struct Command {
@@ -44,22 +47,24 @@ pub struct Command {
 enum What {
     /// Run a scene: the control loop, in virtual time, against a simulated machine
     Run(run::RunArgs),
-    /// Compile a scene for a board: all that the control loop is given, as a file to be placed in flash
+    /// Write the settings file of a scene, for the flash of a board
     #[command(alias = "image")]
     Settings(settings::SettingsArgs),
     Link(link::LinkArgs),
     Scope(scope::ScopeArgs),
     /// List the built-in scenes, or print one to start your own from
     Scenes(scenes::ScenesArgs),
-    /// Draw thousands of machines and what goes wrong with each, and hold what the loop does against what it claims
     Campaign(campaign::CampaignArgs),
-    /// Draw a chart, and write its data: speed against accuracy, and where methods stop being stable
+    /// Draw a chart and write its data, such as the error of each numerical method against its cost
     Chart(chart::ChartArgs),
-    /// Compare published figures of all machines with those of this project, as a page
+    /// Compare published figures of the machines with those that this project computes
     Reproduced(reproduced::ReproducedArgs),
-    /// Lay two runs over each other, and report where they part
+    /// Compare two runs, and report where they part
     Compare(compare::CompareArgs),
     Design(DesignArgs),
+    Completions(completions::CompletionsArgs),
+    /// Write the manual pages of the command and its subcommands
+    Man(man::ManArgs),
 }
 
 impl Command {
@@ -75,6 +80,8 @@ impl Command {
             What::Compare(args) => compare::compare(&args, out),
             What::Scope(args) => scope::scope(&args, out),
             What::Scenes(args) => scenes::scenes(&args, out),
+            What::Completions(args) => completions::completions(&args, out),
+            What::Man(args) => man::man(&args, out),
             What::Design(args) => match design::run(&args, out) {
                 Ok(()) => Ok(Status::Done),
                 Err(DesignCommandError::Write(error)) => Err(error.into()),

@@ -8,7 +8,7 @@ use cophase_lab::reproduced::{sections, write_page};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ReproducedArgs {
-    /// Write the page into this file instead of to the terminal
+    /// Write the page into this file instead of to standard output
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }

@@ -12,7 +12,7 @@ use host_sim::scene::{Checked, load};
 pub(super) struct ScenesArgs {
     /// Print this built-in scene as TOML
     name: Option<String>,
-    /// Draw the machine of this scene, a built-in one or a file, with its symbols, as SVG
+    /// Draw the machine of this scene with its symbols, as SVG; NAME may also be a file
     #[arg(long, value_name = "FILE", requires = "name")]
     svg: Option<PathBuf>,
 }

@@ -23,7 +23,7 @@ pub(super) struct SettingsArgs {
     /// A scene file, or the name of a built-in scene
     #[arg(value_name = "SCENE")]
     scene: String,
-    /// The file to write; one that ends in .uf2 is for drag and drop onto a board
+    /// File to write; with a name that ends in .uf2, a file for drag and drop onto a board
     #[arg(
         short,
         long = "out",

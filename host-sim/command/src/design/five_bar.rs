@@ -16,10 +16,10 @@ pub struct FiveBarArgs {
     /// Length of the link at joint 2, m: above 0, up to 10
     #[arg(long, value_name = "L4", allow_hyphen_values = true)]
     pub l4_m: f64,
-    /// Place of the hand, m
+    /// Place of the hand along x, m
     #[arg(long, value_name = "X", allow_hyphen_values = true)]
     pub x_m: f64,
-    /// Place of the hand, m
+    /// Place of the hand along y, m
     #[arg(long, value_name = "Y", allow_hyphen_values = true)]
     pub y_m: f64,
 }

@@ -20,11 +20,11 @@ use flywheel::FlywheelArgs;
 use platform::PlatformArgs;
 use screen::ScreenArgs;
 
-/// Size a machine: without a name a vibration platform on N slider-cranks, with its crank, rod, torque and power (steps A to J)
+/// Size a machine; without a subcommand, a vibration platform on slider-cranks (steps A to J)
 #[derive(Clone, Debug, clap::Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct DesignArgs {
-    /// Another machine than the platform.
+    /// Other machine than the platform
     #[command(subcommand)]
     machine: Option<Other>,
     #[command(flatten)]

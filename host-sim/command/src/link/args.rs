@@ -42,7 +42,7 @@ pub(super) enum Action {
     Load(LoadArgs),
     /// Arm the machine, and run its program
     Start(StartArgs),
-    /// Stop all axes together; needs no control
+    /// Stop all axes together; this needs no control
     Stop(StopArgs),
     /// Stop the program's time; the machine keeps its speed
     Hold,
@@ -150,7 +150,7 @@ pub(super) struct JogArgs {
 
 #[derive(Debug, Args)]
 pub(super) struct RecordArgs {
-    /// Where to write report.json, trace.csv, steps.vcd and scope.svg
+    /// Folder for report.json, trace.csv, steps.vcd and scope.svg
     #[arg(long, value_name = "DIR")]
     pub(super) out: PathBuf,
     /// Channels to record, besides the state [default: all]
@@ -162,7 +162,7 @@ pub(super) struct RecordArgs {
     /// Time to record, seconds; without it, until the program is over or Ctrl-C
     #[arg(long = "for", value_name = "S", value_parser = seconds)]
     pub(super) for_s: Option<f64>,
-    /// What steps.vcd shows, in seconds since power-up, or `all` [default: the first 200 ms of motion]
+    /// Time that steps.vcd shows, in seconds since power-up, or `all` [default: the first 200 ms of motion]
     #[arg(long, value_name = "FROM..TO", value_parser = window)]
     pub(super) window: Option<Window>,
     /// Arm the machine and run its program; a simulated controller always does

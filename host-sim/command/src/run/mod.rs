@@ -33,23 +33,23 @@ pub(super) struct RunArgs {
     /// A scene file, or the name of a built-in scene
     #[arg(value_name = "SCENE", default_value = SCENES[0].name)]
     scene: String,
-    /// Where to write report.json, scope.svg and the files of the trace
+    /// Folder for report.json, scope.svg and the files of the trace
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
     /// The files of the trace, separated by commas: csv (trace.csv), vcd (steps.vcd), fst (steps.fst), mcap (trace.mcap)
     #[arg(long, value_name = "LIST", default_values = TRACE.map(Format::name), value_delimiter = ',', value_parser = formats())]
     trace: Vec<Format>,
-    /// A row every N control ticks [default: so that there are at most 20,000]
+    /// Write a row every N control ticks [default: chosen to give at most 20,000 rows]
     #[arg(long, value_name = "N", value_parser = ticks)]
     every: Option<u64>,
-    /// What steps.vcd and steps.fst show, in seconds, or `all` [default: the scene's window, or 200 ms: around the first fault that is put
-    /// in, around the first slip or latched fault, or the first of motion]
+    /// Time that steps.vcd and steps.fst show, in seconds, or `all` [default: the scene's window; else 200 ms around the first injected
+    /// fault, around the first slip or latched fault, or from the start of motion]
     #[arg(long, value_name = "FROM..TO", value_parser = window)]
     window: Option<Window>,
-    /// Send each row as a datagram in JSON, for a live plot such as PlotJuggler's at 127.0.0.1:9870; lost ones are counted
+    /// Send each row as a JSON datagram to a live plot, such as PlotJuggler's at 127.0.0.1:9870; lost rows are counted
     #[arg(long, value_name = "HOST:PORT", value_parser = receiver)]
     udp: Option<SocketAddr>,
-    /// Take the simulated time, divided by FACTOR, so that a live plot moves [default without =FACTOR: 1]
+    /// Run in step with the clock, FACTOR times as fast, so that a live plot moves [default without =FACTOR: 1]
     #[arg(long, value_name = "FACTOR", value_parser = speed, num_args = 0..=1, require_equals = true, default_missing_value = "1")]
     real_time: Option<f64>,
     /// Process all index pulses of a tick in that tick, where a board processes one per tick: reactions come up to N + 3 ticks earlier

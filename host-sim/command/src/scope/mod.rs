@@ -33,7 +33,7 @@ use bench::Bench;
 #[derive(Debug, Args)]
 #[command(
     about = "Show a controller live on a local web page, and operate it",
-    after_help = "The page is served until the command is interrupted. Its address has a token: who has the address can move the machine."
+    after_help = "The page is served until the command is interrupted. Its address has a token: whoever has the address can move the machine."
 )]
 pub(crate) struct ScopeArgs {
     /// The controller: a serial port, tcp:HOST:PORT, or sim[:SCENE] for a simulated one

@@ -48,9 +48,9 @@ pub struct DrawnPicture {
 /// How much is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Size {
-    /// Fewer points, shorter runs: seconds even where nothing is optimised.
+    /// Fewer points and shorter runs, which take seconds even in a debug build.
     Small,
-    /// What the docs show.
+    /// As the manual shows it.
     #[default]
     Full,
 }

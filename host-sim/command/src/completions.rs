@@ -1,0 +1,40 @@
+//! `cophase completions`: a completion script for a shell.
+
+use std::io::Write;
+
+use clap::CommandFactory;
+use clap_complete::{Shell, generate};
+
+use super::{Command, CommandError, Status};
+
+/// Print a completion script for a shell
+///
+/// Where to put it, so that every new session has it:
+///
+///     bash        ~/.local/share/bash-completion/completions/cophase
+///     zsh         _cophase, in a folder that $fpath names
+///     fish        ~/.config/fish/completions/cophase.fish
+///     elvish      ~/.config/elvish/lib/cophase.elv, with `use cophase` in rc.elv
+///     powershell  cophase.ps1, which your $PROFILE calls
+///
+/// For this session alone, in bash: source <(cophase completions bash)
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub(super) struct CompletionsArgs {
+    /// The shell that is to complete arguments
+    #[arg(value_enum, value_name = "SHELL")]
+    shell: Shell,
+}
+
+pub(super) fn completions(
+    args: &CompletionsArgs,
+    out: &mut impl Write,
+) -> Result<Status, CommandError> {
+    let mut command = Command::command();
+    let name = command.get_name().to_owned();
+    // `generate` panics where it cannot write; a vector takes everything.
+    let mut script = Vec::new();
+    generate(args.shell, &mut command, name, &mut script);
+    out.write_all(&script)?;
+    Ok(Status::Done)
+}
