@@ -14,7 +14,7 @@ use super::{Command, CommandError, Status};
 ///     bash        ~/.local/share/bash-completion/completions/cophase
 ///     zsh         _cophase, in a folder that $fpath names
 ///     fish        ~/.config/fish/completions/cophase.fish
-///     elvish      ~/.config/elvish/lib/cophase.elv, with `use cophase` in rc.elv
+///     elvish      ~/.config/elvish/lib/cophase.elv, which rc.elv uses
 ///     powershell  cophase.ps1, which your $PROFILE calls
 ///
 /// For this session alone, in bash: source <(cophase completions bash)

@@ -48,7 +48,9 @@ pub(super) fn man(args: &ManArgs, out: &mut impl Write) -> Result<Status, Comman
 
 /// Renders the page of a command and those of its subcommands, each with the name of its file.
 fn render(command: &clap::Command, pages: &mut Vec<(String, Vec<u8>)>) -> io::Result<()> {
-    let man = Man::new(command.clone()).manual("Cophase");
+    let man = Man::new(command.clone())
+        .manual("Cophase")
+        .source(concat!("cophase ", env!("CARGO_PKG_VERSION")));
     let mut page = Vec::new();
     man.render(&mut page)?;
     pages.push((man.get_filename(), page));
