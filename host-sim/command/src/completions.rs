@@ -7,19 +7,23 @@ use clap_complete::{Shell, generate};
 
 use super::{Command, CommandError, Status};
 
+/// Where each shell looks for the script. Not a doc comment: its indented lines would be an example in Rust.
+const WHERE: &str = "\
+Print a completion script for a shell
+
+Where to put it, so that every new session has it:
+
+    bash        ~/.local/share/bash-completion/completions/cophase
+    zsh         _cophase, in a folder that $fpath names
+    fish        ~/.config/fish/completions/cophase.fish
+    elvish      ~/.config/elvish/lib/cophase.elv, which rc.elv uses
+    powershell  cophase.ps1, which your $PROFILE calls
+
+For this session alone, in bash: source <(cophase completions bash)";
+
 /// Print a completion script for a shell
-///
-/// Where to put it, so that every new session has it:
-///
-///     bash        ~/.local/share/bash-completion/completions/cophase
-///     zsh         _cophase, in a folder that $fpath names
-///     fish        ~/.config/fish/completions/cophase.fish
-///     elvish      ~/.config/elvish/lib/cophase.elv, which rc.elv uses
-///     powershell  cophase.ps1, which your $PROFILE calls
-///
-/// For this session alone, in bash: source <(cophase completions bash)
 #[derive(Debug, clap::Args)]
-#[command(verbatim_doc_comment)]
+#[command(long_about = WHERE)]
 pub(super) struct CompletionsArgs {
     /// The shell that is to complete arguments
     #[arg(value_enum, value_name = "SHELL")]
