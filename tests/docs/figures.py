@@ -1,14 +1,14 @@
 """Pictures and data of docs/, with the commands that make them: the table is figures.toml.
 
-A *quick* figure is made again and compared byte for byte. A *long* one is not: its `inputs` are hashed instead, source files
-without comments. `undetected` says what else the figure depends on.
+A *quick* figure is made again and compared byte for byte; `from` is where its command writes it, if not to its place. A *long* one is
+not: its `inputs` are hashed instead, source files without comments, or CI measures it `elsewhere`, in a step of `.ci/run`.
+`undetected` says which changes are not seen.
 """
 import fnmatch
 import hashlib
 import os
 import pathlib
 import re
-import subprocess
 import sys
 import tempfile
 import tomllib
@@ -74,6 +74,10 @@ def stale(figures, runner):
             problems += [f'figures.toml: {command}: {problem}' for problem in cargo.check(command)]
         if not figure.get('undetected'):
             problems.append(f'figures.toml: {command}: say in `undetected` which changes the hash cannot see')
+        if 'elsewhere' in figure:
+            if figure['elsewhere'] not in (ROOT / '.ci/run').read_text():
+                problems.append(f'figures.toml: {command}: .ci/run has no {figure["elsewhere"]}')
+            continue
         found, names = digest(figure['inputs'])
         if not names:
             problems.append(f'figures.toml: {command}: no file matches its inputs')
@@ -107,10 +111,11 @@ def stamp(files):
     """Stores the hashes of long figures that have been made again."""
     text = TABLE.read_text()
     for file in files:
-        figure = next((f for f in table() if file in f['files'] and f['cost'] == 'long'), None)
+        figure = next((f for f in table() if file in f['files'] and 'hash' in f), None)
         if figure is None:
-            return [f'{file}: no long figure of figures.toml']
+            return [f'{file}: not in figures.toml, or without a hash']
         found, _ = digest(figure['inputs'])
-        text = text.replace(f'hash = "{figure["hash"]}"', f'hash = "{found}"')
+        before, command, after = text.partition(f"command = '{figure['command']}'")
+        text = before + command + after.replace(f'hash = "{figure["hash"]}"', f'hash = "{found}"', 1)
     TABLE.write_text(text)
     return []

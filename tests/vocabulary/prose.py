@@ -97,7 +97,7 @@ def sentences(path):
                 paragraphs.append((text.count('\n', 0, at[0]) + 1, ''.join(run)))
     for line, paragraph in paragraphs:
         paragraph = re.sub(r'\]\([^)]*\)', ']', paragraph)
-        for sentence in re.split(r'(?<=[.!?:])\s+(?=[A-Z`*\[(])', paragraph):
+        for sentence in re.split(r'(?<=[.!?:])\s+(?=[A-Z`*\[(])|(?<=[.!?])\s+(?=\d)', paragraph):
             count = len(re.findall(r"[\w`][\w`'’.,/·°%-]*", sentence))
             if count:
                 yield line, count, ' '.join(sentence.split())

@@ -217,7 +217,7 @@ fn says(worst: &[Worst]) -> String {
         .map(|worst| {
             let (scheme, h_omega, error) = worst.stable;
             format!(
-                "{}: {scheme} at {h_omega:.1} rad a step has it {:.0} % too {}, RK4 up to {FINE_RAD} rad, where it is stable, within {:.0e}",
+                "In {}, {scheme} at {h_omega:.1} rad a step has the threshold {:.0} % too {}, and RK4 up to {FINE_RAD} rad within {:.0e}.",
                 worst.name,
                 error.abs() * 100.0,
                 if error < 0.0 { "low" } else { "high" },
@@ -226,8 +226,8 @@ fn says(worst: &[Worst]) -> String {
         })
         .collect();
     format!(
-        "A method can be stable and wrong about what happens. Farthest off of those that are stable at any step, {}. Without a point: no \
-         threshold between half and twice the right one, or no outcome.",
-        parts.join("; ")
+        "A method can be stable and wrong about what happens. These are farthest off of the methods that are stable at any step. {} RK4 is \
+         stable up to there. Without a point there is no threshold between half and twice the right one, or no outcome.",
+        parts.join(" ")
     )
 }
