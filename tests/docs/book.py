@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Preprocessor of mdBook: links that leave the folder of the book.
+"""Preprocessor of mdBook: links that leave the folder of the book, and those to a folder's README.md.
 
 The book has the pages of docs/ only. A link to a file elsewhere in the repository would lead nowhere, so its path is written beside
 its text. `contributing.md` gets the text of CONTRIBUTING.md, which has to lie in the top folder.
@@ -22,7 +22,7 @@ def outward(text, page):
             return found[0]
         name = os.path.normpath(os.path.join('docs', os.path.dirname(page), file))
         if name.startswith('docs/'):
-            return found[0]
+            return re.sub(r'README\.md(?=[#)])', 'index.md', found[0])  # as mdBook names it
         return words if words.strip('`') == name else f'{words} (`{name}`)'
 
     return LINK.sub(change, text)

@@ -4,7 +4,7 @@ A rule says what becomes of the commands that its `pattern` matches wholly, `car
 
     run     executed, with `as` in its place if given; it must end with `status` (0)
     parse   not executed, as `reason` says; `cophase` must accept its arguments
-    ci      the same, and CI runs it: `.ci/run` has `where`, or `where` is a test's file that has `says`
+    ci      the same, and CI runs it: `.ci/run` has the command, or `where`, or `where` is a test's file that has `says`
     board   the same, and it needs a board
     long    the same, and it takes long
     mention no command of itself, but its name, or a form with placeholders
@@ -110,7 +110,7 @@ class Rules:
             rule['used'] = False
             if rule['how'] not in HOWS or rule['how'] != 'run' and not rule.get('reason'):
                 self.problems.append(f'commands.toml: {rule["pattern"]}: give how (one of {", ".join(HOWS)}) and, unless it is run, a reason')
-            if rule['how'] == 'ci' and not in_ci(rule):
+            if rule['how'] == 'ci' and 'where' in rule and not in_ci(rule):
                 self.problems.append(f'commands.toml: {rule["pattern"]}: CI does not run {rule.get("where")}; correct `where` or `says`')
 
     def find(self, command):
@@ -130,9 +130,7 @@ class Rules:
 
 def in_ci(rule):
     ci = (ROOT / '.ci/run').read_text()
-    where = rule.get('where')
-    if not where:
-        return False
+    where = rule['where']
     if (ROOT / where).is_file() and 'says' in rule:
         return rule['says'] in (ROOT / where).read_text() and cargo.runs_in_ci(where, ci)
     return where in ci
@@ -194,6 +192,8 @@ class Runner:
             if status != wanted:
                 return [f'{command.where}: `{command.written}` ended with status {status}, not {wanted}: {said.strip()[-300:]}']
             return self._compare(command, said)
+        if rule['how'] == 'ci' and 'where' not in rule and not re.search(rf'^{re.escape(line)}$', (ROOT / '.ci/run').read_text(), re.M):
+            return [f'{command.where}: .ci/run has no line `{line}`; correct the rule or the command']
         if line.startswith('cophase'):
             status, said = self.parse(line, folder)
             return [] if status == 0 else [f'{command.where}: `{command.written}`: {said.strip()[:300]}']
