@@ -9,15 +9,12 @@ import hashlib
 import os
 import pathlib
 import re
-import sys
 import tempfile
 import tomllib
 
 import cargo
 from pages import ROOT, tracked
-
-sys.path.insert(0, str(ROOT / 'tests/vocabulary'))
-from prose import LEXERS, language  # noqa: E402
+from prose import LEXERS, language
 
 TABLE = ROOT / 'tests/docs/figures.toml'
 KINDS = ('docs/*.svg', 'docs/*.png', 'docs/*.csv')

@@ -20,7 +20,7 @@ def check(pages):
                 continue
             file, _, anchor = target.partition('#')
             name = os.path.normpath(os.path.join(os.path.dirname(page.name), urllib.parse.unquote(file))) if file else page.name
-            if name.startswith('..') or not (ROOT / name).exists():
+            if name.startswith('..') or not (name in by_name or (ROOT / name).exists()):
                 problems.append(f'{where}: the link {target} leads to no file; correct its path')
             elif anchor and name.endswith('.md'):
                 # A page outside the list is one that a self-test made up.
