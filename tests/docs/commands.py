@@ -155,7 +155,7 @@ class Runner:
             return None, f'not done after {SECONDS} s'
 
     def parse(self, line, folder):
-        """Whether `cophase` accepts the arguments; its help tells all but whether something is missing."""
+        """Whether `cophase` accepts the arguments; whether one is missing, its help does not check."""
         line = re.sub(r'\s*[<>|].*$', '', line)
         if line not in self.parsed:
             self.parsed[line] = self.shell(f'{line} --help', folder)
@@ -188,9 +188,9 @@ class Runner:
                     return [f'{command.where}: commands.toml: {edit["old"]!r} is not once in {edit["file"]}; correct the edit']
                 path.write_text(text.replace(edit['old'], edit['new']))
             status, said = self.shell(line, folder)
-            wanted = rule.get('status', 0)
-            if status != wanted:
-                return [f'{command.where}: `{command.written}` ended with status {status}, not {wanted}: {said.strip()[-300:]}']
+            expected = rule.get('status', 0)
+            if status != expected:
+                return [f'{command.where}: `{command.written}` ended with status {status}, not {expected}: {said.strip()[-300:]}']
             return self._compare(command, said)
         if rule['how'] == 'ci' and 'where' not in rule and not re.search(rf'^{re.escape(line)}$', (ROOT / '.ci/run').read_text(), re.M):
             return [f'{command.where}: .ci/run has no line `{line}`; correct the rule or the command']

@@ -80,13 +80,13 @@ class Page:
 
     def anchors(self):
         """Anchors of the headings, as GitHub and mdBook both make them."""
-        seen, anchors = {}, set()
+        counts, anchors = {}, set()
         for found in HEADING.finditer(self.prose):
             title = re.sub(r'\]\([^)]*\)', ']', found[2])
             title = re.sub(r'[^\w\s-]', '', title.strip()).lower()
             anchor = re.sub(r'\s', '-', title)
-            count = seen.get(anchor, 0)
-            seen[anchor] = count + 1
+            count = counts.get(anchor, 0)
+            counts[anchor] = count + 1
             anchors.add(f'{anchor}-{count}' if count else anchor)
         return anchors
 
