@@ -37,6 +37,15 @@ def runs_in_ci(test, ci):
     return folder in ci or folder.removesuffix('/test') in ci
 
 
+def not_in_ci(line):
+    """Packages of a `cargo test` that CI does not test."""
+    ci = (ROOT / '.ci/run').read_text()
+    for name in re.findall(r'(?:-p|--package) (\S+)', line):
+        folder = packages().get(name, (ROOT, {}))[0]
+        if str(folder.relative_to(ROOT)) not in workspace()['default-members'] and f'--package {name}' not in ci:
+            yield f'.ci/run does not test {name}'
+
+
 def target(folder, manifest, kind, name):
     """Source of a test or benchmark, or None."""
     for entry in manifest.get(kind, []):

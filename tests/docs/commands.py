@@ -197,7 +197,10 @@ class Runner:
         if line.startswith('cophase'):
             status, said = self.parse(line, folder)
             return [] if status == 0 else [f'{command.where}: `{command.written}`: {said.strip()[:300]}']
-        return [f'{command.where}: `{command.written}`: {problem}' for problem in cargo.check(line)]
+        problems = cargo.check(line)
+        if rule['how'] == 'ci' and 'cargo test' in line:
+            problems += cargo.not_in_ci(line)
+        return [f'{command.where}: `{command.written}`: {problem}' for problem in problems]
 
     @staticmethod
     def _compare(command, said):

@@ -45,6 +45,22 @@ def hash_problems(cophase):
     return find
 
 
+def figure_rows(table):
+    return figures.covered(table, pages.pages())
+
+
+def summary_problems(text):
+    others = [p for p in pages.pages() if p.name != 'docs/SUMMARY.md']
+    return links.check_summary([*others, pages.Page('docs/SUMMARY.md', text)])
+
+
+def book_problems(target):
+    with tempfile.TemporaryDirectory() as folder:
+        pathlib.Path(folder, 'a.html').write_text(f'<a href="{target}">b</a>')
+        pathlib.Path(folder, 'b.html').write_text('<h1 id="there">There</h1>')
+        return links.check_book(folder)
+
+
 def cases(cophase):
     """What is tested: a check, a sound input, and a mistaken one."""
     link_problems = lambda text: links.check([page(text)])[0]
@@ -65,6 +81,7 @@ def cases(cophase):
     yield 'a flag of a command for a board', run, '    cophase link record --out my-run --start\n', '    cophase link record --out my-run --begin\n'
     yield 'output that is not printed', run, console.format('slider-crank'), console.format('slider-clank')
     yield 'a test that is not there', run, '`cargo test -p cophase-tests --test phases`', '`cargo test -p cophase-tests --test phase`'
+    yield 'a test that CI does not run', run, '`cargo test -p cophase-fuzz`', '`cargo test -p cophase-functions`'
     yield 'a package that is not there', run, '`cargo test -p cophase-core`', '`cargo test -p cophase-cor`'
     yield 'a test name that matches none', run, '`cargo test -p cophase-core axes`', '`cargo test -p cophase-core axles_of_none`'
     yield 'a scenario that is not there', run, '`tests/emulator/run parity`', '`tests/emulator/run purity`'
@@ -73,6 +90,11 @@ def cases(cophase):
     yield 'a saying that nobody says', check_sayings, troubleshooting, troubleshooting.replace('`the machine is not armed`', '`the machine is unarmed`')
     drawing = 'cophase scenes {} --svg docs/machines/screen-drawing.svg'
     yield 'a figure that differs', draw, drawing.format('screen'), drawing.format('wrapper')
+    listed = figures.table()
+    yield 'a picture that no command makes', figure_rows, listed, [f for f in listed if 'docs/methods.svg' not in f['files']]
+    summary = (pages.ROOT / 'docs/SUMMARY.md').read_text()
+    yield 'a page that is in no table of contents', summary_problems, summary, summary.replace('(safety.md)', '(wiring.md)')
+    yield 'a dead link of the book', book_problems, 'b.html#there', 'b.html#elsewhere'
     yield 'changed inputs', stale, figures.digest(['LICENSE-MIT'])[0], '0123456789abcdef'
 
 
