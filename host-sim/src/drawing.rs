@@ -1,12 +1,15 @@
 //! Drawing of a mechanism to scale: lines, pins and labels in the mechanism's own unit, with y upwards.
+//!
+//! A *view* is a part of the sheet with a scale of its own. A drawing has one that fills the sheet, or several side by side.
 
 use kuva::backend::svg::SvgBackend;
 use kuva::render::color::Color;
-use kuva::render::render::{Primitive, Scene};
+use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 
-use crate::ink::{INK, MUTED, text};
+use crate::ink::{INK, MUTED, text, text_anchored};
 
-const WIDTH: f64 = 900.0;
+/// Width of the sheet, px.
+pub const WIDTH: f64 = 900.0;
 /// Space around the mechanism, px; the title stands in the upper one.
 const MARGIN: f64 = 70.0;
 
@@ -21,13 +24,21 @@ pub const SECOND: &str = "#009E73";
 /// A place, in the mechanism's unit.
 pub type Place = [f64; 2];
 
+/// A part of the sheet with a scale of its own.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// Pixels to the mechanism's unit.
+    pub scale: f64,
+    /// A place of the mechanism.
+    pub of: Place,
+    /// Where that place is on the sheet, px from its upper left corner.
+    pub at: (f64, f64),
+}
+
 /// A drawing that is being made.
 pub struct Drawing {
     scene: Scene,
-    scale: f64,
-    /// Lower left corner of what is drawn.
-    low: Place,
-    height: f64,
+    view: View,
 }
 
 impl Drawing {
@@ -35,23 +46,45 @@ impl Drawing {
     pub fn new(title: &str, low: Place, high: Place) -> Self {
         let scale = (WIDTH - 2.0 * MARGIN) / (high[0] - low[0]);
         let height = scale * (high[1] - low[1]) + 2.0 * MARGIN;
-        let mut scene = Scene::new(WIDTH, height);
-        scene.font_family = Some("sans-serif".to_owned());
-        scene.background_color = Some("#ffffff".to_owned());
-        let mut drawing = Self {
-            scene,
+        let mut drawing = Self::sheet(height);
+        drawing.set_view(View {
             scale,
-            low,
-            height,
-        };
+            of: low,
+            at: (MARGIN, height - MARGIN),
+        });
         text(&mut drawing.scene, (MARGIN, 36.0), title, 22, INK);
         drawing
     }
 
+    /// Sheet of a height, px, on which nothing is drawn yet. Its view has a pixel for a unit, from the upper left corner.
+    pub fn sheet(height: f64) -> Self {
+        let mut scene = Scene::new(WIDTH, height);
+        scene.font_family = Some("sans-serif".to_owned());
+        scene.background_color = Some("#ffffff".to_owned());
+        let view = View {
+            scale: 1.0,
+            of: [0.0, 0.0],
+            at: (0.0, 0.0),
+        };
+        Self { scene, view }
+    }
+
+    /// Draws in another view from here on.
+    pub fn set_view(&mut self, view: View) {
+        self.view = view;
+    }
+
+    /// A heading at a place of the sheet, px, with a line below it.
+    pub fn heading(&mut self, (x, y): (f64, f64), title: &str, subtitle: &str) {
+        text(&mut self.scene, (x, y), title, 22, INK);
+        text(&mut self.scene, (x, y + 22.0), subtitle, 14, MUTED);
+    }
+
     fn at(&self, place: Place) -> (f64, f64) {
+        let View { scale, of, at } = self.view;
         (
-            MARGIN + self.scale * (place[0] - self.low[0]),
-            self.height - MARGIN - self.scale * (place[1] - self.low[1]),
+            at.0 + scale * (place[0] - of[0]),
+            at.1 - scale * (place[1] - of[1]),
         )
     }
 
@@ -102,6 +135,25 @@ impl Drawing {
         self.line(&closed, colour, width, false);
     }
 
+    /// A closed outline with a fill that hides what is behind it.
+    pub fn face(&mut self, places: &[Place], fill: &str, colour: &str, width: f64) {
+        let mut d = String::new();
+        for (i, &place) in places.iter().enumerate() {
+            let (x, y) = self.at(place);
+            let command = if i == 0 { 'M' } else { 'L' };
+            d += &format!("{command}{x:.2} {y:.2} ");
+        }
+        d.push('Z');
+        self.scene.add(Primitive::Path(Box::new(PathData {
+            d,
+            fill: Some(Color::from(fill)),
+            stroke: Color::from(colour),
+            stroke_width: width,
+            opacity: None,
+            stroke_dasharray: None,
+        })));
+    }
+
     /// A rectangle between two corners.
     pub fn rectangle(&mut self, low: Place, high: Place, colour: &str) {
         let corners = [low, [high[0], low[1]], high, [low[0], high[1]]];
@@ -113,7 +165,7 @@ impl Drawing {
         const TURNS: u32 = 6;
         let along = [to[0] - from[0], to[1] - from[1]];
         let length = along[0].hypot(along[1]);
-        let side = SPRING_PX / self.scale / length;
+        let side = SPRING_PX / self.view.scale / length;
         let mut places = vec![from];
         for i in 0..2 * TURNS {
             let part = (f64::from(i) + 1.0) / f64::from(2 * TURNS + 1);
@@ -129,9 +181,17 @@ impl Drawing {
 
     /// An arrow to a place.
     pub fn arrow(&mut self, from: Place, to: Place, colour: &str) {
-        self.line(&[from, to], colour, 2.0, false);
+        self.path_arrow(&[from, to], colour);
+    }
+
+    /// An arrow along a polyline of two places or more.
+    pub fn path_arrow(&mut self, places: &[Place], colour: &str) {
+        let [.., from, to] = *places else {
+            return;
+        };
+        self.line(places, colour, 2.0, false);
         let angle = (to[1] - from[1]).atan2(to[0] - from[0]);
-        let head = ARROW_PX / self.scale;
+        let head = ARROW_PX / self.view.scale;
         let barb = |turn: f64| {
             let angle = angle + turn;
             [to[0] - head * angle.cos(), to[1] - head * angle.sin()]
@@ -142,7 +202,7 @@ impl Drawing {
     /// The ground: a line with strokes below it, px.
     pub fn ground(&mut self, from: Place, to: Place) {
         self.line(&[from, to], INK, 1.5, false);
-        let stroke = ARROW_PX / self.scale;
+        let stroke = ARROW_PX / self.view.scale;
         let count = ((to[0] - from[0]) / stroke).floor().max(1.0) as u32;
         for i in 1..=count {
             let x = from[0] + (to[0] - from[0]) * f64::from(i) / f64::from(count);
@@ -159,6 +219,50 @@ impl Drawing {
     pub fn label(&mut self, place: Place, (right, up): (f64, f64), content: &str, colour: &str) {
         let (x, y) = self.at(place);
         text(&mut self.scene, (x + right, y - up), content, 14, colour);
+    }
+
+    /// The same with the middle of the label there, or with its end.
+    pub fn label_at(
+        &mut self,
+        place: Place,
+        (right, up): (f64, f64),
+        content: &str,
+        colour: &str,
+        anchor: TextAnchor,
+    ) {
+        let (x, y) = self.at(place);
+        let place = (x + right, y - up);
+        text_anchored(&mut self.scene, place, content, 14, colour, anchor);
+    }
+
+    /// The same as [`label_at`](Self::label_at) on a white ground, where lines may pass behind it.
+    pub fn label_on(
+        &mut self,
+        place: Place,
+        (right, up): (f64, f64),
+        content: &str,
+        colour: &str,
+        is_to_the_right: bool,
+    ) {
+        let (x, y) = self.at(place);
+        // About how wide the text is: the viewer's font is not known here.
+        let width = 8.2 * content.chars().count() as f64;
+        self.scene.add(Primitive::Rect {
+            x: x + right - if is_to_the_right { 2.0 } else { width },
+            y: y - up - 13.0,
+            width: width + 2.0,
+            height: 17.0,
+            fill: Color::from("#ffffff"),
+            stroke: None,
+            stroke_width: None,
+            opacity: Some(0.8),
+        });
+        let anchor = if is_to_the_right {
+            TextAnchor::Start
+        } else {
+            TextAnchor::End
+        };
+        self.label_at(place, (right, up), content, colour, anchor);
     }
 
     /// The drawing as SVG text.

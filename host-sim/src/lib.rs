@@ -17,6 +17,7 @@ mod ink;
 pub mod live;
 pub mod machine;
 pub mod mechanism;
+pub mod operating_range;
 pub mod plant;
 pub mod record;
 pub mod report;

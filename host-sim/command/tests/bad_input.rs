@@ -246,7 +246,13 @@ fn the_base_scene_runs() {
         names.sort();
         assert_eq!(
             names,
-            ["report.json", "scope.svg", "steps.vcd", "trace.csv"]
+            [
+                "report.json",
+                "scope.svg",
+                "steps.vcd",
+                "torque.svg",
+                "trace.csv"
+            ]
         );
     }
 }

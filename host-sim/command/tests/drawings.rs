@@ -3,17 +3,32 @@
 use std::path::Path;
 use std::process::Output;
 
-/// Scene, the picture in docs/machines/, and labels that it must have.
+/// Scene, the picture from docs/machines/, and labels that it must have.
 const DRAWINGS: [(&str, &str, &[&str]); 8] = [
     (
         "default",
-        "slider-crank-drawing.svg",
-        &["R", "L = R/λ", "α", "x", "platform with its load, mass m"],
+        "../machine.svg",
+        &[
+            "R",
+            "L = R/λ",
+            "α",
+            "ω",
+            "x",
+            "y",
+            "amax",
+            "at α = 0",
+            "platform with its load, mass m",
+            "direction of the pin at α = 0",
+            "the same of a reversed axis",
+            "mount radius 200 mm",
+            "tilt x &gt; 0: the side of axis 0 is high",
+            "tilt y &gt; 0: the side of y is high",
+        ],
     ),
     (
         "scotch-yoke",
         "scotch-yoke-drawing.svg",
-        &["R", "α", "slot"],
+        &["R", "α", "slot", "mount radius 200 mm"],
     ),
     (
         "crank-rocker",
@@ -72,6 +87,37 @@ fn each_machine_is_drawn_with_its_symbols() {
             svg == committed,
             "docs/machines/{picture} is not the drawing of {scene}"
         );
+    }
+}
+
+/// If this fails, a platform with another number of motors is drawn with other axes than it has, in either view, or one below its cranks
+/// has its acceleration drawn the wrong way.
+#[test]
+fn both_views_have_every_axis() {
+    for (scene, count) in [
+        ("default", 4),
+        ("patent-1", 6),
+        ("patent-2", 2),
+        ("patent-4", 3),
+        ("scotch-yoke", 3),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let output = scenes(folder.path(), &[scene, "--svg", "drawing.svg"]);
+        assert!(output.status.success(), "{scene}: {output:?}");
+        let svg = std::fs::read_to_string(folder.path().join("drawing.svg")).unwrap();
+        for axis in 0..=6 {
+            let drawn = svg.matches(&format!(">{axis}</text>")).count();
+            let expected = if axis < count { 2 } else { 0 };
+            assert_eq!(drawn, expected, "{scene}: axis {axis}");
+        }
+        let is_above = !scene.starts_with("patent");
+        let [platform, arrow] = ["platform with its load, mass m", "amax"].map(|label| {
+            let (before, _) = svg.split_once(&format!(">{label}<")).expect("a label");
+            let (_, y) = before.rsplit_once(" y=\"").expect("its place");
+            let y: f64 = y.split('"').next().unwrap().parse().expect("a number");
+            y
+        });
+        assert_eq!(platform < arrow, is_above, "{scene}: towards the cranks");
     }
 }
 

@@ -43,7 +43,7 @@ fn the_same_scene_writes_the_same_files() {
         assert_eq!(run(scene, &one, &formats), status);
         assert_eq!(run(scene, &other, &formats), status);
         let traces = ["trace.csv", "steps.vcd", "steps.fst", "trace.mcap"];
-        for file in traces.into_iter().chain(["scope.svg"]) {
+        for file in traces.into_iter().chain(["scope.svg", "torque.svg"]) {
             assert_same_bytes(&one, &other, file);
         }
         assert_eq!(

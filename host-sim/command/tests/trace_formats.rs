@@ -43,7 +43,7 @@ fn missing(reader: &str) {
 #[test]
 fn the_requested_files_are_written_and_no_others() {
     let folder = tempfile::tempdir().expect("a folder");
-    let always = ["report.json", "scope.svg"];
+    let always = ["report.json", "scope.svg", "torque.svg"];
     for (list, files) in [
         ("csv", vec!["trace.csv"]),
         ("fst", vec!["steps.fst"]),

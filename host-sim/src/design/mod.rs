@@ -10,9 +10,11 @@ pub mod flywheel;
 mod page;
 pub mod platform;
 mod range;
+mod scene;
 pub mod screen;
 
 pub use range::{OutOfRange, Range};
+pub use scene::NotRunnable;
 
 /// Standard gravity, m/s².
 pub const STANDARD_GRAVITY_MPS2: f64 = 9.806_65;

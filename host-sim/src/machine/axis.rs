@@ -135,16 +135,20 @@ impl SimulatedAxis {
         self.torque_used
     }
 
-    /// Compares what this tick's motion needs with what the motor has; what it needs, N·m.
-    pub fn load(&mut self, share_nm: f64, acceleration_rad_s2: f64, speed_hz: f64) -> f64 {
+    /// Torque that a motion requires of the motor, N·m: its share of the load's, its friction, and what turns its rotor.
+    pub fn required_nm(&self, share_nm: f64, acceleration_rad_s2: f64, speed_hz: f64) -> f64 {
         // A machine that stands does not work against friction.
         let friction_nm = if speed_hz == 0.0 {
             0.0
         } else {
             self.friction_nm
         };
-        let needed =
-            share_nm + friction_nm + self.rotor_inertia_kgm2 * acceleration_rad_s2 * self.ratio;
+        share_nm + friction_nm + self.rotor_inertia_kgm2 * acceleration_rad_s2 * self.ratio
+    }
+
+    /// Compares what this tick's motion needs with what the motor has; what it needs, N·m.
+    pub fn load(&mut self, share_nm: f64, acceleration_rad_s2: f64, speed_hz: f64) -> f64 {
+        let needed = self.required_nm(share_nm, acceleration_rad_s2, speed_hz);
         let AxisDrive::Stepper { pull_out, .. } = &self.drive else {
             return needed;
         };

@@ -22,6 +22,7 @@ mod platform;
 mod played;
 mod pull_out;
 mod pulse_counter;
+mod required;
 mod rotors;
 mod sensors;
 mod step;
@@ -39,6 +40,7 @@ pub use played::Played;
 pub use pull_out::PullOut;
 pub use rotors::{DriveCommand, Rotors};
 pub use step::{Chosen, MOST_STEPS, RESOLUTION};
+pub use torque::motor_of;
 
 use cophase_methods::Scheme;
 
@@ -424,21 +426,6 @@ impl Machine {
             }
         });
         followers.play(&turned, master_turns, command_turns);
-    }
-
-    /// Compares what this tick's motion needs with what each motor has.
-    fn compare_torques(&mut self, omega: f64, acceleration: f64) {
-        let torques = self.axes.iter().map(|axis| {
-            let alpha = axis.turns() * std::f64::consts::TAU;
-            self.platform.torque_nm(alpha, omega, acceleration)
-        });
-        // Each would have to give so much were all where it is: the mean, a share of it.
-        let count = self.axes.len();
-        let share_nm = torques.sum::<f64>() / (count * count) as f64;
-        let hz = omega / std::f64::consts::TAU;
-        let cranks = self.axes.iter_mut();
-        let requested = cranks.map(|axis| axis.load(share_nm, acceleration, hz));
-        self.required_nm = Some(requested.collect());
     }
 }
 

@@ -195,6 +195,12 @@ fn body(checked: &Checked) -> Result<Body, SceneError> {
     })
 }
 
+/// Motor of axis `i`, if the scene says what torque it has.
+pub fn motor_of(checked: &Checked, i: usize) -> Option<Motor> {
+    let pull_out = PullOut::new(&checked.scene.axes.pull_out).ok()?;
+    motor(checked, &pull_out, i).ok()
+}
+
 fn motor(checked: &Checked, pull_out: &PullOut, i: usize) -> Result<Motor, SceneError> {
     let axes = &checked.scene.axes;
     let overrides = checked.overrides(i);

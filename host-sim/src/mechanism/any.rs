@@ -2,7 +2,7 @@
 
 use cophase_core::mechanism::MechanismSettings;
 
-use super::{AtAngle, Configured, Mechanism, MechanismName};
+use super::{AtAngle, Configured, Mechanism, MechanismName, Mount};
 use crate::scene::SceneError;
 use crate::scene::file::Machine;
 
@@ -112,8 +112,8 @@ macro_rules! any {
                 match self { $(Self::$Name(mechanism) => mechanism.links(),)* }
             }
 
-            fn draw(&self) -> String {
-                match self { $(Self::$Name(mechanism) => mechanism.draw(),)* }
+            fn draw(&self, mount: &Mount) -> String {
+                match self { $(Self::$Name(mechanism) => mechanism.draw(mount),)* }
             }
         }
     };

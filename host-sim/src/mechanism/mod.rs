@@ -23,8 +23,8 @@ mod any;
 mod configured;
 #[cfg(test)]
 mod conformance;
-mod crank_drawing;
 pub mod crank_rocker;
+mod drawing;
 pub mod five_bar;
 mod motion;
 mod name;
@@ -34,5 +34,6 @@ pub mod turn_search;
 
 pub use any::AnyMechanism;
 pub use configured::Configured;
+pub use drawing::Mount;
 pub use motion::{AtAngle, Load, Mechanism, Platform};
 pub use name::MechanismName;

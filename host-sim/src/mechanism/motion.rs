@@ -13,6 +13,8 @@
 
 pub use cophase_core::settings::Platform;
 
+use super::drawing::Mount;
+
 /// Load that the cranks move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
@@ -57,8 +59,8 @@ pub trait Mechanism: Copy {
     /// Name of the parts between cranks and platform, in the plural: what `machine.rod_n_per_um` is the stiffness of.
     fn links(&self) -> &'static str;
 
-    /// Drawing of one mechanism with its symbols, as SVG text.
-    fn draw(&self) -> String;
+    /// Drawing of the mechanisms with their symbols under a platform, as SVG text.
+    fn draw(&self, mount: &Mount) -> String;
 
     /// Distance x of the platform from the crank axes, m.
     fn x_m(&self, alpha_rad: f64) -> f64 {

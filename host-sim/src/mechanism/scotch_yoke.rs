@@ -10,7 +10,7 @@
 
 use cophase_core::mechanism::ScotchYokeSettings;
 
-use super::crank_drawing::{self, Link};
+use super::drawing::{self, Link, Mount};
 use super::{AtAngle, Configured, Mechanism};
 use crate::scene::SceneError;
 use crate::scene::file::Machine;
@@ -70,8 +70,8 @@ impl Mechanism for ScotchYoke {
         "slots"
     }
 
-    fn draw(&self) -> String {
-        crank_drawing::draw(self.crank_radius_m, &Link::Slot)
+    fn draw(&self, mount: &Mount) -> String {
+        drawing::cranks(self, Link::Slot, mount)
     }
 }
 

@@ -21,7 +21,7 @@ mod torque;
 
 pub use extrema::{Extrema, Extremum};
 
-use super::crank_drawing::{self, Link};
+use super::drawing::{self, Link, Mount};
 use super::turn_search::{TurnPeak, largest_over_turn};
 use super::{AtAngle, Mechanism};
 
@@ -221,8 +221,8 @@ impl Mechanism for SliderCrank {
         "rods"
     }
 
-    fn draw(&self) -> String {
-        crank_drawing::draw(self.crank_radius_m, &Link::Rod(self.rod_length_m()))
+    fn draw(&self, mount: &Mount) -> String {
+        drawing::cranks(self, Link::Rod(self.rod_length_m), mount)
     }
 }
 

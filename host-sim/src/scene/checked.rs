@@ -11,7 +11,7 @@ use super::check::{Follower, program};
 use super::file::{AxisOverrides, Drive, Fidelity, Scene};
 use crate::fidelity::Choice;
 use crate::machine::{self, Chosen};
-use crate::mechanism::{AnyMechanism, Mechanism};
+use crate::mechanism::{AnyMechanism, Mechanism, Mount, Platform};
 use crate::plant::{Plant, Table};
 
 /// A scene whose numbers have been checked, each by itself and against the others.
@@ -83,7 +83,24 @@ impl Checked {
         match (&self.plant, &self.cam) {
             (Some(plant), _) => plant.draw(),
             (None, Some(follower)) => machine::draw_follower(follower),
-            (None, None) => self.mechanism.draw(),
+            (None, None) => self.mechanism.draw(&self.mount()),
+        }
+    }
+
+    /// How the mechanisms stand around their platform.
+    fn mount(&self) -> Mount {
+        let machine = &self.settings.machine;
+        Mount {
+            name: self.scene.name.clone(),
+            reversed: self
+                .settings
+                .axes
+                .iter()
+                .map(|axis| axis.reversed)
+                .collect(),
+            is_below: machine.platform == Platform::Below,
+            radius_m: machine.mount_radius_m,
+            load_kg: machine.load_kg,
         }
     }
 

@@ -64,11 +64,11 @@ impl PulseTiming {
         Ok(timing)
     }
 
-    /// Greatest step rate, steps/s.
+    /// Greatest step rate at a tick rate in Hz, steps/s.
     ///
     /// The pulse width must remain when an edge has moved by the guard, also in the three quarters of a tick that a
     /// change of direction leaves.
-    pub(super) fn most_step_hz(&self, tick_hz: u32) -> f64 {
+    pub fn most_step_hz(&self, tick_hz: u32) -> f64 {
         let half_step = f64::from((self.width + GUARD + 2).max(2 * GUARD)) * 4.0 / 3.0;
         let clock_hz = f64::from(self.tick) * f64::from(tick_hz);
         let by_width = clock_hz / (2.0 * half_step);

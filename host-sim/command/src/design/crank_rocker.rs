@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use host_sim::design::crank_rocker::{Design, Requirement, design, write_page};
 use serde::Serialize;
 
-use super::{DesignCommandError, write_json};
+use super::{DesignCommandError, Print, write_json};
 use crate::drawing::write_drawing;
 
 /// Find the links of a crank-rocker from the swing of its rocker, for a drive with a screw
@@ -77,13 +77,13 @@ impl From<&Design> for Figures {
     }
 }
 
-/// Finds the linkage and writes text, or with `json` one object, to `out`.
+/// Finds the linkage and writes text, one JSON object or a scene to `out`.
 ///
 /// # Errors
 /// Bad input, before anything is written; or `out` cannot be written.
-pub fn run(
+pub(super) fn run(
     args: &CrankRockerArgs,
-    json: bool,
+    print: Print,
     out: &mut impl Write,
 ) -> Result<(), DesignCommandError> {
     let found = design(&Requirement {
@@ -93,12 +93,16 @@ pub fn run(
         screw_lead_mm: args.screw_lead_mm,
     })
     .map_err(DesignCommandError::input)?;
+    let scene = match print {
+        Print::Scene => Some(found.scene().map_err(DesignCommandError::input)?),
+        Print::Page | Print::Json => None,
+    };
     if let Some(file) = &args.svg {
         write_drawing("--svg", file, &found.linkage.draw())?;
     }
-    if json {
-        write_json(&Figures::from(&found), out)
-    } else {
-        Ok(write_page(&found, out)?)
+    match (print, scene) {
+        (_, Some(scene)) => Ok(out.write_all(scene.as_bytes())?),
+        (Print::Json, None) => write_json(&Figures::from(&found), out),
+        (_, None) => Ok(write_page(&found, out)?),
     }
 }

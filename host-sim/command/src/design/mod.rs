@@ -32,6 +32,20 @@ pub struct DesignArgs {
     /// Print one JSON object instead of text
     #[arg(long, global = true)]
     json: bool,
+    /// Print a scene of the design for `cophase run` instead of text: of a platform, a crank-rocker or a screen
+    #[arg(long, global = true)]
+    scene: bool,
+}
+
+/// What goes to standard output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Print {
+    /// A page of text.
+    Page,
+    /// One JSON object.
+    Json,
+    /// A scene.
+    Scene,
 }
 
 /// Machines beside the platform.
@@ -57,17 +71,34 @@ pub enum DesignCommandError {
     Write(#[from] io::Error),
 }
 
-/// Runs the command, and writes text, or with `--json` one object, to `out`.
+/// Runs the command, and writes text, with `--json` one object, or with `--scene` a scene, to `out`.
 ///
 /// # Errors
 /// Bad input, before anything is written; or `out` cannot be written.
 pub fn run(args: &DesignArgs, out: &mut impl Write) -> Result<(), DesignCommandError> {
+    let print = match (args.json, args.scene) {
+        (true, true) => {
+            return Err(DesignCommandError::Input(
+                "--json, --scene: both print to standard output; give one of them".to_owned(),
+            ));
+        }
+        (true, false) => Print::Json,
+        (false, true) => Print::Scene,
+        (false, false) => Print::Page,
+    };
+    let no_scene = |machine: &str| {
+        Err(DesignCommandError::Input(format!(
+            "--scene: the design of a {machine} leaves too much open for a scene; start from `cophase scenes {machine}`"
+        )))
+    };
     match (&args.machine, &args.platform) {
-        (Some(Other::CrankRocker(machine)), _) => crank_rocker::run(machine, args.json, out),
+        (Some(Other::CrankRocker(machine)), _) => crank_rocker::run(machine, print, out),
+        (Some(Other::FiveBar(_)), _) if args.scene => no_scene("five-bar"),
         (Some(Other::FiveBar(machine)), _) => five_bar::run(machine, args.json, out),
-        (Some(Other::Screen(machine)), _) => screen::run(machine, args.json, out),
+        (Some(Other::Screen(machine)), _) => screen::run(machine, print, out),
+        (Some(Other::Flywheel(_)), _) if args.scene => no_scene("jaw-crusher"),
         (Some(Other::Flywheel(machine)), _) => flywheel::run(machine, args.json, out),
-        (None, Some(platform)) => platform::run(platform, args.json, out),
+        (None, Some(platform)) => platform::run(platform, print, out),
         // The parser requires the platform's flags if there is no subcommand.
         (None, None) => Err(DesignCommandError::Input(
             "name a machine, or give the requirement of a platform; see cophase design --help"

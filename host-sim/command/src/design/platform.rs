@@ -1,13 +1,17 @@
 //! `cophase design` without a machine's name: the vibration platform on slider-cranks.
 
 use std::io::Write;
+use std::path::PathBuf;
 
 use host_sim::design::STANDARD_GRAVITY_MPS2;
 use host_sim::design::platform::{Design, Requirement, design, write_page};
 use host_sim::mechanism::Mechanism;
+use host_sim::operating_range::OperatingRange;
+use host_sim::scene::load::checked_from_text;
 use serde::Serialize;
 
-use super::{DesignCommandError, write_json};
+use super::{DesignCommandError, Print, write_json};
+use crate::drawing::write_drawing;
 
 /// Requirement of a vibration platform.
 #[derive(Clone, Debug, clap::Args)]
@@ -35,6 +39,9 @@ pub struct PlatformArgs {
     #[arg(long, value_name = "G", allow_hyphen_values = true,
           default_value_t = STANDARD_GRAVITY_MPS2)]
     pub gravity: f64,
+    /// Draw required and available torque, amplitude and step rate over speed into this file, too
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
 }
 
 /// A number of motors; whether it is in range is seen to with everything else.
@@ -91,7 +98,23 @@ impl From<&Design> for Figures {
     }
 }
 
-/// Designs what `args` request and writes text, or with `json` one object, to `out`.
+/// Operating range of a design, as SVG text: that of its scene.
+fn picture(design: &Design) -> Result<String, DesignCommandError> {
+    let scene = design.scene().map_err(|error| {
+        DesignCommandError::Input(format!(
+            "--svg: the picture is that of the design's scene. {error}"
+        ))
+    })?;
+    let range = checked_from_text(&scene, None).and_then(|checked| OperatingRange::of(&checked));
+    match range.map_err(DesignCommandError::input)? {
+        Some(range) => Ok(range.render()),
+        None => Err(DesignCommandError::Input(
+            "--svg: the torque of the design's motors is not known".to_owned(),
+        )),
+    }
+}
+
+/// Designs what `args` request and writes text, one JSON object or a scene to `out`, and a picture to the file of `--svg`.
 ///
 /// In the object, `torque_max_exact_nm` has the source's gravity sign (platform below the cranks), as
 /// `torque_max_two_term_nm` has; `peak_power_w` is that of a platform above, all motors together, without
@@ -99,15 +122,22 @@ impl From<&Design> for Figures {
 ///
 /// # Errors
 /// Bad input, before anything is written; or `out` cannot be written.
-pub fn run(
+pub(super) fn run(
     args: &PlatformArgs,
-    json: bool,
+    print: Print,
     out: &mut impl Write,
 ) -> Result<(), DesignCommandError> {
     let found = design(&args.into()).map_err(DesignCommandError::input)?;
-    if json {
-        write_json(&Figures::from(&found), out)
-    } else {
-        Ok(write_page(&found, out)?)
+    let scene = match print {
+        Print::Scene => Some(found.scene().map_err(DesignCommandError::input)?),
+        Print::Page | Print::Json => None,
+    };
+    if let Some(file) = &args.svg {
+        write_drawing("--svg", file, &picture(&found)?)?;
+    }
+    match (print, scene) {
+        (_, Some(scene)) => Ok(out.write_all(scene.as_bytes())?),
+        (Print::Json, None) => write_json(&Figures::from(&found), out),
+        (_, None) => Ok(write_page(&found, out)?),
     }
 }

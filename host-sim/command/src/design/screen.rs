@@ -5,7 +5,7 @@ use std::io::Write;
 use host_sim::design::screen::{Design, Requirement, design, write_page};
 use serde::Serialize;
 
-use super::{DesignCommandError, write_json};
+use super::{DesignCommandError, Print, write_json};
 
 /// Find springs, natural speed and amplitude of a self-centring vibrating screen
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -59,11 +59,15 @@ impl From<&Design> for Figures {
     }
 }
 
-/// Designs the screen and writes text, or with `json` one object, to `out`.
+/// Designs the screen and writes text, one JSON object or a scene to `out`.
 ///
 /// # Errors
 /// Bad input, before anything is written; or `out` cannot be written.
-pub fn run(args: &ScreenArgs, json: bool, out: &mut impl Write) -> Result<(), DesignCommandError> {
+pub(super) fn run(
+    args: &ScreenArgs,
+    print: Print,
+    out: &mut impl Write,
+) -> Result<(), DesignCommandError> {
     let found = design(&Requirement {
         exciter_kg: args.exciter_kg,
         vibrating_kg: args.vibrating_kg,
@@ -73,9 +77,13 @@ pub fn run(args: &ScreenArgs, json: bool, out: &mut impl Write) -> Result<(), De
         deck_deg: args.deck_deg,
     })
     .map_err(DesignCommandError::input)?;
-    if json {
-        write_json(&Figures::from(&found), out)
-    } else {
-        Ok(write_page(&found, out)?)
+    let scene = match print {
+        Print::Scene => Some(found.scene().map_err(DesignCommandError::input)?),
+        Print::Page | Print::Json => None,
+    };
+    match (print, scene) {
+        (_, Some(scene)) => Ok(out.write_all(scene.as_bytes())?),
+        (Print::Json, None) => write_json(&Figures::from(&found), out),
+        (_, None) => Ok(write_page(&found, out)?),
     }
 }

@@ -19,6 +19,7 @@ use values::{formats, receiver, speed, ticks};
 
 use super::{CommandError, Status, expected, scenes};
 use host_sim::fidelity::{self, Answers};
+use host_sim::operating_range::OperatingRange;
 use host_sim::report::{self, Report, Written};
 use host_sim::scene::library::SCENES;
 use host_sim::scene::{Checked, SceneError};
@@ -102,8 +103,10 @@ pub(super) fn run(
         expected::before_run(&checked, err).map_err(refused)?;
     }
     let mut live = Live::new(args, &checked).map_err(CommandError::Input)?;
+    let range = OperatingRange::of(&checked).map_err(refused)?;
+    let range = range.map(|range| range.render());
     let (checked, outcome, written) =
-        record(args, checked, began, &mut live).map_err(CommandError::Input)?;
+        record(args, checked, began, &mut live, range.as_deref()).map_err(CommandError::Input)?;
     if !args.quiet {
         let wall_s = began.elapsed().as_secs_f64();
         out.write_all(report::summary(&checked, &outcome, Some(written), wall_s).as_bytes())?;
@@ -113,9 +116,10 @@ pub(super) fn run(
             .collect();
         writeln!(
             out,
-            "Written to {}: report.json, {}, scope.svg.",
+            "Written to {}: report.json, {}, {PAGE}{}.",
             args.out.display(),
             files.join(", "),
+            range.map_or_else(String::new, |_| format!(", {RANGE}")),
         )?;
         if let Some((receiver, SentRows { rows, lost })) = live.finish() {
             writeln!(out, "Sent to {receiver}: {rows} rows, {lost} of them lost.")?;
@@ -147,6 +151,8 @@ fn described(format: Format, written: Written) -> String {
 pub(super) const REPORT: &str = "report.json";
 /// Name of the page.
 pub(super) const PAGE: &str = "scope.svg";
+/// Name of the picture of the machine's operating range.
+const RANGE: &str = "torque.svg";
 
 /// Runs a scene and writes its files: all of them, or none. Returns the scene with the values of what was requested.
 fn record(
@@ -154,13 +160,15 @@ fn record(
     checked: Checked,
     began: Instant,
     live: &mut Live,
+    range: Option<&str>,
 ) -> Result<(Checked, Outcome, Written), String> {
     let place = |error: &dyn std::fmt::Display| error.to_string();
     let names = args.files().map(Format::file_name);
-    refuse_folders(&args.out, names.chain([REPORT, PAGE]))?;
+    let names = names.chain([REPORT, PAGE]);
+    refuse_folders(&args.out, names.chain(range.map(|_| RANGE)))?;
     let is_requested = args.window.is_some() || checked.scene.scope.is_some();
     let window = args.window.unwrap_or_else(|| Window::of(&checked.scene));
-    let (files, checked, outcome, written) =
+    let (mut files, checked, outcome, written) =
         record_window(args, checked, began, window, Some(live))?;
     // What went wrong by itself is known after a run only, as is that the run ended before its first fault. The same run again shows
     // the edges at that time.
@@ -173,16 +181,24 @@ fn record(
         None => never_began.then_some(Window::FirstMotion),
     };
     let other = other.filter(|_| has_edges);
-    let (files, checked, outcome, written) = match other {
+    let (checked, outcome, written) = match other {
         Some(window) => {
             drop(files);
             // It was live once already.
-            record_window(args, checked, began, window, None)?
+            let again = record_window(args, checked, began, window, None)?;
+            files = again.0;
+            (again.1, again.2, again.3)
         }
-        None => (files, checked, outcome, written),
+        None => (checked, outcome, written),
     };
     if is_requested && written.is_empty() {
         return Err(outside(args, &checked, &outcome));
+    }
+    if let Some(range) = range {
+        let mut svg = files.file(RANGE).map_err(|e| place(&e))?;
+        svg.write_all(range.as_bytes())
+            .and_then(|()| svg.flush())
+            .map_err(|e| place(&e))?;
     }
     files.commit().map_err(|e| place(&e))?;
     Ok((checked, outcome, written))

@@ -13,6 +13,7 @@
 //! where q = sin(α/2) / sin Θ.
 
 mod report;
+mod scene;
 
 use core::f64::consts::{PI, TAU};
 

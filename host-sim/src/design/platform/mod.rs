@@ -9,6 +9,7 @@
 
 mod report;
 mod requirement;
+mod scene;
 mod steps;
 mod warning;
 

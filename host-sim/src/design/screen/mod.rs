@@ -13,6 +13,7 @@
 
 pub mod drive;
 mod report;
+mod scene;
 mod spring;
 
 use core::f64::consts::TAU;

@@ -2,39 +2,75 @@
 
 use core::f64::consts::TAU;
 
-use super::Linkage;
-use crate::drawing::{Drawing, FIRST, Place, SECOND};
+use super::{CrankRocker, Linkage};
+use crate::drawing::{Drawing, FIRST, Place, SECOND, View};
 use crate::ink::{INK, MUTED};
+use crate::mechanism::drawing::{Mount, Unit, beside_plan};
 
 impl Linkage {
     /// Drawing of the linkage at both dead centres, with its symbols, as SVG text.
     #[must_use]
     pub fn draw(&self) -> String {
-        draw(self)
+        let (low, high) = corners(self);
+        let title = format!("Crank-rocker at both dead centres: {}", proportions(self));
+        let mut drawing = Drawing::new(&title, low, high);
+        draw(&mut drawing, self);
+        drawing.render()
     }
 }
 
-fn draw(linkage: &Linkage) -> String {
-    let (crank_pivot, rocker_pivot) = ([0.0, 0.0], [linkage.ground, 0.0]);
-    let positions = linkage.dead_centres_rad().map(|crank| {
+/// Draws the linkage of one unit beside the plan view of all.
+pub fn under_platform(mechanism: &CrankRocker, mount: &Mount) -> String {
+    let linkage = &mechanism.linkage;
+    let sizes = format!("at both dead centres: {}", proportions(linkage));
+    beside_plan(
+        mount,
+        Unit::Upright,
+        ("crank-rockers", &sizes),
+        |drawing, [left, right]| {
+            let (low, high) = corners(linkage);
+            let scale = 0.96 * (right.0 - left.0) / (high[0] - low[0]);
+            let height = scale * (high[1] - low[1]);
+            let bottom = 0.5 * (left.1 + right.1 + height);
+            drawing.set_view(View {
+                scale,
+                of: low,
+                at: (left.0, bottom),
+            });
+            draw(drawing, linkage);
+        },
+    )
+}
+
+fn proportions(linkage: &Linkage) -> String {
+    format!(
+        "swing {:.1}°, time ratio {:.3}",
+        linkage.swing_rad().to_degrees(),
+        linkage.time_ratio()
+    )
+}
+
+/// Crank angle, rocker angle, and both joints at a dead centre.
+fn positions(linkage: &Linkage) -> [(f64, f64, Place, Place); 2] {
+    linkage.dead_centres_rad().map(|crank| {
         let rocker = linkage.at(crank).angle_rad;
         let pin = [linkage.crank * crank.cos(), linkage.crank * crank.sin()];
         let end = [linkage.ground + rocker.cos(), rocker.sin()];
         (crank, rocker, pin, end)
-    });
-    let ends = positions.map(|(_, _, _, end)| end);
+    })
+}
+
+/// Corners of the space that the linkage takes up.
+fn corners(linkage: &Linkage) -> (Place, Place) {
+    let ends = positions(linkage).map(|(_, _, _, end)| end);
     let right = ends.iter().map(|end| end[0]).fold(linkage.ground, f64::max);
     let top = ends.iter().map(|end| end[1]).fold(linkage.crank, f64::max);
-    let title = format!(
-        "Crank-rocker at both dead centres: swing {:.1}°, time ratio {:.3}",
-        linkage.swing_rad().to_degrees(),
-        linkage.time_ratio()
-    );
-    let mut drawing = Drawing::new(
-        &title,
-        [-linkage.crank, -linkage.crank],
-        [right + 0.15, top],
-    );
+    ([-linkage.crank, -linkage.crank], [right + 0.15, top])
+}
+
+fn draw(drawing: &mut Drawing, linkage: &Linkage) {
+    let (crank_pivot, rocker_pivot) = ([0.0, 0.0], [linkage.ground, 0.0]);
+    let positions = positions(linkage);
     drawing.line(&[crank_pivot, rocker_pivot], INK, 1.5, false);
     drawing.arc(crank_pivot, linkage.crank, (0.0, TAU), MUTED);
     drawing.arc(rocker_pivot, 1.0, (positions[0].1, positions[1].1), MUTED);
@@ -80,5 +116,4 @@ fn draw(linkage: &Linkage) -> String {
     drawing.label(middle(end, rocker_pivot), (10.0, 0.0), "rocker 1", FIRST);
     let note = format!("crank {:.4}", linkage.crank);
     drawing.label([-linkage.crank, -linkage.crank], (0.0, -18.0), &note, MUTED);
-    drawing.render()
 }

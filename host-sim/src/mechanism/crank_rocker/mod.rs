@@ -15,7 +15,7 @@ mod linkage;
 pub use linkage::{Linkage, Rocker};
 
 use super::turn_search::largest_over_turn;
-use super::{AtAngle, Mechanism};
+use super::{AtAngle, Mechanism, Mount};
 
 /// Crank angles beside the peak at which its sharpness is measured, rad: as far as a tick may be beside it.
 const BESIDE_RAD: f64 = 0.6;
@@ -105,7 +105,7 @@ impl Mechanism for CrankRocker {
         "screws"
     }
 
-    fn draw(&self) -> String {
-        self.linkage.draw()
+    fn draw(&self, mount: &Mount) -> String {
+        drawing::under_platform(self, mount)
     }
 }

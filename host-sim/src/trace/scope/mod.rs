@@ -23,5 +23,9 @@ mod scale;
 mod timeline;
 
 pub use data::{Moved, ScopeData, ScopeFrame};
+pub(crate) use draft::Panel;
 pub use envelope::{Envelope, Extent};
 pub use overlay::{Overlay, OverlayRow};
+pub(crate) use page::{FONT, GAP, TIME_AXIS, embed};
+pub(crate) use panel::BAND;
+pub(crate) use scale::{plain, short};

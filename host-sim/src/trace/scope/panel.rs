@@ -15,7 +15,8 @@ use super::envelope::Extent;
 use super::ink::{BLUE, DARK_BLUE, GREEN, ORANGE, PALE_BLUE};
 use super::scale::{TimeAxis, is_in_sight, padded, plain, short};
 
-const BAND: &str = "#E69F00";
+/// Colour of forbidden bands.
+pub const BAND: &str = "#E69F00";
 /// One an axis, in turn.
 pub const AXES: [&str; 6] = [BLUE, ORANGE, GREEN, "#CC79A7", "#56B4E9", "#444444"];
 /// Least range of an axis of a magnitude. A platform that hardly moves fills little of it; other machines may be slow by their nature.

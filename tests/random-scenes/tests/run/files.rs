@@ -1,4 +1,4 @@
-//! The results of a run: its four files, its text and its exit status agree, and every number is one.
+//! The results of a run: its files, its text and its exit status agree, and every number is one.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -11,6 +11,8 @@ use super::Run;
 
 /// Files of a run, as `docs/formats.md` has them.
 const FILES: [&str; 4] = ["report.json", "scope.svg", "steps.vcd", "trace.csv"];
+/// File of runs of machines whose motors' torque is known.
+const RANGE: &str = "torque.svg";
 
 /// Places where `docs/formats.md` allows that a report has no number; `*` is any entry of a list.
 const MAY_BE_NULL: [&str; 8] = [
@@ -67,7 +69,14 @@ fn read(folder: &Path, name: &str) -> Result<String, String> {
 
 /// Checks the files of a run that was carried out, and what it printed.
 pub fn check(folder: &Path, run: &Run) -> Result<(), String> {
-    let left = names(folder);
+    let mut left = names(folder);
+    if left.remove(RANGE) {
+        let picture = read(folder, RANGE)?;
+        no_number(RANGE, &picture)?;
+        if !picture.trim_end().ends_with("</svg>") {
+            return Err(format!("{RANGE} does not end"));
+        }
+    }
     if !left.iter().eq(FILES.iter()) {
         return Err(format!("the files are {left:?}"));
     }

@@ -1,0 +1,180 @@
+//! A designed platform as a scene.
+//!
+//! The scene has what the design computes: crank radius, λ, load, number of motors, and the motor torque with the safety factor. What
+//! the design leaves open is assumed, and each such line is marked.
+
+use core::f64::consts::TAU;
+
+use super::steps::Design;
+use super::warning::Warning;
+use crate::design::STANDARD_GRAVITY_MPS2;
+use crate::design::scene::{NotRunnable, checked, comment, number};
+use crate::mechanism::Mechanism;
+
+/// Limit of speed over the design's frequency, and the greatest one that scenes take, rev/s.
+const MARGIN: f64 = 1.05;
+const FASTEST_HZ: f64 = 200.0;
+/// Limits of acceleration and jerk for one rev/s of the design's frequency: full speed in some two seconds.
+const ACCELERATION_PER_HZ: f64 = 0.6;
+const JERK_PER_HZ: f64 = 3.0;
+/// Least mount radius, and over the crank radius, m: cranks have to stand beside each other.
+const MOUNT_M: f64 = 0.2;
+const MOUNT_PER_CRANK: f64 = 4.0;
+/// Speed ripple that an assumed servo has under the design's torque, as a part of its speed; bandwidth of its velocity loop, rad/s;
+/// and its position gain, 1/s.
+const RIPPLE: f64 = 0.01;
+const BANDWIDTH_RAD_S: f64 = 400.0 * TAU;
+const POSITION_GAIN_PER_S: f64 = 100.0;
+
+impl Design {
+    /// The scene, as TOML text. Steppers are chosen where steppers can give speed and power, else servo drives that take STEP and
+    /// DIR.
+    ///
+    /// # Errors
+    /// What a scene cannot have of the design.
+    pub fn scene(&self) -> Result<String, NotRunnable> {
+        let text = [
+            self.heading(),
+            self.machine(),
+            self.limits(),
+            self.motors(),
+            self.program(),
+        ];
+        checked(text.concat())
+    }
+
+    /// Whether steppers are beyond their speed or power.
+    fn needs_servos(&self) -> bool {
+        let is_about_steppers = |warning: &Warning| {
+            matches!(
+                warning,
+                Warning::StepperSpeed { .. } | Warning::StepperPower { .. }
+            )
+        };
+        self.warnings().iter().any(is_about_steppers)
+    }
+
+    fn heading(&self) -> String {
+        let required = &self.requirement;
+        let command = format!(
+            "# cophase design --load-kg {} --amax-g {} --freq-hz {} --lambda {} --motors {} --safety {} --gravity {} --scene\n",
+            required.load_kg,
+            required.amax_g,
+            required.freq_hz,
+            required.lambda,
+            required.motors,
+            required.safety,
+            required.gravity_mps2,
+        );
+        let warnings = self.warnings();
+        let warnings: String = warnings
+            .iter()
+            .map(|warning| comment(&format!("! {warning}")))
+            .collect();
+        let fidelity = if self.needs_servos() {
+            "fidelity = \"phased\" # each crank its own rotor, moved by torque\n"
+        } else {
+            "fidelity = \"quasi-static\" # required against pull-out torque; other levels need rotor_inertia_kgm2 and damping_nms\n"
+        };
+        format!(
+            "{}{command}{}{warnings}name = \"design\"\ndescription = \"{} motors, {} kg, {} g at {} Hz\"\n{fidelity}",
+            comment("A vibration platform, made by"),
+            comment(
+                "Lines marked \"assumed\" are no part of the design: put your machine's values there."
+            ),
+            required.motors,
+            required.load_kg,
+            required.amax_g,
+            required.freq_hz,
+        )
+    }
+
+    fn machine(&self) -> String {
+        let required = &self.requirement;
+        let radius_m = self.mechanism.crank_radius_m();
+        // Rounded up, so that amax is reached at the frequency or just below it.
+        let radius_mm = (radius_m * 1e9).ceil() / 1e6;
+        let mount_m = MOUNT_M.max(MOUNT_PER_CRANK * radius_m);
+        let mount_mm = (mount_m * 1e2).ceil() * 1e1;
+        format!(
+            "\n[machine]\n\
+             crank_radius_mm = {radius_mm}  # amax / (ω² (1 + λ))\n\
+             lambda = {}\n\
+             load_kg = {}\n\
+             platform = \"below\"          # the sign of gravity in the design's torque\n\
+             gravity_mps2 = {}\n\
+             mount_radius_mm = {mount_mm}        # assumed\n",
+            required.lambda, required.load_kg, required.gravity_mps2,
+        )
+    }
+
+    fn speed_limit_hz(&self) -> f64 {
+        let freq_hz = self.requirement.freq_hz;
+        // Beyond what scenes take, the design's own frequency is what is refused.
+        (MARGIN * freq_hz).min(FASTEST_HZ.max(freq_hz))
+    }
+
+    fn limits(&self) -> String {
+        let freq_hz = self.requirement.freq_hz;
+        let limit_hz = self.speed_limit_hz();
+        let margin = 100.0 * (limit_hz / freq_hz - 1.0);
+        format!(
+            "\n[limits]\n\
+             speed_hz = {}              # {margin:.1} % above the design's frequency\n\
+             acceleration_hz_per_s = {}  # assumed\n\
+             jerk_hz_per_s2 = {}         # assumed\n",
+            number(limit_hz),
+            number(ACCELERATION_PER_HZ * freq_hz),
+            number(JERK_PER_HZ * freq_hz),
+        )
+    }
+
+    fn motors(&self) -> String {
+        let required = &self.requirement;
+        let torque = number(self.motor_torque_with_safety_nm());
+        let common = format!(
+            "\n[axes]\ncount = {}\nsteps_per_turn = 3200       # assumed\n",
+            required.motors
+        );
+        if self.needs_servos() {
+            let velocity_gain_nms = self.motor_torque_nm() / (RIPPLE * self.speed_rad_s());
+            let inertia = digits(velocity_gain_nms / BANDWIDTH_RAD_S);
+            let gain = digits(velocity_gain_nms);
+            format!(
+                "{common}drive = \"pulse-servo\"       # steppers end below this speed or power\n\
+                 rotor_inertia_kgm2 = {inertia}  # assumed\n\
+                 \n[axes.servo]\n\
+                 limit_nm = {torque}         # the design's torque with safety {}\n\
+                 position_gain_per_s = {POSITION_GAIN_PER_S}     # assumed\n\
+                 velocity_gain_nms = {gain}      # assumed\n",
+                required.safety
+            )
+        } else {
+            let limit_hz = number(self.speed_limit_hz());
+            format!(
+                "{common}drive = \"stepper\"\n\
+                 # [speed_hz, torque_nm]: the design's torque with safety {}; put your motor's curve there\n\
+                 pull_out = [[0, {torque}], [{limit_hz}, {torque}]]\n",
+                required.safety
+            )
+        }
+    }
+
+    fn program(&self) -> String {
+        let amax_g = self.requirement.amax_mps2() / STANDARD_GRAVITY_MPS2;
+        let segment = |amax_g: f64, hold_s: u32, note: &str| {
+            format!(
+                "\n[[program]]\namax_g = {}{note}\nramp_s = 3\nhold_s = {hold_s}\n",
+                number(amax_g)
+            )
+        };
+        let at = format!("  # at {} rev/s", self.requirement.freq_hz);
+        segment(0.25 * amax_g, 2, "  # at half the speed") + &segment(amax_g, 6, &at)
+    }
+}
+
+/// An assumed number with two digits.
+fn digits(value: f64) -> String {
+    let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
+    number(rounded)
+}

@@ -1,0 +1,60 @@
+//! A design as a scene: text that `cophase run` takes, checked as any scene is.
+
+use crate::scene::load::checked_from_text;
+
+/// Why a design is no scene that can be run.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("--scene: this design cannot be run: {problem}")]
+pub struct NotRunnable {
+    /// What the scene was refused for, with the key and what would be right.
+    pub problem: String,
+}
+
+/// Checks the text of a scene that a design was written as.
+///
+/// # Errors
+/// What a run of it is refused for, such as a speed that no scene takes.
+pub(super) fn checked(text: String) -> Result<String, NotRunnable> {
+    let text = aligned(&text);
+    match checked_from_text(&text, None) {
+        Ok(_) => Ok(text),
+        Err(error) => Err(NotRunnable {
+            problem: format!("{}: {}", error.key, error.problem),
+        }),
+    }
+}
+
+/// The same text with the comments behind values one under the other.
+fn aligned(text: &str) -> String {
+    const COLUMN: usize = 32;
+    let line = |line: &str| match line.split_once(" #") {
+        Some((value, comment)) if !value.is_empty() && !line.starts_with('#') => {
+            format!("{:COLUMN$} #{comment}\n", value.trim_end())
+        }
+        _ => format!("{line}\n"),
+    };
+    text.lines().map(line).collect()
+}
+
+/// A computed number with seven significant digits, as TOML takes it.
+pub(super) fn number(value: f64) -> String {
+    let rounded: f64 = format!("{value:.6e}").parse().unwrap_or(value);
+    format!("{rounded}")
+}
+
+/// Sentences as comment lines that fit a page.
+pub(super) fn comment(text: &str) -> String {
+    const WIDTH: usize = 100;
+    let mut lines = String::new();
+    let mut line = String::from("#");
+    for word in text.split_whitespace() {
+        if line.chars().count() + word.chars().count() + 1 > WIDTH {
+            lines += &line;
+            lines.push('\n');
+            line = String::from("#");
+        }
+        line.push(' ');
+        line += word;
+    }
+    lines + &line + "\n"
+}

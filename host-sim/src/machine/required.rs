@@ -1,0 +1,46 @@
+//! Required torque of each motor, on the quasi-static model level and for pictures of it.
+
+use super::Machine;
+
+impl Machine {
+    /// Share of the load's torque that a crank has, N·m, with the cranks at these angles, rad. Each would have to give its own torque
+    /// were all where it is; the share is the mean of that.
+    fn share_nm(
+        &self,
+        alphas: impl Iterator<Item = f64>,
+        omega_rad_s: f64,
+        acceleration_rad_s2: f64,
+    ) -> f64 {
+        let torques = alphas.map(|alpha| {
+            self.platform
+                .torque_nm(alpha, omega_rad_s, acceleration_rad_s2)
+        });
+        let count = self.axes.len();
+        torques.sum::<f64>() / (count * count) as f64
+    }
+
+    /// Torque that a motion of the master requires of motor `i` with the cranks at these angles, N·m, as the quasi-static model
+    /// level has it.
+    pub fn required_nm(
+        &self,
+        i: usize,
+        alphas: impl Iterator<Item = f64>,
+        omega_rad_s: f64,
+        acceleration_rad_s2: f64,
+    ) -> f64 {
+        let share_nm = self.share_nm(alphas, omega_rad_s, acceleration_rad_s2);
+        let hz = omega_rad_s / std::f64::consts::TAU;
+        self.axes[i].required_nm(share_nm, acceleration_rad_s2, hz)
+    }
+
+    /// Compares what this tick's motion needs with what each motor has.
+    pub(super) fn compare_torques(&mut self, omega: f64, acceleration: f64) {
+        let alphas = self.axes.iter();
+        let alphas = alphas.map(|axis| axis.turns() * std::f64::consts::TAU);
+        let share_nm = self.share_nm(alphas, omega, acceleration);
+        let hz = omega / std::f64::consts::TAU;
+        let cranks = self.axes.iter_mut();
+        let requested = cranks.map(|axis| axis.load(share_nm, acceleration, hz));
+        self.required_nm = Some(requested.collect());
+    }
+}

@@ -1,0 +1,299 @@
+//! Picture of an operating range: three panels over the speed of the cranks.
+
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::LinePlot;
+use kuva::plot::legend::{LegendEntry, LegendPosition, LegendShape};
+use kuva::render::annotations::{ReferenceLine, ShadedRegion, TextAnnotation};
+use kuva::render::layout::Layout;
+use kuva::render::plots::Plot;
+use kuva::render::render::Scene;
+
+use super::OperatingRange;
+use crate::design::STANDARD_GRAVITY_MPS2;
+use crate::ink::{INK, MUTED, VERMILION, text};
+use crate::trace::{BAND, FONT, GAP, Panel, TIME_AXIS, embed, plain, short};
+
+const WIDTH: f64 = 1200.0;
+const LEFT: f64 = 78.0;
+const TOP: f64 = 76.0;
+/// Speeds at which curves are computed.
+const SPEEDS: u32 = 160;
+/// Room beyond the limit of speed, and above the curves.
+const ROOM: f64 = 1.08;
+/// Colours of required and available torque, one pair for each kind of motor.
+const MOTORS: [(&str, &str); 3] = [
+    ("#0B2F5B", "#009E73"),
+    ("#0072B2", "#CC79A7"),
+    ("#56B4E9", "#444444"),
+];
+
+/// Colour of the torque that is required in a ramp.
+const RAMP: &str = "#A6D0EC";
+
+/// A panel that is being put together.
+struct Draft {
+    plots: Vec<Plot>,
+    legend: Vec<LegendEntry>,
+    lines: Vec<ReferenceLine>,
+    texts: Vec<TextAnnotation>,
+    /// Greatest value that is shown.
+    top: f64,
+}
+
+impl Draft {
+    fn new() -> Self {
+        Self {
+            plots: Vec::new(),
+            legend: Vec::new(),
+            lines: Vec::new(),
+            texts: Vec::new(),
+            top: 0.0,
+        }
+    }
+
+    fn curve(&mut self, points: Vec<(f64, f64)>, colour: &str, width: f64) {
+        let top = points.iter().map(|point| point.1).fold(0.0, f64::max);
+        self.top = self.top.max(top);
+        let line = LinePlot::new().with_data(points);
+        let line = line.with_color(colour).with_stroke_width(width);
+        self.plots.push(Plot::Line(line));
+    }
+
+    fn entry(&mut self, shape: LegendShape, colour: &str, label: String, is_dashed: bool) {
+        self.legend.push(LegendEntry {
+            label,
+            color: colour.to_owned(),
+            shape,
+            dasharray: is_dashed.then(|| "6 4".to_owned()),
+        });
+    }
+
+    /// A limit across, if it is near the curves; in the legend in any case.
+    fn limit(&mut self, value: f64, name: &str) {
+        let is_near = value <= 2.0 * self.top;
+        if is_near {
+            self.top = self.top.max(value);
+            let line = ReferenceLine::horizontal(value);
+            self.lines
+                .push(line.with_color(VERMILION).with_stroke_width(1.2));
+        }
+        let beyond = if is_near { "" } else { " (above)" };
+        self.entry(
+            LegendShape::Line,
+            VERMILION,
+            format!("{name}{beyond}"),
+            true,
+        );
+    }
+
+    /// The panel, with the bands and the limit of speed.
+    fn done(mut self, range: &OperatingRange, right_hz: f64, label: &'static str) -> Panel {
+        let limit = ReferenceLine::vertical(range.speed_limit_hz());
+        self.lines
+            .push(limit.with_color(VERMILION).with_stroke_width(1.2));
+        let top = (ROOM * self.top).max(1e-9);
+        let mut layout = Layout::new((0.0, right_hz), (0.0, top))
+            .with_x_axis_min(0.0)
+            .with_x_axis_max(right_hz)
+            .with_y_axis_min(0.0)
+            .with_y_axis_max(top)
+            .with_y_label(label)
+            .with_legend_entries(self.legend)
+            .with_legend_position(LegendPosition::OutsideRightTop)
+            .with_legend_box(false);
+        layout.reference_lines = self.lines;
+        layout.annotations = self.texts;
+        layout.shaded_regions = range
+            .bands_hz()
+            .map(|(from, to)| {
+                ShadedRegion::vertical(from, to.min(right_hz))
+                    .with_color(BAND)
+                    .with_opacity(0.22)
+            })
+            .collect();
+        Panel {
+            plots: self.plots,
+            layout,
+        }
+    }
+}
+
+impl OperatingRange {
+    /// The picture, as SVG text.
+    #[must_use]
+    pub fn render(&self) -> String {
+        let right_hz = ROOM * self.speed_limit_hz();
+        let mut panels = vec![
+            (self.torque(right_hz), 260.0),
+            (self.amplitude(right_hz), 190.0),
+        ];
+        if (0..self.axes()).any(|axis| self.takes_pulses(axis)) {
+            panels.push((self.steps(right_hz), 150.0));
+        }
+        let plots: f64 = panels.iter().map(|(_, height)| height + GAP).sum();
+        let mut scene = Scene::new(WIDTH, TOP + plots - GAP + TIME_AXIS);
+        scene.font_family = Some(FONT.to_owned());
+        let title = format!("{}: operating range", self.name);
+        text(&mut scene, (LEFT, 34.0), &title, 22, INK);
+        text(&mut scene, (LEFT, 58.0), &self.subtitle(), 13, MUTED);
+        let last = panels.len() - 1;
+        let mut top = TOP;
+        for (i, (panel, height)) in panels.into_iter().enumerate() {
+            let label = (i == last).then(|| "speed of the cranks, rev/s".to_owned());
+            embed(&mut scene, panel, i, top, height, label);
+            top += height + GAP;
+        }
+        SvgBackend::new().render_scene(&scene)
+    }
+
+    /// How much of their torque the program requires of the motors.
+    fn subtitle(&self) -> String {
+        let Some(load) = self.greatest_load() else {
+            return String::new();
+        };
+        if !load.ratio.is_finite() {
+            return format!(
+                "axis {} has no torque left at {} rev/s, and the program goes up to {} rev/s",
+                load.axis,
+                short(load.speed_hz),
+                short(self.top_hz)
+            );
+        }
+        let is_alike = self.load_kinds().len() == 1;
+        let motor = if is_alike {
+            "a motor".to_owned()
+        } else {
+            format!("the motor of axis {}", load.axis)
+        };
+        format!(
+            "Up to {} rev/s, the program's greatest speed, {motor} needs at most {:.0} % of its torque, at {} rev/s.",
+            short(self.top_hz),
+            100.0 * load.ratio,
+            short(load.speed_hz)
+        )
+    }
+
+    fn over_speed(&self, right_hz: f64, value: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+        let speeds = (0..=SPEEDS).map(|i| right_hz * f64::from(i) / f64::from(SPEEDS));
+        speeds.map(|hz| (hz, value(hz))).collect()
+    }
+
+    /// Torque of a motor: required at a steady speed and in the steepest ramp, and available.
+    fn torque(&self, right_hz: f64) -> Panel {
+        let mut draft = Draft::new();
+        let available = |axis, hz| self.available_nm(axis, hz);
+        let kinds = self.kinds(right_hz, available);
+        let known = kinds
+            .iter()
+            .filter(|axes| available(axes[0], 0.0).is_some());
+        for (axes, (_, colour)) in known.zip(MOTORS.into_iter().cycle()) {
+            let curve = |hz| available(axes[0], hz).unwrap_or(0.0);
+            draft.curve(self.over_speed(right_hz, curve), colour, 2.4);
+            let name = self.named("available", axes);
+            draft.entry(LegendShape::Line, colour, name, false);
+        }
+        let ramp = self.acceleration_limit_hz_per_s();
+        let kinds = self.kinds(right_hz, |axis, hz| self.required_nm(axis, hz, ramp));
+        for (axes, (colour, _)) in kinds.iter().zip(MOTORS.into_iter().cycle()) {
+            let curve = |hz| self.required_nm(axes[0], hz, ramp);
+            draft.curve(self.over_speed(right_hz, curve), RAMP, 1.6);
+            let curve = |hz| self.required_nm(axes[0], hz, 0.0);
+            draft.curve(self.over_speed(right_hz, curve), colour, 1.8);
+            let name = self.named("required", axes);
+            draft.entry(LegendShape::Line, colour, name, false);
+        }
+        let name = "in the steepest ramp".to_owned();
+        draft.entry(LegendShape::Line, RAMP, name, false);
+        draft.done(self, right_hz, "torque of a motor, N·m")
+    }
+
+    /// Name of a curve, with its axes where others have another one.
+    fn named(&self, name: &str, axes: &[usize]) -> String {
+        if axes.len() == self.axes() {
+            return name.to_owned();
+        }
+        let numbers: Vec<_> = axes.iter().map(usize::to_string).collect();
+        format!("{name}, {}", numbers.join(" "))
+    }
+
+    /// Amplitude at a steady speed, with the levels of the program.
+    fn amplitude(&self, right_hz: f64) -> Panel {
+        let mut draft = Draft::new();
+        let in_g = |mps2: f64| mps2 / STANDARD_GRAVITY_MPS2;
+        let curve = self.over_speed(right_hz, |hz| in_g(self.amax_mps2(hz)));
+        draft.curve(curve, "#0B2F5B", 1.8);
+        let mut labelled = f64::INFINITY;
+        for level in self.levels.iter().rev() {
+            let (hz, g) = (level.speed_hz, in_g(level.amax_mps2));
+            draft.curve(vec![(hz, 0.0), (hz, g)], MUTED, 1.0);
+            // Levels that are close together would have their texts over each other.
+            if labelled - hz > 0.045 * right_hz {
+                labelled = hz;
+                let mut label = TextAnnotation::new(format!("{} g", plain(g)), hz, g);
+                label.text_x -= 0.022 * right_hz;
+                label.font_size = 12;
+                draft.texts.push(label);
+            }
+        }
+        draft.entry(LegendShape::Line, "#0B2F5B", "amax".to_owned(), false);
+        draft.entry(
+            LegendShape::Line,
+            MUTED,
+            "level of the program".to_owned(),
+            false,
+        );
+        for (from, to) in self.bands_hz() {
+            let name = format!("avoid {}–{}", plain(from), plain(to));
+            draft.entry(LegendShape::Rect, "#F8E2B5", name, false);
+        }
+        let name = format!("limit {} rev/s", plain(self.speed_limit_hz()));
+        draft.entry(LegendShape::Line, VERMILION, name, true);
+        draft.done(self, right_hz, "amax, g")
+    }
+
+    /// Step rate, with the limits of planner and board.
+    fn steps(&self, right_hz: f64) -> Panel {
+        const KILO: f64 = 1e-3;
+        let mut draft = Draft::new();
+        let mut rates: Vec<(f64, Vec<usize>)> = Vec::new();
+        for axis in (0..self.axes()).filter(|&axis| self.takes_pulses(axis)) {
+            let steps = self.step_hz(axis, 1.0);
+            match rates.iter_mut().find(|(other, _)| *other == steps) {
+                Some((_, axes)) => axes.push(axis),
+                None => rates.push((steps, vec![axis])),
+            }
+        }
+        for ((steps, _), (colour, _)) in rates.iter().zip(MOTORS.into_iter().cycle()) {
+            draft.curve(
+                vec![(0.0, 0.0), (right_hz, KILO * steps * right_hz)],
+                colour,
+                1.8,
+            );
+            draft.entry(
+                LegendShape::Line,
+                colour,
+                format!("{steps} steps a turn"),
+                false,
+            );
+        }
+        let Some(planner_hz) = self.planner_step_hz() else {
+            return draft.done(self, right_hz, "steps, 1000/s");
+        };
+        let name = format!("planner {} k", short(KILO * planner_hz));
+        draft.limit(KILO * planner_hz, &name);
+        let greatest = rates.iter().map(|(steps, _)| *steps).fold(0.0, f64::max);
+        match self.board_speed_hz() {
+            Ok(speed_hz) => {
+                // The board makes what the planner plans, if it has the time.
+                let most_hz = speed_hz.map_or(planner_hz, |hz| planner_hz.min(hz * greatest));
+                let name = format!("RP2040 {} k", short(KILO * most_hz));
+                draft.limit(KILO * most_hz, &name);
+            }
+            Err(_) => {
+                let name = "not for the RP2040".to_owned();
+                draft.entry(LegendShape::Line, VERMILION, name, true);
+            }
+        }
+        draft.done(self, right_hz, "steps, 1000/s")
+    }
+}

@@ -1,0 +1,248 @@
+//! Operating range of a machine: torque, amplitude and step rate over the speed of its cranks, with their limits.
+//!
+//! *Required torque* is the peak over a turn of what the motion requires of a motor, as the quasi-static model level computes it.
+//! *Available torque* is the greatest torque of a motor at a speed. It is a stepper's pull-out torque, a servo's limit, or the
+//! breakdown torque of an induction motor.
+//!
+//! All numbers are those of the simulation; `drawing` makes a picture of them.
+
+mod drawing;
+
+use std::f64::consts::TAU;
+
+use cophase_core::pulse::PulseTiming;
+use cophase_core::settings::{DriveKind, Settings};
+use cophase_link::board::{self, Board, Rp2040, Unfit};
+
+use crate::dynamics::Motor;
+use crate::machine::{Machine, motor_of};
+use crate::mechanism::{AnyMechanism, Mechanism};
+use crate::scene::file::Fidelity;
+use crate::scene::{Checked, SceneError};
+use cophase_core::program::EntrySettings;
+
+/// Speed up to which the board's limit is searched, rev/s; a board without a limit below has none.
+const FASTEST_HZ: f64 = 1e4;
+
+/// Level of the program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Level {
+    /// Amplitude, m/s².
+    pub amax_mps2: f64,
+    /// Speed that it requires, rev/s.
+    pub speed_hz: f64,
+}
+
+/// Operating range of a platform on cranks.
+#[derive(Debug)]
+pub struct OperatingRange {
+    name: String,
+    machine: Machine,
+    mechanism: AnyMechanism,
+    offsets_turns: Vec<f64>,
+    /// None of an axis whose torque is not known.
+    motors: Vec<Option<Motor>>,
+    settings: Settings,
+    /// Greatest speed of the program, rev/s.
+    pub top_hz: f64,
+    /// Levels of the program, the lowest first, each once.
+    pub levels: Vec<Level>,
+}
+
+/// Greatest part of its torque that a motor has to give.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load {
+    /// Axis.
+    pub axis: usize,
+    /// Speed, rev/s.
+    pub speed_hz: f64,
+    /// Required over available torque.
+    pub ratio: f64,
+}
+
+impl OperatingRange {
+    /// Operating range of a scene's machine. None where it has no platform, where an axis does not make the master's own turns, or
+    /// where the torque of no motor is known.
+    ///
+    /// # Errors
+    /// Numbers that the machine cannot be made of.
+    pub fn of(checked: &Checked) -> Result<Option<Self>, SceneError> {
+        let settings = &checked.settings;
+        let is_direct = |ratio: Option<f64>| ratio == Some(1.0);
+        let axes = settings.axes.iter();
+        let motors: Vec<_> = (0..settings.axes.len())
+            .map(|i| motor_of(checked, i).filter(|motor| motor.most_nm(0.0).is_finite()))
+            .collect();
+        if !checked.has_platform()
+            || motors.iter().all(Option::is_none)
+            || !axes
+                .clone()
+                .all(|axis| is_direct(axis.follower.constant_ratio()))
+        {
+            return Ok(None);
+        }
+        Ok(Some(Self {
+            name: checked.scene.name.clone(),
+            machine: Machine::new(&checked.on(Fidelity::Kinematic)?)?,
+            mechanism: checked.mechanism,
+            offsets_turns: axes.map(|axis| axis.offset_turns).collect(),
+            motors,
+            levels: levels(checked),
+            top_hz: checked.top_speed_hz(),
+            settings: settings.clone(),
+        }))
+    }
+
+    /// Number of axes.
+    pub fn axes(&self) -> usize {
+        self.motors.len()
+    }
+
+    /// Limit of the master's speed, rev/s.
+    pub fn speed_limit_hz(&self) -> f64 {
+        self.settings.limits.speed_hz
+    }
+
+    /// Limit of the master's acceleration, rev/s².
+    pub fn acceleration_limit_hz_per_s(&self) -> f64 {
+        self.settings.limits.acceleration_hz_per_s
+    }
+
+    /// Bands of speed in which the master never dwells, rev/s.
+    pub fn bands_hz(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let bands = self.settings.limits.bands.iter();
+        bands.map(|band| (band.from_hz, band.to_hz))
+    }
+
+    /// Peak over a turn of the torque that is required of a motor, N·m, without sign, at a speed and an acceleration of the master.
+    pub fn required_nm(&self, axis: usize, speed_hz: f64, acceleration_hz_per_s: f64) -> f64 {
+        let (omega, acceleration) = (speed_hz * TAU, acceleration_hz_per_s * TAU);
+        let at = |alpha: f64| {
+            let alphas = self.offsets_turns.iter().map(|turns| alpha + turns * TAU);
+            let nm = self.machine.required_nm(axis, alphas, omega, acceleration);
+            nm.abs()
+        };
+        crate::mechanism::turn_search::largest_over_turn(at).value
+    }
+
+    /// Greatest torque of a motor at a speed, N·m; none where it is not known.
+    pub fn available_nm(&self, axis: usize, speed_hz: f64) -> Option<f64> {
+        let motor = self.motors[axis].as_ref()?;
+        Some(motor.most_nm(speed_hz * TAU))
+    }
+
+    /// Amplitude at a steady speed, m/s².
+    pub fn amax_mps2(&self, speed_hz: f64) -> f64 {
+        self.mechanism.amax_mps2(speed_hz * TAU)
+    }
+
+    /// Whether an axis is commanded by STEP and DIR.
+    pub fn takes_pulses(&self, axis: usize) -> bool {
+        self.settings.axes[axis].drive != DriveKind::Servo
+    }
+
+    /// Step rate of an axis at a speed, steps/s.
+    pub fn step_hz(&self, axis: usize, speed_hz: f64) -> f64 {
+        speed_hz * f64::from(self.settings.axes[axis].steps_per_turn)
+    }
+
+    /// Greatest step rate that the step planner makes with the pulse width of the settings, steps/s.
+    pub fn planner_step_hz(&self) -> Option<f64> {
+        let Settings {
+            pulse,
+            clock_hz,
+            tick_hz,
+            ..
+        } = &self.settings;
+        let timing = PulseTiming::new(pulse, *clock_hz, *tick_hz).ok()?;
+        Some(timing.most_step_hz(*tick_hz))
+    }
+
+    /// Greatest speed at which the [RP2040](Rp2040) makes the steps of all axes within a tick, rev/s; none where it has time at any.
+    ///
+    /// # Errors
+    /// Why the board cannot run this machine at all.
+    pub fn board_speed_hz(&self) -> Result<Option<f64>, Unfit> {
+        let mut settings = self.settings.clone();
+        settings.clock_hz = Rp2040::CLOCK_HZ;
+        let mut fits = |speed_hz: f64| {
+            settings.limits.speed_hz = speed_hz;
+            board::check::<Rp2040>(&settings)
+        };
+        fits(0.0)?;
+        if fits(FASTEST_HZ).is_ok() {
+            return Ok(None);
+        }
+        let (mut low, mut high) = (0.0, FASTEST_HZ);
+        // 1e4 rev/s halved so often is less than a turn in a day.
+        for _ in 0..32 {
+            let middle = f64::midpoint(low, high);
+            if fits(middle).is_ok() {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Ok(Some(low))
+    }
+
+    /// Axes with the same values of a curve at some speeds up to the one that is given; of each kind the first axis first.
+    fn kinds<T: PartialEq>(&self, top_hz: f64, curve: impl Fn(usize, f64) -> T) -> Vec<Vec<usize>> {
+        let key = |axis: usize| [0.0, 0.3, 0.6, 1.0].map(|part| curve(axis, part * top_hz));
+        let mut kinds: Vec<Vec<usize>> = Vec::new();
+        for axis in 0..self.axes() {
+            match kinds.iter_mut().find(|kind| key(kind[0]) == key(axis)) {
+                Some(kind) => kind.push(axis),
+                None => kinds.push(vec![axis]),
+            }
+        }
+        kinds
+    }
+
+    /// Axes that are loaded alike, of each kind the first axis first.
+    fn load_kinds(&self) -> Vec<Vec<usize>> {
+        let torques = |axis, hz| (self.required_nm(axis, hz, 0.0), self.available_nm(axis, hz));
+        self.kinds(self.top_hz, torques)
+    }
+
+    /// Motor that has to give the greatest part of its torque at a steady speed up to the program's greatest; none where the torque
+    /// of none is known.
+    pub fn greatest_load(&self) -> Option<Load> {
+        const SPEEDS: u32 = 64;
+        let kinds: Vec<usize> = self.load_kinds().iter().map(|axes| axes[0]).collect();
+        let speeds = (1..=SPEEDS).map(|i| self.top_hz * f64::from(i) / f64::from(SPEEDS));
+        let loads = speeds.flat_map(|speed_hz| {
+            kinds.iter().filter_map(move |&axis| {
+                let ratio =
+                    self.required_nm(axis, speed_hz, 0.0) / self.available_nm(axis, speed_hz)?;
+                Some(Load {
+                    axis,
+                    speed_hz,
+                    ratio,
+                })
+            })
+        });
+        loads.reduce(|most, load| if load.ratio > most.ratio { load } else { most })
+    }
+}
+
+/// Levels of a program, the lowest first, each once.
+fn levels(checked: &Checked) -> Vec<Level> {
+    let entries = checked.settings.program.iter();
+    let mut levels: Vec<f64> = entries
+        .filter_map(|entry| match entry {
+            EntrySettings::Segment(segment) => Some(segment.amax_mps2),
+            EntrySettings::Repeat { .. } => None,
+        })
+        .filter(|amax_mps2| *amax_mps2 > 0.0)
+        .collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    levels
+        .into_iter()
+        .map(|amax_mps2| Level {
+            amax_mps2,
+            speed_hz: checked.mechanism.speed_for_amax_rad_s(amax_mps2) / TAU,
+        })
+        .collect()
+}

@@ -1,0 +1,119 @@
+//! The operating range that pictures show, against runs, against the bounds that warnings are made of, and against what settings
+//! accept.
+
+use cophase_link::board::{self, Rp2040};
+use host_sim::fidelity::Bounds;
+use host_sim::operating_range::OperatingRange;
+use host_sim::scene::{Checked, library, load};
+use host_sim::sim::simulate;
+
+fn checked(text: &str) -> Checked {
+    Checked::new(load::parse(text).expect("well-formed")).expect("a scene")
+}
+
+fn range(checked: &Checked) -> OperatingRange {
+    let range = OperatingRange::of(checked).expect("a machine");
+    range.expect("whose torque is known")
+}
+
+/// Three steppers with a flat pull-out curve, that hold one level at the quasi-static model level.
+fn level(amax_g: f64, more: &str) -> Checked {
+    checked(&format!(
+        "name = \"level\"\nfidelity = \"quasi-static\"\n\
+         [machine]\ncrank_radius_mm = 12\nlambda = 0.3\nload_kg = 9\nplatform = \"below\"\n\
+         [limits]\nspeed_hz = 30\nacceleration_hz_per_s = 3\njerk_hz_per_s2 = 60\n\
+         [axes]\ncount = 3\ndrive = \"stepper\"\nsteps_per_turn = 3200\nfriction_nm = 0.4\nrotor_inertia_kgm2 = 1e-3\n\
+         pull_out = [[0, 200], [40, 200]]\n{more}\
+         [[program]]\namax_g = {amax_g}\nramp_s = 12\nhold_s = 2\n"
+    ))
+}
+
+/// If this fails, the picture's required torque is not that of the simulation: a run that holds a level has the same peak. A tick may
+/// be beside the peak of the turn, by 0.06 rad at 20 rev/s: 0.2 % of a second harmonic. Ramps of 3 rev/s² add up to 0.2 % at 10 rev/s.
+#[test]
+fn required_torque_is_the_peak_of_a_run_at_that_speed() {
+    for (amax_g, axis) in [(6.0, 0), (15.0, 1), (25.0, 2)] {
+        let checked = level(amax_g, "");
+        let range = range(&checked);
+        let outcome = simulate(&checked, &mut (), |_, _| {}).expect("it runs");
+        let (used, _) = outcome.statistics.torque_used[axis].expect("torques are compared");
+        let available_nm = range.available_nm(axis, range.top_hz).expect("a curve");
+        assert_eq!(available_nm, 200.0);
+        let peak_nm = used * available_nm;
+        let required_nm = range.required_nm(axis, range.top_hz, 0.0);
+        let off = peak_nm / required_nm - 1.0;
+        assert!(
+            (-0.005..0.005).contains(&off),
+            "{amax_g} g: {required_nm} N·m in the picture, {peak_nm} in the run"
+        );
+    }
+}
+
+/// If this fails, the picture and the warning that motors lack torque are made of different numbers. The bounds sample a turn at 64
+/// places, and so miss up to 1 % of a peak.
+#[test]
+fn the_greatest_load_is_that_of_the_warning() {
+    for name in ["default", "stiff-bearing", "patent-4", "crank-rocker"] {
+        let checked = Checked::new(library::find(name).expect("built in").scene()).unwrap();
+        let load = range(&checked).greatest_load().expect("a curve");
+        let (axis, ratio) = Bounds::new(&checked).unwrap().torque_ratio().unwrap();
+        assert_eq!(load.axis, axis, "{name}");
+        let off = load.ratio / ratio - 1.0;
+        assert!(off.abs() < 0.01, "{name}: {} and {ratio}", load.ratio);
+    }
+}
+
+/// If this fails, the picture shows a step rate as possible that settings refuse, or one as impossible that they accept.
+#[test]
+fn limits_of_the_step_rate_are_where_settings_are_refused() {
+    let range = range(&level(10.0, ""));
+    // Slow drifts of phase offsets, 1 degree a second on each of three axes, are within the limit, too.
+    let offset_hz = 3.0 / 360.0;
+    let most_hz = range.planner_step_hz().expect("a timing");
+    let steps = most_hz / (30.0 + offset_hz);
+    let accepts = |steps_per_turn: u32| {
+        let text = "fidelity = \"kinematic\"\nname = \"steps\"\n[machine]\ncrank_radius_mm = 12\nlambda = 0.3\nload_kg = 9\n\
+                    [limits]\nspeed_hz = 30\nacceleration_hz_per_s = 3\njerk_hz_per_s2 = 60\n[[program]]\namax_g = 2\nhold_s = 1\n";
+        let axes = format!(
+            "[axes]\ncount = 3\ndrive = \"pulse-servo\"\nsteps_per_turn = {steps_per_turn}\n"
+        );
+        Checked::new(load::parse(&format!("{text}{axes}")).unwrap()).is_ok()
+    };
+    assert!(
+        accepts(steps as u32) && !accepts(steps as u32 + 2),
+        "{steps}"
+    );
+
+    let board_hz = range.board_speed_hz().expect("steppers").expect("a limit");
+    let mut settings = level(10.0, "").settings;
+    for (part, fits) in [(0.999, true), (1.001, false)] {
+        settings.limits.speed_hz = part * board_hz;
+        assert_eq!(board::check::<Rp2040>(&settings).is_ok(), fits);
+    }
+}
+
+/// If this fails, a picture lacks a curve or a limit, or a machine that has none gets one.
+#[test]
+fn the_picture_names_what_it_shows() {
+    let of = |name: &str| Checked::new(library::find(name).expect("built in").scene()).unwrap();
+    let svg = range(&of("default")).render();
+    for label in [
+        "available",
+        "required",
+        "in the steepest ramp",
+        "avoid 25–29",
+        "limit 60 rev/s",
+        "120 g",
+        "planner 781 k (above)",
+        "RP2040 781 k (above)",
+    ] {
+        assert!(svg.contains(&format!(">{label}</text>")), "no {label}");
+    }
+    let weak = range(&of("stiff-bearing")).render();
+    for label in ["available", "required, 0 1", "required, 2"] {
+        assert!(weak.contains(&format!(">{label}</text>")), "no {label}");
+    }
+    for name in ["patent-1", "wrapper", "screen", "five-bar"] {
+        assert!(OperatingRange::of(&of(name)).unwrap().is_none(), "{name}");
+    }
+}
