@@ -34,7 +34,7 @@ pub(super) struct RunArgs {
     /// A scene file, or the name of a built-in scene
     #[arg(value_name = "SCENE", default_value = SCENES[0].name)]
     scene: String,
-    /// Folder for report.json, scope.svg and the files of the trace
+    /// Folder for report.json, scope.svg, torque.svg and the files of the trace
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
     /// The files of the trace, separated by commas: csv (trace.csv), vcd (steps.vcd), fst (steps.fst), mcap (trace.mcap)
