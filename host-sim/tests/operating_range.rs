@@ -50,7 +50,8 @@ fn required_torque_is_the_peak_of_a_run_at_that_speed() {
 }
 
 /// If this fails, the picture and the warning that motors lack torque are made of different numbers. The bounds sample a turn at 64
-/// places, and so miss up to 1 % of a peak.
+/// places, and so miss up to 1 % of a peak. They add friction to a load that drives the motor, too, as that of crank-rockers does: there
+/// the picture has less.
 #[test]
 fn the_greatest_load_is_that_of_the_warning() {
     for name in ["default", "stiff-bearing", "patent-4", "crank-rocker"] {
@@ -59,7 +60,8 @@ fn the_greatest_load_is_that_of_the_warning() {
         let (axis, ratio) = Bounds::new(&checked).unwrap().torque_ratio().unwrap();
         assert_eq!(load.axis, axis, "{name}");
         let off = load.ratio / ratio - 1.0;
-        assert!(off.abs() < 0.01, "{name}: {} and {ratio}", load.ratio);
+        let least = if name == "crank-rocker" { -0.1 } else { -0.01 };
+        assert!((least..0.01).contains(&off), "{name}: {load:?}, {ratio}");
     }
 }
 

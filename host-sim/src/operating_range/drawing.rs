@@ -188,7 +188,8 @@ impl OperatingRange {
             .filter(|axes| available(axes[0], 0.0).is_some());
         for (axes, (_, colour)) in known.zip(MOTORS.into_iter().cycle()) {
             let curve = |hz| available(axes[0], hz).unwrap_or(0.0);
-            draft.curve(self.over_speed(right_hz, curve), colour, 2.4);
+            let points = with_end(self.over_speed(right_hz, curve), curve);
+            draft.curve(points, colour, 2.4);
             let name = self.named("available", axes);
             draft.entry(LegendShape::Line, colour, name, false);
         }
@@ -296,4 +297,24 @@ impl OperatingRange {
         }
         draft.done(self, right_hz, "steps, 1000/s")
     }
+}
+
+/// The same curve with a vertical end, where it falls to zero between two points: beyond the last point of a pull-out curve.
+fn with_end(points: Vec<(f64, f64)>, value: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+    let falls = |pair: &[(f64, f64)]| pair[0].1 > 0.0 && pair[1].1 == 0.0;
+    let Some(before) = points.windows(2).position(falls) else {
+        return points;
+    };
+    let (mut low, mut high) = (points[before].0, points[before + 1].0);
+    for _ in 0..40 {
+        let middle = f64::midpoint(low, high);
+        if value(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let mut ended = points;
+    ended.splice(before + 1..=before, [(low, value(low)), (low, 0.0)]);
+    ended
 }
