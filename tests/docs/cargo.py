@@ -90,7 +90,9 @@ def check_test(words, kind):
             yield f'there is no {kind} {name} in {", ".join(chosen)}'
     if not names[f'--{kind}']:
         roots = [path for folder, _ in chosen.values() for path in (folder / 'src').rglob('*.rs')]
-        roots += [path for folder, _ in chosen.values() if '--lib' not in options for path in (folder / 'tests').rglob('*.rs')]
+        if '--lib' not in options:
+            roots += [path for folder, _ in chosen.values() for path in (folder / 'tests').rglob('*.rs')]
+            roots += [folder / test['path'] for folder, manifest in chosen.values() for test in manifest.get('test', []) if 'path' in test]
     files = {path for root in roots for path in sources(root)}
     for name in filters:
         # A filter is part of module::function; files are modules.

@@ -9,6 +9,7 @@ const SCENARIOS = ['firmware', 'parity', 'rate', 'cost', 'deadlines', 'index', '
 
 const HELP = `usage: tests/emulator/run [--write] [--no-figures] [SCENARIO ... | SCENE.toml ...]
        tests/emulator/run --profile SCENE [OPTION ...]
+       tests/emulator/run --build
 
 Builds the firmware, runs it in the emulator, and compares what it does with what it should.
 Scenarios: ${SCENARIOS.join(', ')}; all of them if none is named.
@@ -16,6 +17,7 @@ A scene of your own is run as it is, and every edge compared with what \`cophase
 takes about five.
 
   --write       keep the figures: docs/emulated.csv, the table in docs/firmware.md, and tests/emulator/image-size.toml
+  --build       builds what the bench runs, and runs nothing
   --profile     where the cycles of a tick go, by function; \`--profile --help\` has its options
   --no-figures  do not compare figures, and the firmware's size, with those that are kept: for another compiler than theirs
 

@@ -171,7 +171,7 @@ fn the_report_lists_what_was_put_in() {
     assert_eq!(injected[0]["axis"], 2);
     assert_eq!(injected[0]["at_s"], AT_S);
     let events = run.report["events"].as_array().unwrap();
-    let words = "put in: lost steps, axis 2, 3 cycles";
+    let words = "injected: lost steps, axis 2, 3 cycles";
     assert!(events.iter().any(|event| event["what"] == words));
     assert!(run.report["reported_faults"].is_array());
 }

@@ -65,7 +65,7 @@ pub fn describe(what: &EventKind) -> String {
             let plural = if deadlines == 1 { "" } else { "s" };
             format!("{deadlines} deadline{plural} missed: all axes stood still")
         }
-        EventKind::Injected(fault) => format!("put in: {}", injected_words(&fault)),
+        EventKind::Injected(fault) => format!("injected: {}", injected_words(&fault)),
         EventKind::Reported(fault) => format!("reported: {}", fault_words(&fault)),
         EventKind::Fault {
             fault,

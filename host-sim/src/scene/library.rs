@@ -29,9 +29,14 @@ macro_rules! scenes {
     };
 }
 
-/// All of them; the first is what `cophase run` runs when it is given none.
+/// Scene that `cophase run` runs when it is given none. It shows on one page what the controller is for: a fault, its detection and its
+/// correction.
+pub const FIRST: &str = "coupling-slip";
+
+/// All of them; the first is the one to start a scene of one's own from.
 pub const SCENES: &[BuiltIn] = scenes![
     "default",
+    "coupling-slip",
     "patent-1",
     "patent-2",
     "patent-3",

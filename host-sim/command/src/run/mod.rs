@@ -21,7 +21,7 @@ use super::{CommandError, Status, expected, scenes};
 use host_sim::fidelity::{self, Answers};
 use host_sim::operating_range::OperatingRange;
 use host_sim::report::{self, Report, Written};
-use host_sim::scene::library::SCENES;
+use host_sim::scene::library;
 use host_sim::scene::{Checked, SceneError};
 use host_sim::sim::{Outcome, expected_ticks, simulate};
 use host_sim::trace::{Every, Format, Recorder, RunFiles, ScopeData, SentRows, Window};
@@ -32,7 +32,7 @@ const TRACE: [Format; 2] = [Format::Csv, Format::Vcd];
 #[derive(Debug, clap::Args)]
 pub(super) struct RunArgs {
     /// A scene file, or the name of a built-in scene
-    #[arg(value_name = "SCENE", default_value = SCENES[0].name)]
+    #[arg(value_name = "SCENE", default_value = library::FIRST)]
     scene: String,
     /// Folder for report.json, scope.svg, torque.svg and the files of the trace
     #[arg(long, value_name = "DIR", default_value = "out")]
