@@ -64,6 +64,8 @@ fn judge_scene(name: &'static str, checked: Checked) {
         return;
     }
     let bounds = Bounds::new(&climbed.checked).expect("built-in scenes say enough");
+    // Bounds are of the machine that nothing disturbs; `auto` prints none for another.
+    let is_disturbed = !climbed.checked.scene.fault.is_empty();
     for (model_level, found) in &climbed.model_levels {
         for output in Output::ALL {
             let bound = bounds.with_steps(*model_level, output, climbed.checked.resolution);
@@ -76,7 +78,7 @@ fn judge_scene(name: &'static str, checked: Checked) {
                 found.of(output).unwrap_or(f64::NAN),
                 off.unwrap_or(f64::NAN),
             );
-            if let Some((off, bound)) = off.zip(bound) {
+            if let Some((off, bound)) = off.zip(bound).filter(|_| !is_disturbed) {
                 assert!(
                     off <= bound,
                     "{name}, {}, {}: {off} > {bound}",
@@ -129,6 +131,7 @@ macro_rules! judged {
 
 judged! {
     default_scene: "default",
+    coupling_slip: "coupling-slip",
     patent_1: "patent-1",
     patent_2: "patent-2",
     patent_3: "patent-3",

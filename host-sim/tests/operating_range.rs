@@ -119,3 +119,16 @@ fn the_picture_names_what_it_shows() {
         assert!(OperatingRange::of(&of(name)).unwrap().is_none(), "{name}");
     }
 }
+
+/// If this fails, a scene with a load that comes during the run has no picture, and `cophase run` refuses it.
+#[test]
+fn a_disturbed_scene_has_the_range_of_its_undisturbed_machine() {
+    let scene = library::find("pulse-servo").expect("it is built in").text;
+    let load = "[[fault]]\nat_s = 1.5\nkind = \"load-step\"\naxis = 1\ntorque_nm = 2\n";
+    let disturbed = range(&checked(&format!("{scene}{load}")));
+    let undisturbed = range(&checked(scene));
+    for speed_hz in [0.5, 2.0] {
+        let required = |range: &OperatingRange| range.required_nm(1, speed_hz, 0.0);
+        assert_eq!(required(&disturbed), required(&undisturbed));
+    }
+}

@@ -383,7 +383,7 @@ pub struct Status {
     pub program_ticks: u32,
     /// Phase error of each axis, degrees of crank angle.
     pub phase_error_deg: heapless::Vec<f32, { cophase_core::units::MAX_AXES }>,
-    /// Tilt about x and y, in degrees of crank angle.
+    /// Tilt along x and y, in degrees of crank angle.
     pub tilt_deg: [f32; 2],
     /// Fault that latched.
     pub fault: Option<FaultRecord>,

@@ -22,7 +22,7 @@ const DRAWINGS: [(&str, &str, &[&str]); 8] = [
             "the same of a reversed axis",
             "mount radius 200 mm",
             "tilt x &gt; 0: the side of axis 0 is high",
-            "tilt y &gt; 0: the side of y is high",
+            "tilt y &gt; 0: the +y side is high",
         ],
     ),
     (

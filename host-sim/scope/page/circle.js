@@ -104,7 +104,7 @@ export class Level {
     this.#bubble = make(svg, 'circle', { r: 12, class: 'bubble' });
   }
 
-  /** Shows the tilt about x and y, mrad. The bubble of a tilt beyond the limit is on the ring, and red. */
+  /** Shows the tilt along x and y, mrad. The bubble of a tilt beyond the limit is on the ring, and red. */
   draw(x, y) {
     const size = Math.hypot(x, y);
     const place = size > 0 ? Math.min((80 * size) / this.#limit, 80) / size : 0;

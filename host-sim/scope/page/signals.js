@@ -55,8 +55,8 @@ export function plots(axes) {
       least: 0.1,
       share: 2,
       signals: [
-        { column: 'tilt_x_mrad', name: 'about x', color: '--trace-x' },
-        { column: 'tilt_y_mrad', name: 'about y', color: '--trace-y' },
+        { column: 'tilt_x_mrad', name: 'along x', color: '--trace-x' },
+        { column: 'tilt_y_mrad', name: 'along y', color: '--trace-y' },
       ],
     },
   ];

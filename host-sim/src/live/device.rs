@@ -304,7 +304,9 @@ impl Device for SimulatedDevice {
         settings.controller().map_err(|error| rejected(&error))?;
         let axes = self.checked.settings.axes.len();
         if settings.axes.len() != axes {
-            let problem = format!("axes.count: the simulated machine has {axes} axes");
+            let problem = format!(
+                "axes.count: the simulated machine has {axes} axes; simulate a machine of these settings instead"
+            );
             return Err(rejected(&problem));
         }
         self.stored = Some(settings);

@@ -81,9 +81,13 @@ impl OperatingRange {
         {
             return Ok(None);
         }
+        // What disturbs a run is no part of what its motors are for, and some of it cannot be on this model level.
+        let mut undisturbed = checked.clone();
+        undisturbed.scene.fault.clear();
+        undisturbed.scene.noise.load_nm = 0.0;
         Ok(Some(Self {
             name: checked.scene.name.clone(),
-            machine: Machine::new(&checked.on(Fidelity::Kinematic)?)?,
+            machine: Machine::new(&undisturbed.on(Fidelity::Kinematic)?)?,
             mechanism: checked.mechanism,
             offsets_turns: axes.map(|axis| axis.offset_turns).collect(),
             motors,

@@ -177,7 +177,7 @@ fn write_page(
     let lagged = statistics
         .events
         .iter()
-        .filter(|e| matches!(e.what, EventKind::Lagged { .. }))
+        .filter(|e| matches!(e.what, EventKind::Lagged { .. }) && is_notable(&e.what))
         .count();
     if lagged > 0 {
         writeln!(
@@ -200,7 +200,10 @@ fn write_page(
             Fidelity::Kinematic | Fidelity::Rigid => " (in this model they cannot do otherwise)",
             _ => "",
         };
-        writeln!(page, "The {axes} stayed exactly in phase{by_model}.")?;
+        writeln!(
+            page,
+            "The {axes} stayed exactly in phase with each other{by_model}."
+        )?;
     } else if checked.cam.is_some() {
         writeln!(
             page,
@@ -248,11 +251,21 @@ fn write_page(
         .iter()
         .enumerate()
         .filter_map(|(axis, used)| Some((axis, (*used)?)));
+    let least = closest
+        .clone()
+        .map(|(_, (used, _))| used)
+        .fold(f64::INFINITY, f64::min);
     if let Some((axis, (used, hz))) = closest.max_by(|a, b| a.1.0.total_cmp(&b.1.0)) {
         if used.is_finite() {
+            // What differs less is printed alike.
+            let which = if least > 0.995 * used && scene.axes.count > 1 {
+                "all axes".to_owned()
+            } else {
+                format!("axis {axis}")
+            };
             writeln!(
                 page,
-                "Closest to pull-out: axis {axis}, loaded to {:.0} % of the torque that it has at {hz:.2} rev/s.",
+                "Closest to pull-out: {which}, loaded to {:.0} % of the torque that it has at {hz:.2} rev/s.",
                 used * 100.0
             )?;
         } else {

@@ -8,6 +8,7 @@ use crate::fidelity::Bounds;
 use crate::scene::Checked;
 use crate::scene::file::{CommandAt, CommandName, Drive, FaultAt, FaultName};
 use crate::sim::Outcome;
+use crate::sim::events::StoppedBy;
 
 /// Warnings, a sentence each.
 pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
@@ -17,6 +18,7 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     warnings.extend(lacking(checked));
     warnings.extend(beyond_pull_out(checked));
     warnings.extend(before_start(&scene.command));
+    warnings.extend(not_reached(checked, outcome));
     warnings.extend(statistics.machine_warnings.iter().cloned());
     if let Some(why) = &outcome.diverged {
         warnings.push(format!(
@@ -80,7 +82,37 @@ fn lacking(checked: &Checked) -> Option<String> {
     (ratio > 1.0 && ratio.is_finite()).then(|| {
         format!(
             "The motors lack torque: that of axis {axis} needs {ratio:.1} times what it has. Lower the program's speed or the load, \
-             or take stronger motors (axes.pull_out, axes.servo.limit_nm)."
+             or take stronger motors ({}).",
+            match checked.scene.drive(axis) {
+                Drive::Stepper => "axes.pull_out",
+                Drive::Servo | Drive::PulseServo => "axes.servo.limit_nm",
+                Drive::Induction => "axes.induction",
+            }
+        )
+    })
+}
+
+/// That a program which ran to its end asks for a speed that the shaft never reached. Inside a forbidden band it keeps the nearer edge, and
+/// events say so.
+fn not_reached(checked: &Checked, outcome: &Outcome) -> Option<String> {
+    const NOTABLE: f64 = 0.01;
+    let scene = &checked.scene;
+    let is_undisturbed =
+        scene.command.is_empty() && scene.input.is_empty() && scene.fault.is_empty();
+    if outcome.statistics.stopped_by != Some(StoppedBy::ProgramEnd) || !is_undisturbed {
+        return None;
+    }
+    let (asked_hz, reached_hz) = (checked.top_speed_hz(), outcome.statistics.top_speed_hz);
+    let in_band = scene
+        .limits
+        .band
+        .iter()
+        .any(|band| (band.from_hz..=band.to_hz).contains(&asked_hz));
+    (reached_hz < (1.0 - NOTABLE) * asked_hz && !in_band).then(|| {
+        format!(
+            "The program asks for up to {asked_hz:.2} rev/s, and the shaft reached {reached_hz:.2}: limits.acceleration_hz_per_s = {} and \
+             limits.jerk_hz_per_s2 = {} do not let it get there within that level. Give a longer ramp_s or hold_s, or higher limits.",
+            scene.limits.acceleration_hz_per_s, scene.limits.jerk_hz_per_s2
         )
     })
 }

@@ -115,15 +115,30 @@ fn injected_words(fault: &FaultAt) -> String {
     words.join(", ")
 }
 
+/// Name of a kind of fault, as report and log have it, with what it means where that is more than the name.
+fn named(kind: FaultKind) -> String {
+    let (name, words) = (kind.name(), kind.to_string());
+    if words == name.replace('-', " ") {
+        words
+    } else {
+        format!("{name} ({words})")
+    }
+}
+
 /// Describes a fault in words.
 pub fn fault_words(fault: &Fault) -> String {
-    let mut words = fault.kind.to_string();
+    let mut words = named(fault.kind);
     if let Some(axis) = fault.axis {
         words += &format!(", axis {axis}");
     }
     if fault.size != Turns::ZERO {
-        let comma = if fault.axis.is_some() { "" } else { "," };
-        words += &format!("{comma} off by {:.2}°", degrees(fault.size));
+        let size_deg = degrees(fault.size);
+        words += &match fault.kind {
+            FaultKind::IndexTimeout => format!(": its pulse is {:.2}° late", size_deg.abs()),
+            FaultKind::IndexExtra => format!(": a pulse {size_deg:.2}° from its place"),
+            _ if fault.axis.is_some() => format!(" off by {size_deg:.2}°"),
+            _ => format!(", off by {size_deg:.2}°"),
+        };
     }
     words
 }

@@ -22,9 +22,9 @@ pub struct Row {
     pub phase_turns: f64,
     /// One entry an axis.
     pub axes: Vec<AxisRow>,
-    /// The platform's tilt about x, milliradians.
+    /// The platform's tilt along x, milliradians: positive where the side of axis 0 is high.
     pub tilt_x_mrad: f64,
-    /// The platform's tilt about y, milliradians.
+    /// The platform's tilt along y, milliradians: positive where the side a quarter turn after axis 0 is high.
     pub tilt_y_mrad: f64,
     /// Largest deviation of a crank from the plane through all of them, degrees of crank angle.
     pub warp_deg: f64,

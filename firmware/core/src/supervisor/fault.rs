@@ -32,7 +32,7 @@ pub enum FaultKind {
     #[error("axis runs away")]
     Runaway = 6,
     /// No index pulse comes any more from an axis without another sensor: it is stuck, or its sensor is dead.
-    #[error("index timeout: axis stuck, or its index sensor dead")]
+    #[error("axis stuck, or its index sensor dead")]
     IndexTimeout = 7,
     /// An index pulse is missing, and the crank is at its commanded phase.
     #[error("index pulse missing")]

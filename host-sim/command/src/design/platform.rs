@@ -17,16 +17,16 @@ use crate::drawing::write_drawing;
 #[derive(Clone, Debug, clap::Args)]
 pub struct PlatformArgs {
     /// Load on the platform, kg: above 0, up to 50
-    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    #[arg(long, value_name = "M", allow_hyphen_values = true, value_parser = number)]
     pub load_kg: f64,
     /// Largest acceleration, in multiples of gravity: 10 to 200
-    #[arg(long, value_name = "A", allow_hyphen_values = true)]
+    #[arg(long, value_name = "A", allow_hyphen_values = true, value_parser = number)]
     pub amax_g: f64,
     /// Frequency of the platform, Hz: above 0, up to 200
-    #[arg(long, value_name = "F", allow_hyphen_values = true)]
+    #[arg(long, value_name = "F", allow_hyphen_values = true, value_parser = number)]
     pub freq_hz: f64,
-    /// Crank radius over rod length: 0.1 to 0.6
-    #[arg(long, value_name = "L", allow_hyphen_values = true)]
+    /// Crank radius over rod length: 0.1 to 0.6. Small is smoother and takes longer rods; 0.25 is usual
+    #[arg(long, value_name = "L", allow_hyphen_values = true, value_parser = number)]
     pub lambda: f64,
     /// Motors around the platform: 2 to 6
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = count)]
@@ -42,6 +42,12 @@ pub struct PlatformArgs {
     /// Draw required and available torque, amplitude and step rate over speed into this file, too
     #[arg(long, value_name = "FILE")]
     pub svg: Option<PathBuf>,
+}
+
+/// A number; whether it is in range is seen to with everything else.
+fn number(text: &str) -> Result<f64, &'static str> {
+    text.parse()
+        .map_err(|_| "give a number without a unit, with a point for fractions, such as 12.5")
 }
 
 /// A number of motors; whether it is in range is seen to with everything else.

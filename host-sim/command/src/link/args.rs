@@ -163,7 +163,7 @@ pub(super) struct RecordArgs {
     #[arg(long = "for", value_name = "S", value_parser = seconds)]
     pub(super) for_s: Option<f64>,
     /// Time that steps.vcd shows, in seconds since power-up, or `all` [default: the first 200 ms of motion]
-    #[arg(long, value_name = "FROM..TO", value_parser = window)]
+    #[arg(long, value_name = "FROM..TO", value_parser = window, allow_hyphen_values = true)]
     pub(super) window: Option<Window>,
     /// Arm the machine and run its program; a simulated controller always does
     #[arg(long)]

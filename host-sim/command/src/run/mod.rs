@@ -45,7 +45,7 @@ pub(super) struct RunArgs {
     every: Option<u64>,
     /// Time that steps.vcd and steps.fst show, in seconds, or `all` [default: the scene's window; else 200 ms around the first injected
     /// fault, around the first slip or latched fault, or from the start of motion]
-    #[arg(long, value_name = "FROM..TO", value_parser = window)]
+    #[arg(long, value_name = "FROM..TO", value_parser = window, allow_hyphen_values = true)]
     window: Option<Window>,
     /// Send each row as a JSON datagram to a live plot, such as PlotJuggler's at 127.0.0.1:9870; lost rows are counted
     #[arg(long, value_name = "HOST:PORT", value_parser = receiver)]
@@ -220,12 +220,19 @@ pub(super) fn refuse_folders<'a>(
     }
 }
 
+/// A time without the digits that are rounding, s.
+fn shortest(time_s: f64) -> f64 {
+    (time_s * 1e9).round() / 1e9
+}
+
 /// That a window that was requested shows nothing.
 fn outside(args: &RunArgs, checked: &Checked, outcome: &Outcome) -> String {
     let lasted_s = outcome.simulated_s();
     let wrong = |from_s: f64, to_s: f64| {
         format!(
-            "{from_s} to {to_s} s is outside the run, which lasted {lasted_s:.2} s; give a window inside it"
+            "{} to {} s is outside the run, which lasted {lasted_s:.2} s; give a window inside it",
+            shortest(from_s),
+            shortest(to_s)
         )
     };
     match (args.window, checked.scene.scope) {

@@ -79,7 +79,14 @@ pub(crate) fn scope(args: &ScopeArgs, out: &mut impl Write) -> Result<Status, Co
     let access = Arc::new(access);
     let mut bench = Bench::new(Connection::new(transport), args)
         .map_err(|error| CommandError::Input(error.to_string()))?;
-    writeln!(out, "{}", access.url())?;
+    // In one piece, as a program that reads the address may close the pipe behind it.
+    out.write_all(
+        format!(
+            "{}\nOpen this page in a browser; Ctrl-C ends it.\n",
+            access.url()
+        )
+        .as_bytes(),
+    )?;
     out.flush()?;
     let (jobs, taken) = channel();
     std::thread::spawn(move || http::serve(&listener, &access, &jobs));

@@ -100,7 +100,7 @@ impl Design {
             "\n[machine]\n\
              crank_radius_mm = {radius_mm}  # amax / (ω² (1 + λ))\n\
              lambda = {}\n\
-             load_kg = {}\n\
+             load_kg = {}  # add the mass of the platform\n\
              platform = \"below\"          # the sign of gravity in the design's torque\n\
              gravity_mps2 = {}\n\
              mount_radius_mm = {mount_mm}        # assumed\n",

@@ -1,4 +1,4 @@
-//! What to know before a motor is bought by these figures: where the source's formula is off, where its
+//! What to know before a motor is bought by these figures: where the patent's formula is off, where its
 //! print is wrong, and what no stepper does.
 
 use core::fmt;
@@ -56,7 +56,7 @@ pub enum Warning {
         /// Peak power of one motor, W, without safety factor.
         motor_w: f64,
     },
-    /// Gravity is the rounded one behind the source's printed figures.
+    /// Gravity is the rounded one behind the patent's printed figures.
     RoundedGravity {
         /// How much lower torques are with standard gravity, as a fraction.
         torque_drop: f64,
@@ -145,7 +145,7 @@ impl fmt::Display for Warning {
             }
             Self::GravitySense { below_nm, above_nm } => write!(
                 f,
-                "The source's F = m (g + a) holds for a platform hanging below its cranks; for one \
+                "The patent's F = m (g + a) holds for a platform hanging below its cranks; for one \
                  standing above them it is F = m (a - g), and the exact torque maximum is {} N·m \
                  instead of {} N·m, {} less.",
                 four(above_nm),
@@ -172,13 +172,14 @@ impl fmt::Display for Warning {
             Self::StepperPower { motor_w } => write!(
                 f,
                 "Each motor must give {} kW at its peak, before any safety factor; steppers end \
-                 below {} kW, so choose servo motors, more of them, or a lower frequency.",
+                 below {} kW, so choose servo motors, more of them, a smaller load or, as power falls with it, a \
+                 higher frequency.",
                 four(motor_w / 1000.0),
                 STEPPER_W / 1000.0
             ),
             Self::RoundedGravity { torque_drop } => write!(
                 f,
-                "Gravity is 10 m/s², as in the source's printed figures; with \
+                "Gravity is 10 m/s², as in the patent's printed figures; with \
                  {STANDARD_GRAVITY_MPS2} m/s² all torques are {} lower.",
                 percent(torque_drop)
             ),

@@ -138,7 +138,7 @@ impl Cranks<'_> {
             of: [0.0, 0.0],
             at: (low.0, high.1),
         });
-        let note = "cranks and links are drawn larger than the platform";
+        let note = "cranks and rods are drawn at a larger scale";
         drawing.label([0.0, 0.0], (0.0, 0.0), note, MUTED);
     }
 

@@ -158,6 +158,6 @@ fn notes(drawing: &mut Drawing, mount: &Mount, unit: Unit) {
     note(&format!("mount radius {}", mm(mount.radius_m)), Some(MUTED));
     note("tilt x > 0: the side of axis 0 is high", None);
     if mount.axes() > 2 {
-        note("tilt y > 0: the side of y is high", None);
+        note("tilt y > 0: the +y side is high", None);
     }
 }

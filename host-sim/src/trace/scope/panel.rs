@@ -185,7 +185,7 @@ pub fn phase_error(scope: &ScopeData, time: TimeAxis) -> Panel {
     draft.done()
 }
 
-/// Tilt about x and y in mrad, with its limit.
+/// Tilt along x and y in mrad, with its limit.
 pub fn tilt(scope: &ScopeData, time: TimeAxis) -> Panel {
     let x = scope.envelope.total(channel::TILT_X);
     let y = scope.envelope.total(channel::TILT_Y);
@@ -199,7 +199,7 @@ pub fn tilt(scope: &ScopeData, time: TimeAxis) -> Panel {
         draft.entry(
             LegendShape::Line,
             colour,
-            peak(&format!("about {name}"), total),
+            peak(&format!("along {name}"), total),
         );
     }
     draft.limit(limit);
