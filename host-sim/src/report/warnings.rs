@@ -102,15 +102,15 @@ fn not_reached(checked: &Checked, outcome: &Outcome) -> Option<String> {
     if outcome.statistics.stopped_by != Some(StoppedBy::ProgramEnd) || !is_undisturbed {
         return None;
     }
-    let (asked_hz, reached_hz) = (checked.top_speed_hz(), outcome.statistics.top_speed_hz);
+    let (requested_hz, reached_hz) = (checked.top_speed_hz(), outcome.statistics.top_speed_hz);
     let in_band = scene
         .limits
         .band
         .iter()
-        .any(|band| (band.from_hz..=band.to_hz).contains(&asked_hz));
-    (reached_hz < (1.0 - NOTABLE) * asked_hz && !in_band).then(|| {
+        .any(|band| (band.from_hz..=band.to_hz).contains(&requested_hz));
+    (reached_hz < (1.0 - NOTABLE) * requested_hz && !in_band).then(|| {
         format!(
-            "The program asks for up to {asked_hz:.2} rev/s, and the shaft reached {reached_hz:.2}: limits.acceleration_hz_per_s = {} and \
+            "The program asks for up to {requested_hz:.2} rev/s, and the shaft reached {reached_hz:.2}: limits.acceleration_hz_per_s = {} and \
              limits.jerk_hz_per_s2 = {} do not let it get there within that level. Give a longer ramp_s or hold_s, or higher limits.",
             scene.limits.acceleration_hz_per_s, scene.limits.jerk_hz_per_s2
         )

@@ -64,7 +64,9 @@ pub fn draw(size: Size, progress: Progress) -> Result<Drawn, ChartError> {
 fn climb(scene: &BuiltIn, yardstick: Yardstick) -> Result<Ladder, SceneError> {
     let checked = Checked::new(scene.scene())?;
     let questions = questions(&checked);
-    let bounds = Bounds::new(&checked).ok();
+    // Bounds are of the machine that nothing disturbs.
+    let is_disturbed = !checked.scene.fault.is_empty();
+    let bounds = Bounds::new(&checked).ok().filter(|_| !is_disturbed);
     let fidelities = available(&checked);
     let top = fidelities.last().copied().unwrap_or_default();
     let right = answers(&checked, top)?;
