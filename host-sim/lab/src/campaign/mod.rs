@@ -25,6 +25,7 @@ pub mod moved;
 pub mod names;
 pub mod picture;
 pub mod plan;
+pub mod response;
 pub mod row;
 pub mod shards;
 pub mod table;
