@@ -2,6 +2,7 @@
 
 use cophase_lab::campaign::geometry::Geometry;
 use cophase_lab::campaign::judge::{self, Verdict, judge};
+use cophase_lab::campaign::response::{Response, Twin};
 use cophase_lab::campaign::watch::{Observation, Watch};
 use cophase_tests::scene;
 use host_sim::scene::Checked;
@@ -25,7 +26,9 @@ fn watched_at(at_s: f64, text: &str, fault: &str) -> (Checked, Observation) {
     let checked = scene(&format!("{text}[[fault]]\nat_s = {at_s}\n{fault}"));
     let geometry = Geometry::new(&checked.scene);
     let count = judge::cranks_that_count(&checked.scene);
-    let mut watch = Watch::new(geometry.as_ref(), &checked, count);
+    let mut twin = Twin::default();
+    simulate(&scene(text), &mut twin, |_, _| {}).expect("a checked scene runs");
+    let mut watch = Watch::new(geometry.as_ref(), &checked, count, &twin);
     simulate(&checked, &mut watch, |_, _| {}).expect("a checked scene runs");
     let observation = watch.observation();
     (checked, observation)
@@ -104,6 +107,32 @@ fn who_is_left_running_is_known() {
         observation.left_running_turns <= step,
         "{}",
         observation.left_running_turns
+    );
+}
+
+/// If a stop were seen where none is, or where the twin stops too, a campaign would take anything for a detection. If it were seen late,
+/// a loop that is in time would seem late.
+#[test]
+fn the_outputs_show_a_stop_drives_that_go_off_and_nothing_else() {
+    let response = |fault: &str| {
+        let (_, observation) = watched(KINEMATIC, fault);
+        observation.stopped.map(|stopped| {
+            let tick = (stopped.place.t_s / TICK_S).round() as u64;
+            (stopped.response, tick - AT_TICK)
+        })
+    };
+    // The loop reads an input at the next tick, and plays its stop from the one after it. Drives go off at once.
+    assert_eq!(
+        response("kind = \"drive-alarm\"\naxis = 1\n"),
+        Some((Response::Stop, 2))
+    );
+    assert_eq!(
+        response("kind = \"enable-loss\"\n"),
+        Some((Response::Off, 1))
+    );
+    assert_eq!(
+        response("kind = \"index-missing\"\naxis = 1\ncount = 1\n"),
+        None
     );
 }
 

@@ -5,6 +5,8 @@
 //! stream is had at once. The uniform numbers become normal ones by Box and Muller's formula with the `libm` crate, as the
 //! standard library's logarithm is the host's.
 
+use std::cell::RefCell;
+
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 
@@ -30,12 +32,25 @@ const AXES: u64 = 16;
 /// Words of the generator that a draw takes.
 const WORDS: u128 = 4;
 
+/// Draws that one filling of the generator's buffer gives: four blocks of sixteen words. Sensors are read in order, so that all but one
+/// in sixteen draws find their words there.
+const DRAWS: usize = 16;
+
 /// The noise of one sensor on one axis.
 #[derive(Clone, Debug)]
 pub struct Stream {
     seed: [u8; 32],
     number: u64,
     deviation: f64,
+    window: RefCell<Window>,
+}
+
+/// Random numbers of [`DRAWS`] draws in a row, two each.
+#[derive(Clone, Debug)]
+struct Window {
+    /// Number of the first draw, over [`DRAWS`].
+    place: Option<u64>,
+    words: [[u64; 2]; DRAWS],
 }
 
 impl Stream {
@@ -50,20 +65,39 @@ impl Stream {
             seed: bytes,
             number: sensor as u64 * AXES + axis as u64,
             deviation,
+            window: RefCell::new(Window {
+                place: None,
+                words: [[0; 2]; DRAWS],
+            }),
         })
     }
 
     /// The draw of that number.
     pub fn draw(&self, number: i64) -> f64 {
-        let mut rng = ChaCha8Rng::from_seed(self.seed);
-        rng.set_stream(self.number);
-        rng.set_word_pos(WORDS * u128::from(number as u64));
+        let number = number as u64;
+        let place = number / DRAWS as u64;
+        let mut window = self.window.borrow_mut();
+        if window.place != Some(place) {
+            window.place = Some(place);
+            self.fill(place, &mut window.words);
+        }
+        let [radius, angle] = window.words[(number % DRAWS as u64) as usize];
         // From 2⁻⁵³ to 1, so that its logarithm is finite; and from 0 to 1.
-        let radius = ((rng.next_u64() >> 11) + 1) as f64 * UNIT;
-        let angle = (rng.next_u64() >> 11) as f64 * UNIT;
+        let radius = ((radius >> 11) + 1) as f64 * UNIT;
+        let angle = (angle >> 11) as f64 * UNIT;
         let normal =
             libm::sqrt(-2.0 * libm::log(radius)) * libm::cos(std::f64::consts::TAU * angle);
         self.deviation * normal
+    }
+
+    #[inline(never)]
+    fn fill(&self, place: u64, words: &mut [[u64; 2]; DRAWS]) {
+        let mut rng = ChaCha8Rng::from_seed(self.seed);
+        rng.set_stream(self.number);
+        rng.set_word_pos(WORDS * DRAWS as u128 * u128::from(place));
+        for words in words {
+            *words = [rng.next_u64(), rng.next_u64()];
+        }
     }
 
     /// What no draw goes beyond, either way: √(−2 ln 2⁻⁵³) is 8.57.
@@ -77,6 +111,26 @@ const UNIT: f64 = 1.0 / (1u64 << 53) as f64;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// If a draw depended on the draws before it, a sensor that is read more often would have other noise. The numbers are those of the
+    /// generator at the place of the draw.
+    #[test]
+    fn a_draw_is_the_same_in_any_order() {
+        let alone = |number: i64| {
+            let stream = Stream::new(7, Sensor::FlagEnd, 3, 1.0).unwrap();
+            stream.draw(number)
+        };
+        let stream = Stream::new(7, Sensor::FlagEnd, 3, 1.0).unwrap();
+        for number in [0, 1, 15, 16, 17, 3, -1, -16, -17, i64::MIN, i64::MAX, 40] {
+            assert_eq!(stream.draw(number), alone(number), "{number}");
+            let mut rng = ChaCha8Rng::from_seed(stream.seed);
+            rng.set_stream(stream.number);
+            rng.set_word_pos(WORDS * u128::from(number as u64));
+            let words = [rng.next_u64(), rng.next_u64()];
+            let at = (number as u64 % DRAWS as u64) as usize;
+            assert_eq!(stream.window.borrow().words[at], words, "{number}");
+        }
+    }
 
     /// Were it wrong, noise would be of another size than the scene says, or off centre. Of 20,000 draws the mean is within
     /// σ/√n, the deviation within σ/√2n: four of those each, which one seed in 10,000 does not keep.

@@ -31,11 +31,7 @@ use super::watch::Place;
 /// The most that the platform may tilt, mrad; `beyond_limit` is where the crank passed its limit, if it did.
 pub fn tilt_mrad(scene: &Scene, geometry: &Geometry, beyond_limit: Option<&Place>) -> f64 {
     let limit_mrad = scene.drift.tilt_limit_mrad;
-    let torque_turns = if scene.fidelity.moves_by_torque() {
-        lag_turns(scene)
-    } else {
-        0.0
-    };
+    let torque_turns = torque_turns(scene);
     let grows = match (scene.fault.first(), beyond_limit) {
         (Some(fault), Some(_)) if torque_turns > 0.0 && overloads(fault.kind) => {
             return geometry.any_tilt_mrad();
@@ -48,6 +44,15 @@ pub fn tilt_mrad(scene: &Scene, geometry: &Geometry, beyond_limit: Option<&Place
         return limit_mrad;
     }
     limit_mrad + geometry.worst_tilt_mrad(error)
+}
+
+/// How far cranks may be apart by their loads, turns: 0 where they are where their motors have them.
+pub(super) fn torque_turns(scene: &Scene) -> f64 {
+    if scene.fidelity.moves_by_torque() {
+        lag_turns(scene)
+    } else {
+        0.0
+    }
 }
 
 /// Whether a kind asks more of the other motors than they have, where torque moves cranks: then these lose their steps too.

@@ -1,10 +1,8 @@
-//! Holds a run against what the campaign claims.
+//! Compares a run with the claims of the campaign.
 //!
-//! A crank beyond a limit is *detected* when the machine is brought to where it does no harm, for a reason that has to do with that
-//! crank ([`detection`]). That something else was reported before, which the loop goes on from, is no detection: nobody need be there
-//! to read it. Nor is a stop for another crank's sake, as the next machine would not stop for that; unless torque dragged that one along.
+//! The truth comes from the simulated machine and the scene, and the reaction from the outputs of the controller: see the definitions in
+//! `docs/campaign.md`. Of what the controller reports, only names are judged.
 
-use cophase_core::supervisor::reaction::Reaction;
 use cophase_core::supervisor::{FaultKind, State};
 
 use host_sim::axes::{Axes, per_axis};
@@ -12,8 +10,10 @@ use host_sim::scene::file::{AxisOverrides, Drive, FaultAt, FaultName, Scene, Ser
 
 use super::bound;
 use super::geometry::Geometry;
+use super::hold;
 use super::names::{self, Circumstances};
-use super::watch::{FaultEvent, Observation, ReportedFault};
+use super::response::Responded;
+use super::watch::{Observation, ReportedFault};
 
 /// What a crank is from where commanded for rounding: a step either way. More than this, it was moved.
 const ROUNDING_STEPS: f64 = 2.0;
@@ -26,7 +26,7 @@ pub enum Verdict {
     Right,
     /// reported, and wrongly.
     Misnamed,
-    /// Not reported, though the kind is one that must be; or neither stopped for nor fixed, though a crank was beyond its limit.
+    /// Not reported, though the kind is one that must be; or neither stopped nor corrected, though a crank was beyond its limit.
     Missed,
     /// Nothing was reported, and nothing had to be: no crank was beyond its limit.
     Within,
@@ -35,7 +35,7 @@ pub enum Verdict {
     Moot,
     /// A clean run in which nothing was reported.
     Clean,
-    /// Something was reported before anything was wrong.
+    /// Something was reported, or the machine stopped, before anything was wrong.
     FalseTrip,
     /// The machine's equations came to an end.
     Diverged,
@@ -47,7 +47,7 @@ pub struct Judgement {
     /// Whether the report was right.
     pub verdict: Verdict,
     /// Whether it was detected within one turn and N + 5 ticks of a crank passing its limit; none where no crank did, or where the
-    /// machine stood before the turn was over, and not for another crank's sake.
+    /// run was over before the turn was.
     pub in_time: Option<bool>,
     /// Turns of the master from the crank passing its limit to N + 5 ticks before it was detected; below 0, it was before.
     pub turns: Option<f64>,
@@ -55,6 +55,8 @@ pub struct Judgement {
     pub detected_s: Option<f64>,
     /// Most that the platform may tilt, mrad.
     pub bound_mrad: f64,
+    /// Most by which it may tilt further after a stop while the drives hold, mrad; none if they never did.
+    pub hold_bound_mrad: Option<f64>,
     /// An axis was left running.
     pub left_running: bool,
 }
@@ -73,12 +75,12 @@ pub fn judge(
     let verdict = match scene.fault.first() {
         _ if diverged => Verdict::Diverged,
         None if slipped => Verdict::Moot,
-        _ if !observation.early.is_empty() => Verdict::FalseTrip,
+        _ if !observation.early.is_empty() || observation.stopped_early => Verdict::FalseTrip,
         None => Verdict::Clean,
         Some(fault) => verdict(scene, fault, observation),
     };
-    let fault = scene.fault.first();
-    let detected = fault.and_then(|fault| detection(scene, fault, observation));
+    let detected = detection(observation);
+    let hold_bound_mrad = observation.hold.rest_s.zip(geometry);
     let turns = detected.zip(observation.beyond_limit);
     Judgement {
         verdict,
@@ -86,52 +88,46 @@ pub fn judge(
         turns: turns.map(|(detected, beyond_limit)| detected.turns - beyond_limit.turns),
         detected_s: detected.map(|detected| detected.place.t_s),
         bound_mrad,
+        hold_bound_mrad: hold_bound_mrad
+            .map(|(rest_s, geometry)| hold::allowed_mrad(scene, geometry, rest_s)),
         left_running: observation.left_running_turns * steps > ROUNDING_STEPS,
     }
 }
 
-/// The report of a fault that counts as its detection: the first that made it stop, or disable the drives, on the axis that
-/// it befell, on one whose crank it moved as well, or on none. If cranks that had been beyond their limits were within them again by then,
-/// or at the end where nothing did, and never beyond them for longer than a turn, the first that had it trim that axis: what is trimmed
-/// away in time need not stop a machine, and what goes on beyond its limit must.
-pub fn detection<'a>(
-    scene: &Scene,
-    fault: &FaultAt,
-    observation: &'a Observation,
-) -> Option<&'a FaultEvent> {
-    let of_it = |fault_event: &&FaultEvent| {
-        fault_event.reported.axis.is_none()
-            || fault_event.is_moved
-            || is_of(scene, fault, &fault_event.reported)
-    };
-    let fault_events = || observation.fault_events.iter().filter(of_it);
-    let stop = fault_events().find(|fault_event| fault_event.done >= Reaction::Stop);
-    let is_back = match (stop, observation.beyond_limit) {
-        (Some(stop), Some(beyond_limit)) => {
-            !stop.is_beyond_limit && beyond_limit.moment < stop.place.moment
+/// Response that counts as the detection of the fault: the first in which the machine stops or its drives go off; or a correction before
+/// that, if it suffices.
+///
+/// It suffices if the cranks are never beyond their limits for longer than a turn at a stretch, and are within them at the end: of the run,
+/// or of the time before the stop.
+pub fn detection(observation: &Observation) -> Option<&Responded> {
+    let stopped = observation.stopped.as_ref();
+    let is_back = match (stopped, observation.beyond_limit) {
+        (Some(stopped), Some(beyond_limit)) => {
+            !stopped.is_beyond_limit && beyond_limit.moment < stopped.place.moment
         }
         (Some(_), None) => false,
         (None, _) => !observation.is_beyond_limit,
     };
-    // For longer than a turn nothing may be beyond its limit, corrected or not.
-    let corrected = scene.correction.gain > 0.0 && is_back && observation.stay_turns <= 1.0;
-    let counts = |fault_event: &&FaultEvent| {
-        fault_event.done >= Reaction::Stop || corrected && fault_event.done == Reaction::Correct
-    };
-    fault_events().find(counts)
+    let suffices = is_back && observation.stay_turns <= 1.0;
+    let corrected = observation.corrected.as_ref().filter(|_| suffices);
+    match (corrected, stopped) {
+        (Some(corrected), Some(stopped)) if stopped.place.moment <= corrected.place.moment => {
+            Some(stopped)
+        }
+        (corrected, stopped) => corrected.or(stopped),
+    }
 }
 
 /// See [`Judgement::in_time`].
-fn in_time(detected: Option<&FaultEvent>, observation: &Observation) -> Option<bool> {
+fn in_time(detected: Option<&Responded>, observation: &Observation) -> Option<bool> {
     let beyond_limit = observation.beyond_limit?;
     match detected {
         Some(detected) => Some(detected.turns - beyond_limit.turns <= 1.0),
-        None if observation.fault.is_some() => Some(false),
         None => (observation.end?.turns - beyond_limit.turns > 1.0).then_some(false),
     }
 }
 
-/// Whether what was reported is of an axis that it may be of.
+/// Returns whether a report names an axis that may be right.
 fn is_of(scene: &Scene, fault: &FaultAt, reported: &ReportedFault) -> bool {
     let axes = [fault.axis, fault.with];
     // Two cranks that seem far out, each its own way, make the third look so as well.
@@ -159,8 +155,12 @@ fn verdict(scene: &Scene, fault: &FaultAt, observation: &Observation) -> Verdict
         let had_time = end.turns - injected.turns > names::turns_to_report(fault);
         // An extra pulse before the first is the first, if nothing shows otherwise; what it would have moved is looked at again.
         let may_be_first = fault.kind == FaultName::IndexExtra && injected.state == State::Homing;
-        let is_in_place = observation.extra.is_some_and(|extra| extra.is_in_place);
-        let must = names::must_be_reported(fault.kind) && !may_be_first && !is_in_place;
+        let is_harmless = observation.extra.is_some_and(|extra| extra.is_harmless);
+        let must = names::must_be_reported(fault.kind) && !may_be_first && !is_harmless;
+        if observation.stopped.is_some() {
+            // A stop without a name.
+            return Verdict::Misnamed;
+        }
         return match (
             observation.beyond_limit.map(|_| in_time(None, observation)),
             must,
@@ -172,8 +172,8 @@ fn verdict(scene: &Scene, fault: &FaultAt, observation: &Observation) -> Verdict
             (None, false) => Verdict::Within,
         };
     }
-    let too_late = in_time(detection(scene, fault, observation), observation) == Some(false);
-    if too_late && observation.fault.is_none() {
+    let too_late = in_time(detection(observation), observation) == Some(false);
+    if too_late && observation.stopped.is_none() {
         return Verdict::Missed;
     }
     let accepted = names::accepted(

@@ -1,16 +1,8 @@
 //! A campaign: thousands of machines that are drawn, each with one thing that goes wrong, and each once more with nothing wrong.
 //!
-//! The *claim* that it tests, run by run:
-//! 1. every fault that moves a crank beyond a limit (tilt or warp, as the true cranks have it) is detected within one turn of the
-//!    master and N + 5 ticks, with N axes: the loop has found something of the axis that it befell, or of one that it moved ([`moved`]), or
-//!    something that is of no axis, and stops or disables the machine for it, or has trimmed the crank back
-//!    ([`judge::detection`]), and this is played by then;
-//! 2. what is reported is the right name, by one table ([`names`]), and of the right axis: in 99 of 100 at least;
-//! 3. the platform never tilts further than the limit and what the kind can add, until all cranks stand or the drives are off
-//!    ([`bound`]);
-//! 4. no axis is left running: once the controller has stopped one, no other is commanded to move, nor moved by its drive, for more
-//!    than two ticks;
-//! 5. with noise alone, nothing is reported.
+//! The claims that it tests are in `docs/campaign.md`, with the definitions of the *judge*: what is true of the cranks ([`truth`],
+//! [`geometry`]), what the outputs of the controller do about a fault ([`response`]), which names are right ([`names`]), how far the
+//! platform may tilt ([`bound`], [`hold`]), and the verdict ([`judge`]). None of it uses a gate, a threshold or a table of the monitor.
 //!
 //! A *case* is what is drawn for a number ([`plan`]); its *faulty* run and its *clean* run are a row each ([`row`]). Rows depend on
 //! seed and number alone, so that any range of them, on any number of threads, has the same ([`shards`]). What all of them come to
@@ -19,9 +11,9 @@
 pub mod bound;
 pub mod flag;
 pub mod geometry;
+pub mod hold;
 pub mod interval;
 pub mod judge;
-pub mod moved;
 pub mod names;
 pub mod picture;
 pub mod plan;
@@ -30,6 +22,7 @@ pub mod row;
 pub mod shards;
 pub mod table;
 pub mod tally;
+pub mod truth;
 pub mod watch;
 
 use std::ops::Range;
@@ -40,6 +33,7 @@ use geometry::Geometry;
 use host_sim::scene::{Checked, SceneError};
 use host_sim::sim::simulate;
 use plan::{Case, Plan};
+use response::Twin;
 use row::Row;
 use watch::Watch;
 
@@ -49,17 +43,43 @@ pub const fn detection_ticks(axes: usize) -> usize {
     axes + 5
 }
 
-/// Runs one of the two runs of a case.
+/// Runs one of the two runs of a case. The faulty run needs its twin, so that the clean run comes first in either case.
 ///
 /// # Errors
 /// A scene that cannot be run.
 pub fn run(case: &Case, clean: bool) -> Result<Row, SceneError> {
+    let [faulty_row, clean_row] = run_both(case)?;
+    Ok(if clean { clean_row } else { faulty_row })
+}
+
+/// Runs the faulty and the clean run of a case.
+///
+/// # Errors
+/// A scene that cannot be run.
+pub fn run_both(case: &Case) -> Result<[Row; 2], SceneError> {
+    let (clean_row, twin) = run_one(case, true, &Twin::default(), Some(Twin::default()))?;
+    let (faulty_row, _) = run_one(case, false, &twin.unwrap_or_default(), None)?;
+    Ok([faulty_row, clean_row])
+}
+
+/// Runs one of the runs of a case, and returns `record` with its outputs.
+fn run_one(
+    case: &Case,
+    clean: bool,
+    twin: &Twin,
+    record: Option<Twin>,
+) -> Result<(Row, Option<Twin>), SceneError> {
     let checked = Checked::new(case.scene_of(clean))
         .map_err(|error| error.in_file(&format!("case {}", case.number)))?;
     let scene = &checked.scene;
     let geometry = Geometry::new(scene);
-    let mut watch = Watch::new(geometry.as_ref(), &checked, judge::cranks_that_count(scene));
-    let outcome = simulate(&checked, &mut watch, |_, _| {})?;
+    let cranks_count = judge::cranks_that_count(scene);
+    let mut observers = (
+        Watch::new(geometry.as_ref(), &checked, cranks_count, twin),
+        record,
+    );
+    let outcome = simulate(&checked, &mut observers, |_, _| {})?;
+    let (watch, record) = observers;
     let observation = watch.observation();
     let diverged = outcome.diverged.is_some();
     let slipped = outcome
@@ -68,7 +88,8 @@ pub fn run(case: &Case, clean: bool) -> Result<Row, SceneError> {
         .iter()
         .any(|&cycles| cycles != 0);
     let judgement = judge::judge(scene, geometry.as_ref(), &observation, (diverged, slipped));
-    Ok(Row::new(case, clean, &observation, &judgement, &outcome))
+    let row = Row::new(case, clean, &observation, &judgement, &outcome);
+    Ok((row, record))
 }
 
 /// Runs cases, both runs of each, on all threads that rayon has; rows in the order of their numbers. `done` is called after
@@ -85,7 +106,7 @@ pub fn run_all(
         .into_par_iter()
         .map(|number| {
             let case = plan.case(number);
-            let rows = [run(&case, false)?, run(&case, true)?];
+            let rows = run_both(&case)?;
             done();
             Ok(rows)
         })

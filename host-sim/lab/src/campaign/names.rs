@@ -1,7 +1,11 @@
-//! Names that count as right: one table, from the fault that was injected to what may be reported of it.
+//! Names that count as right: one table, from the injected fault to what may be reported of it.
 //!
-//! An index sensor is detected once a turn, and an encoder all the time; so what can be reported of a crank depends on which of them it
-//! has. What the sensors cannot distinguish need not be distinguished.
+//! A name is right if the sensors of the axis cannot distinguish its cause from the injected one. Three facts about the sensors decide, and
+//! nothing that the controller does:
+//! 1. An *index sensor* shows one angle, once a turn, and nothing between. A crank that stands, and a dead sensor, both give no pulse. Pulses
+//!    that come early show that the crank gains, and not by which cause. A crank that turns back passes its flag once a turn as well.
+//! 2. *Positions* do not show forces. A stepper that was held follows again at whole electrical cycles, where lost steps would have put it.
+//! 3. *Before homing has found a crank* it has no known place: one that moves looks like one that stood there at power-up.
 
 use cophase_core::supervisor::FaultKind;
 
@@ -33,17 +37,17 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
     use FaultKind as Kind;
     let mut names = match fault.kind {
         FaultName::LostSteps => vec![Kind::LostSteps],
-        // Seen once a turn, a crank that gains on its command slips ahead, or runs away.
+        // Fact 1: early pulses show that a crank gains, and not by which cause.
         FaultName::Slip
             if !at.has_encoder && fault.rate_deg_per_s.is_some_and(|rate| rate < 0.0) =>
         {
             vec![Kind::Slip, Kind::Runaway]
         }
         FaultName::Slip => vec![Kind::Slip],
-        // Without an encoder, a crank that stands and a sensor that is dead are the same.
+        // Fact 1: without an encoder, a crank that stands and a dead sensor give the same line.
         FaultName::Stuck if !at.has_encoder => match fault.for_s {
             None => vec![Kind::IndexTimeout],
-            // It goes on before its pulse is overdue, and is behind: a stepper by whole cycles.
+            // Fact 2: where it follows again before its next pulse, the pulse shows a crank that is behind, a stepper's by whole cycles.
             Some(_) => vec![Kind::IndexTimeout, Kind::LostSteps, Kind::Slip],
         },
         FaultName::Stuck => match fault.for_s {
@@ -53,13 +57,13 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         FaultName::Runaway if at.has_encoder => match fault.for_s {
             _ if fault.speed_hz.is_none_or(|speed_hz| speed_hz > 0.0) => vec![Kind::Runaway],
             None => vec![Kind::Reversed],
-            // It goes on before it has gone back far enough, and is behind: a stepper by whole cycles.
+            // Fact 2: once it follows again it is behind. How far it went back before may be less than an error of a reading.
             Some(_) if at.is_stepper => vec![Kind::Reversed, Kind::Stuck, Kind::LostSteps],
             Some(_) => vec![Kind::Reversed, Kind::Stuck],
         },
-        // Seen once a turn, a crank that gains on its command walks ahead of it.
+        // Fact 1 again.
         FaultName::Runaway => vec![Kind::Runaway, Kind::Slip],
-        // Where nothing else watches, a pulse that is overdue stops the machine, mostly before the next could show it.
+        // Fact 1: no pulse is no pulse, whether the sensor is dead or the crank stands; until the next comes, if it does.
         FaultName::IndexMissing if at.has_encoder && !at.in_homing => vec![Kind::IndexMissing],
         FaultName::IndexMissing => match fault.count {
             None if !at.in_homing => vec![Kind::IndexTimeout],
@@ -71,8 +75,8 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
             if at.opposed && at.has_encoder {
                 names.push(Kind::Reversed);
             }
-            // Before anything is moved, each of the two is detected where the other's flag is; or both turn back, as they are mounted
-            // the other way round from each other, and pass their flags elsewhere.
+            // Fact 3: each of the two shows the other's flag, at another place; or both turn back, as they are mounted the other way round
+            // from each other, and meet the other end of their flags.
             if at.flags_apart || at.opposed && !at.has_encoder {
                 names.push(Kind::HomingRangeExceeded);
             }
@@ -85,7 +89,7 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         FaultName::StepFifoUnderrun => vec![Kind::StepFifoUnderrun],
         FaultName::EnableLoss => vec![Kind::EnableLost],
         FaultName::StopInput => vec![Kind::StopInput],
-        // Nothing is wrong with a motor that has torque enough; with one that has not, it loses steps, or lags.
+        // A motor with enough torque carries the load. One without loses steps or lags, and the positions show only that.
         FaultName::LoadStep => vec![
             Kind::LostSteps,
             Kind::Slip,
@@ -99,15 +103,15 @@ pub fn accepted(fault: &FaultAt, at: Circumstances) -> Vec<FaultKind> {
         fault.kind,
         FaultName::LostSteps | FaultName::Slip | FaultName::Stuck | FaultName::Runaway
     );
-    // Its drive detects before the loop that it does not follow.
+    // The drive has a sensor of its own, and its alarm line is all that the loop gets of it.
     if at.watches_following_error && matches!(fault.kind, FaultName::Stuck | FaultName::LoadStep) {
         names.push(Kind::DriveAlarm);
     }
-    // Its pulse is overdue, and where it would have come nobody sees any more.
+    // Fact 1: the crank stands before its next pulse, which would have shown where it is.
     if moves_crank && !at.has_encoder && at.stood_first {
         names.push(Kind::IndexTimeout);
     }
-    // The first pulse that is detected is where a crank is found.
+    // Fact 3.
     if at.in_homing && (moves_crank || fault.kind == FaultName::IndexExtra) {
         names.push(Kind::HomingRangeExceeded);
     }

@@ -4,6 +4,10 @@
 //! its [`Twin`], tick by tick. The two differ in the fault alone. So what one run does and the other does not is because of the fault,
 //! and no threshold separates a reaction from chance.
 
+use cophase_core::supervisor::State;
+use host_sim::axes::Axes;
+use host_sim::sim::{Moment, Observer};
+
 use super::watch::Place;
 
 /// Reaction that the outputs show.
@@ -12,10 +16,10 @@ pub enum Response {
     /// The enable line of the drives goes off, and that of the twin does not.
     Off,
     /// The commanded acceleration falls, and from then on the commanded speed does not recover until it is zero. Where the twin moved
-    /// alike until a later tick, the stop begins in that tick. The stop at the end of the program is none.
+    /// alike until a later tick, the stop begins in that tick; or with the report of it, if that is earlier, as a stop may coincide with
+    /// the end of a ramp. The stop at the end of the program is none.
     Stop,
-    /// The commanded phase of the faulted axis, relative to the master and to the twin, moves by more than two steps against the true
-    /// error of the crank.
+    /// The commanded phases, relative to the master and to the twin, move by more than two steps against the true errors of the cranks.
     Correction,
 }
 
@@ -33,19 +37,424 @@ pub struct Responded {
 }
 
 /// Outputs of one tick, as the judge compares them.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outputs {
     /// Commanded speed of the master, in units of 2⁻⁴⁸ turns a tick.
     pub speed: i64,
     /// Enable line of the drives.
     pub drives_enabled: bool,
-    /// Commanded phase of the axis that the fault befalls, less the master's, turns.
-    pub offset_turns: f64,
+    /// The reported state is a stop.
+    pub stopping: bool,
+    /// Commanded phases less the master's, turns.
+    pub offset_turns: Axes<f64>,
 }
 
 /// Outputs of a case's clean run, tick by tick since power-up.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Twin {
-    /// Outputs of each tick.
-    pub ticks: Vec<Outputs>,
+    ticks: Vec<Outputs>,
+}
+
+impl Outputs {
+    /// Outputs of a tick.
+    pub fn new(moment: &Moment<'_>) -> Self {
+        let offsets = moment.command_turns.iter();
+        Self {
+            speed: moment.telemetry.motion.speed.to_bits(),
+            drives_enabled: moment.drives_enabled,
+            stopping: moment.telemetry.state == State::Stop,
+            offset_turns: offsets.map(|turns| turns - moment.master_turns).collect(),
+        }
+    }
+}
+
+impl Twin {
+    /// Outputs in a tick since power-up; after the end of the run, those of its last tick.
+    fn at(&self, tick: usize) -> Option<&Outputs> {
+        self.ticks.get(tick).or(self.ticks.last())
+    }
+}
+
+/// Number of a tick since power-up.
+fn tick_of(moment: &Moment<'_>) -> usize {
+    (moment.start_ns / (moment.end_ns - moment.start_ns)) as usize
+}
+
+impl Observer for Twin {
+    fn tick(&mut self, moment: &Moment<'_>) {
+        let outputs = Outputs::new(moment);
+        // A tick that was missed holds what was played before it.
+        let before = self.ticks.last().cloned().unwrap_or_default();
+        self.ticks.resize(tick_of(moment), before);
+        self.ticks.push(outputs);
+    }
+}
+
+/// Start of a motion that may turn out to be a response.
+#[derive(Clone, Copy, Debug)]
+struct Start {
+    responded: Responded,
+    /// The first tick since then in which a stop was reported, and none of the twin.
+    reported: Option<Responded>,
+    program_done: bool,
+    /// The commanded speed has begun to fall.
+    falls: bool,
+}
+
+/// Circumstances of a tick since the fault.
+#[derive(Clone, Copy, Debug)]
+pub struct Now<'a> {
+    /// Beginning of the tick.
+    pub place: Place,
+    /// Turns of the master N + 5 ticks before it.
+    pub turns: f64,
+    /// Cranks were beyond a limit at its beginning.
+    pub is_beyond_limit: bool,
+    /// The program was over.
+    pub program_done: bool,
+    /// True errors of the cranks, turns.
+    pub errors: &'a [f64],
+}
+
+impl Now<'_> {
+    const fn responds(&self, response: Response) -> Responded {
+        Responded {
+            response,
+            place: self.place,
+            turns: self.turns,
+            is_beyond_limit: self.is_beyond_limit,
+        }
+    }
+}
+
+/// Observer of the outputs since the fault. It keeps the first response of each kind.
+#[derive(Clone, Debug)]
+pub struct Responses<'a> {
+    twin: &'a Twin,
+    /// Offset that counts as a correction, turns.
+    least_turns: f64,
+    speed: i64,
+    acceleration: i64,
+    were_enabled: bool,
+    /// Offsets against the twin's when the fault came.
+    offset_turns: Option<Axes<f64>>,
+    /// First tick in which the commanded speed differs from the twin's.
+    departed: Option<Responded>,
+    slows: Option<Start>,
+    corrects: Option<Responded>,
+    off: Option<Responded>,
+    stop: Option<Responded>,
+    correction: Option<Responded>,
+}
+
+/// Steps of a phase offset that count as a correction, if more.
+const CORRECTION_STEPS: f64 = 2.0;
+
+/// Smaller differences of phase offsets are rounding of turns, which are kept to 2⁻⁴⁸ and may be a million.
+const ROUNDING_TURNS: f64 = 1e-9;
+
+impl<'a> Responses<'a> {
+    /// Observer of a run at power-up, whose axes make so many steps a turn.
+    pub fn new(twin: &'a Twin, steps_per_turn: u32) -> Self {
+        Self {
+            twin,
+            least_turns: CORRECTION_STEPS / f64::from(steps_per_turn),
+            speed: 0,
+            acceleration: 0,
+            were_enabled: false,
+            offset_turns: None,
+            departed: None,
+            slows: None,
+            corrects: None,
+            off: None,
+            stop: None,
+            correction: None,
+        }
+    }
+
+    /// First event in which the machine stops, or its drives go off.
+    pub fn stopped(&self) -> Option<Responded> {
+        match (self.stop, self.off) {
+            (Some(stop), Some(off)) => Some(first(stop, off)),
+            (stop, off) => stop.or(off),
+        }
+    }
+
+    /// First correction, whether it suffices or not.
+    pub const fn corrected(&self) -> Option<Responded> {
+        self.correction
+    }
+
+    /// Takes in one tick; `now` is given from the fault on.
+    pub fn tick(&mut self, moment: &Moment<'_>, now: Option<&Now<'_>>) {
+        match now {
+            Some(now) => self.take(tick_of(moment), &Outputs::new(moment), now),
+            None => self.before(
+                moment.telemetry.motion.speed.to_bits(),
+                moment.drives_enabled,
+            ),
+        }
+    }
+
+    const fn before(&mut self, speed: i64, drives_enabled: bool) {
+        self.acceleration = speed - self.speed;
+        self.speed = speed;
+        self.were_enabled = drives_enabled;
+    }
+
+    fn take(&mut self, tick: usize, outputs: &Outputs, now: &Now<'_>) {
+        if let Some(twin) = self.twin.at(tick) {
+            self.stopping(outputs, twin, now);
+            self.offsets(outputs, twin, now);
+        }
+        self.before(outputs.speed, outputs.drives_enabled);
+    }
+
+    fn stopping(&mut self, outputs: &Outputs, twin: &Outputs, now: &Now<'_>) {
+        if self.were_enabled && !outputs.drives_enabled && twin.drives_enabled {
+            self.off.get_or_insert(now.responds(Response::Off));
+        }
+        let begins = now.responds(Response::Stop);
+        if outputs.speed != twin.speed {
+            self.departed.get_or_insert(begins);
+        }
+        let acceleration = outputs.speed - self.speed;
+        let jerk = acceleration - self.acceleration;
+        if jerk < 0 && self.slows.is_none() && self.speed > 0 {
+            self.slows = Some(Start {
+                responded: begins,
+                reported: None,
+                program_done: now.program_done,
+                falls: false,
+            });
+        }
+        let Some(slows) = &mut self.slows else {
+            return;
+        };
+        if outputs.stopping && !twin.stopping {
+            slows.reported.get_or_insert(begins);
+        }
+        if outputs.speed == 0 {
+            let start = *slows;
+            self.slows = None;
+            self.rested(start);
+            return;
+        }
+        slows.falls |= acceleration < 0;
+        let recovers = if slows.falls {
+            acceleration >= 0
+        } else {
+            jerk > 0 || acceleration == 0 && jerk == 0
+        };
+        if recovers {
+            self.slows = None;
+        }
+    }
+
+    /// The commanded speed has come to zero in one go from `start` on.
+    fn rested(&mut self, start: Start) {
+        // Drives that go off end any motion: only one that had slowed down, or was reported to, was a stop.
+        if self.off.is_some() && !start.falls && start.reported.is_none() {
+            return;
+        }
+        let Some(departed) = self.departed else {
+            return;
+        };
+        let in_step = departed.place.moment >= start.responded.place.moment;
+        let begin = match start.reported {
+            Some(reported) if !in_step => reported,
+            Some(reported) => first(reported, departed),
+            None if in_step => departed,
+            None if start.program_done => return,
+            None => start.responded,
+        };
+        self.stop.get_or_insert(begin);
+    }
+
+    fn offsets(&mut self, outputs: &Outputs, twin: &Outputs, now: &Now<'_>) {
+        if self.correction.is_some() {
+            return;
+        }
+        let apart = outputs.offset_turns.iter().zip(&twin.offset_turns);
+        let apart: Axes<f64> = apart.map(|(own, twin)| own - twin).collect();
+        let from = self.offset_turns.get_or_insert_with(|| apart.clone());
+        let moved = apart
+            .iter()
+            .zip(from.iter())
+            .map(|(apart, from)| apart - from);
+        let against_turns = -along(moved, now.errors);
+        if against_turns <= ROUNDING_TURNS {
+            self.corrects = None;
+            return;
+        }
+        let begin = *self
+            .corrects
+            .get_or_insert(now.responds(Response::Correction));
+        if against_turns > self.least_turns {
+            self.correction = Some(begin);
+        }
+    }
+}
+
+const fn first(a: Responded, b: Responded) -> Responded {
+    if a.place.moment < b.place.moment {
+        a
+    } else {
+        b
+    }
+}
+
+/// Component of moves along the errors, less what is common to all cranks.
+fn along(moved: impl Iterator<Item = f64>, errors: &[f64]) -> f64 {
+    let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for (moved, error) in moved.zip(errors) {
+        sum += moved * (error - mean);
+        squares += (error - mean) * (error - mean);
+    }
+    if squares == 0.0 {
+        return 0.0;
+    }
+    sum / squares.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn now(tick: usize, program_done: bool, errors: &[f64]) -> Now<'_> {
+        Now {
+            place: Place {
+                moment: tick as u64,
+                t_s: tick as f64,
+                turns: 0.0,
+                speed_hz: 0.0,
+                acceleration_hz_per_s: 0.0,
+                state: State::Run,
+            },
+            turns: 0.0,
+            is_beyond_limit: false,
+            program_done,
+            errors,
+        }
+    }
+
+    fn outputs(speed: i64) -> Outputs {
+        Outputs {
+            speed,
+            drives_enabled: true,
+            ..Outputs::default()
+        }
+    }
+
+    /// Tick of the first stop of a run with these speeds, whose twin has those; the program is over from tick `done` on.
+    fn stop(speeds: &[i64], twin: &[i64], done: usize) -> Option<u64> {
+        stop_reported(speeds, usize::MAX, twin, done)
+    }
+
+    /// The same, where a stop is reported from tick `at` on.
+    fn stop_reported(speeds: &[i64], at: usize, twin: &[i64], done: usize) -> Option<u64> {
+        let ticks = twin.iter().copied().map(outputs).collect();
+        let twin = Twin { ticks };
+        let mut responses = Responses::new(&twin, 3200);
+        for (tick, &speed) in speeds.iter().enumerate() {
+            let mut outputs = outputs(speed);
+            outputs.stopping = tick >= at;
+            responses.take(tick, &outputs, &now(tick, tick >= done, &[]));
+        }
+        responses.stopped().map(|stopped| stopped.place.moment)
+    }
+
+    /// If a ramp or the program's own stop counted as a stop, a fault would seem detected that was not. If a stop counted from when the
+    /// speed falls, one from an accelerating machine would seem late.
+    #[test]
+    fn a_stop_begins_where_the_commanded_acceleration_falls_for_good() {
+        let hold = [0, 2, 6, 10, 12, 12, 12, 12, 12, 12, 12, 9, 4, 1, 0, 0];
+        assert_eq!(stop(&hold, &hold, 11), None);
+        // From the hold, and from the ramp, where the speed goes on to rise for a tick.
+        assert_eq!(
+            stop(&[0, 2, 6, 10, 12, 12, 11, 8, 4, 1, 0], &hold, 99),
+            Some(6)
+        );
+        assert_eq!(stop(&[0, 2, 6, 9, 9, 6, 2, 0], &hold, 99), Some(3));
+        // It slows down and speeds up again, and stops later.
+        let slower = [0, 2, 6, 10, 12, 12, 10, 10, 12, 11, 8, 4, 0];
+        assert_eq!(stop(&slower, &hold, 99), Some(9));
+        // Its homing takes longer than the twin's, and its program ends later; or it stops before.
+        let later = [0, 2, 2, 2, 6, 10, 12, 12, 12, 12, 12, 12, 12, 9, 4, 1, 0];
+        assert_eq!(stop(&later, &hold, 13), None);
+        assert_eq!(stop(&later, &hold, 99), Some(13));
+        // A faster stop takes over from the program's own.
+        assert_eq!(
+            stop(
+                &[0, 2, 6, 10, 12, 12, 12, 12, 12, 12, 12, 9, 2, 0],
+                &hold,
+                11
+            ),
+            Some(12)
+        );
+    }
+
+    /// If a stop that coincides with the end of a ramp counted only from where they part, it would seem late though no stop can be faster.
+    /// If the report were believed without the outputs, a loop that only says so would pass.
+    #[test]
+    fn a_reported_stop_counts_where_the_outputs_prove_it() {
+        let ramp = [0, 2, 6, 10, 12, 13, 13, 13, 13, 13, 13, 13];
+        let stops = [0, 2, 6, 10, 12, 13, 13, 13, 12, 9, 5, 2, 0];
+        assert_eq!(stop_reported(&stops, 5, &ramp, 99), Some(8));
+        let through = [0, 2, 6, 10, 12, 13, 12, 9, 5, 2, 0, 0];
+        assert_eq!(stop(&through, &ramp, 99), Some(6));
+        assert_eq!(stop_reported(&through, 5, &ramp, 99), Some(5));
+        assert_eq!(stop_reported(&ramp, 5, &ramp, 99), None);
+    }
+
+    /// If the drives of the twin did not count, the end of a scene would be a response.
+    #[test]
+    fn drives_go_off_where_the_twins_do_not() {
+        let off = |twin_stays: bool| {
+            let mut ticks = vec![outputs(5); 4];
+            ticks[3].drives_enabled = twin_stays;
+            let twin = Twin { ticks };
+            let mut responses = Responses::new(&twin, 3200);
+            for tick in 0..4 {
+                let mut outputs = outputs(5);
+                outputs.drives_enabled = tick < 3;
+                responses.take(tick, &outputs, &now(tick, false, &[]));
+            }
+            responses
+                .stopped()
+                .map(|off| (off.response, off.place.moment))
+        };
+        assert_eq!(off(true), Some((Response::Off, 3)));
+        assert_eq!(off(false), None);
+    }
+
+    /// If a correction in any direction counted, one that drives a crank apart would do. If it counted from two steps on, it would be
+    /// late by what a slow offset takes for them.
+    #[test]
+    fn a_correction_moves_against_the_error_and_counts_from_its_first_tick() {
+        let corrected = |offsets: [f64; 5], twin_turns: f64, error_turns: f64| {
+            let with = |offset_turns| Outputs {
+                offset_turns: Axes::from_iter([0.0, offset_turns]),
+                ..outputs(5)
+            };
+            let twin = Twin {
+                ticks: vec![with(twin_turns); 5],
+            };
+            let errors = [0.25, 0.25 + error_turns];
+            let mut responses = Responses::new(&twin, 1000);
+            for (tick, offset) in offsets.into_iter().enumerate() {
+                responses.take(tick, &with(offset), &now(tick, false, &errors));
+            }
+            responses
+                .corrected()
+                .map(|corrected| corrected.place.moment)
+        };
+        // Of two cranks, half of a difference is each one's.
+        let moves = [0.0, 0.0, 0.0015, 0.003, 0.004];
+        assert_eq!(corrected(moves, 0.0, -0.01), Some(2));
+        assert_eq!(corrected(moves, 0.5, -0.01), Some(2));
+        assert_eq!(corrected(moves, 0.0, 0.01), None);
+        assert_eq!(corrected([0.0, 0.001, 0.002, 0.0, 0.0], 0.0, -0.01), None);
+    }
 }

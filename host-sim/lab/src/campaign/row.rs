@@ -48,7 +48,7 @@ pub struct Row {
     pub beyond_limit_s: Option<f64>,
     /// When anything was first reported, s: from then on what the loop made of it was played.
     pub reported_s: Option<f64>,
-    /// When what counts was reported: what stopped the machine for it, or had the crank trimmed back.
+    /// When the outputs responded to it: the machine stopped, its drives went off, or a correction that sufficed began.
     pub detected_s: Option<f64>,
     /// Turns of the master from the fault to N + 5 ticks before anything was reported.
     pub turns_from_fault: Option<f64>,
@@ -72,6 +72,10 @@ pub struct Row {
     pub bound_mrad: f64,
     /// The limit that is watched, mrad.
     pub limit_mrad: f64,
+    /// Largest growth of the tilt after a stop while the drives hold, mrad; empty if they never did.
+    pub tilt_hold_mrad: Option<f64>,
+    /// Most that it may be.
+    pub hold_bound_mrad: Option<f64>,
     /// The most that an axis was moved while another had been stopped, turns.
     pub left_running_turns: f64,
     /// Whether that is more than rounding.
@@ -138,6 +142,8 @@ impl Row {
             tilt_off_mrad: outcome.statistics.coast.worst_tilt_mrad,
             bound_mrad: judgement.bound_mrad,
             limit_mrad: scene.drift.tilt_limit_mrad,
+            tilt_hold_mrad: observation.hold.growth_mrad,
+            hold_bound_mrad: judgement.hold_bound_mrad,
             left_running_turns: observation.left_running_turns,
             left_running: judgement.left_running,
             ended: outcome.state.name().to_owned(),
@@ -157,6 +163,12 @@ impl Row {
             .tilt_off_mrad
             .filter(|_| !self.model_level.moves_by_torque());
         self.tilt_mrad.max(off_mrad.unwrap_or(0.0))
+    }
+
+    /// Whether the platform tilted further after a stop than it may while the drives hold.
+    pub fn tilts_after_stop(&self) -> bool {
+        let growth = self.tilt_hold_mrad.zip(self.hold_bound_mrad);
+        growth.is_some_and(|(growth_mrad, bound_mrad)| growth_mrad > bound_mrad)
     }
 
     /// Tilt, as a part of what it may be.

@@ -38,6 +38,7 @@ mod failed {
     pub const LATE: &str = "late";
     pub const LEFT_RUNNING: &str = "left running";
     pub const TILTED: &str = "tilted beyond its bound";
+    pub const TILTS_ON: &str = "tilted after its stop";
     pub const MISNAMED: &str = "misnamed";
     pub const MISSED: &str = "missed";
     pub const EARLY: &str = "reported before it";
@@ -78,6 +79,9 @@ impl Group {
             if row.tilt_over_bound() > 1.0 {
                 self.fail(failed::TILTED, row);
             }
+        }
+        if row.tilts_after_stop() {
+            self.fail(failed::TILTS_ON, row);
         }
         self.left_running.count(row.left_running);
         if row.left_running {

@@ -4,17 +4,18 @@
 //! loop reads, and one until what it then writes is played. So a *fault event* counts from the beginning of the moment in which it is
 //! played.
 //!
-//! All fault events are kept, each with what the loop does about it; which of them counts, [`super::judge`] says. What every run keeps,
+//! What was reported is kept for its name; what was done about the fault, the outputs say ([`super::response`]). What every run keeps,
 //! such as its largest tilt, is in [`host_sim::sim::Statistics`].
 
 use cophase_core::signals::Telemetry;
-use cophase_core::supervisor::reaction::{Reaction, reaction};
 use cophase_core::supervisor::{Fault, FaultKind, State};
 
 use super::detection_ticks;
 use super::flag::{Extra, Flag};
 use super::geometry::Geometry;
-use super::moved::Moved;
+use super::hold::Hold;
+use super::response::{Now, Responded, Responses, Twin};
+use super::truth::Truth;
 use host_sim::axes::{Axes, per_axis};
 use host_sim::scene::Checked;
 use host_sim::scene::file::{FaultAt, FaultName};
@@ -54,21 +55,15 @@ impl From<Fault> for ReportedFault {
     }
 }
 
-/// When something was reported, and what the loop did about it.
+/// When something was reported.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaultEvent {
     /// What.
     pub reported: ReportedFault,
-    /// What was done: of what did not latch, what the table has for it within limits.
-    pub done: Reaction,
     /// The beginning of the moment in which it was played.
     pub place: Place,
     /// Turns of the master so many ticks before that as detection may take.
     pub turns: f64,
-    /// The true crank of its axis had been moved since the fault.
-    pub is_moved: bool,
-    /// Cranks were beyond a limit then.
-    pub is_beyond_limit: bool,
 }
 
 /// What was detected.
@@ -84,8 +79,16 @@ pub struct Observation {
     pub is_beyond_limit: bool,
     /// The longest that they stayed so, turns of the master.
     pub stay_turns: f64,
-    /// What was reported since the fault, each thing once for each that was done about it.
+    /// What was reported since the fault, each thing once.
     pub fault_events: Vec<FaultEvent>,
+    /// First event since the fault in which the outputs stop the machine, or switch its drives off, and those of the twin do not.
+    pub stopped: Option<Responded>,
+    /// First correction since the fault, whether it suffices or not.
+    pub corrected: Option<Responded>,
+    /// Before the fault, the drives went off or the machine came to rest, and its program was not over.
+    pub stopped_early: bool,
+    /// Tilt after a stop while the drives hold.
+    pub hold: Hold,
     /// Whether the axis it befell passed its index flag after the first of them.
     pub passed_after: bool,
     /// What was reported before the fault.
@@ -119,8 +122,11 @@ pub struct Watch<'a> {
     /// Of a crank that its drive does not move, or that torque moves, how far it goes says nothing.
     cranks_count: Axes<bool>,
     observation: Observation,
-    /// The true cranks that have moved since the fault.
-    moved: Moved,
+    truth: Truth,
+    responses: Responses<'a>,
+    /// Scenes with commands or inputs of their own stop by themselves.
+    stops_itself: bool,
+    were_enabled: bool,
     /// Turns of the master at which cranks went beyond a limit that they have not come back from.
     beyond_since: Option<f64>,
     moments: u64,
@@ -144,16 +150,21 @@ impl<'a> Watch<'a> {
         geometry: Option<&'a Geometry>,
         checked: &Checked,
         cranks_count: Axes<bool>,
+        twin: &'a Twin,
     ) -> Self {
-        let fault = checked.scene.fault.first();
+        let scene = &checked.scene;
+        let fault = scene.fault.first();
         let axis = fault.and_then(|fault| fault.axis);
         Self {
             geometry,
             fault: fault.copied(),
-            flag: axis.and_then(|axis| Flag::new(checked, axis)),
+            flag: axis.and_then(|axis| Flag::new(checked, geometry, axis)),
             cranks_count,
             observation: Observation::default(),
-            moved: Moved::new(checked),
+            truth: Truth::new(checked),
+            responses: Responses::new(twin, scene.axes.steps_per_turn),
+            stops_itself: !scene.command.is_empty() || !scene.input.is_empty(),
+            were_enabled: false,
             beyond_since: None,
             moments: 0,
             event_watch: EventWatch::default(),
@@ -166,7 +177,11 @@ impl<'a> Watch<'a> {
 
     /// What was detected.
     pub fn observation(self) -> Observation {
-        self.observation
+        Observation {
+            stopped: self.responses.stopped(),
+            corrected: self.responses.corrected(),
+            ..self.observation
+        }
     }
 
     /// Records what is reported in a moment and was not reported before it.
@@ -188,40 +203,33 @@ impl<'a> Watch<'a> {
         }
         // What latches is reported as well: once is enough.
         let reported = reported.filter(|reported| telemetry.fault != Some(*reported));
-        let latched = latched.map(|fault| (fault, reaction(fault.kind, false).max(Reaction::Stop)));
-        let reported =
-            reported.map(|fault| (fault, reaction(fault.kind, true).min(Reaction::Correct)));
-        for (fault, done) in latched.into_iter().chain(reported) {
+        for fault in latched.into_iter().chain(reported) {
             let reported = ReportedFault::from(fault);
             if observation.injected.is_none() {
                 keep(&mut observation.early, reported);
                 continue;
             }
-            let is_known = |known: &FaultEvent| (known.reported, known.done) == (reported, done);
+            let is_known = |known: &FaultEvent| known.reported == reported;
             if observation.fault_events.len() < MOST_EVENTS
                 && !observation.fault_events.iter().any(is_known)
             {
                 observation.fault_events.push(FaultEvent {
                     reported,
-                    done,
                     place,
                     turns: self.turns.last().copied().unwrap_or_default(),
-                    is_moved: reported.axis.is_some_and(|axis| self.moved.has(axis)),
-                    is_beyond_limit: observation.is_beyond_limit,
                 });
             }
         }
     }
 
     /// Whether cranks are beyond a limit. What they do that the loop has let go is nothing that it could yet see, or stop for.
-    fn cranks(&mut self, moment: &Moment<'_>, end: Place) {
+    fn cranks(&mut self, moment: &Moment<'_>, errors: &[f64], end: Place) {
         if !moment.drives_enabled && moment.machine.rotors().is_some() {
             return;
         }
-        let errors: Axes<f64> = moment.errors().collect();
         // Cranks that are all alike neither tilt nor bend the platform.
         let differ = errors.iter().any(|error| *error != errors[0]);
-        let is_beyond_limit = differ && self.geometry.is_some_and(|g| g.is_beyond_limit(&errors));
+        let is_beyond_limit = differ && self.geometry.is_some_and(|g| g.is_beyond_limit(errors));
         let since = is_beyond_limit && self.observation.injected.is_some();
         self.observation.out = self.observation.out.or(since.then_some(end));
         if moment.drives_enabled {
@@ -237,15 +245,27 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Which cranks have moved, as long as their drives hold them.
-    fn moved(&mut self, moment: &Moment<'_>) {
-        let cranks = moment.actual_turns.iter().zip(moment.command_turns);
-        let off = cranks.map(|(actual, command)| actual - command).collect();
-        match (self.observation.injected, moment.drives_enabled) {
-            (None, _) => self.moved.sample_before(off),
-            (Some(_), true) => self.moved.sample(off),
-            (Some(_), false) => {}
+    /// Whether the machine stops before anything is wrong, and before its program is over.
+    fn stops_early(&mut self, moment: &Moment<'_>) {
+        let telemetry = moment.telemetry;
+        let went_off = self.were_enabled && !moment.drives_enabled;
+        self.were_enabled = moment.drives_enabled;
+        let rests = telemetry.state == State::Parked && !telemetry.program_done;
+        if self.observation.injected.is_none() && !self.stops_itself {
+            self.observation.stopped_early |= went_off || rests;
         }
+    }
+
+    /// What the outputs do about the fault.
+    fn responses(&mut self, moment: &Moment<'_>, errors: &[f64], place: Place) {
+        let now = self.observation.injected.is_some().then(|| Now {
+            place,
+            turns: self.turns.last().copied().unwrap_or_default(),
+            is_beyond_limit: self.observation.is_beyond_limit,
+            program_done: moment.telemetry.program_done,
+            errors,
+        });
+        self.responses.tick(moment, now.as_ref());
     }
 
     /// Where a pulse comes that no flag makes: each that follows comes a turn later, at the same place.
@@ -279,8 +299,12 @@ impl<'a> Watch<'a> {
             false => commanded[i],
         });
         let someone_stands = commanded.contains(&0.0);
+        if self.observation.injected.is_some() {
+            let stands = commanded.iter().all(|commanded| *commanded == 0.0);
+            self.observation.hold.tick(moment, stands);
+        }
         let someone_moves = went.iter().any(|went| *went > 0.0);
-        if !moment.drives_enabled || self.observation.fault_events.is_empty() || !someone_stands {
+        if !moment.drives_enabled || self.observation.injected.is_none() || !someone_stands {
             self.apart = 0;
             self.run_on.fill(0.0);
             return;
@@ -324,8 +348,10 @@ impl Observer for Watch<'_> {
             self.observation.extra = self.extra(moment);
         }
         self.fault_events(telemetry, start);
-        self.cranks(moment, end);
-        self.moved(moment);
+        let errors = self.truth.errors(moment);
+        self.responses(moment, &errors, start);
+        self.stops_early(moment);
+        self.cranks(moment, &errors, end);
         self.moves(moment);
         let axis = self.fault.and_then(|fault| fault.axis);
         let index = axis.and_then(|axis| moment.index.get(axis));

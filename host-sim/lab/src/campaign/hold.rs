@@ -1,0 +1,114 @@
+//! Tilt after a stop, while the drives hold.
+//!
+//! The enable line decides whether drives hold, and not what the controller calls its state.
+
+use host_sim::scene::file::{FaultAt, FaultName, Scene};
+use host_sim::sim::Moment;
+
+use super::bound;
+use super::geometry::Geometry;
+
+/// Largest growth of the tilt since a stop, and where it counts from.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Hold {
+    has_moved: bool,
+    /// Tilt in the first tick in which all commands stand, mrad.
+    at_rest_mrad: Option<f64>,
+    /// Beginning of the first such tick, s since power-up.
+    pub rest_s: Option<f64>,
+    /// Largest tilt since then beyond that one, mrad. None if the drives never held after a stop.
+    pub growth_mrad: Option<f64>,
+}
+
+impl Hold {
+    /// Takes in one tick since the fault; `stands` says that no axis was commanded to move in it.
+    pub fn tick(&mut self, moment: &Moment<'_>, stands: bool) {
+        self.take(
+            moment.drives_enabled,
+            stands,
+            moment.start_ns as f64 * 1e-9,
+            || moment.tilt_mrad(),
+        );
+    }
+
+    fn take(&mut self, enabled: bool, stands: bool, t_s: f64, tilt_mrad: impl Fn() -> f64) {
+        if !enabled || !stands {
+            self.has_moved = enabled;
+            self.at_rest_mrad = None;
+            return;
+        }
+        if !self.has_moved {
+            return;
+        }
+        let tilt_mrad = tilt_mrad();
+        let at_rest_mrad = *self.at_rest_mrad.get_or_insert(tilt_mrad);
+        self.rest_s.get_or_insert(t_s);
+        let growth_mrad = (tilt_mrad - at_rest_mrad).max(self.growth_mrad.unwrap_or(0.0));
+        self.growth_mrad = Some(growth_mrad);
+    }
+}
+
+/// Largest growth that is allowed, mrad: that of a crank which is off by two steps, by what its rotor may settle in its field where
+/// torque moves it, and by what the fault itself moves it at rest, from `rest_s` on.
+pub fn allowed_mrad(scene: &Scene, geometry: &Geometry, rest_s: f64) -> f64 {
+    let steps_turns = 2.0 / f64::from(scene.axes.steps_per_turn);
+    let settling_turns = bound::torque_turns(scene);
+    let fault_turns = scene
+        .fault
+        .first()
+        .map_or(0.0, |fault| at_rest_turns(fault, rest_s));
+    geometry.worst_tilt_mrad(steps_turns + settling_turns + fault_turns)
+}
+
+/// Travel by which a fault moves a crank whose command stands, turns.
+fn at_rest_turns(fault: &FaultAt, rest_s: f64) -> f64 {
+    let left_s = fault
+        .for_s
+        .map(|for_s| (fault.at_s + for_s - rest_s).max(0.0));
+    let rate_hz = match fault.kind {
+        FaultName::Slip => fault.rate_deg_per_s.unwrap_or_default() / 360.0,
+        FaultName::Runaway => fault.speed_hz.unwrap_or_default(),
+        _ => return 0.0,
+    };
+    left_s.map_or(0.5, |left_s| (rate_hz.abs() * left_s).min(0.5))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// If growth were counted while the machine moves or the drives are off, every stop would fail. If it were counted from the smallest
+    /// tilt, or not at all, a crank that creeps away under a held stop would pass.
+    #[test]
+    fn tilt_grows_from_the_end_of_the_stop_while_drives_hold() {
+        let mut hold = Hold::default();
+        // It stood before the fault's stop: nothing to hold yet.
+        hold.take(true, true, 0.0, || 9.0);
+        assert_eq!(hold.growth_mrad, None);
+        hold.take(true, false, 0.1, || 5.0);
+        hold.take(true, true, 0.2, || 1.0);
+        hold.take(true, true, 0.3, || 0.5);
+        assert_eq!((hold.growth_mrad, hold.rest_s), (Some(0.0), Some(0.2)));
+        hold.take(true, true, 0.4, || 1.25);
+        assert_eq!(hold.growth_mrad, Some(0.25));
+        hold.take(false, true, 0.5, || 8.0);
+        hold.take(false, true, 0.6, || 8.0);
+        assert_eq!(hold.growth_mrad, Some(0.25));
+    }
+
+    /// A slip that goes on at rest is the fault's own travel, up to its end.
+    #[test]
+    fn a_fault_moves_a_crank_at_rest_until_it_is_over() {
+        let slip = FaultAt {
+            rate_deg_per_s: Some(-36.0),
+            for_s: Some(0.5),
+            ..FaultAt::new(1.0, FaultName::Slip)
+        };
+        assert!((at_rest_turns(&slip, 1.2) - 0.03).abs() < 1e-12);
+        assert_eq!(at_rest_turns(&slip, 1.6), 0.0);
+        assert_eq!(
+            at_rest_turns(&FaultAt::new(1.0, FaultName::Stuck), 1.2),
+            0.0
+        );
+    }
+}
