@@ -262,11 +262,10 @@ impl<'a> Responses<'a> {
         };
         let in_step = departed.place.moment >= start.responded.place.moment;
         let begin = match start.reported {
-            Some(reported) if !in_step => reported,
-            Some(reported) => first(reported, departed),
+            _ if start.program_done && !in_step => return,
+            Some(reported) if in_step => first(reported, departed),
             None if in_step => departed,
-            None if start.program_done => return,
-            None => start.responded,
+            reported => reported.unwrap_or(start.responded),
         };
         self.stop.get_or_insert(begin);
     }
@@ -383,6 +382,7 @@ mod tests {
         // Its homing takes longer than the twin's, and its program ends later; or it stops before.
         let later = [0, 2, 2, 2, 6, 10, 12, 12, 12, 12, 12, 12, 12, 9, 4, 1, 0];
         assert_eq!(stop(&later, &hold, 13), None);
+        assert_eq!(stop_reported(&later, 13, &hold, 13), None);
         assert_eq!(stop(&later, &hold, 99), Some(13));
         // A faster stop takes over from the program's own.
         assert_eq!(
