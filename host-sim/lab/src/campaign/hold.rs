@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     /// If growth were counted while the machine moves or the drives are off, every stop would fail. If it were counted from the smallest
-    /// tilt, or not at all, a crank that creeps away under a held stop would pass.
+    /// tilt, or not at all, a crank that slips away after the stop would pass.
     #[test]
     fn tilt_grows_from_the_end_of_the_stop_while_drives_hold() {
         let mut hold = Hold::default();
