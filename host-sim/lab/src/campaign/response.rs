@@ -10,7 +10,7 @@ use host_sim::sim::{Moment, Observer};
 
 use super::watch::Place;
 
-/// Reaction that the outputs show.
+/// Response of a controller to a fault, as its outputs show it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Response {
     /// The enable line of the drives goes off, and that of the twin does not.
