@@ -79,8 +79,8 @@ def compare(found, text):
     """Where queries and the text of campaign-table.md differ."""
     written = {}
     for line in re.findall(r'^\| (.*) \|$', text, re.M)[2:]:
-        kind, seen_by, *cells = (cell.strip() for cell in line.split('|'))
-        written[kind, seen_by] = cells
+        kind, sensor, *cells = (cell.strip() for cell in line.split('|'))
+        written[kind, sensor] = cells
     ours = table_lines(found)
     problems = [f'{at}: the table has {written.get(at)}, the queries {ours.get(at)}' for at in written.keys() | ours.keys()
                 if written.get(at) != ours.get(at)]
@@ -154,13 +154,25 @@ def check_interval():
         assert 1 - 0.025 ** (1 / runs) <= bound < 1 - 0.025 ** (1 / (runs - 1)), runs
 
 
+def check_page():
+    """Problems of what the page quotes from `rate`."""
+    page = (ROOT / 'docs/recipes/run-a-campaign-on-a-cluster.md').read_text()
+    quoted = re.findall(r'^    \$ (tools/campaign-queries/rate .*)\n((?:    .*\n)+)', page, re.M)
+    problems = [] if len(quoted) == 2 else [f'the page has {len(quoted)} sessions of rate, not 2']
+    for command, output in quoted:
+        said = subprocess.run([sys.executable, *command.split()], cwd=ROOT, text=True, capture_output=True).stdout
+        if said != re.sub('^    ', '', output, flags=re.M):
+            problems.append(f'`{command}` does not print what the page has, but:\n{said}')
+    return problems
+
+
 def main():
     cophase = os.path.realpath(os.environ.get('COPHASE', ROOT / 'target/release/cophase'))
     check_interval()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         file, text = campaign(cophase, folder)
-        problems = compare(answers(file, folder), text)
+        problems = compare(answers(file, folder), text) + check_page()
         for problem in problems:
             print(problem)
         if not single_cases(text):

@@ -43,8 +43,8 @@ def check_together(headers):
         for key in ('version', 'plan', 'scene'):
             if head[key] != first[1][key]:
                 raise Refused(f'{file}: {key} = {head[key]}, and {first[0]} has {first[1][key]}; query them apart')
-        for other, seen in headers[:at]:
-            if head['seed'] == seen['seed'] and head['start'] < seen['end'] and seen['start'] < head['end']:
+        for other, earlier in headers[:at]:
+            if head['seed'] == earlier['seed'] and head['start'] < earlier['end'] and earlier['start'] < head['end']:
                 raise Refused(f'{file}: has cases of {other}; leave one out')
 
 
