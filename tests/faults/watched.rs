@@ -121,14 +121,14 @@ fn the_outputs_show_a_stop_drives_that_go_off_and_nothing_else() {
             (stopped.response, tick - AT_TICK)
         })
     };
-    // The loop reads an input at the next tick, and plays its stop from the one after it. Drives go off at once.
+    // An input that changes at a deadline is read at that one, and the output is played from the next one on. Drives go off at once.
     assert_eq!(
         response("kind = \"drive-alarm\"\naxis = 1\n"),
-        Some((Response::Stop, 2))
+        Some((Response::Stop, 1))
     );
     assert_eq!(
         response("kind = \"enable-loss\"\n"),
-        Some((Response::Off, 1))
+        Some((Response::Off, 0))
     );
     assert_eq!(
         response("kind = \"index-missing\"\naxis = 1\ncount = 1\n"),
