@@ -131,7 +131,7 @@ fn the_outputs_show_a_stop_drives_that_go_off_and_nothing_else() {
         Some((Response::Off, 0))
     );
     assert_eq!(
-        response("kind = \"index-missing\"\naxis = 1\ncount = 1\n"),
+        response("kind = \"slip\"\naxis = 1\nrate_deg_per_s = 0.2\nfor_s = 0.5\n"),
         None
     );
 }
