@@ -85,9 +85,10 @@ def compare(found, text):
     problems = [f'{at}: the table has {written.get(at)}, the queries {ours.get(at)}' for at in written.keys() | ours.keys()
                 if written.get(at) != ours.get(at)]
     problems += [f'not in the table: {sentence}' for sentence in sentences(found) if sentence not in text.splitlines()]
-    beyond = found['3-tilt']['all', '']['beyond_bound']
-    if (beyond > 0) != ('tilted beyond its bound' in text):
-        problems.append(f'{beyond} tilted beyond their bound, and the table says otherwise')
+    for name, says in (('beyond_bound', 'tilted beyond its bound'), ('after_stop', 'tilted after its stop')):
+        count = found['3-tilt']['all', ''][name]
+        if (count > 0) != (says in text):
+            problems.append(f'{count} {says}, and the table says otherwise')
     cases = sorted({row['number'] for row in found['6-not-as-claimed']})
     if cases != single_cases(text):
         problems.append(f'single cases: the table has {single_cases(text)}, the queries {cases}')
@@ -117,6 +118,7 @@ def self_test(file, text, folder):
             ('name', lambda row: row['verdict'] == 'right', lambda row: {'verdict': 'misnamed'}),
             ('tilt', lambda row: row['kind'], lambda row: {'tilt_mrad': str(10 * float(row['bound_mrad']))}),
             ('tilt, drives off', lambda row: row['tilt_off_mrad'], lambda row: {'tilt_off_mrad': '1e6'}),
+            ('tilt after a stop', lambda row: row['kind'] and row['hold_bound_mrad'], lambda row: {'tilt_hold_mrad': '1e6'}),
             ('left running', lambda row: row['kind'], lambda row: {'left_running': 'true'}),
             ('false trip', lambda row: row['clean'] == 'true', lambda row: {'verdict': 'false-trip'})):
         assert compare(answers(changed(file, folder, choose, change), folder), text), f'a changed row was not found: {name}'

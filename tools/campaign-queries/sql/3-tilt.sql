@@ -1,6 +1,7 @@
--- Claim 3: the platform never tilts further than its bound.
+-- Claim 3: the platform never tilts further than its bound, and not further after a stop than it may while the drives hold.
 SELECT kind, encoder,
     count(*) FILTER (tilt_over_bound > 1) AS beyond_bound,
+    count(*) FILTER (tilt_hold_mrad > hold_bound_mrad) AS after_stop,
     count(*) AS runs,
     upper_bound(beyond_bound, runs) AS at_most,
     max(bounded_tilt_mrad / limit_mrad) AS tilt_over_limit,
