@@ -1,6 +1,6 @@
 //! Log: frames of defmt for a debug probe, over RTT, written without blocking an interrupt.
 //!
-//! The crate `defmt-rtt` blocks interrupts while it writes a frame, which let a tick of the loop begin up to 45 µs late. Its mode
+//! The crate `defmt-rtt` blocks interrupts while it writes a frame, and a tick of the loop begins as much later. Its mode
 //! that does not block them needs compare-and-swap, which this processor lacks.
 //!
 //! A *frame* is one message. It is written behind the *cursor* that the probe has, and published as a whole when it ends.

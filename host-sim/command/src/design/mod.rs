@@ -37,7 +37,7 @@ pub struct DesignArgs {
     scene: bool,
 }
 
-/// What goes to standard output.
+/// Form of the standard output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Print {
     /// A page of text.

@@ -1,4 +1,4 @@
-//! What the outputs of a controller do about a fault: the drives go off, a stop begins, or a correction begins.
+//! Responses of a controller's outputs to a fault: the drives go off, a stop begins, or a correction begins.
 //!
 //! The judge does not ask the controller what it did. It compares the outputs of the faulty run with those of the case's clean run,
 //! its [`Twin`], tick by tick. The two differ in the fault alone. So what one run does and the other does not is because of the fault,

@@ -165,7 +165,7 @@ impl Row {
         self.tilt_mrad.max(off_mrad.unwrap_or(0.0))
     }
 
-    /// Whether the platform tilted further after a stop than it may while the drives hold.
+    /// True if the platform tilted further after a stop than it may while the drives hold.
     pub fn tilts_after_stop(&self) -> bool {
         let growth = self.tilt_hold_mrad.zip(self.hold_bound_mrad);
         growth.is_some_and(|(growth_mrad, bound_mrad)| growth_mrad > bound_mrad)

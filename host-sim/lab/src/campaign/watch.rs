@@ -4,7 +4,7 @@
 //! loop reads, and one until what it then writes is played. So a *fault event* counts from the beginning of the moment in which it is
 //! played.
 //!
-//! What was reported is kept for its name; what was done about the fault, the outputs say ([`super::response`]). What every run keeps,
+//! Reports are kept for their names. The outputs show what was done about the fault ([`super::response`]). What every run keeps,
 //! such as its largest tilt, is in [`host_sim::sim::Statistics`].
 
 use cophase_core::signals::Telemetry;
@@ -79,7 +79,7 @@ pub struct Observation {
     pub is_beyond_limit: bool,
     /// The longest that they stayed so, turns of the master.
     pub stay_turns: f64,
-    /// What was reported since the fault, each thing once.
+    /// Reports since the fault, each once.
     pub fault_events: Vec<FaultEvent>,
     /// First event since the fault in which the outputs stop the machine, or switch its drives off, and those of the twin do not.
     pub stopped: Option<Responded>,
@@ -245,7 +245,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Whether the machine stops before anything is wrong, and before its program is over.
+    /// Notes a stop before anything is wrong, and before the program is over.
     fn stops_early(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
         let went_off = self.were_enabled && !moment.drives_enabled;
@@ -256,7 +256,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// What the outputs do about the fault.
+    /// Notes responses of the outputs to the fault.
     fn responses(&mut self, moment: &Moment<'_>, errors: &[f64], place: Place) {
         let now = self.observation.injected.is_some().then(|| Now {
             place,
