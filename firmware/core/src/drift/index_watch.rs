@@ -19,9 +19,6 @@ use crate::units::{ONE_TURN, Phase, Turns, nearest};
 const ONE: Turns = Turns::from_bits(ONE_TURN);
 const HALF: Turns = Turns::from_bits(ONE_TURN / 2);
 
-/// A pulse that is missing in its place, and comes no later than this, is of a crank that fell back: noise comes anywhere.
-const LATE: Turns = Turns::from_bits(-ONE_TURN / 8);
-
 /// A crank that runs over twice as fast as commanded may pass its flag between, and once more in its place. It is between so far from
 /// the pulse before, turns, at least; up to the other it is beyond a limit so early that what comes after that place shows too late.
 /// Exactly it were ½ and 0.618, p² + p = 1, with p the place between; a master that speeds up meanwhile has it a little wider.
@@ -229,9 +226,8 @@ impl IndexWatch {
             let apart = nearest(offset.wrapping_sub(outlier.offset));
             apart.abs() <= self.place.gate && at.since(outlier.at) >= HALF
         });
-        // None where the flag was, and one behind that: the flag is there now.
-        let is_behind = self.missing && (LATE..Turns::ZERO).contains(&by);
-        if self.undetected || is_behind || again {
+        // None where the flag was, and one elsewhere: the flag is there now.
+        if self.undetected || self.missing || again {
             self.outlier = None;
             self.spacing = None;
             self.meant = 1;

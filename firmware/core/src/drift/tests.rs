@@ -115,6 +115,21 @@ impl Cranks {
         off: impl Fn(usize, f64) -> f64,
         sensor: impl Fn(usize, f64, Option<IndexPulse>) -> Option<IndexPulse>,
     ) -> Vec<(u32, Finding)> {
+        self.turn_motors(ticks, off, sensor, true)
+    }
+
+    /// Turns for `ticks`, with motors as commanded, and crank i off by `off(i, turns)` on its shaft.
+    fn turn_shafts(&mut self, ticks: u32, off: impl Fn(usize, f64) -> f64) -> Vec<(u32, Finding)> {
+        self.turn_motors(ticks, off, |_, _, pulse| pulse, false)
+    }
+
+    fn turn_motors(
+        &mut self,
+        ticks: u32,
+        off: impl Fn(usize, f64) -> f64,
+        sensor: impl Fn(usize, f64, Option<IndexPulse>) -> Option<IndexPulse>,
+        motor_follows_crank: bool,
+    ) -> Vec<(u32, Finding)> {
         let mut found = Vec::new();
         for _ in 0..ticks {
             // The end is the next tick's start to the last bit, or a passage could fall between the two.
@@ -145,7 +160,8 @@ impl Cranks {
                     None
                 }
             });
-            let counts = now.map(|turns| (turns * 3200.0).floor() as i32);
+            let motors = if motor_follows_crank { now } else { [end; MAX_AXES] };
+            let counts = motors.map(|turns| (turns * 3200.0).floor() as i32);
             self.before = now;
             if let Some(finding) =
                 detect(&mut self.monitor, &pulses, &counts, &[commanded; MAX_AXES])
@@ -450,3 +466,4 @@ mod index_timeout;
 mod runaways;
 mod slips;
 mod ticks;
+mod trajectories;

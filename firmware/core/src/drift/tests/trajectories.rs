@@ -1,0 +1,151 @@
+//! Cranks that move arbitrarily: not the faults that anyone thought of, but any path of the phase error, by pieces.
+
+use super::*;
+use proptest::prelude::*;
+
+/// Turns of the master in one tick.
+const SPEED: f64 = 0.01;
+
+/// Part of a path: the phase error changes, at once or at an even rate, and stays.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    by_turns: f64,
+    over_turns: f64,
+    stay_turns: f64,
+}
+
+fn piece() -> impl Strategy<Value = Piece> {
+    // A blow or lost steps. No crank is thrown by half a turn in a tick.
+    let jump = prop_oneof![-0.06..0.06_f64, -0.45..0.45_f64].prop_map(|by| (by, 0.0));
+    // From slow drift to four times the speed, ahead or back.
+    let rate = prop_oneof![-0.05..0.05_f64, -4.0..4.0_f64];
+    let ramp = (rate, 0.03..4.0_f64).prop_map(|(rate, over)| (rate * over, over));
+    (prop_oneof![jump, ramp], 0.0..2.5_f64).prop_map(|((by_turns, over_turns), stay_turns)| Piece {
+        by_turns,
+        over_turns,
+        stay_turns,
+    })
+}
+
+/// Phase error at a time that counts from the beginning of the path.
+fn error_at(path: &[Piece], mut time: f64) -> f64 {
+    let mut error = 0.0;
+    for piece in path {
+        if time <= 0.0 {
+            return error;
+        }
+        if time < piece.over_turns {
+            return error + piece.by_turns * time / piece.over_turns;
+        }
+        error += piece.by_turns;
+        time -= piece.over_turns + piece.stay_turns;
+    }
+    error
+}
+
+fn duration(path: &[Piece]) -> f64 {
+    path.iter()
+        .map(|piece| piece.over_turns + piece.stay_turns)
+        .sum()
+}
+
+/// First tick up to which a path has been beyond `limit` for a turn, of the master and of whatever else has made `travel` turns, without a
+/// break. An index does not distinguish whole turns. A path that jumps across a whole turn is within the limit on its way.
+fn turn_beyond(
+    limit: f64,
+    ticks: u32,
+    error: impl Fn(u32) -> f64,
+    travel: impl Fn(u32) -> f64,
+) -> Option<u32> {
+    let turn = (1.0 / SPEED) as u32;
+    let mut since = None;
+    for tick in 0..ticks {
+        let error = error(tick);
+        let between = error.floor();
+        let is_beyond = (error - error.round()).abs() > limit;
+        since = since.filter(|&(_, before)| is_beyond && before == between);
+        if is_beyond {
+            let (since, _) = *since.get_or_insert((tick, between));
+            if tick - since >= turn && travel(tick) - travel(since) >= 1.0 {
+                return Some(tick);
+            }
+        }
+    }
+    None
+}
+
+/// What shows the phase error of the crank that moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shown {
+    /// Its index, once a turn.
+    ByIndex,
+    /// Its encoder, in every tick.
+    ByEncoder,
+    /// Its index, compared with its encoder: it moves on its shaft.
+    ByDifference,
+}
+
+/// Ticks until a machine is stopped in which cranks take these paths, from `start` turns after homing on; and until it must be.
+fn stop_of(
+    shown: Shown,
+    count: usize,
+    cycle_steps: u32,
+    start: f64,
+    paths: &[(usize, Vec<Piece>)],
+) -> (Option<u32>, Option<f64>, Vec<(u32, Finding)>) {
+    let mut settings = settings(count, 3.0, 5.0, 15.0);
+    for axis in &mut settings.axes {
+        axis.cycle_steps = cycle_steps;
+        axis.encoder = shown != Shown::ByIndex;
+    }
+    let monitor = configured(&settings);
+    let reading = 0.25 / 360.0;
+    let mut cranks = Cranks::new(monitor, SPEED).homed();
+    let first = cranks.tick;
+    let from = f64::from(first) * SPEED + start;
+    let longest = paths.iter().map(|(_, path)| duration(path)).fold(0.0, f64::max);
+    let ticks = ((start + longest + 3.0) / SPEED) as u32;
+    let error = |i: usize, t: f64| {
+        let path = paths.iter().find(|(axis, _)| *axis == i);
+        path.map_or(0.0, |(_, path)| error_at(path, t - from))
+    };
+    let due = paths.iter().filter_map(|&(axis, _)| {
+        let alone = true_alone(count, axis);
+        let gate = 4.0 * cranks.monitor.tolerance(axis).to_num::<f64>();
+        let at = |tick: u32| f64::from(first + tick + 1) * SPEED;
+        let error = |tick| error(axis, at(tick));
+        // A pulse that stays away is no evidence against an encoder: the crank has to pass its flag.
+        let travel = |tick| match shown {
+            Shown::ByDifference => at(tick) + error(tick),
+            Shown::ByIndex | Shown::ByEncoder => at(tick),
+        };
+        let until = turn_beyond(alone + reading, ticks, error, travel);
+        Some(f64::from(until?) + alone.max(gate) / SPEED + count as f64 + 5.0)
+    });
+    let due = due.reduce(f64::min);
+    let found = if shown == Shown::ByDifference {
+        cranks.turn_shafts(ticks, error)
+    } else {
+        cranks.turn(ticks, error)
+    };
+    let stop = found.iter().find(|(_, finding)| !finding.within_limits);
+    (stop.map(|(tick, _)| tick - first), due, found)
+}
+
+proptest! {
+    /// If this fails, a crank can stay beyond its limit for a turn without a stop, however it got there.
+    #[test]
+    fn a_crank_that_is_beyond_its_limit_for_a_turn_stops_the_machine(
+        shown in prop_oneof![Just(Shown::ByIndex), Just(Shown::ByEncoder), Just(Shown::ByDifference)],
+        count in 2..=6_usize,
+        who in 0..6_usize,
+        start in 0.0..1.0_f64,
+        cycle_steps in prop_oneof![Just(0_u32), Just(64), Just(200)],
+        path in prop::collection::vec(piece(), 1..6),
+    ) {
+        let (stop, due, found) = stop_of(shown, count, cycle_steps, start, &[(who % count, path)]);
+        if let Some(due) = due {
+            prop_assert!(stop.is_some_and(|stop| f64::from(stop) <= due), "{stop:?}, and due {due}: {found:?}");
+        }
+    }
+}
