@@ -19,7 +19,6 @@ impl DriftMonitor {
             return false;
         };
         let sorted = watch.sort(all_late.then_some(tolerance));
-        self.stale |= 1 << axis;
         if sorted.is_detected {
             self.detected |= 1 << axis;
             self.known |= 1 << axis;
@@ -60,34 +59,38 @@ impl DriftMonitor {
         is_far
     }
 
+    /// Evaluates the axes that were updated: compares them with each other, and their modes with the limits.
+    #[inline(never)]
+    pub(super) fn evaluate(&mut self, sensed: &Sensed<'_>) {
+        let updated = core::mem::take(&mut self.queue.updated);
+        let moved = core::mem::take(&mut self.queue.moved);
+        if self.conclude(updated, moved) && self.update_modes(sensed) {
+            self.check(sensed);
+        }
+    }
+
     /// Draws the conclusions from the axes that were updated, of which some have moved far. Returns true if limits are to be
     /// checked.
-    #[inline(never)]
-    pub(super) fn conclude(&mut self, updated: AxisSet, moved: AxisSet) -> bool {
+    fn conclude(&mut self, updated: AxisSet, moved: AxisSet) -> bool {
         let round =
             updated != 0 && self.detected & self.by_index == self.by_index && self.detected != 0;
-        if self.finding_out && self.are_known() && updated != 0 && !round {
+        if self.finding_out && self.is_homed() && updated != 0 && !round {
             // All turn at homing speed alike: what was detected a turn ago is as good.
-            self.update();
         } else if moved != 0 && !round && !self.finding_out && self.others_are_detected(moved) {
             // It is not waited for the others, of which none is late: they have not moved with it.
-            self.update();
             self.compare();
             self.is_compared = true;
         } else if round {
             self.detected = 0;
             self.rounds = self.rounds.wrapping_add(1);
-            self.update();
             if !self.finding_out {
                 let others_moved = self.compare().abs();
                 let is_whole = !core::mem::take(&mut self.is_compared);
                 self.is_even = is_whole && others_moved <= self.limits.reading;
             }
-        } else if self.encoders() != 0 || self.is_even && self.others_are_detected(updated) {
-            // What all have in common is what it was in the round before, so that a crank may be held against others of a turn ago.
-            self.update();
         } else {
-            return false;
+            // What all have in common is what it was in the round before, so that a crank may be held against others of a turn ago.
+            return self.encoders() != 0 || self.is_even && self.others_are_detected(updated);
         }
         true
     }
@@ -112,8 +115,7 @@ impl DriftMonitor {
 
     /// The axis that is furthest from all others, and by how much, if the cranks as they stand would tilt or bend the platform beyond its
     /// limits.
-    pub fn left_beyond_limits(&mut self, correction: &PerAxis<Turns>) -> Option<(usize, Turns)> {
-        self.update();
+    pub fn left_beyond_limits(&self, correction: &PerAxis<Turns>) -> Option<(usize, Turns)> {
         let errors = self.errors_to_first(correction, true);
         if self.allows(&errors) {
             return None;
@@ -154,7 +156,7 @@ impl DriftMonitor {
         if self.finding_out {
             self.check_encoders();
         }
-        if !self.are_known() {
+        if !self.is_homed() {
             return false;
         }
         self.modes = self.mount.modes(&self.corrected_errors(sensed.correction));

@@ -95,17 +95,12 @@ pub struct DriftMonitor {
     at_once: bool,
     /// Where the cranks stand is not known yet: what they are off by is nobody's fault.
     finding_out: bool,
-    /// Axes whose phase error or peak may have changed.
-    stale: AxisSet,
     /// Axes by index detected in this round.
     detected: AxisSet,
     /// Axes whose index has been detected at all.
     known: AxisSet,
     /// Axes whose index has been detected since [`Self::start_check`].
     checked: AxisSet,
-    /// The two sets before, as of the last batch that was evaluated.
-    evaluated: AxisSet,
-    evaluated_checked: AxisSet,
     /// In the last round, axes by index were off by about what they were in the one before: all but those that moved of themselves.
     is_even: bool,
     /// They have been compared since, so that the end of this round shows nothing.
@@ -150,12 +145,8 @@ impl DriftMonitor {
         watch.map_or(FaultKind::Slip, |watch| watch.name_of(by))
     }
 
-    /// Whether every axis that has a sensor has been detected since [`Self::reset`], and phase errors are up to date.
+    /// Whether every axis that has a sensor has been detected since [`Self::reset`].
     pub const fn is_homed(&self) -> bool {
-        self.evaluated == self.sensed
-    }
-
-    const fn are_known(&self) -> bool {
         self.known == self.sensed
     }
 
@@ -173,7 +164,6 @@ impl DriftMonitor {
     pub fn reset(&mut self, phase: &PerAxis<Phase>) {
         self.detected = 0;
         self.known = 0;
-        self.evaluated = 0;
         self.is_even = false;
         self.is_compared = false;
         self.finding_out = true;
@@ -187,7 +177,6 @@ impl DriftMonitor {
         }
         self.phase_error = [Turns::ZERO; MAX_AXES];
         self.modes = Modes::default();
-        self.stale = AxisSet::MAX;
         self.changed = true;
     }
 
@@ -223,29 +212,19 @@ impl DriftMonitor {
         !self.has_encoders() || self.averaged >= Turns::ONE
     }
 
-    /// Takes in what was detected, in a round that may not be over.
-    #[inline(never)] // Five places call it; copies of it would fill the RAM.
-    pub fn update(&mut self) {
-        self.changed = true;
-        let mut stale = core::mem::take(&mut self.stale) | self.encoders();
-        for ((phase_error, peak), watch) in self
-            .phase_error
-            .iter_mut()
-            .zip(&mut self.peak)
-            .zip(&self.axes)
-        {
-            if stale & 1 != 0 {
-                *phase_error = watch.phase_error();
-                *peak = phase_error.wrapping_abs().max(*peak);
-            }
-            stale >>= 1;
+    /// Takes in the phase error of an axis.
+    fn update(&mut self, axis: usize) {
+        let slots = self.phase_error.get_mut(axis).zip(self.peak.get_mut(axis));
+        if let (Some(watch), Some((phase_error, peak))) = (self.axes.get(axis), slots) {
+            *phase_error = watch.phase_error();
+            *peak = phase_error.wrapping_abs().max(*peak);
+            self.changed = true;
         }
     }
 
     /// Whatever was detected, every index is to be detected again, and encoders to be read over a turn.
     pub fn start_check(&mut self) {
         self.checked = 0;
-        self.evaluated_checked = 0;
         self.averaged = Turns::ZERO;
         for watch in &mut self.axes {
             watch.restart_average();
@@ -254,7 +233,7 @@ impl DriftMonitor {
 
     /// True if every index has been detected since [`Self::start_check`], and encoders have been read over a turn.
     pub fn is_check_done(&self) -> bool {
-        self.evaluated_checked & self.sensed == self.sensed && self.is_turn_over()
+        self.checked & self.sensed == self.sensed && self.is_turn_over()
     }
 
     /// The cranks are where they are: from now on, what moves one of them is a fault.
@@ -270,9 +249,9 @@ impl DriftMonitor {
         for watch in &mut self.axes {
             watch.shift(by.wrapping_neg());
         }
-        self.stale = AxisSet::MAX;
-        self.update();
+        fill(&mut self.phase_error, &self.axes, AxisWatch::phase_error);
         self.peak = self.phase_error.map(Turns::wrapping_abs);
+        self.changed = true;
     }
 
     /// What a crank's reading may be off by, turns.
@@ -342,9 +321,7 @@ impl DriftMonitor {
 
     /// Forgets the largest phase errors.
     pub fn reset_peak(&mut self) {
-        self.peak = [Turns::ZERO; MAX_AXES];
-        // The present phase errors count again with the next update.
-        self.stale = AxisSet::MAX;
+        self.peak = self.phase_error.map(Turns::wrapping_abs);
         self.changed = true;
     }
 

@@ -1,7 +1,6 @@
 //! Processing of a tick: what came in it is queued, and one piece of the queued work is done.
 
 use super::modes::AxisSet;
-use super::queue::Work;
 use super::{DriftMonitor, Finding, Sensed};
 use crate::units::{MAX_AXES, Turns};
 
@@ -113,7 +112,10 @@ impl DriftMonitor {
     fn observe_encoders(&mut self, sensed: &Sensed<'_>, before_is_known: bool) {
         let share = sensed.speed.min(Turns::ONE.wrapping_sub(self.averaged));
         self.averaged = self.averaged.wrapping_add(share);
-        for (axis, watch) in self.axes.iter_mut().enumerate() {
+        for axis in 0..self.axes.len().min(MAX_AXES) {
+            let Some(watch) = self.axes.get_mut(axis) else {
+                break;
+            };
             if self.by_encoder & 1 << axis == 0 {
                 continue;
             }
@@ -126,6 +128,7 @@ impl DriftMonitor {
             if share != 0 {
                 watch.average(share);
             }
+            self.update(axis);
         }
     }
 
@@ -138,67 +141,17 @@ impl DriftMonitor {
                 self.process_axis(axis, sensed);
             }
             if self.queue.updated != 0 || self.encoders() != 0 {
-                self.conclude_batch();
-                self.take_modes(sensed);
-                self.check_batch(sensed);
+                self.evaluate(sensed);
             }
-            return;
-        }
-        match self.queue.work {
-            // A timeout does not wait: the machine may have to be stopped.
-            _ if self.queue.other != 0 => {
-                if let Some(axis) = self.queue.next() {
-                    self.process_axis(axis, sensed);
-                }
+        } else if self.queue.is_processed() {
+            self.evaluate(sensed);
+        } else if self.queue.other != 0 || arrived <= 1 {
+            // A timeout does not wait: the machine may have to be stopped. But reading the pulses of several axes takes as long as
+            // processing one.
+            if let Some(axis) = self.queue.next() {
+                self.process_axis(axis, sensed);
             }
-            // Reading the pulses of several axes takes as long as processing one.
-            Work::Axis if arrived > 1 => {}
-            Work::Axis => {
-                if let Some(axis) = self.queue.next() {
-                    self.process_axis(axis, sensed);
-                }
-            }
-            Work::Conclude => self.conclude_batch(),
-            Work::Modes => self.take_modes(sensed),
-            Work::Check => self.check_batch(sensed),
         }
-        let queue = &mut self.queue;
-        if queue.work == Work::Axis && queue.batch | queue.other == 0 && queue.updated != 0 {
-            queue.work = Work::Conclude;
-        }
-    }
-
-    fn conclude_batch(&mut self) {
-        let updated = core::mem::take(&mut self.queue.updated);
-        let moved = core::mem::take(&mut self.queue.moved);
-        self.queue.work = if self.conclude(updated, moved) {
-            Work::Modes
-        } else {
-            self.end_batch()
-        };
-    }
-
-    fn take_modes(&mut self, sensed: &Sensed<'_>) {
-        if self.queue.work == Work::Modes {
-            self.queue.work = if self.update_modes(sensed) {
-                Work::Check
-            } else {
-                self.end_batch()
-            };
-        }
-    }
-
-    fn check_batch(&mut self, sensed: &Sensed<'_>) {
-        if self.queue.work == Work::Check {
-            self.check(sensed);
-            self.queue.work = self.end_batch();
-        }
-    }
-
-    const fn end_batch(&mut self) -> Work {
-        self.evaluated = self.known;
-        self.evaluated_checked = self.checked;
-        Work::Axis
     }
 
     fn process_axis(&mut self, axis: usize, sensed: &Sensed<'_>) {
@@ -221,6 +174,7 @@ impl DriftMonitor {
             if self.sort(axis, is_other, sensed) {
                 self.queue.moved |= own;
             }
+            self.update(axis);
         }
         if let Some(watch) = self.axes.get(axis)
             && self.by_index & own != 0

@@ -95,7 +95,6 @@ impl Homing {
         monitor: &mut DriftMonitor,
         offsets: &PhaseOffsets,
     ) -> Verdict {
-        monitor.update();
         let mut phase_error = monitor.turn_errors();
         self.checks += 1;
         for (sum, (now, &before)) in self
