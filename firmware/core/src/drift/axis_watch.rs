@@ -8,10 +8,10 @@ pub use gate::place_gate;
 use gate::{cycle, gate, tolerance};
 
 use super::angles::{angle, of_angle};
+use super::diagnosis::Diagnosis;
 use super::encoder_watch::{EncoderWatch, Read};
 use super::index_filter::BRIDGE_WIDTHS;
 use super::index_watch::{Detection, IndexWatch, Place};
-use super::naming::History;
 use super::queue::QueuedPulse;
 use super::tick_phase::{IndexPulse, TickClock, TickPhase};
 use crate::settings::{AxisSettings, turns};
@@ -20,9 +20,6 @@ use crate::units::{Phase, Turns, nearest};
 
 /// Index pulses over which what crank and encoder differ by is averaged: 2 to this power.
 const FILTER_SHIFT: u32 = 4;
-
-/// Turns after which what happened to an axis is no longer why it is where it is.
-const FORGOTTEN_AFTER: u8 = 8;
 
 /// Watches one axis.
 #[derive(Clone, Debug)]
@@ -46,19 +43,7 @@ pub(super) struct AxisWatch {
     /// Offset at the last round, and where it was when all was well: angles.
     last: i32,
     home: i32,
-    history: History,
-    /// Named in this tick, and not reported yet.
-    fresh: Option<(FaultKind, Turns)>,
-    /// What it was called last, and for how many rounds more that counts.
-    name: Option<FaultKind>,
-    name_for: u8,
-    /// It slipped, as its last pulse had it.
-    is_slipping: bool,
-    timed_out: bool,
-    missed: u8,
-    extra: u8,
-    /// Pulses out of place without one in place between.
-    consecutive_outliers: u8,
+    diagnosis: Diagnosis,
 }
 
 impl AxisWatch {
@@ -117,15 +102,7 @@ impl AxisWatch {
             alone,
             last: 0,
             home: 0,
-            history: History::new(cycle, whole),
-            fresh: None,
-            name: None,
-            name_for: 0,
-            is_slipping: false,
-            timed_out: false,
-            missed: 0,
-            extra: 0,
-            consecutive_outliers: 0,
+            diagnosis: Diagnosis::new(cycle, whole),
         }
     }
 
@@ -208,39 +185,18 @@ impl AxisWatch {
         }
     }
 
-    /// Gives what happened a name: that of its history unless it is known.
-    fn named(&mut self, by: Turns, kind: Option<FaultKind>) {
-        let kind = kind.unwrap_or_else(|| self.history.jumped(by));
-        self.fresh = Some((kind, by));
-        self.is_slipping = kind == FaultKind::Slip;
-        self.name = Some(kind);
-        self.name_for = FORGOTTEN_AFTER;
-    }
-
-    /// A turn on, what happened to the axis is less likely why it is where it is.
-    fn forget(&mut self) {
-        self.name_for = self.name_for.saturating_sub(1);
-        if self.name_for == 0 {
-            self.name = None;
-        }
-    }
-
     /// At the end of a round in which all others jumped by `jump`, and have walked by `walk`, of an axis by index.
     pub(super) fn compare(&mut self, jump: i32, walk: i32) {
         let moved = self.moved();
         let own_jump = moved.0.wrapping_sub(jump);
         let own_walk = moved.1.wrapping_sub(walk);
         self.last = angle(self.offset());
-        self.forget();
         if own_jump.unsigned_abs() > self.gate {
             self.home = self.home.wrapping_add(own_jump);
-            self.named(of_angle(own_jump), None);
-            return;
-        }
-        self.history.rest();
-        if own_walk.unsigned_abs() > self.gate {
+            self.diagnosis.jump(of_angle(own_jump));
+        } else if own_walk.unsigned_abs() > self.gate {
             self.home = self.last.wrapping_sub(walk);
-            self.named(of_angle(own_walk), Some(FaultKind::Slip));
+            self.diagnosis.drift(of_angle(own_walk));
         }
     }
 
@@ -250,8 +206,8 @@ impl AxisWatch {
         (now.wrapping_sub(self.last), now.wrapping_sub(self.home))
     }
 
-    pub(super) const fn take_fresh(&mut self) -> Option<(FaultKind, Turns)> {
-        self.fresh.take()
+    pub(super) const fn diagnosis(&mut self) -> &mut Diagnosis {
+        &mut self.diagnosis
     }
 
     fn offset(&self) -> Turns {
@@ -305,7 +261,7 @@ impl AxisWatch {
     /// What no crank is off by that only swings about its place: a rotor that is half an electrical cycle from its field does not come
     /// back to where it was.
     pub(super) fn swing(&self) -> Turns {
-        of_angle(self.gate as i32).max(self.history.half_cycle())
+        of_angle(self.gate as i32).max(self.diagnosis.half_cycle())
     }
 
     /// Adds the encoder's error over a share of a turn to its mean.
@@ -330,14 +286,9 @@ impl AxisWatch {
         }
     }
 
-    /// What it is called that the crank jumped, with what it did before.
-    pub(super) fn jumped(&mut self, by: Turns) -> FaultKind {
-        self.history.jumped(by)
-    }
-
     /// What a jump is called that nothing is known of but its size.
     pub(super) fn name_of(&self, by: Turns) -> FaultKind {
-        self.history.of_one(by)
+        self.diagnosis.of_one(by)
     }
 
     /// Turns at the end of a tick by which the pulse of an axis by index is late, beyond its phase error.
@@ -349,7 +300,7 @@ impl AxisWatch {
     /// Its pulse is late, or was until this tick, or nothing is expected of it.
     pub(super) fn is_late(&self) -> bool {
         let came_late = matches!(self.detection, Detection::Moved { by } if by < 0);
-        let is_undetected = self.index.as_ref().is_none_or(IndexWatch::is_undetected);
+        let is_undetected = self.index.as_ref().is_none_or(IndexWatch::is_late);
         self.encoder.is_none() && (is_undetected || came_late)
     }
 
@@ -363,14 +314,7 @@ impl AxisWatch {
         }
         self.detection = Detection::Nothing;
         self.read = Read::Nothing;
-        self.history.rest();
-        self.fresh = None;
-        self.name = None;
-        self.is_slipping = false;
-        self.timed_out = false;
-        self.missed = 0;
-        self.extra = 0;
-        self.consecutive_outliers = 0;
+        self.diagnosis.clear();
     }
 
     pub(super) fn settle(&mut self) {
@@ -379,9 +323,7 @@ impl AxisWatch {
         }
         self.last = angle(self.offset());
         self.home = self.last;
-        self.fresh = None;
-        self.is_slipping = false;
-        self.name = None;
+        self.diagnosis.clear();
     }
 
     pub(super) fn shift(&mut self, by: Turns) {

@@ -42,7 +42,7 @@ impl DriftMonitor {
             && self.finding_out
             && self.findings.has_requested_stop()
         {
-            let kind = watch.jumped(by);
+            let kind = watch.diagnosis().jump(by);
             self.find(axis, kind, by, false);
         } else if let Some(by) = sorted.has_moved
             && self.finding_out
@@ -169,7 +169,8 @@ impl DriftMonitor {
     pub(super) fn check(&mut self, sensed: &Sensed<'_>) {
         let exceeded = self.exceeded(sensed.speed);
         for axis in 0..self.axes.len().min(MAX_AXES) {
-            let fresh = self.axes.get_mut(axis).and_then(AxisWatch::take_fresh);
+            let watch = self.axes.get_mut(axis);
+            let fresh = watch.and_then(|watch| watch.diagnosis().take_new());
             // During homing and levelling the homing itself evaluates what the cranks do.
             if let Some((kind, by)) = fresh.filter(|_| !self.finding_out) {
                 self.find(axis, kind, by, exceeded.is_none());

@@ -1,7 +1,7 @@
 //! Findings of the monitor that are not reported yet, one a tick; and the one that a stop was requested for, which may get a
 //! better name.
 
-use super::naming;
+use super::diagnosis::is_better;
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::Turns;
 use heapless::Deque;
@@ -93,7 +93,7 @@ impl Findings {
         if let Some((axis, kind)) = self.open {
             let same = axis == fault.axis || axis.is_none();
             let in_time = self.since_open < NAMED_WITHIN;
-            if same && in_time && naming::is_better(fault.kind, kind) {
+            if same && in_time && is_better(fault.kind, kind) {
                 supersedes = true;
             } else if !within_limits {
                 return; // it is being stopped

@@ -38,6 +38,17 @@ struct Spacing {
     by: Turns,
 }
 
+/// State of the pulse that comes next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Due {
+    /// It is expected.
+    Expected,
+    /// It did not come in its place.
+    Late,
+    /// It is so late that the crank may be beyond its limit.
+    Overdue,
+}
+
 /// Watches one sensor.
 #[derive(Clone, Debug)]
 pub(super) struct IndexWatch {
@@ -46,17 +57,15 @@ pub(super) struct IndexWatch {
     is_settled: bool,
     /// What the last believed pulse showed.
     offset: Turns,
-    known: bool,
-    /// Pulses that this is the mean of, up to what `filtered` requires.
+    /// Pulses that this is the mean of; none before the first.
     meant: u8,
     /// Phase at that pulse; before the first, where the search began.
     detected_at: Phase,
     outlier: Option<Outlier>,
     spacing: Option<Spacing>,
-    /// Nothing came where the next pulse was expected.
-    undetected: bool,
-    /// Nor where the last was, which was done without.
-    missing: bool,
+    due: Due,
+    /// Pulses in a row that were done without.
+    missed: u8,
     /// Turns since then at which there is something to say.
     alert: Turns,
 }
@@ -67,13 +76,12 @@ impl IndexWatch {
             place,
             is_settled: false,
             offset: Turns::ZERO,
-            known: false,
             meant: 0,
             detected_at: Phase::ZERO,
             outlier: None,
             spacing: None,
-            undetected: false,
-            missing: false,
+            due: Due::Expected,
+            missed: 0,
             alert: Turns::ZERO,
         }
     }
@@ -82,11 +90,11 @@ impl IndexWatch {
     pub(super) fn reset(&mut self, phase: Phase) {
         self.is_settled = false;
         self.offset = Turns::ZERO;
-        self.known = false;
+        self.meant = 0;
         self.outlier = None;
         self.spacing = None;
-        self.undetected = false;
-        self.missing = false;
+        self.due = Due::Expected;
+        self.missed = 0;
         self.detected_at = phase;
         self.alert = ONE.wrapping_add(self.place.overdue);
     }
@@ -113,12 +121,17 @@ impl IndexWatch {
     }
 
     pub(super) const fn is_known(&self) -> bool {
-        self.known
+        self.meant > 0
+    }
+
+    /// Pulses in a row that were done without.
+    pub(super) const fn missed(&self) -> u8 {
+        self.missed
     }
 
     /// Whether the expected pulse has not come.
-    pub(super) const fn is_undetected(&self) -> bool {
-        self.undetected
+    pub(super) fn is_late(&self) -> bool {
+        self.due != Due::Expected
     }
 
     /// Turns from the end of a tick until a pulse is due; negative if it is. [`Self::has_timed_out`] is not true before, as it takes
@@ -171,7 +184,7 @@ impl IndexWatch {
         before: Option<Turns>,
         clock: TickClock,
     ) -> Detection {
-        if commanded == 0 && !self.known {
+        if commanded == 0 && !self.is_known() {
             // A crank that swings where it was left may meet its flag at either end.
             return Detection::Nothing;
         }
@@ -206,8 +219,7 @@ impl IndexWatch {
     }
 
     fn judge(&mut self, offset: Turns, at: Phase) -> Detection {
-        if !self.known {
-            self.known = true;
+        if !self.is_known() {
             self.meant = 1;
             self.believe(offset, at);
             return Detection::First;
@@ -217,17 +229,18 @@ impl IndexWatch {
             if at.since(self.detected_at) < HALF {
                 return Detection::Nothing; // the same passage
             }
+            let was_overdue = self.due == Due::Overdue;
             let before = self.detected_at;
             let filtered = self.filter(by);
             self.believe(nearest(self.offset.wrapping_add(filtered)), at);
-            return self.in_place(offset, at, before);
+            return self.in_place(offset, at, before, was_overdue);
         }
         let again = self.outlier.is_some_and(|outlier| {
             let apart = nearest(offset.wrapping_sub(outlier.offset));
             apart.abs() <= self.place.gate && at.since(outlier.at) >= HALF
         });
         // None where the flag was, and one elsewhere: the flag is there now.
-        if self.undetected || self.missing || again {
+        if self.is_late() || self.missed > 0 || again {
             self.outlier = None;
             self.spacing = None;
             self.meant = 1;
@@ -251,10 +264,17 @@ impl IndexWatch {
     }
 
     /// A pulse in its place, which showed `offset`; the one before came at `before`.
-    fn in_place(&mut self, offset: Turns, at: Phase, before: Phase) -> Detection {
+    fn in_place(
+        &mut self,
+        offset: Turns,
+        at: Phase,
+        before: Phase,
+        was_overdue: bool,
+    ) -> Detection {
         let Some(outlier) = self.outlier.take() else {
             self.spacing = None;
             return Detection::InPlace {
+                was_overdue,
                 extra: None,
                 may_be_fast: false,
             };
@@ -266,6 +286,7 @@ impl IndexWatch {
             by,
         });
         Detection::InPlace {
+            was_overdue,
             extra: Some(by),
             may_be_fast: BETWEEN.contains(&after),
         }
@@ -286,7 +307,8 @@ impl IndexWatch {
     /// Nothing has come for so long that there is something to say.
     #[inline(never)]
     fn time_out(&mut self) -> Detection {
-        if self.known && !self.undetected {
+        let waited = self.due == Due::Overdue;
+        if self.is_known() && !self.is_late() {
             if let Some(outlier) = self.outlier.take() {
                 let by = nearest(outlier.offset.wrapping_sub(self.offset));
                 self.spacing = None;
@@ -294,33 +316,33 @@ impl IndexWatch {
                 self.believe(outlier.offset, outlier.at);
                 return Detection::Moved { by };
             }
-            self.undetected = true;
+            self.due = Due::Late;
             self.alert = ONE.wrapping_add(self.overdue().max(self.place.gate));
             return Detection::Undetected;
         }
-        self.undetected = true;
+        self.due = Due::Overdue;
         self.alert = Turns::MAX;
-        Detection::Overdue
+        Detection::Overdue { waited }
     }
 
     fn believe(&mut self, offset: Turns, at: Phase) {
         self.offset = offset;
         self.detected_at = at;
-        self.undetected = false;
-        self.missing = false;
+        self.due = Due::Expected;
+        self.missed = 0;
         self.alert = ONE.wrapping_add(self.place.gate);
     }
 
     /// A pulse came out of place: whether one is missing at the very place of the next decides.
     fn decide_soon(&mut self) {
-        if !self.undetected {
+        if !self.is_late() {
             self.alert = self.alert.min(ONE.wrapping_add(self.place.sure));
         }
     }
 
     /// The crank may have moved at `phase`: a missing pulse at the place of the next decides, and within a turn from then.
     pub(super) fn decide_within_a_turn_of(&mut self, phase: Phase) {
-        if self.known && !self.undetected {
+        if self.is_known() && !self.is_late() {
             let went = phase.since(self.detected_at).max(Turns::ZERO);
             self.alert = ONE.wrapping_add(went.min(self.place.gate));
         }
@@ -329,7 +351,7 @@ impl IndexWatch {
     /// The crank has moved by so much, as something else shows: its pulse is to come where that has it.
     pub(super) fn believe_moved(&mut self, by: Turns) {
         self.offset = nearest(self.offset.wrapping_add(by));
-        self.undetected = false;
+        self.due = Due::Expected;
         self.alert = ONE
             .wrapping_add(self.place.gate)
             .wrapping_sub(by.min(Turns::ZERO));
@@ -343,8 +365,8 @@ impl IndexWatch {
     /// An overdue pulse is done without: the next is expected a turn later.
     pub(super) fn pass_over(&mut self) {
         self.detected_at = self.detected_at.advanced(ONE);
-        self.undetected = false;
-        self.missing = true;
+        self.due = Due::Expected;
+        self.missed = self.missed.saturating_add(1);
         self.alert = ONE.wrapping_add(self.place.gate);
     }
 

@@ -8,7 +8,7 @@
 //!
 //! - [`IndexFilter`] makes pulses of noisy lines; `index_watch` believes them, or does not.
 //! - `encoder_watch` does the same for encoders. Of an axis that has both, the index shows what encoder and crank differ by.
-//! - [`Mount`] takes drifts apart, [`DriftLimits`] says which modes are too large, `naming` what a crank that moved is called.
+//! - [`Mount`] takes drifts apart, [`DriftLimits`] says which modes are too large, `diagnosis` what a crank that moved is called.
 //!
 //! A *round* is over when every axis without an encoder has been detected since the last: phase errors of one turn are compared with
 //! each other and not with those of the turn before. What all cranks do alike is nobody's fault, and is taken out before one is
@@ -19,6 +19,7 @@
 mod angles;
 mod axis_watch;
 mod configure;
+mod diagnosis;
 mod encoder_watch;
 mod evaluate;
 mod findings;
@@ -27,18 +28,17 @@ pub mod index_filter;
 mod index_watch;
 mod limits;
 mod modes;
-mod naming;
 mod process;
 mod queue;
 mod tick_phase;
 
 pub use axis_watch::place_gate;
+pub(crate) use diagnosis::is_better;
 pub use findings::Finding;
 pub use history::History;
 pub use index_filter::IndexFilter;
 pub use limits::DriftLimits;
 pub use modes::{AxisSet, Knowledge, Modes, Mount};
-pub(crate) use naming::is_better;
 pub use tick_phase::{IndexPulse, TickPhase};
 
 use crate::supervisor::FaultKind;

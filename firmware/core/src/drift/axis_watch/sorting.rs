@@ -3,7 +3,7 @@
 //! An encoder that jumped is *unconfirmed* until the index shows: a pulse where it was due shows that counts were lost; no pulse
 //! there shows that the crank moved. An index that is out of place, with an encoder that measured nothing, is a crank that slipped on its shaft.
 
-use super::{AxisWatch, FORGOTTEN_AFTER};
+use super::AxisWatch;
 use crate::drift::angles::{angle, of_angle};
 use crate::drift::encoder_watch::Read;
 use crate::drift::index_watch::Detection;
@@ -12,13 +12,6 @@ use crate::units::Turns;
 
 /// Index pulses that may stay away in a row, where an encoder watches.
 const MOST_MISSED: u8 = 2;
-
-/// Weight of an extra pulse in the count of them. A turn without one takes one off; at the limit the sensor has failed.
-const EXTRA_WEIGHT: u8 = 4;
-const MOST_EXTRA: u8 = 12;
-
-/// Pulses out of place, one after the other: a crank passes its flag more often than it should.
-const RUNAWAY_OUTLIERS: u8 = 2;
 
 /// Fault that is to be reported: its kind, its size, and whether the crank is still detected.
 type Report = (FaultKind, Turns, bool);
@@ -69,11 +62,14 @@ impl AxisWatch {
         let mut sorted = match core::mem::replace(&mut self.detection, Detection::Nothing) {
             Detection::Nothing => Sorted::default(),
             Detection::First => Sorted::detected(self.first()),
-            Detection::InPlace { extra, may_be_fast } => {
+            Detection::InPlace {
+                was_overdue,
+                extra,
+                may_be_fast,
+            } => {
                 // Which of the two it is, an encoder knows. (At three times its speed there are two between.)
-                let is_sure =
-                    !may_be_fast && self.consecutive_outliers == 0 || self.encoder.is_some();
-                Sorted::detected(self.in_place(extra, is_sure))
+                let is_sure = !may_be_fast && !self.diagnosis.had_extra() || self.encoder.is_some();
+                Sorted::detected(self.in_place(was_overdue, extra, is_sure))
             }
             Detection::Running { by } if self.encoder.is_none() => {
                 Sorted::undetected(Some(self.runs_away(by)))
@@ -82,8 +78,7 @@ impl AxisWatch {
             Detection::Extra { by } => Sorted::undetected(Some(self.out_of_place(by))),
             Detection::Moved { by } => {
                 // It came twice in a turn, and not where it was: a crank that runs, or that moved once, and an extra pulse before.
-                let may_run =
-                    core::mem::take(&mut self.consecutive_outliers) > 0 && self.encoder.is_none();
+                let may_run = self.diagnosis.had_extra() && self.encoder.is_none();
                 let reported = may_run.then_some((FaultKind::IndexExtra, by, false));
                 Sorted {
                     reported,
@@ -91,7 +86,9 @@ impl AxisWatch {
                 }
             }
             Detection::Undetected => self.nowhere(),
-            Detection::Overdue => Sorted::undetected(self.overdue(patience)),
+            Detection::Overdue { waited } => {
+                Sorted::undetected(self.overdue(patience.filter(|_| !waited)))
+            }
         };
         if let (true, Some(encoder)) = (sorted.is_detected, &self.encoder) {
             self.at_flag = encoder.filtered_error();
@@ -112,7 +109,7 @@ impl AxisWatch {
     fn first(&mut self) -> Option<Report> {
         self.home = angle(self.offset());
         let by = self.take_unconfirmed_jump()?;
-        let kind = match self.history.of_one(by) {
+        let kind = match self.diagnosis.of_one(by) {
             FaultKind::LostSteps => FaultKind::LostSteps,
             _ => FaultKind::EncoderGlitch,
         };
@@ -120,19 +117,18 @@ impl AxisWatch {
     }
 
     /// A pulse where it was due, and perhaps an extra one before it; unless it is not sure that it was extra.
-    fn in_place(&mut self, extra: Option<Turns>, is_sure: bool) -> Option<Report> {
-        self.missed = 0;
-        self.consecutive_outliers = 0;
-        self.is_slipping = false;
-        self.extra = self.extra.saturating_sub(1);
-        if self.encoder.is_some() {
-            self.forget(); // the others do at the end of their round
-        }
-        if core::mem::take(&mut self.timed_out) {
+    fn in_place(
+        &mut self,
+        was_overdue: bool,
+        extra: Option<Turns>,
+        is_sure: bool,
+    ) -> Option<Report> {
+        let extra = extra.map(|by| self.extra(by));
+        self.diagnosis.pass_turn();
+        if was_overdue {
             return Some((FaultKind::IndexMissing, Turns::ZERO, false));
         }
-        if let Some(by) = extra {
-            let (kind, by, within_limits) = self.extra(by);
+        if let Some((kind, by, within_limits)) = extra {
             return Some((kind, by, within_limits && is_sure));
         }
         if let Some(unconfirmed_jump) = self.take_unconfirmed_jump() {
@@ -146,23 +142,20 @@ impl AxisWatch {
 
     /// Another pulse out of place. Of a crank that is ahead already, and comes again before its time: it is on its way.
     fn out_of_place(&mut self, by: Turns) -> Report {
-        self.consecutive_outliers = self.consecutive_outliers.saturating_add(1);
-        if self.consecutive_outliers < RUNAWAY_OUTLIERS && !self.history.is_ahead() {
+        if !self.diagnosis.had_extra() && !self.diagnosis.is_ahead() {
             return self.extra(by);
         }
         self.runs_away(by)
     }
 
     fn runs_away(&mut self, by: Turns) -> Report {
-        self.name = Some(FaultKind::Runaway);
-        self.name_for = FORGOTTEN_AFTER;
+        self.diagnosis.run();
         (FaultKind::Runaway, by, false)
     }
 
     /// The crank is elsewhere, `by` as its index has it; by how much in all.
     fn elsewhere(&mut self, by: Turns) -> Turns {
-        self.timed_out = false;
-        self.missed = 0;
+        self.diagnosis.pass_turn();
         if self.encoder.is_none() {
             return by; // named when the round is over
         }
@@ -174,14 +167,15 @@ impl AxisWatch {
             angle(unconfirmed_jump).unsigned_abs(),
         );
         let same_sense = unconfirmed_jump != 0 && (by < 0) == (unconfirmed_jump < 0);
-        let (by, kind) = if same_sense && shown <= jumped.saturating_add(self.gate) {
+        let by = if same_sense && shown <= jumped.saturating_add(self.gate) {
             self.believe_moved(unconfirmed_jump.wrapping_sub(by));
-            (unconfirmed_jump, None)
+            self.diagnosis.jump(unconfirmed_jump);
+            unconfirmed_jump
         } else {
-            (by, Some(FaultKind::Slip))
+            self.diagnosis.drift(by);
+            by
         };
         self.home = self.home.wrapping_add(angle(by));
-        self.named(by, kind);
         by
     }
 
@@ -192,7 +186,7 @@ impl AxisWatch {
         };
         self.believe_moved(unconfirmed_jump);
         self.home = self.home.wrapping_add(angle(unconfirmed_jump));
-        self.named(unconfirmed_jump, None);
+        self.diagnosis.jump(unconfirmed_jump);
         Sorted::moved(unconfirmed_jump)
     }
 
@@ -201,16 +195,14 @@ impl AxisWatch {
         let index = self.index.as_mut()?;
         if self.encoder.is_some() && index.is_known() {
             index.pass_over();
-            self.missed = self.missed.saturating_add(1);
-            if self.is_slipping && index.is_settled() {
+            if self.diagnosis.is_slipping() && index.is_settled() {
                 // Nor does an encoder vouch for a crank that slipped on its shaft in the turn before.
                 return Some((FaultKind::Slip, self.alone.wrapping_neg(), false));
             }
-            let within_limits = self.missed <= MOST_MISSED;
+            let within_limits = index.missed() <= MOST_MISSED;
             return Some((FaultKind::IndexMissing, Turns::ZERO, within_limits));
         }
-        let had_timed_out = core::mem::replace(&mut self.timed_out, true);
-        if let Some(patience) = patience.filter(|&most| most > self.alone && !had_timed_out) {
+        if let Some(patience) = patience.filter(|&most| most > self.alone) {
             index.wait(patience);
             return None;
         }
@@ -234,7 +226,7 @@ impl AxisWatch {
             // Nothing else shows where the crank is: it is believed.
             Read::Jump { by } if self.index.is_none() => {
                 encoder.believe();
-                self.named(by, None);
+                self.diagnosis.jump(by);
                 None
             }
             _ => None,
@@ -242,8 +234,8 @@ impl AxisWatch {
     }
 
     fn extra(&mut self, by: Turns) -> Report {
-        self.extra = self.extra.saturating_add(EXTRA_WEIGHT);
-        (FaultKind::IndexExtra, by, self.extra <= MOST_EXTRA)
+        let within_limits = self.diagnosis.extra(by);
+        (FaultKind::IndexExtra, by, within_limits)
     }
 
     /// Crank and encoder go apart, turn by turn.
@@ -251,7 +243,7 @@ impl AxisWatch {
         let (_, walk) = self.moved();
         if walk.unsigned_abs() > self.gate {
             self.home = angle(self.offset());
-            self.named(of_angle(walk), Some(FaultKind::Slip));
+            self.diagnosis.drift(of_angle(walk));
         }
     }
 }

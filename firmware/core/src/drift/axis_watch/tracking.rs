@@ -9,7 +9,7 @@ use crate::units::Turns;
 impl AxisWatch {
     /// Name of the fault that moved this axis, if it is known.
     pub(in crate::drift) fn name(&self) -> Option<FaultKind> {
-        self.tracking().or(self.name)
+        self.tracking().or(self.diagnosis.name())
     }
 
     /// True if it moved in the last turns, or does.

@@ -37,6 +37,8 @@ pub(in crate::drift) enum Detection {
     First,
     /// A pulse in its place; and an outlier before it was none.
     InPlace {
+        /// It was overdue.
+        was_overdue: bool,
         /// By how much that was off.
         extra: Option<Turns>,
         /// But the crank may have passed its flag in both places, being that fast.
@@ -60,5 +62,8 @@ pub(in crate::drift) enum Detection {
     /// Nothing came where the next pulse was expected.
     Undetected,
     /// A pulse stays away: reported once, until one comes.
-    Overdue,
+    Overdue {
+        /// It was waited for.
+        waited: bool,
+    },
 }

@@ -1,0 +1,348 @@
+//! Diagnosis of one axis: what its last events are called.
+//!
+//! | last events | name |
+//! | --- | --- |
+//! | a jump by whole electrical cycles of a stepper, or two that add up to a few | *lost steps* |
+//! | any other jump, or drift beyond a gate | *slip* |
+//! | jumps ahead in turn after turn that gain, or pulses at the spacing of a crank that runs | *runaway* |
+//! | pulses where no flag is | *extra index pulse* |
+//!
+//! No name is needed to stop the machine. Events come in turn by turn, and a better name may replace a worse one while the machine is
+//! being stopped: at first a crank may only be overdue, or the platform tilted.
+
+use crate::supervisor::FaultKind;
+use crate::units::{Turns, nearest};
+
+/// Events that are kept. Extra pulses in as many turns in a row mean that the sensor has failed.
+const EVENTS: usize = 4;
+
+/// Turns after which an event no longer explains where the crank is.
+const FORGOTTEN_AFTER: u8 = 8;
+
+/// Electrical cycles that a stepper may gain at once.
+const MOST_GAINED: i64 = 4;
+
+/// What happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum What {
+    /// The crank is elsewhere than in the turn before.
+    Jump,
+    /// It moved on its shaft, or little by little.
+    Drift,
+    /// Pulses came at the spacing of a crank that runs.
+    Run,
+    /// A pulse came where no flag is.
+    Extra,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Event {
+    what: What,
+    name: FaultKind,
+    by: Turns,
+    /// Turns since then that its index showed.
+    age: u8,
+    /// Not reported yet.
+    is_new: bool,
+}
+
+/// Last events of one axis.
+#[derive(Clone, Debug)]
+pub(super) struct Diagnosis {
+    /// An electrical cycle, turns; zero if it has none.
+    cycle: Turns,
+    /// Difference of two readings of a crank that is where it was.
+    tolerance: Turns,
+    /// Latest first.
+    events: heapless::Deque<Event, EVENTS>,
+}
+
+impl Diagnosis {
+    pub(super) const fn new(cycle: Turns, tolerance: Turns) -> Self {
+        Self {
+            cycle,
+            tolerance,
+            events: heapless::Deque::new(),
+        }
+    }
+
+    /// Half of an electrical cycle, turns.
+    pub(super) fn half_cycle(&self) -> Turns {
+        Turns::from_bits(self.cycle.to_bits() / 2)
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.events.clear();
+    }
+
+    /// The index showed the crank again.
+    pub(super) fn pass_turn(&mut self) {
+        for event in &mut self.events {
+            event.age = event.age.saturating_add(1);
+        }
+        while self.events.back().is_some_and(|event| event.age >= FORGOTTEN_AFTER) {
+            self.events.pop_back();
+        }
+    }
+
+    fn record(&mut self, what: What, name: FaultKind, by: Turns) {
+        if self.events.is_full() {
+            self.events.pop_back();
+        }
+        // There is room now.
+        let _ = self.events.push_front(Event {
+            what,
+            name,
+            by,
+            age: 0,
+            is_new: what != What::Extra,
+        });
+    }
+
+    /// Records that the crank jumped, forward if `by` is positive; returns the name.
+    pub(super) fn jump(&mut self, by: Turns) -> FaultKind {
+        let name = self.name_of_jump(by);
+        self.record(What::Jump, name, by);
+        name
+    }
+
+    /// Records that the crank moved on its shaft, or little by little.
+    pub(super) fn drift(&mut self, by: Turns) {
+        self.record(What::Drift, FaultKind::Slip, by);
+    }
+
+    /// Records pulses at the spacing of a crank that runs.
+    pub(super) fn run(&mut self) {
+        self.record(What::Run, FaultKind::Runaway, Turns::ZERO);
+        self.take_new(); // It is reported at once.
+    }
+
+    /// Records a pulse where no flag is. Returns false if the sensor has failed.
+    pub(super) fn extra(&mut self, by: Turns) -> bool {
+        self.record(What::Extra, FaultKind::IndexExtra, by);
+        let mut events = self.events.iter();
+        let is_one = |event: &Event| event.what == What::Extra && usize::from(event.age) < EVENTS;
+        !(self.events.is_full() && events.all(is_one))
+    }
+
+    /// True if a pulse came where no flag is, and none in its place since.
+    pub(super) fn had_extra(&self) -> bool {
+        let mut events = self.events.iter();
+        events.any(|event| event.what == What::Extra && event.age == 0)
+    }
+
+    /// True if the crank jumped forward when its index showed it last.
+    pub(super) fn is_ahead(&self) -> bool {
+        let mut jumps = self.jumps();
+        jumps.next().is_some_and(|event| event.age == 0 && event.by > 0)
+    }
+
+    /// True if the crank slipped when its index showed it last.
+    pub(super) fn is_slipping(&self) -> bool {
+        self.latest()
+            .is_some_and(|event| event.age == 0 && event.name == FaultKind::Slip)
+    }
+
+    /// Name of what moved the crank, if that was in the last turns.
+    pub(super) fn name(&self) -> Option<FaultKind> {
+        self.latest().map(|event| event.name)
+    }
+
+    /// Takes the name and size of the latest move, if they have not been taken yet.
+    pub(super) fn take_new(&mut self) -> Option<(FaultKind, Turns)> {
+        let latest = self.latest().filter(|event| event.is_new);
+        let new = latest.map(|event| (event.name, event.by));
+        for event in &mut self.events {
+            event.is_new = false;
+        }
+        new
+    }
+
+    /// The latest event that moved the crank.
+    fn latest(&self) -> Option<&Event> {
+        self.events.iter().find(|event| event.what != What::Extra)
+    }
+
+    fn jumps(&self) -> impl Iterator<Item = &Event> {
+        self.events.iter().filter(|event| event.what == What::Jump)
+    }
+
+    fn name_of_jump(&self, by: Turns) -> FaultKind {
+        // Jumps the same way in the turns before this one, without a break.
+        let mut row = self
+            .jumps()
+            .zip(1_u8..)
+            .take_while(|(event, before)| event.age <= *before && (event.by < 0) == (by < 0))
+            .map(|(event, _)| event.by);
+        let (before, earlier) = (row.next(), row.next());
+        let Some(before) = before else {
+            return self.of_one(by);
+        };
+        // What runs away gains more in its second turn than in what was left of the first.
+        let gains = by > 0 && (by > before || earlier.is_some());
+        // A crank that passes its index while it jumps shows part of it then, and the rest a turn later.
+        let whole = self.is_whole(by) && self.is_whole(before)
+            || earlier.is_none() && self.is_whole_in_two(before.wrapping_add(by));
+        if gains {
+            FaultKind::Runaway
+        } else if whole {
+            FaultKind::LostSteps
+        } else {
+            FaultKind::Slip
+        }
+    }
+
+    /// Name of one jump that stands for itself.
+    pub(super) fn of_one(&self, by: Turns) -> FaultKind {
+        if self.is_whole(by) {
+            FaultKind::LostSteps
+        } else {
+            FaultKind::Slip
+        }
+    }
+
+    /// The same of two parts of a jump. Of large jumps one in four is whole by chance: what gains more than a few cycles is no stepper
+    /// that was pulled on, but one that runs away.
+    fn is_whole_in_two(&self, by: Turns) -> bool {
+        self.is_whole(by)
+            && by.to_bits() <= MOST_GAINED * self.cycle.to_bits() + self.cycle.to_bits() / 2
+    }
+
+    /// Whether a jump is one or more whole electrical cycles.
+    fn is_whole(&self, by: Turns) -> bool {
+        if self.cycle <= 0 {
+            return false;
+        }
+        let cycle = self.cycle.to_bits();
+        let by = by.wrapping_abs().to_bits();
+        // Half a turn and more has 32 bits so, and a cycle is not below 2⁻¹⁴ turn: how many there are comes out right.
+        let units = |turns: i64| (turns >> 17) as u32;
+        let cycles = units(by + cycle / 2).checked_div(units(cycle)).unwrap_or(0);
+        let off = nearest(Turns::from_bits(by - i64::from(cycles) * cycle));
+        cycles > 0 && off.abs() <= self.tolerance
+    }
+}
+
+/// Whether `new` says more than `old`, of the same axis in the same stop.
+pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
+    const fn rank(kind: FaultKind) -> u8 {
+        match kind {
+            FaultKind::Tilt
+            | FaultKind::Warp
+            | FaultKind::CommonLag
+            | FaultKind::IndexTimeout
+            | FaultKind::IndexExtra
+            | FaultKind::Capture => 0,
+            FaultKind::LostSteps | FaultKind::Slip => 1,
+            FaultKind::IndexMissing | FaultKind::Stuck | FaultKind::Runaway => 2,
+            // At first a crank may seem to stand. One that turns back must not be driven on.
+            FaultKind::Reversed => 3,
+            _ => 4,
+        }
+    }
+    if let FaultKind::IndexMissing = new {
+        return matches!(old, FaultKind::IndexTimeout);
+    }
+    let (new_rank, old_rank) = (rank(new), rank(old));
+    // Of lost steps and slip the later shows.
+    let is_other_kind = new_rank == 1 && old_rank == 1 && new as u8 != old as u8;
+    new_rank < 4 && (new_rank > old_rank || is_other_kind)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CYCLE_DEG: f64 = 7.2;
+
+    fn deg(deg: f64) -> Turns {
+        Turns::from_num(deg / 360.0)
+    }
+
+    fn axis() -> Diagnosis {
+        Diagnosis::new(deg(CYCLE_DEG), deg(0.45))
+    }
+
+    /// Name of a jump in the turn after the last event.
+    fn next(axis: &mut Diagnosis, by_deg: f64) -> FaultKind {
+        axis.pass_turn();
+        axis.jump(deg(by_deg))
+    }
+
+    #[test]
+    fn whole_cycles_are_lost_steps_and_nothing_else_is() {
+        for cycles in [-20.0, -3.0, -1.0, 1.0, 2.0] {
+            for off in [-0.4, 0.0, 0.4] {
+                let by = cycles * CYCLE_DEG + off;
+                assert_eq!(next(&mut axis(), by), FaultKind::LostSteps, "{by}");
+            }
+        }
+        for off in [-3.6, -2.0, 2.0, 10.0, 30.0] {
+            assert_eq!(next(&mut axis(), off), FaultKind::Slip, "{off}");
+        }
+        let mut servo = Diagnosis::new(Turns::ZERO, deg(0.9));
+        assert_eq!(next(&mut servo, 7.2), FaultKind::Slip);
+    }
+
+    /// One jump of many may be whole by chance; the next shows.
+    #[test]
+    fn what_goes_on_is_no_loss_of_steps_and_what_gains_runs_away() {
+        let names = |jumps: &[f64]| {
+            let mut axis = axis();
+            let names = jumps.iter().map(|&by| next(&mut axis, by));
+            names.collect::<std::vec::Vec<_>>()
+        };
+        use FaultKind::{LostSteps, Runaway, Slip};
+        assert_eq!(names(&[-7.2, -9.7]), [LostSteps, Slip]);
+        assert_eq!(names(&[-7.2, -14.4]), [LostSteps, LostSteps]);
+        assert_eq!(names(&[50.0, 83.0])[1], Runaway);
+        assert_eq!(names(&[9.4, 5.0, 7.2]), [Slip, LostSteps, Runaway]);
+        assert_eq!(names(&[51.456, 107.477])[1], Runaway);
+    }
+
+    #[test]
+    fn a_turn_without_a_jump_ends_a_row() {
+        let mut axis = axis();
+        next(&mut axis, 50.0);
+        axis.pass_turn();
+        assert_eq!(next(&mut axis, 83.0), FaultKind::Slip);
+        assert_eq!(next(&mut axis, 90.0), FaultKind::Runaway);
+    }
+
+    /// If this fails, a sensor that picks something up now and then stops the machine, or one that has failed does not.
+    #[test]
+    fn extra_pulses_in_four_turns_in_a_row_are_a_failed_sensor() {
+        let mut axis = axis();
+        for turn in 0..4 {
+            assert_eq!(axis.extra(deg(90.0)), turn < 3);
+            axis.pass_turn();
+        }
+        axis.pass_turn();
+        assert!(axis.extra(deg(90.0)), "a turn had none");
+    }
+
+    /// If this fails, what happened years ago is why a crank is beyond its limit.
+    #[test]
+    fn an_event_is_forgotten_after_some_turns() {
+        let mut axis = axis();
+        axis.drift(deg(2.0));
+        assert_eq!(axis.take_new(), Some((FaultKind::Slip, deg(2.0))));
+        assert_eq!(axis.take_new(), None);
+        for _ in 0..FORGOTTEN_AFTER {
+            assert_eq!(axis.name(), Some(FaultKind::Slip));
+            axis.pass_turn();
+        }
+        assert_eq!(axis.name(), None);
+    }
+
+    /// Were a crank that turns back still called stuck, its drive would stay on; were one that swings ahead as it is let go called a
+    /// runaway, a stop would end as a coast.
+    #[test]
+    fn what_turns_back_is_no_longer_stuck_and_what_swings_ahead_is() {
+        assert!(is_better(FaultKind::Reversed, FaultKind::Stuck));
+        assert!(is_better(FaultKind::Reversed, FaultKind::Tilt));
+        assert!(!is_better(FaultKind::Stuck, FaultKind::Reversed));
+        assert!(!is_better(FaultKind::Runaway, FaultKind::Stuck));
+        assert!(!is_better(FaultKind::Reversed, FaultKind::SwappedWiring));
+    }
+}
