@@ -35,6 +35,7 @@ impl DriftMonitor {
             peak: [Turns::ZERO; MAX_AXES],
             detected: 0,
             known: 0,
+            is_homed: false,
             checked: 0,
             rounds: 0,
             averaged: Turns::ZERO,

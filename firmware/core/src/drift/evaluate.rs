@@ -67,6 +67,7 @@ impl DriftMonitor {
         if self.conclude(updated, moved) && self.update_modes(sensed) {
             self.check(sensed);
         }
+        self.is_homed = self.are_known();
     }
 
     /// Draws the conclusions from the axes that were updated, of which some have moved far. Returns true if limits are to be
@@ -74,7 +75,7 @@ impl DriftMonitor {
     fn conclude(&mut self, updated: AxisSet, moved: AxisSet) -> bool {
         let round =
             updated != 0 && self.detected & self.by_index == self.by_index && self.detected != 0;
-        if self.finding_out && self.is_homed() && updated != 0 && !round {
+        if self.finding_out && self.are_known() && updated != 0 && !round {
             // All turn at homing speed alike: what was detected a turn ago is as good.
         } else if moved != 0 && !round && !self.finding_out && self.others_are_detected(moved) {
             // It is not waited for the others, of which none is late: they have not moved with it.
@@ -156,7 +157,7 @@ impl DriftMonitor {
         if self.finding_out {
             self.check_encoders();
         }
-        if !self.is_homed() {
+        if !self.are_known() {
             return false;
         }
         self.modes = self.mount.modes(&self.corrected_errors(sensed.correction));

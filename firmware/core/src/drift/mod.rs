@@ -99,6 +99,8 @@ pub struct DriftMonitor {
     detected: AxisSet,
     /// Axes whose index has been detected at all.
     known: AxisSet,
+    /// All indexes had been detected when axes were evaluated last.
+    is_homed: bool,
     /// Axes whose index has been detected since [`Self::start_check`].
     checked: AxisSet,
     /// In the last round, axes by index were off by about what they were in the one before: all but those that moved of themselves.
@@ -145,8 +147,12 @@ impl DriftMonitor {
         watch.map_or(FaultKind::Slip, |watch| watch.name_of(by))
     }
 
-    /// Whether every axis that has a sensor has been detected since [`Self::reset`].
+    /// Whether every axis that has a sensor has been detected since [`Self::reset`], and what that shows has been evaluated.
     pub const fn is_homed(&self) -> bool {
+        self.is_homed
+    }
+
+    const fn are_known(&self) -> bool {
         self.known == self.sensed
     }
 
@@ -164,6 +170,7 @@ impl DriftMonitor {
     pub fn reset(&mut self, phase: &PerAxis<Phase>) {
         self.detected = 0;
         self.known = 0;
+        self.is_homed = self.are_known();
         self.is_even = false;
         self.is_compared = false;
         self.finding_out = true;
@@ -233,7 +240,8 @@ impl DriftMonitor {
 
     /// True if every index has been detected since [`Self::start_check`], and encoders have been read over a turn.
     pub fn is_check_done(&self) -> bool {
-        self.checked & self.sensed == self.sensed && self.is_turn_over()
+        let is_evaluated = self.queue.updated == 0;
+        is_evaluated && self.checked & self.sensed == self.sensed && self.is_turn_over()
     }
 
     /// The cranks are where they are: from now on, what moves one of them is a fault.

@@ -97,7 +97,7 @@ fn pulses_that_come_together_are_processed_one_a_tick() {
     });
     detect(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &tick(0.0));
     // The tick that brought them processes none.
-    for processed in 0..MAX_AXES {
+    for processed in 0..=MAX_AXES {
         assert!(!monitor.is_homed(), "after {processed} axes");
         let number = (processed + 1) as f64;
         detect(
