@@ -120,7 +120,7 @@ fn stop_of(
             Shown::ByIndex | Shown::ByEncoder => at(tick),
         };
         let until = turn_beyond(alone + reading, ticks, error, travel);
-        Some(f64::from(until?) + alone.max(gate) / SPEED + count as f64 + 5.0)
+        Some(f64::from(until?) + alone.max(gate) / SPEED + count as f64 + 3.0)
     });
     let due = due.reduce(f64::min);
     let found = if shown == Shown::ByDifference {
