@@ -80,7 +80,11 @@ impl Diagnosis {
         for event in &mut self.events {
             event.age = event.age.saturating_add(1);
         }
-        while self.events.back().is_some_and(|event| event.age >= FORGOTTEN_AFTER) {
+        while self
+            .events
+            .back()
+            .is_some_and(|event| event.age >= FORGOTTEN_AFTER)
+        {
             self.events.pop_back();
         }
     }
@@ -134,7 +138,9 @@ impl Diagnosis {
     /// True if the crank jumped forward when its index showed it last.
     pub(super) fn is_ahead(&self) -> bool {
         let mut jumps = self.jumps();
-        jumps.next().is_some_and(|event| event.age == 0 && event.by > 0)
+        jumps
+            .next()
+            .is_some_and(|event| event.age == 0 && event.by > 0)
     }
 
     /// True if the crank slipped when its index showed it last.

@@ -3,6 +3,7 @@
 use super::angles::{Angles, in_common, of_angle};
 use super::axis_watch::AxisWatch;
 use super::modes::AxisSet;
+use super::queue::Evaluation;
 use super::{DriftMonitor, Sensed};
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
@@ -59,20 +60,28 @@ impl DriftMonitor {
         is_far
     }
 
-    /// Evaluates the axes that were updated: compares them with each other, and their modes with the limits.
+    /// Plays one step of the evaluation of the axes that were updated.
     #[inline(never)]
     pub(super) fn evaluate(&mut self, sensed: &Sensed<'_>) {
-        let updated = core::mem::take(&mut self.queue.updated);
-        let moved = core::mem::take(&mut self.queue.moved);
-        if self.conclude(updated, moved) && self.update_modes(sensed) {
-            self.check(sensed);
+        let goes_on = match self.queue.evaluation {
+            Evaluation::Compare => self.conclude().then_some(Evaluation::Modes),
+            Evaluation::Modes => self.update_modes(sensed).then_some(Evaluation::Check),
+            Evaluation::Check => {
+                self.check(sensed);
+                None
+            }
+        };
+        self.queue.evaluation = goes_on.unwrap_or(Evaluation::Compare);
+        if goes_on.is_none() {
+            self.is_homed = self.are_known();
         }
-        self.is_homed = self.are_known();
     }
 
     /// Draws the conclusions from the axes that were updated, of which some have moved far. Returns true if limits are to be
     /// checked.
-    fn conclude(&mut self, updated: AxisSet, moved: AxisSet) -> bool {
+    fn conclude(&mut self) -> bool {
+        let updated = core::mem::take(&mut self.queue.updated);
+        let moved = core::mem::take(&mut self.queue.moved);
         let round =
             updated != 0 && self.detected & self.by_index == self.by_index && self.detected != 0;
         if self.finding_out && self.are_known() && updated != 0 && !round {

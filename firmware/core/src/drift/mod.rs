@@ -240,8 +240,9 @@ impl DriftMonitor {
 
     /// True if every index has been detected since [`Self::start_check`], and encoders have been read over a turn.
     pub fn is_check_done(&self) -> bool {
-        let is_evaluated = self.queue.updated == 0;
-        is_evaluated && self.checked & self.sensed == self.sensed && self.is_turn_over()
+        self.queue.is_evaluated()
+            && self.checked & self.sensed == self.sensed
+            && self.is_turn_over()
     }
 
     /// The cranks are where they are: from now on, what moves one of them is a fault.

@@ -142,6 +142,9 @@ impl DriftMonitor {
             }
             if self.queue.updated != 0 || self.encoders() != 0 {
                 self.evaluate(sensed);
+                while !self.queue.is_evaluated() {
+                    self.evaluate(sensed);
+                }
             }
         } else if self.queue.is_processed() {
             self.evaluate(sensed);

@@ -4,10 +4,10 @@
 //! therefore queued with the phase that was commanded when it came.
 //!
 //! Updates that are queued together are a *batch*. Each tick processes one axis. When the last of a batch has been processed, the
-//! next tick compares the axes, separates their phase errors into modes, and checks the limits. The measured phase errors are those of
-//! the pulses' own ticks.
+//! next tick compares the axes. The tick after that separates their phase errors into modes, and one more checks the limits. The
+//! measured phase errors are those of the pulses' own ticks.
 //!
-//! **Delay.** A single update is checked one tick after its own. If n axes have updates in one tick, that is n + 1 ticks after it.
+//! **Delay.** A single update is checked three ticks after its own. If n axes have updates in one tick, that is n + 3 ticks after it.
 //! Later updates belong to the next batch, so that every axis has its turn. If an axis has a second pulse while the first is queued
 //! (noise, or more than 1/N turn a tick), the first is processed at once.
 
@@ -45,8 +45,20 @@ pub(super) struct Queue {
     /// Axes of the present batch that were updated, and those of them that have moved far.
     pub(super) updated: AxisSet,
     pub(super) moved: AxisSet,
+    pub(super) evaluation: Evaluation,
     /// Pulses, of the axes that have one queued.
     pub(super) pulses: PerAxis<QueuedPulse>,
+}
+
+/// What is next in the evaluation of a batch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Evaluation {
+    /// Compare the axes with each other, once all have been processed.
+    Compare,
+    /// Take the phase errors apart into modes.
+    Modes,
+    /// Check the limits.
+    Check,
 }
 
 impl Queue {
@@ -58,16 +70,22 @@ impl Queue {
             batch: 0,
             updated: 0,
             moved: 0,
+            evaluation: Evaluation::Compare,
         }
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.pulsed | self.other | self.updated == 0
+        self.pulsed | self.other == 0 && self.is_evaluated()
+    }
+
+    /// True if all updates that were processed have been evaluated.
+    pub(super) fn is_evaluated(&self) -> bool {
+        self.updated == 0 && self.evaluation == Evaluation::Compare
     }
 
     /// True if the updates of a batch have been processed, and are to be evaluated.
-    pub(super) const fn is_processed(&self) -> bool {
-        self.batch | self.other == 0 && self.updated != 0
+    pub(super) fn is_processed(&self) -> bool {
+        self.batch | self.other == 0 && !self.is_evaluated()
     }
 
     /// Takes the next axis. Timeouts come first, as the machine may have to be stopped, and as their reaction depends on whether all

@@ -160,7 +160,11 @@ impl Cranks {
                     None
                 }
             });
-            let motors = if motor_follows_crank { now } else { [end; MAX_AXES] };
+            let motors = if motor_follows_crank {
+                now
+            } else {
+                [end; MAX_AXES]
+            };
             let counts = motors.map(|turns| (turns * 3200.0).floor() as i32);
             self.before = now;
             if let Some(finding) =

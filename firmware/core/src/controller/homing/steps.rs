@@ -25,7 +25,12 @@ impl Homing {
         {
             return Some(fault);
         }
-        let fault = self.go(monitor, offsets);
+        // To evaluate pulses takes as long as a step of homing.
+        let fault = if monitor.is_busy() {
+            None
+        } else {
+            self.go(monitor, offsets)
+        };
         if self.step != step || offsets.is_moving() {
             self.waited = Turns::ZERO;
         } else if !self.is_done() {

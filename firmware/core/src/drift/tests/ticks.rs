@@ -96,8 +96,8 @@ fn pulses_that_come_together_are_processed_one_a_tick() {
         cycle: (TICK_CYCLES / 2) as i32,
     });
     detect(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &tick(0.0));
-    // The tick that brought them processes none.
-    for processed in 0..=MAX_AXES {
+    // The tick that brought them processes none; three ticks after the last axis evaluate the batch.
+    for processed in 0..MAX_AXES + 3 {
         assert!(!monitor.is_homed(), "after {processed} axes");
         let number = (processed + 1) as f64;
         detect(

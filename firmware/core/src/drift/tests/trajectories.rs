@@ -103,7 +103,10 @@ fn stop_of(
     let mut cranks = Cranks::new(monitor, SPEED).homed();
     let first = cranks.tick;
     let from = f64::from(first) * SPEED + start;
-    let longest = paths.iter().map(|(_, path)| duration(path)).fold(0.0, f64::max);
+    let longest = paths
+        .iter()
+        .map(|(_, path)| duration(path))
+        .fold(0.0, f64::max);
     let ticks = ((start + longest + 3.0) / SPEED) as u32;
     let error = |i: usize, t: f64| {
         let path = paths.iter().find(|(axis, _)| *axis == i);
@@ -120,7 +123,7 @@ fn stop_of(
             Shown::ByIndex | Shown::ByEncoder => at(tick),
         };
         let until = turn_beyond(alone + reading, ticks, error, travel);
-        Some(f64::from(until?) + alone.max(gate) / SPEED + count as f64 + 3.0)
+        Some(f64::from(until?) + alone.max(gate) / SPEED + count as f64 + 5.0)
     });
     let due = due.reduce(f64::min);
     let found = if shown == Shown::ByDifference {
