@@ -78,11 +78,11 @@ fn turn_beyond(
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Shown {
     /// Its index, once a turn.
-    ByIndex,
+    Index,
     /// Its encoder, in every tick.
-    ByEncoder,
+    Encoder,
     /// Its index, compared with its encoder: it moves on its shaft.
-    ByDifference,
+    Difference,
 }
 
 /// Ticks until a machine is stopped in which cranks take these paths, from `start` turns after homing on; and until it must be.
@@ -96,7 +96,7 @@ fn stop_of(
     let mut settings = settings(count, 3.0, 5.0, 15.0);
     for axis in &mut settings.axes {
         axis.cycle_steps = cycle_steps;
-        axis.encoder = shown != Shown::ByIndex;
+        axis.encoder = shown != Shown::Index;
     }
     let monitor = configured(&settings);
     let reading = 0.25 / 360.0;
@@ -119,14 +119,14 @@ fn stop_of(
         let error = |tick| error(axis, at(tick));
         // A pulse that stays away is no evidence against an encoder: the crank has to pass its flag.
         let travel = |tick| match shown {
-            Shown::ByDifference => at(tick) + error(tick),
-            Shown::ByIndex | Shown::ByEncoder => at(tick),
+            Shown::Difference => at(tick) + error(tick),
+            Shown::Index | Shown::Encoder => at(tick),
         };
         let until = turn_beyond(alone + reading, ticks, error, travel);
         Some(f64::from(until?) + alone.max(gate) / SPEED + count as f64 + 5.0)
     });
     let due = due.reduce(f64::min);
-    let found = if shown == Shown::ByDifference {
+    let found = if shown == Shown::Difference {
         cranks.turn_shafts(ticks, error)
     } else {
         cranks.turn(ticks, error)
@@ -139,7 +139,7 @@ proptest! {
     /// If this fails, a crank can stay beyond its limit for a turn without a stop, however it got there.
     #[test]
     fn a_crank_that_is_beyond_its_limit_for_a_turn_stops_the_machine(
-        shown in prop_oneof![Just(Shown::ByIndex), Just(Shown::ByEncoder), Just(Shown::ByDifference)],
+        shown in prop_oneof![Just(Shown::Index), Just(Shown::Encoder), Just(Shown::Difference)],
         count in 2..=6_usize,
         who in 0..6_usize,
         start in 0.0..1.0_f64,
