@@ -6,7 +6,7 @@ import commands
 import figures
 import links
 import pages
-from texts import check_fault_names, check_sayings, check_sentences
+from texts import check_fault_names, check_led, check_sayings, check_sentences
 
 LONG = 'A sentence of this kind ' + 'goes on and on ' * 12 + 'and has no end.'
 
@@ -88,6 +88,9 @@ def cases(cophase):
     yield 'a path that is not there', run, '`tests/phases.rs`', '`tests/phrases.rs`'
     yield 'a row without its fault', check_fault_names, troubleshooting, troubleshooting.replace('| `slip` |', '| `slips` |')
     yield 'a saying that nobody says', check_sayings, troubleshooting, troubleshooting.replace('`the machine is not armed`', '`the machine is unarmed`')
+    yield 'an LED that blinks otherwise', check_led, troubleshooting, troubleshooting.replace('four times a second', 'twice a second')
+    yield 'a state without its row of the LED', check_led, troubleshooting, troubleshooting.replace('homing, run, stop or parked', 'homing, run or stop')
+    yield 'a row that the LED never shows', check_led, troubleshooting, troubleshooting.replace('| dark |', '| three flashes | idle | |\n| dark |')
     drawing = 'cophase scenes {} --svg docs/machines/screen-drawing.svg'
     yield 'a figure that differs', draw, drawing.format('screen'), drawing.format('wrapper')
     listed = figures.table()

@@ -114,6 +114,7 @@ impl Draft {
         Panel {
             plots: self.plots,
             layout,
+            note: None,
         }
     }
 }

@@ -245,6 +245,9 @@ impl<W: Write + Seek + 'static> Recording<W> {
         for event in &events {
             happened::mark(&mut scope, event);
         }
+        if totals.axes.iter().any(|axis| axis.correction_deg != 0.0) {
+            scope.corrected();
+        }
         Ok(Recorded {
             written,
             no_edges,

@@ -2,6 +2,7 @@
 
 mod model;
 mod recorded;
+mod stopped;
 mod summary;
 mod warnings;
 mod words;
@@ -10,7 +11,7 @@ mod written;
 pub use recorded::{Frames, RecordedReport, recorded_summary};
 pub use summary::{coupling, summary};
 pub use warnings::warnings;
-pub use words::{describe, fault_words, is_notable};
+pub use words::{describe, fault_words, notable};
 pub use written::Written;
 
 use std::collections::BTreeMap;

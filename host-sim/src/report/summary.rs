@@ -2,12 +2,12 @@
 
 use std::fmt::Write;
 
-use cophase_core::supervisor::{FaultKind, State};
+use cophase_core::supervisor::State;
 
 use super::model::judged;
-use super::words::fault_words;
+use super::stopped::{away_turns, latched, stopped_by_fault};
 use super::written::Written;
-use super::{describe, is_notable, warnings};
+use super::{describe, notable, warnings};
 use crate::design::STANDARD_GRAVITY_MPS2;
 use crate::fidelity::{Judged, Output};
 use crate::machine::Peaks;
@@ -34,7 +34,7 @@ pub fn summary(
 }
 
 /// How well an output that was requested is answered.
-fn answered(judged: &Judged) -> String {
+fn answered(judged: &Judged, checked: &Checked, outcome: &Outcome) -> String {
     let output = judged.output;
     let in_unit = |value: f64, unit: &str| match unit {
         "°" => format!("{}°", significant(value)),
@@ -61,7 +61,10 @@ fn answered(judged: &Judged) -> String {
         format!("; half the step changes it by {}", with_unit(off))
     });
     let value = match judged.value {
-        Some(value) if output == Output::Slips => format!("{value}, "),
+        Some(value) if output == Output::Slips => {
+            let off = slipped_off(checked, outcome, value as usize);
+            format!("{value}{off}, ")
+        }
         Some(value) => format!("{}, ", in_unit(value, output.value_unit())),
         None => String::new(),
     };
@@ -69,6 +72,27 @@ fn answered(judged: &Judged) -> String {
         "{}{requested}: {value}{bound}{measured}{step_error}.",
         output.words()
     )
+}
+
+/// How many of so many motors slipped only after the drives were off, in words; nothing where none did, or where motors at
+/// their torque limit may be among them.
+fn slipped_off(checked: &Checked, outcome: &Outcome, all: usize) -> String {
+    let statistics = &outcome.statistics;
+    let axes = 0..checked.scene.axes.count;
+    let slips = |axis: usize| {
+        let is_slip = |event: &Event| matches!(event.what, EventKind::Slipped { axis: own, .. } if own == axis);
+        statistics.events.iter().any(is_slip)
+    };
+    if axes
+        .clone()
+        .any(|axis| checked.scene.drive(axis) != Drive::Stepper)
+    {
+        return String::new();
+    }
+    match all.saturating_sub(axes.filter(|&axis| slips(axis)).count()) {
+        0 => String::new(),
+        off => format!(" ({off} of them only after the drives were off)"),
+    }
 }
 
 /// Two digits are enough for a bound.
@@ -106,25 +130,21 @@ fn write_page(
         checked.why()
     )?;
     for judged in judged(checked) {
-        writeln!(page, "  {}", answered(judged))?;
+        writeln!(page, "  {}", answered(judged, checked, outcome))?;
     }
     writeln!(page)?;
 
-    let mut notable: Vec<_> = statistics
-        .events
-        .iter()
-        .filter(|event| is_notable(&event.what))
-        .collect();
-    let all = notable.len();
+    let mut listed = notable(&statistics.events);
+    let all = listed.len();
     if all > LISTED {
         // A motor that slips does so hundreds of times: its first and its last are reported, and nothing else is hidden by them.
         let axis = |event: &Event| match event.what {
             EventKind::Slipped { axis, .. } => Some(axis),
             _ => None,
         };
-        let slips: Vec<_> = notable.iter().map(|event| axis(event)).collect();
+        let slips: Vec<_> = listed.iter().map(|event| axis(event)).collect();
         let mut place = 0;
-        notable.retain(|_| {
+        listed.retain(|_| {
             let (before, rest) = slips.split_at(place);
             place += 1;
             let own = rest[0];
@@ -132,13 +152,13 @@ fn write_page(
         });
     }
     // The end is what is most often looked for: where there is too much, the middle is left out.
-    let (first, last) = if notable.len() > LISTED {
+    let (first, last) = if listed.len() > LISTED {
         (
-            &notable[..LISTED - LISTED_LAST],
-            &notable[notable.len() - LISTED_LAST..],
+            &listed[..LISTED - LISTED_LAST],
+            &listed[listed.len() - LISTED_LAST..],
         )
     } else {
-        (&notable[..], &notable[..0])
+        (&listed[..], &listed[..0])
     };
     for event in first {
         writeln!(page, "  {:9.3} s  {}", event.t_s, describe(&event.what))?;
@@ -155,7 +175,7 @@ fn write_page(
     }
     writeln!(page)?;
 
-    writeln!(page, "{}", ending(outcome))?;
+    writeln!(page, "{}", ending(checked, outcome))?;
     let holding = statistics.holding;
     if holding.held_s > 0.0 {
         writeln!(
@@ -174,10 +194,9 @@ fn write_page(
             statistics.worst_accel_mps2 / STANDARD_GRAVITY_MPS2
         )?;
     }
-    let lagged = statistics
-        .events
+    let lagged = notable(&statistics.events)
         .iter()
-        .filter(|e| matches!(e.what, EventKind::Lagged { .. }) && is_notable(&e.what))
+        .filter(|event| matches!(event.what, EventKind::Lagged { .. }))
         .count();
     if lagged > 0 {
         writeln!(
@@ -230,13 +249,9 @@ fn write_page(
     let trims = statistics.correction_deg.iter().enumerate();
     if trims.clone().any(|(_, trim_deg)| *trim_deg != 0.0) {
         let trims: Vec<_> = trims
-            .map(|(axis, trim_deg)| format!("axis {axis} by {trim_deg:.2}°"))
+            .map(|(axis, trim_deg)| format!("axis {axis} {trim_deg:.2}°"))
             .collect();
-        writeln!(
-            page,
-            "The cranks were brought together: {}.",
-            trims.join(", ")
-        )?;
+        writeln!(page, "Corrections as the run ended: {}.", trims.join(", "))?;
     }
     if let Some(coupling) = coupling(checked) {
         writeln!(page, "{coupling}")?;
@@ -326,6 +341,20 @@ fn coasting(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt
         page,
         "After the drives were off the cranks turned on for {:.2} s{until}{tilted}.",
         coast.turned_s,
+    )?;
+    if outcome.state != State::Fault {
+        return Ok(());
+    }
+    // A command stays where it was as the drives went off.
+    let ends = (0..checked.scene.axes.count).map(|axis| {
+        let away_deg = away_turns(checked, outcome, axis) * 360.0;
+        format!("axis {axis} {away_deg:+.1}°")
+    });
+    let ends: Vec<_> = ends.collect();
+    writeln!(
+        page,
+        "They ended this far from where they were commanded to be: {}.",
+        ends.join(", ")
     )
 }
 
@@ -405,38 +434,26 @@ fn steps(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::R
     Ok(())
 }
 
-fn ending(outcome: &Outcome) -> String {
+fn ending(checked: &Checked, outcome: &Outcome) -> String {
     let statistics = &outcome.statistics;
-    let faults = || {
-        statistics
-            .events
-            .iter()
-            .filter_map(|event| match &event.what {
-                EventKind::Fault { fault, .. } => Some((event.t_s, fault)),
-                _ => None,
-            })
-    };
     if outcome.diverged.is_some() {
         return "The simulated machine diverged: its equations, not the controller, came to an end.".to_owned();
     }
-    match (faults().next_back(), outcome.state) {
-        (Some((t_s, fault)), State::Fault) => format!(
-            "A fault stopped the machine at {:.3} s: {}. {}",
-            // Of what got a better name later, when it was first seen.
-            faults()
-                .find(|(_, first)| first.tick == fault.tick)
-                .map_or(t_s, |(t_s, _)| t_s),
-            fault_words(fault),
-            match fault.kind {
-                FaultKind::EnableLost => "The drives were switched off the same tick.",
-                _ => "All axes were brought to rest together.",
-            },
-        ),
-        (Some(_), state) => format!(
-            "There were {} faults, and the machine ended in state `{}`.",
-            faults().count(),
-            state.name(),
-        ),
+    let faults = latched(&statistics.events);
+    match (faults.last(), outcome.state) {
+        (Some(&names), State::Fault) => stopped_by_fault(checked, outcome, names),
+        (Some(_), state) => {
+            let (were, plural) = if faults.len() == 1 {
+                ("was", "")
+            } else {
+                ("were", "s")
+            };
+            format!(
+                "There {were} {} fault{plural}, and the machine ended in state `{}`.",
+                faults.len(),
+                state.name(),
+            )
+        }
         (None, State::Parked) => match statistics.stopped_by {
             Some(StoppedBy::Request) => "The machine was stopped on request, and parked.",
             _ => "The program ran to its end, and the machine parked.",

@@ -4,7 +4,7 @@ use cophase_core::supervisor::{Command, Fault, FaultKind, State};
 use cophase_core::units::Turns;
 
 use crate::scene::file::{FaultAt, InputLine, Lines};
-use crate::sim::events::EventKind;
+use crate::sim::events::{Event, EventKind};
 use crate::units::degrees;
 
 /// An event in words.
@@ -71,15 +71,35 @@ pub fn describe(what: &EventKind) -> String {
             fault,
             leading_deg: Some(leading_deg),
         } if fault.kind == FaultKind::Tilt => format!(
-            "fault: {}; the cranks lead at {leading_deg:.0}° around the platform",
-            fault_words(&fault)
+            "fault: {}; the cranks lead at {:.0}° around the platform",
+            fault_words(&fault),
+            leading_deg.round().rem_euclid(360.0),
         ),
         EventKind::Fault { fault, .. } => format!("fault: {}", fault_words(&fault)),
     }
 }
 
+/// Events that are worth printing. That a fault was reported goes without saying where it latched at that moment.
+pub fn notable(events: &[Event]) -> Vec<&Event> {
+    // Events are in the order of time.
+    let latches = |reported: &Fault, t_s: f64| {
+        let from = events.partition_point(|event| event.t_s < t_s);
+        let now = events[from..].iter().take_while(|event| event.t_s == t_s);
+        let mut latched = now.filter_map(|event| match &event.what {
+            EventKind::Fault { fault, .. } => Some(fault),
+            _ => None,
+        });
+        latched.any(|fault| fault == reported)
+    };
+    let is_told = |event: &&Event| match &event.what {
+        EventKind::Reported(fault) => !latches(fault, event.t_s),
+        what => is_notable(what),
+    };
+    events.iter().filter(is_told).collect()
+}
+
 /// Returns whether an event is worth printing: one that lasts only as long as a band takes to cross is not.
-pub fn is_notable(what: &EventKind) -> bool {
+fn is_notable(what: &EventKind) -> bool {
     const SHORT_S: f64 = 0.3;
     match what {
         EventKind::HeldAtBand { for_s } | EventKind::Lagged { for_s, .. } => *for_s >= SHORT_S,
@@ -134,7 +154,13 @@ pub fn fault_words(fault: &Fault) -> String {
     if fault.size != Turns::ZERO {
         let size_deg = degrees(fault.size);
         words += &match fault.kind {
-            FaultKind::IndexTimeout => format!(": its pulse is {:.2}° late", size_deg.abs()),
+            // Not how late the pulse is, which depends on the sensors, but why that matters.
+            FaultKind::IndexTimeout => {
+                format!(
+                    ": no pulse; {:.2}° behind is beyond a limit",
+                    size_deg.abs()
+                )
+            }
             FaultKind::IndexExtra => format!(": a pulse {size_deg:.2}° from its place"),
             _ if fault.axis.is_some() => format!(" off by {size_deg:.2}°"),
             _ => format!(", off by {size_deg:.2}°"),

@@ -34,12 +34,15 @@ pub(crate) fn frame(checked: &Checked) -> ScopeFrame {
 /// Events that are worth a mark on the page; the states have a ribbon of their own.
 pub(super) fn mark(scope: &mut ScopeData, outcome: &Outcome) {
     let mut slips = vec![0; outcome.statistics.slipped_cycles.len()];
-    for event in outcome
+    if outcome
         .statistics
-        .events
+        .correction_deg
         .iter()
-        .filter(|event| report::is_notable(&event.what))
+        .any(|&deg| deg != 0.0)
     {
+        scope.corrected();
+    }
+    for event in report::notable(&outcome.statistics.events) {
         match &event.what {
             EventKind::BandCrossed { .. } => scope.mark(event.t_s, "band crossed"),
             EventKind::TurnedBackInBand { .. } => scope.mark(event.t_s, "turned back in band"),

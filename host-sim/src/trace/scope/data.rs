@@ -103,6 +103,7 @@ pub struct ScopeData {
     pub(super) frame: ScopeFrame,
     pub(super) envelope: Envelope,
     pub(super) timeline: Timeline,
+    pub(super) is_corrected: bool,
     amplitude: TurnAmplitude,
     /// One row's values in channel order; kept to save an allocation a row.
     values: Vec<f64>,
@@ -117,6 +118,7 @@ impl ScopeData {
             frame,
             envelope: Envelope::new(channels, PAGE_BUCKETS),
             timeline: Timeline::default(),
+            is_corrected: false,
             amplitude: TurnAmplitude::NONE,
             values: vec![f64::NAN; channels],
         }
@@ -147,6 +149,11 @@ impl ScopeData {
                 .map_or(f64::NAN, |axis| axis.phase_error_deg);
         }
         self.envelope.push(row.t_s, &self.values);
+    }
+
+    /// Notes that the controller corrected cranks in this run: the panel of phase errors then says why these stay.
+    pub fn corrected(&mut self) {
+        self.is_corrected = true;
     }
 
     /// Marks an event with a short name, such as `band crossed`. Names that begin with `fault` stand out, and

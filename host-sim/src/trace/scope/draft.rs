@@ -17,6 +17,8 @@ pub struct Panel {
     pub plots: Vec<Plot>,
     /// Axes, limits, legend.
     pub layout: Layout,
+    /// A remark in a few words, below it.
+    pub note: Option<&'static str>,
 }
 
 /// A panel that is being put together.
@@ -169,6 +171,7 @@ impl<'a> Draft<'a> {
         Panel {
             plots: self.plots,
             layout,
+            note: None,
         }
     }
 }

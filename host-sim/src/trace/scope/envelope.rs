@@ -165,6 +165,15 @@ impl Envelope {
             .map(|(&(first, last), &extent)| (first, last, extent))
     }
 
+    /// Whether two channels differ by at most `near` in every bucket.
+    pub fn are_alike(&self, one: usize, other: usize, near: f64) -> bool {
+        let is_near = |a: f64, b: f64| a == b || (a - b).abs() <= near;
+        self.rows().all(|(_, _, extents)| {
+            let (one, other) = (extents[one], extents[other]);
+            is_near(one.low, other.low) && is_near(one.high, other.high)
+        })
+    }
+
     /// One channel's extent over the whole run.
     pub fn total(&self, channel: usize) -> Extent {
         self.channel(channel)

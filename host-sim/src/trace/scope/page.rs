@@ -94,7 +94,11 @@ pub fn embed(
     time_label: Option<String>,
 ) {
     let bottom = if time_label.is_some() { TIME_AXIS } else { 1.0 };
-    let Panel { plots, layout } = panel;
+    let Panel {
+        plots,
+        layout,
+        note,
+    } = panel;
     let mut layout: Layout = layout
         .with_width(WIDTH)
         .with_height(plot_height + bottom)
@@ -140,6 +144,9 @@ pub fn embed(
     });
     page.elements.append(&mut elements);
     page.add(Primitive::GroupEnd);
+    if let Some(note) = note {
+        text(page, (LEFT, top + plot_height + GAP - 3.0), note, 11, MUTED);
+    }
 }
 
 /// The states as a band of named stretches; a name that does not fit is among the labels above.

@@ -35,6 +35,9 @@ fn least(scope: &ScopeData) -> f64 {
     }
 }
 
+/// Why a phase error does not go away as its crank is corrected.
+const STAYS: &str = "A correction moves command and crank alike: the crank is back beside the others, and its phase error stays.";
+
 const STANDARD_GRAVITY_MPS2: f64 = 9.80665;
 
 /// Acceleration amplitude in g: requested, commanded and, of a platform, actual.
@@ -164,25 +167,46 @@ pub fn speed(scope: &ScopeData, time: TimeAxis) -> Panel {
     draft.done()
 }
 
-/// Drift of each axis in degrees, with its limit.
+/// Phase error of each axis in degrees, with its limit. Curves that coincide are drawn one within the other, the first axis widest,
+/// and the legend names them.
 pub fn phase_error(scope: &ScopeData, time: TimeAxis) -> Panel {
-    let totals = (0..scope.axes).map(|i| scope.envelope.total(channel::PHASE_ERROR + i));
+    let channel = |axis: usize| channel::PHASE_ERROR + axis;
+    let totals = (0..scope.axes).map(|axis| scope.envelope.total(channel(axis)));
     let all = totals.fold(Extent::EMPTY, Extent::and);
     let (shown, limit) = with_limit(all, scope.frame.phase_error_limit_deg);
-    let mut draft = Draft::new(
-        &scope.envelope,
-        time,
-        "phase error, deg",
-        padded(shown, 0.1),
-    );
-    for i in 0..scope.axes {
-        let colour = AXES[i % AXES.len()];
-        let total = scope.envelope.total(channel::PHASE_ERROR + i);
-        draft.curve(channel::PHASE_ERROR + i, 1.0, Pen { colour, width: 1.5 });
-        draft.entry(LegendShape::Line, colour, peak(&format!("axis {i}"), total));
+    let y = padded(shown, 0.1);
+    // About a pixel.
+    let near = (y.1 - y.0) / 150.0;
+    let like = |axis: usize, other: usize| {
+        scope
+            .envelope
+            .are_alike(channel(axis), channel(other), near)
+    };
+    // The first axis that each coincides with: itself, where none does before it.
+    let first: Vec<usize> = (0..scope.axes)
+        .map(|axis| (0..axis).find(|&other| like(axis, other)).unwrap_or(axis))
+        .collect();
+    let mut draft = Draft::new(&scope.envelope, time, "phase error, deg", y);
+    for axis in 0..scope.axes {
+        let colour = AXES[axis % AXES.len()];
+        let above = first[axis + 1..]
+            .iter()
+            .filter(|&&other| other == first[axis]);
+        let width = 1.5 + 2.0 * above.count() as f64;
+        draft.curve(channel(axis), 1.0, Pen { colour, width });
+        let name = if first[axis] == axis {
+            format!("axis {axis}")
+        } else {
+            format!("axis {axis} (as {})", first[axis])
+        };
+        let total = scope.envelope.total(channel(axis));
+        draft.entry(LegendShape::Line, colour, peak(&name, total));
     }
     draft.limit(limit);
-    draft.done()
+    Panel {
+        note: scope.is_corrected.then_some(STAYS),
+        ..draft.done()
+    }
 }
 
 /// Tilt along x and y in mrad, with its limit.

@@ -1,0 +1,134 @@
+//! How a fault ended a run: when it was detected, what it was called, and what became of the motion.
+
+use std::ops::Range;
+
+use cophase_core::supervisor::{Fault, Reaction, State, reaction};
+
+use super::words::fault_words;
+use crate::scene::Checked;
+use crate::scene::file::{FaultAt, FaultName, InputLine};
+use crate::sim::Outcome;
+use crate::sim::events::{Event, EventKind};
+
+/// A crank that is further than this from its command did not follow it, turns. What a crank turns on by after a stop is less.
+const FOLLOWS_TURNS: f64 = 0.75;
+
+/// Latched faults in the order of time, each with its names: the first one, and the last one where it got a better name later.
+pub fn latched(events: &[Event]) -> Vec<[(f64, &Fault); 2]> {
+    let mut all: Vec<[(f64, &Fault); 2]> = Vec::new();
+    for event in events {
+        let EventKind::Fault { fault, .. } = &event.what else {
+            continue;
+        };
+        let named = (event.t_s, fault);
+        match all.last_mut() {
+            // A better name leaves the tick of the detection.
+            Some([(_, first), last]) if first.tick == fault.tick => *last = named,
+            _ => all.push([named, named]),
+        }
+    }
+    all
+}
+
+/// Sentences about the fault in which a run ended.
+pub fn stopped_by_fault(
+    checked: &Checked,
+    outcome: &Outcome,
+    [(t_s, fault), (named_s, name)]: [(f64, &Fault); 2],
+) -> String {
+    let events = &outcome.statistics.events;
+    let states = events.iter().filter_map(|event| match event.what {
+        EventKind::State(state) => Some((event.t_s, state)),
+        EventKind::Running { .. } => Some((event.t_s, State::Run)),
+        _ => None,
+    });
+    let states: Vec<_> = states.collect();
+    let end = states.iter().rposition(|&(_, state)| state == State::Fault);
+    let off_s = end.map_or(named_s, |end| states[end].0);
+    let (from_s, before) = match end {
+        Some(end) if end > 0 => states[end - 1],
+        _ => (0.0, State::Idle),
+    };
+    let did = if before == State::Idle {
+        "refused the start"
+    } else {
+        "stopped the machine"
+    };
+    let detected = format!("A fault {did} at {t_s:.3} s: {}.", fault_words(fault));
+    let renamed = if name.kind == fault.kind && name.axis == fault.axis {
+        String::new()
+    } else {
+        format!(" At {named_s:.3} s it was named {}.", fault_words(name))
+    };
+    let is_cut = reaction(name.kind, false) == Reaction::Disable
+        || events
+            .iter()
+            .any(|event| (from_s..=off_s).contains(&event.t_s) && opens_enable(&event.what));
+    let ended = match before {
+        State::Idle | State::Fault => "The drives stayed off.".to_owned(),
+        State::Parked => "The machine stood already; the drives were switched off.".to_owned(),
+        State::Homing | State::Run => {
+            format!("The drives were switched off at {off_s:.3} s, without a stop.")
+        }
+        State::Stop if is_cut => {
+            format!("The drives were switched off at {off_s:.3} s, before the stop was over.")
+        }
+        State::Stop => at_rest(checked, outcome, from_s..off_s),
+    };
+    format!("{detected}{renamed} {ended}")
+}
+
+/// A stop that was not cut short: who came to rest with it.
+fn at_rest(checked: &Checked, outcome: &Outcome, stop_s: Range<f64>) -> String {
+    let axes = 0..checked.scene.axes.count;
+    let apart: Vec<_> = axes
+        .filter(|&axis| !follows(checked, outcome, axis, &stop_s))
+        .map(|axis| axis.to_string())
+        .collect();
+    match &apart[..] {
+        [] => "All axes were brought to rest together.".to_owned(),
+        _ => format!(
+            "All axes were commanded to stop together, and axis {} did not follow.",
+            apart.join(", ")
+        ),
+    }
+}
+
+/// Whether an axis followed its command in a stop: it did not slip, no fault of the scene moved it, and it did not stay turns behind.
+fn follows(checked: &Checked, outcome: &Outcome, axis: usize, stop_s: &Range<f64>) -> bool {
+    let statistics = &outcome.statistics;
+    let is_disturbed = statistics.events.iter().any(|event| match &event.what {
+        EventKind::Slipped { axis: slipped, .. } => *slipped == axis && stop_s.contains(&event.t_s),
+        EventKind::Injected(fault) => {
+            let until_s = fault.for_s.map_or(f64::INFINITY, |for_s| event.t_s + for_s);
+            moves_by_itself(fault, axis) && event.t_s < stop_s.end && until_s > stop_s.start
+        }
+        _ => false,
+    });
+    // What a crank did before the machine was homed again is no part of this stop.
+    let homed = |event: &&Event| event.what == EventKind::State(State::Homing);
+    let is_only_stop = statistics.events.iter().filter(homed).count() == 1;
+    let is_away = away_turns(checked, outcome, axis).abs() > FOLLOWS_TURNS;
+    !is_disturbed && !(is_only_stop && is_away)
+}
+
+/// How far a crank is from its command as a run ends, turns: ahead is positive. Where it stood at power-up does not count.
+pub fn away_turns(checked: &Checked, outcome: &Outcome, axis: usize) -> f64 {
+    let start_deg = checked.overrides(axis).map_or(0.0, |own| own.start_deg);
+    let (command, actual) = outcome.statistics.turns[axis];
+    actual - command - start_deg / 360.0
+}
+
+/// Whether a fault of a scene takes a crank from what its drive commands.
+fn moves_by_itself(fault: &FaultAt, axis: usize) -> bool {
+    let kinds = [FaultName::Stuck, FaultName::Slip, FaultName::Runaway];
+    fault.axis == Some(axis) && kinds.contains(&fault.kind)
+}
+
+fn opens_enable(what: &EventKind) -> bool {
+    match what {
+        EventKind::Input { line, active } => *line == InputLine::Enable && !active,
+        EventKind::Injected(fault) => fault.kind == FaultName::EnableLoss,
+        _ => false,
+    }
+}
