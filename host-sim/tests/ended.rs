@@ -1,7 +1,8 @@
 //! What `report.json` says of the end of a run, and of the gains that acted in it.
 
+use host_sim::fidelity::{self, Answers};
 use host_sim::report::{Report, summary};
-use host_sim::scene::{Checked, load};
+use host_sim::scene::{Checked, library, load};
 use host_sim::sim::simulate;
 use serde_json::Value;
 
@@ -47,6 +48,119 @@ fn what_stopped_the_machine_is_always_said() {
         assert_eq!(report["ended"]["state"], "fault", "{more}");
         assert_eq!(report["ended"]["stopped_by"], "fault", "{more}");
     }
+}
+
+/// Line of a page that says how a fault ended the run.
+fn fault_line(more: &str) -> String {
+    let (_, page) = run(&scene(STEPPERS, more));
+    let line = page.lines().find(|line| line.starts_with("A fault "));
+    line.unwrap_or_else(|| panic!("{page}")).to_owned()
+}
+
+/// Were it wrong, a summary would promise a common stop where drives were cut, where a crank stood, or where nothing turned at all.
+#[test]
+fn a_common_stop_is_said_of_axes_that_made_one() {
+    const TOGETHER: &str = "brought to rest together";
+    let fault = |at_s: f64, kind: &str| format!("[[fault]]\nat_s = {at_s}\nkind = \"{kind}\"\n");
+    let alarm = |at_s: f64| fault(at_s, "drive-alarm") + "axis = 1\n";
+    let stuck = fault(2.0, "stuck") + "axis = 1\n";
+
+    let line = fault_line(&alarm(2.0));
+    assert!(line.contains(TOGETHER), "{line}");
+    let (report, _) = run(&scene(STEPPERS, &alarm(2.0)));
+    let stop_s = report["time_in_state_s"]["stop"].as_f64().unwrap();
+    assert!(stop_s > 0.1, "{stop_s}");
+    for (more, expected) in [
+        (fault(2.0, "enable-loss"), "without a stop"),
+        // The second fault comes while the first one stops the machine.
+        (
+            alarm(2.0) + &fault(2.0 + stop_s / 2.0, "enable-loss"),
+            "before the stop was over",
+        ),
+        (stuck.clone(), "axis 1 did not follow"),
+        // It lets go long after the stop: the end of the run is not the end of the stop.
+        (stuck.clone() + "for_s = 5\n", "axis 1 did not follow"),
+        (alarm(5.0), "stood already"),
+    ] {
+        let line = fault_line(&more);
+        assert!(
+            line.contains(expected) && !line.contains(TOGETHER),
+            "{line}"
+        );
+        assert!(
+            line.starts_with("A fault stopped the machine at "),
+            "{line}"
+        );
+    }
+    // Homing knows the crank that stands apart, and begins no second time.
+    let again = "[[command]]\nat_s = 0\ndo = \"start\"\n[[command]]\nat_s = 5\ndo = \"reset\"\n\
+                 [[command]]\nat_s = 6\ndo = \"start\"\n";
+    let line = fault_line(&(stuck + "for_s = 1.234\n" + again));
+    assert!(
+        line.starts_with("A fault refused the start at 6.00"),
+        "{line}"
+    );
+    assert!(line.ends_with("The drives stayed off."), "{line}");
+}
+
+/// Were it wrong, a fault would seem to have had its last name when it was detected, or to be two faults.
+#[test]
+fn a_fault_that_gets_a_better_name_is_one_with_two_times() {
+    let lost = "[[fault]]\nat_s = 2\nkind = \"lost-steps\"\naxis = 1\ncycles = 9\n";
+    let (report, page) = run(&scene(STEPPERS, lost));
+    let faults = report["faults"].as_array().unwrap();
+    let [first, .., last] = &faults[..] else {
+        panic!("one name: {faults:?}");
+    };
+    assert_eq!(first["tick"], last["tick"], "{faults:?}");
+    let at = |fault: &Value| format!("{:.3} s", fault["t_s"].as_f64().unwrap());
+    assert_ne!(at(first), at(last));
+    let detected = format!(
+        "A fault stopped the machine at {}: index-timeout",
+        at(first)
+    );
+    let named = format!(
+        "At {} it was named lost steps, axis 1 off by -64.80°.",
+        at(last)
+    );
+    assert!(page.contains(&detected) && page.contains(&named), "{page}");
+    // As it latches, it is listed once; a fault that is only reported, too.
+    assert_eq!(page.matches("  fault: index-timeout").count(), 1, "{page}");
+    assert!(!page.contains("  reported: "), "{page}");
+    let extra = "[[fault]]\nat_s = 2\nkind = \"index-extra\"\naxis = 1\n";
+    let (_, page) = run(&scene(&format!("{STEPPERS}\nencoder = true"), extra));
+    assert_eq!(page.matches("  reported: index-extra").count(), 1, "{page}");
+
+    // Reset, the fault is over, and was one.
+    let reset = "[[command]]\nat_s = 0\ndo = \"start\"\n[[command]]\nat_s = 5\ndo = \"reset\"\n";
+    let (_, page) = run(&scene(STEPPERS, &format!("{lost}{reset}")));
+    let ended = "There was 1 fault, and the machine ended in state `idle`.";
+    assert!(page.contains(ended), "{page}");
+}
+
+/// Were it wrong, cranks that coast would pass for motors that slipped, and nobody would know where they came to stand.
+#[test]
+fn what_cranks_do_with_their_drives_off_is_said_apart() {
+    let checked = Checked::new(library::find("lost-steps").unwrap().scene()).unwrap();
+    let checked = fidelity::check(checked).unwrap();
+    let mut answers = Answers::default();
+    let outcome = simulate(&checked, &mut answers, |_, _| {}).unwrap();
+    let checked = fidelity::answered(checked, &answers);
+    let page = summary(&checked, &outcome, None, 1.0);
+    let report = serde_json::to_value(Report::new(&checked, &outcome, None, 1.0)).unwrap();
+    let slips = "slip, or reach their torque limit: 3 (2 of them only after the drives were off), ";
+    assert!(page.contains(slips), "{page}");
+    assert_eq!(report["fidelity"]["outputs"][0]["value"], 3.0);
+
+    let ends = report["axes"].as_array().unwrap().iter().enumerate();
+    let ends = ends.map(|(axis, own)| {
+        let turns = |key: &str| own[key].as_f64().unwrap();
+        let away_deg = (turns("actual_turns") - turns("command_turns")) * 360.0;
+        format!("axis {axis} {away_deg:+.1}°")
+    });
+    let ends: Vec<_> = ends.collect();
+    let line = format!("commanded to be: {}.", ends.join(", "));
+    assert!(page.contains(&line), "{line}: {page}");
 }
 
 /// Were it wrong, gains that a scene leaves to be derived would be known to nobody.

@@ -164,6 +164,53 @@ fn a_fault_is_shown_on_the_page() {
     }
 }
 
+/// Were it wrong, the axis that is drawn last would hide those with the same phase error, and a correction would seem to do nothing.
+#[test]
+fn axes_that_coincide_are_seen_and_a_correction_is_explained() {
+    let page = |is_corrected: bool, apart_deg: f64| {
+        let mut scope = ScopeData::new(4, frame("coincide", ""));
+        for tick in 0..5000_u32 {
+            let t_s = f64::from(tick) * TICK_S;
+            let mut axes = axes(4);
+            for (i, axis) in axes.iter_mut().enumerate() {
+                let is_apart = i == 2 && t_s > 1.0;
+                axis.phase_error_deg = (4.0 * t_s).sin() + if is_apart { apart_deg } else { 0.0 };
+            }
+            scope.push(&Row {
+                t_s,
+                state: "run",
+                axes,
+                ..Row::default()
+            });
+        }
+        if is_corrected {
+            scope.corrected();
+        }
+        scope.render()
+    };
+    let svg = page(true, 3.0);
+    keep("scope-coincide.svg", &svg);
+    for entry in [
+        "axis 0, peak 1.0",
+        "axis 1 (as 0), peak",
+        "axis 2, peak 4.0",
+        "axis 3 (as 0), peak",
+    ] {
+        assert!(svg.contains(entry), "{entry}");
+    }
+    // The widest line is at the back, the others within it.
+    let first = |width: &str| svg.find(&format!("stroke-width=\"{width}\""));
+    let [five, three] = [first("5.5").unwrap(), first("3.5").unwrap()];
+    assert!(five < three, "{five}, {three}");
+    // What is a pixel apart is told apart, and what is less is not.
+    assert!(page(true, 0.1).contains("axis 2, peak"));
+    assert!(page(true, 0.01).contains("axis 2 (as 0), peak"));
+
+    let note = "its phase error stays";
+    assert!(svg.contains(note));
+    assert!(!page(false, 3.0).contains(note));
+}
+
 #[test]
 fn the_same_run_gives_the_same_page() {
     let page = || {

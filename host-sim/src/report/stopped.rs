@@ -105,18 +105,19 @@ fn follows(checked: &Checked, outcome: &Outcome, axis: usize, stop_s: &Range<f64
         }
         _ => false,
     });
-    // What a crank did before the machine was homed again is no part of this stop.
-    let homed = |event: &&Event| event.what == EventKind::State(State::Homing);
-    let is_only_stop = statistics.events.iter().filter(homed).count() == 1;
-    let is_away = away_turns(checked, outcome, axis).abs() > FOLLOWS_TURNS;
-    !is_disturbed && !(is_only_stop && is_away)
+    let away_turns = away_turns(checked, outcome, axis).unwrap_or(0.0);
+    !is_disturbed && away_turns.abs() < FOLLOWS_TURNS
 }
 
-/// How far a crank is from its command as a run ends, turns: ahead is positive. Where it stood at power-up does not count.
-pub fn away_turns(checked: &Checked, outcome: &Outcome, axis: usize) -> f64 {
+/// How far a crank is from its command as a run ends, turns: ahead is positive. Where it stood at power-up does not count. None in a
+/// run that was homed again, as what a crank did before that would be part of it.
+pub fn away_turns(checked: &Checked, outcome: &Outcome, axis: usize) -> Option<f64> {
+    let statistics = &outcome.statistics;
+    let homed = |event: &&Event| event.what == EventKind::State(State::Homing);
+    let is_homed_once = statistics.events.iter().filter(homed).count() == 1;
     let start_deg = checked.overrides(axis).map_or(0.0, |own| own.start_deg);
-    let (command, actual) = outcome.statistics.turns[axis];
-    actual - command - start_deg / 360.0
+    let (command, actual) = statistics.turns[axis];
+    is_homed_once.then_some(actual - command - start_deg / 360.0)
 }
 
 /// Whether a fault of a scene takes a crank from what its drive commands.

@@ -347,10 +347,12 @@ fn coasting(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt
     }
     // A command stays where it was as the drives went off.
     let ends = (0..checked.scene.axes.count).map(|axis| {
-        let away_deg = away_turns(checked, outcome, axis) * 360.0;
-        format!("axis {axis} {away_deg:+.1}°")
+        let away_deg = away_turns(checked, outcome, axis)? * 360.0;
+        Some(format!("axis {axis} {away_deg:+.1}°"))
     });
-    let ends: Vec<_> = ends.collect();
+    let Some(ends) = ends.collect::<Option<Vec<_>>>() else {
+        return Ok(());
+    };
     writeln!(
         page,
         "They ended this far from where they were commanded to be: {}.",

@@ -166,10 +166,16 @@ fn check_words(report: &Value, run: &Run) -> Result<(), String> {
     let (Some(has_fault), Some(state)) = (ended["fault"].as_bool(), ended["state"].as_str()) else {
         return Err(format!("report.json: ended is {ended}"));
     };
-    let faults = report["faults"].as_array().map_or(0, Vec::len);
+    // A fault that gets a better name is listed again, with its tick.
+    let mut ticks: Vec<_> = report["faults"].as_array().into_iter().flatten().collect();
+    ticks.dedup_by_key(|fault| fault["tick"].as_u64());
+    let faults = ticks.len();
     let ending = match (has_diverged, has_fault, state) {
         (true, ..) => "The simulated machine diverged: its equations".to_owned(),
-        (_, true, "fault") => "A fault stopped the machine at ".to_owned(),
+        (_, true, "fault") => "A fault ".to_owned(),
+        (_, true, state) if faults == 1 => {
+            format!("There was 1 fault, and the machine ended in state `{state}`.")
+        }
         (_, true, state) => {
             format!("There were {faults} faults, and the machine ended in state `{state}`.")
         }
