@@ -103,9 +103,9 @@ def check_led(text):
     rows = [[cell.strip() for cell in line.split('|')[1:3]] for line in table[1].splitlines()] if table else []
     rows = [row for row in rows if not row[0].startswith('dark')]
     problems = []
-    for looks, means in led_patterns():
-        fitting = [row for row in rows if all(word in row[0] for word in looks) and all(word in row[1] for word in means)]
+    for shown, means in led_patterns():
+        fitting = [row for row in rows if all(word in row[0] for word in shown) and all(word in row[1] for word in means)]
         rows = [row for row in rows if row not in fitting[:1]]
         if not fitting:
-            problems.append(f'docs/troubleshooting.md: no row says that the LED shows "{", ".join(looks)}" for {", ".join(means)}')
-    return problems + [f'docs/troubleshooting.md: the LED never shows "{looks}" for "{means}"' for looks, means in rows]
+            problems.append(f'docs/troubleshooting.md: no row says that the LED shows "{", ".join(shown)}" for {", ".join(means)}')
+    return problems + [f'docs/troubleshooting.md: the LED never shows "{shown}" for "{means}"' for shown, means in rows]
