@@ -79,7 +79,7 @@ fn a_common_stop_is_said_of_axes_that_made_one() {
         ),
         (stuck.clone(), "axis 1 did not follow"),
         // It lets go long after the stop: the end of the run is not the end of the stop.
-        (stuck.clone() + "for_s = 5\n", "axis 1 did not follow"),
+        (stuck + "for_s = 5\n", "axis 1 did not follow"),
         (alarm(5.0), "stood already"),
     ] {
         let line = fault_line(&more);
@@ -95,7 +95,8 @@ fn a_common_stop_is_said_of_axes_that_made_one() {
     // Homing knows the crank that stands apart, and begins no second time.
     let again = "[[command]]\nat_s = 0\ndo = \"start\"\n[[command]]\nat_s = 5\ndo = \"reset\"\n\
                  [[command]]\nat_s = 6\ndo = \"start\"\n";
-    let line = fault_line(&(stuck + "for_s = 1.234\n" + again));
+    let lost = fault(2.0, "lost-steps") + "axis = 1\ncycles = 9\n";
+    let line = fault_line(&(lost + again));
     assert!(
         line.starts_with("A fault refused the start at 6.00"),
         "{line}"

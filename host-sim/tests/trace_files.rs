@@ -166,7 +166,7 @@ fn a_fault_is_shown_on_the_page() {
 
 /// Were it wrong, the axis that is drawn last would hide those with the same phase error, and a correction would seem to do nothing.
 #[test]
-fn axes_that_coincide_are_seen_and_a_correction_is_explained() {
+fn axes_that_coincide_are_visible_and_a_correction_is_explained() {
     let page = |is_corrected: bool, apart_deg: f64| {
         let mut scope = ScopeData::new(4, frame("coincide", ""));
         for tick in 0..5000_u32 {
@@ -192,9 +192,9 @@ fn axes_that_coincide_are_seen_and_a_correction_is_explained() {
     keep("scope-coincide.svg", &svg);
     for entry in [
         "axis 0, peak 1.0",
-        "axis 1 (as 0), peak",
+        "axis 1, as axis 0<",
         "axis 2, peak 4.0",
-        "axis 3 (as 0), peak",
+        "axis 3, as axis 0<",
     ] {
         assert!(svg.contains(entry), "{entry}");
     }
@@ -202,9 +202,9 @@ fn axes_that_coincide_are_seen_and_a_correction_is_explained() {
     let first = |width: &str| svg.find(&format!("stroke-width=\"{width}\""));
     let [five, three] = [first("5.5").unwrap(), first("3.5").unwrap()];
     assert!(five < three, "{five}, {three}");
-    // What is a pixel apart is told apart, and what is less is not.
+    // Axes coincide that are less than a pixel apart.
     assert!(page(true, 0.1).contains("axis 2, peak"));
-    assert!(page(true, 0.01).contains("axis 2 (as 0), peak"));
+    assert!(page(true, 0.01).contains("axis 2, as axis 0"));
 
     let note = "its phase error stays";
     assert!(svg.contains(note));

@@ -91,11 +91,11 @@ pub fn notable(events: &[Event]) -> Vec<&Event> {
         });
         latched.any(|fault| fault == reported)
     };
-    let is_told = |event: &&Event| match &event.what {
+    let is_worth = |event: &&Event| match &event.what {
         EventKind::Reported(fault) => !latches(fault, event.t_s),
         what => is_notable(what),
     };
-    events.iter().filter(is_told).collect()
+    events.iter().filter(is_worth).collect()
 }
 
 /// Returns whether an event is worth printing: one that lasts only as long as a band takes to cross is not.

@@ -194,13 +194,12 @@ pub fn phase_error(scope: &ScopeData, time: TimeAxis) -> Panel {
             .filter(|&&other| other == first[axis]);
         let width = 1.5 + 2.0 * above.count() as f64;
         draft.curve(channel(axis), 1.0, Pen { colour, width });
-        let name = if first[axis] == axis {
-            format!("axis {axis}")
-        } else {
-            format!("axis {axis} (as {})", first[axis])
+        let name = format!("axis {axis}");
+        let name = match first[axis] {
+            own if own == axis => peak(&name, scope.envelope.total(channel(axis))),
+            other => format!("{name}, as axis {other}"),
         };
-        let total = scope.envelope.total(channel(axis));
-        draft.entry(LegendShape::Line, colour, peak(&name, total));
+        draft.entry(LegendShape::Line, colour, name);
     }
     draft.limit(limit);
     Panel {
