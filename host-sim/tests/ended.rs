@@ -1,8 +1,10 @@
 //! What `report.json` says of the end of a run, and of the gains that acted in it.
 
+use cophase_core::supervisor::{Fault, FaultKind};
 use host_sim::fidelity::{self, Answers};
-use host_sim::report::{Report, summary};
+use host_sim::report::{Report, describe, summary};
 use host_sim::scene::{Checked, library, load};
+use host_sim::sim::events::EventKind;
 use host_sim::sim::simulate;
 use serde_json::Value;
 
@@ -137,6 +139,21 @@ fn a_fault_that_gets_a_better_name_is_one_with_two_times() {
     let (_, page) = run(&scene(STEPPERS, &format!("{lost}{reset}")));
     let ended = "There was 1 fault, and the machine ended in state `idle`.";
     assert!(page.contains(ended), "{page}");
+}
+
+/// Were it wrong, cranks would lead at 360°, where there is no axis.
+#[test]
+fn the_side_that_leads_is_below_a_whole_turn() {
+    for (deg, expected) in [
+        (359.7, "lead at 0°"),
+        (359.4, "lead at 359°"),
+        (0.4, "lead at 0°"),
+    ] {
+        let fault = Fault::new(FaultKind::Tilt).on_axis(0);
+        let leading_deg = Some(deg);
+        let words = describe(&EventKind::Fault { fault, leading_deg });
+        assert!(words.contains(expected), "{words}");
+    }
 }
 
 /// Were it wrong, cranks that coast would pass for motors that slipped, and nobody would know where they came to stand.
