@@ -206,7 +206,7 @@ fn axes_that_coincide_are_visible_and_a_correction_is_explained() {
     assert!(page(true, 0.1).contains("axis 2, peak"));
     assert!(page(true, 0.01).contains("axis 2, as axis 0"));
 
-    let note = "its phase error stays";
+    let note = "the phase error stays";
     assert!(svg.contains(note));
     assert!(!page(false, 3.0).contains(note));
 }

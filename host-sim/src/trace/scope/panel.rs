@@ -36,7 +36,7 @@ fn least(scope: &ScopeData) -> f64 {
 }
 
 /// Why a phase error does not go away as its crank is corrected.
-const STAYS: &str = "A correction moves command and crank alike: the crank is back beside the others, and its phase error stays.";
+const STAYS: &str = "A correction moves command and crank alike: it brings the crank back beside the others, and the phase error stays.";
 
 const STANDARD_GRAVITY_MPS2: f64 = 9.80665;
 
