@@ -12,7 +12,7 @@ use cophase_link::{Header, MAX_FILE_BYTES, board, encode};
 use super::{CommandError, Status, scenes};
 use host_sim::report;
 use host_sim::scene::file::{AxisOverrides, CamShaft, Fidelity, Rods, Wiring};
-use host_sim::scene::{Checked, Scene};
+use host_sim::scene::{Checked, Scene, entry};
 use host_sim::trace::RunFiles;
 
 /// Both slots: in one alone, the file would lose against a later one in the other.
@@ -184,7 +184,9 @@ fn left_out(scene: &Scene) -> Vec<String> {
     let mut keys = given(&common);
     for (i, axis) in scene.axis.iter().enumerate() {
         let own = given(&apart(axis));
-        keys.extend(own.iter().map(|key| format!("axis[{i}].{key}")));
+        let number = format!("axis {}", axis.number);
+        let place = |key| entry::place(&format!("axis[{i}].{key}"), Some(&number));
+        keys.extend(own.iter().map(place));
     }
     keys.extend(given(&happenings));
     keys

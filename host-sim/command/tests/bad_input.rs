@@ -149,9 +149,17 @@ fn assert_refused(case: &Case) {
             at.contains(own) || at.starts_with(['[', '"']) || said.contains(": missing"),
             "{name}: line {number} is `{at}`: {line}"
         );
-        said.strip_prefix(&format!("{key}: "))
-            .unwrap_or_else(|| panic!("{name}: not at {key}: {line}"))
+        let (place, problem) = said.split_once(": ").unwrap_or_default();
+        let entry = place
+            .strip_prefix(key)
+            .unwrap_or_else(|| panic!("{name}: not at {key}: {line}"));
+        // The entries of lists are in words, too.
+        assert_eq!(!entry.is_empty(), key.contains('['), "{name}: {line}");
+        problem
     };
+    if problem.contains(" is outside ") || problem.contains(" finite number") {
+        assert!(problem.contains("; "), "{name}: no fix: {line}");
+    }
     assert!(problem.contains(wrong), "{name}: not `{wrong}`: {line}");
     assert!(problem.contains(right), "{name}: not `{right}`: {line}");
 }
@@ -215,11 +223,35 @@ fn all_errors_are_reported_together() {
     assert_eq!(lines.len(), wrong.len(), "{lines:#?}");
     for (line, (_, _, key)) in lines.iter().zip(wrong) {
         assert!(line.starts_with("cophase: scene.toml:"), "{line}");
-        assert!(line.contains(&format!(": {key}: ")), "not {key}: {line}");
+        let place = line.split(": ").nth(2).unwrap();
+        let (path, _) = place.split_once(' ').unwrap_or((place, ""));
+        assert_eq!(path, key, "{line}");
     }
     let places = lines.iter().map(|line| line.split(':').nth(2).unwrap());
     let numbers: Vec<u32> = places.map(|place| place.parse().unwrap()).collect();
     assert!(numbers.is_sorted(), "{numbers:?}");
+
+    // Keys and types as well as values.
+    let forms = [
+        ("load_kg = 10", "load_kg = \"10\"", "machine.load_kg"),
+        ("gravity_mps2", "gravity_g", "machine.gravity_g"),
+        (
+            "platform = \"above\"",
+            "platform = \"abov\"",
+            "machine.platform",
+        ),
+        ("settle_s = 0.1", "settle_s = -1", "control.settle_s"),
+        ("drive = \"stepper\"", "drive = \"steper\"", "axes.drive"),
+        ("line = \"alarm-1\"", "line = \"alarm\"", "input[0].line"),
+    ];
+    let lines = lines_of(&forms.map(|(from, to, _)| (from, to)));
+    assert_eq!(lines.len(), forms.len(), "{lines:#?}");
+    for (line, (_, _, key)) in lines.iter().zip(forms) {
+        assert!(line.contains(&format!(": {key}")), "not {key}: {line}");
+    }
+    // A key that is missing because it is misspelt is one error.
+    assert_eq!(lines_of(&[("lambda =", "lamda =")]).len(), 1);
+    assert_eq!(lines_of(&[("[limits]", "[limit]")]).len(), 1);
 
     // Ten are enough.
     let more = [("full_steps_per_turn = 200", "full_steps_per_turn = 1")];
@@ -227,6 +259,20 @@ fn all_errors_are_reported_together() {
     // A level that is too much for the speed, and what is wrong with the speed, are one error: which level is known after that.
     let program = [changes[2], ("amax_g = 5", "amax_g = 190")];
     assert_eq!(lines_of(&program).len(), 1);
+}
+
+/// An axis has a number, which is not the place of its entry in the list.
+#[test]
+fn entries_are_named_by_their_place_and_their_axis() {
+    let changes = [("[[axis]]\nnumber = 1", "[[axis]]\nnumber = 7")];
+    let lines = lines_of(&changes);
+    let words = ": axis[1].number (2nd [[axis]] entry, axis 7): there is no axis 7";
+    assert!(lines[0].contains(words), "{lines:#?}");
+    // A form that is wrong is named so, too.
+    let changes = [("start_deg = 0", "start_deg = \"a\"")];
+    let lines = lines_of(&changes);
+    let words = ": axis[0].start_deg (1st [[axis]] entry, axis 0): `\"a\"` is text";
+    assert!(lines[0].contains(words), "{lines:#?}");
 }
 
 /// The positive control: the scene that all others are made of runs, and writes its files and no other.

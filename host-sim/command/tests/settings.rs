@@ -161,13 +161,24 @@ fn what_a_board_cannot_be_given_is_named() {
             "friction_nm = 0.1\nrotor_inertia",
             "axes.friction_nm.",
         ),
-        ("start_deg = 0", "start_deg = 1", "axis[0].start_deg."),
-        ("reversed = true", "friction_nm = 1", "axis[1].friction_nm."),
+        (
+            "start_deg = 0",
+            "start_deg = 1",
+            "axis[0].start_deg (1st [[axis]] entry, axis 0).",
+        ),
+        (
+            "reversed = true",
+            "friction_nm = 1",
+            "axis[1].friction_nm (2nd [[axis]] entry, axis 1).",
+        ),
     ] {
         assert_eq!(left_out(&loop_only.replace(from, to)), keys);
     }
     let weaker = BASE.replace("pull_out_scale = 1", "pull_out_scale = 0.9");
-    assert!(left_out(&weaker).contains("axis[0].pull_out_scale, [[command]]"));
+    assert!(
+        left_out(&weaker)
+            .contains("axis[0].pull_out_scale (1st [[axis]] entry, axis 0), [[command]]")
+    );
 }
 
 #[test]

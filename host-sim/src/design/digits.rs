@@ -2,7 +2,7 @@
 
 /// A number as it was given, in the shortest form that reads back the same; with an exponent if it would
 /// otherwise be longer than a column.
-pub(super) fn plain(value: f64) -> String {
+pub(crate) fn plain(value: f64) -> String {
     let size = value.abs();
     if value.is_finite() && size > 0.0 && !(1e-4..1e7).contains(&size) {
         format!("{value:e}")

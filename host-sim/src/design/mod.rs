@@ -13,6 +13,7 @@ mod range;
 mod scene;
 pub mod screen;
 
+pub(crate) use digits::plain;
 pub use range::{OutOfRange, Range};
 pub use scene::NotRunnable;
 

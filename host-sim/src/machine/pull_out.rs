@@ -1,6 +1,8 @@
 //! Pull-out torque: the most that a stepper turning at a speed can give before it falls out of step.
 
-use crate::scene::SceneError;
+use cophase_core::settings::Problem;
+
+use crate::scene::{SceneError, range};
 
 /// Torque against speed, straight lines between points; level before the first, zero past the last.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,11 +19,13 @@ impl PullOut {
         for (i, &(speed_hz, torque_nm)) in points.iter().enumerate() {
             let wrong =
                 |problem: String| Err(SceneError::at(format!("axes.pull_out[{i}]"), problem));
-            if !(0.0..=1e4).contains(&speed_hz) {
-                return wrong(format!("{speed_hz} rev/s is outside 0 to 10000"));
-            }
-            if !(0.0..=1e5).contains(&torque_nm) {
-                return wrong(format!("{torque_nm} N·m is outside 0 to 100000"));
+            for (column, value, most) in
+                [("speed_hz", speed_hz, 1e4), ("torque_nm", torque_nm, 1e5)]
+            {
+                if !(0.0..=most).contains(&value) {
+                    let problem = Problem::out_of_range(value, 0.0, most);
+                    return wrong(range::sentence(column, problem, None));
+                }
             }
             if i > 0 && speed_hz <= points[i - 1].0 {
                 return wrong(format!(

@@ -16,10 +16,10 @@ mod settings;
 
 use std::sync::Arc;
 
-use cophase_core::settings::{DriftSettings, MachineSettings};
+use cophase_core::settings::{DriftSettings, MachineSettings, Problem};
 
 use super::file::{Fidelity, Scene};
-use super::{Checked, SceneError};
+use super::{Checked, SceneError, range};
 use crate::fidelity;
 use crate::machine::{PullOut, RESOLUTION};
 use crate::mechanism::{AnyMechanism, Configured};
@@ -110,24 +110,23 @@ struct Kind {
 
 /// Checks how many axes the machine has.
 fn check_count(scene: &Scene, plant: Option<&dyn Plant>) -> Result<(), SceneError> {
-    let (range, what) = match plant {
+    let (counts, what) = match plant {
         Some(plant) => (plant.axes(), plant.name()),
         None => (2..=6, "one platform"),
     };
     let count = scene.axes.count;
-    if range.contains(&count) {
+    if counts.contains(&count) {
         return Ok(());
     }
-    let (least, most) = range.into_inner();
-    let numbers = if least == most {
-        format!("is not {least}")
+    let (least, most) = counts.into_inner();
+    let reason = format!("the motors that {what} has");
+    let problem = if least == most {
+        format!("{count} is not {least}, {reason}; give {least}")
     } else {
-        format!("is outside {least} to {most}")
+        let problem = Problem::out_of_range(count as f64, least as f64, most as f64);
+        range::sentence("axes.count", problem, Some(&reason))
     };
-    Err(SceneError::at(
-        "axes.count",
-        format!("{count} {numbers}, the motors that {what} has"),
-    ))
+    Err(SceneError::at("axes.count", problem))
 }
 
 /// The one machine of a scene.

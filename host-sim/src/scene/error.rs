@@ -4,6 +4,8 @@ use std::fmt;
 
 use cophase_core::settings::{Problem, SettingsError};
 
+use super::{entry, range};
+
 /// Something wrong with a scene: in which file, at which key, what, and what would be right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneError {
@@ -11,8 +13,10 @@ pub struct SceneError {
     pub origin: String,
     /// Line in the file, where it is known, counted from 1.
     pub line: Option<usize>,
-    /// The key, as a path like `limits.speed_hz`; empty if it is the file as a whole.
+    /// The key, as a path like `limits.speed_hz` or `axis[1].number`; empty if it is the file as a whole.
     pub key: String,
+    /// The axis or the name of the list entry that the key is in, such as `axis 3`, where it is known.
+    pub entry: Option<String>,
     /// What is wrong, and what would be right.
     pub problem: String,
     /// What else is wrong, in the order of its lines.
@@ -26,6 +30,7 @@ impl SceneError {
             origin: String::new(),
             line: None,
             key: key.into(),
+            entry: None,
             problem: problem.into(),
             others: Vec::new(),
         }
@@ -40,21 +45,11 @@ impl SceneError {
         Some(Self { others, ..first })
     }
 
-    /// One of the core's problems, at a key: with the unit that the key carries, and why its range is what it is.
+    /// One of the core's problems, at a key: with the unit that the key carries, and what to give instead of a value out of its range.
     pub fn of(key: impl Into<String>, problem: Problem) -> Self {
         let key = key.into();
-        let sentence = problem.of(&key).to_string();
-        match (problem.range(), reason(&key)) {
-            (Some(_), Some(reason)) => Self::at(key, sentence).because(reason),
-            _ => Self::at(key, sentence),
-        }
-    }
-
-    /// The same, with what the values that would be right have in common.
-    #[must_use]
-    pub fn because(mut self, reason: &str) -> Self {
-        self.problem = format!("{}, {reason}", self.problem);
-        self
+        let sentence = range::sentence(&key, problem, range::reason(&key));
+        Self::at(key, sentence)
     }
 
     /// The same, of a file.
@@ -65,28 +60,6 @@ impl SceneError {
         self.others = others.map(|other| other.in_file(origin)).collect();
         self
     }
-}
-
-/// Reason of a range, where the numbers alone would not show what the values have in common.
-fn reason(key: &str) -> Option<&'static str> {
-    let (_, name) = key.rsplit_once('.')?;
-    Some(match name {
-        "lambda" => "the ratios of crank radius to rod length that this mechanism is built with",
-        "crank_radius_mm" => "the cranks that a vibration platform is built with",
-        "load_kg" => "the loads that one platform carries",
-        "tick_hz" => "the rates at which the loop runs",
-        "speed_hz" => "the speeds that such cranks are turned at",
-        "acceleration_hz_per_s" | "jerk_hz_per_s2" => {
-            "what a tick can resolve and limits.speed_hz can use"
-        }
-        "homing_speed_hz" => "slow enough to find an index pulse at, and within limits.speed_hz",
-        "width_ns" => "what drives ask for and the step clock makes",
-        "repeat" => "the counts that a program holds",
-        "start_deg" | "offset_deg" | "index_deg" => "half a turn either way",
-        "park_deg" => "one turn",
-        "steps_per_turn" => "the resolutions that the planner counts in",
-        _ => return None,
-    })
 }
 
 impl From<SettingsError> for SceneError {
@@ -100,7 +73,10 @@ impl From<SettingsError> for SceneError {
         };
         // "axes.ratio numerator": a key, and which part of its value.
         match key.split_once(' ') {
-            Some((key, part)) => Self::at(key, format!("{part} {}", error.problem)),
+            Some((key, part)) => {
+                let sentence = range::sentence(key, error.problem, None);
+                Self::at(key, format!("{part} {sentence}"))
+            }
             None => Self::of(key, error.problem),
         }
     }
@@ -113,7 +89,10 @@ impl fmt::Display for SceneError {
             whole.push_str(&format!(":{line}"));
         }
         if !self.key.is_empty() {
-            whole.push_str(&format!(": {}", self.key));
+            whole.push_str(&format!(
+                ": {}",
+                entry::place(&self.key, self.entry.as_deref())
+            ));
         }
         // Part of it comes from the file, which may hold anything: a message is one line an error, and moves no cursor.
         for c in format!("{whole}: {}", self.problem).chars() {

@@ -23,8 +23,8 @@ const START_FROM: &str = "`cophase scenes default > my.toml` writes a scene to s
 ///
 /// # Errors
 /// The file cannot be read, is too large, is not TOML, its keys are not those of a scene, or their
-/// values are not those of a machine that can run. The error names the file, and the line if there is one. Of a wrong form the first
-/// error is reported, of wrong values up to ten together.
+/// values are not those of a machine that can run. The error names the file, and the line if there is one. Of text that is not TOML the
+/// first error is reported, of wrong keys and values up to ten together.
 pub fn checked_from_file(path: &Path) -> Result<Checked, SceneError> {
     let origin = path.display().to_string();
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -37,11 +37,12 @@ pub fn checked_from_file(path: &Path) -> Result<Checked, SceneError> {
 /// # Errors
 /// As of [`checked_from_file`]. The error has no origin yet.
 pub fn checked_from_text(text: &str, folder: Option<&Path>) -> Result<Checked, SceneError> {
-    let check = |mut scene: Scene| {
+    let check = |text: &str| {
+        let mut scene = parse(text)?;
         cam_file::read_all(&mut scene, folder)?;
         Checked::new(scene)
     };
-    check(parse(text)?).map_err(|first| others::find(text, first, check))
+    check(text).map_err(|first| others::find(text, first, check))
 }
 
 fn from_path(path: &Path) -> Result<String, SceneError> {

@@ -7,10 +7,12 @@
 
 pub mod check;
 mod checked;
+pub mod entry;
 mod error;
 pub mod file;
 pub mod library;
 pub mod load;
+pub(crate) mod range;
 
 pub use check::{in_range, machine, phase_limits, plant};
 pub use checked::Checked;

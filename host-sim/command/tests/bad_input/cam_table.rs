@@ -59,7 +59,7 @@ fn tables() {
             "[control]",
             "[[cam_table]]\nname = \"lobe\"\nsegment = [{ deg = 90 }]\n[control]",
             "cam_table[1].name",
-            "name of cam_table[0] already",
+            "name of the 1st [[cam_table]] entry already",
             "lobe",
         ),
         edited(

@@ -167,7 +167,7 @@ fn axes_and_machines_that_cannot_show_them() {
             "with itself",
             "kind = \"swapped-wiring\"\naxis = 1\nwith = 1\nlines = \"sensors\"",
             "fault[0].with",
-            "1 is fault[0].axis itself",
+            "1 is the fault's `axis` itself",
             "the other axis",
         ),
         with(

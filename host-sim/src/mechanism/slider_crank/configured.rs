@@ -48,8 +48,7 @@ fn lambda(machine: &Machine) -> Result<f64, SceneError> {
             Err(SceneError::of(
                 "machine.rod_length_mm",
                 Problem::out_of_range(length_mm, low, high),
-            )
-            .because("1.67 to 10 crank radii"))
+            ))
         }
         (Some(_), Some(_)) => Err(SceneError::at(
             "machine.rod_length_mm",

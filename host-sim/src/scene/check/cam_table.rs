@@ -7,6 +7,7 @@ use cophase_methods::problems::Law;
 
 use super::numbers::range;
 use crate::scene::SceneError;
+use crate::scene::entry::ordinal;
 use crate::scene::file::{CamTable, Scene};
 use crate::scene::load::nearest;
 
@@ -31,8 +32,9 @@ pub(super) fn tables(scene: &Scene) -> Result<heapless::Vec<CamSettings, MAX_CAM
             return Err(SceneError::at(
                 format!("cam_table[{i}].name"),
                 format!(
-                    "\"{}\" is the name of cam_table[{other}] already",
-                    table.name
+                    "\"{}\" is the name of the {} [[cam_table]] entry already; give another one",
+                    table.name,
+                    ordinal(other)
                 ),
             ));
         }

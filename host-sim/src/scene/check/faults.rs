@@ -184,7 +184,7 @@ fn check_axes(i: usize, fault: &FaultAt, scene: &Scene) -> Result<(), SceneError
     match fault.kind {
         FaultName::SwappedWiring if fault.with == Some(axis) => wrong(
             "with",
-            format!("{axis} is fault[{i}].axis itself; give the other axis of the two"),
+            format!("{axis} is the fault's `axis` itself; give the other axis of the two"),
         ),
         FaultName::SwappedWiring
             if fault.lines == Some(Lines::Drive)

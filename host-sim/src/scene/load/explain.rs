@@ -129,7 +129,7 @@ pub(super) fn explain(path: &str, message: &str, written: &str) -> (String, Stri
 
 fn unknown_key(unknown: &str, known: &[&str]) -> String {
     let meant = if let Some(key) = nearest(unknown, known) {
-        match unit(key) {
+        match Problem::unit(key) {
             "" => format!("did you mean `{key}`? "),
             unit => format!("did you mean `{key}`, in {unit}? "),
         }
@@ -139,15 +139,6 @@ fn unknown_key(unknown: &str, known: &[&str]) -> String {
         String::new()
     };
     format!("unknown key; {meant}known here: {}", known.join(", "))
-}
-
-/// The unit that a key carries; the core knows none of springs.
-fn unit(key: &str) -> &'static str {
-    match key {
-        _ if key.ends_with("_n_per_mm") => "N/mm",
-        _ if key.ends_with("_ns_per_m") => "N·s/m",
-        _ => Problem::unit(key),
-    }
 }
 
 /// "invalid type: string "10", expected f64" and its like.
@@ -239,7 +230,7 @@ fn one_line(message: &str) -> String {
 }
 
 /// The first line of a text, cut if it is long.
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     let line = text.lines().next().unwrap_or_default();
     let cut = line.chars().count() > MOST_QUOTED || line.len() < text.trim_end().len();
     let mut kept: String = line.chars().take(MOST_QUOTED).collect();

@@ -1,4 +1,4 @@
-//! What else is wrong with the values of a scene, beside what was found first.
+//! What else is wrong with the keys and values of a scene, beside what was found first.
 //!
 //! Checks end at the first error. To find the next one, the value of the last is *replaced*: left out, so that its default holds, or
 //! else as a built-in scene has it. Then the scene is checked again. An error that a replaced value may have caused is not reported.
@@ -7,9 +7,8 @@ use std::collections::BTreeMap;
 
 use toml::{Table, Value};
 
-use super::parse;
-use super::place::{Step, example_value, line_of_key, steps};
-use crate::scene::{Checked, Scene, SceneError};
+use super::place::{Step, entry_name, example_value, line_of_key, steps};
+use crate::scene::{Checked, SceneError};
 
 /// Errors that are reported together; after so many a file is not what was meant.
 const MOST: usize = 10;
@@ -20,34 +19,44 @@ const MOST_CHECKS: usize = 40;
 pub(super) fn find(
     text: &str,
     first: SceneError,
-    check: impl Fn(Scene) -> Result<Checked, SceneError>,
+    check: impl Fn(&str) -> Result<Checked, SceneError>,
 ) -> SceneError {
-    let Ok(mut table) = toml::from_str::<Table>(text) else {
+    let Ok(original) = toml::from_str::<Table>(text) else {
         return first;
     };
+    let mut table = original.clone();
     let mut found = vec![first.clone()];
     let mut replaced = Replaced::default();
     let mut last = first;
     for _ in 0..MOST_CHECKS {
-        let Some((better, scene)) = replaced.replace(&table, &last.key) else {
+        let Some(better) = replaced.replace(&table, &last.key) else {
             break;
         };
         table = better;
-        let Err(error) = check(scene) else { break };
+        // As text, as the file was: a second reader would have to be compiled for every key.
+        let Err(error) = check(&table.to_string()) else {
+            break;
+        };
         if replaced.is_not_the_cause_of(&error) && !found.iter().any(|other| is_one(&error, other))
         {
-            found.push(error.clone());
+            // Its line is that of another text.
+            let line = None;
+            found.push(SceneError {
+                line,
+                ..error.clone()
+            });
         }
         if found.len() == MOST {
             break;
         }
         last = error;
     }
-    let on_its_line = |error: SceneError| SceneError {
-        line: line_of_key(text, &error.key),
+    let in_its_place = |error: SceneError| SceneError {
+        line: error.line.or_else(|| line_of_key(text, &error.key)),
+        entry: entry_name(&original, &error.key),
         ..error
     };
-    let found = found.into_iter().map(on_its_line).collect();
+    let found = found.into_iter().map(in_its_place).collect();
     SceneError::together(found).expect("the first is among them")
 }
 
@@ -56,8 +65,8 @@ pub(super) fn find(
 struct Replaced(BTreeMap<String, usize>);
 
 impl Replaced {
-    /// The scene with another value at a key, or else without the table around it; none if no other value fits.
-    fn replace(&mut self, table: &Table, key: &str) -> Option<(Table, Scene)> {
+    /// The scene with another value at a key, or else without the table around it; none if there is nothing left to replace.
+    fn replace(&mut self, table: &Table, key: &str) -> Option<Table> {
         let mut place = without_entry(key);
         while !place.is_empty() {
             let times = self.0.entry(place.to_owned()).or_insert(0);
@@ -71,11 +80,8 @@ impl Replaced {
                     (_, false) => break,
                 };
                 let mut better = table.clone();
-                if put(&mut better, place, value).is_some()
-                    // Read as the file was: a second reader would have to be compiled for every key.
-                    && let Ok(scene) = parse(&better.to_string())
-                {
-                    return Some((better, scene));
+                if put(&mut better, place, value).is_some() {
+                    return Some(better);
                 }
             }
             place = without_entry(place.rsplit_once('.').map_or("", |(around, _)| around));
@@ -85,11 +91,11 @@ impl Replaced {
 
     fn is_not_the_cause_of(&self, error: &SceneError) -> bool {
         let mut keys = self.0.keys();
-        let is_range = is_range(error);
+        let is_by_itself = is_by_itself(error);
         keys.all(|replaced| {
             error.key != *replaced
                 && !error.problem.contains(replaced.as_str())
-                && (is_range || !depends(&error.key, replaced))
+                && (is_by_itself || !depends(&error.key, replaced))
         })
     }
 }
@@ -100,16 +106,22 @@ fn without_entry(key: &str) -> &str {
     list.map_or(key, |(list, _)| list)
 }
 
-/// Whether a value is out of its range, whatever the other values are.
-fn is_range(error: &SceneError) -> bool {
-    [" is outside ", " finite number"]
-        .iter()
-        .any(|words| error.problem.contains(words))
+/// Whether a key or a value is wrong whatever the others are: out of its range, none of its values, of another type, or unknown.
+fn is_by_itself(error: &SceneError) -> bool {
+    let has = |words: &str| error.problem.contains(words);
+    let is_other_type = has(", where ") && has(" belongs");
+    let words = [
+        " is outside ",
+        " finite number",
+        " is none of its values",
+        "unknown key",
+    ];
+    is_other_type || words.into_iter().any(has)
 }
 
 /// Whether two errors, such as those of two axes, have one cause.
 fn is_one(error: &SceneError, other: &SceneError) -> bool {
-    error.problem == other.problem && !is_range(error)
+    error.problem == other.problem && !is_by_itself(error)
 }
 
 /// Whether a check at `key`, beyond that of its own range, may look at the value of `other`.
@@ -124,8 +136,16 @@ fn depends(key: &str, other: &str) -> bool {
     match root(key).as_str() {
         "program" => among(&["machine", "cam", "limits", "control", "program"]),
         "limits" => among(&["machine", "cam", "control", "limits"]),
-        "axes" | "axis" => among(&["machine", "cam", "limits", "control", "cam_table", "axes"]),
-        "command" | "input" | "late" | "fault" | "cam_table" => among(&["axes"]),
+        "axes" | "axis" => among(&[
+            "machine",
+            "cam",
+            "limits",
+            "control",
+            "cam_table",
+            "axes",
+            "axis",
+        ]),
+        "command" | "input" | "late" | "fault" | "cam_table" => among(&["axes", "axis"]),
         _ => true,
     }
 }

@@ -3,7 +3,9 @@
 //! *Key path*: `limits.band[0].from_hz`, entries counted from 0.
 
 use toml::de::{DeTable, DeValue};
+use toml::{Table, Value};
 
+use super::explain::quoted;
 use crate::scene::library::SCENES;
 
 /// The line of a byte, counted from 1.
@@ -26,6 +28,20 @@ pub(super) fn line_of_key(text: &str, path: &str) -> Option<usize> {
         value = next.get_ref().clone();
     }
     found.map(|byte| line_at(text, byte))
+}
+
+/// What the outermost list entry on a key path is about: `axis 3` by its number, or its name in quotes.
+pub(super) fn entry_name(table: &Table, path: &str) -> Option<String> {
+    let mut steps = steps(path);
+    let (Some(Step::Name(list)), Some(Step::Entry(entry))) = (steps.next(), steps.next()) else {
+        return None;
+    };
+    let entry = table.get(list)?.get(entry)?;
+    match (entry.get("number"), entry.get("name")) {
+        (Some(Value::Integer(number)), _) => Some(format!("{list} {number}")),
+        (None, Some(Value::String(name))) => Some(format!("\"{}\"", quoted(name))),
+        _ => None,
+    }
 }
 
 /// For text that is not TOML: the key on a line, under the heading above it, as far as both can be made out.
@@ -97,11 +113,11 @@ pub(super) fn example(path: &str) -> Option<String> {
 
 /// Where a key belongs, if it is a scene's key: at the top, or under a heading.
 pub(super) fn home_of(key: &str) -> Option<String> {
-    let scenes: Vec<toml::Table> = SCENES
+    let scenes: Vec<Table> = SCENES
         .iter()
-        .filter_map(|built_in| toml::Table::try_from(built_in.scene()).ok())
+        .filter_map(|built_in| Table::try_from(built_in.scene()).ok())
         .collect();
-    let is_at_top = |scene: &toml::Table| {
+    let is_at_top = |scene: &Table| {
         scene
             .get(key)
             .is_some_and(|value| !value.is_table() && !value.is_array())
@@ -113,8 +129,8 @@ pub(super) fn home_of(key: &str) -> Option<String> {
         .into_iter()
         .flatten()
         .find_map(|(name, value)| match value {
-            toml::Value::Table(table) if table.contains_key(key) => Some(format!("under [{name}]")),
-            toml::Value::Array(entries) if entries.iter().any(|e| e.get(key).is_some()) => {
+            Value::Table(table) if table.contains_key(key) => Some(format!("under [{name}]")),
+            Value::Array(entries) if entries.iter().any(|e| e.get(key).is_some()) => {
                 Some(format!("under [[{name}]]"))
             }
             _ => None,
@@ -122,9 +138,9 @@ pub(super) fn home_of(key: &str) -> Option<String> {
 }
 
 /// A plain value that a built-in scene has at a key path.
-pub(super) fn example_value(path: &str) -> Option<toml::Value> {
+pub(super) fn example_value(path: &str) -> Option<Value> {
     SCENES.iter().find_map(|scene| {
-        let mut value = toml::Value::Table(toml::from_str(scene.text).ok()?);
+        let mut value = Value::Table(toml::from_str(scene.text).ok()?);
         for step in steps(path) {
             value = match step {
                 Step::Name(name) => value.get(name)?.clone(),
