@@ -425,13 +425,17 @@ fn warnings_come_when_due() {
         Warning::ThirdBranch { exact: Some(_), .. } => '3',
         Warning::ThirdBranch { exact: None, .. } => '2',
         Warning::TwoTermError { .. } => 'e',
+        Warning::ShortRods { .. } => 'r',
         Warning::GravitySense { .. } => 's',
         Warning::StepperSpeed { .. } => 'n',
         Warning::StepperPower { .. } => 'P',
     };
     let kinds = |found: Design| found.warnings().iter().map(kind).collect::<String>();
-    assert_eq!(examples(10.0).map(kinds), ["gsnP", "gsnP", "g3esP", "g3es"]);
-    assert_eq!(examples(9.81).map(kinds), ["snP", "snP", "3esP", "3es"]);
+    assert_eq!(
+        examples(10.0).map(kinds),
+        ["gsnP", "gsnP", "g3resP", "g3es"]
+    );
+    assert_eq!(examples(9.81).map(kinds), ["snP", "snP", "3resP", "3es"]);
     // λ (1/√(1 − λ²) − 1)/(1 + λ) passes 0.5 % between 0.22 (0.45 %) and 0.23 (0.52 %).
     let sized = |lambda| {
         design(&Requirement {
@@ -441,6 +445,13 @@ fn warnings_come_when_due() {
         .expect("in range")
     };
     assert_eq!([0.22, 0.23].map(sized).map(kinds), ["s", "es"]);
+    // λ/√(1 − λ²), a rod's greatest force sideways over that upwards, passes a half at 1/√5 = 0.447.
+    assert_eq!([0.44, 0.45].map(sized).map(kinds), ["3es", "3res"]);
+    let short = sized(0.6).warnings()[1].to_string();
+    let figures = ["1.667 crank radii", "36.9 deg", "75.0 %"];
+    for figure in figures {
+        assert!(short.contains(figure), "{short}");
+    }
     let between = Requirement {
         lambda: 0.26,
         ..example(3, 9.81)

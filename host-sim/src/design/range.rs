@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::digits::plain;
+use crate::scene::range::meant;
 
 /// Range of a number on the command line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,7 +54,8 @@ impl Range {
 
 /// A number out of its range.
 ///
-/// Prints as `--lambda 0.7: outside 0.1 to 0.6, the crank/rod ratios this mechanism is built with; try 0.6`. The nearer end is
+/// Prints as `--lambda 0.7: outside 0.1 to 0.6, the crank/rod ratios this mechanism is built with; try 0.6`, and
+/// with the value in another unit in which it would be in range. The nearer end is
 /// suggested if it is in the range, otherwise a usual value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutOfRange {
@@ -106,9 +108,12 @@ impl fmt::Display for OutOfRange {
             usual
         };
         let value = plain(self.value);
+        // As a key of a scene would be called.
+        let key = flag.trim_start_matches('-').replace('-', "_");
+        let meant = meant(&key, unit.trim_start(), self.value, (low, high));
         write!(
             f,
-            "{flag} {value}: outside {low} to {high}{unit}{end}, {meaning}; try {try_this}"
+            "{flag} {value}: outside {low} to {high}{unit}{end}, {meaning}; try {try_this}{meant}"
         )
     }
 }

@@ -19,6 +19,10 @@ const STEPPER_RPM: f64 = 3000.0;
 /// Peak shaft power no stepper delivers, W: the largest frames (NEMA 42) end at some hundreds of watts.
 const STEPPER_W: f64 = 1000.0;
 
+/// Force across the line of travel, over that along it, from which rods count as short: half of it. It is tan β = λ / √(1 − λ²) where
+/// the rod leans most, so that λ from 0.447 on is short, up to the 0.6 that the method allows.
+const SIDEWAYS: f64 = 0.5;
+
 /// Something a reader of a [`Design`] should know. Prints as one or two full sentences.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Warning {
@@ -31,6 +35,11 @@ pub enum Warning {
         two_term: Extremum,
         /// The true one; none for λ from 1/4 to 0.2638, where only the approximation has it.
         exact: Option<Extremum>,
+    },
+    /// Rods are so short that they push the platform sideways with a large part of their force.
+    ShortRods {
+        /// Crank/rod ratio.
+        lambda: f64,
     },
     /// The source's gravity sign is that of a platform below its cranks.
     GravitySense {
@@ -87,6 +96,10 @@ fn of(design: &Design) -> Vec<Warning> {
             exact: design.mechanism.extrema_exact(omega).between,
         });
     }
+    let lambda = design.requirement.lambda;
+    if sideways(lambda) >= SIDEWAYS {
+        all.push(Warning::ShortRods { lambda });
+    }
     let exact_nm = design.torque_exact_below.value;
     let acceleration = design.mechanism.two_term_error().value;
     let torque = design.torque_two_term.value / exact_nm - 1.0;
@@ -109,6 +122,11 @@ fn of(design: &Design) -> Vec<Warning> {
         all.push(Warning::StepperPower { motor_w });
     }
     all
+}
+
+/// Greatest force of a rod across the line of travel, over that along it.
+fn sideways(lambda: f64) -> f64 {
+    lambda.asin().tan()
 }
 
 impl fmt::Display for Warning {
@@ -143,6 +161,15 @@ impl fmt::Display for Warning {
                     ),
                 }
             }
+            Self::ShortRods { lambda } => write!(
+                f,
+                "The rods are short, {} crank radii: they lean up to {} deg, and push the platform sideways with up \
+                 to {} of the force that moves it. The formulas leave out friction in its guides. Choose longer rods, \
+                 a smaller λ, unless the guides take that.",
+                four(1.0 / lambda),
+                degrees(lambda.asin()),
+                percent(sideways(lambda))
+            ),
             Self::GravitySense { below_nm, above_nm } => write!(
                 f,
                 "The patent's F = m (g + a) holds for a platform hanging below its cranks; for one \
