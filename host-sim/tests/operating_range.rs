@@ -106,8 +106,7 @@ fn the_picture_names_what_it_shows() {
         "avoid 25–29",
         "limit 60 rev/s",
         "120 g",
-        "planner 781 k (above)",
-        "RP2040 781 k (above)",
+        "planner, RP2040 781 k (above)",
     ] {
         assert!(svg.contains(&format!(">{label}</text>")), "no {label}");
     }

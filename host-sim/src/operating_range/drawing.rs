@@ -189,7 +189,11 @@ impl OperatingRange {
             .filter(|axes| available(axes[0], 0.0).is_some());
         for (axes, (_, colour)) in known.zip(MOTORS.into_iter().cycle()) {
             let curve = |hz| available(axes[0], hz).unwrap_or(0.0);
-            let points = with_end(self.over_speed(right_hz, curve), curve);
+            let points = with_end(
+                self.over_speed(right_hz, curve),
+                curve,
+                self.speed_limit_hz(),
+            );
             draft.curve(points, colour, 2.4);
             let name = self.named("available", axes);
             draft.entry(LegendShape::Line, colour, name, false);
@@ -281,17 +285,22 @@ impl OperatingRange {
         let Some(planner_hz) = self.planner_step_hz() else {
             return draft.done(self, right_hz, "steps, 1000/s");
         };
-        let name = format!("planner {} k", short(KILO * planner_hz));
-        draft.limit(KILO * planner_hz, &name);
+        let mut limit = |who: &str, hz: f64| {
+            draft.limit(KILO * hz, &format!("{who} {} k", short(KILO * hz)));
+        };
         let greatest = rates.iter().map(|(steps, _)| *steps).fold(0.0, f64::max);
-        match self.board_speed_hz() {
-            Ok(speed_hz) => {
-                // The board makes what the planner plans, if it has the time.
-                let most_hz = speed_hz.map_or(planner_hz, |hz| planner_hz.min(hz * greatest));
-                let name = format!("RP2040 {} k", short(KILO * most_hz));
-                draft.limit(KILO * most_hz, &name);
+        // The board makes what the planner plans, if it has the time.
+        let board_hz = self
+            .board_speed_hz()
+            .map(|hz| hz.map(|hz| hz * greatest).filter(|hz| *hz < planner_hz));
+        match board_hz {
+            Ok(None) => limit("planner, RP2040", planner_hz),
+            Ok(Some(board_hz)) => {
+                limit("planner", planner_hz);
+                limit("RP2040", board_hz);
             }
             Err(_) => {
+                limit("planner", planner_hz);
                 let name = "not for the RP2040".to_owned();
                 draft.entry(LegendShape::Line, VERMILION, name, true);
             }
@@ -300,8 +309,9 @@ impl OperatingRange {
     }
 }
 
-/// The same curve with a vertical end, where it falls to zero between two points: beyond the last point of a pull-out curve.
-fn with_end(points: Vec<(f64, f64)>, value: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+/// The same curve with a vertical end, where it falls to zero between two points: beyond the last point of a pull-out curve. One that
+/// falls at the limit of speed just ends there, or its end would hide the line of the limit.
+fn with_end(points: Vec<(f64, f64)>, value: impl Fn(f64) -> f64, limit_hz: f64) -> Vec<(f64, f64)> {
     let falls = |pair: &[(f64, f64)]| pair[0].1 > 0.0 && pair[1].1 == 0.0;
     let Some(before) = points.windows(2).position(falls) else {
         return points;
@@ -316,6 +326,31 @@ fn with_end(points: Vec<(f64, f64)>, value: impl Fn(f64) -> f64) -> Vec<(f64, f6
         }
     }
     let mut ended = points;
-    ended.splice(before + 1..=before, [(low, value(low)), (low, 0.0)]);
+    if (low - limit_hz).abs() < 1e-6 * limit_hz {
+        ended.truncate(before + 1);
+        ended.push((low, value(low)));
+    } else {
+        ended.splice(before + 1..=before, [(low, value(low)), (low, 0.0)]);
+    }
     ended
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Were it wrong, the end of a pull-out curve would hide the line of the limit of speed, or a curve would not end.
+    #[test]
+    fn a_pull_out_curve_ends_at_its_last_point() {
+        let value = |hz: f64| if hz <= 5.0 { 2.0 } else { 0.0 };
+        let points: Vec<_> = [0.0, 4.0, 6.0, 8.0].map(|hz| (hz, value(hz))).to_vec();
+        let below = with_end(points.clone(), value, 7.0);
+        assert_eq!(below.len(), 6);
+        let [corner, foot] = [below[2], below[3]];
+        assert!((corner.0 - 5.0).abs() < 1e-9 && corner.1 == 2.0);
+        assert_eq!(foot, (corner.0, 0.0));
+        let at_limit = with_end(points, value, 5.0);
+        assert_eq!(at_limit.len(), 3);
+        assert_eq!(at_limit[2], corner);
+    }
 }

@@ -1,4 +1,4 @@
-//! Symbols of the perspective view: those of one crank, the distance of the platform, and the direction of amax.
+//! Symbols of the perspective view: those of one crank, the height of the platform, and the direction of amax.
 
 use core::f64::consts::TAU;
 
@@ -73,7 +73,7 @@ impl Cranks<'_> {
         drawing.label_on(of, (beside * 9.0, -2.0), name, colour, beside > 0.0);
     }
 
-    /// The distance x of the platform from the crank axes.
+    /// The height z of the platform over the crank axes; it is negative below them. x and y are those of the view from above.
     pub(super) fn distance(&self, drawing: &mut Drawing) {
         let (left, platform) = (-1.34, self.eye.height(self.corner));
         for (from, y) in [(-1.0, 0.0), (-PLATE.0, platform)] {
@@ -83,7 +83,7 @@ impl Cranks<'_> {
         drawing.label_at(
             [left, 0.5 * platform],
             (-8.0, -4.0),
-            "x",
+            if self.mount.is_below { "−z" } else { "z" },
             INK,
             TextAnchor::End,
         );
