@@ -41,7 +41,7 @@ pub(super) struct CampaignArgs {
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
     /// Run case K alone, as `cophase run` does, and write its scene.toml too
-    #[arg(long, value_name = "K", conflicts_with_all = ["from", "to", "join", "threads"])]
+    #[arg(long, value_name = "K", conflicts_with_all = ["from", "to", "join", "threads", "runs"])]
     replay: Option<u64>,
     /// With --replay: make the clean run of the case, without its fault
     #[arg(long, requires = "replay")]

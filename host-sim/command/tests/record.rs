@@ -388,6 +388,10 @@ fn what_cannot_be_recorded_is_refused() {
             vec!["--out", "x", "--channels", "torque"],
             "possible values",
         ),
+        (
+            vec!["--out", "x", "--every", "2", "--window", "0..1"],
+            "--window: with --every 2 there are no edges to show",
+        ),
         (vec![], "--out"),
     ] {
         let mut command = cophase();

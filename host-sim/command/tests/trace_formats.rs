@@ -46,13 +46,44 @@ fn the_requested_files_are_written_and_no_others() {
     let always = ["report.json", "scope.svg", "torque.svg"];
     for (list, files) in [
         ("csv", vec!["trace.csv"]),
-        ("fst", vec!["steps.fst"]),
+        ("fst", vec!["steps.fst", "steps.gtkw"]),
         ("mcap,mcap", vec!["trace.mcap"]),
-        ("vcd,fst", vec!["steps.vcd", "steps.fst"]),
+        ("vcd,fst", vec!["steps.vcd", "steps.fst", "steps.gtkw"]),
     ] {
         let found = run("patent-4", &folder.path().join(list), &["--trace", list]);
         let expected = files.into_iter().chain(always).map(str::to_owned);
         assert_eq!(found, expected.collect(), "--trace {list}");
+    }
+}
+
+/// Were it wrong, an option would be ignored, and its user would look for its effect.
+#[test]
+fn options_without_effect_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (options, words) in [
+        (
+            ["--trace", "csv", "--window", "0..1"],
+            "--window: --trace csv writes no edges",
+        ),
+        (
+            ["--trace", "csv,mcap", "--window", "all"],
+            "add vcd or fst to --trace",
+        ),
+        (
+            ["--trace", "vcd,fst", "--every", "5"],
+            "--every: --trace vcd,fst writes no rows",
+        ),
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_cophase"))
+            .args(["run", "patent-4", "--out", "out"])
+            .args(options)
+            .current_dir(&folder)
+            .output()
+            .expect("the command starts");
+        assert_eq!(output.status.code(), Some(2), "{options:?}");
+        let message = String::from_utf8(output.stderr).expect("UTF-8");
+        assert!(message.contains(words), "no `{words}` in: {message}");
+        assert_eq!(fs::read_dir(&folder).expect("a folder").count(), 0);
     }
 }
 
@@ -331,9 +362,27 @@ fn layouts_name_only_signals_of_the_default_scene() {
         live, slashed,
         "PlotJuggler's JSON parser begins names with a slash"
     );
+    // The layout of the manual is that of this run.
+    let layout = fs::read_to_string(folder.path().join("steps.gtkw")).expect("a layout");
+    let manual = root().join("docs/layouts/gtkwave.gtkw");
+    assert_eq!(layout, fs::read_to_string(manual).expect("a layout"));
     if let Some(fst) = fst_changes(folder.path()) {
         for name in names_in("gtkwave.gtkw") {
             assert!(fst.contains_key(&name), "steps.fst has no {name}");
+        }
+    }
+}
+
+/// Were it wrong, the axes beyond the fourth would not be shown, or GTKWave would be given axes that are not there.
+#[test]
+fn the_layout_has_the_axes_of_the_run() {
+    for (scene, axes) in [("patent-2", 2), ("patent-1", 6)] {
+        let folder = tempfile::tempdir().expect("a folder");
+        run(scene, folder.path(), &["--trace", "fst"]);
+        let layout = fs::read_to_string(folder.path().join("steps.gtkw")).expect("a layout");
+        for wire in ["step", "dir", "index", "phase_error_deg"] {
+            let shown = (0..8).filter(|axis| layout.contains(&format!("cophase.{wire}_{axis}\n")));
+            assert_eq!(shown.count(), axes, "{scene}: {wire}");
         }
     }
 }

@@ -89,6 +89,13 @@ pub(super) fn record(
     out: &mut impl Write,
     err: &mut impl Write,
 ) -> Result<Status, Problem> {
+    if args.window.is_some() && args.every > 1 {
+        return Err(LinkError::Input(format!(
+            "--window: with --every {} there are no edges to show, as those need every tick; leave one of the two out",
+            args.every
+        ))
+        .into());
+    }
     let settings = settings(link, identity)?;
     let starts = args.start || link.is_simulated();
     if args.start && !link.is_simulated() {

@@ -24,7 +24,9 @@ use host_sim::report::{self, Report, Written};
 use host_sim::scene::library;
 use host_sim::scene::{Checked, SceneError};
 use host_sim::sim::{Outcome, expected_ticks, simulate};
-use host_sim::trace::{Every, Format, Recorder, RunFiles, ScopeData, SentRows, Window};
+use host_sim::trace::{
+    Every, Format, Recorder, RunFiles, ScopeData, SentRows, Window, gtkwave_layout,
+};
 
 /// The files of a trace, unless others are requested.
 const TRACE: [Format; 2] = [Format::Csv, Format::Vcd];
@@ -37,13 +39,14 @@ pub(super) struct RunArgs {
     /// Folder for report.json, scope.svg, torque.svg and the files of the trace
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
-    /// The files of the trace, separated by commas: csv (trace.csv), vcd (steps.vcd), fst (steps.fst), mcap (trace.mcap)
+    /// The files of the trace, separated by commas: csv (trace.csv), vcd (steps.vcd), fst (steps.fst, with
+    /// steps.gtkw, its layout for GTKWave), mcap (trace.mcap)
     #[arg(long, value_name = "LIST", default_values = TRACE.map(Format::name), value_delimiter = ',', value_parser = formats())]
     trace: Vec<Format>,
     /// Write a row every N control ticks [default: chosen to give at most 20,000 rows]
     #[arg(long, value_name = "N", value_parser = ticks)]
     every: Option<u64>,
-    /// Time that steps.vcd and steps.fst show, in seconds, or `all` [default: the scene's window; else 200 ms around the first injected
+    /// Time that steps.vcd and steps.fst show, in seconds, or `all`; --trace must have one of them [default: the scene's window; else 200 ms around the first injected
     /// fault, around the first slip or latched fault, or from the start of motion]
     #[arg(long, value_name = "FROM..TO", value_parser = window, allow_hyphen_values = true)]
     window: Option<Window>,
@@ -77,10 +80,34 @@ impl RunArgs {
         }
     }
 
+    /// Refuses options that would have no effect.
+    fn check(&self) -> Result<(), String> {
+        let list = self.files().map(Format::name).collect::<Vec<_>>().join(",");
+        let edges = Format::ALL.into_iter().filter(|format| format.has_edges());
+        let edges = edges.map(Format::name).collect::<Vec<_>>().join(" or ");
+        if self.window.is_some() && !self.files().any(Format::has_edges) {
+            return Err(format!(
+                "--window: --trace {list} writes no edges, and only edges have a window; add {edges} to --trace, or leave \
+                 --window out"
+            ));
+        }
+        if self.every.is_some() && self.udp.is_none() && self.files().all(Format::has_edges) {
+            return Err(format!(
+                "--every: --trace {list} writes no rows; add csv or mcap to --trace, or leave --every out"
+            ));
+        }
+        Ok(())
+    }
+
     /// The files of the trace, each once.
     fn files(&self) -> impl Iterator<Item = Format> {
         let all = Format::ALL.into_iter();
         all.filter(|format| self.trace.contains(format))
+    }
+
+    /// Name of the layout of steps.fst, if that is one of the files.
+    fn layout(&self) -> Option<&'static str> {
+        self.trace.contains(&Format::Fst).then_some(LAYOUT)
     }
 }
 
@@ -91,6 +118,7 @@ pub(super) fn run(
     err: &mut impl Write,
 ) -> Result<Status, CommandError> {
     let began = Instant::now();
+    args.check().map_err(CommandError::Input)?;
     let mut checked = scenes::read(&args.scene).map_err(CommandError::Input)?;
     checked.settings.detect_at_once = args.detect_at_once;
     let refused = |error: SceneError| CommandError::Input(error.in_file(&args.scene).to_string());
@@ -116,9 +144,11 @@ pub(super) fn run(
             .collect();
         writeln!(
             out,
-            "Written to {}: report.json, {}, {PAGE}{}.",
+            "Written to {}: report.json, {}, {PAGE}{}{}.",
             args.out.display(),
             files.join(", "),
+            args.layout()
+                .map_or_else(String::new, |name| format!(", {name}")),
             range.map_or_else(String::new, |_| format!(", {RANGE}")),
         )?;
         if let Some((receiver, SentRows { rows, lost })) = live.finish() {
@@ -153,6 +183,8 @@ pub(super) const REPORT: &str = "report.json";
 pub(super) const PAGE: &str = "scope.svg";
 /// Name of the picture of the machine's operating range.
 const RANGE: &str = "torque.svg";
+/// Name of the layout with which GTKWave shows steps.fst.
+const LAYOUT: &str = "steps.gtkw";
 
 /// Runs a scene and writes its files: all of them, or none. Returns the scene with the values of what was requested.
 fn record(
@@ -165,7 +197,8 @@ fn record(
     let place = |error: &dyn std::fmt::Display| error.to_string();
     let names = args.files().map(Format::file_name);
     let names = names.chain([REPORT, PAGE]);
-    refuse_folders(&args.out, names.chain(range.map(|_| RANGE)))?;
+    let names = names.chain(range.map(|_| RANGE)).chain(args.layout());
+    refuse_folders(&args.out, names)?;
     let is_requested = args.window.is_some() || checked.scene.scope.is_some();
     let window = args.window.unwrap_or_else(|| Window::of(&checked.scene));
     let (mut files, checked, outcome, written) =
@@ -194,10 +227,13 @@ fn record(
     if is_requested && written.is_empty() {
         return Err(outside(args, &checked, &outcome));
     }
-    if let Some(range) = range {
-        let mut svg = files.file(RANGE).map_err(|e| place(&e))?;
-        svg.write_all(range.as_bytes())
-            .and_then(|()| svg.flush())
+    let range = range.map(|range| (RANGE, range.to_owned()));
+    let layout = args.layout();
+    let layout = layout.map(|name| (name, gtkwave_layout(checked.scene.axes.count)));
+    for (name, text) in range.into_iter().chain(layout) {
+        let mut file = files.file(name).map_err(|e| place(&e))?;
+        file.write_all(text.as_bytes())
+            .and_then(|()| file.flush())
             .map_err(|e| place(&e))?;
     }
     files.commit().map_err(|e| place(&e))?;
