@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use host_sim::compare::{self, CompareError, Origin, Run, Tolerances};
 
-use super::drawing::write_drawing;
+use super::output::write_file;
 use super::{CommandError, Status};
 
 #[derive(Debug, clap::Args)]
@@ -63,7 +63,7 @@ pub(super) fn compare(args: &CompareArgs, out: &mut impl Write) -> Result<Status
     let comparison = compare::compare([&a, &b], origin, &tolerances).map_err(refused)?;
     if let Some(folder) = &args.out {
         let svg = compare::draw([&a, &b], origin, &comparison).map_err(refused)?;
-        write_drawing("--out", &folder.join("compare.svg"), &svg)
+        write_file("--out", &folder.join("compare.svg"), svg.as_bytes())
             .map_err(|error| CommandError::Input(error.to_string()))?;
     }
     if args.json {

@@ -10,10 +10,10 @@ mod chart;
 mod compare;
 mod completions;
 pub mod design;
-pub mod drawing;
 mod expected;
 mod link;
 mod man;
+pub mod output;
 mod reproduced;
 mod run;
 mod scenes;
@@ -31,13 +31,13 @@ use clap::{Parser, Subcommand};
 
 use design::{DesignArgs, DesignCommandError};
 
-const STATUS_HELP: &str = "Exit status: 0 done; 1 a run ended in a fault, a simulated motor slipped undetected, no board takes \
+const AFTER_HELP: &str = "Folders of output files and output folders are created where they do not exist, by every command.\n\nExit status: 0 done; 1 a run ended in a fault, a simulated motor slipped undetected, no board takes \
                            the settings, two runs part, or a figure or claim does not hold (everything is written); \
                            2 bad input (nothing is written).";
 
 /// Motion control for machines whose motors must turn in phase: simulate one, size one, operate a board.
 #[derive(Debug, Parser)]
-#[command(name = "cophase", version, arg_required_else_help = true, after_help = STATUS_HELP)]
+#[command(name = "cophase", version, arg_required_else_help = true, after_help = AFTER_HELP)]
 pub struct Command {
     #[command(subcommand)]
     what: What,

@@ -11,7 +11,7 @@ use super::{Command, CommandError, Status};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct ManArgs {
-    /// Folder to write cophase.1, cophase-run.1 and all others into; it is made if there is none
+    /// Folder to write cophase.1, cophase-run.1 and all others into
     #[arg(value_name = "DIR")]
     dir: PathBuf,
 }

@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
+use super::output::write_file;
 use super::{CommandError, Status};
 use cophase_lab::reproduced::{sections, write_page};
 
@@ -22,12 +23,8 @@ pub(super) fn reproduced(
     match &args.out {
         None => out.write_all(page.as_bytes())?,
         Some(file) => {
-            std::fs::write(file, page).map_err(|error| {
-                CommandError::Input(format!(
-                    "--out {}: {error}; give a file in a folder that can be written",
-                    file.display()
-                ))
-            })?;
+            write_file("--out", file, page.as_bytes())
+                .map_err(|error| CommandError::Input(error.to_string()))?;
             writeln!(out, "Written to {}.", file.display())?;
         }
     }

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::drawing::write_drawing;
+use super::output::write_file;
 use super::{CommandError, Status};
 use host_sim::scene::library::{self, BuiltIn, SCENES};
 use host_sim::scene::{Checked, load};
@@ -20,7 +20,7 @@ pub(super) struct ScenesArgs {
 pub(super) fn scenes(args: &ScenesArgs, out: &mut impl Write) -> Result<Status, CommandError> {
     if let (Some(name), Some(file)) = (&args.name, &args.svg) {
         let checked = read(name).map_err(CommandError::Input)?;
-        write_drawing("--svg", file, &checked.draw())
+        write_file("--svg", file, checked.draw().as_bytes())
             .map_err(|error| CommandError::Input(error.to_string()))?;
         return Ok(Status::Done);
     }
@@ -38,11 +38,24 @@ pub(super) fn scenes(args: &ScenesArgs, out: &mut impl Write) -> Result<Status, 
                 listed.push(*machine);
                 is_new
             });
+            writeln!(
+                out,
+                "{:1$}  sensors         correction  description",
+                "machine and scene",
+                width + 2
+            )?;
             for machine in machines {
                 writeln!(out, "{machine}")?;
                 for built_in in SCENES.iter().filter(|scene| scene.machine() == machine) {
-                    let description = built_in.scene().description;
-                    writeln!(out, "  {:width$}  {description}", built_in.name)?;
+                    let scene = built_in.scene();
+                    writeln!(
+                        out,
+                        "  {:width$}  {:14}  {:10}  {}",
+                        built_in.name,
+                        scene.sensors(),
+                        scene.corrects(),
+                        scene.description
+                    )?;
                 }
             }
         }

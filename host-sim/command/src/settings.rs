@@ -1,7 +1,7 @@
 //! `cophase settings`: a scene goes in, a settings file for a board comes out.
 
 use std::fs;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use cophase_link::header::{FIRST_SEQUENCE, HEADER_BYTES, MAGIC, OUTSIDE};
@@ -9,11 +9,11 @@ use cophase_link::layout::{FLASH_ADDRESS, SLOT_A_OFFSET, SLOT_B_OFFSET};
 use cophase_link::uf2::{self, PAGE_BYTES};
 use cophase_link::{Header, MAX_FILE_BYTES, board, encode};
 
+use super::output::write_file;
 use super::{CommandError, Status, scenes};
 use host_sim::report;
 use host_sim::scene::file::{AxisOverrides, CamShaft, Fidelity, Rods, Wiring};
 use host_sim::scene::{Checked, Scene, entry};
-use host_sim::trace::RunFiles;
 
 /// Both slots: in one alone, the file would lose against a later one in the other.
 const SLOT_ADDRESSES: [u32; 2] = [FLASH_ADDRESS + SLOT_A_OFFSET, FLASH_ADDRESS + SLOT_B_OFFSET];
@@ -50,7 +50,7 @@ pub(super) fn settings(args: &SettingsArgs, out: &mut impl Write) -> Result<Stat
     } else {
         settings_file
     };
-    put(&args.out, file).map_err(|error| refused(&error))?;
+    put(&args.out, file).map_err(CommandError::Input)?;
     out.write_all(summary.as_bytes())?;
     let fits = |board: &board::AnyBoard| (board.check)(&checked.settings).is_ok();
     Ok(if board::BOARDS.iter().any(fits) {
@@ -195,16 +195,10 @@ fn left_out(scene: &Scene) -> Vec<String> {
 /// Writes a file, all or not at all.
 fn put(path: &Path, bytes: &[u8]) -> Result<(), String> {
     let show = path.display();
-    let name = path
-        .file_name()
-        .and_then(|name| name.to_str())
-        .ok_or_else(|| {
-            format!("{show} is not the name of a file; give one, such as my.settings")
-        })?;
     // Put in place by its name, a file would take the place of whatever is there.
     if fs::symlink_metadata(path).is_ok_and(|there| !there.is_file()) {
         return Err(format!(
-            "{show} is there and is not a plain file; take it away, or give another name"
+            "-o: {show} is there and is not a plain file; take it away, or give another name"
         ));
     }
     // A slip of the pen must not cost somebody the scene, or whatever it is.
@@ -212,17 +206,8 @@ fn put(path: &Path, bytes: &[u8]) -> Result<(), String> {
         && !(there.starts_with(&MAGIC) || uf2::is_uf2(&there))
     {
         return Err(format!(
-            "{show} is there and is no settings file; take it away, or give another name, such as my.settings"
+            "-o: {show} is there and is no settings file; take it away, or give another name, such as my.settings"
         ));
     }
-    let unwritable =
-        |error: &dyn std::fmt::Display| format!("{error}; give a file that can be written");
-    let mut files = RunFiles::create(path.parent().unwrap_or(Path::new("")))
-        .map_err(|error| unwritable(&error))?;
-    let mut file = files.file(name).map_err(|error| unwritable(&error))?;
-    let written: io::Result<()> = file.write_all(bytes).and_then(|()| file.flush());
-    written.map_err(|error| unwritable(&error))?;
-    drop(file);
-    files.commit().map_err(|error| unwritable(&error))?;
-    Ok(())
+    write_file("-o", path, bytes).map_err(|error| error.to_string())
 }

@@ -13,6 +13,7 @@ const DRAWINGS: [(&str, &str, &[&str]); 8] = [
             "L = R/λ",
             "α",
             "ω",
+            "z",
             "x",
             "y",
             "amax",
@@ -111,6 +112,11 @@ fn both_views_have_every_axis() {
             assert_eq!(drawn, expected, "{scene}: axis {axis}");
         }
         let is_above = !scene.starts_with("patent");
+        // One letter for one thing: x and y are in the view from above, z is the height.
+        for label in ["x", "y", if is_above { "z" } else { "−z" }] {
+            let drawn = svg.matches(&format!(">{label}</text>")).count();
+            assert_eq!(drawn, 1, "{scene}: {label}");
+        }
         let [platform, arrow] = ["platform with its load, mass m", "amax"].map(|label| {
             let (before, _) = svg.split_once(&format!(">{label}<")).expect("a label");
             let (_, y) = before.rsplit_once(" y=\"").expect("its place");
@@ -138,4 +144,48 @@ fn bad_arguments_are_refused() {
     );
     refused(&["screen", "--svg", ".."], "--svg");
     assert!(!folder.path().join("x.svg").exists());
+}
+
+/// If this fails, one command creates the folder of its output, and another one refuses it.
+#[test]
+fn folders_of_outputs_are_created_by_every_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let design = "design --load-kg 10 --amax-g 10 --freq-hz 5 --lambda 0.3 --motors 3 --svg";
+    for (arguments, output, written) in [
+        ("scenes default --svg", "a/new/x.svg", "a/new/x.svg"),
+        (design, "b/new/x.svg", "b/new/x.svg"),
+        ("reproduced --out", "c/new/x.md", "c/new/x.md"),
+        ("settings default --out", "d/new/x.settings", "d/new/x.settings"),
+        ("man", "e/new", "e/new/cophase.1"),
+        ("run patent-4 --out", "f/new", "f/new/report.json"),
+    ] {
+        let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_cophase"));
+        let command = command.current_dir(&folder).args(arguments.split(' ')).arg(output);
+        let done = command.output().unwrap();
+        assert_ne!(done.status.code(), Some(2), "{arguments}: {done:?}");
+        assert!(folder.path().join(written).exists(), "{arguments}");
+    }
+}
+
+/// If this fails, the list leaves out which sensors a scene has, or whether it corrects what they measure.
+#[test]
+fn the_list_has_sensors_and_correction() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = scenes(folder.path(), &[]);
+    let list = String::from_utf8(output.stdout).unwrap();
+    let heading = list.lines().next().unwrap();
+    let columns = ["sensors", "correction", "description"].map(|name| heading.find(name).unwrap());
+    for (scene, sensors, correction) in [
+        ("default", "index", "none"),
+        ("coupling-slip", "index", "trim"),
+        ("five-bar", "none", "none"),
+    ] {
+        let row = list
+            .lines()
+            .find(|line| line.trim_start().starts_with(&format!("{scene} ")))
+            .unwrap();
+        let cell = |from: usize, to: usize| row[from..to].trim();
+        assert_eq!(cell(columns[0], columns[1]), sensors, "{scene}");
+        assert_eq!(cell(columns[1], columns[2]), correction, "{scene}");
+    }
 }

@@ -190,6 +190,47 @@ impl Scene {
         self.axis.iter().find(|own| own.number == number)
     }
 
+    /// Sensors from which the controller reads phases, for lists: `index`, `encoder`, both, or `none`.
+    pub fn sensors(&self) -> String {
+        let axes = &self.axes;
+        let has_index = |number: &usize| {
+            let own = self.overrides(*number).and_then(|own| own.index);
+            own.unwrap_or(axes.index)
+        };
+        let sensing = (0..axes.count).filter(has_index).count();
+        let index = match sensing {
+            0 => None,
+            _ if sensing == axes.count => Some("index".to_owned()),
+            _ => Some(format!("{sensing} index")),
+        };
+        let encoder = axes.encoder.then(|| "encoder".to_owned());
+        let all: Vec<String> = index.into_iter().chain(encoder).collect();
+        if all.is_empty() {
+            "none".to_owned()
+        } else {
+            all.join(", ")
+        }
+    }
+
+    /// How the controller corrects phase errors, for lists: `trim` in each turn, `coupling` in each tick, both, or `none`.
+    pub fn corrects(&self) -> String {
+        let given = &self.correction;
+        let is_coupled = given.couple
+            || [given.coupling, given.coupling_per_s]
+                .into_iter()
+                .flatten()
+                .any(|gain| gain != 0.0);
+        let all: Vec<&str> = [("trim", given.gain != 0.0), ("coupling", is_coupled)]
+            .into_iter()
+            .filter_map(|(name, is_on)| is_on.then_some(name))
+            .collect();
+        if all.is_empty() {
+            "none".to_owned()
+        } else {
+            all.join(", ")
+        }
+    }
+
     /// How axis `number` is driven.
     pub fn drive(&self, number: usize) -> Drive {
         let own = self.overrides(number).and_then(|own| own.drive);

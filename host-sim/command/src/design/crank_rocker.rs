@@ -7,7 +7,7 @@ use host_sim::design::crank_rocker::{Design, Requirement, design, write_page};
 use serde::Serialize;
 
 use super::{DesignCommandError, Print, write_json};
-use crate::drawing::write_drawing;
+use crate::output::write_file;
 
 /// Find the links of a crank-rocker from the swing of its rocker, for a drive with a screw
 #[derive(Clone, Debug, clap::Args)]
@@ -98,7 +98,7 @@ pub(super) fn run(
         Print::Page | Print::Json => None,
     };
     if let Some(file) = &args.svg {
-        write_drawing("--svg", file, &found.linkage.draw())?;
+        write_file("--svg", file, found.linkage.draw().as_bytes())?;
     }
     match (print, scene) {
         (_, Some(scene)) => Ok(out.write_all(scene.as_bytes())?),

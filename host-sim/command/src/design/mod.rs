@@ -12,7 +12,7 @@ use std::io::{self, Write};
 
 use serde::Serialize;
 
-use crate::drawing::NotDrawn;
+use crate::output::NotWritten;
 
 use crank_rocker::CrankRockerArgs;
 use five_bar::FiveBarArgs;
@@ -65,7 +65,7 @@ pub enum DesignCommandError {
     Input(String),
     /// The drawing could not be written (exit status 2); nothing of it is left.
     #[error(transparent)]
-    Drawing(#[from] NotDrawn),
+    Drawing(#[from] NotWritten),
     /// The output could not be written.
     #[error("cannot write the design: {0}")]
     Write(#[from] io::Error),

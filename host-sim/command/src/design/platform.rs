@@ -11,7 +11,7 @@ use host_sim::scene::load::checked_from_text;
 use serde::Serialize;
 
 use super::{DesignCommandError, Print, write_json};
-use crate::drawing::write_drawing;
+use crate::output::write_file;
 
 /// Requirement of a vibration platform.
 #[derive(Clone, Debug, clap::Args)]
@@ -139,7 +139,7 @@ pub(super) fn run(
         Print::Page | Print::Json => None,
     };
     if let Some(file) = &args.svg {
-        write_drawing("--svg", file, &picture(&found)?)?;
+        write_file("--svg", file, picture(&found)?.as_bytes())?;
     }
     match (print, scene) {
         (_, Some(scene)) => Ok(out.write_all(scene.as_bytes())?),
