@@ -106,7 +106,7 @@ fn the_picture_names_what_it_shows() {
         "avoid 25–29",
         "limit 60 rev/s",
         "120 g",
-        "planner, RP2040 781 k (above)",
+        "limit 781 k (above)",
     ] {
         assert!(svg.contains(&format!(">{label}</text>")), "no {label}");
     }

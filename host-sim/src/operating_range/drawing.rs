@@ -294,7 +294,7 @@ impl OperatingRange {
             .board_speed_hz()
             .map(|hz| hz.map(|hz| hz * greatest).filter(|hz| *hz < planner_hz));
         match board_hz {
-            Ok(None) => limit("planner, RP2040", planner_hz),
+            Ok(None) => limit("limit", planner_hz),
             Ok(Some(board_hz)) => {
                 limit("planner", planner_hz);
                 limit("RP2040", board_hz);
