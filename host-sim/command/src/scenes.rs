@@ -41,7 +41,7 @@ pub(super) fn scenes(args: &ScenesArgs, out: &mut impl Write) -> Result<Status, 
             writeln!(
                 out,
                 "{:1$}  sensors         correction  description",
-                "machine and scene",
+                "machine, scene",
                 width + 2
             )?;
             for machine in machines {

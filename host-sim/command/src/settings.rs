@@ -196,7 +196,8 @@ fn left_out(scene: &Scene) -> Vec<String> {
 fn put(path: &Path, bytes: &[u8]) -> Result<(), String> {
     let show = path.display();
     // Put in place by its name, a file would take the place of whatever is there.
-    if fs::symlink_metadata(path).is_ok_and(|there| !there.is_file()) {
+    let is_taken = fs::symlink_metadata(path).is_ok_and(|there| !there.is_file());
+    if is_taken && path.file_name().is_some() {
         return Err(format!(
             "-o: {show} is there and is not a plain file; take it away, or give another name"
         ));

@@ -242,7 +242,7 @@ fn all_errors_are_reported_together() {
         ),
         ("settle_s = 0.1", "settle_s = -1", "control.settle_s"),
         ("drive = \"stepper\"", "drive = \"steper\"", "axes.drive"),
-        ("line = \"alarm-1\"", "line = \"alarm\"", "input[0].line"),
+        ("line = \"enable\"", "line = \"enabl\"", "input[0].line"),
     ];
     let lines = lines_of(&forms.map(|(from, to, _)| (from, to)));
     assert_eq!(lines.len(), forms.len(), "{lines:#?}");
@@ -264,14 +264,14 @@ fn all_errors_are_reported_together() {
 /// An axis has a number, which is not the place of its entry in the list.
 #[test]
 fn entries_are_named_by_their_place_and_their_axis() {
-    let changes = [("[[axis]]\nnumber = 1", "[[axis]]\nnumber = 7")];
+    let changes = [("[[axis]]\nnumber = 2", "[[axis]]\nnumber = 7")];
     let lines = lines_of(&changes);
     let words = ": axis[1].number (2nd [[axis]] entry, axis 7): there is no axis 7";
     assert!(lines[0].contains(words), "{lines:#?}");
     // A form that is wrong is named so, too.
     let changes = [("start_deg = 0", "start_deg = \"a\"")];
     let lines = lines_of(&changes);
-    let words = ": axis[0].start_deg (1st [[axis]] entry, axis 0): `\"a\"` is text";
+    let words = ": axis[0].start_deg (1st [[axis]] entry, axis 1): `\"a\"` is text";
     assert!(lines[0].contains(words), "{lines:#?}");
 }
 

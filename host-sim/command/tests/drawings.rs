@@ -155,12 +155,19 @@ fn folders_of_outputs_are_created_by_every_command() {
         ("scenes default --svg", "a/new/x.svg", "a/new/x.svg"),
         (design, "b/new/x.svg", "b/new/x.svg"),
         ("reproduced --out", "c/new/x.md", "c/new/x.md"),
-        ("settings default --out", "d/new/x.settings", "d/new/x.settings"),
+        (
+            "settings default --out",
+            "d/new/x.settings",
+            "d/new/x.settings",
+        ),
         ("man", "e/new", "e/new/cophase.1"),
         ("run patent-4 --out", "f/new", "f/new/report.json"),
     ] {
         let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_cophase"));
-        let command = command.current_dir(&folder).args(arguments.split(' ')).arg(output);
+        let command = command
+            .current_dir(&folder)
+            .args(arguments.split(' '))
+            .arg(output);
         let done = command.output().unwrap();
         assert_ne!(done.status.code(), Some(2), "{arguments}: {done:?}");
         assert!(folder.path().join(written).exists(), "{arguments}");

@@ -164,12 +164,12 @@ fn what_a_board_cannot_be_given_is_named() {
         (
             "start_deg = 0",
             "start_deg = 1",
-            "axis[0].start_deg (1st [[axis]] entry, axis 0).",
+            "axis[0].start_deg (1st [[axis]] entry, axis 1).",
         ),
         (
             "reversed = true",
             "friction_nm = 1",
-            "axis[1].friction_nm (2nd [[axis]] entry, axis 1).",
+            "axis[1].friction_nm (2nd [[axis]] entry, axis 2).",
         ),
     ] {
         assert_eq!(left_out(&loop_only.replace(from, to)), keys);
@@ -177,7 +177,7 @@ fn what_a_board_cannot_be_given_is_named() {
     let weaker = BASE.replace("pull_out_scale = 1", "pull_out_scale = 0.9");
     assert!(
         left_out(&weaker)
-            .contains("axis[0].pull_out_scale (1st [[axis]] entry, axis 0), [[command]]")
+            .contains("axis[0].pull_out_scale (1st [[axis]] entry, axis 1), [[command]]")
     );
 }
 
@@ -232,13 +232,16 @@ fn a_bad_scene_leaves_an_earlier_file_alone() {
         (
             "amax_g = 5",
             "amax_g = 190",
-            ["program[1].amax_g: 190.00 g", "give at most 41.86 g"],
+            [
+                "program[1].amax_g (2nd [[program]] entry): 190.00 g",
+                "give at most 41.86 g",
+            ],
         ),
         (
             "amax_g = 4,",
             "amax_g = -4,",
             [
-                "program[2].segments[0].amax_g: -4 g is outside",
+                "program[2].segments[0].amax_g (1st entry of segments in the 3rd [[program]] entry): -4 g is outside",
                 "0 to 1019.7 g",
             ],
         ),
@@ -246,7 +249,7 @@ fn a_bad_scene_leaves_an_earlier_file_alone() {
             "trim_deg = 0",
             "trim_deg = 6",
             [
-                "axis[0].trim_deg: 6° is outside -5 to 5°",
+                "axis[0].trim_deg (1st [[axis]] entry, axis 1): 6° is outside -5 to 5°",
                 "raise axes.trim_limit_deg",
             ],
         ),
@@ -294,15 +297,12 @@ fn nowhere_to_write() {
                 "give another name",
             ],
         ),
-        (
-            "..",
-            ["-o: .. is not the name of a file", "such as my.settings"],
-        ),
+        ("..", ["-o ..: it is no name of a file", "give a file"]),
         (
             "taken/it.settings",
             [
-                "-o: cannot create the folder taken",
-                "a file that can be written",
+                "-o taken/it.settings: cannot create the folder taken",
+                "give a file in a folder that can be written",
             ],
         ),
     ] {
