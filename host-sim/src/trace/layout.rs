@@ -1,4 +1,4 @@
-//! `steps.gtkw`: a layout for GTKWave with the wires, the speed and the phase errors of a run's own axes.
+//! `steps.gtkw`: a layout for GTKWave with the wires, speed, phase errors and acceleration of a run's own axes.
 
 /// Text of the layout for a number of axes. Lines that begin with `@` are GTKWave's flags of the traces that follow.
 pub fn gtkwave_layout(axes: usize) -> String {
@@ -19,10 +19,14 @@ pub fn gtkwave_layout(axes: usize) -> String {
             text += &format!("cophase.{wire}_{axis}\n");
         }
     }
-    text += &format!("{BLANK}\n-speed, rad/s\n{CURVE}\ncophase.omega_rad_s\n{EXTENDED}\n-\n-\n");
+    // One number of the machine in a curve of three lines, under a heading.
+    let curve = |heading: &str, signal: &str| {
+        format!("{BLANK}\n-{heading}\n{CURVE}\ncophase.{signal}\n{EXTENDED}\n-\n-\n")
+    };
+    text += &curve("speed, rad/s", "omega_rad_s");
     text += &format!("{BLANK}\n-phase error, deg\n");
     for axis in 0..axes {
         text += &format!("{CURVE}\ncophase.phase_error_deg_{axis}\n{EXTENDED}\n-\n");
     }
-    text
+    text + &curve("acceleration, m/s2", "accel_mps2")
 }
