@@ -234,12 +234,12 @@ fn all_errors_are_reported_together() {
     // Keys and types as well as values.
     let forms = [
         ("load_kg = 10", "load_kg = \"10\"", "machine.load_kg"),
-        ("gravity_mps2", "gravity_g", "machine.gravity_g"),
         (
             "platform = \"above\"",
             "platform = \"abov\"",
             "machine.platform",
         ),
+        ("gravity_mps2", "gravity_g", "machine.gravity_g"),
         ("settle_s = 0.1", "settle_s = -1", "control.settle_s"),
         ("drive = \"stepper\"", "drive = \"steper\"", "axes.drive"),
         ("line = \"enable\"", "line = \"enabl\"", "input[0].line"),
