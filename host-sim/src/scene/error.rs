@@ -15,8 +15,8 @@ pub struct SceneError {
     pub line: Option<usize>,
     /// The key, as a path like `limits.speed_hz` or `axis[1].number`; empty if it is the file as a whole.
     pub key: String,
-    /// The axis or the name of the list entry that the key is in, such as `axis 3`, where it is known.
-    pub entry: Option<String>,
+    /// The axis of the `[[axis]]` entry that the key is in, where it is known; it is not the place of the entry.
+    pub axis: Option<u8>,
     /// What is wrong, and what would be right.
     pub problem: String,
     /// What else is wrong, in the order of its lines.
@@ -30,7 +30,7 @@ impl SceneError {
             origin: String::new(),
             line: None,
             key: key.into(),
-            entry: None,
+            axis: None,
             problem: problem.into(),
             others: Vec::new(),
         }
@@ -89,10 +89,8 @@ impl fmt::Display for SceneError {
             whole.push_str(&format!(":{line}"));
         }
         if !self.key.is_empty() {
-            whole.push_str(&format!(
-                ": {}",
-                entry::place(&self.key, self.entry.as_deref())
-            ));
+            let axis = self.axis.map(|axis| format!("axis {axis}"));
+            whole.push_str(&format!(": {}", entry::place(&self.key, axis.as_deref())));
         }
         // Part of it comes from the file, which may hold anything: a message is one line an error, and moves no cursor.
         for c in format!("{whole}: {}", self.problem).chars() {

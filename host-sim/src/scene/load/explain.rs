@@ -230,7 +230,7 @@ fn one_line(message: &str) -> String {
 }
 
 /// The first line of a text, cut if it is long.
-pub(super) fn quoted(text: &str) -> String {
+fn quoted(text: &str) -> String {
     let line = text.lines().next().unwrap_or_default();
     let cut = line.chars().count() > MOST_QUOTED || line.len() < text.trim_end().len();
     let mut kept: String = line.chars().take(MOST_QUOTED).collect();

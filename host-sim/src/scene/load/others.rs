@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use toml::{Table, Value};
 
-use super::place::{Step, entry_name, example_value, line_of_key, steps};
+use super::place::{Step, axis_of, example_value, line_of_key, steps};
 use crate::scene::{Checked, SceneError};
 
 /// Errors that are reported together; after so many a file is not what was meant.
@@ -53,7 +53,7 @@ pub(super) fn find(
     }
     let in_its_place = |error: SceneError| SceneError {
         line: error.line.or_else(|| line_of_key(text, &error.key)),
-        entry: entry_name(&original, &error.key),
+        axis: axis_of(&original, &error.key),
         ..error
     };
     let found = found.into_iter().map(in_its_place).collect();

@@ -5,7 +5,6 @@
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
-use super::explain::quoted;
 use crate::scene::library::SCENES;
 
 /// The line of a byte, counted from 1.
@@ -30,18 +29,14 @@ pub(super) fn line_of_key(text: &str, path: &str) -> Option<usize> {
     found.map(|byte| line_at(text, byte))
 }
 
-/// What the outermost list entry on a key path is about: `axis 3` by its number, or its name in quotes.
-pub(super) fn entry_name(table: &Table, path: &str) -> Option<String> {
+/// Number of the axis that an `[[axis]]` entry on a key path is about.
+pub(super) fn axis_of(table: &Table, path: &str) -> Option<u8> {
     let mut steps = steps(path);
-    let (Some(Step::Name(list)), Some(Step::Entry(entry))) = (steps.next(), steps.next()) else {
+    let (Some(Step::Name("axis")), Some(Step::Entry(entry))) = (steps.next(), steps.next()) else {
         return None;
     };
-    let entry = table.get(list)?.get(entry)?;
-    match (entry.get("number"), entry.get("name")) {
-        (Some(Value::Integer(number)), _) => Some(format!("{list} {number}")),
-        (None, Some(Value::String(name))) => Some(format!("\"{}\"", quoted(name))),
-        _ => None,
-    }
+    let number = table.get("axis")?.get(entry)?.get("number")?;
+    number.as_integer()?.try_into().ok()
 }
 
 /// For text that is not TOML: the key on a line, under the heading above it, as far as both can be made out.
