@@ -37,9 +37,14 @@ pub fn warnings(checked: &Checked, outcome: &Outcome) -> Vec<String> {
     }
     let limit_mrad = scene.drift.tilt_limit_mrad;
     if checked.has_platform() && statistics.worst_tilt_mrad > limit_mrad {
+        let once_a_turn = if scene.axes.encoder {
+            ""
+        } else {
+            "an index is detected once a turn, and "
+        };
         warnings.push(format!(
-            "The platform tilted by {:.2} mrad, beyond its limit of {limit_mrad}: an index is detected once a turn, and what \
-             moves a crank, or holds it, does so until all stand (docs/faults.md).",
+            "The platform tilted by {:.2} mrad, beyond its limit of {limit_mrad}: {once_a_turn}what moves a crank, or holds it, does so \
+             until all stand (docs/faults.md).",
             statistics.worst_tilt_mrad
         ));
     }
