@@ -26,6 +26,7 @@ mod setpoints;
 mod settings_file;
 mod shortest;
 mod spread;
+mod stop_categories;
 mod stops;
 mod wires;
 mod wiring;

@@ -9,7 +9,8 @@ const fn word(reaction: Reaction) -> &'static str {
     match reaction {
         Reaction::Report => "report",
         Reaction::Correct => "correct",
-        Reaction::Stop => "stop",
+        Reaction::StopAndHold => "stop, hold",
+        Reaction::StopAndCut => "stop, cut",
         Reaction::Disable => "disable",
     }
 }
@@ -17,18 +18,23 @@ const fn word(reaction: Reaction) -> &'static str {
 /// Were it another, who reads it would wire, and trust, a machine that reacts otherwise.
 #[test]
 fn the_table_that_is_read_is_the_one_that_is_run() {
-    let mut table =
-        "| kind | number | within limits | else |\n| --- | --- | --- | --- |\n".to_owned();
-    for row in REACTIONS {
-        let (name, number) = (row.kind.name(), row.kind as u8);
-        let (safe, else_) = (word(row.safe), word(row.unsafe_));
-        table += &format!("| `{name}` | {number} | {safe} | {else_} |\n");
-    }
     let begin = "<!-- reactions -->\n";
     let from = DOCS.find(begin).expect("the table's beginning") + begin.len();
     let to = DOCS.find("<!-- /reactions -->").expect("the table's end");
-    assert!(
-        DOCS[from..to] == table,
-        "docs/faults.md should have\n\n{table}"
-    );
+    let mut lines = DOCS[from..to].lines();
+    let head = "| kind | number | within limits | else | why |";
+    assert_eq!(lines.next(), Some(head));
+    assert_eq!(lines.next(), Some("| --- | --- | --- | --- | --- |"));
+    for row in REACTIONS {
+        let (name, number) = (row.kind.name(), row.kind as u8);
+        let (safe, else_) = (word(row.safe), word(row.unsafe_));
+        let expected = format!("| `{name}` | {number} | {safe} | {else_} | ");
+        let line = lines.next().unwrap_or_default();
+        let why = line.strip_prefix(&expected);
+        assert!(
+            why.is_some_and(|why| why.ends_with(" |") && why.len() > 5),
+            "docs/faults.md should have {expected}, and a reason, not {line}"
+        );
+    }
+    assert_eq!(lines.next(), None);
 }

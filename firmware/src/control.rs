@@ -138,8 +138,8 @@ impl Io for Board {
         self.sync = output.sync;
         self.state = output.telemetry.state;
         self.watchdog.feed(self.state, self.ticks);
-        lines::led(self.state);
-        self.reporter.observe(self.ticks, &output.telemetry);
+        lines::led(self.state, output.drives_enabled);
+        self.reporter.observe(self.ticks, output);
         sampler::begin(self.ticks);
         if self.link.is_sample_due(self.ticks) {
             let drives = if output.drives_enabled {

@@ -3,7 +3,7 @@
 //! The loop only puts changes in a queue. The text is made in the time that the loop leaves, a few milliseconds later.
 //! Notes that do not fit in the queue are lost, and their number is logged.
 
-use cophase_core::signals::Telemetry;
+use cophase_core::signals::Output;
 use cophase_core::supervisor::{Fault, FaultKind, State};
 use cophase_core::units::{PerAxis, Turns};
 use cophase_link::message::Event;
@@ -34,6 +34,7 @@ enum What {
     /// New state of the machine, and the phase errors at its start.
     State {
         state: State,
+        has_drives_on: bool,
         phase_error: PerAxis<Turns>,
         axes: usize,
     },
@@ -79,12 +80,12 @@ impl Reporter {
         }
     }
 
-    /// Compares the telemetry of a tick with the one before.
-    pub fn observe(&mut self, tick: u32, telemetry: &Telemetry) {
+    /// Compares the output of a tick with the one before.
+    pub fn observe(&mut self, tick: u32, output: &Output) {
         let axes = self.axes;
         let queue = &mut self.queue;
-        self.watch.observe(telemetry, |change| {
-            queue.note(tick, change, telemetry, axes);
+        self.watch.observe(&output.telemetry, |change| {
+            queue.note(tick, change, output, axes);
         });
     }
 }
@@ -97,11 +98,12 @@ struct NoteQueue {
 
 impl NoteQueue {
     #[inline(never)] // The check of the linked firmware for panics knows it by name.
-    fn note(&mut self, tick: u32, change: Change, telemetry: &Telemetry, axes: usize) {
+    fn note(&mut self, tick: u32, change: Change, output: &Output, axes: usize) {
         let what = match change {
             Change::State(state) => What::State {
                 state,
-                phase_error: telemetry.phase_error,
+                has_drives_on: output.drives_enabled,
+                phase_error: output.telemetry.phase_error,
                 axes,
             },
             Change::Event { fault, latched } => What::Event { fault, latched },
@@ -131,16 +133,19 @@ pub fn log(note: &Note) {
     match note.what {
         What::State {
             state,
+            has_drives_on,
             phase_error,
             axes,
         } => {
+            let drives = if has_drives_on { "on" } else { "off" };
             let phase_error_deg = phase_error.map(degrees);
             let phase_error_deg = phase_error_deg.get(..axes).unwrap_or_default();
             defmt::info!(
-                "tick {=u32}: {}, phase error {} deg",
+                "tick {=u32}: {}, phase error {} deg, drives {=str}",
                 tick,
                 state,
-                phase_error_deg
+                phase_error_deg,
+                drives
             );
         }
         What::Event { fault, latched } => log_fault(tick, &fault, latched),

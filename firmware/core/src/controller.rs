@@ -11,6 +11,7 @@ mod correct;
 mod correction;
 mod drive;
 mod events;
+mod hold;
 mod homing;
 mod punctuality;
 mod tick;
@@ -28,6 +29,7 @@ use crate::supervisor::{Fault, FaultKind, State, Supervisor};
 use crate::units::{Amax, MAX_AXES, Phase, Turns};
 use channel::Channel;
 use correction::Correction;
+use hold::HoldWatch;
 use homing::Homing;
 use punctuality::Punctuality;
 
@@ -53,7 +55,7 @@ pub struct Controller {
     motion: Motion,
     target: Target,
     ticks: u64,
-    /// The tick in which the drives were on last.
+    /// The tick in which the drives were on last, before a fault state in which they may hold.
     driven: u64,
     /// The level towards which the program goes, and the speed that belongs to it.
     end: (Amax, Turns),
@@ -77,6 +79,7 @@ pub struct Controller {
     offsets: PhaseOffsets,
     correction: Correction,
     homing: Homing,
+    hold: HoldWatch,
     /// Curves of the cam tables.
     cams: Cams,
     coupling: Option<Coupling>,

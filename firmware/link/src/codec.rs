@@ -10,7 +10,7 @@ use crate::header::{HEADER_BYTES, Header};
 use crate::{CRC, SettingsFileError};
 
 /// Format version of the payload that is written and read here. Every change to the bytes of a [`Settings`] changes it.
-pub const VERSION: u16 = 5;
+pub const VERSION: u16 = 6;
 
 /// Length of the longest payload, bytes: the longest name, full lists, and the greatest numbers of variable length.
 pub const MAX_PAYLOAD_BYTES: usize = {
@@ -35,6 +35,7 @@ pub const MAX_PAYLOAD_BYTES: usize = {
     let drift = 5 * F64;
     let correction = 3 * F64 + SMALL;
     let park_settle = 2 * F64;
+    let brake = SMALL;
     let input = 2 * SMALL;
     let wiring = 2 * SMALL + 5 * input;
     let host_loss = F64 + SMALL;
@@ -51,6 +52,7 @@ pub const MAX_PAYLOAD_BYTES: usize = {
         + drift
         + correction
         + park_settle
+        + brake
         + wiring
         + host_loss
         + program
@@ -177,6 +179,7 @@ pub fn decode_into(settings_file: &[u8], settings: &mut Settings) -> Result<(), 
         correction,
         park_turns,
         settle_s,
+        has_brake,
         wiring,
         host_loss,
         program,
@@ -194,6 +197,7 @@ pub fn decode_into(settings_file: &[u8], settings: &mut Settings) -> Result<(), 
     *correction = payload.take()?;
     *park_turns = payload.take()?;
     *settle_s = payload.take()?;
+    *has_brake = payload.take()?;
     *wiring = payload.take()?;
     *host_loss = payload.take()?;
     payload.take_list(program)?;

@@ -8,7 +8,7 @@ mod support;
 
 use cophase_core::settings::{HostLossReaction, HostLossSettings};
 use cophase_core::supervisor::{Command, State};
-use cophase_link::message::{ControlRequest, Event, Output, Refusal, ReplyBody, Request};
+use cophase_link::message::{ControlRequest, Event, File, Output, Refusal, ReplyBody, Request};
 use cophase_link::server::{OUTPUT_MS, UNLOCKED_S};
 use support::device::{Effect, INPUTS};
 use support::line::{Host, TestHub, hub};
@@ -102,6 +102,40 @@ fn bring_up_ends_where_the_machine_begins() {
         assert_eq!(refused, Err(Refusal::State { state }));
     }
     assert_eq!(effects(&mut hub), []);
+}
+
+/// A restart, an erase of the flash or a single axis would let the cranks go; an operator does that with a reset.
+#[test]
+fn nothing_that_needs_drives_off_is_possible_while_they_hold_after_a_fault() {
+    let mut hub = hub();
+    let mut host = operator(&mut hub);
+    host.request(&mut hub, &Request::Unlock).unwrap();
+    hub.device().enters_with(State::Fault, true);
+    hub.poll();
+    let begin = Request::BeginWrite {
+        file: File::Settings,
+        length: 0,
+        crc: 0,
+    };
+    host.request(&mut hub, &begin).unwrap();
+    let refused = Err(Refusal::State {
+        state: State::Fault as u8,
+    });
+    for request in [
+        Request::Unlock,
+        STEP,
+        Request::OnlyAxis(0),
+        Request::Restart,
+        Request::FinishWrite,
+    ] {
+        assert_eq!(host.request(&mut hub, &request), refused, "{request:?}");
+    }
+    host.request(&mut hub, &Request::Reset).unwrap();
+    assert_eq!(effects(&mut hub), [Effect::Command(Command::Reset)]);
+    hub.device().enters(State::Idle);
+    hub.poll();
+    host.request(&mut hub, &Request::Restart).unwrap();
+    assert_eq!(effects(&mut hub), [Effect::Restart(None)]);
 }
 
 /// A held STEP would swallow the first steps.

@@ -269,11 +269,12 @@ pub fn sync(high: bool) {
 }
 
 /// Shows the state on the LED: a short flash a second in idle, quick blinking in a fault, steady light while drives are
-/// on.
-pub fn led(state: State) {
+/// on. In a fault in which the drives hold, the light has short gaps.
+pub fn led(state: State, has_drives_on: bool) {
     let now_us = now_us();
     let on = match state {
         State::Idle => (now_us >> 16) & 15 == 0, // 66 ms in 1.05 s
+        State::Fault if has_drives_on => (now_us >> 16) & 3 != 0, // 197 ms on, 66 ms off
         State::Fault => (now_us >> 17) & 1 == 0, // 131 ms on, 131 ms off
         _ => true,
     };

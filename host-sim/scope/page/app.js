@@ -131,7 +131,9 @@ function showStatus(status) {
   const fault = find('fault');
   fault.hidden = status.fault === null;
   // An alert is read aloud when its text changes.
-  const text = status.fault === null ? '' : `${status.fault} — reset it to go on`;
+  const holds = status.drives && status.state === 'fault';
+  const next = holds ? 'the drives hold; a reset switches them off' : 'reset it to go on';
+  const text = status.fault === null ? '' : `${status.fault} — ${next}`;
   if (fault.textContent !== text) {
     fault.textContent = text;
   }

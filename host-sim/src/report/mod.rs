@@ -17,7 +17,7 @@ pub use written::Written;
 use std::collections::BTreeMap;
 
 use cophase_core::settings::{AxisSettings, Settings};
-use cophase_core::supervisor::Fault;
+use cophase_core::supervisor::{Fault, State};
 use serde::Serialize;
 
 use model::{FidelityReport, MethodReport};
@@ -52,6 +52,11 @@ pub struct Report<'a> {
     /// Of a platform; pushers have none.
     #[serde(skip_serializing_if = "Option::is_none")]
     tilt_limit_mrad: Option<f64>,
+    /// As a stop by a fault ended, where the drives held after it; and the largest after that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tilt_at_stop_mrad: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tilt_worst_held_mrad: Option<f64>,
     /// After the drives went off, where they did.
     #[serde(skip_serializing_if = "Option::is_none")]
     tilt_worst_off_mrad: Option<f64>,
@@ -91,6 +96,8 @@ pub struct Report<'a> {
 struct Ended {
     state: &'static str,
     fault: bool,
+    /// What the drives did at the end: `held` the cranks, were `off`, or were `on` in a run that was cut off.
+    drives: &'static str,
     /// The simulated machine's equations went no further.
     diverged: bool,
     /// What made the machine stop last.
@@ -253,6 +260,12 @@ impl<'a> Report<'a> {
             ended: Ended {
                 state: outcome.state.name(),
                 fault: outcome.fault.is_some(),
+                drives: match outcome.state {
+                    State::Parked => "held",
+                    State::Fault if statistics.fault_hold.is_on() => "held",
+                    State::Fault | State::Idle => "off",
+                    State::Homing | State::Run | State::Stop => "on",
+                },
                 diverged: outcome.diverged.is_some(),
                 stopped_by: statistics.stopped_by.map(|by| match by {
                     StoppedBy::ProgramEnd => "program end",
@@ -282,6 +295,9 @@ impl<'a> Report<'a> {
             tilt_limit_mrad: checked
                 .has_platform()
                 .then_some(checked.scene.drift.tilt_limit_mrad),
+            tilt_at_stop_mrad: statistics.fault_hold.at_stop_mrad,
+            tilt_worst_held_mrad: (statistics.fault_hold.at_stop_mrad)
+                .map(|_| statistics.fault_hold.worst_mrad),
             tilt_worst_off_mrad: statistics.coast.worst_tilt_mrad,
             coasted_s: (statistics.coast.turned_s > 0.0)
                 .then(|| round(statistics.coast.turned_s, 6)),

@@ -40,6 +40,7 @@ pub fn stopped_by_fault(
     let states = events.iter().filter_map(|event| match event.what {
         EventKind::State(state) => Some((event.t_s, state)),
         EventKind::Running { .. } => Some((event.t_s, State::Run)),
+        EventKind::Stopped { .. } => Some((event.t_s, State::Fault)),
         _ => None,
     });
     let states: Vec<_> = states.collect();
@@ -64,8 +65,10 @@ pub fn stopped_by_fault(
         || events
             .iter()
             .any(|event| (from_s..=off_s).contains(&event.t_s) && opens_enable(&event.what));
+    let holds = outcome.statistics.fault_hold.is_on();
     let ended = match before {
         State::Idle | State::Fault => "The drives stayed off.".to_owned(),
+        State::Parked if holds => "The machine stood already, and the drives hold.".to_owned(),
         State::Parked => "The machine stood already; the drives were switched off.".to_owned(),
         State::Homing | State::Run => {
             format!("The drives were switched off at {off_s:.3} s, without a stop.")
@@ -85,10 +88,15 @@ fn at_rest(checked: &Checked, outcome: &Outcome, stop_s: Range<f64>) -> String {
         .filter(|&axis| !follows(checked, outcome, axis, &stop_s))
         .map(|axis| axis.to_string())
         .collect();
+    let (and, then) = if outcome.statistics.fault_hold.is_on() {
+        (", and", "the drives hold them.")
+    } else {
+        (";", "then the drives were switched off.")
+    };
     match &apart[..] {
-        [] => "All axes were brought to rest together.".to_owned(),
+        [] => format!("All axes were brought to rest together{and} {then}"),
         _ => format!(
-            "All axes were commanded to stop together, and axis {} did not follow.",
+            "All axes were commanded to stop together, and axis {} did not follow; {then}",
             apart.join(", ")
         ),
     }

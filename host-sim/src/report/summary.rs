@@ -245,6 +245,7 @@ fn write_page(
             scene.drift.tilt_limit_mrad,
         )?;
     }
+    held(page, checked, outcome)?;
     coasting(page, checked, outcome)?;
     let trims = statistics.correction_deg.iter().enumerate();
     if trims.clone().any(|(_, trim_deg)| *trim_deg != 0.0) {
@@ -318,6 +319,19 @@ fn write_page(
         outcome.simulated_s(),
         wall_s,
         outcome.simulated_s() / wall_s.max(1e-9),
+    )
+}
+
+/// Tilt of a platform that the drives held after a fault.
+fn held(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
+    let held = &outcome.statistics.fault_hold;
+    let Some(at_stop_mrad) = held.at_stop_mrad.filter(|_| checked.has_platform()) else {
+        return Ok(());
+    };
+    writeln!(
+        page,
+        "As the stop ended the platform was tilted by {at_stop_mrad:.3} mrad; held by the drives, it tilted by at most {:.3} mrad after that.",
+        held.worst_mrad,
     )
 }
 

@@ -7,6 +7,9 @@ use crate::scene::file::{FaultAt, InputLine, Lines};
 use crate::sim::events::{Event, EventKind};
 use crate::units::degrees;
 
+/// Fault state in words. Only a simulated run adds what the drives do.
+const FAULT_STATE: &str = "waiting for a reset";
+
 /// An event in words.
 pub fn describe(what: &EventKind) -> String {
     match *what {
@@ -16,9 +19,12 @@ pub fn describe(what: &EventKind) -> String {
             State::Run => "running",
             State::Stop => "stopping, all axes together",
             State::Parked => "parked",
-            State::Fault => "drives off, waiting for a reset",
+            State::Fault => FAULT_STATE,
         }
         .to_owned(),
+        EventKind::Stopped { holds: true } => format!("{FAULT_STATE}; the drives hold"),
+        EventKind::Stopped { holds: false } => format!("{FAULT_STATE}; the drives are off"),
+        EventKind::LetGo => "the drives are off, and hold no longer".to_owned(),
         EventKind::Running { from_s: 0.0 } => "running the program".to_owned(),
         EventKind::Running { from_s } => format!("going on with the program at its {from_s:.3} s"),
         EventKind::Commanded(command) => format!("command: {}", command_name(command)),

@@ -8,7 +8,7 @@ use crate::scene::Checked;
 
 /// A crank stands that stays within this of one place, degrees, for [`STANDS_S`]: 7.2° a second, twice what friction in this
 /// model lets a crank turn at that it holds. So a rod that rings does not count, and a crank that swings does.
-const STANDS_DEG: f64 = 0.36;
+pub(super) const STANDS_DEG: f64 = 0.36;
 
 /// See [`STANDS_DEG`].
 pub(super) const STANDS_S: f64 = 0.05;

@@ -16,8 +16,15 @@ pub struct Event {
 /// What can happen.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EventKind {
-    /// The supervisor changed its state; to running, see [`EventKind::Running`].
+    /// The supervisor changed its state; to running, see [`EventKind::Running`], and to fault, [`EventKind::Stopped`].
     State(State),
+    /// The machine stands in the fault state.
+    Stopped {
+        /// Whether the drives hold the cranks.
+        holds: bool,
+    },
+    /// Drives that held in the fault state were switched off.
+    LetGo,
     /// The program began, or went on.
     Running {
         /// From which of its seconds.

@@ -261,8 +261,9 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
 
     /// Whether nothing has happened for long enough, and nothing moves any more.
     fn is_at_rest(&self) -> bool {
-        self.quiet > self.tail_ticks
-            && (!self.statistics.coast.is_on() || self.quiet > ticks_in(MOST_TAIL_S, self.tick_hz))
+        let statistics = &self.statistics;
+        let moves = statistics.coast.is_on() || statistics.fault_hold.moves(self.tail_ticks);
+        self.quiet > self.tail_ticks && (!moves || self.quiet > ticks_in(MOST_TAIL_S, self.tick_hz))
     }
 
     /// Records faults that have begun up to a time.
@@ -338,6 +339,7 @@ impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
         waiting.telemetry.clone_from(&output.telemetry);
         waiting.sync = output.sync;
         self.waiting.push_back(waiting);
+        let is_switched = self.drives_enabled != output.drives_enabled;
         self.drives_enabled = output.drives_enabled;
         self.ticks += 1;
         self.state = output.telemetry.state;
@@ -346,7 +348,8 @@ impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
             (self.progress)(self.ticks, self.schedule.expected_us() / self.tick_us);
         }
         let settled = matches!(self.state, State::Idle | State::Parked | State::Fault);
-        self.quiet = if settled && self.schedule.is_over() {
+        // Cranks that are let go late in a hold have yet to turn on, and to be reported.
+        self.quiet = if settled && self.schedule.is_over() && !is_switched {
             self.quiet + 1
         } else {
             0

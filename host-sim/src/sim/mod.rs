@@ -6,6 +6,7 @@
 pub mod coast;
 pub mod event_watch;
 pub mod events;
+pub mod hold;
 mod io;
 mod moment;
 mod outcome;

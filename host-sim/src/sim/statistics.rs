@@ -8,6 +8,7 @@ use super::Moment;
 use super::coast::Coast;
 use super::event_watch::{EventWatch, NewEvents};
 use super::events::{Event, EventKind, StoppedBy};
+use super::hold::FaultHold;
 use crate::machine::{Machine, Peaks, SimulatedAxis};
 use crate::mechanism::{AnyMechanism, Mechanism};
 use crate::plant::Figure;
@@ -85,6 +86,8 @@ pub struct Statistics {
     pub machine_warnings: Vec<String>,
     /// What cranks did that drives had let go.
     pub coast: Coast,
+    /// Platform that the drives held after a fault.
+    pub fault_hold: FaultHold,
     /// How often the loop reported something.
     pub reported: u32,
     /// What made the machine stop last.
@@ -148,6 +151,7 @@ impl Statistics {
             figures: Vec::new(),
             machine_warnings: Vec::new(),
             coast: Coast::new(checked),
+            fault_hold: FaultHold::default(),
             reported: 0,
             stopped_by: None,
             late_deadlines: 0,
@@ -206,7 +210,7 @@ impl Statistics {
         }
         if self.state != Some(telemetry.state) {
             self.state = Some(telemetry.state);
-            self.enter(telemetry.state, telemetry, t_s);
+            self.enter(telemetry.state, moment, t_s);
         }
     }
 
@@ -223,7 +227,8 @@ impl Statistics {
         }
     }
 
-    fn enter(&mut self, state: State, telemetry: &Telemetry, t_s: f64) {
+    fn enter(&mut self, state: State, moment: &Moment<'_>, t_s: f64) {
+        let telemetry = moment.telemetry;
         // A fault may switch the drives off in any state, and in a stop that something else began.
         let stopped_by = match state {
             State::Fault => Some(StoppedBy::Fault),
@@ -240,6 +245,9 @@ impl Statistics {
             // The first tick of the program is over already.
             let from_s = telemetry.program_ticks.saturating_sub(1) as f64 * self.tick_s;
             EventKind::Running { from_s }
+        } else if state == State::Fault {
+            let holds = moment.drives_enabled;
+            EventKind::Stopped { holds }
         } else {
             EventKind::State(state)
         };
@@ -289,6 +297,9 @@ impl Statistics {
             }
         }
         self.coast.tick(moment);
+        if self.fault_hold.tick(moment) {
+            self.note(t_s, EventKind::LetGo);
+        }
         if !moment.drives_enabled {
             return;
         }

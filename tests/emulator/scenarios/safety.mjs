@@ -72,15 +72,38 @@ function parks(machine, must) {
   return 'parked in step, drives on';
 }
 
-/** A fault that stops all axes together, and only then switches the drives off. */
-const faults = (pattern) => (machine, must) => {
+/** A fault that stops all axes together, and then holds them, or only then switches the drives off. */
+const faults = (pattern, holds) => (machine, must) => {
   machine.run(0.5);
   must(logs(machine, pattern), `the log says ${pattern}`);
-  must(logs(machine, /: Fault/), 'the log says Fault');
-  must(machine.level('enable') === 0, 'the drives are off');
+  const ends = stands(machine, must, holds);
   inStep(machine, must);
   resets(machine, must);
-  return `stopped in step, then drives off: ${pattern.source}`;
+  return `stopped in step, ${ends}: ${pattern.source}`;
+};
+
+/** The state fault, with the drives on or off. */
+function stands(machine, must, holds) {
+  const drives = holds ? 'on' : 'off';
+  must(logs(machine, new RegExp(`: Fault, .*drives ${drives}`)), `the log says Fault, drives ${drives}`);
+  must(machine.level('enable') === Number(holds), `the drives are ${drives}`);
+  return holds ? 'drives hold' : 'then drives off';
+}
+
+/** A fault that holds; the enable input then lets the cranks go, and the fault stays. */
+const holdsUntilEnableOpens = (pattern) => (machine, must) => {
+  machine.run(0.5);
+  must(logs(machine, pattern), `the log says ${pattern}`);
+  const ends = stands(machine, must, true);
+  input(pins.ENABLE, 1)(machine);
+  machine.run(0.05);
+  const fall = drivesFell(machine, must, 20e-6);
+  must(logs(machine, /reported: enable-loss/), 'the log says enable-loss');
+  machine.set(pins.ENABLE, 0);
+  machine.run(0.05);
+  must(machine.level('enable') === 0, 'the drives stay off');
+  resets(machine, must);
+  return `stopped in step, ${ends}; enable lost: ${fall}`;
 };
 
 /** Drives off at once, and nothing waits for the shaft. */
@@ -126,12 +149,12 @@ function skewAfter(machine, axis) {
 function runsEmpty(machine, must) {
   machine.run(0.5);
   must(logs(machine, /step-fifo-underrun on axis 1/), 'the log says step-fifo-underrun on axis 1');
-  must(machine.level('enable') === 0, 'the drives are off');
+  const ends = stands(machine, must, true);
   const before = machine.board.edges.to('step_0', 1).length;
   machine.run(0.05);
   must(machine.board.edges.to('step_0', 1).length === before, 'nothing moves any more');
   resets(machine, must);
-  return 'stopped, then drives off: step-fifo-underrun on axis 1';
+  return `stopped, ${ends}: step-fifo-underrun on axis 1`;
 }
 
 /** The loop has more to do than time: it misses one deadline of four or two, wherever in a tick that begins, and never three in a row. */
@@ -184,11 +207,12 @@ const CASES = [
     cuts(/enable-loss/, 20e-6),
   ],
   ['… while the loop computes', losesEnableInATick, cuts(/enable-loss/, 20e-6)],
-  ['drive alarm', input(pins.ALARM[1], 1), faults(/drive-alarm on axis 1/)],
-  ['alarm, broken wire', input(pins.ALARM[3], null), faults(/drive-alarm on axis 3/)],
+  ['drive alarm', input(pins.ALARM[1], 1), faults(/drive-alarm on axis 1/, false)],
+  ['alarm, broken wire', input(pins.ALARM[3], null), faults(/drive-alarm on axis 3/, false)],
   ['loop late by a deadline', (machine) => machine.freeze(0.0012), goesOn],
-  ['loop overrun', (machine) => machine.freeze(0.0031), faults(/overrun/)],
-  ['… again and again', stumble, faults(/overrun/)],
+  ['loop overrun', (machine) => machine.freeze(0.0031), faults(/overrun/, true)],
+  ['… again and again', stumble, faults(/overrun/, true)],
+  ['… then enable lost', (machine) => machine.freeze(0.0031), holdsUntilEnableOpens(/overrun/)],
   ['FIFO underrun', (machine) => starve(machine, 1), runsEmpty],
   ['loop hangs', (machine) => machine.freeze(0.03), restarts(0.0101)],
   ['a fault of the core', breakIn, restarts(20e-6)],

@@ -52,7 +52,7 @@ export function judge({ machine, follow, perTurn, reversed }) {
   lines = log(machine.board);
   const wrong = [];
   if (!['overrun', 'step-fifo-underrun'].includes(kind)) wrong.push(`the fault is ${kind}`);
-  if (machine.level('enable') !== 0) wrong.push(`the drives are on after ${kind}`);
+  if (machine.level('enable') !== 1) wrong.push(`the drives do not hold after ${kind}`);
   const counts = () => machine.board.edges.tracks.map(({ name, cycles }) => (/^(step|dir)/.test(name) ? cycles.length : 0)).join();
   const before = counts();
   machine.run(0.005);

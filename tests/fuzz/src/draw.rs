@@ -174,6 +174,7 @@ pub fn settings(count: usize, script: &mut Script<'_>) -> Settings {
             }
         },
         park_turns: f64::from(script.byte()) / 256.0,
+        has_brake: script.one_in(4),
         settle_s: if script.one_in(2) { 0.01 } else { 0.0 },
         wiring: WiringSettings::DEFAULT,
         host_loss: HostLossSettings::NONE,

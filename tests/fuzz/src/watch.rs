@@ -27,6 +27,8 @@ pub struct Watch {
     acceleration: i64,
     state: State,
     fault: Option<Fault>,
+    has_drives_on: bool,
+    has_brake: bool,
     /// An immediate stop was commanded since the machine rested.
     stops_now: bool,
     reached: Reached,
@@ -76,6 +78,8 @@ impl Watch {
             acceleration: 0,
             state: State::Idle,
             fault: None,
+            has_drives_on: false,
+            has_brake: settings.has_brake,
             stops_now: false,
             reached: Reached::default(),
         }
@@ -115,6 +119,7 @@ impl Watch {
         let moves = matches!(telemetry.state, State::Homing | State::Run);
         self.stops_now &= !(rested && moves);
         self.state = telemetry.state;
+        self.has_drives_on = output.drives_enabled;
         self.reached.ticks += 1;
         self.reached.running += u32::from(telemetry.state == State::Run);
         self.reached.faults += u32::from(telemetry.fault.is_some() && self.fault.is_none());
@@ -127,8 +132,14 @@ impl Watch {
     fn check_state(&self, feedback: &Feedback, output: &Output) {
         let telemetry = &output.telemetry;
         let (before, now) = (self.state, telemetry.state);
-        let on = !matches!(now, State::Idle | State::Fault);
-        assert_eq!(output.drives_enabled, on, "{now:?}");
+        let on = output.drives_enabled;
+        // In a fault they hold or not; but they never come on in it.
+        let expected = match now {
+            State::Idle => false,
+            State::Homing | State::Run | State::Stop | State::Parked => true,
+            State::Fault => on && self.has_drives_on && !self.has_brake,
+        };
+        assert_eq!(on, expected, "{now:?}");
         assert!(
             feedback.inputs.enable || !on,
             "drives on without enable: {now:?}"

@@ -81,6 +81,7 @@ pub fn axes(
         index_width_deg: source.or_default(0.0, 0.0, 90.0),
         index_delay_us: source.or_default(0.0, 0.0, 1000.0),
         encoder: basis.has_encoder,
+        brake: source.percent(10),
         trim_limit_deg: source.or_default(5.0, 0.0, 36.0),
         trim_rate_deg_per_s,
         rotor_inertia_kgm2: motors.rotor_inertia_kgm2,

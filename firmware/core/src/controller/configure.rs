@@ -6,6 +6,7 @@
 use super::Controller;
 use super::channel::Channel;
 use super::correction::Correction;
+use super::hold::HoldWatch;
 use super::homing::Homing;
 use super::punctuality::Punctuality;
 use super::wiring_proof::wiring_patterns;
@@ -101,11 +102,12 @@ impl Controller {
             cams: NO_CAMS,
             drift: DriftMonitor::new(),
             homing: Homing::new(),
+            hold: HoldWatch::new(),
             offsets: PhaseOffsets::new(),
             correction: Correction::new(),
             coupling: None,
             amplitude: AmplitudeOverride::new(2000),
-            supervisor: Supervisor::new(0, 0),
+            supervisor: Supervisor::new(0, 0, false),
             unpublished: None,
             stop_input: false,
             driven: 0,
@@ -157,7 +159,8 @@ impl Controller {
         self.correction = Correction::new();
         let settle_ticks = libm::ceil(settings.settle_s * f64::from(settings.tick_hz));
         let jog_ticks = libm::ceil(JOG_S * f64::from(settings.tick_hz));
-        self.supervisor = Supervisor::new(settle_ticks as u32, jog_ticks as u32);
+        self.supervisor =
+            Supervisor::new(settle_ticks as u32, jog_ticks as u32, settings.has_brake);
         self.amplitude = AmplitudeOverride::new(settings.tick_hz);
         self.unpublished = None;
         self.stop_input = false;

@@ -2,6 +2,7 @@
 
 use super::Controller;
 use super::events::select_reaction;
+use super::hold::HoldWatch;
 use crate::drift::{Finding, Sensed};
 use crate::mechanism::Mechanism;
 use crate::program::Cursor;
@@ -25,9 +26,10 @@ impl Controller {
             _ => {}
         }
         let mut input = SupervisorInput::default();
-        let reported = self.observe(feedback, &mut input);
+        let mut reported = self.observe(feedback, &mut input);
         let before = self.supervisor.state();
         let was_well = !self.supervisor.has_fault();
+        let could_hold = self.supervisor.drives_enabled() && !self.supervisor.cuts();
         let mut action = self
             .supervisor
             .step(feedback.inputs, feedback.command, &input);
@@ -42,6 +44,9 @@ impl Controller {
             }
         }
         let is_new = self.supervisor.has_fault() && (was_well || input.supersedes);
+        if could_hold && self.supervisor.cuts() && !is_new && reported.is_none() {
+            reported = Some(harder_fault(&input));
+        }
         let stop = feedback.inputs.stop && !self.stop_input;
         self.stop_input = feedback.inputs.stop;
         self.output.telemetry.event = None;
@@ -69,11 +74,16 @@ impl Controller {
         let is_about_to_stop = self.is_about_to_stop(feedback);
         let mut found = self.measure(feedback, !is_about_to_stop);
         self.is_busy = self.drift.is_busy() || is_about_to_stop;
-        if self.supervisor.drives_enabled() {
+        if self.supervisor.drives_enabled() && self.supervisor.state() != State::Fault {
             self.driven = self.ticks;
         }
         if found.is_some() {
             found = self.judge(found);
+        }
+        if self.supervisor.holds()
+            && let Some(fault) = self.check_hold(feedback)
+        {
+            found = Some(Finding::of(fault));
         }
         match self.supervisor.state() {
             State::Homing if found.is_none() => found = self.find_out(),
@@ -183,6 +193,7 @@ impl Controller {
             State::Idle if self.latched() == Some(FaultKind::HomingRangeExceeded) => {
                 self.homing.forget();
             }
+            State::Parked | State::Fault => self.hold = HoldWatch::new(),
             State::Run => {
                 self.correction.restart();
                 if before != State::Parked {
@@ -267,4 +278,12 @@ impl Controller {
         telemetry.home_offset = self.homing.home_offset();
         telemetry.override_permille = self.amplitude.permille();
     }
+}
+
+/// Fault for which the drives, which would have held after the latched one, are switched off.
+#[inline(never)]
+fn harder_fault(input: &SupervisorInput) -> Fault {
+    input
+        .fault
+        .unwrap_or(const { Fault::new(FaultKind::EnableLost) })
 }

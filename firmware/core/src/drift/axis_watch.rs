@@ -264,6 +264,13 @@ impl AxisWatch {
         of_angle(self.gate as i32).max(self.diagnosis.half_cycle())
     }
 
+    /// True if the crank, commanded to `phase`, stands no further from an end of its flag than its rotor swings.
+    pub(super) fn is_at_flag(&self, phase: Phase) -> bool {
+        self.index
+            .as_ref()
+            .is_some_and(|index| index.is_at_flag(phase, self.swing()))
+    }
+
     /// Adds the encoder's error over a share of a turn to its mean.
     pub(super) fn average(&mut self, share: Turns) {
         if let Some(encoder) = &mut self.encoder {

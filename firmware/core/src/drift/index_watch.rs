@@ -129,6 +129,16 @@ impl IndexWatch {
         self.missed
     }
 
+    /// True if a crank at this phase, with the offset that the last pulse showed, is within `swing` of an end of its flag.
+    pub(super) fn is_at_flag(&self, phase: Phase, swing: Turns) -> bool {
+        let Place { index, flag, .. } = self.place;
+        let crank = phase.advanced(self.offset);
+        self.is_known()
+            && [index, index.wrapping_add(flag)]
+                .iter()
+                .any(|&end| nearest(Phase::from_turns(end).since(crank)).abs() <= swing)
+    }
+
     /// Whether the expected pulse has not come.
     pub(super) fn is_late(&self) -> bool {
         self.due != Due::Expected

@@ -277,6 +277,25 @@ impl DriftMonitor {
             .map_or(Turns::MAX, |watch| watch.swing())
     }
 
+    /// Turns by which one crank alone takes the platform beyond a limit.
+    pub fn alone(&self, axis: usize) -> Turns {
+        self.axes
+            .get(axis)
+            .map_or(Turns::MAX, |watch| watch.alone())
+    }
+
+    /// Phase error of an axis's motor by its encoder, if it has one.
+    pub fn motor_error(&self, axis: usize) -> Option<Turns> {
+        self.axes.get(axis)?.tracking_error()
+    }
+
+    /// True if the sensor of an axis that is commanded to this phase may be at an end of its flag, so that a swinging rotor makes pulses.
+    pub fn is_at_flag(&self, axis: usize, phase: Phase) -> bool {
+        self.axes
+            .get(axis)
+            .is_some_and(|watch| watch.is_at_flag(phase))
+    }
+
     /// The watched axis that is furthest from what all have in common.
     pub fn furthest(&self, error: &PerAxis<Turns>) -> usize {
         furthest(error, self.watched())

@@ -70,6 +70,9 @@ pub struct Settings {
     pub park_turns: f64,
     /// Time for which energised drives settle before anything moves, seconds, 0 to 10.
     pub settle_s: f64,
+    /// True if a brake holds the cranks while the drives are off. A coordinated stop by a fault then ends with the drives
+    /// off.
+    pub has_brake: bool,
     /// Levels of the board's lines.
     pub wiring: WiringSettings,
     /// Reaction to the loss of the host.
@@ -262,6 +265,7 @@ impl Settings {
             correction: CorrectionSettings::NONE,
             park_turns: 0.0,
             settle_s: 0.0,
+            has_brake: false,
             wiring: WiringSettings::DEFAULT,
             host_loss: HostLossSettings::NONE,
             program: heapless::Vec::new(),

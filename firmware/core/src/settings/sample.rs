@@ -71,6 +71,7 @@ pub(crate) fn settings(axes: usize) -> Settings {
         correction: CorrectionSettings::NONE,
         park_turns: 0.5,
         settle_s: 0.1,
+        has_brake: false,
         wiring: WiringSettings::DEFAULT,
         host_loss: HostLossSettings::NONE,
         program: heapless::Vec::from_array([

@@ -17,7 +17,9 @@
 //! moves, or the table of reactions requires it. A parked machine whose enable input opens is idle, as this is no fault.
 //!
 //! A fault *latches*: the first is kept, with its data, until a reset. A later diagnosis may give it a better name, but
-//! never another time. The drives are on in homing, run, stop and parked, and in no other state.
+//! never another time. The drives are on in homing, run, stop and parked. In the fault state they are on, too, while the
+//! machine *holds*: after a coordinated stop whose faults all hold, until a reset, a loss of the enable input, or a fault
+//! that cuts or disables. A reaction becomes harder with later faults, and never milder.
 
 mod fault;
 pub mod reaction;
@@ -42,7 +44,7 @@ pub enum State {
     Stop,
     /// At rest, drives on.
     Parked,
-    /// At rest, drives off, until a reset.
+    /// At rest until a reset. The drives hold, or are off: [`Supervisor::drives_enabled`].
     Fault,
 }
 
@@ -114,7 +116,7 @@ pub const JOG_S: f64 = 0.5;
 pub struct SupervisorInput {
     /// Fault with which the machine must not continue.
     pub fault: Option<Fault>,
-    /// Reaction to the fault: to stop, or to disable. An event with a milder reaction is reported and is no fault.
+    /// Reaction to the fault: one that stops. An event with a milder reaction is reported and is no fault.
     pub reaction: Reaction,
     /// True if the fault is the latched one under a better name.
     pub supersedes: bool,
@@ -131,11 +133,11 @@ pub struct SupervisorInput {
 }
 
 impl Default for SupervisorInput {
-    /// Input without a fault; the reaction to one would be to stop.
+    /// Input without a fault; the reaction to one would be to stop and hold.
     fn default() -> Self {
         Self {
             fault: None,
-            reaction: Reaction::Stop,
+            reaction: Reaction::StopAndHold,
             supersedes: false,
             at_rest: false,
             homed: false,
@@ -149,7 +151,7 @@ impl Default for SupervisorInput {
 /// Action of the shaft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
-    /// Stand still; the drives are off or have just been switched on.
+    /// Stand still; the drives are off, have just been switched on, or hold after a fault.
     Stand,
     /// Turn at homing speed.
     Home,
@@ -168,6 +170,10 @@ pub enum Action {
 pub struct Supervisor {
     state: State,
     fault: Option<Fault>,
+    /// The fault state has the drives off. False before and during a fault that lets them hold.
+    cuts: bool,
+    /// A brake holds the cranks while the drives are off, so that every fault cuts.
+    has_brake: bool,
     holding: bool,
     /// The present or last stop is the fastest, and not one at the parking phase.
     stops_now: bool,
@@ -183,11 +189,13 @@ pub struct Supervisor {
 
 impl Supervisor {
     /// Supervisor in the idle state. The drives need `settle_ticks` after they are switched on, and one jog lasts
-    /// `jog_ticks`.
-    pub const fn new(settle_ticks: u32, jog_ticks: u32) -> Self {
+    /// `jog_ticks`. With a brake, every fault switches the drives off once the machine is at rest.
+    pub const fn new(settle_ticks: u32, jog_ticks: u32, has_brake: bool) -> Self {
         Self {
             state: State::Idle,
             fault: None,
+            cuts: has_brake,
+            has_brake,
             holding: false,
             stops_now: false,
             only_homes: false,
@@ -215,16 +223,33 @@ impl Supervisor {
 
     /// True if the drives must be on.
     pub const fn drives_enabled(&self) -> bool {
-        matches!(
-            self.state,
-            State::Homing | State::Run | State::Stop | State::Parked
-        )
+        match self.state {
+            State::Idle => false,
+            State::Homing | State::Run | State::Stop | State::Parked => true,
+            State::Fault => !self.cuts,
+        }
     }
 
-    /// Goes to the fault state from any state, for faults that are known before anything moves.
+    /// True if the drives hold cranks at rest: parked, or after a fault.
+    pub const fn holds(&self) -> bool {
+        matches!(self.state, State::Parked | State::Fault) && self.drives_enabled()
+    }
+
+    /// True if the fault state has the drives off, whether it has been reached or not.
+    pub const fn cuts(&self) -> bool {
+        self.cuts
+    }
+
+    /// Goes to the fault state from any state with the drives off, for faults that are known before anything moves.
     pub const fn begin_with(&mut self, fault: Fault) {
-        self.state = State::Fault;
+        self.state = self.cut();
         self.fault = Some(fault);
+    }
+
+    /// Fault state with the drives off.
+    const fn cut(&mut self) -> State {
+        self.cuts = true;
+        State::Fault
     }
 
     /// Updates the state for one tick, and returns the action of the shaft.
@@ -234,17 +259,20 @@ impl Supervisor {
         command: Option<Command>,
         input: &SupervisorInput,
     ) -> Action {
+        let is_faulted = input.fault.is_some() && self.drives_enabled();
         if let Some(fault) = &input.fault {
             self.latch(fault, input);
         }
-        self.state = self.next_state(inputs, command, input);
+        self.state = self.next_state(inputs, command, input, is_faulted);
         self.action()
     }
 
-    /// Keeps the first fault, as later ones may be its consequences. Only a better name replaces it.
+    /// Keeps the first fault, as later ones may be its consequences. Only a better name replaces it. Each may make the
+    /// reaction harder.
     #[inline(never)]
     fn latch(&mut self, fault: &Fault, input: &SupervisorInput) {
         let on = self.drives_enabled();
+        self.cuts |= on && input.reaction.cuts();
         match &mut self.fault {
             Some(first) if input.supersedes => {
                 *first = Fault {
@@ -262,7 +290,7 @@ impl Supervisor {
     fn lose_enable(&mut self, input: &SupervisorInput) -> State {
         let lost = Fault::new(FaultKind::EnableLost).at(input.tick, input.phase);
         self.fault.get_or_insert(lost);
-        State::Fault
+        self.cut()
     }
 
     fn next_state(
@@ -270,6 +298,7 @@ impl Supervisor {
         inputs: SafetyInputs,
         command: Option<Command>,
         input: &SupervisorInput,
+        is_faulted: bool,
     ) -> State {
         self.stops_now |= command == Some(Command::StopNow);
         let stop = inputs.stop || matches!(command, Some(Command::Stop | Command::StopNow));
@@ -278,9 +307,8 @@ impl Supervisor {
             return self.lose_enable(input);
         }
         // A later fault may require the drives to be off in this tick, whichever fault was the first.
-        let disable = input.fault.is_some() && input.reaction == Reaction::Disable;
-        if disable && self.drives_enabled() {
-            return State::Fault;
+        if is_faulted && input.reaction == Reaction::Disable {
+            return self.cut();
         }
         match self.state {
             State::Idle
@@ -315,6 +343,7 @@ impl Supervisor {
             State::Stop if !input.at_rest => State::Stop,
             State::Stop if self.fault.is_some() => State::Fault,
             State::Stop => State::Parked,
+            State::Parked if self.fault.is_some() && !inputs.enable => self.cut(),
             State::Parked if self.fault.is_some() => State::Fault,
             State::Parked if !inputs.enable => State::Idle,
             State::Parked if !inputs.stop && input.homed && command == Some(Command::Jog) => {
@@ -332,10 +361,13 @@ impl Supervisor {
                 }
             }
             State::Parked => State::Parked,
-            State::Fault if command == Some(Command::Reset) => {
+            // With a fault that comes while the drives hold, the reset was meant for the one before.
+            State::Fault if command == Some(Command::Reset) && !is_faulted => {
                 self.fault = None;
+                self.cuts = self.has_brake;
                 State::Idle
             }
+            State::Fault if !inputs.enable => self.cut(),
             State::Fault => State::Fault,
         }
     }

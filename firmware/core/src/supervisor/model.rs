@@ -1,9 +1,11 @@
 //! Complete graph of the supervisor: every state that any sequence of ticks can reach, under every input.
 //!
-//! These things decide the next tick: the state, whether a fault is latched, whether the program is held, whether the
-//! stop is the fastest, whether the machine only homes, and the remaining times of settling and of a jog. The kind of the fault decides nothing. This set is finite, so it is searched
-//! until nothing new is found, which covers sequences of every length. The model also keeps the knowledge of an observer
-//! of inputs and drives: whether the machine needs a reset, or a start after it.
+//! These things decide the next tick: the state, whether a fault is latched, whether the fault state has the drives off,
+//! whether there is a brake, whether the program is held, whether the stop is the fastest, whether the machine only homes,
+//! and the remaining times of settling and of a jog. The kind of the fault decides nothing. This set is finite, so it is
+//! searched until nothing new is found, which covers sequences of every length. The model also keeps the knowledge of an
+//! observer of inputs and drives: whether the machine needs a reset, or a start after it, and whether a fault has come
+//! that must not be held.
 //!
 //! A second test checks that the set is complete. It plays all sequences of [`DEPTH`] single events on the supervisor
 //! itself, without merging states, under the same demands.
@@ -38,13 +40,15 @@ const COMMANDS: [Option<Command>; 11] = [
     Some(Command::Override(500)),
 ];
 
-/// All possible inputs of one tick: 1,760 of them.
+/// All possible inputs of one tick: 2,464 of them.
 fn all_inputs() -> Vec<Input> {
     let faults = [
         (None, false),
-        (Some(Reaction::Stop), false),
+        (Some(Reaction::StopAndHold), false),
+        (Some(Reaction::StopAndCut), false),
         (Some(Reaction::Disable), false),
-        (Some(Reaction::Stop), true),
+        (Some(Reaction::StopAndHold), true),
+        (Some(Reaction::StopAndCut), true),
         (Some(Reaction::Disable), true),
     ];
     let mut all = Vec::new();
@@ -60,7 +64,7 @@ fn all_inputs() -> Vec<Input> {
                     command,
                     observed: SupervisorInput {
                         fault: reaction.map(|_| Fault::new(FaultKind::Stuck)),
-                        reaction: reaction.unwrap_or(Reaction::Stop),
+                        reaction: reaction.unwrap_or(Reaction::StopAndHold),
                         supersedes,
                         at_rest: bit(2),
                         homed: bit(3),
@@ -75,12 +79,14 @@ fn all_inputs() -> Vec<Input> {
 }
 
 /// Everything that decides the next tick.
-type Key = (u8, bool, [bool; 3], [u32; 2], Owed);
+type Key = (u8, [bool; 3], [bool; 3], [u32; 2], Owed);
 
 fn key(supervisor: &Supervisor, owed: Owed) -> Key {
     let Supervisor {
         state,
         fault,
+        cuts,
+        has_brake,
         holding,
         stops_now,
         only_homes,
@@ -92,7 +98,7 @@ fn key(supervisor: &Supervisor, owed: Owed) -> Key {
     let modes = [holding, stops_now, only_homes];
     (
         state as u8,
-        fault.is_some(),
+        [fault.is_some(), cuts, has_brake],
         modes,
         [settling, jogging],
         owed,
@@ -102,10 +108,14 @@ fn key(supervisor: &Supervisor, owed: Owed) -> Key {
 /// Explores the reachable set and checks every tick; returns the successors of each state.
 fn explore(inputs: &[Input]) -> BTreeMap<Key, BTreeSet<Key>> {
     let mut graph = BTreeMap::new();
-    let mut open = VecDeque::from([(Supervisor::new(SETTLE, JOG), Owed::Nothing)]);
-    let mut after_reset = Supervisor::new(SETTLE, JOG);
-    after_reset.begin_with(Fault::new(FaultKind::WatchdogReset));
-    open.push_back((after_reset, Owed::Reset));
+    let mut open = VecDeque::new();
+    for has_brake in [false, true] {
+        let fresh = Supervisor::new(SETTLE, JOG, has_brake);
+        let mut after_reset = fresh.clone();
+        after_reset.begin_with(Fault::new(FaultKind::WatchdogReset));
+        open.push_back((fresh, Owed::Nothing));
+        open.push_back((after_reset, Owed::Reset { may_hold: false }));
+    }
     while let Some((supervisor, owed)) = open.pop_front() {
         let from = key(&supervisor, owed);
         if graph.contains_key(&from) {
@@ -151,7 +161,7 @@ fn ticks_to(graph: &BTreeMap<Key, BTreeSet<Key>>, goal: State) -> usize {
 #[test]
 fn no_sequence_of_any_length_breaks_a_demand_or_ends_in_a_dead_state() {
     let inputs = all_inputs();
-    assert_eq!(inputs.len(), 1760);
+    assert_eq!(inputs.len(), 2464);
     let graph = explore(&inputs);
     for state in State::ALL {
         let ticks = ticks_to(&graph, state);
@@ -161,6 +171,9 @@ fn no_sequence_of_any_length_breaks_a_demand_or_ends_in_a_dead_state() {
             "{state:?} is never reached"
         );
     }
+    let fault = State::Fault as u8;
+    let has_drives_on = |cuts: bool| graph.keys().any(|key| key.0 == fault && key.1[1] == cuts);
+    assert!(has_drives_on(false) && has_drives_on(true), "held, and not");
     std::println!(
         "{} states, {} ticks checked",
         graph.len(),
@@ -169,7 +182,7 @@ fn no_sequence_of_any_length_breaks_a_demand_or_ends_in_a_dead_state() {
 }
 
 /// Single events in a tick; safety inputs and observations of the machine stay as they are until they change.
-const EVENTS: [fn(&mut Input); 19] = [
+const EVENTS: [fn(&mut Input); 20] = [
     |_| {},
     |input| input.command = Some(Command::Start),
     |input| input.command = Some(Command::Stop),
@@ -190,7 +203,12 @@ const EVENTS: [fn(&mut Input); 19] = [
         input.observed.reaction = Reaction::Disable;
     },
     |input| {
+        input.observed.fault = Some(Fault::new(FaultKind::DriveAlarm));
+        input.observed.reaction = Reaction::StopAndCut;
+    },
+    |input| {
         input.observed.fault = Some(Fault::new(FaultKind::Stuck));
+        input.observed.reaction = Reaction::StopAndCut;
         input.observed.supersedes = true;
     },
     // Usual combinations, so that six events make a long sequence.
@@ -218,7 +236,7 @@ fn all_sequences_of_six_events_stay_within_the_graph() {
         observed: SupervisorInput::default(),
     };
     let mut ticks = 0_u64;
-    let mut stack = std::vec![(Supervisor::new(SETTLE, JOG), Owed::Nothing, quiet, 0)];
+    let mut stack = std::vec![(Supervisor::new(SETTLE, JOG, false), Owed::Nothing, quiet, 0)];
     while let Some((supervisor, owed, held, depth)) = stack.pop() {
         for event in EVENTS {
             let mut input = held;
@@ -236,7 +254,7 @@ fn all_sequences_of_six_events_stay_within_the_graph() {
                     command: None,
                     observed: SupervisorInput {
                         fault: None,
-                        reaction: Reaction::Stop,
+                        reaction: Reaction::StopAndHold,
                         supersedes: false,
                         ..input.observed
                     },

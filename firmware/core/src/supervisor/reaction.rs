@@ -5,7 +5,7 @@
 
 use super::FaultKind;
 
-/// Reaction to a fault or event.
+/// Reaction to a fault or event, from the mildest to the most severe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reaction {
@@ -13,12 +13,27 @@ pub enum Reaction {
     Report,
     /// Report the event, and correct it by trims where the settings allow that.
     Correct,
-    /// Stop all axes together, as fast as the motors' torque allows; then switch the drives off until a reset (stop
-    /// category 1).
-    Stop,
+    /// Stop all axes together, as fast as the motors' torque allows; then hold the cranks with the drives on until a reset
+    /// (stop category 2). Where the settings name a brake, the drives go off as for [`Self::StopAndCut`].
+    StopAndHold,
+    /// Stop in the same way; then switch the drives off until a reset (stop category 1). To hold is impossible or
+    /// dangerous.
+    StopAndCut,
     /// Switch the drives off in the same tick, until a reset (stop category 0). A stop would stop only some axes, or there
     /// is no machine to stop.
     Disable,
+}
+
+impl Reaction {
+    /// True if the machine does not continue.
+    pub const fn stops(self) -> bool {
+        matches!(self, Self::StopAndHold | Self::StopAndCut | Self::Disable)
+    }
+
+    /// True if the drives are off once the machine is at rest.
+    pub const fn cuts(self) -> bool {
+        matches!(self, Self::StopAndCut | Self::Disable)
+    }
 }
 
 /// Row of the table.
@@ -40,36 +55,56 @@ const fn row(kind: FaultKind, safe: Reaction, unsafe_: Reaction) -> Row {
     }
 }
 
-/// Table of reactions; each kind is at the index of its number.
+/// Table of reactions; each kind is at the index of its number. A comment says why the drives hold, or do not.
 pub const REACTIONS: [Row; FaultKind::ALL.len()] = {
     use FaultKind as Kind;
-    use Reaction::{Correct, Disable, Report, Stop};
+    use Reaction::{Correct, Disable, Report, StopAndCut, StopAndHold};
     [
-        row(Kind::Tilt, Stop, Stop),
-        row(Kind::Warp, Stop, Stop),
-        row(Kind::CommonLag, Stop, Stop),
-        row(Kind::LostSteps, Correct, Stop),
-        row(Kind::Slip, Correct, Stop),
-        row(Kind::Stuck, Stop, Stop),
+        // The drives are sound. Without them the platform would tilt further.
+        row(Kind::Tilt, StopAndHold, StopAndHold),
+        row(Kind::Warp, StopAndHold, StopAndHold),
+        // The load was too much for a moving motor; a motor at rest has its greatest torque.
+        row(Kind::CommonLag, StopAndHold, StopAndHold),
+        // The motor is in step again, at another place.
+        row(Kind::LostSteps, Correct, StopAndHold),
+        // The coupling slips under the torque of motion; at rest the drive still holds most of the load.
+        row(Kind::Slip, Correct, StopAndHold),
+        // A drive that holds would press a jammed crank with its full torque.
+        row(Kind::Stuck, StopAndCut, StopAndCut),
+        // This axis moves by itself, and a stop does not reach it.
         row(Kind::Runaway, Disable, Disable),
-        row(Kind::IndexTimeout, Stop, Stop),
-        row(Kind::IndexMissing, Report, Stop),
-        row(Kind::IndexExtra, Report, Stop),
-        row(Kind::SwappedWiring, Stop, Stop),
+        // Most often a sensor is dead. If the crank is jammed, a stepper presses it no harder than it holds at rest, and a
+        // servo drive raises its alarm, which cuts.
+        row(Kind::IndexTimeout, StopAndHold, StopAndHold),
+        // The fault is one of a sensor, and the drives are sound.
+        row(Kind::IndexMissing, Report, StopAndHold),
+        // A crank that runs away may have made the pulse. Held, it would go on against the others until its next ones.
+        row(Kind::IndexExtra, Report, StopAndCut),
+        // At rest no axis is moved, so that it does not matter which line belongs to which.
+        row(Kind::SwappedWiring, StopAndHold, StopAndHold),
+        // This axis turns against the others as long as it is driven.
         row(Kind::Reversed, Disable, Disable),
-        row(Kind::EncoderGlitch, Report, Stop),
-        row(Kind::DriveAlarm, Stop, Stop),
-        row(Kind::Overrun, Stop, Stop),
-        row(Kind::StepFifoUnderrun, Stop, Stop),
+        // The fault is one of a sensor. A drive that follows it away is found as a runaway.
+        row(Kind::EncoderGlitch, Report, StopAndHold),
+        // Nothing is known of a drive with an alarm: it may hold, push or be off.
+        row(Kind::DriveAlarm, StopAndCut, StopAndCut),
+        // The loop is back in time, or it could not stop the machine. The watchdog cuts if it hangs.
+        row(Kind::Overrun, StopAndHold, StopAndHold),
+        // Steps were not made, but the drives are sound.
+        row(Kind::StepFifoUnderrun, StopAndHold, StopAndHold),
+        // The operator, or the circuit behind the input, wants the drives off.
         row(Kind::EnableLost, Disable, Disable),
         // This is no fault: it parks the machine, as the stop command does, and the drives hold (stop category 2).
         row(Kind::StopInput, Report, Report),
-        row(Kind::HomingRangeExceeded, Stop, Stop),
+        // A crank stands where the others do not, and its drive holds it there.
+        row(Kind::HomingRangeExceeded, StopAndHold, StopAndHold),
         // Nothing turns yet: rejected input is not used, and the previous one remains.
         row(Kind::ProgramRejected, Report, Report),
         row(Kind::SettingsRejected, Report, Report),
+        // The drives have been off since the reset, and the cranks are wherever they fell.
         row(Kind::WatchdogReset, Disable, Disable),
-        row(Kind::Capture, Stop, Stop),
+        // The load was too much for moving motors at the resonance; at rest there is no resonance.
+        row(Kind::Capture, StopAndHold, StopAndHold),
     ]
 };
 

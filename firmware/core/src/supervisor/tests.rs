@@ -8,7 +8,7 @@ const SAFE: SafetyInputs = SafetyInputs {
 };
 
 fn in_state(state: State) -> Supervisor {
-    let mut supervisor = Supervisor::new(0, 2);
+    let mut supervisor = Supervisor::new(0, 2, false);
     let mut go = |command, input| {
         supervisor.step(SAFE, command, &input);
     };
@@ -211,7 +211,7 @@ fn a_better_name_replaces_what_latched_and_not_when() {
         (reported.kind, reported.axis, reported.tick),
         (FaultKind::Stuck, Some(2), 7)
     );
-    // The diagnosis may still come at rest with the drives off; without a fault there is nothing to name.
+    // The diagnosis may still come at rest; without a fault there is nothing to name.
     supervisor.step(
         SAFE,
         None,
@@ -256,6 +256,105 @@ fn a_fault_that_disables_switches_off_at_once_and_during_another_stop_too() {
     );
 }
 
+/// Machine in the fault state after a stop in which it had these faults, one after the other; the second under a better name
+/// for the first, if `supersedes`.
+fn stopped_by(faults: &[Reaction], supersedes: bool, has_brake: bool) -> Supervisor {
+    let mut supervisor = in_state(State::Run);
+    supervisor.has_brake = has_brake;
+    supervisor.cuts = has_brake;
+    for (i, &reaction) in faults.iter().enumerate() {
+        let input = SupervisorInput {
+            fault: Some(Fault::new(FaultKind::Tilt)),
+            reaction,
+            supersedes: supersedes && i > 0,
+            ..SupervisorInput::default()
+        };
+        supervisor.step(SAFE, None, &input);
+    }
+    let at_rest = SupervisorInput {
+        at_rest: true,
+        ..SupervisorInput::default()
+    };
+    supervisor.step(SAFE, None, &at_rest);
+    assert_eq!(supervisor.state(), State::Fault);
+    supervisor
+}
+
+/// If this were wrong, a platform would fall after a fault that any motor could have held, or a jammed crank would be pressed.
+#[test]
+fn the_hardest_reaction_of_a_stop_decides_whether_the_drives_hold() {
+    use Reaction::{Disable, StopAndCut, StopAndHold};
+    for (faults, holds) in [
+        (&[StopAndHold][..], true),
+        (&[StopAndHold, StopAndHold], true),
+        (&[StopAndCut], false),
+        (&[StopAndHold, StopAndCut], false),
+        (&[StopAndCut, StopAndHold], false),
+        (&[StopAndHold, Disable], false),
+    ] {
+        for supersedes in [false, true] {
+            let held = stopped_by(faults, supersedes, false).drives_enabled();
+            assert_eq!(held, holds, "{faults:?}, {supersedes}");
+            let braked = stopped_by(faults, supersedes, true).drives_enabled();
+            assert!(!braked, "a brake holds: {faults:?}, {supersedes}");
+        }
+    }
+}
+
+/// If this were wrong, a machine that holds after a fault could not be let go, or would be forgotten with its drives on.
+#[test]
+fn a_held_fault_ends_with_enable_a_harder_fault_or_a_reset() {
+    let quiet = SupervisorInput::default();
+    let fault = |reaction| SupervisorInput {
+        fault: Some(Fault::new(FaultKind::DriveAlarm)),
+        reaction,
+        ..quiet
+    };
+    let open = SafetyInputs {
+        enable: false,
+        ..SAFE
+    };
+    let stop = SafetyInputs { stop: true, ..SAFE };
+    for (inputs, command, input, state, holds) in [
+        (SAFE, None, quiet, State::Fault, true),
+        (stop, Some(Command::StopNow), quiet, State::Fault, true),
+        (SAFE, Some(Command::Start), quiet, State::Fault, true),
+        (SAFE, None, fault(Reaction::StopAndHold), State::Fault, true),
+        (SAFE, None, fault(Reaction::StopAndCut), State::Fault, false),
+        (SAFE, None, fault(Reaction::Disable), State::Fault, false),
+        (open, None, quiet, State::Fault, false),
+        (SAFE, Some(Command::Reset), quiet, State::Idle, false),
+        (open, Some(Command::Reset), quiet, State::Idle, false),
+        // A new fault is not reset by a command that was given before anybody saw it.
+        (
+            SAFE,
+            Some(Command::Reset),
+            fault(Reaction::StopAndCut),
+            State::Fault,
+            false,
+        ),
+    ] {
+        let mut supervisor = stopped_by(&[Reaction::StopAndHold], false, false);
+        let say = std::format!("{inputs:?} {command:?} {input:?}");
+        assert_eq!(
+            supervisor.step(inputs, command, &input),
+            Action::Stand,
+            "{say}"
+        );
+        assert_eq!(
+            (supervisor.state(), supervisor.drives_enabled()),
+            (state, holds),
+            "{say}"
+        );
+        let latched = supervisor.fault().map(|fault| fault.kind);
+        let expected = (state == State::Fault).then_some(FaultKind::Tilt);
+        assert_eq!(latched, expected, "the first fault stays: {say}");
+        // Drives that are off stay off, whatever the inputs do.
+        supervisor.step(SAFE, None, &quiet);
+        assert_eq!(supervisor.drives_enabled(), holds, "{say}");
+    }
+}
+
 /// In no sequence of inputs does the machine run before every index has been detected.
 #[test]
 fn nothing_runs_before_homing() {
@@ -267,7 +366,7 @@ fn nothing_runs_before_homing() {
     ];
     // All sequences of five ticks, each with a command and a shaft that is at rest or not.
     for sequence in 0..8_u32.pow(5) {
-        let mut supervisor = Supervisor::new(0, 2);
+        let mut supervisor = Supervisor::new(0, 2, false);
         for tick in 0..5 {
             let choice = sequence / 8_u32.pow(tick) % 8;
             let input = SupervisorInput {

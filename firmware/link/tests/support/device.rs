@@ -65,7 +65,11 @@ impl RecordingDevice {
 
     /// The machine is in a state, with the enable input closed.
     pub fn enters(&mut self, state: State) {
-        let drives = !matches!(state, State::Idle | State::Fault);
+        self.enters_with(state, !matches!(state, State::Idle | State::Fault));
+    }
+
+    /// The machine is in a state, with the drives on or off.
+    pub fn enters_with(&mut self, state: State, drives: bool) {
         let inputs = flags::ENABLE | if drives { flags::DRIVES } else { 0 };
         self.samples.push_back(Sample {
             state: state as u8,

@@ -86,6 +86,7 @@ pub fn settings(axes: usize, bands: usize, entries: usize) -> Settings {
         correction: CorrectionSettings::NONE,
         park_turns: 0.5,
         settle_s: 0.1,
+        has_brake: false,
         wiring: WiringSettings::DEFAULT,
         host_loss: HostLossSettings::NONE,
         program: (0..entries)

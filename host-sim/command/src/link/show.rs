@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::time::{Duration, Instant};
 
+use cophase_core::supervisor::State;
 use cophase_link::message::{
     Control, Event, EventRecord, FaultRecord, Identity, Request, Status as MachineStatus,
     state_name,
@@ -159,6 +160,9 @@ fn line(status: &MachineStatus, tick_hz: u32) -> String {
     }
     if status.flags & flags::HOLDING != 0 {
         notes.push("hold");
+    }
+    if status.flags & flags::DRIVES != 0 && status.state == State::Fault as u8 {
+        notes.push("drives hold");
     }
     if status.armed {
         notes.push("armed");

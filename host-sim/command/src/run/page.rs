@@ -60,10 +60,16 @@ pub(super) fn mark(scope: &mut ScopeData, outcome: &Outcome) {
             EventKind::Reported(fault) => {
                 scope.mark(event.t_s, &format!("reported: {}", fault.kind));
             }
-            EventKind::Commanded(_) | EventKind::Input { .. } | EventKind::Injected(_) => {
+            EventKind::LetGo
+            | EventKind::Commanded(_)
+            | EventKind::Input { .. }
+            | EventKind::Injected(_) => {
                 scope.mark(event.t_s, &report::describe(&event.what));
             }
-            EventKind::State(_) | EventKind::Running { .. } | EventKind::Lagged { .. } => {}
+            EventKind::State(_)
+            | EventKind::Stopped { .. }
+            | EventKind::Running { .. }
+            | EventKind::Lagged { .. } => {}
         }
     }
 }

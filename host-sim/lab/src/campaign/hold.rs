@@ -2,7 +2,7 @@
 //!
 //! The enable line decides whether drives hold, and not what the controller calls its state.
 
-use host_sim::scene::file::{FaultAt, FaultName, Scene};
+use host_sim::scene::file::{Drive, FaultAt, FaultName, Scene};
 use host_sim::sim::Moment;
 
 use super::bound;
@@ -56,26 +56,57 @@ pub fn allowed_mrad(scene: &Scene, geometry: &Geometry, rest_s: f64) -> f64 {
     let fault_turns = scene
         .fault
         .first()
-        .map_or(0.0, |fault| at_rest_turns(fault, rest_s));
+        .map_or(0.0, |fault| at_rest_turns(scene, geometry, fault, rest_s));
     geometry.worst_tilt_mrad(steps_turns + settling_turns + fault_turns)
 }
 
-/// Travel by which a fault moves a crank whose command stands, turns.
-fn at_rest_turns(fault: &FaultAt, rest_s: f64) -> f64 {
+/// Travel by which a fault moves a crank whose command stands, turns. Half a turn is the most that matters.
+fn at_rest_turns(scene: &Scene, geometry: &Geometry, fault: &FaultAt, rest_s: f64) -> f64 {
     let left_s = fault
         .for_s
         .map(|for_s| (fault.at_s + for_s - rest_s).max(0.0));
-    let rate_hz = match fault.kind {
-        FaultName::Slip => fault.rate_deg_per_s.unwrap_or_default() / 360.0,
-        FaultName::Runaway => fault.speed_hz.unwrap_or_default(),
+    let axis = fault.axis.unwrap_or_default();
+    let (rate_hz, until_off_turns) = match fault.kind {
+        FaultName::Slip => (
+            fault.rate_deg_per_s.unwrap_or_default() / 360.0,
+            f64::INFINITY,
+        ),
+        FaultName::Runaway => (
+            fault.speed_hz.unwrap_or_default(),
+            runaway_turns(scene, Some(geometry), false),
+        ),
+        // A stepper that is let go at rest goes to the nearest pole of its field: half an electrical cycle, or two full steps, at most.
+        FaultName::Stuck if scene.drive(axis) == Drive::Stepper => {
+            let is_let_go = left_s.is_some_and(|left_s| left_s > 0.0);
+            let pole_turns = 2.0 / f64::from(scene.axes.full_steps_per_turn);
+            return if is_let_go { pole_turns } else { 0.0 };
+        }
         _ => return 0.0,
     };
-    left_s.map_or(0.5, |left_s| (rate_hz.abs() * left_s).min(0.5))
+    let turns = left_s.map_or(f64::INFINITY, |left_s| rate_hz.abs() * left_s);
+    turns.min(until_off_turns).min(0.5)
+}
+
+/// Travel at rest after which the drives of an axis that moves by itself must be off, turns: until its sensor shows the motion, and N + 5
+/// ticks. An encoder shows it once this crank alone takes the platform beyond a limit, so within twice that way: it may come from the other
+/// side. An index shows it as the crank passes its flag, within a turn. A rotor that swings at its flag passes it as well, so there it
+/// takes another turn.
+pub fn runaway_turns(scene: &Scene, geometry: Option<&Geometry>, rests_at_flag: bool) -> f64 {
+    let shown_turns = if scene.axes.encoder {
+        2.0 * geometry.map_or(0.25, Geometry::single_limit_turns)
+    } else {
+        1.0 + f64::from(u8::from(rests_at_flag))
+    };
+    let ticks = super::detection_ticks(scene.axes.count) as f64;
+    let speeds = scene.fault.iter().filter_map(|fault| fault.speed_hz);
+    let speed_hz = speeds.fold(0.0, |most: f64, speed| most.max(speed.abs()));
+    shown_turns + ticks * speed_hz / f64::from(scene.control.tick_hz)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use host_sim::scene::library;
 
     /// If growth were counted while the machine moves or the drives are off, every stop would fail. If it were counted from the smallest
     /// tilt, or not at all, a crank that slips away after the stop would pass.
@@ -104,11 +135,40 @@ mod tests {
             for_s: Some(0.5),
             ..FaultAt::new(1.0, FaultName::Slip)
         };
-        assert!((at_rest_turns(&slip, 1.2) - 0.03).abs() < 1e-12);
-        assert_eq!(at_rest_turns(&slip, 1.6), 0.0);
-        assert_eq!(
-            at_rest_turns(&FaultAt::new(1.0, FaultName::Stuck), 1.2),
-            0.0
-        );
+        let scene = library::find("default").unwrap().scene();
+        let geometry = Geometry::new(&scene).unwrap();
+        let turns = |fault: &FaultAt, rest_s| at_rest_turns(&scene, &geometry, fault, rest_s);
+        assert!((turns(&slip, 1.2) - 0.03).abs() < 1e-12);
+        assert_eq!(turns(&slip, 1.6), 0.0);
+        let mut stuck = FaultAt::new(1.0, FaultName::Stuck);
+        assert_eq!(turns(&stuck, 1.2), 0.0);
+        stuck.for_s = Some(0.5);
+        assert_eq!(scene.drive(0), Drive::Stepper);
+        assert!((turns(&stuck, 1.2) - 3.6 / 360.0).abs() < 1e-12);
+        assert_eq!(turns(&stuck, 1.6), 0.0);
+    }
+
+    /// If an encoder's runaway were allowed half a turn, a loop that does not look at encoders while it holds would pass. If an index's were
+    /// not allowed a turn, no loop could pass. 10 ticks of 0.5 ms at 6 rev/s are 0.03 turn.
+    #[test]
+    fn a_runaway_at_rest_may_go_on_until_its_sensor_shows_it() {
+        let mut scene = library::find("default").unwrap().scene();
+        scene.axes.count = 5;
+        scene.control.tick_hz = 2000;
+        let runaway = FaultAt {
+            speed_hz: Some(-6.0),
+            ..FaultAt::new(1.0, FaultName::Runaway)
+        };
+        scene.fault = vec![runaway];
+        let geometry = Geometry::new(&scene).unwrap();
+        let turns = |scene: &Scene, at_flag| runaway_turns(scene, Some(&geometry), at_flag);
+        scene.axes.encoder = false;
+        assert!((turns(&scene, false) - 1.03).abs() < 1e-12);
+        assert!((turns(&scene, true) - 2.03).abs() < 1e-12);
+        assert_eq!(at_rest_turns(&scene, &geometry, &runaway, 2.0), 0.5);
+        scene.axes.encoder = true;
+        let expected = 2.0 * geometry.single_limit_turns() + 0.03;
+        assert!((turns(&scene, true) - expected).abs() < 1e-12);
+        assert_eq!(at_rest_turns(&scene, &geometry, &runaway, 2.0), expected);
     }
 }

@@ -13,7 +13,7 @@ use cophase_core::supervisor::{Fault, FaultKind, State};
 use super::detection_ticks;
 use super::flag::{Extra, Flag};
 use super::geometry::Geometry;
-use super::hold::Hold;
+use super::hold::{self, Hold};
 use super::response::{Now, Responded, Responses, Twin};
 use super::truth::Truth;
 use host_sim::axes::{Axes, per_axis};
@@ -99,7 +99,8 @@ pub struct Observation {
     pub extra: Option<Extra>,
     /// The fault that latched, as it was called at last.
     pub fault: Option<ReportedFault>,
-    /// The most that an axis, or its crank, was moved by its drive while another had been stopped for over two ticks, turns.
+    /// The most that an axis, or its crank, was moved by its drive while another had been stopped for over two ticks, turns. While all
+    /// commands stand, only what exceeds [`hold::runaway_turns`] counts of the axis with the fault.
     pub left_running_turns: f64,
     /// The end of the run.
     pub end: Option<Place>,
@@ -136,8 +137,13 @@ pub struct Watch<'a> {
     before: Option<(Axes<f64>, Axes<f64>)>,
     /// For how many moments an axis has stood while another was moved.
     apart: u32,
-    /// How far each has been moved since that was over two.
+    /// How far each has been moved since that was over two, while another command went on, and while all stood.
     run_on: Axes<f64>,
+    held_on: Axes<f64>,
+    /// How far the axis with the fault may be moved while all stand: if it rests elsewhere, and if it rests at its flag.
+    held_turns: [f64; 2],
+    /// The axis with the fault rested at its flag when all commands came to stand, as they do.
+    rests_at_flag: Option<bool>,
 }
 
 /// Most reported faults that are kept, and most fault events.
@@ -172,6 +178,9 @@ impl<'a> Watch<'a> {
             before: None,
             apart: 0,
             run_on: per_axis(checked.settings.axes.len(), |_| 0.0),
+            held_on: per_axis(checked.settings.axes.len(), |_| 0.0),
+            held_turns: [false, true].map(|at_flag| hold::runaway_turns(scene, geometry, at_flag)),
+            rests_at_flag: None,
         }
     }
 
@@ -299,24 +308,46 @@ impl<'a> Watch<'a> {
             false => commanded[i],
         });
         let someone_stands = commanded.contains(&0.0);
+        let stands = commanded.iter().all(|commanded| *commanded == 0.0);
         if self.observation.injected.is_some() {
-            let stands = commanded.iter().all(|commanded| *commanded == 0.0);
             self.observation.hold.tick(moment, stands);
         }
         let someone_moves = went.iter().any(|went| *went > 0.0);
         if !moment.drives_enabled || self.observation.injected.is_none() || !someone_stands {
             self.apart = 0;
             self.run_on.fill(0.0);
+            self.held_on.fill(0.0);
+            self.rests_at_flag = None;
             return;
+        }
+        if stands && self.rests_at_flag.is_none() {
+            let axis = self.fault.and_then(|fault| fault.axis);
+            let crank = axis.and_then(|axis| moment.actual_turns.get(axis));
+            let at_flag = self.flag.zip(crank);
+            self.rests_at_flag =
+                Some(at_flag.is_some_and(|(flag, crank)| flag.extra_at(*crank).is_harmless));
         }
         if someone_moves {
             self.apart += 1;
         }
         if self.apart > 2 {
-            for (run_on, went) in self.run_on.iter_mut().zip(went) {
+            let (run_on, allowed_turns) = if stands {
+                let at_flag = usize::from(self.rests_at_flag == Some(true));
+                (&mut self.held_on, self.held_turns[at_flag])
+            } else {
+                (&mut self.run_on, 0.0)
+            };
+            let faulted = self.fault.and_then(|fault| fault.axis);
+            for (axis, (run_on, went)) in run_on.iter_mut().zip(went).enumerate() {
                 *run_on += went;
+                let allowed_turns = if faulted == Some(axis) {
+                    allowed_turns
+                } else {
+                    0.0
+                };
+                let left_turns = *run_on - allowed_turns;
                 self.observation.left_running_turns =
-                    self.observation.left_running_turns.max(*run_on);
+                    self.observation.left_running_turns.max(left_turns);
             }
         }
     }

@@ -67,6 +67,7 @@ pub(super) fn settings(
         correction,
         park_turns: scene.control.park_deg / 360.0,
         settle_s: scene.control.settle_s,
+        has_brake: scene.axes.brake,
         wiring: scene.wiring.settings(),
         host_loss: scene.link.settings(),
         program: program.into_iter().take(CAPACITY).collect(),

@@ -38,6 +38,9 @@ pub struct Axes {
     /// Whether the motors' encoders are read, at `steps_per_turn` counts to a turn.
     #[serde(default)]
     pub encoder: bool,
+    /// Whether a brake holds the cranks while the drives are off.
+    #[serde(default)]
+    pub brake: bool,
     /// Greatest trim, degrees.
     #[serde(default = "default_trim_limit_deg")]
     pub trim_limit_deg: f64,

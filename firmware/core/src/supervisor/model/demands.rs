@@ -26,20 +26,36 @@ impl Input {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Owed {
     Nothing,
-    /// A fault occurred: an operator must reset.
-    Reset,
+    /// A fault occurred: an operator must reset. Until then the drives may hold at rest, if no fault forbids it.
+    Reset {
+        may_hold: bool,
+    },
     /// The operator has reset, and must start.
     Start,
 }
 
 impl Owed {
-    /// Action needed after a tick that began with the given states of drives and motion.
-    fn after(self, drives: bool, moving: bool, input: &Input) -> Self {
-        let faulted =
-            (drives && input.observed.fault.is_some()) || (moving && !input.inputs.enable);
+    /// Action needed after a tick of a supervisor in the state before it.
+    fn after(self, before: &Supervisor, input: &Input) -> Self {
+        let drives = before.drives_enabled();
+        let fault = input.observed.fault.filter(|_| drives);
+        let is_reset = input.command == Some(Command::Reset) && before.state == State::Fault;
+        let may_hold = match self {
+            Self::Reset { may_hold } => may_hold,
+            Self::Nothing | Self::Start => !before.has_brake,
+        };
+        // A loss of the enable input is a fault of a machine that moves. One that holds must be let go, too.
+        let lost = drives && !input.inputs.enable;
+        let is_hard = fault.is_some() && input.observed.reaction >= Reaction::StopAndCut;
+        let has_fault = fault.is_some() || lost && moving(before.state);
         match (self, input.command) {
-            _ if faulted => Self::Reset,
-            (Self::Reset, Some(Command::Reset)) if !drives => Self::Start,
+            (Self::Reset { .. }, _) if is_reset && fault.is_none() => Self::Start,
+            (Self::Reset { .. }, _) => Self::Reset {
+                may_hold: may_hold && !lost && !is_hard,
+            },
+            _ if has_fault => Self::Reset {
+                may_hold: may_hold && !lost && !is_hard,
+            },
             (Self::Start, Some(Command::Start | Command::Home)) => Self::Nothing,
             (owed, _) => owed,
         }
@@ -59,17 +75,36 @@ pub(super) fn check(
     action: Action,
 ) -> Owed {
     let (from, to) = (before.state, after.state);
-    let owes = owed.after(before.drives_enabled(), moving(from), input);
+    let owes = owed.after(before, input);
     let drives = after.drives_enabled();
     let jogs = to == State::Run && after.jogging > 0;
     let say = |what: &str| std::format!("{what}: {from:?} to {to:?}, {action:?}, by {input:?}");
 
     // Drives. Faults while they are off do not count, as the machine may be turned by hand. A fault that persists is
     // detected in the next tick.
+    let may_hold = owes == Owed::Reset { may_hold: true };
+    let expected = match to {
+        State::Idle => false,
+        State::Homing | State::Run | State::Stop | State::Parked => true,
+        State::Fault => may_hold,
+    };
+    assert!(drives == expected, "{}", say("drives"));
+    let has_stopped = match from {
+        State::Stop => input.observed.at_rest,
+        State::Parked => true,
+        State::Fault => before.drives_enabled(),
+        _ => false,
+    };
     assert!(
-        drives != matches!(to, State::Idle | State::Fault),
+        to != State::Fault || !drives || has_stopped,
         "{}",
-        say("drives")
+        say("held without a coordinated stop")
+    );
+    let is_reset = from == State::Fault && to != State::Fault;
+    assert!(
+        !is_reset || (to == State::Idle && !drives && input.command == Some(Command::Reset)),
+        "{}",
+        say("left a fault otherwise than by a reset that switches the drives off")
     );
     assert!(
         input.inputs.enable || !drives,
@@ -77,9 +112,9 @@ pub(super) fn check(
         say("drives without enable")
     );
     assert!(
-        drives || action == Action::Stand,
+        (drives && to != State::Fault) || action == Action::Stand,
         "{}",
-        say("driven, and off")
+        say("driven, and off or held")
     );
     assert!(
         !(input.disables() && before.drives_enabled() && drives),
@@ -109,7 +144,7 @@ pub(super) fn check(
     }
     assert_eq!(
         after.fault.is_some(),
-        owes == Owed::Reset,
+        matches!(owes, Owed::Reset { .. }),
         "{}",
         say("latched")
     );

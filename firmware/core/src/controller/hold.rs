@@ -1,0 +1,143 @@
+//! Cranks that the drives hold: one that moves all the same does not obey its command, and must be let go.
+//!
+//! The machine holds while it is parked, and after a stop by a fault. All commands stand, so whatever a sensor shows is the crank's own
+//! motion. It needs no name before the drives go off:
+//!
+//! - *An encoder* shows it in every tick. An axis has moved away once its phase error exceeds the smallest since the hold began by as
+//!   much as takes the platform beyond a limit by this crank alone. A crank that settles, or makes up for a lag, comes nearer.
+//! - *An index alone* shows it as the crank passes its flag, so within one of its own turns. The first pulse counts: to wait for a second
+//!   would let the crank make another turn against the others. It may have been noise. But the machine is stopped, so that a wrong
+//!   reaction costs a hold, and no run.
+//!
+//! One pulse more is tolerated where the first one shows nothing: of a crank that rests at an end of its flag; of a parked machine, which
+//! nothing is wrong with; and of every axis after a common lag, as all cranks then go on until they have made up for it.
+
+use super::Controller;
+use crate::drift::DriftMonitor;
+use crate::signals::Feedback;
+use crate::supervisor::{Fault, FaultKind, State};
+use crate::units::{MAX_AXES, PerAxis, Turns};
+
+/// After this part of a second, rotors do not swing about their places any more: a tenth.
+const SWINGS_FOR: u64 = 10;
+
+/// What sensors have shown since a hold began.
+#[derive(Clone, Debug)]
+pub(super) struct HoldWatch {
+    /// Smallest phase error of each encoder, without sign.
+    least: PerAxis<Turns>,
+    /// Index pulses of each axis without an encoder.
+    pulses: PerAxis<u8>,
+}
+
+impl HoldWatch {
+    /// Watch at the beginning of a hold.
+    pub(super) const fn new() -> Self {
+        Self {
+            least: [Turns::MAX; MAX_AXES],
+            pulses: [0; MAX_AXES],
+        }
+    }
+
+    /// Takes in an encoder's phase error; returns true if the crank has moved away by more than `alone`.
+    fn has_moved_away(&mut self, axis: usize, error: Turns, alone: Turns) -> bool {
+        let Some(least) = self.least.get_mut(axis) else {
+            return false;
+        };
+        let off = error.wrapping_abs();
+        *least = off.min(*least);
+        off.saturating_sub(*least) > alone
+    }
+
+    /// Takes in an index pulse; returns true if it is one more than `tolerated`, beyond those that every axis of `all` has made.
+    fn is_too_many(
+        &mut self,
+        axis: usize,
+        all: impl Iterator<Item = usize>,
+        tolerated: u8,
+    ) -> bool {
+        let Some(own) = self.pulses.get_mut(axis) else {
+            return false;
+        };
+        *own = own.saturating_add(1);
+        let own = *own;
+        let common = all.filter_map(|axis| self.pulses.get(axis)).min();
+        own - common.copied().unwrap_or_default().min(own) > tolerated
+    }
+}
+
+impl Controller {
+    /// Returns the axis that moves although its drive holds it.
+    #[inline(never)]
+    pub(super) fn check_hold(&mut self, feedback: &Feedback) -> Option<Fault> {
+        (0..self.channels.len()).find_map(|axis| self.check_held(axis, feedback))
+    }
+
+    fn check_held(&mut self, axis: usize, feedback: &Feedback) -> Option<Fault> {
+        let drift: &DriftMonitor = &self.drift;
+        let fault = Fault::new(FaultKind::Runaway).on_axis(axis);
+        if let Some(error) = drift.motor_error(axis) {
+            let away = self.hold.has_moved_away(axis, error, drift.alone(axis));
+            return away.then_some(fault.with_size(error));
+        }
+        feedback.index.get(axis).copied().flatten()?;
+        let is_parked = self.supervisor.state() == State::Parked;
+        let is_at_flag = drift.is_at_flag(axis, self.output.telemetry.axis_phase(axis));
+        let swings = is_parked || (self.ticks - self.driven) * SWINGS_FOR < u64::from(self.tick_hz);
+        if is_at_flag && swings {
+            return None;
+        }
+        let latched = self.supervisor.fault().map(|fault| fault.kind);
+        let may_catch_up = matches!(latched, Some(FaultKind::CommonLag | FaultKind::Capture));
+        let tolerated = u8::from(is_parked || is_at_flag || may_catch_up);
+        let is_by_index =
+            |axis: &usize| drift.watched() & 1 << axis != 0 && drift.motor_error(*axis).is_none();
+        let all = (0..self.channels.len()).filter(is_by_index);
+        if !self.hold.is_too_many(axis, all, tolerated) {
+            return None;
+        }
+        // Where it has gone is not known.
+        self.homing.forget();
+        Some(fault)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const fn degrees(degrees: i64) -> Turns {
+        Turns::from_bits(crate::units::ONE_TURN / 360 * degrees)
+    }
+
+    /// If the smallest error did not count, a crank that was off as the hold began could not be watched. If a crank that comes nearer
+    /// counted, one that settles would be let go.
+    #[test]
+    fn a_crank_has_moved_away_from_where_it_was_nearest() {
+        let mut watch = HoldWatch::new();
+        for (error, moved) in [
+            (-7, false),
+            (-3, false),
+            (-8, false),
+            (-9, true),
+            (3, false),
+        ] {
+            let away = watch.has_moved_away(2, degrees(error), degrees(5));
+            assert_eq!(away, moved, "{error}");
+        }
+        assert!(!watch.has_moved_away(1, degrees(90), degrees(5)));
+        assert!(!watch.has_moved_away(MAX_AXES, degrees(90), degrees(5)));
+    }
+
+    /// If pulses of all axes counted, drives that make up for a common lag would be cut. If they excused one axis, it could run away.
+    #[test]
+    fn pulses_count_beyond_those_that_all_axes_made() {
+        let mut watch = HoldWatch::new();
+        assert!(watch.is_too_many(0, 0..3, 0));
+        let mut watch = HoldWatch::new();
+        for axis in [1, 0, 2, 2, 0, 1, 1] {
+            assert!(!watch.is_too_many(axis, 0..3, 1), "{axis}");
+        }
+        assert!(watch.is_too_many(1, 0..3, 1));
+    }
+}

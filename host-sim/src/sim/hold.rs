@@ -1,0 +1,61 @@
+//! Tilt of a platform that the drives hold after a fault.
+
+use cophase_core::supervisor::State;
+
+use super::Moment;
+use super::coast::STANDS_DEG;
+
+/// Platform held in the fault state, watched.
+#[derive(Clone, Debug, Default)]
+pub struct FaultHold {
+    /// Tilt as the stop ended and the hold began, mrad; none where the drives never held. The last stop counts.
+    pub at_stop_mrad: Option<f64>,
+    /// Largest tilt after that, mrad.
+    pub worst_mrad: f64,
+    /// The drives hold now.
+    is_on: bool,
+    /// Where each crank was when it was last seen to move, turns, and ticks since one did.
+    place: Vec<f64>,
+    still_ticks: u64,
+}
+
+impl FaultHold {
+    /// Looks at one tick. Returns true if drives that held after a fault have just been switched off.
+    pub fn tick(&mut self, moment: &Moment<'_>) -> bool {
+        let is_fault = moment.telemetry.state == State::Fault;
+        let was_on = std::mem::replace(&mut self.is_on, is_fault && moment.drives_enabled);
+        if self.is_on {
+            self.hold(moment, was_on);
+        }
+        was_on && is_fault && !self.is_on
+    }
+
+    #[cold]
+    fn hold(&mut self, moment: &Moment<'_>, was_on: bool) {
+        let tilt_mrad = moment.tilt_mrad();
+        if !was_on {
+            self.at_stop_mrad = Some(tilt_mrad);
+            self.worst_mrad = tilt_mrad;
+            self.place = moment.actual_turns.to_vec();
+            self.still_ticks = 0;
+        }
+        self.worst_mrad = self.worst_mrad.max(tilt_mrad);
+        self.still_ticks += 1;
+        for (place, &turns) in self.place.iter_mut().zip(moment.actual_turns) {
+            if (turns - *place).abs() * 360.0 > STANDS_DEG {
+                *place = turns;
+                self.still_ticks = 0;
+            }
+        }
+    }
+
+    /// Whether a crank that the drives should hold has moved within so many ticks.
+    pub const fn moves(&self, within_ticks: u64) -> bool {
+        self.is_on && self.still_ticks < within_ticks
+    }
+
+    /// Whether the drives hold after a fault.
+    pub const fn is_on(&self) -> bool {
+        self.is_on
+    }
+}

@@ -1,0 +1,347 @@
+//! What becomes of the drives after a fault, by stop category of IEC 60204-1: they hold (2), are cut at rest (1), or are
+//! disabled at once (0). Machines are on the phased level, where a platform falls that nothing holds.
+
+use cophase_core::supervisor::{FaultKind, State};
+use cophase_tests::scene;
+use cophase_tests::scripted::{command, input};
+use host_sim::sim::events::EventKind;
+use host_sim::sim::{Moment, Observer, Outcome, simulate};
+
+const STEPPERS: &str = "drive = \"stepper\"\npull_out = [[0, 12], [20, 9]]\ndamping_nms = 0.2\n";
+
+const SERVOS: &str = "drive = \"servo\"\nencoder = true\nservo = { position_gain_per_s = 100, velocity_gain_nms = 1.0 }\n";
+
+/// When faults come: at a steady speed of 11 rev/s.
+const AT_S: f64 = 2.2;
+
+/// By then the stop is over.
+const HELD_S: f64 = 4.0;
+
+const LIMIT_MRAD: f64 = 3.0;
+
+fn text(axes: &str, happens: &str) -> String {
+    format!(
+        r#"
+name = "categories"
+fidelity = "phased"
+[machine]
+crank_radius_mm = 20
+lambda = 0.3
+load_kg = 10
+[limits]
+speed_hz = 20
+acceleration_hz_per_s = 20
+jerk_hz_per_s2 = 200
+[drift]
+tilt_limit_mrad = {LIMIT_MRAD}
+[axes]
+count = 3
+steps_per_turn = 3200
+rotor_inertia_kgm2 = 5e-4
+friction_nm = 0.02
+{axes}
+[[program]]
+amax_g = 12
+ramp_s = 1
+hold_s = 10
+{}{happens}"#,
+        command(0.0, "start")
+    )
+}
+
+fn fault(kind: &str, at_s: f64, more: &str) -> String {
+    format!("[[fault]]\nkind = \"{kind}\"\nat_s = {at_s}\n{more}\n")
+}
+
+/// A crank that falls 7.2° behind: a stepper by an electrical cycle, a servo as its coupling slips.
+fn behind(axes: &str) -> String {
+    if axes.starts_with(STEPPERS) {
+        fault("lost-steps", AT_S, "axis = 1")
+    } else {
+        fault("slip", AT_S, "axis = 1\nrate_deg_per_s = 144\nfor_s = 0.05")
+    }
+}
+
+/// The drives with index flags at other places: an index shows the fault, so that the stop ends at other phases.
+fn each_phase(axes: &str) -> impl Iterator<Item = String> {
+    (0..6).map(move |part: i32| format!("{axes}index_deg = {}\n", 60 * part - 150))
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Tick {
+    t_s: f64,
+    state: State,
+    drives: bool,
+    speed: i64,
+    tilt_mrad: f64,
+}
+
+#[derive(Debug)]
+struct Run {
+    ticks: Vec<Tick>,
+    outcome: Outcome,
+    checked: host_sim::scene::Checked,
+}
+
+struct Eyes(Vec<Tick>);
+
+impl Observer for Eyes {
+    fn tick(&mut self, moment: &Moment<'_>) {
+        self.0.push(Tick {
+            t_s: moment.start_ns as f64 * 1e-9,
+            state: moment.telemetry.state,
+            drives: moment.drives_enabled,
+            speed: moment.telemetry.motion.speed.to_bits(),
+            tilt_mrad: moment.tilt_mrad(),
+        });
+    }
+}
+
+fn run(axes: &str, happens: &str) -> Run {
+    let checked = scene(&text(axes, happens));
+    let mut eyes = Eyes(Vec::new());
+    let outcome = simulate(&checked, &mut eyes, |_, _| {}).expect("a checked scene runs");
+    Run {
+        ticks: eyes.0,
+        outcome,
+        checked,
+    }
+}
+
+impl Run {
+    #[track_caller]
+    fn last(&self) -> Tick {
+        *self.ticks.last().expect("ticks")
+    }
+
+    /// The first tick in the fault state, after which every tick is in it.
+    #[track_caller]
+    fn stopped(&self) -> usize {
+        let place = |tick: &Tick| tick.state == State::Fault;
+        self.ticks.iter().position(place).expect("it is stopped")
+    }
+
+    /// What latched, under its best name.
+    #[track_caller]
+    fn kind(&self) -> FaultKind {
+        let events = self.outcome.statistics.events.iter();
+        let latched = events.filter_map(|event| match event.what {
+            EventKind::Fault { fault, .. } => Some(fault.kind),
+            _ => None,
+        });
+        latched.last().expect("a fault")
+    }
+
+    /// Ticks of the standstill or motion between the fault and the end of its stop.
+    fn stopping(&self) -> &[Tick] {
+        let from = self.ticks.iter().position(|tick| tick.state == State::Stop);
+        from.map_or(&[], |from| &self.ticks[from..self.stopped()])
+    }
+
+    fn worst_mrad(ticks: &[Tick]) -> f64 {
+        ticks.iter().map(|tick| tick.tilt_mrad).fold(0.0, f64::max)
+    }
+
+    /// Largest tilt after the stop.
+    fn after_mrad(&self) -> f64 {
+        Self::worst_mrad(&self.ticks[self.stopped()..])
+    }
+
+    fn reports(&self, kind: FaultKind) -> bool {
+        let mut events = self.outcome.statistics.events.iter();
+        events.any(|event| matches!(event.what, EventKind::Reported(fault) if fault.kind == kind))
+    }
+
+    fn says(&self, words: &str) -> bool {
+        host_sim::report::summary(&self.checked, &self.outcome, None, 1.0).contains(words)
+    }
+}
+
+const DRIVES: [&str; 2] = [STEPPERS, SERVOS];
+
+fn braked(axes: &str) -> String {
+    format!("{axes}brake = true\n")
+}
+
+/// If drives that are sound were switched off, the platform would fall, many times its limit of tilt.
+#[test]
+fn category_2_holds_and_the_platform_tilts_no_further() {
+    for axes in DRIVES {
+        for axes in each_phase(axes) {
+            let held = run(&axes, &(behind(&axes) + &command(HELD_S, "stop")));
+            let last = held.last();
+            assert_eq!((last.state, last.drives), (State::Fault, true), "{axes}");
+            assert!(held.stopping().len() > 100, "the stop is coordinated");
+            let at_stop_mrad = held.ticks[held.stopped()].tilt_mrad;
+            let after_mrad = held.after_mrad();
+            println!(
+                "{axes}{:?}: {:.3} mrad while it stops, {at_stop_mrad:.3} as the stop ends, {after_mrad:.3} after it",
+                held.kind(),
+                Run::worst_mrad(held.stopping())
+            );
+            assert!(after_mrad <= at_stop_mrad * 1.02 + 0.02, "{axes}");
+            assert!(
+                last.t_s > HELD_S,
+                "it holds as long as nothing else happens"
+            );
+            assert!(held.says("and the drives hold them"));
+            let hold = &held.outcome.statistics.fault_hold;
+            assert_eq!(hold.at_stop_mrad, Some(at_stop_mrad));
+            assert_eq!(hold.worst_mrad, after_mrad);
+        }
+    }
+}
+
+/// If a fault that cuts left the drives on, a drive with an alarm would be trusted to hold.
+#[test]
+fn category_1_cuts_the_drives_once_all_stand() {
+    for axes in DRIVES {
+        let cut = run(axes, &fault("drive-alarm", AT_S, "axis = 1"));
+        assert_eq!(cut.kind(), FaultKind::DriveAlarm);
+        let last = cut.last();
+        assert_eq!((last.state, last.drives), (State::Fault, false), "{axes}");
+        let stopping = cut.stopping();
+        assert!(stopping.iter().all(|tick| tick.drives || tick.speed == 0));
+        assert!(stopping.iter().filter(|tick| tick.drives).count() > 100);
+        assert!(cut.says("then the drives were switched off"));
+    }
+}
+
+/// If the drives stayed on during a stop, the axis that runs away would go on against the others.
+#[test]
+fn category_0_disables_the_drives_in_the_same_tick() {
+    for axes in DRIVES {
+        let lost = run(axes, &fault("enable-loss", AT_S, ""));
+        assert_eq!(lost.kind(), FaultKind::EnableLost);
+        assert!(lost.stopping().is_empty(), "nothing is stopped first");
+        for tick in &lost.ticks {
+            let on = tick.t_s > 0.001 && tick.t_s < AT_S - 1e-9;
+            assert!(!on || tick.drives, "{tick:?}");
+            assert!(tick.t_s < AT_S - 1e-9 || !tick.drives, "{tick:?}");
+        }
+    }
+}
+
+/// If a brake were not obeyed, the drives would hold against it, or a machine without one would fall. The simulated machine
+/// has no brake, and so shows how far a platform falls that nothing holds.
+#[test]
+fn with_a_brake_the_same_fault_cuts() {
+    for axes in DRIVES {
+        let mut worst_mrad = (0.0_f64, 0.0_f64);
+        for axes in each_phase(axes) {
+            let held = run(&axes, &behind(&axes));
+            let cut = run(&braked(&axes), &behind(&axes));
+            assert_eq!(held.kind(), cut.kind());
+            assert_eq!(held.stopped(), cut.stopped(), "the stop is the same");
+            assert!(held.last().drives && !cut.last().drives);
+            let (held_mrad, cut_mrad) = (held.after_mrad(), cut.after_mrad());
+            println!("{axes}held {held_mrad:.3} mrad, cut {cut_mrad:.3} mrad");
+            worst_mrad = (worst_mrad.0.max(held_mrad), worst_mrad.1.max(cut_mrad));
+        }
+        let (held_mrad, cut_mrad) = worst_mrad;
+        println!("{axes}worst: held {held_mrad:.3} mrad, cut {cut_mrad:.3} mrad");
+        assert!(cut_mrad > 2.0 * held_mrad, "{axes}{held_mrad} {cut_mrad}");
+    }
+}
+
+/// If these did not end a hold, drives would stay on that an operator, or their own alarm, wants off.
+#[test]
+fn a_hold_ends_with_enable_an_alarm_or_a_reset_and_with_nothing_else() {
+    let axes = STEPPERS;
+    let reset = command(HELD_S, "reset");
+    let started = command(HELD_S, "start") + &command(HELD_S + 0.1, "stop");
+    for (happens, state, holds, reported) in [
+        (started, State::Fault, true, None),
+        (
+            input(HELD_S, "stop", true),
+            State::Fault,
+            true,
+            Some(FaultKind::StopInput),
+        ),
+        (reset, State::Idle, false, None),
+        (
+            input(HELD_S, "enable", false) + &input(HELD_S + 0.1, "enable", true),
+            State::Fault,
+            false,
+            Some(FaultKind::EnableLost),
+        ),
+        (
+            fault("drive-alarm", HELD_S, "axis = 0\nfor_s = 0.1"),
+            State::Fault,
+            false,
+            Some(FaultKind::DriveAlarm),
+        ),
+    ] {
+        let run = run(axes, &(behind(axes) + &happens));
+        let last = run.last();
+        assert_eq!((last.state, last.drives), (state, holds), "{happens}");
+        assert_eq!(run.kind(), FaultKind::LostSteps, "the first fault stays");
+        // Off in the tick, and on until then.
+        for tick in &run.ticks[run.stopped()..] {
+            let before = tick.t_s < HELD_S - 1e-9;
+            assert_eq!(tick.drives, before || holds, "{happens}: {tick:?}");
+        }
+        if let Some(kind) = reported {
+            assert!(run.reports(kind), "{happens}");
+        }
+    }
+}
+
+/// If a crank that leaves its command while it is held kept its drive, it would tilt the platform against the others.
+#[test]
+fn an_axis_that_moves_although_it_is_held_is_a_runaway_and_disables() {
+    let runaway = fault("runaway", HELD_S, "axis = 2\nspeed_hz = 2");
+    let parked = command(AT_S, "stop");
+    for (before, latched) in [
+        (behind(SERVOS), FaultKind::Slip),
+        (parked, FaultKind::Runaway),
+    ] {
+        let run = run(SERVOS, &(before + &runaway));
+        let last = run.last();
+        assert_eq!((last.state, last.drives), (State::Fault, false));
+        let first = run
+            .ticks
+            .iter()
+            .position(|tick| tick.t_s > 1.0 && !tick.drives);
+        let off = run.ticks[first.expect("its drive is off")];
+        println!(
+            "off {:.4} s after it begins, at {:.3} mrad",
+            off.t_s - HELD_S,
+            off.tilt_mrad
+        );
+        assert!((0.0..0.05).contains(&(off.t_s - HELD_S)), "{off:?}");
+        assert!(
+            run.kind() == latched || run.kind() == FaultKind::Tilt,
+            "{:?}",
+            run.kind()
+        );
+        assert!(run.kind() == FaultKind::Runaway || run.reports(FaultKind::Runaway));
+    }
+}
+
+/// If a jammed crank were held, its drive would press it with its full torque.
+#[test]
+fn a_jammed_crank_is_not_pressed_after_the_stop() {
+    let run = run(SERVOS, &fault("stuck", AT_S, "axis = 1"));
+    assert_eq!(run.kind(), FaultKind::Stuck);
+    assert!(!run.last().drives);
+}
+
+/// If the first pulse were not enough, an axis without an encoder would make another turn against those that are held. The tick in which
+/// a pulse comes is read in the next one, and the one after that plays the output.
+#[test]
+fn an_index_alone_shows_within_a_turn_that_an_axis_moves_although_it_is_held() {
+    let speed_hz = 2.0;
+    let bound_turns = 1.0 + 4.0 / 2000.0 * speed_hz;
+    // The axis that the machine was stopped for, and another one.
+    for axis in [1, 2] {
+        let runaway = format!("axis = {axis}\nspeed_hz = {speed_hz}");
+        let happens = behind(STEPPERS) + &fault("runaway", HELD_S, &runaway);
+        let run = run(STEPPERS, &happens);
+        let off = run.ticks.iter().find(|tick| tick.t_s > 1.0 && !tick.drives);
+        let after_turns = (off.expect("its drive is off").t_s - HELD_S) * speed_hz;
+        println!("axis {axis}: off after {after_turns:.3} turns");
+        assert!((0.0..bound_turns).contains(&after_turns), "{after_turns}");
+        assert!(run.reports(FaultKind::Runaway));
+    }
+}
