@@ -46,8 +46,8 @@ pub enum Verdict {
 pub struct Judgement {
     /// Whether the report was right.
     pub verdict: Verdict,
-    /// Whether it was detected within one turn and N + 5 ticks of a crank passing its limit; none where no crank did, or where the
-    /// run was over before the turn was.
+    /// Whether it was detected before cranks had stayed beyond a limit for longer than they may; none where no crank passed one, or where
+    /// nothing was detected and none stayed for so long.
     pub in_time: Option<bool>,
     /// Turns of the master from the crank passing its limit to N + 5 ticks before it was detected; below 0, it was before.
     pub turns: Option<f64>,
@@ -97,8 +97,8 @@ pub fn judge(
 /// Response that counts as the detection of the fault: the first in which the machine stops or its drives go off; or a correction before
 /// that, if it suffices.
 ///
-/// It suffices if the cranks are never beyond their limits for longer than a turn at a stretch, and are within them at the end: of the run,
-/// or of the time before the stop.
+/// It suffices if the cranks never stay beyond their limits for longer than they may, and are within them at the end: of the run, or of the
+/// time before the stop.
 pub fn detection(observation: &Observation) -> Option<&Responded> {
     let stopped = observation.stopped.as_ref();
     let is_back = match (stopped, observation.beyond_limit) {
@@ -108,7 +108,7 @@ pub fn detection(observation: &Observation) -> Option<&Responded> {
         (Some(_), None) => false,
         (None, _) => !observation.is_beyond_limit,
     };
-    let suffices = is_back && observation.stay_turns <= 1.0;
+    let suffices = is_back && observation.stay_turns <= observation.may_stay_turns;
     let corrected = observation.corrected.as_ref().filter(|_| suffices);
     match (corrected, stopped) {
         (Some(corrected), Some(stopped)) if stopped.place.moment <= corrected.place.moment => {
@@ -120,10 +120,10 @@ pub fn detection(observation: &Observation) -> Option<&Responded> {
 
 /// See [`Judgement::in_time`].
 fn in_time(detected: Option<&Responded>, observation: &Observation) -> Option<bool> {
-    let beyond_limit = observation.beyond_limit?;
+    observation.beyond_limit?;
     match detected {
-        Some(detected) => Some(detected.turns - beyond_limit.turns <= 1.0),
-        None => (observation.end?.turns - beyond_limit.turns > 1.0).then_some(false),
+        Some(detected) => Some(detected.stay_turns <= observation.may_stay_turns),
+        None => (observation.stay_turns > observation.may_stay_turns).then_some(false),
     }
 }
 

@@ -34,6 +34,8 @@ pub struct Responded {
     pub turns: f64,
     /// Cranks were beyond a limit then.
     pub is_beyond_limit: bool,
+    /// The longest that they had stayed so until then, [`super::watch::Observation::stay_turns`].
+    pub stay_turns: f64,
 }
 
 /// Outputs of one tick, as the judge compares them.
@@ -110,6 +112,8 @@ pub struct Now<'a> {
     pub turns: f64,
     /// Cranks were beyond a limit at its beginning.
     pub is_beyond_limit: bool,
+    /// The longest that they have stayed so until then, [`super::watch::Observation::stay_turns`].
+    pub stay_turns: f64,
     /// The program was over.
     pub program_done: bool,
     /// True errors of the cranks, turns.
@@ -123,6 +127,7 @@ impl Now<'_> {
             place: self.place,
             turns: self.turns,
             is_beyond_limit: self.is_beyond_limit,
+            stay_turns: self.stay_turns,
         }
     }
 }
@@ -333,6 +338,7 @@ mod tests {
             },
             turns: 0.0,
             is_beyond_limit: false,
+            stay_turns: 0.0,
             program_done,
             errors,
         }

@@ -77,8 +77,12 @@ pub struct Observation {
     pub out: Option<Place>,
     /// Whether they were in the last moment with the drives on.
     pub is_beyond_limit: bool,
-    /// The longest that they stayed so, turns of the master.
+    /// The longest that they stayed so without a break, with the drives on, turns of the master; less the N + 5 ticks that detection
+    /// may take.
     pub stay_turns: f64,
+    /// The longest that they may: a turn, and the angle that one crank may be off. A crank that falls back by so much just after its flag
+    /// passes it so much more than a turn later.
+    pub may_stay_turns: f64,
     /// Reports since the fault, each once.
     pub fault_events: Vec<FaultEvent>,
     /// First event since the fault in which the outputs stop the machine, or switch its drives off, and those of the twin do not.
@@ -166,7 +170,10 @@ impl<'a> Watch<'a> {
             fault: fault.copied(),
             flag: axis.and_then(|axis| Flag::new(checked, geometry, axis)),
             cranks_count,
-            observation: Observation::default(),
+            observation: Observation {
+                may_stay_turns: 1.0 + geometry.map_or(0.0, Geometry::single_limit_turns),
+                ..Observation::default()
+            },
             truth: Truth::new(checked),
             responses: Responses::new(twin, scene.axes.steps_per_turn),
             stops_itself: !scene.command.is_empty() || !scene.input.is_empty(),
@@ -193,11 +200,23 @@ impl<'a> Watch<'a> {
         }
     }
 
+    /// Turns of the master as many ticks before this one as detection may take.
+    fn turns_before(&self) -> f64 {
+        self.turns.last().copied().unwrap_or_default()
+    }
+
+    /// [`Observation::stay_turns`] at the beginning of this tick.
+    fn stay_turns(&self) -> f64 {
+        let now = self.beyond_since.map(|since| self.turns_before() - since);
+        self.observation.stay_turns.max(now.unwrap_or(0.0))
+    }
+
     /// Records what is reported in a moment and was not reported before it.
     fn fault_events(&mut self, telemetry: &Telemetry, place: Place) {
         let Some(NewEvents { reported, latched }) = self.event_watch.tick(telemetry) else {
             return;
         };
+        let turns = self.turns_before();
         let observation = &mut self.observation;
         let keep = |list: &mut Vec<ReportedFault>, reported: ReportedFault| {
             if list.len() < MOST_EVENTS && !list.contains(&reported) {
@@ -225,7 +244,7 @@ impl<'a> Watch<'a> {
                 observation.fault_events.push(FaultEvent {
                     reported,
                     place,
-                    turns: self.turns.last().copied().unwrap_or_default(),
+                    turns,
                 });
             }
         }
@@ -245,9 +264,8 @@ impl<'a> Watch<'a> {
             self.observation.is_beyond_limit = is_beyond_limit;
             self.observation.beyond_limit = self.observation.beyond_limit.or(since.then_some(end));
             if since {
-                let beyond_since = self.beyond_since.get_or_insert(end.turns);
-                self.observation.stay_turns =
-                    self.observation.stay_turns.max(end.turns - *beyond_since);
+                self.beyond_since.get_or_insert(end.turns);
+                self.observation.stay_turns = self.stay_turns();
             } else {
                 self.beyond_since = None;
             }
@@ -269,8 +287,9 @@ impl<'a> Watch<'a> {
     fn responses(&mut self, moment: &Moment<'_>, errors: &[f64], place: Place) {
         let now = self.observation.injected.is_some().then(|| Now {
             place,
-            turns: self.turns.last().copied().unwrap_or_default(),
+            turns: self.turns_before(),
             is_beyond_limit: self.observation.is_beyond_limit,
+            stay_turns: self.stay_turns(),
             program_done: moment.telemetry.program_done,
             errors,
         });

@@ -32,10 +32,11 @@ fn responded(response: Response, turns: f64) -> Responded {
         place: place(turns),
         turns,
         is_beyond_limit: true,
+        stay_turns: (turns - BEYOND_TURNS).max(0.0),
     }
 }
 
-/// The default scene, axis 1 of which slips beyond its limit at [`BEYOND_TURNS`], and is reported so.
+/// The default scene, axis 1 of which slips beyond its limit at [`BEYOND_TURNS`], stays there, and is reported so. It may stay for 1.1 turns.
 fn slipped(responses: &[Responded]) -> (Scene, Observation) {
     let mut scene = library::find("default").unwrap().scene();
     scene.fault = vec![FaultAt {
@@ -52,6 +53,8 @@ fn slipped(responses: &[Responded]) -> (Scene, Observation) {
         injected: Some(place(9.0)),
         beyond_limit: Some(place(BEYOND_TURNS)),
         is_beyond_limit: true,
+        stay_turns: 20.0 - BEYOND_TURNS,
+        may_stay_turns: 1.1,
         stopped: of(|response| response != Response::Correction),
         corrected: of(|response| response == Response::Correction),
         fault_events: vec![slip],
@@ -111,6 +114,7 @@ fn a_correction_counts_where_it_suffices() {
     let (scene, mut observation) = slipped(&[corrected]);
     assert_eq!(judged(&scene, &observation).0, Verdict::Missed);
     observation.is_beyond_limit = false;
+    observation.stay_turns = 0.7;
     assert_eq!(
         judged(&scene, &observation),
         (Verdict::Right, Some(-0.5), Some(true))
@@ -130,17 +134,17 @@ fn a_correction_counts_where_it_suffices() {
     assert_eq!(judged(&scene, &observation).1, Some(2.0));
 }
 
-/// If it were counted late, a loop would have to detect an index that does not come any more. If it were in time, a crank that stays
-/// beyond its limit for turns would pass.
+/// If it were counted late, a loop would have to detect a crank that comes back before its index shows it. If it were in time, a crank that
+/// stays beyond its limit for turns would pass.
 #[test]
-fn a_turn_that_is_not_made_is_not_waited_for() {
+fn a_crank_that_does_not_stay_beyond_its_limit_need_not_be_detected() {
     let (scene, mut observation) = slipped(&[responded(Response::Correction, 9.5)]);
     assert_eq!(judged(&scene, &observation).2, Some(false));
-    observation.end = Some(place(BEYOND_TURNS + 0.9));
+    observation.stay_turns = 1.05;
     assert_eq!(judged(&scene, &observation), (Verdict::Right, None, None));
     observation.fault_events.clear();
     assert_eq!(judged(&scene, &observation).0, Verdict::Moot);
-    observation.end = Some(place(BEYOND_TURNS + 1.1));
+    observation.stay_turns = 1.15;
     assert_eq!(judged(&scene, &observation).0, Verdict::Missed);
 }
 
