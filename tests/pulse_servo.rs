@@ -256,7 +256,8 @@ fn an_alarm_stops_all_axes_in_phase() {
             "row {row}"
         );
     }
-    assert!(speed[stop.start] > 60.0 && speed[stop.end - 1] < 1.0);
+    let (first, last) = (speed[stop.start], speed[stop.end - 1]);
+    assert!(first > 60.0 && last < 1.0, "from {first} to {last} rad/s");
     assert_parked(&run);
 }
 

@@ -184,7 +184,7 @@ fn category_2_holds_and_the_platform_tilts_no_further() {
                 last.t_s > HELD_S,
                 "it holds as long as nothing else happens"
             );
-            assert!(held.says("and the drives hold them"));
+            assert!(held.says("the drives hold them"));
             let hold = &held.outcome.statistics.fault_hold;
             assert_eq!(hold.at_stop_mrad, Some(at_stop_mrad));
             assert_eq!(hold.worst_mrad, after_mrad);

@@ -159,7 +159,9 @@ fn the_side_that_leads_is_below_a_whole_turn() {
 /// Were it wrong, cranks that coast would pass for motors that slipped, and nobody would know where they came to stand.
 #[test]
 fn what_cranks_do_with_their_drives_off_is_said_apart() {
-    let checked = Checked::new(library::find("lost-steps").unwrap().scene()).unwrap();
+    let mut scene = library::find("lost-steps").unwrap().scene();
+    scene.axes.brake = true;
+    let checked = Checked::new(scene).unwrap();
     let checked = fidelity::check(checked).unwrap();
     let mut answers = Answers::default();
     let outcome = simulate(&checked, &mut answers, |_, _| {}).unwrap();

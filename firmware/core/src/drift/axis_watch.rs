@@ -193,11 +193,17 @@ impl AxisWatch {
         self.last = angle(self.offset());
         if own_jump.unsigned_abs() > self.gate {
             self.home = self.home.wrapping_add(own_jump);
-            self.diagnosis.jump(of_angle(own_jump));
+            self.jump(of_angle(own_jump));
         } else if own_walk.unsigned_abs() > self.gate {
             self.home = self.last.wrapping_sub(walk);
             self.diagnosis.drift(of_angle(own_walk));
         }
+    }
+
+    /// Records that the crank jumped; returns the name.
+    pub(super) fn jump(&mut self, by: Turns) -> FaultKind {
+        let is_ahead = self.phase_error() > 0;
+        self.diagnosis.jump(by, is_ahead)
     }
 
     /// How far the crank has gone since the last round, and since all was well.

@@ -103,9 +103,9 @@ impl Diagnosis {
         });
     }
 
-    /// Records that the crank jumped, forward if `by` is positive; returns the name.
-    pub(super) fn jump(&mut self, by: Turns) -> FaultKind {
-        let name = self.name_of_jump(by);
+    /// Records that the crank jumped, forward if `by` is positive, and whether it is ahead of its command now; returns the name.
+    pub(super) fn jump(&mut self, by: Turns, is_ahead: bool) -> FaultKind {
+        let name = self.name_of_jump(by, is_ahead);
         self.record(What::Jump, name, by);
         name
     }
@@ -136,7 +136,7 @@ impl Diagnosis {
     }
 
     /// True if the crank jumped forward when its index showed it last.
-    pub(super) fn is_ahead(&self) -> bool {
+    pub(super) fn has_jumped_ahead(&self) -> bool {
         let mut jumps = self.jumps();
         jumps
             .next()
@@ -173,7 +173,7 @@ impl Diagnosis {
         self.events.iter().filter(|event| event.what == What::Jump)
     }
 
-    fn name_of_jump(&self, by: Turns) -> FaultKind {
+    fn name_of_jump(&self, by: Turns, is_ahead: bool) -> FaultKind {
         // Jumps the same way in the turns before this one, without a break.
         let mut row = self
             .jumps()
@@ -184,8 +184,9 @@ impl Diagnosis {
         let Some(before) = before else {
             return self.of_one(by);
         };
-        // What runs away gains more in its second turn than in what was left of the first.
-        let gains = by > 0 && (by > before || earlier.is_some());
+        // What runs away gains more in its second turn than in what was left of the first. A crank that makes up for a lag does so, too, but
+        // stays behind.
+        let gains = is_ahead && by > 0 && (by > before || earlier.is_some());
         // A crank that passes its index while it jumps shows part of it then, and the rest a turn later.
         let whole = self.is_whole(by) && self.is_whole(before)
             || earlier.is_none() && self.is_whole_in_two(before.wrapping_add(by));
@@ -272,7 +273,7 @@ mod tests {
     /// Name of a jump in the turn after the last event.
     fn next(axis: &mut Diagnosis, by_deg: f64) -> FaultKind {
         axis.pass_turn();
-        axis.jump(deg(by_deg))
+        axis.jump(deg(by_deg), true)
     }
 
     #[test]
@@ -304,6 +305,15 @@ mod tests {
         assert_eq!(names(&[50.0, 83.0])[1], Runaway);
         assert_eq!(names(&[9.4, 5.0, 7.2]), [Slip, LostSteps, Runaway]);
         assert_eq!(names(&[51.456, 107.477])[1], Runaway);
+    }
+
+    /// If this fails, a machine whose cranks lag less as it stops lets go of its drives while it turns.
+    #[test]
+    fn a_crank_that_makes_up_for_a_lag_does_not_run_away() {
+        let mut axis = axis();
+        next(&mut axis, 2.0);
+        axis.pass_turn();
+        assert_eq!(axis.jump(deg(2.6), false), FaultKind::Slip);
     }
 
     #[test]

@@ -43,7 +43,7 @@ impl DriftMonitor {
             && self.finding_out
             && self.findings.has_requested_stop()
         {
-            let kind = watch.diagnosis().jump(by);
+            let kind = watch.jump(by);
             self.find(axis, kind, by, false);
         } else if let Some(by) = sorted.has_moved
             && self.finding_out

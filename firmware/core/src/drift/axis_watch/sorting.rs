@@ -142,7 +142,8 @@ impl AxisWatch {
 
     /// Another pulse out of place. Of a crank that is ahead already, and comes again before its time: it is on its way.
     fn out_of_place(&mut self, by: Turns) -> Report {
-        if !self.diagnosis.had_extra() && !self.diagnosis.is_ahead() {
+        let is_ahead = self.diagnosis.has_jumped_ahead() && self.phase_error() > 0;
+        if !self.diagnosis.had_extra() && !is_ahead {
             return self.extra(by);
         }
         self.runs_away(by)
@@ -169,7 +170,7 @@ impl AxisWatch {
         let same_sense = unconfirmed_jump != 0 && (by < 0) == (unconfirmed_jump < 0);
         let by = if same_sense && shown <= jumped.saturating_add(self.gate) {
             self.believe_moved(unconfirmed_jump.wrapping_sub(by));
-            self.diagnosis.jump(unconfirmed_jump);
+            self.jump(unconfirmed_jump);
             unconfirmed_jump
         } else {
             self.diagnosis.drift(by);
@@ -186,7 +187,7 @@ impl AxisWatch {
         };
         self.believe_moved(unconfirmed_jump);
         self.home = self.home.wrapping_add(angle(unconfirmed_jump));
-        self.diagnosis.jump(unconfirmed_jump);
+        self.jump(unconfirmed_jump);
         Sorted::moved(unconfirmed_jump)
     }
 
@@ -226,7 +227,7 @@ impl AxisWatch {
             // Nothing else shows where the crank is: it is believed.
             Read::Jump { by } if self.index.is_none() => {
                 encoder.believe();
-                self.diagnosis.jump(by);
+                self.jump(by);
                 None
             }
             _ => None,
