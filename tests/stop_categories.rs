@@ -4,7 +4,8 @@
 use cophase_core::supervisor::{FaultKind, State};
 use cophase_tests::scene;
 use cophase_tests::scripted::{command, input};
-use host_sim::sim::events::EventKind;
+use host_sim::scene::library;
+use host_sim::sim::events::{Event, EventKind};
 use host_sim::sim::{Moment, Observer, Outcome, simulate};
 
 const STEPPERS: &str = "drive = \"stepper\"\npull_out = [[0, 12], [20, 9]]\ndamping_nms = 0.2\n";
@@ -317,6 +318,23 @@ fn an_axis_that_moves_although_it_is_held_is_a_runaway_and_disables() {
         );
         assert!(run.kind() == FaultKind::Runaway || run.reports(FaultKind::Runaway));
     }
+}
+
+/// If pulses of a parked axis without an encoder did not count, its drive could turn it for hours.
+#[test]
+fn a_parked_axis_by_index_alone_is_let_go_within_two_turns() {
+    let commands = [(0.0, "start"), (3.0, "stop"), (12.0, "reset")];
+    let happens: String = commands.map(|(at_s, what)| command(at_s, what)).concat();
+    let default = library::find("default").expect("a built-in scene").text;
+    let text = default.replacen("[machine]", "fidelity = \"kinematic\"\n\n[machine]", 1);
+    let runaway = fault("runaway", 6.0, "axis = 1\nspeed_hz = 2");
+    let checked = scene(&(text + "\n" + &happens + &runaway));
+    let outcome = simulate(&checked, &mut (), |_, _| {}).expect("a machine");
+    let reported = |event: &Event| matches!(&event.what, EventKind::Fault { fault, .. } if fault.kind == FaultKind::Runaway);
+    assert!(outcome.statistics.events.iter().any(reported));
+    let (command, actual) = outcome.statistics.turns[1];
+    let travel = actual - command;
+    assert!((1.0..2.01).contains(&travel), "{travel} turns");
 }
 
 /// If a jammed crank were held, its drive would press it with its full torque.

@@ -80,16 +80,17 @@ pub fn judge(
         Some(fault) => verdict(scene, fault, observation),
     };
     let detected = detection(observation);
-    let hold_bound_mrad = observation.hold.rest_s.zip(geometry);
+    let hold_bound_mrad = (observation.hold.rest_s.zip(geometry))
+        .map(|(rest_s, geometry)| hold::allowed_mrad(scene, geometry, rest_s));
     let turns = detected.zip(observation.beyond_limit);
     Judgement {
         verdict,
         in_time: in_time(detected, observation),
         turns: turns.map(|(detected, beyond_limit)| detected.turns - beyond_limit.turns),
         detected_s: detected.map(|detected| detected.place.t_s),
-        bound_mrad,
-        hold_bound_mrad: hold_bound_mrad
-            .map(|(rest_s, geometry)| hold::allowed_mrad(scene, geometry, rest_s)),
+        // The bound is for the time until the cranks stand; a hold adds its own.
+        bound_mrad: bound_mrad + hold_bound_mrad.unwrap_or(0.0),
+        hold_bound_mrad,
         left_running: observation.left_running_turns * steps > ROUNDING_STEPS,
     }
 }
