@@ -21,6 +21,19 @@ use crate::units::{Phase, Turns, nearest};
 /// Index pulses over which what crank and encoder differ by is averaged: 2 to this power.
 const FILTER_SHIFT: u32 = 4;
 
+/// When a phase error is measured, where an encoder shows it all the time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Measured {
+    /// Now, with the noise of a reading.
+    Now,
+    /// As a mean over the last ticks.
+    Lately,
+    /// As the crank passed its flag last: what loads do to it is the same there in each turn. Of one without a flag, lately.
+    AtFlag,
+    /// As a mean over a turn.
+    OverTurn,
+}
+
 /// Watches one axis.
 #[derive(Clone, Debug)]
 pub(super) struct AxisWatch {
@@ -221,28 +234,23 @@ impl AxisWatch {
     }
 
     /// Measured minus commanded, turns, −½ to ½.
+    #[inline(never)]
+    pub(super) fn error(&self, measured: Measured) -> Turns {
+        let Some(encoder) = &self.encoder else {
+            return self.offset();
+        };
+        let own = match measured {
+            Measured::Now => encoder.phase_error(),
+            Measured::AtFlag if self.index.is_some() => self.at_flag,
+            Measured::Lately | Measured::AtFlag => encoder.filtered_error(),
+            Measured::OverTurn => encoder.mean_error(),
+        };
+        nearest(self.offset().wrapping_add(own))
+    }
+
+    /// The same, now.
     pub(super) fn phase_error(&self) -> Turns {
-        match &self.encoder {
-            Some(encoder) => nearest(self.offset().wrapping_add(encoder.phase_error())),
-            None => self.offset(),
-        }
-    }
-
-    /// The same with little of the readings' noise, and some ticks late.
-    pub(super) fn filtered_error(&self) -> Turns {
-        match &self.encoder {
-            Some(encoder) => nearest(self.offset().wrapping_add(encoder.filtered_error())),
-            None => self.offset(),
-        }
-    }
-
-    /// The same as its crank passed its flag last: what loads do to a crank is the same there in each turn. Of one without a flag,
-    /// now.
-    pub(super) fn error_at_flag(&self) -> Turns {
-        match (&self.encoder, &self.index) {
-            (Some(_), Some(_)) => nearest(self.offset().wrapping_add(self.at_flag)),
-            _ => self.filtered_error(),
-        }
+        self.error(Measured::Now)
     }
 
     /// So far off, this crank alone takes the platform beyond a limit.
@@ -288,14 +296,6 @@ impl AxisWatch {
     pub(super) const fn restart_average(&mut self) {
         if let Some(encoder) = &mut self.encoder {
             encoder.restart_average();
-        }
-    }
-
-    /// Phase error as a mean over a turn, where an encoder shows it; otherwise, where the crank passed its flag.
-    pub(super) fn turn_error(&self) -> Turns {
-        match &self.encoder {
-            Some(encoder) => nearest(self.offset().wrapping_add(encoder.mean_error())),
-            None => self.offset(),
         }
     }
 

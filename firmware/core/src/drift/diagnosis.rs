@@ -10,6 +10,7 @@
 //! No name is needed to stop the machine. Events come in turn by turn, and a better name may replace a worse one while the machine is
 //! being stopped: at first a crank may only be overdue, or the platform tilted.
 
+use super::angles::{angle, of_angle};
 use crate::supervisor::FaultKind;
 use crate::units::{Turns, nearest};
 
@@ -25,6 +26,8 @@ const MOST_GAINED: i64 = 4;
 /// What happened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum What {
+    /// Nothing, yet.
+    Nothing,
     /// The crank is elsewhere than in the turn before.
     Jump,
     /// It moved on its shaft, or little by little.
@@ -39,11 +42,22 @@ enum What {
 struct Event {
     what: What,
     name: FaultKind,
-    by: Turns,
     /// Turns since then that its index showed.
     age: u8,
     /// Not reported yet.
     is_new: bool,
+    /// By how far, an angle.
+    by: i32,
+}
+
+impl Event {
+    const NONE: Self = Self {
+        what: What::Nothing,
+        name: FaultKind::Slip,
+        age: u8::MAX,
+        is_new: false,
+        by: 0,
+    };
 }
 
 /// Last events of one axis.
@@ -54,7 +68,7 @@ pub(super) struct Diagnosis {
     /// Difference of two readings of a crank that is where it was.
     tolerance: Turns,
     /// Latest first.
-    events: heapless::Deque<Event, EVENTS>,
+    events: [Event; EVENTS],
 }
 
 impl Diagnosis {
@@ -62,7 +76,7 @@ impl Diagnosis {
         Self {
             cycle,
             tolerance,
-            events: heapless::Deque::new(),
+            events: [Event::NONE; EVENTS],
         }
     }
 
@@ -71,39 +85,34 @@ impl Diagnosis {
         Turns::from_bits(self.cycle.to_bits() / 2)
     }
 
-    pub(super) fn clear(&mut self) {
-        self.events.clear();
+    pub(super) const fn clear(&mut self) {
+        self.events = [Event::NONE; EVENTS];
     }
 
     /// The index showed the crank again.
+    #[inline(never)]
     pub(super) fn pass_turn(&mut self) {
         for event in &mut self.events {
             event.age = event.age.saturating_add(1);
         }
-        while self
-            .events
-            .back()
-            .is_some_and(|event| event.age >= FORGOTTEN_AFTER)
-        {
-            self.events.pop_back();
-        }
     }
 
+    #[inline(never)]
     fn record(&mut self, what: What, name: FaultKind, by: Turns) {
-        if self.events.is_full() {
-            self.events.pop_back();
-        }
-        // There is room now.
-        let _ = self.events.push_front(Event {
+        let mut event = Event {
             what,
             name,
-            by,
             age: 0,
-            is_new: what != What::Extra,
-        });
+            is_new: matches!(what, What::Jump | What::Drift),
+            by: angle(by),
+        };
+        for slot in &mut self.events {
+            event = core::mem::replace(slot, event);
+        }
     }
 
     /// Records that the crank jumped, forward if `by` is positive, and whether it is ahead of its command now; returns the name.
+    #[inline(never)]
     pub(super) fn jump(&mut self, by: Turns, is_ahead: bool) -> FaultKind {
         let name = self.name_of_jump(by, is_ahead);
         self.record(What::Jump, name, by);
@@ -115,18 +124,16 @@ impl Diagnosis {
         self.record(What::Drift, FaultKind::Slip, by);
     }
 
-    /// Records pulses at the spacing of a crank that runs.
+    /// Records pulses at the spacing of a crank that runs, which are reported at once.
     pub(super) fn run(&mut self) {
         self.record(What::Run, FaultKind::Runaway, Turns::ZERO);
-        self.take_new(); // It is reported at once.
     }
 
     /// Records a pulse where no flag is. Returns false if the sensor has failed.
     pub(super) fn extra(&mut self, by: Turns) -> bool {
         self.record(What::Extra, FaultKind::IndexExtra, by);
         let mut events = self.events.iter();
-        let is_one = |event: &Event| event.what == What::Extra && usize::from(event.age) < EVENTS;
-        !(self.events.is_full() && events.all(is_one))
+        events.any(|event| event.what != What::Extra || usize::from(event.age) >= EVENTS)
     }
 
     /// True if a pulse came where no flag is, and none in its place since.
@@ -157,16 +164,19 @@ impl Diagnosis {
     /// Takes the name and size of the latest move, if they have not been taken yet.
     pub(super) fn take_new(&mut self) -> Option<(FaultKind, Turns)> {
         let latest = self.latest().filter(|event| event.is_new);
-        let new = latest.map(|event| (event.name, event.by));
+        let new = latest.map(|event| (event.name, of_angle(event.by)));
         for event in &mut self.events {
             event.is_new = false;
         }
         new
     }
 
-    /// The latest event that moved the crank.
+    /// The latest event that moved the crank, if it still explains where that is.
+    #[inline(never)]
     fn latest(&self) -> Option<&Event> {
-        self.events.iter().find(|event| event.what != What::Extra)
+        let moves = |event: &&Event| !matches!(event.what, What::Nothing | What::Extra);
+        let latest = self.events.iter().find(moves);
+        latest.filter(|event| event.age < FORGOTTEN_AFTER)
     }
 
     fn jumps(&self) -> impl Iterator<Item = &Event> {
@@ -179,7 +189,7 @@ impl Diagnosis {
             .jumps()
             .zip(1_u8..)
             .take_while(|(event, before)| event.age <= *before && (event.by < 0) == (by < 0))
-            .map(|(event, _)| event.by);
+            .map(|(event, _)| of_angle(event.by));
         let (before, earlier) = (row.next(), row.next());
         let Some(before) = before else {
             return self.of_one(by);
@@ -342,7 +352,8 @@ mod tests {
     fn an_event_is_forgotten_after_some_turns() {
         let mut axis = axis();
         axis.drift(deg(2.0));
-        assert_eq!(axis.take_new(), Some((FaultKind::Slip, deg(2.0))));
+        let by = of_angle(angle(deg(2.0)));
+        assert_eq!(axis.take_new(), Some((FaultKind::Slip, by)));
         assert_eq!(axis.take_new(), None);
         for _ in 0..FORGOTTEN_AFTER {
             assert_eq!(axis.name(), Some(FaultKind::Slip));

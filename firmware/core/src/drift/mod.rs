@@ -44,7 +44,7 @@ pub use tick_phase::{IndexPulse, TickPhase};
 use crate::supervisor::FaultKind;
 use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
 use angles::furthest;
-use axis_watch::AxisWatch;
+use axis_watch::{AxisWatch, Measured};
 use findings::Findings;
 use queue::Queue;
 use tick_phase::TickClock;
@@ -194,23 +194,26 @@ impl DriftMonitor {
 
     /// Phase error of each axis as it is known now, round or not, with little of the readings' noise and some ticks late.
     pub fn filtered_error(&self) -> PerAxis<Turns> {
-        let mut errors = self.phase_error;
-        fill(&mut errors, &self.axes, AxisWatch::filtered_error);
-        errors
+        self.errors(Measured::Lately)
     }
 
     /// The same as each crank passed its flag last: to be compared with what it was a turn ago.
     pub fn errors_at_flags(&self) -> PerAxis<Turns> {
-        let mut errors = self.phase_error;
-        fill(&mut errors, &self.axes, AxisWatch::error_at_flag);
-        errors
+        self.errors(Measured::AtFlag)
     }
 
     /// Phase errors of one turn: the mean of those that encoders show, and others as the cranks passed their flags. What loads do to a
     /// crank differs by its angle, and a crank that swings where its rods let go is elsewhere there each time.
     pub fn turn_errors(&self) -> PerAxis<Turns> {
+        self.errors(Measured::OverTurn)
+    }
+
+    #[inline(never)]
+    fn errors(&self, measured: Measured) -> PerAxis<Turns> {
         let mut errors = self.phase_error;
-        fill(&mut errors, &self.axes, AxisWatch::turn_error);
+        for (error, watch) in errors.iter_mut().zip(&self.axes) {
+            *error = watch.error(measured);
+        }
         errors
     }
 
@@ -258,7 +261,7 @@ impl DriftMonitor {
         for watch in &mut self.axes {
             watch.shift(by.wrapping_neg());
         }
-        fill(&mut self.phase_error, &self.axes, AxisWatch::phase_error);
+        self.phase_error = self.errors(Measured::Now);
         self.peak = self.phase_error.map(Turns::wrapping_abs);
         self.changed = true;
     }
@@ -361,14 +364,6 @@ impl DriftMonitor {
     /// The modes of the phase errors and their correction, as last taken.
     pub const fn modes(&self) -> &Modes {
         &self.modes
-    }
-}
-
-/// A phase error of each axis.
-#[inline(never)]
-fn fill(errors: &mut [Turns], axes: &[AxisWatch], of: impl Fn(&AxisWatch) -> Turns) {
-    for (phase_error, watch) in errors.iter_mut().zip(axes) {
-        *phase_error = of(watch);
     }
 }
 
