@@ -16,6 +16,7 @@ class Rules:
         self.options = content.get("options", {})
         self.flags = self.options.get("flags", [])
         self.appended = content.get("append", {})
+        self.replaced = content.get("replace", {})
         self.renamed = {new: old for old, new in content.get("columns", {}).items()}
         self.states = {new: old for old, new in content.get("states", {}).items()}
         self.new = content.get("new", {}).get("columns", [])
