@@ -21,7 +21,7 @@ use crate::units::{MAX_AXES, PerAxis, Turns};
 /// After this part of a second, rotors do not swing about their places any more: a tenth.
 const SWINGS_FOR: u64 = 10;
 
-/// What sensors have shown since a hold began.
+/// Motion that sensors have shown since a hold began.
 #[derive(Clone, Debug)]
 pub(super) struct HoldWatch {
     /// Smallest phase error of each encoder, without sign.
@@ -78,7 +78,8 @@ impl Controller {
         let fault = Fault::new(FaultKind::Runaway).on_axis(axis);
         if let Some(error) = drift.motor_error(axis) {
             let away = self.hold.has_moved_away(axis, error, drift.alone(axis));
-            return away.then_some(fault.with_size(error));
+            let size = drift.phase_error().get(axis).copied();
+            return away.then_some(fault.with_size(size.unwrap_or_default()));
         }
         feedback.index.get(axis).copied().flatten()?;
         let is_parked = self.supervisor.state() == State::Parked;
@@ -92,7 +93,9 @@ impl Controller {
         let tolerated = u8::from(is_parked || is_at_flag || may_catch_up);
         let is_by_index =
             |axis: &usize| drift.watched() & 1 << axis != 0 && drift.motor_error(*axis).is_none();
-        let all = (0..self.channels.len()).filter(is_by_index);
+        // One axis alone shows nothing that all do.
+        let is_one_of_many = (0..self.channels.len()).filter(is_by_index).count() > 1;
+        let all = (0..self.channels.len()).filter(|axis| is_one_of_many && is_by_index(axis));
         if !self.hold.is_too_many(axis, all, tolerated) {
             return None;
         }
@@ -134,6 +137,7 @@ mod tests {
     fn pulses_count_beyond_those_that_all_axes_made() {
         let mut watch = HoldWatch::new();
         assert!(watch.is_too_many(0, 0..3, 0));
+        assert!(HoldWatch::new().is_too_many(0, core::iter::empty(), 0));
         let mut watch = HoldWatch::new();
         for axis in [1, 0, 2, 2, 0, 1, 1] {
             assert!(!watch.is_too_many(axis, 0..3, 1), "{axis}");

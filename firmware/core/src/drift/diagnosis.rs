@@ -14,7 +14,7 @@ use super::angles::{angle, of_angle};
 use crate::supervisor::FaultKind;
 use crate::units::{Turns, nearest};
 
-/// Events that are kept. Extra pulses in as many turns in a row mean that the sensor has failed.
+/// Events that are kept. If all of them are extra pulses, within as many turns, the sensor has failed.
 const EVENTS: usize = 4;
 
 /// Turns after which an event no longer explains where the crank is.
@@ -23,7 +23,7 @@ const FORGOTTEN_AFTER: u8 = 8;
 /// Electrical cycles that a stepper may gain at once.
 const MOST_GAINED: i64 = 4;
 
-/// What happened.
+/// Kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum What {
     /// Nothing, yet.
@@ -225,7 +225,7 @@ impl Diagnosis {
             && by.to_bits() <= MOST_GAINED * self.cycle.to_bits() + self.cycle.to_bits() / 2
     }
 
-    /// Whether a jump is one or more whole electrical cycles.
+    /// True if a jump is one or more whole electrical cycles.
     fn is_whole(&self, by: Turns) -> bool {
         if self.cycle <= 0 {
             return false;
@@ -240,7 +240,7 @@ impl Diagnosis {
     }
 }
 
-/// Whether `new` says more than `old`, of the same axis in the same stop.
+/// True if `new` says more than `old`, of the same axis in the same stop.
 pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
     const fn rank(kind: FaultKind) -> u8 {
         match kind {

@@ -2,8 +2,8 @@
 //!
 //! A pulse is *in place* if it shows about the same offset as the one before. Any other is an *outlier*: noise, or a crank that
 //! has moved. Which of the two, the place shows where the next pulse was expected: a pulse there clears the outlier as an extra
-//! one; no pulse there, or the same again a turn later, shows that the crank has moved. So an extra pulse never counts as
-//! drift, and a crank that has moved is known to have within a turn and the width of a place.
+//! one; no pulse there, or the same again a turn later, shows that the crank has moved. So an extra pulse does not count as
+//! drift, unless the flag's own pulse is missing. A crank that has moved is known to have within a turn and the width of a place.
 //!
 //! The *offset* that a pulse shows is the sensor's place minus the axis's phase at that moment: of an axis without an encoder
 //! its commanded phase, so that the offset is its phase error; of one with an encoder the measured, so that it is what crank and

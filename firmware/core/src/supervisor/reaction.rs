@@ -11,7 +11,7 @@ use super::FaultKind;
 pub enum Reaction {
     /// Report the event; the machine continues.
     Report,
-    /// Report the event, and correct it by trims where the settings allow that.
+    /// Report the event, and correct it by phase offsets where the settings allow that.
     Correct,
     /// Stop all axes together, as fast as the motors' torque allows; then hold the cranks with the drives on until a reset
     /// (stop category 2). Where the settings name a brake, the drives go off as for [`Self::StopAndCut`].

@@ -57,7 +57,7 @@ impl Sorted {
 }
 
 impl AxisWatch {
-    /// Sorts the news. Where all axes are late together, a pulse may be so by `patience`.
+    /// Sorts the detections of a tick. Where all axes are late together, a pulse may be so by `patience`.
     pub(in crate::drift) fn sort(&mut self, patience: Option<Turns>) -> Sorted {
         let mut sorted = match core::mem::replace(&mut self.detection, Detection::Nothing) {
             Detection::Nothing => Sorted::default(),

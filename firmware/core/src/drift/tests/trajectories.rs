@@ -49,15 +49,16 @@ fn duration(path: &[Piece]) -> f64 {
         .sum()
 }
 
-/// First tick up to which a path has been beyond `limit` for a turn, of the master and of whatever else has made `travel` turns, without a
-/// break. An index does not distinguish whole turns. A path that jumps across a whole turn is within the limit on its way.
+/// First tick up to which a path has been beyond `limit` for `turns` of the master, and for one of whatever else has made `travel` turns,
+/// without a break. An index does not distinguish whole turns. A path that jumps across a whole turn is within the limit on its way.
 fn turn_beyond(
     limit: f64,
+    turns: f64,
     ticks: u32,
     error: impl Fn(u32) -> f64,
     travel: impl Fn(u32) -> f64,
 ) -> Option<u32> {
-    let turn = (1.0 / SPEED) as u32;
+    let least = (turns / SPEED).ceil() as u32;
     let mut since = None;
     for tick in 0..ticks {
         let error = error(tick);
@@ -66,7 +67,7 @@ fn turn_beyond(
         since = since.filter(|&(_, before)| is_beyond && before == between);
         if is_beyond {
             let (since, _) = *since.get_or_insert((tick, between));
-            if tick - since >= turn && travel(tick) - travel(since) >= 1.0 {
+            if tick - since >= least && travel(tick) - travel(since) >= 1.0 {
                 return Some(tick);
             }
         }
@@ -74,7 +75,7 @@ fn turn_beyond(
     None
 }
 
-/// What shows the phase error of the crank that moves.
+/// Sensor that shows the phase error of the crank that moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Shown {
     /// Its index, once a turn.
@@ -122,8 +123,9 @@ fn stop_of(
             Shown::Difference => at(tick) + error(tick),
             Shown::Index | Shown::Encoder => at(tick),
         };
-        let until = turn_beyond(alone + reading, ticks, error, travel);
-        Some(f64::from(until?) + alone.max(gate) / SPEED + count as f64 + 5.0)
+        let turns = 1.0 + alone.max(gate);
+        let until = turn_beyond(alone + reading, turns, ticks, error, travel);
+        Some(f64::from(until?) + count as f64 + 5.0)
     });
     let due = due.reduce(f64::min);
     let found = if shown == Shown::Difference {
