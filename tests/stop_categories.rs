@@ -126,11 +126,11 @@ impl Run {
     #[track_caller]
     fn kind(&self) -> FaultKind {
         let events = self.outcome.statistics.events.iter();
-        let latched = events.filter_map(|event| match event.what {
+        let mut latched = events.filter_map(|event| match event.what {
             EventKind::Fault { fault, .. } => Some(fault.kind),
             _ => None,
         });
-        latched.last().expect("a fault")
+        latched.next_back().expect("a fault")
     }
 
     /// Ticks of the standstill or motion between the fault and the end of its stop.
