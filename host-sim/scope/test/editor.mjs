@@ -106,7 +106,7 @@ check('a mistake appears at its line, and goes', async () => {
   const { answer } = await previewAfter(page, () => page.keyboard.press('0'));
   const line = await page.evaluate(() => document.querySelector('textarea').value.split('\n').indexOf('amax_g = 700') + 1);
   assert.deepEqual(answer.mistakes.map((mistake) => mistake.line), [line]);
-  assert.match(answer.mistakes[0].text, /^program\[1\]\.amax_g: /);
+  assert.match(answer.mistakes[0].text, /^program\[1\]\.amax_g \(2nd \[\[program\]\] entry\): /);
   const note = page.locator(`.pe-copy .has-mistake[data-line="${line}"]`);
   assert.ok((await note.innerText()).includes(answer.mistakes[0].text), 'the mistake is at its line');
   assert.equal(await page.locator('.pe-numbers .has-mistake').innerText(), String(line));
