@@ -246,7 +246,7 @@ fn an_alarm_stops_all_axes_in_phase() {
     // All have followed by the time the drives go off: the lag of the last ticks, and what the load has left.
     for axis in 0..3 {
         let off = following_turns(&run, axis)[stop.end - 1] * 360.0;
-        assert!(off.abs() < 2.0, "axis {axis} stands {off}° off");
+        assert!(off.abs() < 1.0, "axis {axis} stands {off}° off");
     }
     let speed = trace.column("omega_rad_s");
     let most = TAU * 40.0 * TICK_S;
