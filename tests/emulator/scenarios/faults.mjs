@@ -195,8 +195,8 @@ function stepsAlike(machine, { toml }, predicted, began, { corrects = false, dif
     if (most.cycles > 0) wrong.push(`steps come to the cycle, not ${most.cycles} off`);
     return `${count} steps${until}, 0 cycles off`;
   }
-  // Offsets are rounded to steps: of one that lies on the edge between two, the reading decides which it is.
-  const allowed = (READING_CYCLES / CYCLES_PER_S) * toml.limits.speed_hz * 360 + perStep;
+  // Offsets are rounded to steps. So the scenes slip by what does not need an offset on the edge between two.
+  const allowed = (READING_CYCLES / CYCLES_PER_S) * toml.limits.speed_hz * 360;
   if (most.deg > allowed) wrong.push(`cranks are within ${allowed.toFixed(4)}° of the host's, not ${most.deg.toFixed(4)}`);
   return `${count} steps, ${most.deg.toFixed(4)}° off`;
 }
