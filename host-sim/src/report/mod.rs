@@ -96,7 +96,7 @@ pub struct Report<'a> {
 struct Ended {
     state: &'static str,
     fault: bool,
-    /// What the drives did at the end: `held` the cranks, were `off`, or were `on` in a run that was cut off.
+    /// State of the drives at the end: `held` the cranks, were `off`, or were `on` in a run that was cut off.
     drives: &'static str,
     /// The simulated machine's equations went no further.
     diverged: bool,

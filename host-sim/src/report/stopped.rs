@@ -102,7 +102,7 @@ fn at_rest(checked: &Checked, outcome: &Outcome, stop_s: Range<f64>) -> String {
     }
 }
 
-/// Whether an axis followed its command in a stop: it did not slip, no fault of the scene moved it, and it did not stay turns behind.
+/// Returns true if an axis followed its command in a stop: it did not slip, no fault of the scene moved it, and it did not stay turns behind.
 fn follows(checked: &Checked, outcome: &Outcome, axis: usize, stop_s: &Range<f64>) -> bool {
     let statistics = &outcome.statistics;
     let is_disturbed = statistics.events.iter().any(|event| match &event.what {
@@ -128,7 +128,7 @@ pub fn away_turns(checked: &Checked, outcome: &Outcome, axis: usize) -> Option<f
     is_homed_once.then_some(actual - command - start_deg / 360.0)
 }
 
-/// Whether a fault of a scene takes a crank from what its drive commands.
+/// Returns true if a fault of a scene takes a crank from where its drive commands it.
 fn moves_by_itself(fault: &FaultAt, axis: usize) -> bool {
     let kinds = [FaultName::Stuck, FaultName::Slip, FaultName::Runaway];
     fault.axis == Some(axis) && kinds.contains(&fault.kind)

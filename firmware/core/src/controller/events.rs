@@ -3,7 +3,7 @@
 use super::Controller;
 use crate::drift::{Finding, is_better};
 use crate::signals::Feedback;
-use crate::supervisor::{Fault, FaultKind, Reaction, State, Supervisor, SupervisorInput, reaction};
+use crate::supervisor::{Fault, FaultKind, Reaction, Supervisor, SupervisorInput, reaction};
 use crate::units::MAX_AXES;
 
 /// Ticks after a stop in which its last pulses still lead to a report: 2 until a tick is read, `MAX_AXES` + 3 until it is evaluated.
@@ -17,8 +17,7 @@ impl Controller {
         // What cranks do that nothing drives is nobody's fault, and cranks that are held have a watch of their own. But a name may come
         // with the last of a stop's pulses.
         let in_time = finding.supersedes && self.ticks - self.driven <= LAST_PULSES;
-        let is_driven = self.supervisor.drives_enabled() && self.supervisor.state() != State::Fault;
-        if !is_driven && !in_time {
+        if !self.supervisor.operates() && !in_time {
             return None;
         }
         if finding.fault.kind == FaultKind::HomingRangeExceeded

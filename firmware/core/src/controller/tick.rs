@@ -74,7 +74,7 @@ impl Controller {
         let is_about_to_stop = self.is_about_to_stop(feedback);
         let mut found = self.measure(feedback, !is_about_to_stop);
         self.is_busy = self.drift.is_busy() || is_about_to_stop;
-        if self.supervisor.drives_enabled() && self.supervisor.state() != State::Fault {
+        if self.supervisor.operates() {
             self.driven = self.ticks;
         }
         if found.is_some() {

@@ -147,7 +147,7 @@ impl DriftMonitor {
         watch.map_or(FaultKind::Slip, |watch| watch.name_of(by))
     }
 
-    /// Whether every axis that has a sensor has been detected since [`Self::reset`], and what that shows has been evaluated.
+    /// True if every axis that has a sensor has been detected since [`Self::reset`], and that has been evaluated.
     pub const fn is_homed(&self) -> bool {
         self.is_homed
     }

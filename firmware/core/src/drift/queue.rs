@@ -50,7 +50,7 @@ pub(super) struct Queue {
     pub(super) pulses: PerAxis<QueuedPulse>,
 }
 
-/// What is next in the evaluation of a batch.
+/// Next step in the evaluation of a batch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Evaluation {
     /// Compare the axes with each other, once all have been processed.

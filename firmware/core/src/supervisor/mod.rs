@@ -230,6 +230,11 @@ impl Supervisor {
         }
     }
 
+    /// True if the drives are on and no fault has stopped the machine.
+    pub const fn operates(&self) -> bool {
+        self.drives_enabled() && !matches!(self.state, State::Fault)
+    }
+
     /// True if the drives hold cranks at rest: parked, or after a fault.
     pub const fn holds(&self) -> bool {
         matches!(self.state, State::Parked | State::Fault) && self.drives_enabled()

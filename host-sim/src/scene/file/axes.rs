@@ -38,7 +38,7 @@ pub struct Axes {
     /// Whether the motors' encoders are read, at `steps_per_turn` counts to a turn.
     #[serde(default)]
     pub encoder: bool,
-    /// Whether a brake holds the cranks while the drives are off.
+    /// True if a brake holds the cranks while the drives are off.
     #[serde(default)]
     pub brake: bool,
     /// Greatest trim, degrees.

@@ -1,4 +1,4 @@
-//! What else is wrong with the keys and values of a scene, beside what was found first.
+//! Further mistakes in the keys and values of a scene, beside the first that was found.
 //!
 //! Checks end at the first error. To find the next one, the value of the last is *replaced*: left out, so that its default holds, or
 //! else as a built-in scene has it. Then the scene is checked again. An error that a replaced value may have caused is not reported.

@@ -80,6 +80,27 @@ fn a_slip_of_long_ago_is_not_why_a_pulse_is_missing() {
     assert_eq!(found, [(FaultKind::IndexMissing, Some(0), true)]);
 }
 
+/// Were it wrong, a crank that slips far back on its shaft would be detected a turn later than its flag shows it: its pulse would pass for
+/// noise. The price is that noise in the turn after a lost pulse stops the machine, too.
+#[test]
+fn a_pulse_elsewhere_after_a_missing_one_is_a_crank_that_moved() {
+    for (slip, noise_at) in [(-0.7, None), (0.0, Some(3.3))] {
+        let mut cranks = encoders(3.0);
+        let slipped = move |i: usize, t: f64| if i == 1 && t > 2.1 { slip } else { 0.0 };
+        let sensor = move |i: usize, t: f64, pulse: Option<IndexPulse>| {
+            let Some(at) = noise_at.filter(|_| i == 1) else {
+                return pulse;
+            };
+            let pulse = pulse.filter(|_| !(2.5..3.5).contains(&t));
+            let noise = ((t - at) as f64).abs() < 0.0051;
+            pulse.or(noise.then_some(IndexPulse { cycle: 100 }))
+        };
+        let found = play(&mut cranks, 260, slipped, sensor);
+        let last = found.last().expect("a finding");
+        assert_eq!(*last, (FaultKind::Slip, Some(1), false), "{found:?}");
+    }
+}
+
 /// Were it wrong, where a crank was left would be something that it did: of two that are apart, the sound one would be named.
 #[test]
 fn where_a_crank_is_first_detected_is_no_slip() {
