@@ -1,8 +1,8 @@
 //! What a run comes to: `report.json` for machines, and a page of words for people.
 
+mod ending;
 mod model;
 mod recorded;
-mod stopped;
 mod summary;
 mod warnings;
 mod words;

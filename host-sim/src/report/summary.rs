@@ -2,10 +2,9 @@
 
 use std::fmt::Write;
 
-use cophase_core::supervisor::State;
-
+use super::ending::{coasting, ending, held};
 use super::model::judged;
-use super::stopped::{away_turns, latched, stopped_by_fault};
+use super::words::plural;
 use super::written::Written;
 use super::{describe, notable, warnings};
 use crate::design::STANDARD_GRAVITY_MPS2;
@@ -14,7 +13,7 @@ use crate::machine::Peaks;
 use crate::scene::Checked;
 use crate::scene::file::{Drive, Fidelity};
 use crate::sim::Outcome;
-use crate::sim::events::{Event, EventKind, StoppedBy};
+use crate::sim::events::{Event, EventKind};
 
 /// No more events than this are listed, of which so many from the end.
 const LISTED: usize = 24;
@@ -322,58 +321,6 @@ fn write_page(
     )
 }
 
-/// Tilt of a platform that the drives held after a fault.
-fn held(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
-    let held = &outcome.statistics.fault_hold;
-    let Some(at_stop_mrad) = held.at_stop_mrad.filter(|_| checked.has_platform()) else {
-        return Ok(());
-    };
-    writeln!(
-        page,
-        "As the stop ended the platform was tilted by {at_stop_mrad:.3} mrad; held by the drives, it tilted by at most {:.3} mrad after that.",
-        held.worst_mrad,
-    )
-}
-
-/// Motion of cranks that nothing drives any more.
-fn coasting(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
-    let coast = &outcome.statistics.coast;
-    let Some(tilt_mrad) = coast.worst_tilt_mrad.filter(|_| coast.turned_s > 0.0) else {
-        return Ok(());
-    };
-    let until = if coast.is_on() {
-        ", when the run was ended"
-    } else {
-        ", until they stood"
-    };
-    let tilted = if checked.has_platform() {
-        format!("; the platform tilted by at most {tilt_mrad:.3} mrad then")
-    } else {
-        String::new()
-    };
-    writeln!(
-        page,
-        "After the drives were off the cranks turned on for {:.2} s{until}{tilted}.",
-        coast.turned_s,
-    )?;
-    if outcome.state != State::Fault {
-        return Ok(());
-    }
-    // A command stays where it was as the drives went off.
-    let ends = (0..checked.scene.axes.count).map(|axis| {
-        let away_deg = away_turns(checked, outcome, axis)? * 360.0;
-        Some(format!("axis {axis} {away_deg:+.1}°"))
-    });
-    let Some(ends) = ends.collect::<Option<Vec<_>>>() else {
-        return Ok(());
-    };
-    writeln!(
-        page,
-        "They ended this far from where they were commanded to be: {}.",
-        ends.join(", ")
-    )
-}
-
 /// What cams made of their followers, the worst of them.
 fn followers(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
     let statistics = &outcome.statistics.followers;
@@ -450,45 +397,12 @@ fn steps(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::R
     Ok(())
 }
 
-fn ending(checked: &Checked, outcome: &Outcome) -> String {
-    let statistics = &outcome.statistics;
-    if outcome.diverged.is_some() {
-        return "The simulated machine diverged: its equations, not the controller, came to an end.".to_owned();
-    }
-    let faults = latched(&statistics.events);
-    match (faults.last(), outcome.state) {
-        (Some(&names), State::Fault) => stopped_by_fault(checked, outcome, names),
-        (Some(_), state) => {
-            let (were, plural) = if faults.len() == 1 {
-                ("was", "")
-            } else {
-                ("were", "s")
-            };
-            format!(
-                "There {were} {} fault{plural}, and the machine ended in state `{}`.",
-                faults.len(),
-                state.name(),
-            )
-        }
-        (None, State::Parked) => match statistics.stopped_by {
-            Some(StoppedBy::Request) => "The machine was stopped on request, and parked.",
-            _ => "The program ran to its end, and the machine parked.",
-        }
-        .to_owned(),
-        (None, state) => format!("The machine ended in state `{}`.", state.name()),
-    }
-}
-
 fn relative(error: f64) -> String {
     match error {
         e if e < 1e-9 => "a billionth".to_owned(),
         e if e < 1e-3 => format!("{:.2} parts in a million", e * 1e6),
         e => format!("{:.2} %", e * 100.0),
     }
-}
-
-const fn plural(count: usize) -> &'static str {
-    if count == 1 { "" } else { "s" }
 }
 
 fn capital(word: &str) -> String {

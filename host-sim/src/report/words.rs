@@ -189,3 +189,8 @@ const fn command_name(command: Command) -> &'static str {
         Command::Override(_) => "override",
     }
 }
+
+/// Ending of a noun after a count.
+pub const fn plural(count: usize) -> &'static str {
+    if count == 1 { "" } else { "s" }
+}

@@ -1,20 +1,21 @@
-//! How a fault ended a run: when it was detected, what it was called, and what became of the motion.
+//! The end of a run in words: by its program or by a fault, with what the drives and the cranks did after it.
 
+use std::fmt::Write;
 use std::ops::Range;
 
 use cophase_core::supervisor::{Fault, Reaction, State, reaction};
 
-use super::words::fault_words;
+use super::words::{fault_words, plural};
 use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName, InputLine};
 use crate::sim::Outcome;
-use crate::sim::events::{Event, EventKind};
+use crate::sim::events::{Event, EventKind, StoppedBy};
 
 /// A crank that is further than this from its command did not follow it, turns. What a crank turns on by after a stop is less.
 const FOLLOWS_TURNS: f64 = 0.75;
 
 /// Latched faults in the order of time, each with its names: the first one, and the last one where it got a better name later.
-pub fn latched(events: &[Event]) -> Vec<[(f64, &Fault); 2]> {
+fn latched(events: &[Event]) -> Vec<[(f64, &Fault); 2]> {
     let mut all: Vec<[(f64, &Fault); 2]> = Vec::new();
     for event in events {
         let EventKind::Fault { fault, .. } = &event.what else {
@@ -30,8 +31,87 @@ pub fn latched(events: &[Event]) -> Vec<[(f64, &Fault); 2]> {
     all
 }
 
+/// Sentences about what ended a run.
+pub fn ending(checked: &Checked, outcome: &Outcome) -> String {
+    let statistics = &outcome.statistics;
+    if outcome.diverged.is_some() {
+        return "The simulated machine diverged: its equations, not the controller, came to an end.".to_owned();
+    }
+    let faults = latched(&statistics.events);
+    match (faults.last(), outcome.state) {
+        (Some(&names), State::Fault) => stopped_by_fault(checked, outcome, names),
+        (Some(_), state) => {
+            let count = faults.len();
+            let were = if count == 1 { "was" } else { "were" };
+            format!(
+                "There {were} {count} fault{}, and the machine ended in state `{}`.",
+                plural(count),
+                state.name(),
+            )
+        }
+        (None, State::Parked) => match statistics.stopped_by {
+            Some(StoppedBy::Request) => "The machine was stopped on request, and parked.",
+            _ => "The program ran to its end, and the machine parked.",
+        }
+        .to_owned(),
+        (None, state) => format!("The machine ended in state `{}`.", state.name()),
+    }
+}
+
+/// Tilt of a platform that the drives held after a fault.
+pub fn held(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
+    let held = &outcome.statistics.fault_hold;
+    let Some(at_stop_mrad) = held.at_stop_mrad.filter(|_| checked.has_platform()) else {
+        return Ok(());
+    };
+    writeln!(
+        page,
+        "As the stop ended the platform was tilted by {at_stop_mrad:.3} mrad; held by the drives, it tilted by at most {:.3} mrad after that.",
+        held.worst_mrad,
+    )
+}
+
+/// Motion of cranks that nothing drives any more.
+pub fn coasting(page: &mut String, checked: &Checked, outcome: &Outcome) -> std::fmt::Result {
+    let coast = &outcome.statistics.coast;
+    let Some(tilt_mrad) = coast.worst_tilt_mrad.filter(|_| coast.turned_s > 0.0) else {
+        return Ok(());
+    };
+    let until = if coast.is_on() {
+        ", when the run was ended"
+    } else {
+        ", until they stood"
+    };
+    let tilted = if checked.has_platform() {
+        format!("; the platform tilted by at most {tilt_mrad:.3} mrad then")
+    } else {
+        String::new()
+    };
+    writeln!(
+        page,
+        "After the drives were off the cranks turned on for {:.2} s{until}{tilted}.",
+        coast.turned_s,
+    )?;
+    if outcome.state != State::Fault {
+        return Ok(());
+    }
+    // A command stays where it was as the drives went off.
+    let ends = (0..checked.scene.axes.count).map(|axis| {
+        let away_deg = away_turns(checked, outcome, axis)? * 360.0;
+        Some(format!("axis {axis} {away_deg:+.1}°"))
+    });
+    let Some(ends) = ends.collect::<Option<Vec<_>>>() else {
+        return Ok(());
+    };
+    writeln!(
+        page,
+        "They ended this far from where they were commanded to be: {}.",
+        ends.join(", ")
+    )
+}
+
 /// Sentences about the fault in which a run ended.
-pub fn stopped_by_fault(
+fn stopped_by_fault(
     checked: &Checked,
     outcome: &Outcome,
     [(t_s, fault), (named_s, name)]: [(f64, &Fault); 2],
@@ -119,7 +199,7 @@ fn follows(checked: &Checked, outcome: &Outcome, axis: usize, stop_s: &Range<f64
 
 /// How far a crank is from its command as a run ends, turns: ahead is positive. Where it stood at power-up does not count. None in a
 /// run that was homed again, as what a crank did before that would be part of it.
-pub fn away_turns(checked: &Checked, outcome: &Outcome, axis: usize) -> Option<f64> {
+fn away_turns(checked: &Checked, outcome: &Outcome, axis: usize) -> Option<f64> {
     let statistics = &outcome.statistics;
     let homed = |event: &&Event| event.what == EventKind::State(State::Homing);
     let is_homed_once = statistics.events.iter().filter(homed).count() == 1;
