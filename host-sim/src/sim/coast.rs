@@ -4,13 +4,10 @@
 //! them on; on the other model levels a crank without its drive stands.
 
 use super::Moment;
+use super::places::Places;
 use crate::scene::Checked;
 
-/// A crank stands that stays within this of one place, degrees, for [`STANDS_S`]: 7.2° a second, twice what friction in this
-/// model lets a crank turn at that it holds. So a rod that rings does not count, and a crank that swings does.
-pub(super) const STANDS_DEG: f64 = 0.36;
-
-/// See [`STANDS_DEG`].
+/// Time after which a crank stands that stays at one place ([`Places`]), s.
 pub(super) const STANDS_S: f64 = 0.05;
 
 /// Cranks that are let go, watched.
@@ -22,8 +19,7 @@ pub struct Coast {
     pub turned_s: f64,
     tick_s: f64,
     were_on: bool,
-    /// Where each crank was when it was last seen to move, turns: since the drives went off.
-    place: Vec<f64>,
+    places: Places,
     off_ticks: u64,
     /// The last of these in which a crank moved.
     moved: Option<u64>,
@@ -59,15 +55,12 @@ impl Coast {
             return;
         }
         if self.off_ticks == 0 {
-            self.place = moment.actual_turns.to_vec();
+            self.places = Places::at(moment.actual_turns);
         }
         self.off_ticks += 1;
-        for (place, &turns) in self.place.iter_mut().zip(moment.actual_turns) {
-            if (turns - *place).abs() * 360.0 > STANDS_DEG {
-                *place = turns;
-                self.moved = Some(self.off_ticks);
-                self.turned_s = self.turned_s.max(self.off_ticks as f64 * self.tick_s);
-            }
+        if self.places.take(moment.actual_turns) {
+            self.moved = Some(self.off_ticks);
+            self.turned_s = self.turned_s.max(self.off_ticks as f64 * self.tick_s);
         }
     }
 

@@ -3,7 +3,7 @@
 use cophase_core::supervisor::State;
 
 use super::Moment;
-use super::coast::STANDS_DEG;
+use super::places::Places;
 
 /// Platform held in the fault state, watched.
 #[derive(Clone, Debug, Default)]
@@ -14,8 +14,8 @@ pub struct FaultHold {
     pub worst_mrad: f64,
     /// The drives hold now.
     is_on: bool,
-    /// Where each crank was when it was last seen to move, turns, and ticks since one did.
-    place: Vec<f64>,
+    places: Places,
+    /// Ticks since a crank moved.
     still_ticks: u64,
 }
 
@@ -36,25 +36,22 @@ impl FaultHold {
         if !was_on {
             self.at_stop_mrad = Some(tilt_mrad);
             self.worst_mrad = tilt_mrad;
-            self.place = moment.actual_turns.to_vec();
+            self.places = Places::at(moment.actual_turns);
             self.still_ticks = 0;
         }
         self.worst_mrad = self.worst_mrad.max(tilt_mrad);
         self.still_ticks += 1;
-        for (place, &turns) in self.place.iter_mut().zip(moment.actual_turns) {
-            if (turns - *place).abs() * 360.0 > STANDS_DEG {
-                *place = turns;
-                self.still_ticks = 0;
-            }
+        if self.places.take(moment.actual_turns) {
+            self.still_ticks = 0;
         }
     }
 
-    /// Whether a crank that the drives should hold has moved within so many ticks.
+    /// True if a crank that the drives should hold has moved within so many ticks.
     pub const fn moves(&self, within_ticks: u64) -> bool {
         self.is_on && self.still_ticks < within_ticks
     }
 
-    /// Whether the drives hold after a fault.
+    /// True if the drives hold after a fault.
     pub const fn is_on(&self) -> bool {
         self.is_on
     }

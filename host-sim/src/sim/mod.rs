@@ -10,6 +10,7 @@ pub mod hold;
 mod io;
 mod moment;
 mod outcome;
+mod places;
 pub(crate) mod schedule;
 pub mod statistics;
 pub(crate) mod unwrapped;
