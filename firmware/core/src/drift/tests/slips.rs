@@ -92,7 +92,7 @@ fn a_pulse_elsewhere_after_a_missing_one_is_a_crank_that_moved() {
                 return pulse;
             };
             let pulse = pulse.filter(|_| !(2.5..3.5).contains(&t));
-            let noise = ((t - at) as f64).abs() < 0.0051;
+            let noise = (t - at).abs() < 0.0051;
             pulse.or(noise.then_some(IndexPulse { cycle: 100 }))
         };
         let found = play(&mut cranks, 260, slipped, sensor);
