@@ -18,6 +18,8 @@ pub struct Hold {
     pub rest_s: Option<f64>,
     /// Largest tilt since then beyond that one, mrad. None if the drives never held after a stop.
     pub growth_mrad: Option<f64>,
+    /// Largest tilt since the fault with the drives on and outside a hold, mrad. The first tick of a hold counts.
+    pub before_mrad: f64,
 }
 
 impl Hold {
@@ -35,12 +37,17 @@ impl Hold {
         if !enabled || !stands {
             self.has_moved = enabled;
             self.at_rest_mrad = None;
-            return;
         }
-        if !self.has_moved {
+        if !enabled {
             return;
         }
         let tilt_mrad = tilt_mrad();
+        if self.at_rest_mrad.is_none() {
+            self.before_mrad = self.before_mrad.max(tilt_mrad);
+        }
+        if !stands || !self.has_moved {
+            return;
+        }
         let at_rest_mrad = *self.at_rest_mrad.get_or_insert(tilt_mrad);
         self.rest_s.get_or_insert(t_s);
         let growth_mrad = (tilt_mrad - at_rest_mrad).max(self.growth_mrad.unwrap_or(0.0));
@@ -122,6 +129,7 @@ mod tests {
         assert_eq!((hold.growth_mrad, hold.rest_s), (Some(0.0), Some(0.2)));
         hold.take(true, true, 0.4, || 1.25);
         assert_eq!(hold.growth_mrad, Some(0.25));
+        assert_eq!(hold.before_mrad, 9.0);
         hold.take(false, true, 0.5, || 8.0);
         hold.take(false, true, 0.6, || 8.0);
         assert_eq!(hold.growth_mrad, Some(0.25));

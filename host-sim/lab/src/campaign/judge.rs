@@ -46,7 +46,7 @@ pub enum Verdict {
 pub struct Judgement {
     /// Whether the report was right.
     pub verdict: Verdict,
-    /// Whether it was detected before cranks had stayed beyond a limit for longer than they may; none where no crank passed one, or where
+    /// True if it was detected before cranks had stayed beyond a limit for longer than they may; none where no crank passed one, or where
     /// nothing was detected and none stayed for so long.
     pub in_time: Option<bool>,
     /// Turns of the master from the crank passing its limit to N + 5 ticks before it was detected; below 0, it was before.
@@ -88,8 +88,7 @@ pub fn judge(
         in_time: in_time(detected, observation),
         turns: turns.map(|(detected, beyond_limit)| detected.turns - beyond_limit.turns),
         detected_s: detected.map(|detected| detected.place.t_s),
-        // The bound is for the time until the cranks stand; a hold adds its own.
-        bound_mrad: bound_mrad + hold_bound_mrad.unwrap_or(0.0),
+        bound_mrad,
         hold_bound_mrad,
         left_running: observation.left_running_turns * steps > ROUNDING_STEPS,
     }

@@ -64,7 +64,7 @@ pub struct Row {
     pub reported_faults: String,
     /// How it is judged.
     pub verdict: Verdict,
-    /// Largest tilt while the drives were on, mrad.
+    /// Largest tilt while the drives were on, mrad; where they held after a stop, that since the fault and before the hold.
     pub tilt_mrad: f64,
     /// Largest tilt after they were off, if they were.
     pub tilt_off_mrad: Option<f64>,
@@ -138,7 +138,10 @@ impl Row {
                 .collect::<Vec<_>>()
                 .join(" "),
             verdict: judgement.verdict,
-            tilt_mrad: outcome.statistics.worst_tilt_mrad,
+            tilt_mrad: match observation.hold.growth_mrad {
+                Some(_) => observation.hold.before_mrad,
+                None => outcome.statistics.worst_tilt_mrad,
+            },
             tilt_off_mrad: outcome.statistics.coast.worst_tilt_mrad,
             bound_mrad: judgement.bound_mrad,
             limit_mrad: scene.drift.tilt_limit_mrad,
