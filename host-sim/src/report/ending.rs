@@ -3,7 +3,8 @@
 use std::fmt::Write;
 use std::ops::Range;
 
-use cophase_core::supervisor::{Fault, Reaction, State, reaction};
+use cophase_core::drift::alternatives;
+use cophase_core::supervisor::{Fault, FaultKind, Reaction, State, reaction};
 
 use super::words::{fault_words, plural};
 use crate::scene::Checked;
@@ -141,6 +142,7 @@ fn stopped_by_fault(
     } else {
         format!(" At {named_s:.3} s it was named {}.", fault_words(name))
     };
+    let alike = alike(checked, name);
     let is_cut = reaction(name.kind, false) == Reaction::Disable
         || events
             .iter()
@@ -158,7 +160,32 @@ fn stopped_by_fault(
         }
         State::Stop => at_rest(checked, outcome, from_s..off_s),
     };
-    format!("{detected}{renamed} {ended}")
+    format!("{detected}{renamed}{alike} {ended}")
+}
+
+/// A sentence about other faults that look the same to the sensors of the axis, if there are any.
+fn alike(checked: &Checked, fault: &Fault) -> String {
+    let Some(axis) = fault.axis else {
+        return String::new();
+    };
+    let others: Vec<_> = checked
+        .settings
+        .axes
+        .get(axis)
+        .map(|settings| {
+            alternatives(fault.kind, settings)
+                .map(FaultKind::name)
+                .collect()
+        })
+        .unwrap_or_default();
+    let [others @ .., last] = &others[..] else {
+        return String::new();
+    };
+    let or = if others.is_empty() { "" } else { " or " };
+    format!(
+        " To the sensors of axis {axis}, {}{or}{last} would look the same.",
+        others.join(", ")
+    )
 }
 
 /// A stop that was not cut short: who came to rest with it.

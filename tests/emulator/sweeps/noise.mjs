@@ -2,7 +2,7 @@
 //
 // A glitch is a stretch shorter than `index.width_us`: high before a pulse, low within it, high after it. In each case the
 // last two pulses of six lines before a stop are disturbed, each line in another place. The drift that the firmware reports
-// may then be off by what the filter states (firmware/core/src/drift/index_filter.rs): a glitch up to two widths
+// may then be off by what the filter states (firmware/core/src/drift/sensing/index_filter.rs): a glitch up to two widths
 // before a pulse is taken for its bouncing; nothing else moves it.
 
 import { log } from '../bench/log.mjs';

@@ -6,14 +6,15 @@ mod tracking;
 
 pub use gate::place_gate;
 use gate::{cycle, gate, tolerance};
+pub(super) use sorting::Report;
 
-use super::angles::{angle, of_angle};
-use super::diagnosis::Diagnosis;
-use super::encoder_watch::{EncoderWatch, Read};
-use super::index_filter::BRIDGE_WIDTHS;
-use super::index_watch::{Detection, IndexWatch, Place};
+use super::detection::angles::{angle, of_angle};
+use super::diagnosis::events::Diagnosis;
 use super::queue::QueuedPulse;
-use super::tick_phase::{IndexPulse, TickClock, TickPhase};
+use super::sensing::encoder_watch::{EncoderWatch, Read};
+use super::sensing::index_filter::BRIDGE_WIDTHS;
+use super::sensing::index_watch::{Detection, IndexWatch, Place};
+use super::sensing::tick_phase::{IndexPulse, TickClock, TickPhase};
 use crate::settings::{AxisSettings, turns};
 use crate::supervisor::FaultKind;
 use crate::units::{Phase, Turns, nearest};

@@ -1,11 +1,11 @@
 //! From settings to a drift monitor, in place.
 
 use super::axis_watch::AxisWatch;
-use super::findings::Findings;
-use super::limits::DriftLimits;
-use super::modes::{Modes, Mount};
+use super::detection::limits::DriftLimits;
+use super::detection::modes::{Modes, Mount};
+use super::diagnosis::findings::Findings;
 use super::queue::Queue;
-use super::tick_phase::TickClock;
+use super::sensing::tick_phase::TickClock;
 use super::{DriftMonitor, NO_MARGIN};
 use crate::settings::{AxisSettings, Settings};
 use crate::units::{MAX_AXES, Phase, Turns};

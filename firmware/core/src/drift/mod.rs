@@ -16,38 +16,31 @@
 //!
 //! What it does not do: decide what is done ([`mod@crate::supervisor::reaction`] does), or move anything.
 
-mod angles;
 mod axis_watch;
 mod configure;
+mod detection;
 mod diagnosis;
-mod encoder_watch;
-mod evaluate;
-mod findings;
-mod history;
-pub mod index_filter;
-mod index_watch;
-mod limits;
-mod modes;
 mod process;
 mod queue;
-mod tick_phase;
+pub mod sensing;
 
 pub use axis_watch::place_gate;
-pub(crate) use diagnosis::is_better;
-pub use findings::Finding;
-pub use history::History;
-pub use index_filter::IndexFilter;
-pub use limits::DriftLimits;
-pub use modes::{AxisSet, Knowledge, Modes, Mount};
-pub use tick_phase::{IndexPulse, TickPhase};
+pub use detection::limits::DriftLimits;
+pub use detection::modes::{AxisSet, Knowledge, Modes, Mount};
+pub use diagnosis::alternatives::alternatives;
+pub(crate) use diagnosis::events::is_better;
+pub use diagnosis::findings::Finding;
+pub use sensing::history::History;
+pub use sensing::index_filter::IndexFilter;
+pub use sensing::tick_phase::{IndexPulse, TickPhase};
 
 use crate::supervisor::FaultKind;
 use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
-use angles::furthest;
 use axis_watch::{AxisWatch, Measured};
-use findings::Findings;
+use detection::angles::furthest;
+use diagnosis::findings::Findings;
 use queue::Queue;
-use tick_phase::TickClock;
+use sensing::tick_phase::TickClock;
 
 /// What came in during a tick.
 #[derive(Clone, Copy, Debug)]

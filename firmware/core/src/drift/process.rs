@@ -1,6 +1,6 @@
 //! Processing of a tick: what came in it is queued, and one piece of the queued work is done.
 
-use super::modes::AxisSet;
+use super::detection::modes::AxisSet;
 use super::{DriftMonitor, Finding, Sensed};
 use crate::units::{MAX_AXES, Turns};
 

@@ -11,8 +11,8 @@
 //! Later updates belong to the next batch, so that every axis has its turn. If an axis has a second pulse while the first is queued
 //! (noise, or more than 1/N turn a tick), the first is processed at once.
 
-use super::modes::AxisSet;
-use super::tick_phase::{IndexPulse, TickPhase};
+use super::detection::modes::AxisSet;
+use super::sensing::tick_phase::{IndexPulse, TickPhase};
 use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
 
 /// An index pulse, and what was commanded when it came.

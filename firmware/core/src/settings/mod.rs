@@ -21,7 +21,7 @@ pub use host_loss::{HostLossReaction, HostLossSettings};
 pub use wiring::{ActiveLevel, InputWiring, WiringSettings};
 
 use crate::axes::{CamSettings, FollowerSettings, MAX_CAMS};
-use crate::drift::index_filter::MOST_OF_TICK;
+use crate::drift::sensing::index_filter::MOST_OF_TICK;
 use crate::mechanism::{AnyMechanism, MechanismSettings, ScotchYokeSettings};
 use crate::program::{CAPACITY, EntrySettings, Program, ProgramBuilder, SegmentSettings, Shape};
 use crate::units::MAX_AXES;

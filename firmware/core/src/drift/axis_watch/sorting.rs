@@ -4,9 +4,9 @@
 //! there shows that the crank moved. An index that is out of place, with an encoder that measured nothing, is a crank that slipped on its shaft.
 
 use super::AxisWatch;
-use crate::drift::angles::{angle, of_angle};
-use crate::drift::encoder_watch::Read;
-use crate::drift::index_watch::Detection;
+use crate::drift::detection::angles::{angle, of_angle};
+use crate::drift::sensing::encoder_watch::Read;
+use crate::drift::sensing::index_watch::Detection;
 use crate::supervisor::FaultKind;
 use crate::units::Turns;
 
@@ -14,7 +14,7 @@ use crate::units::Turns;
 const MOST_MISSED: u8 = 2;
 
 /// Fault that is to be reported: its kind, its size, and whether the crank is still detected.
-type Report = (FaultKind, Turns, bool);
+pub(in crate::drift) type Report = (FaultKind, Turns, bool);
 
 /// What was sorted out of a tick.
 #[derive(Clone, Copy, Debug, Default)]

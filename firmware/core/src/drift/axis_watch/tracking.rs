@@ -1,8 +1,8 @@
 //! How an axis moves as its encoder shows it, and the name of the fault in that.
 
 use super::AxisWatch;
-use crate::drift::angles::angle;
-use crate::drift::encoder_watch::{EncoderWatch, Tracking};
+use crate::drift::detection::angles::angle;
+use crate::drift::sensing::encoder_watch::{EncoderWatch, Tracking};
 use crate::supervisor::FaultKind;
 use crate::units::Turns;
 

@@ -4,25 +4,25 @@ use super::modes::AxisSet;
 use crate::units::{FRACTION_BITS, MAX_AXES, Turns};
 
 /// What cranks are off by as an angle of 2⁻³² turn, which wraps as they do: half a word, and nothing to bring back within the turn.
-pub(super) const fn angle(turns: Turns) -> i32 {
+pub(in crate::drift) const fn angle(turns: Turns) -> i32 {
     (turns.to_bits() >> ANGLE_CUT) as i32
 }
 
 const ANGLE_CUT: u32 = FRACTION_BITS - 32;
 
-pub(super) fn of_angle(angle: i32) -> Turns {
+pub(in crate::drift) fn of_angle(angle: i32) -> Turns {
     Turns::from_bits(i64::from(angle) << ANGLE_CUT)
 }
 
 /// Angles of as many axes as there may be, of which some count.
 #[derive(Default)]
-pub(super) struct Angles {
+pub(in crate::drift) struct Angles {
     angles: [i32; MAX_AXES],
     count: usize,
 }
 
 impl Angles {
-    pub(super) fn push(&mut self, angle: i32) {
+    pub(in crate::drift) fn push(&mut self, angle: i32) {
         if let Some(slot) = self.angles.get_mut(self.count) {
             *slot = angle;
             self.count += 1;
@@ -38,14 +38,14 @@ impl Angles {
     }
 
     /// What they have in common.
-    pub(super) fn common(&mut self) -> i32 {
+    pub(in crate::drift) fn common(&mut self) -> i32 {
         middle(self.angles.get_mut(..self.count).unwrap_or_default())
     }
 }
 
 /// Of a set, the axis whose error is furthest from what they have in common.
 #[inline(never)]
-pub(super) fn furthest(errors: &[Turns], set: AxisSet) -> usize {
+pub(in crate::drift) fn furthest(errors: &[Turns], set: AxisSet) -> usize {
     let axes = || {
         let all = errors.iter().map(|&error| angle(error)).enumerate();
         all.filter(|(axis, _)| set & 1 << axis != 0)
@@ -62,7 +62,7 @@ pub(super) fn furthest(errors: &[Turns], set: AxisSet) -> usize {
 
 /// What the axes of a set are off by in common, with their corrections. Of one alone, that.
 #[inline(never)]
-pub(super) fn in_common(errors: &[Turns], corrections: &[Turns], set: AxisSet) -> Turns {
+pub(in crate::drift) fn in_common(errors: &[Turns], corrections: &[Turns], set: AxisSet) -> Turns {
     let mut angles = Angles::default();
     for (axis, (error, &correction)) in errors.iter().zip(corrections).enumerate() {
         if set & 1 << axis != 0 {

@@ -1,18 +1,23 @@
 //! Evaluation of the updates: what a single axis shows, what the axes of a round show together, and the limits.
 
 use super::angles::{Angles, in_common, of_angle};
-use super::axis_watch::AxisWatch;
 use super::modes::AxisSet;
-use super::queue::Evaluation;
-use super::{DriftMonitor, Sensed};
-use crate::supervisor::{Fault, FaultKind};
+use crate::drift::axis_watch::AxisWatch;
+use crate::drift::queue::Evaluation;
+use crate::drift::{DriftMonitor, Sensed};
+use crate::supervisor::FaultKind;
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
 
 impl DriftMonitor {
     /// Sorts the update of an axis: a pulse, or a timeout or an encoder's. Returns true if the crank moved so far that the others are
     /// not waited for.
     #[inline(never)]
-    pub(super) fn sort(&mut self, axis: usize, may_be_timeout: bool, sensed: &Sensed<'_>) -> bool {
+    pub(in crate::drift) fn sort(
+        &mut self,
+        axis: usize,
+        may_be_timeout: bool,
+        sensed: &Sensed<'_>,
+    ) -> bool {
         let all_late = may_be_timeout && self.axes.iter().all(AxisWatch::is_late);
         let tolerance = self.limits.common;
         let others = self.in_common_but(axis, sensed.correction);
@@ -50,19 +55,15 @@ impl DriftMonitor {
         {
             self.moved = Some((axis, by));
         }
-        if let Some((kind, by, within_limits)) = sorted.reported {
-            // One axis alone cannot be compared with others.
-            let may_be_all = kind == FaultKind::IndexTimeout && self.watched().count_ones() > 1;
-            let all_lag = may_be_all && self.all_lag_by(self.lag(axis, sensed), sensed);
-            let fault = Fault::new(kind).on_axis(axis).with_size(by);
-            self.findings.push_lag(fault, within_limits, all_lag);
+        if let Some(reported) = sorted.reported {
+            self.report(axis, reported, sensed);
         }
         is_far
     }
 
     /// Plays one step of the evaluation of the axes that were updated.
     #[inline(never)]
-    pub(super) fn evaluate(&mut self, sensed: &Sensed<'_>) {
+    pub(in crate::drift) fn evaluate(&mut self, sensed: &Sensed<'_>) {
         let goes_on = match self.queue.evaluation {
             Evaluation::Compare => self.conclude().then_some(Evaluation::Modes),
             Evaluation::Modes => self.update_modes(sensed).then_some(Evaluation::Check),
@@ -107,19 +108,23 @@ impl DriftMonitor {
 
     /// Common error of all axes except one, with their corrections. It is not the mean of all, which would contain the
     /// error of that axis itself.
-    pub(super) fn in_common_but(&self, axis: usize, correction: &PerAxis<Turns>) -> Turns {
+    pub(in crate::drift) fn in_common_but(
+        &self,
+        axis: usize,
+        correction: &PerAxis<Turns>,
+    ) -> Turns {
         in_common(&self.phase_error, correction, self.watched() & !(1 << axis))
     }
 
     /// True if no axis is late except those in `moved`.
-    pub(super) fn others_are_detected(&self, moved: AxisSet) -> bool {
+    pub(in crate::drift) fn others_are_detected(&self, moved: AxisSet) -> bool {
         let others = self.by_index & !moved;
         let mut axes = self.axes.iter().enumerate();
         axes.all(|(axis, watch)| others & 1 << axis == 0 || !watch.is_late())
     }
 
     /// Names the axes by index that moved otherwise than the others in this round; what these moved by.
-    pub(super) fn compare(&mut self) -> Turns {
+    pub(in crate::drift) fn compare(&mut self) -> Turns {
         of_angle(compare(&mut self.axes, self.by_index))
     }
 
@@ -140,7 +145,7 @@ impl DriftMonitor {
     }
 
     /// Phase errors with their corrections.
-    pub(super) fn corrected_errors(&self, correction: &PerAxis<Turns>) -> PerAxis<Turns> {
+    pub(in crate::drift) fn corrected_errors(&self, correction: &PerAxis<Turns>) -> PerAxis<Turns> {
         self.errors_to_first(correction, self.finding_out)
     }
 
@@ -162,7 +167,7 @@ impl DriftMonitor {
 
     /// Takes the phase errors apart into modes; returns false if not all of them are known.
     #[inline(never)]
-    pub(super) fn update_modes(&mut self, sensed: &Sensed<'_>) -> bool {
+    pub(in crate::drift) fn update_modes(&mut self, sensed: &Sensed<'_>) -> bool {
         if self.finding_out {
             self.check_encoders();
         }
@@ -176,7 +181,7 @@ impl DriftMonitor {
 
     /// Compares the modes with the limits, and reports what was named.
     #[inline(never)]
-    pub(super) fn check(&mut self, sensed: &Sensed<'_>) {
+    pub(in crate::drift) fn check(&mut self, sensed: &Sensed<'_>) {
         let exceeded = self.exceeded(sensed.speed);
         for axis in 0..self.axes.len().min(MAX_AXES) {
             let watch = self.axes.get_mut(axis);
@@ -193,7 +198,7 @@ impl DriftMonitor {
     }
 
     /// The limit that the cranks exceed, if they do: of the platform, or of the common lag.
-    pub(super) fn exceeded(&self, speed: Turns) -> Option<FaultKind> {
+    pub(in crate::drift) fn exceeded(&self, speed: Turns) -> Option<FaultKind> {
         // Where cranks were left, or tilted to prove their wiring, they stay; one that has moved goes on, and may be past already.
         let goes_on = || !self.finding_out && self.axes.iter().any(AxisWatch::has_moved);
         let may_be = self.limits.of_readings(&self.modes);
@@ -210,109 +215,14 @@ impl DriftMonitor {
         self.limits.of_common(&self.modes, speed)
     }
 
-    /// The cranks are beyond a limit: which of them, and why, if that is known.
-    #[inline(never)]
-    pub(super) fn attribute(
-        &mut self,
-        kind: FaultKind,
-        error: &PerAxis<Turns>,
-        sensed: &Sensed<'_>,
-    ) {
-        if kind == FaultKind::CommonLag {
-            let size = self.limits.beyond_natural(&self.modes, sensed.speed);
-            let all_lag = self.all_lag_by(size.wrapping_neg(), sensed);
-            let fault = Fault::new(kind).with_size(size);
-            return self.findings.push_lag(fault, false, all_lag);
-        }
-        let kind = if self.finding_out {
-            FaultKind::HomingRangeExceeded
-        } else {
-            kind
-        };
-        // Cranks being apart, one of which something is known is the one that moved.
-        let worst = self.furthest(error);
-        let named = |axis: usize| self.axes.get(axis).and_then(AxisWatch::name);
-        let count = self.axes.len();
-        let known = (worst..count)
-            .chain(0..worst)
-            .find(|&axis| named(axis).is_some());
-        match known {
-            Some(axis) => self.push_axis(axis, named(axis).unwrap_or(kind)),
-            None => self.push_axis(worst, kind),
-        }
-    }
-
-    /// Turns by which an axis lags, beyond what belongs to the speed: its phase error, and what its next pulse is late.
-    fn lag(&self, axis: usize, sensed: &Sensed<'_>) -> Turns {
-        let value = |of: &PerAxis<Turns>| of.get(axis).copied().unwrap_or_default();
-        let late = match self.axes.get(axis) {
-            // A pulse that waits to be processed came, and does not show yet where.
-            Some(watch) if self.queue.pulsed & 1 << axis == 0 => watch.lateness(&sensed.over(axis)),
-            _ => Turns::ZERO,
-        };
-        let error = self
-            .axes
-            .get(axis)
-            .map_or(Turns::ZERO, AxisWatch::phase_error);
-        let ahead = nearest(error.wrapping_add(value(sensed.correction)))
-            .wrapping_add(self.limits.natural(sensed.speed));
-        late.wrapping_sub(ahead)
-    }
-
-    /// Returns true if every watched axis lags by at least three quarters of `lag`. Cranks that lag for a common reason lag about alike, where
-    /// flags at different places show it at different times; one that failed is alone.
-    #[inline(never)]
-    fn all_lag_by(&self, lag: Turns, sensed: &Sensed<'_>) -> bool {
-        let least = lag.wrapping_sub(lag / 4);
-        let watched = self.watched();
-        let mut axes = 0..self.axes.len();
-        lag > 0 && axes.all(|axis| watched & 1 << axis == 0 || self.lag(axis, sensed) >= least)
-    }
-
-    #[inline(never)]
-    pub(super) fn push_axis(&mut self, axis: usize, kind: FaultKind) {
-        let size = self.phase_error.get(axis).copied().unwrap_or_default();
-        self.findings
-            .push(Fault::new(kind).on_axis(axis).with_size(size), false);
-    }
-
     /// While nobody knows where the cranks should be, encoders still show an axis that does not turn as commanded; of all that do not,
     /// too, whose phase errors are alike.
-    pub(super) fn check_encoders(&mut self) {
+    pub(in crate::drift) fn check_encoders(&mut self) {
         for axis in 0..self.axes.len().min(MAX_AXES) {
             if self.axes.get(axis).is_some_and(AxisWatch::is_off_track) {
                 self.report_off_track(axis);
             }
         }
-    }
-
-    /// An axis does not turn as commanded. If its motor tracks, and the others are off alike, they lag in common.
-    #[inline(never)]
-    fn report_off_track(&mut self, axis: usize) {
-        const NONE: PerAxis<Turns> = [Turns::ZERO; MAX_AXES];
-        let Some(watch) = self.axes.get(axis) else {
-            return;
-        };
-        let mut error = NONE;
-        for (error, watch) in error.iter_mut().zip(&self.axes) {
-            *error = watch.tracking_error().unwrap_or_default();
-        }
-        let by = error.get(axis).copied().unwrap_or_default();
-        let others = self.encoders() & !(1 << axis);
-        let from_others = by.wrapping_sub(in_common(&error, &NONE, others));
-        let is_alike = others != 0 && from_others.wrapping_abs() <= watch.alone();
-        let fault = match watch.tracking() {
-            Some(kind) => Fault::new(kind).on_axis(axis),
-            None if is_alike => Fault::new(FaultKind::CommonLag),
-            None => Fault::new(FaultKind::Tilt).on_axis(axis),
-        };
-        self.findings.push(fault.with_size(by), false);
-    }
-
-    #[inline(never)]
-    pub(super) fn find(&mut self, axis: usize, kind: FaultKind, by: Turns, within_limits: bool) {
-        let fault = Fault::new(kind).on_axis(axis).with_size(by);
-        self.findings.push(fault, within_limits);
     }
 }
 

@@ -1,6 +1,6 @@
 //! How far the modes may go.
 
-use super::{Modes, Mount};
+use super::modes::{Modes, Mount};
 use crate::functions::multiply;
 use crate::mechanism::Mechanism;
 use crate::settings::{DriftSettings, MachineSettings, turns};
@@ -43,16 +43,16 @@ pub struct DriftLimits {
     true_limits: Limits,
     /// Up to where readings may have them.
     read: Limits,
-    pub(super) common: Turns,
+    pub(in crate::drift) common: Turns,
     /// Ticks by which all follow late by their nature, 16 fraction bits.
     lag: i64,
     /// What a reading may be off by, of itself.
-    pub(super) reading: Turns,
+    pub(in crate::drift) reading: Turns,
 }
 
 impl DriftLimits {
     /// Of no machine: nothing may be off.
-    pub(super) const NONE: Self = {
+    pub(in crate::drift) const NONE: Self = {
         const NONE: Limits = Limits {
             tilt: Turns::ZERO,
             tilt_squared: 0,
@@ -96,33 +96,33 @@ impl DriftLimits {
     }
 
     /// The limit that the platform exceeds, if it does: of the modes that make it tilt and bend.
-    pub(super) fn of_platform(&self, modes: &Modes) -> Option<FaultKind> {
+    pub(in crate::drift) fn of_platform(&self, modes: &Modes) -> Option<FaultKind> {
         self.true_limits.exceeded(modes)
     }
 
     /// Which it may be past, by what readings of the cranks have.
-    pub(super) fn of_readings(&self, modes: &Modes) -> Option<FaultKind> {
+    pub(in crate::drift) fn of_readings(&self, modes: &Modes) -> Option<FaultKind> {
         self.read.exceeded(modes)
     }
 
     /// The limit on what all cranks have in common, if they are beyond it, at a speed of the master (turns a tick).
-    pub(super) fn of_common(&self, modes: &Modes, speed: Turns) -> Option<FaultKind> {
+    pub(in crate::drift) fn of_common(&self, modes: &Modes, speed: Turns) -> Option<FaultKind> {
         (self.beyond_natural(modes, speed).abs() > self.common).then_some(FaultKind::CommonLag)
     }
 
     /// The common lag less what belongs to the speed.
-    pub(super) fn beyond_natural(&self, modes: &Modes, speed: Turns) -> Turns {
+    pub(in crate::drift) fn beyond_natural(&self, modes: &Modes, speed: Turns) -> Turns {
         modes.common.wrapping_add(self.natural(speed))
     }
 
     /// The lag that belongs to the speed.
-    pub(super) fn natural(&self, speed: Turns) -> Turns {
+    pub(in crate::drift) fn natural(&self, speed: Turns) -> Turns {
         Turns::from_bits((speed.to_bits() >> 16).wrapping_mul(self.lag))
     }
 
     /// By how much one axis alone must seem off for some limit to be passed.
     #[cold]
-    pub(super) fn alone(&self, mount: &Mount, axis: usize) -> Turns {
+    pub(in crate::drift) fn alone(&self, mount: &Mount, axis: usize) -> Turns {
         let (tilt, warp) = mount.alone(axis);
         let most = |limit: Turns, share: f64| {
             if share > 1e-6 {

@@ -91,7 +91,7 @@ pub enum Knowledge {
 
 impl Mount {
     /// Of no axes.
-    pub(super) const NONE: Self = Self {
+    pub(in crate::drift) const NONE: Self = Self {
         common: [0; MAX_AXES],
         tilt_x: [0; MAX_AXES],
         tilt_y: [0; MAX_AXES],
@@ -156,7 +156,7 @@ impl Mount {
     }
 
     /// How many axes there are.
-    pub(super) const fn count(&self) -> usize {
+    pub(in crate::drift) const fn count(&self) -> usize {
         self.count
     }
 
@@ -173,7 +173,7 @@ impl Mount {
 
     /// The tilt, and the warp of its own, that an axis makes which is off by one, alone.
     #[cold]
-    pub(super) fn alone(&self, axis: usize) -> (f64, f64) {
+    pub(in crate::drift) fn alone(&self, axis: usize) -> (f64, f64) {
         let float = |value: i32, bits: u32| f64::from(value) / f64::from(1_u32 << bits);
         let of = |weights: &PerAxis<i32>| weights.get(axis).map_or(0.0, |&w| float(w, WEIGHT_BITS));
         let (common, x, y) = (of(&self.common), of(&self.tilt_x), of(&self.tilt_y));

@@ -10,7 +10,7 @@
 //! No name is needed to stop the machine. Events come in turn by turn, and a better name may replace a worse one while the machine is
 //! being stopped: at first a crank may only be overdue, or the platform tilted.
 
-use super::angles::{angle, of_angle};
+use crate::drift::detection::angles::{angle, of_angle};
 use crate::supervisor::FaultKind;
 use crate::units::{Turns, nearest};
 
@@ -62,7 +62,7 @@ impl Event {
 
 /// Last events of one axis.
 #[derive(Clone, Debug)]
-pub(super) struct Diagnosis {
+pub(in crate::drift) struct Diagnosis {
     /// An electrical cycle, turns; zero if it has none.
     cycle: Turns,
     /// Difference of two readings of a crank that is where it was.
@@ -72,7 +72,7 @@ pub(super) struct Diagnosis {
 }
 
 impl Diagnosis {
-    pub(super) const fn new(cycle: Turns, tolerance: Turns) -> Self {
+    pub(in crate::drift) const fn new(cycle: Turns, tolerance: Turns) -> Self {
         Self {
             cycle,
             tolerance,
@@ -81,17 +81,17 @@ impl Diagnosis {
     }
 
     /// Half of an electrical cycle, turns.
-    pub(super) fn half_cycle(&self) -> Turns {
+    pub(in crate::drift) fn half_cycle(&self) -> Turns {
         Turns::from_bits(self.cycle.to_bits() / 2)
     }
 
-    pub(super) const fn clear(&mut self) {
+    pub(in crate::drift) const fn clear(&mut self) {
         self.events = [Event::NONE; EVENTS];
     }
 
     /// The index showed the crank again.
     #[inline(never)]
-    pub(super) fn pass_turn(&mut self) {
+    pub(in crate::drift) fn pass_turn(&mut self) {
         for event in &mut self.events {
             event.age = event.age.saturating_add(1);
         }
@@ -113,37 +113,37 @@ impl Diagnosis {
 
     /// Records that the crank jumped, forward if `by` is positive, and whether it is ahead of its command now; returns the name.
     #[inline(never)]
-    pub(super) fn jump(&mut self, by: Turns, is_ahead: bool) -> FaultKind {
+    pub(in crate::drift) fn jump(&mut self, by: Turns, is_ahead: bool) -> FaultKind {
         let name = self.name_of_jump(by, is_ahead);
         self.record(What::Jump, name, by);
         name
     }
 
     /// Records that the crank moved on its shaft, or little by little.
-    pub(super) fn drift(&mut self, by: Turns) {
+    pub(in crate::drift) fn drift(&mut self, by: Turns) {
         self.record(What::Drift, FaultKind::Slip, by);
     }
 
     /// Records pulses at the spacing of a crank that runs, which are reported at once.
-    pub(super) fn run(&mut self) {
+    pub(in crate::drift) fn run(&mut self) {
         self.record(What::Run, FaultKind::Runaway, Turns::ZERO);
     }
 
     /// Records a pulse where no flag is. Returns false if the sensor has failed.
-    pub(super) fn extra(&mut self, by: Turns) -> bool {
+    pub(in crate::drift) fn extra(&mut self, by: Turns) -> bool {
         self.record(What::Extra, FaultKind::IndexExtra, by);
         let mut events = self.events.iter();
         events.any(|event| event.what != What::Extra || usize::from(event.age) >= EVENTS)
     }
 
     /// True if a pulse came where no flag is, and none in its place since.
-    pub(super) fn had_extra(&self) -> bool {
+    pub(in crate::drift) fn had_extra(&self) -> bool {
         let mut events = self.events.iter();
         events.any(|event| event.what == What::Extra && event.age == 0)
     }
 
     /// True if the crank jumped forward when its index showed it last.
-    pub(super) fn has_jumped_ahead(&self) -> bool {
+    pub(in crate::drift) fn has_jumped_ahead(&self) -> bool {
         let mut jumps = self.jumps();
         jumps
             .next()
@@ -151,18 +151,18 @@ impl Diagnosis {
     }
 
     /// True if the crank slipped when its index showed it last.
-    pub(super) fn is_slipping(&self) -> bool {
+    pub(in crate::drift) fn is_slipping(&self) -> bool {
         self.latest()
             .is_some_and(|event| event.age == 0 && event.name == FaultKind::Slip)
     }
 
     /// Name of what moved the crank, if that was in the last turns.
-    pub(super) fn name(&self) -> Option<FaultKind> {
+    pub(in crate::drift) fn name(&self) -> Option<FaultKind> {
         self.latest().map(|event| event.name)
     }
 
     /// Takes the name and size of the latest move, if they have not been taken yet.
-    pub(super) fn take_new(&mut self) -> Option<(FaultKind, Turns)> {
+    pub(in crate::drift) fn take_new(&mut self) -> Option<(FaultKind, Turns)> {
         let latest = self.latest().filter(|event| event.is_new);
         let new = latest.map(|event| (event.name, of_angle(event.by)));
         for event in &mut self.events {
@@ -210,7 +210,7 @@ impl Diagnosis {
     }
 
     /// Name of one jump that stands for itself.
-    pub(super) fn of_one(&self, by: Turns) -> FaultKind {
+    pub(in crate::drift) fn of_one(&self, by: Turns) -> FaultKind {
         if self.is_whole(by) {
             FaultKind::LostSteps
         } else {

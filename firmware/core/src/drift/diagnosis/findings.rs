@@ -1,7 +1,7 @@
 //! Findings of the monitor that are not reported yet, one a tick; and the one that a stop was requested for, which may get a
 //! better name.
 
-use super::diagnosis::is_better;
+use super::events::is_better;
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::Turns;
 use heapless::Deque;
@@ -39,7 +39,7 @@ const WAITING: usize = 8;
 
 /// Findings, in the order in which they are reported.
 #[derive(Clone, Debug)]
-pub(super) struct Findings {
+pub(in crate::drift) struct Findings {
     waiting: Deque<Finding, WAITING>,
     /// Fault that a stop was requested for, its axis, and the master's turns since.
     open: Option<(Option<usize>, FaultKind)>,
@@ -47,7 +47,7 @@ pub(super) struct Findings {
 }
 
 impl Findings {
-    pub(super) const fn new() -> Self {
+    pub(in crate::drift) const fn new() -> Self {
         Self {
             waiting: Deque::new(),
             open: None,
@@ -56,14 +56,14 @@ impl Findings {
     }
 
     /// The master made so many turns.
-    pub(super) const fn pass(&mut self, turns: Turns) {
+    pub(in crate::drift) const fn pass(&mut self, turns: Turns) {
         if self.open.is_some() {
             self.since_open = self.since_open.saturating_add(turns);
         }
     }
 
     /// What is reported now.
-    pub(super) fn next(&mut self) -> Option<Finding> {
+    pub(in crate::drift) fn next(&mut self) -> Option<Finding> {
         // Mostly there is none: that is asked before an empty finding is moved about.
         if self.waiting.is_empty() {
             None
@@ -72,23 +72,23 @@ impl Findings {
         }
     }
 
-    pub(super) const fn has_requested_stop(&self) -> bool {
+    pub(in crate::drift) const fn has_requested_stop(&self) -> bool {
         self.open.is_some()
     }
 
-    pub(super) fn clear(&mut self) {
+    pub(in crate::drift) fn clear(&mut self) {
         self.waiting.clear();
         self.open = None;
     }
 
     /// Queues a finding. One that is outside the limits goes first, and once; after that only better names for it.
-    pub(super) fn push(&mut self, fault: Fault, within_limits: bool) {
+    pub(in crate::drift) fn push(&mut self, fault: Fault, within_limits: bool) {
         self.push_lag(fault, within_limits, false);
     }
 
     /// The same of a fault that may be a lag of all axes.
     #[inline(never)]
-    pub(super) fn push_lag(&mut self, fault: Fault, within_limits: bool, all_lag: bool) {
+    pub(in crate::drift) fn push_lag(&mut self, fault: Fault, within_limits: bool, all_lag: bool) {
         let mut supersedes = false;
         if let Some((axis, kind)) = self.open {
             let same = axis == fault.axis || axis.is_none();

@@ -9,7 +9,7 @@ use crate::units::Turns;
 
 /// Motion of a motor compared with its command.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Tracking {
+pub(in crate::drift) enum Tracking {
     /// About as commanded.
     #[default]
     Ok,
@@ -21,7 +21,7 @@ pub(super) enum Tracking {
 
 /// What a reading brought.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Read {
+pub(in crate::drift) enum Read {
     /// Nothing new.
     Nothing,
     /// The reading jumped, and is back.
@@ -38,7 +38,7 @@ pub(super) enum Read {
 
 /// Watches one encoder.
 #[derive(Clone, Debug)]
-pub(super) struct EncoderWatch {
+pub(in crate::drift) struct EncoderWatch {
     /// Turns of a count in the axis's own sense.
     per_count: i64,
     /// What a count is more than that, 16 fraction bits; and what of it is left over.
@@ -58,7 +58,7 @@ pub(super) struct EncoderWatch {
     /// Turns made, as read, since the motor was last about where commanded, or moved about as commanded.
     made_since: Turns,
     /// A jump that the index has to confirm.
-    pub(super) unconfirmed_jump: Turns,
+    pub(in crate::drift) unconfirmed_jump: Turns,
     window: Window,
 }
 
@@ -78,7 +78,7 @@ const FILTER_SHIFT: u32 = 4;
 
 impl EncoderWatch {
     /// Of `counts` to a turn, `reversed` or not; `jump`: see there.
-    pub(super) fn new(counts: u32, reversed: bool, jump: Turns) -> Self {
+    pub(in crate::drift) fn new(counts: u32, reversed: bool, jump: Turns) -> Self {
         let counts = i64::from(counts.max(1));
         let sense = if reversed { -1 } else { 1 };
         Self {
@@ -99,7 +99,7 @@ impl EncoderWatch {
     }
 
     /// Forgets what was read: from now on the motor is where commanded.
-    pub(super) fn reset(&mut self) {
+    pub(in crate::drift) fn reset(&mut self) {
         *self = Self {
             last: None,
             phase_error: Turns::ZERO,
@@ -114,39 +114,39 @@ impl EncoderWatch {
         };
     }
 
-    pub(super) const fn phase_error(&self) -> Turns {
+    pub(in crate::drift) const fn phase_error(&self) -> Turns {
         self.phase_error
     }
 
     /// Adds the present phase error over a share of a turn, up to ½, to the mean. Its error is below a millionth of the errors.
-    pub(super) const fn average(&mut self, share: Turns) {
+    pub(in crate::drift) const fn average(&mut self, share: Turns) {
         let (error, share) = (self.phase_error.to_bits() >> 16, share.to_bits() >> 16);
         let part = Turns::from_bits(error.wrapping_mul(share) >> 16);
         self.mean = self.mean.wrapping_add(part);
     }
 
     /// Begins a new mean.
-    pub(super) const fn restart_average(&mut self) {
+    pub(in crate::drift) const fn restart_average(&mut self) {
         self.mean = Turns::ZERO;
     }
 
     /// Mean of the phase error over the turn that was averaged.
-    pub(super) const fn mean_error(&self) -> Turns {
+    pub(in crate::drift) const fn mean_error(&self) -> Turns {
         self.mean
     }
 
     /// The drift as a mean over the last ticks, some 16.
-    pub(super) const fn filtered_error(&self) -> Turns {
+    pub(in crate::drift) const fn filtered_error(&self) -> Turns {
         self.filtered
     }
 
-    pub(super) const fn tracking(&self) -> Tracking {
+    pub(in crate::drift) const fn tracking(&self) -> Tracking {
         self.window.tracking
     }
 
     /// True if a motor that stalled has gone back: by over a quarter of its phase error, or by over `most`. A motor that stood for a
     /// time and is let go may spring back by less.
-    pub(super) fn has_gone_back(&self, most: Turns) -> bool {
+    pub(in crate::drift) fn has_gone_back(&self, most: Turns) -> bool {
         let back = self.made_since.wrapping_neg();
         let behind = self.phase_error.wrapping_neg();
         // Far enough for noise to be little of it.
@@ -160,7 +160,7 @@ impl EncoderWatch {
     }
 
     /// Takes in a reading at the end of a tick in which `commanded` was commanded; and the turns that were made.
-    pub(super) fn observe(&mut self, count: i32, commanded: &TickPhase) -> (Read, Turns) {
+    pub(in crate::drift) fn observe(&mut self, count: i32, commanded: &TickPhase) -> (Read, Turns) {
         let before = self.phase_error;
         let Some(last) = self.last.replace(count) else {
             return (Read::Nothing, commanded.turns);
@@ -248,13 +248,13 @@ impl EncoderWatch {
     }
 
     /// Takes in a reading after ticks of which nothing is known: the motor followed.
-    pub(super) const fn skip(&mut self, count: i32) {
+    pub(in crate::drift) const fn skip(&mut self, count: i32) {
         self.last = Some(count);
         self.held = None;
     }
 
     /// The jump that was unconfirmed was real.
-    pub(super) fn believe(&mut self) {
+    pub(in crate::drift) fn believe(&mut self) {
         self.phase_error = self.phase_error.wrapping_add(self.unconfirmed_jump);
         self.unconfirmed_jump = Turns::ZERO;
     }

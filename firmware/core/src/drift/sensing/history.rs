@@ -2,7 +2,8 @@
 //!
 //! Most axes make the master's turns; only those of other axes are stored. Past phases follow from the present one.
 
-use super::{AxisSet, TickPhase};
+use super::tick_phase::TickPhase;
+use crate::drift::detection::modes::AxisSet;
 use crate::units::{MAX_AXES, PerAxis, Phase, Turns};
 
 /// Turns of all axes in one tick.

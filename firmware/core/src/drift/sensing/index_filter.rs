@@ -17,7 +17,7 @@
 //!
 //! What it does not do: judge whether a pulse comes at a time at which the crank can have made it.
 
-use super::IndexPulse;
+use super::tick_phase::IndexPulse;
 
 /// How many widths before the confirmed stretch a pulse's first edge may lie.
 pub const BRIDGE_WIDTHS: u32 = 2;

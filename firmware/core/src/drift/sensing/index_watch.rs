@@ -11,7 +11,7 @@
 
 mod detection;
 
-pub(super) use detection::{Detection, Place};
+pub(in crate::drift) use detection::{Detection, Place};
 
 use super::tick_phase::{IndexPulse, TickClock, TickPhase};
 use crate::units::{ONE_TURN, Phase, Turns, nearest};
@@ -51,7 +51,7 @@ enum Due {
 
 /// Watches one sensor.
 #[derive(Clone, Debug)]
-pub(super) struct IndexWatch {
+pub(in crate::drift) struct IndexWatch {
     place: Place,
     /// The cranks are where they should be.
     is_settled: bool,
@@ -71,7 +71,7 @@ pub(super) struct IndexWatch {
 }
 
 impl IndexWatch {
-    pub(super) fn new(place: Place) -> Self {
+    pub(in crate::drift) fn new(place: Place) -> Self {
         Self {
             place,
             is_settled: false,
@@ -87,7 +87,7 @@ impl IndexWatch {
     }
 
     /// Forgets what was detected; the first pulse is expected within a turn and what may be overdue from `phase` on.
-    pub(super) fn reset(&mut self, phase: Phase) {
+    pub(in crate::drift) fn reset(&mut self, phase: Phase) {
         self.is_settled = false;
         self.offset = Turns::ZERO;
         self.meant = 0;
@@ -100,11 +100,11 @@ impl IndexWatch {
     }
 
     /// The cranks are where they should be.
-    pub(super) const fn settle(&mut self) {
+    pub(in crate::drift) const fn settle(&mut self) {
         self.is_settled = true;
     }
 
-    pub(super) const fn is_settled(&self) -> bool {
+    pub(in crate::drift) const fn is_settled(&self) -> bool {
         self.is_settled
     }
 
@@ -116,21 +116,21 @@ impl IndexWatch {
         }
     }
 
-    pub(super) const fn offset(&self) -> Turns {
+    pub(in crate::drift) const fn offset(&self) -> Turns {
         self.offset
     }
 
-    pub(super) const fn is_known(&self) -> bool {
+    pub(in crate::drift) const fn is_known(&self) -> bool {
         self.meant > 0
     }
 
     /// Pulses in a row that were done without.
-    pub(super) const fn missed(&self) -> u8 {
+    pub(in crate::drift) const fn missed(&self) -> u8 {
         self.missed
     }
 
     /// True if a crank at this phase, with the offset that the last pulse showed, is within `swing` of an end of its flag.
-    pub(super) fn is_at_flag(&self, phase: Phase, swing: Turns) -> bool {
+    pub(in crate::drift) fn is_at_flag(&self, phase: Phase, swing: Turns) -> bool {
         let Place { index, flag, .. } = self.place;
         let crank = phase.advanced(self.offset);
         self.is_known()
@@ -140,19 +140,19 @@ impl IndexWatch {
     }
 
     /// Whether the expected pulse has not come.
-    pub(super) fn is_late(&self) -> bool {
+    pub(in crate::drift) fn is_late(&self) -> bool {
         self.due != Due::Expected
     }
 
     /// Turns from the end of a tick until a pulse is due; negative if it is. [`Self::has_timed_out`] is not true before, as it takes
     /// less than the whole tick for certain.
-    pub(super) const fn margin(&self, phase: &TickPhase) -> Turns {
+    pub(in crate::drift) const fn margin(&self, phase: &TickPhase) -> Turns {
         let end = phase.start.advanced(phase.turns);
         self.alert.saturating_sub(end.since(self.detected_at))
     }
 
     /// Turns at the end of a tick by which the next pulse is late; none if it is not due.
-    pub(super) fn lateness(&self, phase: &TickPhase) -> Turns {
+    pub(in crate::drift) fn lateness(&self, phase: &TickPhase) -> Turns {
         let end = phase.start.advanced(phase.turns);
         end.since(self.detected_at)
             .wrapping_sub(ONE)
@@ -168,7 +168,11 @@ impl IndexWatch {
 
     /// Takes in a tick without a pulse, in which the axis was commanded to make `commanded` turns: a motor's noise would be
     /// multiplied by the line's delay.
-    pub(super) fn check_timeout(&mut self, phase: &TickPhase, commanded: Turns) -> Detection {
+    pub(in crate::drift) fn check_timeout(
+        &mut self,
+        phase: &TickPhase,
+        commanded: Turns,
+    ) -> Detection {
         if !self.has_timed_out(phase, commanded) {
             return Detection::Nothing;
         }
@@ -186,7 +190,7 @@ impl IndexWatch {
     /// Takes in a pulse that came in the tick over which the axis had that phase, or in the one before, in which it made `before`
     /// turns, if that is known.
     #[inline(never)] // seldom, and what it needs of registers a loop over all axes would lack
-    pub(super) fn detect(
+    pub(in crate::drift) fn detect(
         &mut self,
         pulse: IndexPulse,
         phase: &TickPhase,
@@ -351,7 +355,7 @@ impl IndexWatch {
     }
 
     /// The crank may have moved at `phase`: a missing pulse at the place of the next decides, and within a turn from then.
-    pub(super) fn decide_within_a_turn_of(&mut self, phase: Phase) {
+    pub(in crate::drift) fn decide_within_a_turn_of(&mut self, phase: Phase) {
         if self.is_known() && !self.is_late() {
             let went = phase.since(self.detected_at).max(Turns::ZERO);
             self.alert = ONE.wrapping_add(went.min(self.place.gate));
@@ -359,7 +363,7 @@ impl IndexWatch {
     }
 
     /// The crank has moved by so much, as something else shows: its pulse is to come where that has it.
-    pub(super) fn believe_moved(&mut self, by: Turns) {
+    pub(in crate::drift) fn believe_moved(&mut self, by: Turns) {
         self.offset = nearest(self.offset.wrapping_add(by));
         self.due = Due::Expected;
         self.alert = ONE
@@ -368,12 +372,12 @@ impl IndexWatch {
     }
 
     /// An overdue pulse is waited for until it is late by `turns`.
-    pub(super) fn wait(&mut self, turns: Turns) {
+    pub(in crate::drift) fn wait(&mut self, turns: Turns) {
         self.alert = ONE.wrapping_add(turns);
     }
 
     /// An overdue pulse is done without: the next is expected a turn later.
-    pub(super) fn pass_over(&mut self) {
+    pub(in crate::drift) fn pass_over(&mut self) {
         self.detected_at = self.detected_at.advanced(ONE);
         self.due = Due::Expected;
         self.missed = self.missed.saturating_add(1);
@@ -381,12 +385,12 @@ impl IndexWatch {
     }
 
     /// A pulse came in a tick of which nothing is known: the sensor is alive.
-    pub(super) fn disregard(&mut self, phase: Phase) {
+    pub(in crate::drift) fn disregard(&mut self, phase: Phase) {
         self.detected_at = phase;
     }
 
     /// All phases are counted from elsewhere from now on: the sensor is found `by` further on.
-    pub(super) fn shift(&mut self, by: Turns) {
+    pub(in crate::drift) fn shift(&mut self, by: Turns) {
         self.place.index = self.place.index.wrapping_add(by);
         self.offset = nearest(self.offset.wrapping_add(by));
     }

@@ -25,15 +25,15 @@ const CYCLE_SPARE_BITS: u32 = 14;
 
 /// How long a tick is.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TickClock {
-    pub(super) cycles: u32,
+pub(in crate::drift) struct TickClock {
+    pub(in crate::drift) cycles: u32,
     /// 2⁴² / cycles.
     per_cycle: u32,
 }
 
 impl TickClock {
     /// Of a tick of so many cycles, 2048 and more.
-    pub(super) const fn new(cycles: u32) -> Self {
+    pub(in crate::drift) const fn new(cycles: u32) -> Self {
         Self {
             cycles,
             per_cycle: ((1 << (24 + 32 - CYCLE_SPARE_BITS)) / cycles as u64) as u32, // at most 2³¹
@@ -51,7 +51,7 @@ impl TickPhase {
     }
 
     /// Phase `cycle` cycles into a tick.
-    pub(super) fn at(&self, cycle: u32, clock: TickClock) -> Phase {
+    pub(in crate::drift) fn at(&self, cycle: u32, clock: TickClock) -> Phase {
         // cycle / tick_cycles with 24 fraction bits; and of the turns of a tick, below ½, the upper 40: 2⁻²⁴ of a tick
         // is less than a cycle.
         let part = multiply_high(cycle << CYCLE_SPARE_BITS, clock.per_cycle).min(1 << 24);

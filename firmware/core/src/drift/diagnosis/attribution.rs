@@ -1,0 +1,124 @@
+//! Attribution: which axis a fault belongs to, and by which name it is reported.
+
+use crate::drift::axis_watch::{AxisWatch, Report};
+use crate::drift::detection::angles::in_common;
+use crate::drift::{DriftMonitor, Sensed};
+use crate::supervisor::{Fault, FaultKind};
+use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
+
+impl DriftMonitor {
+    /// Reports a fault that the sensors of one axis show.
+    pub(in crate::drift) fn report(
+        &mut self,
+        axis: usize,
+        (kind, by, within_limits): Report,
+        sensed: &Sensed<'_>,
+    ) {
+        // One axis alone cannot be compared with others.
+        let may_be_all = kind == FaultKind::IndexTimeout && self.watched().count_ones() > 1;
+        let all_lag = may_be_all && self.all_lag_by(self.lag(axis, sensed), sensed);
+        let fault = Fault::new(kind).on_axis(axis).with_size(by);
+        self.findings.push_lag(fault, within_limits, all_lag);
+    }
+
+    /// The cranks are beyond a limit: which of them, and why, if that is known.
+    #[inline(never)]
+    pub(in crate::drift) fn attribute(
+        &mut self,
+        kind: FaultKind,
+        error: &PerAxis<Turns>,
+        sensed: &Sensed<'_>,
+    ) {
+        if kind == FaultKind::CommonLag {
+            let size = self.limits.beyond_natural(&self.modes, sensed.speed);
+            let all_lag = self.all_lag_by(size.wrapping_neg(), sensed);
+            let fault = Fault::new(kind).with_size(size);
+            return self.findings.push_lag(fault, false, all_lag);
+        }
+        let kind = if self.finding_out {
+            FaultKind::HomingRangeExceeded
+        } else {
+            kind
+        };
+        // Cranks being apart, one of which something is known is the one that moved.
+        let worst = self.furthest(error);
+        let named = |axis: usize| self.axes.get(axis).and_then(AxisWatch::name);
+        let count = self.axes.len();
+        let known = (worst..count)
+            .chain(0..worst)
+            .find(|&axis| named(axis).is_some());
+        match known {
+            Some(axis) => self.push_axis(axis, named(axis).unwrap_or(kind)),
+            None => self.push_axis(worst, kind),
+        }
+    }
+
+    /// Turns by which an axis lags, beyond what belongs to the speed: its phase error, and what its next pulse is late.
+    fn lag(&self, axis: usize, sensed: &Sensed<'_>) -> Turns {
+        let value = |of: &PerAxis<Turns>| of.get(axis).copied().unwrap_or_default();
+        let late = match self.axes.get(axis) {
+            // A pulse that waits to be processed came, and does not show yet where.
+            Some(watch) if self.queue.pulsed & 1 << axis == 0 => watch.lateness(&sensed.over(axis)),
+            _ => Turns::ZERO,
+        };
+        let error = self
+            .axes
+            .get(axis)
+            .map_or(Turns::ZERO, AxisWatch::phase_error);
+        let ahead = nearest(error.wrapping_add(value(sensed.correction)))
+            .wrapping_add(self.limits.natural(sensed.speed));
+        late.wrapping_sub(ahead)
+    }
+
+    /// Returns true if every watched axis lags by at least three quarters of `lag`. Cranks that lag for a common reason lag about alike, where
+    /// flags at different places show it at different times; one that failed is alone.
+    #[inline(never)]
+    fn all_lag_by(&self, lag: Turns, sensed: &Sensed<'_>) -> bool {
+        let least = lag.wrapping_sub(lag / 4);
+        let watched = self.watched();
+        let mut axes = 0..self.axes.len();
+        lag > 0 && axes.all(|axis| watched & 1 << axis == 0 || self.lag(axis, sensed) >= least)
+    }
+
+    #[inline(never)]
+    pub(in crate::drift) fn push_axis(&mut self, axis: usize, kind: FaultKind) {
+        let size = self.phase_error.get(axis).copied().unwrap_or_default();
+        self.findings
+            .push(Fault::new(kind).on_axis(axis).with_size(size), false);
+    }
+
+    /// An axis does not turn as commanded. If its motor tracks, and the others are off alike, they lag in common.
+    #[inline(never)]
+    pub(in crate::drift) fn report_off_track(&mut self, axis: usize) {
+        const NONE: PerAxis<Turns> = [Turns::ZERO; MAX_AXES];
+        let Some(watch) = self.axes.get(axis) else {
+            return;
+        };
+        let mut error = NONE;
+        for (error, watch) in error.iter_mut().zip(&self.axes) {
+            *error = watch.tracking_error().unwrap_or_default();
+        }
+        let by = error.get(axis).copied().unwrap_or_default();
+        let others = self.encoders() & !(1 << axis);
+        let from_others = by.wrapping_sub(in_common(&error, &NONE, others));
+        let is_alike = others != 0 && from_others.wrapping_abs() <= watch.alone();
+        let fault = match watch.tracking() {
+            Some(kind) => Fault::new(kind).on_axis(axis),
+            None if is_alike => Fault::new(FaultKind::CommonLag),
+            None => Fault::new(FaultKind::Tilt).on_axis(axis),
+        };
+        self.findings.push(fault.with_size(by), false);
+    }
+
+    #[inline(never)]
+    pub(in crate::drift) fn find(
+        &mut self,
+        axis: usize,
+        kind: FaultKind,
+        by: Turns,
+        within_limits: bool,
+    ) {
+        let fault = Fault::new(kind).on_axis(axis).with_size(by);
+        self.findings.push(fault, within_limits);
+    }
+}

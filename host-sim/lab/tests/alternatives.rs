@@ -1,0 +1,62 @@
+//! The controller states which faults look alike to the sensors of an axis; the judge of a campaign has its own table of accepted names.
+//! Neither is made from the other, so they can contradict each other.
+
+use cophase_core::drift::alternatives;
+use cophase_core::supervisor::FaultKind;
+use cophase_lab::campaign::names::{Circumstances, accepted};
+use cophase_lab::campaign::plan::Plan;
+use host_sim::scene::Checked;
+use host_sim::scene::file::{Drive, FaultAt, FaultName};
+
+/// What happened, as the controller would call it if its sensors showed everything.
+fn cause(fault: &FaultAt) -> Option<FaultKind> {
+    let turns_back = fault.speed_hz.is_some_and(|speed_hz| speed_hz <= 0.0);
+    if fault.kind == FaultName::Runaway && turns_back {
+        return Some(FaultKind::Reversed);
+    }
+    let name = fault.kind.name();
+    FaultKind::ALL.into_iter().find(|kind| kind.name() == name)
+}
+
+/// If this fails, a user is given a name for another cause, and nothing says that the sensors cannot distinguish the two.
+#[test]
+fn a_name_that_is_accepted_for_another_cause_has_it_as_an_alternative() {
+    let plan = Plan::new(20, None).expect("a plan of drawn machines");
+    let mut compared = 0;
+    for number in 0..2000 {
+        let case = plan.case(number);
+        let fault = case.fault();
+        let (Some(cause), Some(axis)) = (cause(fault), fault.axis) else {
+            continue; // a load is no kind of fault
+        };
+        let checked = Checked::new(case.scene_of(false)).expect("a case that can be run");
+        let axis_settings = &checked.settings.axes[axis];
+        let has_encoder = checked.scene.axes.encoder;
+        for bits in 0..64_u8 {
+            let bit = |place: u8| bits >> place & 1 != 0;
+            let names = accepted(
+                fault,
+                Circumstances {
+                    has_encoder,
+                    is_stepper: checked.scene.drive(axis) == Drive::Stepper,
+                    watches_following_error: bit(0),
+                    in_homing: bit(1),
+                    is_beyond_limit: bit(2),
+                    opposed: bit(3),
+                    flags_apart: bit(4),
+                    stood_first: bit(5),
+                },
+            );
+            for name in names.into_iter().filter(|&name| name != cause) {
+                compared += 1;
+                assert!(
+                    alternatives(name, axis_settings).any(|other| other == cause),
+                    "{} is accepted for {} (encoder: {has_encoder}), which is none of its alternatives",
+                    name.name(),
+                    cause.name(),
+                );
+            }
+        }
+    }
+    assert!(compared > 10_000, "{compared} is hardly anything");
+}
