@@ -1,9 +1,9 @@
 //! Arbitrary feedback, as much of it as requested. `COPHASE_FUZZ_INPUTS` says how many ticks in all; without it there
 //! are few:
 //!
-//!     COPHASE_FUZZ_INPUTS=10000000 cargo test -p cophase-fuzz -- --nocapture
+//!     COPHASE_FUZZ_INPUTS=1000000000 cargo test -p cophase-fuzz --test fuzz -- --nocapture
 //!
-//! With overflow checks on, so not in release mode; ten million take some seconds. Every run plays
+//! With overflow checks on, so not in release mode; a billion take some minutes. Every run plays
 //! other cases. One that fails is made smaller, and reported with the seed that brings it back (`BOLERO_RANDOM_SEED`).
 
 use std::sync::Mutex;

@@ -5,7 +5,7 @@ mod sorting;
 mod tracking;
 
 pub use gate::place_gate;
-use gate::{cycle, gate, tolerance};
+use gate::{cycle, gate, slow, tolerance};
 pub(super) use sorting::Report;
 
 use super::detection::angles::{angle, of_angle};
@@ -15,7 +15,7 @@ use super::sensing::encoder_watch::{EncoderWatch, Read};
 use super::sensing::index_filter::BRIDGE_WIDTHS;
 use super::sensing::index_watch::{Detection, IndexWatch, Place};
 use super::sensing::tick_phase::{IndexPulse, TickClock, TickPhase};
-use crate::settings::{AxisSettings, turns};
+use crate::settings::{AxisSettings, Settings, turns};
 use crate::supervisor::FaultKind;
 use crate::units::{Phase, Turns, nearest};
 
@@ -64,8 +64,7 @@ impl AxisWatch {
     #[cold]
     pub(super) fn new(
         axis: &AxisSettings,
-        filter_s: f64,
-        tick_hz: u32,
+        settings: &Settings,
         reading: Turns,
         alone: Turns,
     ) -> Self {
@@ -81,14 +80,16 @@ impl AxisWatch {
         let is_cycle_too_far = cycle > 0 && alone < cycle.saturating_sub(tolerance);
         let overdue = alone.max(gate);
         let overdue_settled = if is_cycle_too_far { gate } else { overdue };
+        let tick_hz = settings.tick_hz;
         let ticks = |time_s: f64| time_s * f64::from(tick_hz) * 65_536.0;
         // From a pulse's edge until the filter reports it: what it bridges, and its width.
-        let filter_s = filter_s * f64::from(BRIDGE_WIDTHS + 1);
+        let filter_s = settings.index.width_us * 1e-6 * f64::from(BRIDGE_WIDTHS + 1);
         let place = |index: f64| Place {
             index: turns(index),
             flag: turns(axis.index_width_turns),
             delay: libm::round(ticks(axis.index_delay_s)) as u32,
             covered: libm::floor(65_536.0 - ticks(axis.index_delay_s + filter_s)) as i32,
+            slow: slow(tolerance, settings.limits.homing_speed_hz, tick_hz),
             gate,
             tolerance,
             // Where the crank is taken from an encoder, that one's noise comes on top, then and now.

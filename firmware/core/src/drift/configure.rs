@@ -64,13 +64,8 @@ impl DriftMonitor {
         self.mount = Mount::with(settings.axes.len(), sensed | by_encoder);
         self.axes.clear();
         for (i, axis) in settings.axes.iter().enumerate() {
-            let watch = AxisWatch::new(
-                axis,
-                settings.index.width_us * 1e-6,
-                settings.tick_hz,
-                limits.reading,
-                limits.alone(&self.mount, i),
-            );
+            let watch =
+                AxisWatch::new(axis, settings, limits.reading, limits.alone(&self.mount, i));
             let pushed = self.axes.push(watch);
             debug_assert!(pushed.is_ok(), "settings hold no more axes than these");
         }

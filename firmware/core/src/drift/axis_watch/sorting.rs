@@ -101,8 +101,7 @@ impl AxisWatch {
 
     /// The jump of the encoder that is unconfirmed, if there is one. It is settled with that.
     fn take_unconfirmed_jump(&mut self) -> Option<Turns> {
-        let unconfirmed_jump = core::mem::take(&mut self.encoder.as_mut()?.unconfirmed_jump);
-        (unconfirmed_jump != 0).then_some(unconfirmed_jump)
+        self.encoder.as_mut()?.unconfirmed_jump.take()
     }
 
     /// The first pulse of all: whatever moved before, here the crank is. A jump of the encoder is reported all the same.
@@ -185,6 +184,10 @@ impl AxisWatch {
         let Some(unconfirmed_jump) = self.take_unconfirmed_jump() else {
             return Sorted::default();
         };
+        if angle(unconfirmed_jump).unsigned_abs() <= self.gate {
+            // The reading came back, so the crank did not move by it.
+            return Sorted::undetected(Some((FaultKind::EncoderGlitch, unconfirmed_jump, true)));
+        }
         self.believe_moved(unconfirmed_jump);
         self.home = self.home.wrapping_add(angle(unconfirmed_jump));
         self.jump(unconfirmed_jump);

@@ -57,8 +57,8 @@ pub(in crate::drift) struct EncoderWatch {
     moving: bool,
     /// Turns made, as read, since the motor was last about where commanded, or moved about as commanded.
     made_since: Turns,
-    /// A jump that the index has to confirm.
-    pub(in crate::drift) unconfirmed_jump: Turns,
+    /// Sum of the jumps that the index has to confirm; about zero if the reading came back.
+    pub(in crate::drift) unconfirmed_jump: Option<Turns>,
     window: Window,
 }
 
@@ -93,7 +93,7 @@ impl EncoderWatch {
             held: None,
             moving: false,
             made_since: Turns::ZERO,
-            unconfirmed_jump: Turns::ZERO,
+            unconfirmed_jump: None,
             window: Window::default(),
         }
     }
@@ -108,7 +108,7 @@ impl EncoderWatch {
             held: None,
             moving: false,
             made_since: Turns::ZERO,
-            unconfirmed_jump: Turns::ZERO,
+            unconfirmed_jump: None,
             window: Window::default(),
             ..*self
         };
@@ -203,7 +203,8 @@ impl EncoderWatch {
             }
             if !is_jump(off) {
                 self.phase_error = self.phase_error.wrapping_add(off);
-                self.unconfirmed_jump = self.unconfirmed_jump.wrapping_add(held);
+                let before = self.unconfirmed_jump.unwrap_or_default();
+                self.unconfirmed_jump = Some(before.wrapping_add(held));
                 return Read::Jump { by: held };
             }
             self.moving = true;
@@ -255,7 +256,7 @@ impl EncoderWatch {
 
     /// The jump that was unconfirmed was real.
     pub(in crate::drift) fn believe(&mut self) {
-        self.phase_error = self.phase_error.wrapping_add(self.unconfirmed_jump);
-        self.unconfirmed_jump = Turns::ZERO;
+        let jump = self.unconfirmed_jump.take().unwrap_or_default();
+        self.phase_error = self.phase_error.wrapping_add(jump);
     }
 }

@@ -198,8 +198,9 @@ impl IndexWatch {
         before: Option<Turns>,
         clock: TickClock,
     ) -> Detection {
-        if commanded == 0 && !self.is_known() {
-            // A crank that swings where it was left may meet its flag at either end.
+        // So slow, a crank may swing back over either end of its flag.
+        let may_swing = commanded.abs() <= self.place.slow;
+        if may_swing && !self.is_known() {
             return Detection::Nothing;
         }
         let back = pulse.cycle.min(0).unsigned_abs();
@@ -223,13 +224,25 @@ impl IndexWatch {
         let at = tick
             .at(cycle.min(clock.cycles), clock)
             .advanced(Turns::from_bits(late.wrapping_neg()));
+        let begin = self.place.index;
+        let end = begin.wrapping_add(self.place.flag);
         // Going backward, a crank meets the flag's other end first.
-        let end = if commanded < 0 {
-            self.place.index.wrapping_add(self.place.flag)
+        let (first, other) = if commanded < 0 {
+            (end, begin)
         } else {
-            self.place.index
+            (begin, end)
         };
-        self.judge(nearest(Phase::from_turns(end).since(at)), at)
+        let offset_from = |end: Turns| nearest(Phase::from_turns(end).since(at));
+        let offset = offset_from(first);
+        if may_swing && !self.is_in_place(offset) && self.is_in_place(offset_from(other)) {
+            return Detection::Nothing;
+        }
+        self.judge(offset, at)
+    }
+
+    /// True if an offset is that of the last pulse, to within the gate.
+    fn is_in_place(&self, offset: Turns) -> bool {
+        nearest(offset.wrapping_sub(self.offset)).abs() <= self.place.gate
     }
 
     fn judge(&mut self, offset: Turns, at: Phase) -> Detection {
@@ -239,7 +252,7 @@ impl IndexWatch {
             return Detection::First;
         }
         let by = nearest(offset.wrapping_sub(self.offset));
-        if by.abs() <= self.place.gate {
+        if self.is_in_place(offset) {
             if at.since(self.detected_at) < HALF {
                 return Detection::Nothing; // the same passage
             }

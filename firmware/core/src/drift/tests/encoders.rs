@@ -149,6 +149,7 @@ fn encoder_and_index_check_each_other() {
     let reported = (FaultKind::EncoderGlitch, Some(1));
     assert_eq!(glitch(1.5, 1.505), [reported], "for a tick");
     assert_eq!(glitch(1.5, 99.0), [reported], "for good");
+    assert_eq!(glitch(1.5, 1.7), [reported], "and back before the index");
     let mut cranks = encoders(30.0);
     let mut settings = Vec::new();
     for _ in 0..1500 {

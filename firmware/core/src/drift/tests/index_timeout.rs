@@ -129,3 +129,39 @@ fn a_crank_that_swings_where_it_was_left_says_nothing() {
     assert_eq!(process_all(&mut monitor, &[turning; MAX_AXES]), []);
     assert!(monitor.is_homed());
 }
+
+/// A crank that comes to rest at the end of its flag swings over it. Were that a pulse elsewhere, a parked machine would report a crank
+/// that runs away. At speed, it is one.
+#[test]
+fn a_crank_that_rests_at_the_end_of_its_flag_says_nothing() {
+    for (turns, is_reported) in [(1e-6, false), (0.01, true)] {
+        let mut settings = settings(2, 3.0, 5.0, 15.0);
+        for axis in &mut settings.axes {
+            axis.index_width_turns = 0.02;
+        }
+        let mut cranks = Cranks::new(configured(&settings), 0.01);
+        cranks.turn(202, |_, _| 0.0);
+        cranks.monitor.settle();
+        let at_end = TickPhase {
+            start: Phase::from_turns(Turns::wrapping_from_num(2.02)),
+            turns: Turns::from_num(turns),
+        };
+        let mut pulses = [None; MAX_AXES];
+        pulses[1] = Some(IndexPulse { cycle: 0 });
+        let mut found = Vec::new();
+        for _ in 0..2 {
+            found.extend(detect(
+                &mut cranks.monitor,
+                &pulses,
+                &[0; MAX_AXES],
+                &[at_end; MAX_AXES],
+            ));
+            found.extend(process_all(&mut cranks.monitor, &[at_end; MAX_AXES]));
+        }
+        assert_eq!(
+            !found.is_empty(),
+            is_reported,
+            "{turns} turns a tick: {found:?}"
+        );
+    }
+}

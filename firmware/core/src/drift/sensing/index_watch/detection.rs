@@ -14,6 +14,8 @@ pub(in crate::drift) struct Place {
     /// Of a tick that is over, the part in which no flag can have come that is not reported yet, 16 fraction bits: the line is late,
     /// and its filter waits. Below zero where that takes longer than a tick.
     pub covered: i32,
+    /// Turns commanded in a tick in which a swinging rotor may go back all the same, at most.
+    pub slow: Turns,
     /// A pulse further than this from the last is out of place.
     pub gate: Turns,
     /// What two pulses of a crank that is where it was may be apart.
