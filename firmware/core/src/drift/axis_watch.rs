@@ -1,4 +1,4 @@
-//! All that watches one axis: its index sensor, its encoder, and what they show of its crank together.
+//! One axis of the monitor: its index sensor, its encoder, and the events of its crank.
 
 mod gate;
 mod sorting;
@@ -19,42 +19,42 @@ use crate::settings::{AxisSettings, Settings, turns};
 use crate::supervisor::FaultKind;
 use crate::units::{Phase, Turns, nearest};
 
-/// Index pulses over which what crank and encoder differ by is averaged: 2 to this power.
+/// The difference of crank and encoder is averaged over 2 to this power index pulses.
 const FILTER_SHIFT: u32 = 4;
 
 /// When a phase error is measured, where an encoder shows it all the time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Measured {
-    /// Now, with the noise of a reading.
+    /// In this tick, with the noise of a reading.
     Now,
-    /// As a mean over the last ticks.
+    /// Mean over the last ticks.
     Lately,
-    /// As the crank passed its flag last: what loads do to it is the same there in each turn. Of one without a flag, lately.
+    /// As the crank passed its flag last, where loads act alike in each turn. Without an index sensor as `Lately`.
     AtFlag,
-    /// As a mean over a turn.
+    /// Mean over a turn.
     OverTurn,
 }
 
-/// Watches one axis.
+/// Monitor of one axis.
 #[derive(Clone, Debug)]
 pub(super) struct AxisWatch {
     index: Option<IndexWatch>,
     encoder: Option<EncoderWatch>,
     detection: Detection,
     read: Read,
-    /// Where the tick began in which the encoder was read last, and where the one in which it jumped.
+    /// Phase at the beginning of the tick in which the encoder was read last, and of the one in which it jumped.
     began: Phase,
     jumped_at: Phase,
     /// Turns that an encoder measured in the tick before the one that is over.
     before: Turns,
-    /// What motor and command differed by as the index was detected last.
+    /// Phase error of the motor as the index was detected last.
     at_flag: Turns,
     tolerance: Turns,
-    /// Further than this angle from where it was, a crank has moved.
+    /// A crank that is further than this angle from its last place has moved.
     gate: u32,
-    /// So far off, this crank alone takes the platform beyond a limit.
+    /// Phase error with which this crank alone exceeds a limit.
     alone: Turns,
-    /// Offset at the last round, and where it was when all was well: angles.
+    /// Offset in the last round, and the offset from which drift is counted: angles.
     last: i32,
     home: i32,
     diagnosis: Diagnosis,
@@ -76,7 +76,7 @@ impl AxisWatch {
         } else {
             tolerance
         };
-        // One that is late by a gate has lost a cycle, or seems to. Where a cycle is too far, it may have been since a turn ago.
+        // A pulse that is late by a gate may show a lost cycle. If one cycle exceeds a limit, it may have done so for a turn.
         let is_cycle_too_far = cycle > 0 && alone < cycle.saturating_sub(tolerance);
         let overdue = alone.max(gate);
         let overdue_settled = if is_cycle_too_far { gate } else { overdue };
@@ -92,7 +92,7 @@ impl AxisWatch {
             slow: slow(tolerance, settings.limits.homing_speed_hz, tick_hz),
             gate,
             tolerance,
-            // Where the crank is taken from an encoder, that one's noise comes on top, then and now.
+            // With an encoder, the noise of two of its readings is added.
             sure: Turns::from_bits(tolerance.to_bits() << u32::from(axis.encoder)),
             overdue,
             overdue_settled,
@@ -121,7 +121,7 @@ impl AxisWatch {
         }
     }
 
-    /// Turns from the end of a tick until the next pulse of an axis by index is due; negative if it is.
+    /// Turns from the end of a tick until the next pulse of an axis without an encoder is due; negative if it is overdue.
     pub(super) fn margin(&self, commanded: &TickPhase) -> Turns {
         self.index
             .as_ref()
@@ -166,7 +166,7 @@ impl AxisWatch {
         let Some(encoder) = &mut self.encoder else {
             return false;
         };
-        // Where the motor is, not where commanded.
+        // The phase of the motor, not of its command.
         let start = commanded.start.advanced(encoder.phase_error());
         let (read, turns) = encoder.observe(count, commanded);
         self.read = read;
@@ -176,7 +176,7 @@ impl AxisWatch {
         if let Some(index) = &mut self.index {
             let measured = TickPhase { start, turns };
             let before = core::mem::replace(&mut self.before, turns);
-            // A motor's noise turns it back for a tick; its flag is met by the commanded travel.
+            // Noise may turn a motor back for a tick. The commanded sense decides which end of the flag it meets.
             let commanded_turns = commanded.turns;
             self.detection = match pulse {
                 Some(&pulse) => {
@@ -200,7 +200,7 @@ impl AxisWatch {
         }
     }
 
-    /// At the end of a round in which all others jumped by `jump`, and have walked by `walk`, of an axis by index.
+    /// Compares an axis without an encoder with the common motion of a round: `jump` since the last, and `walk` since all was well.
     pub(super) fn compare(&mut self, jump: i32, walk: i32) {
         let moved = self.moved();
         let own_jump = moved.0.wrapping_sub(jump);
@@ -221,7 +221,7 @@ impl AxisWatch {
         self.diagnosis.jump(by, is_ahead)
     }
 
-    /// How far the crank has gone since the last round, and since all was well.
+    /// Motion of the crank since the last round, and since all was well.
     pub(super) fn moved(&self) -> (i32, i32) {
         let now = angle(self.offset());
         (now.wrapping_sub(self.last), now.wrapping_sub(self.home))
@@ -255,12 +255,12 @@ impl AxisWatch {
         self.error(Measured::Now)
     }
 
-    /// So far off, this crank alone takes the platform beyond a limit.
+    /// Phase error with which this crank alone exceeds a limit.
     pub(super) const fn alone(&self) -> Turns {
         self.alone
     }
 
-    /// The same, whatever all have done since the others were detected.
+    /// Phase error with which it exceeds a limit, whatever the other cranks did since they were detected.
     pub(super) fn far(&self) -> Turns {
         self.alone.saturating_add(of_angle(self.gate as i32))
     }
@@ -269,18 +269,17 @@ impl AxisWatch {
         self.tolerance
     }
 
-    /// Whether its index is all that watches it.
+    /// True if the axis has no encoder.
     pub(super) const fn is_by_index(&self) -> bool {
         self.encoder.is_none()
     }
 
-    /// What no crank is off by that only swings about its place: a rotor that is half an electrical cycle from its field does not come
-    /// back to where it was.
+    /// Largest phase error of a crank that only swings. A rotor that is half an electrical cycle from its field does not come back.
     pub(super) fn swing(&self) -> Turns {
         of_angle(self.gate as i32).max(self.diagnosis.half_cycle())
     }
 
-    /// True if the crank, commanded to `phase`, stands no further from an end of its flag than its rotor swings.
+    /// True if the crank, commanded to `phase`, may swing over an end of its flag.
     pub(super) fn is_at_flag(&self, phase: Phase) -> bool {
         self.index
             .as_ref()
@@ -301,7 +300,7 @@ impl AxisWatch {
         }
     }
 
-    /// What a jump is called that nothing is known of but its size.
+    /// Name of a single jump, by its size alone.
     pub(super) fn name_of(&self, by: Turns) -> FaultKind {
         self.diagnosis.of_one(by)
     }
@@ -312,7 +311,7 @@ impl AxisWatch {
         index.map_or(Turns::ZERO, |index| index.lateness(commanded))
     }
 
-    /// Its pulse is late, or was until this tick, or nothing is expected of it.
+    /// True if the pulse of an axis without an encoder is late, or was until this tick, or if it has no index sensor.
     pub(super) fn is_late(&self) -> bool {
         let came_late = matches!(self.detection, Detection::Moved { by } if by < 0);
         let is_undetected = self.index.as_ref().is_none_or(IndexWatch::is_late);

@@ -1,4 +1,4 @@
-//! From settings to a drift monitor, in place.
+//! Configuration of the monitor from settings, in place.
 
 use super::axis_watch::AxisWatch;
 use super::detection::limits::DriftLimits;
@@ -50,7 +50,7 @@ impl DriftMonitor {
         }
     }
 
-    /// Begins anew with settings that have been checked.
+    /// Replaces the configuration by that of checked settings, and resets the monitor.
     #[cold]
     #[inline(never)]
     pub fn configure(&mut self, settings: &Settings) {

@@ -1,20 +1,20 @@
-//! The drift monitor: how far each crank is from where commanded, what that does to the platform, and what it is
-//! called.
+//! The phase-drift monitor. It measures the phase error of each crank, detects what is too large, and names the cause.
 //!
-//! Words: *drift* is measured minus commanded phase of one axis. An *index pulse* comes once a turn of a crank, when it passes
-//! its sensor; an *encoder*, where an axis has one, is read every tick. The cranks stand in a circle, so their N phase errors, with
-//! the trims that correct them, are taken apart into *modes*: common (all lag alike: harmless), tilt about two axes, and warp,
-//! which is what no flat platform can follow.
+//! A *phase error* is the measured minus the commanded phase of one axis. An *index pulse* comes once per turn of a crank, as it passes
+//! its sensor. An *encoder*, where an axis has one, is read in every tick. The cranks stand in a circle. So their N phase errors, with the
+//! trims that correct them, separate into *modes*: common (all lag alike, which is harmless), tilt about two axes, and warp, which no flat
+//! platform can follow.
 //!
-//! - [`IndexFilter`] makes pulses of noisy lines; `index_watch` believes them, or does not.
-//! - `encoder_watch` does the same for encoders. Of an axis that has both, the index shows what encoder and crank differ by.
-//! - [`Mount`] takes drifts apart, [`DriftLimits`] says which modes are too large, `diagnosis` what a crank that moved is called.
+//! - [`sensing`] turns lines and counts into phase errors. Where an axis has both sensors, the index shows by how much encoder and crank
+//!   differ.
+//! - `detection` compares the modes ([`Mount`]) with their limits ([`DriftLimits`]). It needs no name.
+//! - `diagnosis` names what moved a crank, and which other causes look the same ([`alternatives`]).
+//! - `axis_watch` holds what belongs to one axis, and `process` and `queue` spread the work over ticks.
 //!
-//! A *round* is over when every axis without an encoder has been detected since the last: phase errors of one turn are compared with
-//! each other and not with those of the turn before. What all cranks do alike is nobody's fault, and is taken out before one is
-//! named.
+//! A *round* is over when every axis without an encoder has been detected since the round before. So phase errors of the same turn are
+//! compared with each other. The motion that all cranks have in common is subtracted before one of them is named.
 //!
-//! What it does not do: decide what is done ([`mod@crate::supervisor::reaction`] does), or move anything.
+//! The monitor does not choose the reaction, which [`mod@crate::supervisor::reaction`] does, and moves nothing.
 
 mod axis_watch;
 mod configure;
@@ -42,12 +42,12 @@ use diagnosis::findings::Findings;
 use queue::Queue;
 use sensing::tick_phase::TickClock;
 
-/// What came in during a tick.
+/// Feedback of a tick, and what was commanded in it.
 #[derive(Clone, Copy, Debug)]
 pub struct Sensed<'a> {
     /// Index pulses.
     pub index: &'a PerAxis<Option<IndexPulse>>,
-    /// Encoder counts at its end, in the motors' own sense.
+    /// Encoder counts at the end of the tick, in the motors' own sense.
     pub encoder: &'a PerAxis<i32>,
     /// Phase of the master at the end of the tick that was planned last.
     pub phase: Phase,
@@ -57,7 +57,7 @@ pub struct Sensed<'a> {
     pub history: &'a History,
     /// Corrections that these phases contain.
     pub correction: &'a PerAxis<Turns>,
-    /// Turns that the master made in it.
+    /// Turns of the master in the tick.
     pub speed: Turns,
     /// False if updates should wait for the next tick.
     pub may_process: bool,
@@ -71,22 +71,22 @@ impl Sensed<'_> {
     }
 }
 
-/// Watches the drift of all axes.
+/// Monitor of the phase errors of all axes.
 #[derive(Clone, Debug)]
 #[repr(C)] // What every tick needs comes first: the board's instructions reach 32 bytes, or 128 by words.
 pub struct DriftMonitor {
-    /// The last call of [`Self::observe`] covered the tick before the one that is over.
+    /// True if the last call of [`Self::observe`] covered the tick before the one that is over.
     before_is_known: bool,
     is_busy: bool,
-    /// Phase errors, peaks or modes may have changed since [`Self::take_changed`] was called last.
+    /// True if phase errors, peaks or modes may have changed since the last call of [`Self::take_changed`].
     changed: bool,
     /// Axes that have an index sensor; that have no encoder besides; that have an encoder.
     sensed: AxisSet,
     by_index: AxisSet,
     by_encoder: AxisSet,
-    /// All updates of a tick are processed in it.
+    /// True if all updates of a tick are processed in that tick.
     at_once: bool,
-    /// Where the cranks stand is not known yet: what they are off by is nobody's fault.
+    /// True while homing finds out where the cranks stand. Until then a phase error is no fault.
     finding_out: bool,
     /// Axes by index detected in this round.
     detected: AxisSet,
@@ -96,12 +96,12 @@ pub struct DriftMonitor {
     is_homed: bool,
     /// Axes whose index has been detected since [`Self::start_check`].
     checked: AxisSet,
-    /// In the last round, axes by index were off by about what they were in the one before: all but those that moved of themselves.
+    /// True if in the last round the common phase error of axes without an encoder changed by no more than a reading error.
     is_even: bool,
-    /// They have been compared since, so that the end of this round shows nothing.
+    /// True if these axes were compared before the end of the round. The end of the round then shows nothing new.
     is_compared: bool,
     queue: Queue,
-    /// No pulse of an axis by index is due before its axis has made so many more turns; negative if that is not known.
+    /// Turns until the next pulse of an axis without an encoder can be due; negative if that is not known.
     margin: Turns,
     rounds: u32,
     /// Turns of the master over which the errors of encoders have been averaged, up to one.
@@ -113,7 +113,7 @@ pub struct DriftMonitor {
     modes: Modes,
     limits: DriftLimits,
     mount: Mount,
-    /// Meanwhile a crank was detected elsewhere than in the turn before, by so much.
+    /// Crank that moved during homing, as its index showed, and by how much.
     moved: Option<(usize, Turns)>,
     axes: heapless::Vec<AxisWatch, MAX_AXES>,
 }
@@ -122,7 +122,7 @@ pub struct DriftMonitor {
 const NO_MARGIN: Turns = Turns::from_bits(-1);
 
 impl DriftMonitor {
-    /// Takes note of a tick to which no phase belongs: sensors that were detected in it are alive.
+    /// Skips a tick whose phase is not known. A sensor that made a pulse in it works.
     pub fn disregard(&mut self, sensed: &Sensed<'_>) {
         self.before_is_known = false;
         self.margin = NO_MARGIN;
@@ -134,7 +134,7 @@ impl DriftMonitor {
         }
     }
 
-    /// What a jump of an axis is called that nothing is known of but its size.
+    /// Name of a single jump of an axis, by its size alone.
     pub fn name_of(&self, axis: usize, by: Turns) -> FaultKind {
         let watch = self.axes.get(axis);
         watch.map_or(FaultKind::Slip, |watch| watch.name_of(by))
@@ -149,7 +149,7 @@ impl DriftMonitor {
         self.known == self.sensed
     }
 
-    /// Whether the last tick had updates by index to process.
+    /// True if the last tick processed an update of an axis without an encoder.
     pub const fn is_busy(&self) -> bool {
         self.is_busy
     }
@@ -159,7 +159,7 @@ impl DriftMonitor {
         self.rounds
     }
 
-    /// Forgets what was measured: the cranks may have been turned while the drives were off. From now on they are homed.
+    /// Discards all measurements, because cranks may have been turned while the drives were off. Homing begins.
     pub fn reset(&mut self, phase: &PerAxis<Phase>) {
         self.detected = 0;
         self.known = 0;
@@ -185,18 +185,18 @@ impl DriftMonitor {
         self.moved.take()
     }
 
-    /// Phase error of each axis as it is known now, round or not, with little of the readings' noise and some ticks late.
+    /// Phase error of each axis, filtered: with less noise, and delayed by some ticks.
     pub fn filtered_error(&self) -> PerAxis<Turns> {
         self.errors(Measured::Lately)
     }
 
-    /// The same as each crank passed its flag last: to be compared with what it was a turn ago.
+    /// Phase errors as each crank passed its flag last, to be compared with those of a turn ago.
     pub fn errors_at_flags(&self) -> PerAxis<Turns> {
         self.errors(Measured::AtFlag)
     }
 
-    /// Phase errors of one turn: the mean of those that encoders show, and others as the cranks passed their flags. What loads do to a
-    /// crank differs by its angle, and a crank that swings where its rods let go is elsewhere there each time.
+    /// Phase errors of one turn: the mean of an encoder's, or the one at the flag. A load acts on a crank differently at each angle, so
+    /// a mean over less than a turn would depend on where it began.
     pub fn turn_errors(&self) -> PerAxis<Turns> {
         self.errors(Measured::OverTurn)
     }
@@ -225,7 +225,7 @@ impl DriftMonitor {
         }
     }
 
-    /// Whatever was detected, every index is to be detected again, and encoders to be read over a turn.
+    /// Starts a check: every index must be detected again, and encoders are averaged over a new turn.
     pub fn start_check(&mut self) {
         self.checked = 0;
         self.averaged = Turns::ZERO;
@@ -241,7 +241,7 @@ impl DriftMonitor {
             && self.is_turn_over()
     }
 
-    /// The cranks are where they are: from now on, what moves one of them is a fault.
+    /// Ends homing: from now on, motion of a crank away from its command is a fault.
     pub fn settle(&mut self) {
         self.finding_out = false;
         for watch in &mut self.axes {
@@ -249,7 +249,7 @@ impl DriftMonitor {
         }
     }
 
-    /// All phases are counted from elsewhere: every crank is `by` less ahead than it was.
+    /// Moves the zero of all phases, so that every phase error falls by `by`.
     pub fn shift(&mut self, by: Turns) {
         for watch in &mut self.axes {
             watch.shift(by.wrapping_neg());
@@ -259,14 +259,14 @@ impl DriftMonitor {
         self.changed = true;
     }
 
-    /// What a crank's reading may be off by, turns.
+    /// Largest error of a reading of an axis, turns.
     pub fn tolerance(&self, axis: usize) -> Turns {
         self.axes
             .get(axis)
             .map_or(Turns::ZERO, |watch| watch.tolerance())
     }
 
-    /// What a crank's readings differ by, at most, where its rotor only swings, turns.
+    /// Largest difference of two readings of a crank whose rotor only swings, turns.
     pub fn swing(&self, axis: usize) -> Turns {
         self.axes
             .get(axis)
@@ -297,7 +297,7 @@ impl DriftMonitor {
         furthest(error, self.watched())
     }
 
-    /// Whether the platform may tilt and bend so.
+    /// True if these phase errors keep the platform within its limits of tilt and warp.
     pub fn allows(&self, error: &PerAxis<Turns>) -> bool {
         self.limits.of_platform(&self.mount.modes(error)).is_none()
     }
@@ -313,7 +313,7 @@ impl DriftMonitor {
         self.sensed | self.encoders()
     }
 
-    /// Whether all updates of a tick are processed in it.
+    /// True if all updates of a tick are processed in that tick.
     const fn is_at_once(&self) -> bool {
         cfg!(feature = "servo") && self.at_once
     }
@@ -328,7 +328,7 @@ impl DriftMonitor {
         }
     }
 
-    /// Whether axes with an encoder are among them.
+    /// True if an axis has an encoder.
     pub const fn has_encoders(&self) -> bool {
         self.encoders() != 0
     }
@@ -338,7 +338,7 @@ impl DriftMonitor {
         &self.phase_error
     }
 
-    /// The largest of it so far, without sign.
+    /// Largest phase error of each axis so far, without sign.
     pub const fn peak(&self) -> &PerAxis<Turns> {
         &self.peak
     }
@@ -349,12 +349,12 @@ impl DriftMonitor {
         self.changed = true;
     }
 
-    /// Whether phase errors, their peaks or their modes may have changed since the last call.
+    /// True if phase errors, their peaks or their modes may have changed since the last call.
     pub const fn take_changed(&mut self) -> bool {
         core::mem::replace(&mut self.changed, false)
     }
 
-    /// The modes of the phase errors and their correction, as last taken.
+    /// Modes of the phase errors with their corrections, as last computed.
     pub const fn modes(&self) -> &Modes {
         &self.modes
     }

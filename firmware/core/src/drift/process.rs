@@ -1,11 +1,11 @@
-//! Processing of a tick: what came in it is queued, and one piece of the queued work is done.
+//! Processing of a tick: its feedback is queued, and one piece of the queued work is done.
 
 use super::detection::modes::AxisSet;
 use super::{DriftMonitor, Finding, Sensed};
 use crate::units::{MAX_AXES, Turns};
 
 impl DriftMonitor {
-    /// Takes in what came during a tick that is over; returns the next finding to report, if there is one.
+    /// Processes the feedback of a tick that is over. Returns the next finding to report, if there is one.
     #[inline(never)]
     pub fn observe(&mut self, sensed: &Sensed<'_>) -> Option<Finding> {
         let before_is_known = core::mem::replace(&mut self.before_is_known, true);
@@ -78,7 +78,7 @@ impl DriftMonitor {
         }
     }
 
-    /// Processes the pulses that are still queued of axes that have another: an axis has room for one.
+    /// Processes queued pulses of axes for which another pulse arrived, as the queue has room for one per axis.
     #[inline(never)]
     fn make_room(&mut self, arrived: AxisSet, sensed: &Sensed<'_>) {
         for axis in 0..MAX_AXES {
@@ -149,8 +149,8 @@ impl DriftMonitor {
         } else if self.queue.is_processed() {
             self.evaluate(sensed);
         } else if self.queue.other != 0 || arrived <= 1 {
-            // A timeout does not wait: the machine may have to be stopped. But reading the pulses of several axes takes as long as
-            // processing one.
+            // A timeout is processed at once, as the machine may have to be stopped. A pulse waits if several arrived: reading them took
+            // the time of processing one.
             if let Some(axis) = self.queue.next() {
                 self.process_axis(axis, sensed);
             }

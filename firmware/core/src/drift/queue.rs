@@ -34,11 +34,11 @@ impl QueuedPulse {
 
 /// Updates that are to be processed.
 #[derive(Clone, Debug)]
-#[repr(C)] // as the monitor
+#[repr(C)] // as in `DriftMonitor`
 pub(super) struct Queue {
     /// Axes with a queued pulse.
     pub(super) pulsed: AxisSet,
-    /// Axes with another update, an index timeout or one of an encoder, which is kept by their watch.
+    /// Axes with another update: an index timeout, or one of an encoder. Their `AxisWatch` holds it.
     pub(super) other: AxisSet,
     /// Axes of the present batch that are still to be processed.
     pub(super) batch: AxisSet,
@@ -55,7 +55,7 @@ pub(super) struct Queue {
 pub(super) enum Evaluation {
     /// Compare the axes with each other, once all have been processed.
     Compare,
-    /// Take the phase errors apart into modes.
+    /// Separate the phase errors into modes.
     Modes,
     /// Check the limits.
     Check,
@@ -88,8 +88,8 @@ impl Queue {
         self.batch | self.other == 0 && !self.is_evaluated()
     }
 
-    /// Takes the next axis. Timeouts come first, as the machine may have to be stopped, and as their reaction depends on whether all
-    /// axes are late.
+    /// Returns the next axis to process. Timeouts come first, for two reasons: the machine may have to be stopped, and the reaction
+    /// depends on whether all axes are late.
     pub(super) fn next(&mut self) -> Option<usize> {
         if self.batch == 0 {
             self.batch = self.pulsed;

@@ -1,4 +1,4 @@
-//! Tolerance of a reading, and how far a pulse may be from the one before.
+//! Widths that are derived from the settings of an axis: tolerance, gate, and slow speed.
 
 use crate::settings::{AxisSettings, turns};
 use crate::units::Turns;
@@ -14,14 +14,14 @@ pub(super) fn cycle(axis: &AxisSettings) -> Turns {
     turns(f64::from(axis.cycle_steps) / f64::from(axis.steps_per_turn))
 }
 
-/// Half way to the first cycle that may be lost, less what a reading is off; and no less than two readings differ by.
+/// Gate: half an electrical cycle less the error of a reading, but no less than two readings can differ by.
 pub(super) fn gate(tolerance: Turns, cycle: Turns) -> Turns {
     let widest = Turns::from_bits(tolerance.to_bits() * 4);
     if cycle <= 0 {
         return widest;
     }
     let (half, tolerance) = (cycle.to_bits() / 2, tolerance.to_bits());
-    // Where steps are so coarse that this is less than what readings differ by, only half a cycle can be distinguished.
+    // If steps are so coarse that this is less than two readings can differ by, the gate is half a cycle.
     let sure = half - tolerance;
     let most = if sure < 2 * tolerance { half } else { sure };
     widest.min(Turns::from_bits(most))

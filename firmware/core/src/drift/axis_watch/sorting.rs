@@ -1,7 +1,7 @@
-//! Evaluation of a tick's detections: index and encoder are compared with each other.
+//! Comparison of the index and the encoder of one axis.
 //!
-//! An encoder that jumped is *unconfirmed* until the index shows: a pulse where it was due shows that counts were lost; no pulse
-//! there shows that the crank moved. An index that is out of place, with an encoder that measured nothing, is a crank that slipped on its shaft.
+//! A jump of the encoder is *unconfirmed* until the index decides. A pulse in its place shows that counts were lost. No pulse there shows
+//! that the crank moved. If the index is out of place and the encoder has measured nothing, the crank slipped on its shaft.
 
 use super::AxisWatch;
 use crate::drift::detection::angles::{angle, of_angle};
@@ -10,18 +10,18 @@ use crate::drift::sensing::index_watch::Detection;
 use crate::supervisor::FaultKind;
 use crate::units::Turns;
 
-/// Index pulses that may stay away in a row, where an encoder watches.
+/// Missing index pulses in a row that are tolerated on an axis with an encoder.
 const MOST_MISSED: u8 = 2;
 
 /// Fault that is to be reported: its kind, its size, and whether the crank is still detected.
 pub(in crate::drift) type Report = (FaultKind, Turns, bool);
 
-/// What was sorted out of a tick.
+/// Result for one axis and one tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::drift) struct Sorted {
     /// The index shows where the crank is.
     pub is_detected: bool,
-    /// It is elsewhere, by so much.
+    /// The crank moved by so much, as the index shows.
     pub has_moved: Option<Turns>,
     /// Fault that is to be reported.
     pub reported: Option<Report>,
@@ -37,7 +37,7 @@ impl Sorted {
         }
     }
 
-    /// The index was detected, and shows that the crank is elsewhere, by so much.
+    /// The index was detected, and shows that the crank moved by so much.
     const fn moved(by: Turns) -> Self {
         Self {
             is_detected: true,
@@ -57,7 +57,7 @@ impl Sorted {
 }
 
 impl AxisWatch {
-    /// Sorts the detections of a tick. Where all axes are late together, a pulse may be so by `patience`.
+    /// Evaluates what index and encoder detected in a tick. If all axes are late together, a pulse may be late by `patience`.
     pub(in crate::drift) fn sort(&mut self, patience: Option<Turns>) -> Sorted {
         let mut sorted = match core::mem::replace(&mut self.detection, Detection::Nothing) {
             Detection::Nothing => Sorted::default(),
@@ -67,7 +67,7 @@ impl AxisWatch {
                 extra,
                 may_be_fast,
             } => {
-                // Which of the two it is, an encoder knows. (At three times its speed there are two between.)
+                // An encoder shows whether the crank runs fast. At three times its speed, two pulses come between.
                 let is_sure = !may_be_fast && !self.diagnosis.had_extra() || self.encoder.is_some();
                 Sorted::detected(self.in_place(was_overdue, extra, is_sure))
             }
@@ -77,7 +77,7 @@ impl AxisWatch {
             Detection::Running { .. } => Sorted::default(),
             Detection::Extra { by } => Sorted::undetected(Some(self.out_of_place(by))),
             Detection::Moved { by } => {
-                // It came twice in a turn, and not where it was: a crank that runs, or that moved once, and an extra pulse before.
+                // Two pulses in a turn, none in its place: the crank runs, or it moved and an extra pulse came before.
                 let may_run = self.diagnosis.had_extra() && self.encoder.is_none();
                 let reported = may_run.then_some((FaultKind::IndexExtra, by, false));
                 Sorted {
@@ -99,12 +99,12 @@ impl AxisWatch {
         sorted
     }
 
-    /// The jump of the encoder that is unconfirmed, if there is one. It is settled with that.
+    /// Takes the unconfirmed jump of the encoder, if there is one.
     fn take_unconfirmed_jump(&mut self) -> Option<Turns> {
         self.encoder.as_mut()?.unconfirmed_jump.take()
     }
 
-    /// The first pulse of all: whatever moved before, here the crank is. A jump of the encoder is reported all the same.
+    /// Takes in the first pulse of all, which shows where the crank is. A jump of the encoder before it is reported.
     fn first(&mut self) -> Option<Report> {
         self.home = angle(self.offset());
         let by = self.take_unconfirmed_jump()?;
@@ -115,7 +115,7 @@ impl AxisWatch {
         Some((kind, by, true))
     }
 
-    /// A pulse where it was due, and perhaps an extra one before it; unless it is not sure that it was extra.
+    /// Takes in a pulse in its place, and perhaps an extra one before it. If it is not `is_sure` that this was extra, the machine stops.
     fn in_place(
         &mut self,
         was_overdue: bool,
@@ -139,7 +139,7 @@ impl AxisWatch {
         None
     }
 
-    /// Another pulse out of place. Of a crank that is ahead already, and comes again before its time: it is on its way.
+    /// Takes in another pulse out of place. A crank that is ahead already, and comes early again, runs away.
     fn out_of_place(&mut self, by: Turns) -> Report {
         let is_ahead = self.diagnosis.has_jumped_ahead() && self.phase_error() > 0;
         if !self.diagnosis.had_extra() && !is_ahead {
@@ -153,15 +153,15 @@ impl AxisWatch {
         (FaultKind::Runaway, by, false)
     }
 
-    /// The crank is elsewhere, `by` as its index has it; by how much in all.
+    /// Takes in that the crank moved, by `by` as the index shows. Returns by how much in all.
     fn elsewhere(&mut self, by: Turns) -> Turns {
         self.diagnosis.pass_turn();
         if self.encoder.is_none() {
-            return by; // named when the round is over
+            return by; // named at the end of the round
         }
         let unconfirmed_jump = self.take_unconfirmed_jump().unwrap_or_default();
-        // Only where the encoder saw a jump as well did the motor move; else the crank did on its shaft. (One that passes its flag
-        // in the jump shows part of it.)
+        // If the encoder jumped as well, the motor moved; else the crank slipped on its shaft. A crank that passes its flag during the jump
+        // shows part of it.
         let (shown, jumped) = (
             angle(by).unsigned_abs(),
             angle(unconfirmed_jump).unsigned_abs(),
@@ -179,7 +179,7 @@ impl AxisWatch {
         by
     }
 
-    /// Nothing came where the crank would be had the encoder lost counts: if it jumped, the crank did.
+    /// Takes in that no pulse came where it would be if the encoder had lost counts. If the encoder jumped, so did the crank.
     fn nowhere(&mut self) -> Sorted {
         let Some(unconfirmed_jump) = self.take_unconfirmed_jump() else {
             return Sorted::default();
@@ -194,13 +194,13 @@ impl AxisWatch {
         Sorted::moved(unconfirmed_jump)
     }
 
-    /// No pulse for so long that the crank may be beyond its limit.
+    /// Takes in that a pulse is overdue, so that the crank may be beyond its limit.
     fn overdue(&mut self, patience: Option<Turns>) -> Option<Report> {
         let index = self.index.as_mut()?;
         if self.encoder.is_some() && index.is_known() {
             index.pass_over();
             if self.diagnosis.is_slipping() && index.is_settled() {
-                // Nor does an encoder vouch for a crank that slipped on its shaft in the turn before.
+                // The crank slipped on its shaft in the turn before, so the encoder does not show where it is.
                 return Some((FaultKind::Slip, self.alone.wrapping_neg(), false));
             }
             let within_limits = index.missed() <= MOST_MISSED;
@@ -227,7 +227,7 @@ impl AxisWatch {
                 index.decide_within_a_turn_of(self.jumped_at);
                 None
             }
-            // Nothing else shows where the crank is: it is believed.
+            // There is no index that could decide, so the jump counts.
             Read::Jump { by } if self.index.is_none() => {
                 encoder.believe();
                 self.jump(by);
@@ -242,7 +242,7 @@ impl AxisWatch {
         (FaultKind::IndexExtra, by, within_limits)
     }
 
-    /// Crank and encoder go apart, turn by turn.
+    /// Records that the crank moves away from its encoder, turn by turn.
     fn walk_by_encoder(&mut self) {
         let (_, walk) = self.moved();
         if walk.unsigned_abs() > self.gate {
@@ -254,7 +254,7 @@ impl AxisWatch {
 
 #[cfg(test)]
 impl AxisWatch {
-    /// Has no name for a slow walk: for tests of the limits alone.
+    /// Switches off the naming of slow slips, for tests of the limits alone.
     pub(in crate::drift) fn never_walks(&mut self) {
         self.gate = u32::MAX;
     }

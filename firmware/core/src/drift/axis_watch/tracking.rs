@@ -1,4 +1,4 @@
-//! How an axis moves as its encoder shows it, and the name of the fault in that.
+//! Motion of an axis by its encoder, and the name of the fault that it shows.
 
 use super::AxisWatch;
 use crate::drift::detection::angles::angle;
@@ -12,12 +12,12 @@ impl AxisWatch {
         self.tracking().or(self.diagnosis.name())
     }
 
-    /// True if it moved in the last turns, or does.
+    /// True if the crank moved in the last turns, or moves now.
     pub(in crate::drift) fn has_moved(&self) -> bool {
         self.name().is_some()
     }
 
-    /// How its motor moves, if that is why it is off.
+    /// Name of the motor's motion, if that is the cause of its phase error.
     pub(in crate::drift) fn tracking(&self) -> Option<FaultKind> {
         let encoder = self.encoder.as_ref()?;
         if angle(encoder.phase_error()).unsigned_abs() <= self.gate {
@@ -25,7 +25,7 @@ impl AxisWatch {
         }
         match encoder.tracking() {
             Tracking::Ok => None,
-            // One that is let go may spring back, and swing once to either side.
+            // A motor that is let go may spring back, and swing once to either side.
             Tracking::Stalled
                 if encoder.has_gone_back(self.swing().saturating_add(self.swing())) =>
             {
@@ -36,7 +36,7 @@ impl AxisWatch {
         }
     }
 
-    /// How far its encoder shows the motor from where commanded.
+    /// Phase error of the motor by its encoder.
     pub(in crate::drift) fn tracking_error(&self) -> Option<Turns> {
         self.encoder.as_ref().map(EncoderWatch::phase_error)
     }

@@ -1,9 +1,9 @@
-//! Angles of cranks as half a word, and what several of them have in common.
+//! Angles in 32 bits, and the common part of several of them.
 
 use super::modes::AxisSet;
 use crate::units::{FRACTION_BITS, MAX_AXES, Turns};
 
-/// What cranks are off by as an angle of 2⁻³² turn, which wraps as they do: half a word, and nothing to bring back within the turn.
+/// Angle in units of 2⁻³² turn. It wraps with the turn, so no sum or difference has to be reduced.
 pub(in crate::drift) const fn angle(turns: Turns) -> i32 {
     (turns.to_bits() >> ANGLE_CUT) as i32
 }
@@ -14,7 +14,7 @@ pub(in crate::drift) fn of_angle(angle: i32) -> Turns {
     Turns::from_bits(i64::from(angle) << ANGLE_CUT)
 }
 
-/// Angles of as many axes as there may be, of which some count.
+/// Up to `MAX_AXES` angles.
 #[derive(Default)]
 pub(in crate::drift) struct Angles {
     angles: [i32; MAX_AXES],
@@ -29,7 +29,7 @@ impl Angles {
         }
     }
 
-    /// What they have in common, or what the only one is.
+    /// Common part of the angles; of one angle, the angle itself.
     fn common_or_only(&mut self) -> i32 {
         match self.angles {
             [only, ..] if self.count == 1 => only,
@@ -37,13 +37,13 @@ impl Angles {
         }
     }
 
-    /// What they have in common.
+    /// Common part of the angles; 0 if there are fewer than two.
     pub(in crate::drift) fn common(&mut self) -> i32 {
         middle(self.angles.get_mut(..self.count).unwrap_or_default())
     }
 }
 
-/// Of a set, the axis whose error is furthest from what they have in common.
+/// Axis of a set whose phase error is furthest from the common part.
 #[inline(never)]
 pub(in crate::drift) fn furthest(errors: &[Turns], set: AxisSet) -> usize {
     let axes = || {
@@ -60,7 +60,7 @@ pub(in crate::drift) fn furthest(errors: &[Turns], set: AxisSet) -> usize {
         .map_or(0, |(axis, _)| axis)
 }
 
-/// What the axes of a set are off by in common, with their corrections. Of one alone, that.
+/// Common phase error of a set of axes, with their corrections; of one axis, its own.
 #[inline(never)]
 pub(in crate::drift) fn in_common(errors: &[Turns], corrections: &[Turns], set: AxisSet) -> Turns {
     let mut angles = Angles::default();
@@ -72,11 +72,11 @@ pub(in crate::drift) fn in_common(errors: &[Turns], corrections: &[Turns], set: 
     of_angle(angles.common_or_only())
 }
 
-/// What all of `values`, wrapping angles, have in common when few of them differ: the middle one; of two middle ones the smaller, so
-/// that of two axes the one counts as moved that moved more. Sorts them.
+/// Common part of `values`, wrapping angles: their median, as few axes fail at once. Of two middle values it is the smaller, so that of
+/// two axes the one that moved more counts as moved. Sorts the values.
 #[inline(never)]
 fn middle(values: &mut [i32]) -> i32 {
-    // As many as six: a sort of the library's has more to set up than to do, and lies in the flash.
+    // There are at most six values. The sort of the core library would take longer, and would run from the flash.
     for placed in 1..values.len() {
         let Some((last, before)) = values.get_mut(..=placed).and_then(<[i32]>::split_last_mut)
         else {
@@ -92,7 +92,7 @@ fn middle(values: &mut [i32]) -> i32 {
     }
     let count = values.len();
     if count < 2 {
-        return 0; // of one alone nobody knows what all do
+        return 0; // one axis alone shows no common part
     }
     let low = values.get(count.saturating_sub(1) / 2).copied();
     let high = values.get(count / 2).copied();

@@ -1,4 +1,4 @@
-//! Evaluation of the updates: what a single axis shows, what the axes of a round show together, and the limits.
+//! Evaluation of updates: of one axis, of all axes of a round, and against the limits.
 
 use super::angles::{Angles, in_common, of_angle};
 use super::modes::AxisSet;
@@ -9,8 +9,8 @@ use crate::supervisor::FaultKind;
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
 
 impl DriftMonitor {
-    /// Sorts the update of an axis: a pulse, or a timeout or an encoder's. Returns true if the crank moved so far that the others are
-    /// not waited for.
+    /// Evaluates the update of one axis: a pulse, a timeout or an encoder's reading. Returns true if the crank moved so far that the
+    /// evaluation does not wait for the others.
     #[inline(never)]
     pub(in crate::drift) fn sort(
         &mut self,
@@ -40,10 +40,10 @@ impl DriftMonitor {
         } else {
             watch.far()
         };
-        // One that was late, and comes while all are stopped for that, is reported with what it did before they stand.
+        // A late pulse that comes during the stop names the fault before the machine stands.
         let is_waited_for = has_moved.is_some() && self.findings.has_requested_stop();
         let is_far = sorted.is_detected && (off > most || is_waited_for);
-        // A crank was not detected for a time during homing; the place where it shows again shows what it did.
+        // In homing, the pulse that ends a time without pulses shows by how much the crank moved.
         if let Some(by) = has_moved
             && self.finding_out
             && self.findings.has_requested_stop()
@@ -61,7 +61,7 @@ impl DriftMonitor {
         is_far
     }
 
-    /// Plays one step of the evaluation of the axes that were updated.
+    /// Does one step of the evaluation of a batch.
     #[inline(never)]
     pub(in crate::drift) fn evaluate(&mut self, sensed: &Sensed<'_>) {
         let goes_on = match self.queue.evaluation {
@@ -78,17 +78,16 @@ impl DriftMonitor {
         }
     }
 
-    /// Draws the conclusions from the axes that were updated, of which some have moved far. Returns true if limits are to be
-    /// checked.
+    /// Compares the axes, if those that were updated end a round or have moved far. Returns true if limits are to be checked.
     fn conclude(&mut self) -> bool {
         let updated = core::mem::take(&mut self.queue.updated);
         let moved = core::mem::take(&mut self.queue.moved);
         let round =
             updated != 0 && self.detected & self.by_index == self.by_index && self.detected != 0;
         if self.finding_out && self.are_known() && updated != 0 && !round {
-            // All turn at homing speed alike: what was detected a turn ago is as good.
+            // All axes turn at homing speed, so phase errors of a turn ago are comparable.
         } else if moved != 0 && !round && !self.finding_out && self.others_are_detected(moved) {
-            // It is not waited for the others, of which none is late: they have not moved with it.
+            // No other axis is late, so none moved with this one, and the round need not end first.
             self.compare();
             self.is_compared = true;
         } else if round {
@@ -100,7 +99,7 @@ impl DriftMonitor {
                 self.is_even = is_whole && others_moved <= self.limits.reading;
             }
         } else {
-            // What all have in common is what it was in the round before, so that a crank may be held against others of a turn ago.
+            // If the common part did not change in the last round, this crank is comparable with the others of a turn ago.
             return self.encoders() != 0 || self.is_even && self.others_are_detected(updated);
         }
         true
@@ -123,13 +122,12 @@ impl DriftMonitor {
         axes.all(|(axis, watch)| others & 1 << axis == 0 || !watch.is_late())
     }
 
-    /// Names the axes by index that moved otherwise than the others in this round; what these moved by.
+    /// Compares the axes without an encoder, and records those that moved otherwise than the others. Returns the common motion.
     pub(in crate::drift) fn compare(&mut self) -> Turns {
         of_angle(compare(&mut self.axes, self.by_index))
     }
 
-    /// The axis that is furthest from all others, and by how much, if the cranks as they stand would tilt or bend the platform beyond its
-    /// limits.
+    /// Axis that is furthest from all others, and by how much, if the cranks exceed a limit of the platform as they stand.
     pub fn left_beyond_limits(&self, correction: &PerAxis<Turns>) -> Option<(usize, Turns)> {
         let errors = self.errors_to_first(correction, true);
         if self.allows(&errors) {
@@ -149,8 +147,8 @@ impl DriftMonitor {
         self.errors_to_first(correction, self.finding_out)
     }
 
-    /// Phase errors with their corrections. While nobody knows the common zero, they may lie around half a turn: then their `differences`
-    /// to the first are what counts.
+    /// Phase errors with their corrections. In homing the common zero is not known, and phase errors may lie around half a turn. Then
+    /// only their `differences` to the first axis are used.
     #[inline(never)]
     fn errors_to_first(&self, correction: &PerAxis<Turns>, differences: bool) -> PerAxis<Turns> {
         let mut error = self.phase_error;
@@ -165,7 +163,7 @@ impl DriftMonitor {
         error
     }
 
-    /// Takes the phase errors apart into modes; returns false if not all of them are known.
+    /// Computes the modes of the phase errors. Returns false if not all phase errors are known.
     #[inline(never)]
     pub(in crate::drift) fn update_modes(&mut self, sensed: &Sensed<'_>) -> bool {
         if self.finding_out {
@@ -179,7 +177,7 @@ impl DriftMonitor {
         true
     }
 
-    /// Compares the modes with the limits, and reports what was named.
+    /// Compares the modes with the limits, and reports events that are new.
     #[inline(never)]
     pub(in crate::drift) fn check(&mut self, sensed: &Sensed<'_>) {
         let exceeded = self.exceeded(sensed.speed);
@@ -199,7 +197,8 @@ impl DriftMonitor {
 
     /// The limit that the cranks exceed, if they do: of the platform, or of the common lag.
     pub(in crate::drift) fn exceeded(&self, speed: Turns) -> Option<FaultKind> {
-        // Where cranks were left, or tilted to prove their wiring, they stay; one that has moved goes on, and may be past already.
+        // In homing a crank stays where it was left, or was moved to prove its wiring, so the true limit applies. A crank that has moved
+        // goes on, and may be beyond the true limit while its reading is not.
         let goes_on = || !self.finding_out && self.axes.iter().any(AxisWatch::has_moved);
         let may_be = self.limits.of_readings(&self.modes);
         let exceeded = may_be.and_then(|kind| {
@@ -215,8 +214,7 @@ impl DriftMonitor {
         self.limits.of_common(&self.modes, speed)
     }
 
-    /// While nobody knows where the cranks should be, encoders still show an axis that does not turn as commanded; of all that do not,
-    /// too, whose phase errors are alike.
+    /// Reports axes whose encoder shows that they do not turn as commanded. This works in homing too, and if all of them lag alike.
     pub(in crate::drift) fn check_encoders(&mut self) {
         for axis in 0..self.axes.len().min(MAX_AXES) {
             if self.axes.get(axis).is_some_and(AxisWatch::is_off_track) {
@@ -226,7 +224,7 @@ impl DriftMonitor {
     }
 }
 
-/// Compares what each axis of a set did in a round with what they did in common, which it gives.
+/// Compares the motion of each axis of a set in a round with their common motion, and returns the latter.
 #[inline(never)]
 fn compare(axes: &mut [AxisWatch], set: AxisSet) -> i32 {
     let (mut jumps, mut walks) = (Angles::default(), Angles::default());

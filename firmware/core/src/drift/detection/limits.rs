@@ -1,4 +1,4 @@
-//! How far the modes may go.
+//! Limits on the modes.
 
 use super::modes::{Modes, Mount};
 use crate::functions::multiply;
@@ -7,7 +7,7 @@ use crate::settings::{DriftSettings, MachineSettings, turns};
 use crate::supervisor::FaultKind;
 use crate::units::Turns;
 
-/// Of the platform.
+/// Limits of the platform, turns of crank angle.
 #[derive(Clone, Copy, Debug)]
 struct Limits {
     tilt: Turns,
@@ -16,7 +16,7 @@ struct Limits {
 }
 
 impl Limits {
-    /// The limit that the platform exceeds, if it does.
+    /// Limit that the modes exceed, if they do.
     fn exceeded(&self, modes: &Modes) -> Option<FaultKind> {
         if square(modes.tilt_x) + square(modes.tilt_y) > self.tilt_squared {
             Some(FaultKind::Tilt)
@@ -34,24 +34,24 @@ impl Limits {
 /// mount radius ρ tilts it by s(α) R e/ρ. The limit is for the crank angle at which that is worst, so
 /// that one measurement a turn bounds the tilt over the whole turn.
 ///
-/// A crank beyond a limit is to be noticed whatever its reading is off by: where one has moved, the machine is stopped by a reading's
-/// error sooner. That is one crank's error, taken off each mode; with all readings off at once a tilt errs by up to √2 of it, and
-/// with sensors missing by more ([`Mount::with`]).
+/// A crank beyond a limit must be detected whatever the error of its reading is. So where one has moved, the limits are lower by a
+/// reading error. That covers the error of one crank in each mode. If all readings err at once, a tilt errs by up to √2 of it, and by
+/// more if sensors are missing ([`Mount::with`]).
 #[derive(Clone, Copy, Debug)]
 pub struct DriftLimits {
-    /// Up to where the cranks may be.
+    /// Limits on the cranks themselves.
     true_limits: Limits,
-    /// Up to where readings may have them.
+    /// Limits on readings of cranks that have moved: lower by a reading error.
     read: Limits,
     pub(in crate::drift) common: Turns,
-    /// Ticks by which all follow late by their nature, 16 fraction bits.
+    /// Delay with which all axes follow, `lag_us` in ticks, 16 fraction bits.
     lag: i64,
-    /// What a reading may be off by, of itself.
+    /// Error of a reading, turns.
     pub(in crate::drift) reading: Turns,
 }
 
 impl DriftLimits {
-    /// Of no machine: nothing may be off.
+    /// Limits of a monitor without axes: zero.
     pub(in crate::drift) const NONE: Self = {
         const NONE: Limits = Limits {
             tilt: Turns::ZERO,
@@ -78,7 +78,7 @@ impl DriftLimits {
         let warp = turns(settings.warp_limit_deg / 360.0);
         let reading = turns(settings.reading_error_deg / 360.0);
         let limits = |guard: Turns| {
-            // Of limits no wider than what a reading may be off by, something is left.
+            // A limit that is narrower than two reading errors is halved, so that some of it is left.
             let less = |limit: Turns| limit.wrapping_sub(guard).max(limit / 2);
             Limits {
                 tilt: less(tilt),
@@ -95,32 +95,32 @@ impl DriftLimits {
         }
     }
 
-    /// The limit that the platform exceeds, if it does: of the modes that make it tilt and bend.
+    /// Limit of tilt or warp that the modes exceed, if they do.
     pub(in crate::drift) fn of_platform(&self, modes: &Modes) -> Option<FaultKind> {
         self.true_limits.exceeded(modes)
     }
 
-    /// Which it may be past, by what readings of the cranks have.
+    /// Limit that a moved crank may exceed, given the error of its reading.
     pub(in crate::drift) fn of_readings(&self, modes: &Modes) -> Option<FaultKind> {
         self.read.exceeded(modes)
     }
 
-    /// The limit on what all cranks have in common, if they are beyond it, at a speed of the master (turns a tick).
+    /// The common lag as a fault, if it exceeds its limit at this speed of the master, turns per tick.
     pub(in crate::drift) fn of_common(&self, modes: &Modes, speed: Turns) -> Option<FaultKind> {
         (self.beyond_natural(modes, speed).abs() > self.common).then_some(FaultKind::CommonLag)
     }
 
-    /// The common lag less what belongs to the speed.
+    /// Common phase error beyond the lag that belongs to the speed.
     pub(in crate::drift) fn beyond_natural(&self, modes: &Modes, speed: Turns) -> Turns {
         modes.common.wrapping_add(self.natural(speed))
     }
 
-    /// The lag that belongs to the speed.
+    /// Lag that belongs to the speed: speed times `lag_us`.
     pub(in crate::drift) fn natural(&self, speed: Turns) -> Turns {
         Turns::from_bits((speed.to_bits() >> 16).wrapping_mul(self.lag))
     }
 
-    /// By how much one axis alone must seem off for some limit to be passed.
+    /// Phase error with which one axis alone exceeds a limit, turns.
     #[cold]
     pub(in crate::drift) fn alone(&self, mount: &Mount, axis: usize) -> Turns {
         let (tilt, warp) = mount.alone(axis);
@@ -132,7 +132,7 @@ impl DriftLimits {
             }
         };
         let least = most(self.read.tilt, tilt).min(most(self.read.warp, warp));
-        // A platform of which nothing is known but how far all lag.
+        // With one sensor, only the common lag is known.
         let common = self.common.to_num::<f64>() * mount.count() as f64;
         turns(least.min(common).min(0.25))
     }

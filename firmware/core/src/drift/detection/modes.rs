@@ -6,9 +6,8 @@
 //! b = 2/N Σ e sin θ. Two axes have only one tilt, a = (e₀ − e₁)/2, and b is 0. Up to three axes
 //! there is no warp.
 //!
-//! Where some axes have no sensor there are fewer equations ([`Knowledge`] says how many), and the best plane through those that
-//! are detected is another sum with other weights. Errors of the plane grow with what has to be extrapolated: the axis opposite
-//! three neighbours of six is known six times worse than these.
+//! If some axes have no sensor, there are fewer equations ([`Knowledge`] says how many), and the weights of the best plane differ.
+//! Errors of the plane grow as it is extrapolated: opposite three neighbours of six they are six times as large.
 
 use crate::functions::multiply_q30;
 use crate::units::{MAX_AXES, PerAxis, Turns};
@@ -18,18 +17,18 @@ use crate::units::{MAX_AXES, PerAxis, Turns};
 pub struct Modes {
     /// Mean of all: lag if negative.
     pub common: Turns,
-    /// Amplitude of cos θ: axis 0's side up or down.
+    /// Amplitude of cos θ: tilt towards axis 0.
     pub tilt_x: Turns,
     /// Amplitude of sin θ.
     pub tilt_y: Turns,
     /// Largest deviation, without sign, of an axis from the plane through all.
     pub warp: Turns,
-    /// The axis that deviates so.
+    /// Axis with that deviation.
     pub warp_axis: usize,
 }
 
 impl Modes {
-    /// No error at all.
+    /// Modes of cranks without phase errors.
     pub const ZERO: Self = Self {
         common: Turns::ZERO,
         tilt_x: Turns::ZERO,
@@ -50,47 +49,46 @@ impl Modes {
 /// A set of axes: a bit for each.
 pub type AxisSet = u8;
 
-/// Modes that axes show of a platform on which they stand evenly, when some or all of them are detected.
+/// Weights that separate the phase errors of evenly spaced axes into modes. Some or all axes have sensors.
 #[derive(Clone, Debug)]
 pub struct Mount {
     /// Weights of the phase errors, 28 fraction bits; zero for those that are not detected.
     common: PerAxis<i32>,
     tilt_x: PerAxis<i32>,
     tilt_y: PerAxis<i32>,
-    /// Where they stand, 30 fraction bits.
+    /// Cosine and sine of the angles of the axes, 30 fraction bits.
     cosine: PerAxis<i32>,
     sine: PerAxis<i32>,
     detected: AxisSet,
     count: usize,
 }
 
-/// Fraction bits that are dropped of a phase error: ±½ turn then has 30 bits, and so has a sum of six, each below its phase
-/// error.
+/// Fraction bits that are dropped of a phase error. ±½ turn then fits 30 bits, and so does a weighted sum of six.
 const DROPPED_BITS: u32 = 19;
 
 /// Fraction bits of a product of a drift and a weight, less those of a drift.
 const WEIGHT_BITS: u32 = 28;
 
-/// One turn, as phase errors times weights have it.
+/// One turn in the unit of phase error times weight.
 const ONE_TURN_OF_SUM: i32 = 1 << (Turns::FRAC_NBITS - DROPPED_BITS + WEIGHT_BITS - 30);
 
-/// How much a set of axes shows.
+/// Modes that a set of axes shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Knowledge {
     /// Nothing.
     Nothing,
-    /// One axis: it stands for all, and nobody knows of a tilt.
+    /// One axis: it stands for all. Tilt is not known.
     Common,
-    /// Two: what they have in common, and the least tilt that explains their difference.
+    /// Two: the common part, and the least tilt that explains their difference.
     OneTilt,
-    /// Three: a plane, and nothing to check it by.
+    /// Three: a plane. Warp is not known.
     Plane,
-    /// Four and more: the plane that fits best, and what is off from it.
+    /// Four and more: the plane that fits best, and the deviations from it.
     All,
 }
 
 impl Mount {
-    /// Of no axes.
+    /// Mount without axes.
     pub(in crate::drift) const NONE: Self = Self {
         common: [0; MAX_AXES],
         tilt_x: [0; MAX_AXES],
@@ -155,12 +153,12 @@ impl Mount {
         }
     }
 
-    /// How many axes there are.
+    /// Number of axes.
     pub(in crate::drift) const fn count(&self) -> usize {
         self.count
     }
 
-    /// Knowledge that these axes give.
+    /// Modes that these axes show.
     pub const fn knowledge(&self) -> Knowledge {
         match self.detected.count_ones() {
             0 => Knowledge::Nothing,
@@ -171,7 +169,7 @@ impl Mount {
         }
     }
 
-    /// The tilt, and the warp of its own, that an axis makes which is off by one, alone.
+    /// Tilt, and warp of the axis itself, if this axis alone has a phase error of one.
     #[cold]
     pub(in crate::drift) fn alone(&self, axis: usize) -> (f64, f64) {
         let float = |value: i32, bits: u32| f64::from(value) / f64::from(1_u32 << bits);

@@ -21,7 +21,7 @@ impl DriftMonitor {
         self.findings.push_lag(fault, within_limits, all_lag);
     }
 
-    /// The cranks are beyond a limit: which of them, and why, if that is known.
+    /// Reports that a limit is exceeded: by which axis, and with the name of the cause if it is known.
     #[inline(never)]
     pub(in crate::drift) fn attribute(
         &mut self,
@@ -40,7 +40,7 @@ impl DriftMonitor {
         } else {
             kind
         };
-        // Cranks being apart, one of which something is known is the one that moved.
+        // The cranks differ. A crank with a recorded event is the one that moved, even if another one is further from the rest.
         let worst = self.furthest(error);
         let named = |axis: usize| self.axes.get(axis).and_then(AxisWatch::name);
         let count = self.axes.len();
@@ -53,11 +53,11 @@ impl DriftMonitor {
         }
     }
 
-    /// Turns by which an axis lags, beyond what belongs to the speed: its phase error, and what its next pulse is late.
+    /// Lag of an axis beyond the lag that belongs to the speed, turns: its phase error, and the delay of its next pulse.
     fn lag(&self, axis: usize, sensed: &Sensed<'_>) -> Turns {
         let value = |of: &PerAxis<Turns>| of.get(axis).copied().unwrap_or_default();
         let late = match self.axes.get(axis) {
-            // A pulse that waits to be processed came, and does not show yet where.
+            // If a pulse waits in the queue, the delay is not known yet.
             Some(watch) if self.queue.pulsed & 1 << axis == 0 => watch.lateness(&sensed.over(axis)),
             _ => Turns::ZERO,
         };
@@ -87,7 +87,7 @@ impl DriftMonitor {
             .push(Fault::new(kind).on_axis(axis).with_size(size), false);
     }
 
-    /// An axis does not turn as commanded. If its motor tracks, and the others are off alike, they lag in common.
+    /// Reports an axis that does not turn as commanded. If its motor follows, and the others lag alike, the fault is a common lag.
     #[inline(never)]
     pub(in crate::drift) fn report_off_track(&mut self, axis: usize) {
         const NONE: PerAxis<Turns> = [Turns::ZERO; MAX_AXES];

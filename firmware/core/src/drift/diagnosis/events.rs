@@ -1,4 +1,4 @@
-//! Diagnosis of one axis: what its last events are called.
+//! Names for what moved one crank, by its last events.
 //!
 //! | last events | name |
 //! | --- | --- |
@@ -14,7 +14,7 @@ use crate::drift::detection::angles::{angle, of_angle};
 use crate::supervisor::FaultKind;
 use crate::units::{Turns, nearest};
 
-/// Events that are kept. If all of them are extra pulses, within as many turns, the sensor has failed.
+/// Number of events that are kept. If all of them are extra pulses within as many turns, the sensor has failed.
 const EVENTS: usize = 4;
 
 /// Turns after which an event no longer explains where the crank is.
@@ -28,9 +28,9 @@ const MOST_GAINED: i64 = 4;
 enum What {
     /// Nothing, yet.
     Nothing,
-    /// The crank is elsewhere than in the turn before.
+    /// The crank moved since the turn before.
     Jump,
-    /// It moved on its shaft, or little by little.
+    /// The crank moved on its shaft, or slowly over many turns.
     Drift,
     /// Pulses came at the spacing of a crank that runs.
     Run,
@@ -46,7 +46,7 @@ struct Event {
     age: u8,
     /// Not reported yet.
     is_new: bool,
-    /// By how far, an angle.
+    /// Size, an angle.
     by: i32,
 }
 
@@ -119,7 +119,7 @@ impl Diagnosis {
         name
     }
 
-    /// Records that the crank moved on its shaft, or little by little.
+    /// Records that the crank moved on its shaft, or slowly over many turns.
     pub(in crate::drift) fn drift(&mut self, by: Turns) {
         self.record(What::Drift, FaultKind::Slip, by);
     }
@@ -194,8 +194,8 @@ impl Diagnosis {
         let Some(before) = before else {
             return self.of_one(by);
         };
-        // What runs away gains more in its second turn than in what was left of the first. A crank that makes up for a lag does so, too, but
-        // stays behind.
+        // A runaway gains more in its second turn than in the rest of its first. A crank that makes up for a lag does so too, but stays
+        // behind.
         let gains = is_ahead && by > 0 && (by > before || earlier.is_some());
         // A crank that passes its index while it jumps shows part of it then, and the rest a turn later.
         let whole = self.is_whole(by) && self.is_whole(before)
@@ -209,7 +209,7 @@ impl Diagnosis {
         }
     }
 
-    /// Name of one jump that stands for itself.
+    /// Name of a single jump.
     pub(in crate::drift) fn of_one(&self, by: Turns) -> FaultKind {
         if self.is_whole(by) {
             FaultKind::LostSteps
@@ -218,8 +218,8 @@ impl Diagnosis {
         }
     }
 
-    /// The same of two parts of a jump. Of large jumps one in four is whole by chance: what gains more than a few cycles is no stepper
-    /// that was pulled on, but one that runs away.
+    /// True if two parts of a jump add up to whole cycles, and to no more than a few. One large jump in four is whole by chance, and a
+    /// stepper that gains more than a few cycles runs away.
     fn is_whole_in_two(&self, by: Turns) -> bool {
         self.is_whole(by)
             && by.to_bits() <= MOST_GAINED * self.cycle.to_bits() + self.cycle.to_bits() / 2
@@ -232,7 +232,7 @@ impl Diagnosis {
         }
         let cycle = self.cycle.to_bits();
         let by = by.wrapping_abs().to_bits();
-        // Half a turn and more has 32 bits so, and a cycle is not below 2⁻¹⁴ turn: how many there are comes out right.
+        // With 17 bits dropped, half a turn fits 32 bits. A cycle is at least 2⁻¹⁴ turn, so their count is exact.
         let units = |turns: i64| (turns >> 17) as u32;
         let cycles = units(by + cycle / 2).checked_div(units(cycle)).unwrap_or(0);
         let off = nearest(Turns::from_bits(by - i64::from(cycles) * cycle));
@@ -240,7 +240,7 @@ impl Diagnosis {
     }
 }
 
-/// True if `new` says more than `old`, of the same axis in the same stop.
+/// True if `new` is a better name than `old` for a fault of the same axis in the same stop.
 pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
     const fn rank(kind: FaultKind) -> u8 {
         match kind {
@@ -252,7 +252,7 @@ pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
             | FaultKind::Capture => 0,
             FaultKind::LostSteps | FaultKind::Slip => 1,
             FaultKind::IndexMissing | FaultKind::Stuck | FaultKind::Runaway => 2,
-            // At first a crank may seem to stand. One that turns back must not be driven on.
+            // A crank that turns back seems to stand at first. It must not be driven on.
             FaultKind::Reversed => 3,
             _ => 4,
         }
@@ -261,7 +261,7 @@ pub(crate) fn is_better(new: FaultKind, old: FaultKind) -> bool {
         return matches!(old, FaultKind::IndexTimeout);
     }
     let (new_rank, old_rank) = (rank(new), rank(old));
-    // Of lost steps and slip the later shows.
+    // Of lost steps and slip, the later name is the better one.
     let is_other_kind = new_rank == 1 && old_rank == 1 && new as u8 != old as u8;
     new_rank < 4 && (new_rank > old_rank || is_other_kind)
 }

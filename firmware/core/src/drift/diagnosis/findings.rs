@@ -1,21 +1,20 @@
-//! Findings of the monitor that are not reported yet, one a tick; and the one that a stop was requested for, which may get a
-//! better name.
+//! Findings that wait to be reported, one per tick, and the fault that caused a stop, which may get a better name.
 
 use super::events::is_better;
 use crate::supervisor::{Fault, FaultKind};
 use crate::units::Turns;
 use heapless::Deque;
 
-/// What the monitor has to say.
+/// Fault or event that the monitor reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Finding {
-    /// What it is.
+    /// Fault or event.
     pub fault: Fault,
-    /// The platform is within its limits, and the crank still detected.
+    /// True if the platform is within its limits, and the sensors still show the crank.
     pub within_limits: bool,
-    /// It is what was found before, better named.
+    /// True if this is a better name of the finding before.
     pub supersedes: bool,
-    /// It is a lag, and every axis shows about as much of it.
+    /// True if every axis lags by about as much.
     pub all_lag: bool,
 }
 
@@ -31,7 +30,7 @@ impl Finding {
     }
 }
 
-/// Turns after which what a machine was stopped for gets no better name: a crank at the end of a stop does other things.
+/// Turns after which a fault gets no better name. At the end of a stop, a crank moves for other reasons.
 const NAMED_WITHIN: Turns = Turns::lit("4");
 
 /// Findings that may wait to be reported, one a tick.
@@ -55,16 +54,16 @@ impl Findings {
         }
     }
 
-    /// The master made so many turns.
+    /// Adds turns of the master.
     pub(in crate::drift) const fn pass(&mut self, turns: Turns) {
         if self.open.is_some() {
             self.since_open = self.since_open.saturating_add(turns);
         }
     }
 
-    /// What is reported now.
+    /// Takes the next finding to report.
     pub(in crate::drift) fn next(&mut self) -> Option<Finding> {
-        // Mostly there is none: that is asked before an empty finding is moved about.
+        // Usually there is none, and `is_empty` is faster than moving an empty finding.
         if self.waiting.is_empty() {
             None
         } else {
@@ -81,12 +80,12 @@ impl Findings {
         self.open = None;
     }
 
-    /// Queues a finding. One that is outside the limits goes first, and once; after that only better names for it.
+    /// Queues a finding. The first that is outside the limits goes to the front. After that only better names for it are queued.
     pub(in crate::drift) fn push(&mut self, fault: Fault, within_limits: bool) {
         self.push_lag(fault, within_limits, false);
     }
 
-    /// The same of a fault that may be a lag of all axes.
+    /// Queues a finding that may be a lag of all axes.
     #[inline(never)]
     pub(in crate::drift) fn push_lag(&mut self, fault: Fault, within_limits: bool, all_lag: bool) {
         let mut supersedes = false;

@@ -2,7 +2,7 @@
 //!
 //! - [`events`] names what moved one crank, by its last events; [`attribution`] finds the crank that moved.
 //! - [`findings`] reports a fault once, and again when it has a better name.
-//! - [`alternatives`] has the causes that the sensors cannot tell apart.
+//! - [`alternatives`] has the causes that the sensors cannot distinguish.
 
 pub mod alternatives;
 mod attribution;

@@ -1,8 +1,8 @@
-//! One axis's encoder: how far its motor is from where commanded, all the time.
+//! Encoder of one axis: the phase error of its motor in every tick.
 //!
-//! A crank has inertia: between two ticks its speed changes by little. A reading that jumps by more than that is held back for a
-//! tick. If it returns, it was a *glitch*. If it stays, counts were lost, or the crank was moved by a blow: then the jump is
-//! *unconfirmed*, and the index shows. If it goes on, the crank is really moving so, as one does that gets stuck at speed.
+//! A crank has inertia, so its speed changes little between two ticks. A reading that jumps by more is held back for a tick. If it comes
+//! back, it was a *glitch*. If it stays, either counts were lost or a blow moved the crank: the jump is *unconfirmed* until the index
+//! decides. If it jumps on, the crank moves in this way, for example because it got stuck at speed.
 
 use super::tick_phase::TickPhase;
 use crate::units::Turns;
@@ -13,25 +13,25 @@ pub(in crate::drift) enum Tracking {
     /// About as commanded.
     #[default]
     Ok,
-    /// Hardly, or the other way: [`EncoderWatch::has_gone_back`] decides which.
+    /// It stands, or turns back: [`EncoderWatch::has_gone_back`] decides which.
     Stalled,
-    /// Faster.
+    /// Faster than commanded.
     Overspeed,
 }
 
-/// What a reading brought.
+/// Result of a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::drift) enum Read {
     /// Nothing new.
     Nothing,
     /// The reading jumped, and is back.
     Glitch {
-        /// By how much it was off.
+        /// Size of the jump.
         by: Turns,
     },
     /// The reading jumped, and stays.
     Jump {
-        /// By how much.
+        /// Size of the jump.
         by: Turns,
     },
 }
@@ -39,30 +39,30 @@ pub(in crate::drift) enum Read {
 /// Watches one encoder.
 #[derive(Clone, Debug)]
 pub(in crate::drift) struct EncoderWatch {
-    /// Turns of a count in the axis's own sense.
+    /// Turns per count, in the axis's own sense.
     per_count: i64,
-    /// What a count is more than that, 16 fraction bits; and what of it is left over.
+    /// Remainder of a count with 16 more fraction bits, and the sum of remainders that is not a whole unit yet.
     rest_a_count: i64,
     rest: i64,
-    /// More than this in a tick, against the command, is no crank's doing.
+    /// Deviation from the command in one tick that no crank makes.
     jump: Turns,
     last: Option<i32>,
-    /// Measured minus commanded turns since the reset; and the same without most of its noise, some ticks later.
+    /// Measured minus commanded turns since the reset, and its filtered value.
     phase_error: Turns,
     filtered: Turns,
     /// Sum of phase error times share of a turn: the mean error, once the shares add up to a turn.
     mean: Turns,
     held: Option<Turns>,
-    /// It really moves by more than a jump a tick.
+    /// True while the motor moves by more than a jump per tick.
     moving: bool,
-    /// Turns made, as read, since the motor was last about where commanded, or moved about as commanded.
+    /// Measured turns since the motor was last about where commanded, or moved about as commanded.
     made_since: Turns,
     /// Sum of the jumps that the index has to confirm; about zero if the reading came back.
     pub(in crate::drift) unconfirmed_jump: Option<Turns>,
     window: Window,
 }
 
-/// Window over which the tracking is judged: some ticks, and some travel.
+/// Window for tracking: some ticks, and some travel.
 #[derive(Clone, Copy, Debug, Default)]
 struct Window {
     ticks: u8,
@@ -73,11 +73,11 @@ struct Window {
 
 const WINDOW_TICKS: u8 = 4;
 
-/// Weight of each tick's reading in the filtered error, as a power of two: 16 ticks take away three quarters of the noise.
+/// Weight of a reading in the filtered error, as a negative power of two. A mean over 16 ticks leaves a quarter of the noise.
 const FILTER_SHIFT: u32 = 4;
 
 impl EncoderWatch {
-    /// Of `counts` to a turn, `reversed` or not; `jump`: see there.
+    /// Encoder with `counts` per turn, reversed or not.
     pub(in crate::drift) fn new(counts: u32, reversed: bool, jump: Turns) -> Self {
         let counts = i64::from(counts.max(1));
         let sense = if reversed { -1 } else { 1 };
@@ -98,7 +98,7 @@ impl EncoderWatch {
         }
     }
 
-    /// Forgets what was read: from now on the motor is where commanded.
+    /// Discards all readings. The phase error is zero from now on.
     pub(in crate::drift) fn reset(&mut self) {
         *self = Self {
             last: None,
@@ -135,7 +135,7 @@ impl EncoderWatch {
         self.mean
     }
 
-    /// The drift as a mean over the last ticks, some 16.
+    /// Phase error, filtered over about 16 ticks.
     pub(in crate::drift) const fn filtered_error(&self) -> Turns {
         self.filtered
     }
@@ -149,7 +149,7 @@ impl EncoderWatch {
     pub(in crate::drift) fn has_gone_back(&self, most: Turns) -> bool {
         let back = self.made_since.wrapping_neg();
         let behind = self.phase_error.wrapping_neg();
-        // Far enough for noise to be little of it.
+        // The travel must be large against the noise.
         let is_sure = behind > 0 && back > self.about();
         is_sure && (back > Turns::from_bits(behind.to_bits() >> 2) || back > most)
     }
@@ -159,16 +159,16 @@ impl EncoderWatch {
         Turns::from_bits(self.jump.to_bits() >> 1)
     }
 
-    /// Takes in a reading at the end of a tick in which `commanded` was commanded; and the turns that were made.
+    /// Takes in a reading at the end of a tick. Returns what it shows, and the measured turns of the tick.
     pub(in crate::drift) fn observe(&mut self, count: i32, commanded: &TickPhase) -> (Read, Turns) {
         let before = self.phase_error;
         let Some(last) = self.last.replace(count) else {
             return (Read::Nothing, commanded.turns);
         };
-        // A tick has at most half a turn, and that at most 2^15 counts; what is more is nonsense, and wraps.
+        // A tick has at most half a turn, which is at most 2^15 counts. A larger difference is invalid, and may wrap.
         let counts = i64::from(count.wrapping_sub(last));
         let mut made = counts.wrapping_mul(self.per_count);
-        // So that a million turns are a million turns, to a millionth of a degree.
+        // The remainder keeps a million turns exact to a millionth of a degree.
         self.rest = self
             .rest
             .wrapping_add(counts.wrapping_mul(self.rest_a_count));
@@ -225,11 +225,11 @@ impl EncoderWatch {
         let window = &mut self.window;
         window.ticks = window.ticks.saturating_add(1);
         window.commanded = window.commanded.wrapping_add(commanded);
-        // Far enough for noise to be little of it.
+        // The travel must be large against the noise.
         if window.ticks < WINDOW_TICKS || window.commanded < self.jump {
             return;
         }
-        // Of what was commanded, −1 is standing, and less is backwards.
+        // In units of the commanded turns: −1 is standing, less is backwards.
         let made = self.phase_error.wrapping_sub(window.phase_error).to_bits() >> 8;
         let commanded_turns = window.commanded.to_bits() >> 8;
         let tracking = if 4 * made < -3 * commanded_turns {
@@ -248,13 +248,13 @@ impl EncoderWatch {
         };
     }
 
-    /// Takes in a reading after ticks of which nothing is known: the motor followed.
+    /// Takes in a reading after ticks whose phase is not known. It assumes that the motor followed.
     pub(in crate::drift) const fn skip(&mut self, count: i32) {
         self.last = Some(count);
         self.held = None;
     }
 
-    /// The jump that was unconfirmed was real.
+    /// Adds the unconfirmed jump to the phase error.
     pub(in crate::drift) fn believe(&mut self) {
         let jump = self.unconfirmed_jump.take().unwrap_or_default();
         self.phase_error = self.phase_error.wrapping_add(jump);

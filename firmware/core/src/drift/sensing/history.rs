@@ -1,6 +1,6 @@
 //! Turns that were commanded in the last ticks.
 //!
-//! Most axes make the master's turns; only those of other axes are stored. Past phases follow from the present one.
+//! Most axes make the master's turns, so only the turns of other axes are stored. Past phases are computed from the present one.
 
 use super::tick_phase::TickPhase;
 use crate::drift::detection::modes::AxisSet;
@@ -50,7 +50,7 @@ impl Recent<'_> {
         self.planned.own | self.played.own | self.before.own
     }
 
-    /// As [`Self::over`], of the axes that made the master's turns.
+    /// The same as [`Self::over`], for axes that made the master's turns.
     #[inline(always)]
     pub fn over_by_master(&self, phase: Phase) -> (TickPhase, Turns) {
         let turns = self.played.master;
@@ -141,7 +141,7 @@ impl History {
 
     #[inline(always)]
     fn made(&self, ago: usize) -> &Made {
-        // No remainder: the board has no instruction that divides.
+        // A remainder would be slow: the processor has no divide instruction.
         let place = if self.newest < ago {
             self.newest + 3 - ago
         } else {

@@ -15,7 +15,7 @@
 //! negative cycle there. From the first edge to the confirmation it is at most three widths, so that
 //! with a width of at most a quarter of a tick ([`MOST_OF_TICK`]) that edge lies in the tick before.
 //!
-//! What it does not do: judge whether a pulse comes at a time at which the crank can have made it.
+//! The filter does not decide whether the crank can have made a pulse at that time.
 
 use super::tick_phase::IndexPulse;
 
@@ -25,14 +25,13 @@ pub const BRIDGE_WIDTHS: u32 = 2;
 /// The greatest width is this part of a tick: one in four.
 pub const MOST_OF_TICK: u32 = 4;
 
-/// Times further back than this are as good as any that are further: it is more than every width, and far enough
-/// from the ends of 32 bits that differences of times fit too.
+/// Earlier times are replaced by this one. It is longer ago than every width, and differences of two times still fit 32 bits.
 const LONG_AGO: i32 = -(1 << 29);
 
 /// No pulse was confirmed. It lies before every time.
 const NO_PULSE: i32 = i32::MIN;
 
-/// The filter of one line. Each change and each tick cost the same, few operations.
+/// Filter of one line. A change and a tick cost a constant number of operations.
 #[derive(Clone, Copy, Debug)]
 pub struct IndexFilter {
     /// Cycles that a stretch must last to count.
@@ -75,7 +74,7 @@ impl IndexFilter {
     /// Takes note that the line has been at `level` from `cycle` of the present tick on, negative for
     /// the time before it. Changes come in the order of their times; one that is reported too late counts
     /// from the change before it on, and a level that the line has already is no change.
-    #[inline(never)] // It has all registers for itself.
+    #[inline(never)] // It needs all registers.
     pub fn change(&mut self, cycle: i32, level: bool) {
         if level == self.level {
             return;
@@ -101,7 +100,7 @@ impl IndexFilter {
     /// Ends a tick of `cycles`; the pulse that was confirmed in it, if one was. Cycles count from the
     /// next tick's beginning then.
     ///
-    /// Were there more, the first is given, and the others count as glitches: no crank turns that fast.
+    /// If there were several, the first is returned, and the others count as glitches: no crank turns that fast.
     #[inline(never)] // as `change`
     pub fn end_tick(&mut self, cycles: u32) -> Option<IndexPulse> {
         let cycles = at_most_long(cycles);
@@ -143,7 +142,7 @@ impl IndexFilter {
     }
 }
 
-/// Cycles, none so many that a time that many later would not fit: beyond 4 s all are alike.
+/// Cycles, limited to about 4 s, so that sums of times fit 32 bits.
 const fn at_most_long(cycles: u32) -> i32 {
     if cycles < LONG_AGO.unsigned_abs() {
         cycles as i32

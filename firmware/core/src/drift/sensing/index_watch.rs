@@ -1,13 +1,12 @@
-//! One axis's index sensor: which of its pulses are to be believed, and when one stays away.
+//! Index sensor of one axis: which of its pulses are those of the flag, and when a pulse is missing.
 //!
-//! A pulse is *in place* if it shows about the same offset as the one before. Any other is an *outlier*: noise, or a crank that
-//! has moved. Which of the two, the place shows where the next pulse was expected: a pulse there clears the outlier as an extra
-//! one; no pulse there, or the same again a turn later, shows that the crank has moved. So an extra pulse does not count as
-//! drift, unless the flag's own pulse is missing. A crank that has moved is known to have within a turn and the width of a place.
+//! A pulse is *in place* if it shows the offset of the pulse before, to within the gate. Any other pulse is an *outlier*: noise, or a crank
+//! that has moved. The place of the next pulse decides which. A pulse there shows that the outlier was an extra pulse. No pulse there, or
+//! the outlier again a turn later, shows that the crank has moved. So an extra pulse does not count as a phase error, unless the flag's own
+//! pulse is missing. A crank that has moved is detected within a turn and the gate.
 //!
-//! The *offset* that a pulse shows is the sensor's place minus the axis's phase at that moment: of an axis without an encoder
-//! its commanded phase, so that the offset is its phase error; of one with an encoder the measured, so that it is what crank and
-//! encoder differ by.
+//! The *offset* of a pulse is the angle of the flag minus the phase of the axis at that moment. Without an encoder that is the commanded
+//! phase, and the offset is the phase error. With an encoder it is the measured phase, and the offset is the difference of crank and encoder.
 
 mod detection;
 
@@ -19,9 +18,9 @@ use crate::units::{ONE_TURN, Phase, Turns, nearest};
 const ONE: Turns = Turns::from_bits(ONE_TURN);
 const HALF: Turns = Turns::from_bits(ONE_TURN / 2);
 
-/// A crank that runs over twice as fast as commanded may pass its flag between, and once more in its place. It is between so far from
-/// the pulse before, turns, at least; up to the other it is beyond a limit so early that what comes after that place shows too late.
-/// Exactly it were ½ and 0.618, p² + p = 1, with p the place between; a master that speeds up meanwhile has it a little wider.
+/// Turns after the pulse before at which an extra pulse may be that of a runaway. At more than twice its speed a crank passes its flag
+/// once between, and once in its place. Below ½ turn it would be slower. Above p = 0.618, with p² + p = 1, the next pulse still shows it in
+/// time. The range is wider by 0.02 and 0.04, for a master that accelerates.
 const BETWEEN: core::ops::Range<Turns> = Turns::lit("0.48")..Turns::lit("0.66");
 
 /// A pulse out of place.
@@ -31,7 +30,7 @@ struct Outlier {
     at: Phase,
 }
 
-/// An extra pulse and one in its place: how far that came after it, and by how much the first was off.
+/// Distance from an extra pulse to the pulse in its place, and the offset of the extra one from that.
 #[derive(Clone, Copy, Debug)]
 struct Spacing {
     turns: Turns,
@@ -53,20 +52,20 @@ enum Due {
 #[derive(Clone, Debug)]
 pub(in crate::drift) struct IndexWatch {
     place: Place,
-    /// The cranks are where they should be.
+    /// True once homing is over.
     is_settled: bool,
-    /// What the last believed pulse showed.
+    /// Offset of the last pulse that counted.
     offset: Turns,
-    /// Pulses that this is the mean of; none before the first.
+    /// Number of pulses of which `offset` is the mean; 0 before the first.
     meant: u8,
     /// Phase at that pulse; before the first, where the search began.
     detected_at: Phase,
     outlier: Option<Outlier>,
     spacing: Option<Spacing>,
     due: Due,
-    /// Pulses in a row that were done without.
+    /// Missing pulses in a row that were tolerated.
     missed: u8,
-    /// Turns since then at which there is something to say.
+    /// Turns since `detected_at` at which a missing pulse has a consequence.
     alert: Turns,
 }
 
@@ -86,7 +85,7 @@ impl IndexWatch {
         }
     }
 
-    /// Forgets what was detected; the first pulse is expected within a turn and what may be overdue from `phase` on.
+    /// Discards all pulses. The first is expected within a turn from `phase`, and is overdue later than that.
     pub(in crate::drift) fn reset(&mut self, phase: Phase) {
         self.is_settled = false;
         self.offset = Turns::ZERO;
@@ -99,7 +98,7 @@ impl IndexWatch {
         self.alert = ONE.wrapping_add(self.place.overdue);
     }
 
-    /// The cranks are where they should be.
+    /// Ends homing.
     pub(in crate::drift) const fn settle(&mut self) {
         self.is_settled = true;
     }
@@ -124,7 +123,7 @@ impl IndexWatch {
         self.meant > 0
     }
 
-    /// Pulses in a row that were done without.
+    /// Missing pulses in a row that were tolerated.
     pub(in crate::drift) const fn missed(&self) -> u8 {
         self.missed
     }
@@ -139,19 +138,19 @@ impl IndexWatch {
                 .any(|&end| nearest(Phase::from_turns(end).since(crank)).abs() <= swing)
     }
 
-    /// Whether the expected pulse has not come.
+    /// True if the pulse did not come in its place.
     pub(in crate::drift) fn is_late(&self) -> bool {
         self.due != Due::Expected
     }
 
-    /// Turns from the end of a tick until a pulse is due; negative if it is. [`Self::has_timed_out`] is not true before, as it takes
-    /// less than the whole tick for certain.
+    /// Turns from the end of a tick until a missing pulse has a consequence. It is negative no later than [`Self::has_timed_out`] is true,
+    /// as that counts only part of the tick.
     pub(in crate::drift) const fn margin(&self, phase: &TickPhase) -> Turns {
         let end = phase.start.advanced(phase.turns);
         self.alert.saturating_sub(end.since(self.detected_at))
     }
 
-    /// Turns at the end of a tick by which the next pulse is late; none if it is not due.
+    /// Delay of the next pulse at the end of a tick, turns; 0 if it is not due.
     pub(in crate::drift) fn lateness(&self, phase: &TickPhase) -> Turns {
         let end = phase.start.advanced(phase.turns);
         end.since(self.detected_at)
@@ -159,15 +158,15 @@ impl IndexWatch {
             .max(Turns::ZERO)
     }
 
-    /// Whether it is sure that no flag came where there would be something to say of it.
+    /// True if it is certain that no pulse came up to `alert`.
     fn has_timed_out(&self, phase: &TickPhase, commanded: Turns) -> bool {
         let sure = (commanded.to_bits() >> 16).wrapping_mul(i64::from(self.place.covered));
         let since = phase.start.since(self.detected_at);
         since.wrapping_add(Turns::from_bits(sure)) > self.alert
     }
 
-    /// Takes in a tick without a pulse, in which the axis was commanded to make `commanded` turns: a motor's noise would be
-    /// multiplied by the line's delay.
+    /// Takes in a tick without a pulse. The delay of the line is converted by the `commanded` turns, as measured turns would multiply the
+    /// noise of an encoder.
     pub(in crate::drift) fn check_timeout(
         &mut self,
         phase: &TickPhase,
@@ -177,7 +176,7 @@ impl IndexWatch {
             return Detection::Nothing;
         }
         match self.time_out() {
-            // In the same tick it may be so late that it is overdue; where nothing else watches, that is what matters.
+            // The pulse may become late and overdue in the same tick. Without an encoder, the latter counts.
             Detection::Undetected
                 if self.place.filter_shift == 0 && self.has_timed_out(phase, commanded) =>
             {
@@ -187,9 +186,9 @@ impl IndexWatch {
         }
     }
 
-    /// Takes in a pulse that came in the tick over which the axis had that phase, or in the one before, in which it made `before`
-    /// turns, if that is known.
-    #[inline(never)] // seldom, and what it needs of registers a loop over all axes would lack
+    /// Takes in a pulse that came in the tick over which the axis had this phase, or in the tick before, in which it made `before` turns
+    /// if that is known.
+    #[inline(never)] // It is rare, and a loop over all axes needs the registers.
     pub(in crate::drift) fn detect(
         &mut self,
         pulse: IndexPulse,
@@ -198,7 +197,7 @@ impl IndexWatch {
         before: Option<Turns>,
         clock: TickClock,
     ) -> Detection {
-        // So slow, a crank may swing back over either end of its flag.
+        // At so low a speed, a crank may swing back over either end of its flag.
         let may_swing = commanded.abs() <= self.place.slow;
         if may_swing && !self.is_known() {
             return Detection::Nothing;
@@ -212,7 +211,7 @@ impl IndexWatch {
                 turns: before,
             }
         } else {
-            self.detected_at = phase.start; // it is alive, and more is not known
+            self.detected_at = phase.start; // The sensor works, but the place of the pulse is not known.
             return Detection::Nothing;
         };
         let cycle = if back == 0 {
@@ -266,7 +265,7 @@ impl IndexWatch {
             let apart = nearest(offset.wrapping_sub(outlier.offset));
             apart.abs() <= self.place.gate && at.since(outlier.at) >= HALF
         });
-        // None where the flag was, and one elsewhere: the flag is there now.
+        // No pulse came in place, and one came elsewhere: the crank has moved there.
         if self.is_late() || self.missed > 0 || again {
             self.outlier = None;
             self.spacing = None;
@@ -277,7 +276,7 @@ impl IndexWatch {
         self.decide_soon();
         let goes_on = self.spacing.take().is_some_and(|spacing| {
             let late = at.since(self.detected_at).wrapping_sub(spacing.turns).abs();
-            // Noise that comes once a turn does so at the same place.
+            // Noise that comes once per turn comes at the same place.
             let is_elsewhere = nearest(by.wrapping_sub(spacing.by)).abs() > self.place.gate;
             is_elsewhere && late <= spacing.turns / 4
         });
@@ -319,9 +318,9 @@ impl IndexWatch {
         }
     }
 
-    /// What is believed of a pulse that shows `by` more than is known: of the first few their mean, then the part that `filtered` is.
+    /// Part of a deviation `by` that counts: so that the offset is the mean of the first pulses, and later a filtered value.
     fn filter(&mut self, by: Turns) -> Turns {
-        // What is more than noise is believed whole, so that a walk is never behind by more.
+        // A deviation beyond noise counts in full, so that the offset follows a drift to within a tolerance.
         if by.abs() > self.place.tolerance {
             self.meant = 1;
             return by;
@@ -331,7 +330,7 @@ impl IndexWatch {
         Turns::from_bits(by.to_bits() >> part.min(self.place.filter_shift))
     }
 
-    /// Nothing has come for so long that there is something to say.
+    /// Takes in that no pulse came up to `alert`.
     #[inline(never)]
     fn time_out(&mut self) -> Detection {
         let waited = self.due == Due::Overdue;
@@ -360,14 +359,14 @@ impl IndexWatch {
         self.alert = ONE.wrapping_add(self.place.gate);
     }
 
-    /// A pulse came out of place: whether one is missing at the very place of the next decides.
+    /// Takes in a pulse out of place: the very place of the next pulse decides what it was.
     fn decide_soon(&mut self) {
         if !self.is_late() {
             self.alert = self.alert.min(ONE.wrapping_add(self.place.sure));
         }
     }
 
-    /// The crank may have moved at `phase`: a missing pulse at the place of the next decides, and within a turn from then.
+    /// Takes in that the crank may have moved at `phase`. The place of the next pulse decides, within a turn from there.
     pub(in crate::drift) fn decide_within_a_turn_of(&mut self, phase: Phase) {
         if self.is_known() && !self.is_late() {
             let went = phase.since(self.detected_at).max(Turns::ZERO);
@@ -375,7 +374,7 @@ impl IndexWatch {
         }
     }
 
-    /// The crank has moved by so much, as something else shows: its pulse is to come where that has it.
+    /// Takes in that the crank has moved by `by`, as the encoder shows. Its pulse is expected there.
     pub(in crate::drift) fn believe_moved(&mut self, by: Turns) {
         self.offset = nearest(self.offset.wrapping_add(by));
         self.due = Due::Expected;
@@ -384,12 +383,12 @@ impl IndexWatch {
             .wrapping_sub(by.min(Turns::ZERO));
     }
 
-    /// An overdue pulse is waited for until it is late by `turns`.
+    /// Extends the time for an overdue pulse, until it is late by `turns`.
     pub(in crate::drift) fn wait(&mut self, turns: Turns) {
         self.alert = ONE.wrapping_add(turns);
     }
 
-    /// An overdue pulse is done without: the next is expected a turn later.
+    /// Tolerates a missing pulse. The next is expected a turn later.
     pub(in crate::drift) fn pass_over(&mut self) {
         self.detected_at = self.detected_at.advanced(ONE);
         self.due = Due::Expected;
@@ -397,12 +396,12 @@ impl IndexWatch {
         self.alert = ONE.wrapping_add(self.place.gate);
     }
 
-    /// A pulse came in a tick of which nothing is known: the sensor is alive.
+    /// Takes in a pulse of a tick whose phase is not known: the sensor works.
     pub(in crate::drift) fn disregard(&mut self, phase: Phase) {
         self.detected_at = phase;
     }
 
-    /// All phases are counted from elsewhere from now on: the sensor is found `by` further on.
+    /// Moves the zero of all phases, so that the flag is `by` further on.
     pub(in crate::drift) fn shift(&mut self, by: Turns) {
         self.place.index = self.place.index.wrapping_add(by);
         self.offset = nearest(self.offset.wrapping_add(by));

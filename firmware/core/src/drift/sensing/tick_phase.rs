@@ -1,9 +1,9 @@
-//! Phase of an axis over one tick, and where in it a pulse came.
+//! Phase of an axis over one tick, and at a cycle of it.
 
 use crate::functions::{multiply_high, multiply_long};
 use crate::units::{Phase, Turns};
 
-/// An index pulse: when it came, detected from the tick that was over when it was read.
+/// Time of an index pulse, relative to the tick that was over when it was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IndexPulse {
     /// Cycles of the step clock from the beginning of that tick, up to a tick's cycles; negative if it
@@ -11,19 +11,19 @@ pub struct IndexPulse {
     pub cycle: i32,
 }
 
-/// Phase of an axis over one tick: where it began, and how far it went, at constant speed.
+/// Phase of an axis over one tick, at constant speed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TickPhase {
     /// Phase at the tick's beginning.
     pub start: Phase,
-    /// Turns made in it.
+    /// Turns in the tick.
     pub turns: Turns,
 }
 
 /// A tick has at most 18 bits of cycles.
 const CYCLE_SPARE_BITS: u32 = 14;
 
-/// How long a tick is.
+/// Length of a tick.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::drift) struct TickClock {
     pub(in crate::drift) cycles: u32,
@@ -32,7 +32,7 @@ pub(in crate::drift) struct TickClock {
 }
 
 impl TickClock {
-    /// Of a tick of so many cycles, 2048 and more.
+    /// Clock of a tick of `cycles`, at least 2048.
     pub(in crate::drift) const fn new(cycles: u32) -> Self {
         Self {
             cycles,

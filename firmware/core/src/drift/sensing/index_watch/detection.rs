@@ -1,8 +1,8 @@
-//! Where a sensor stands, and what a tick brought.
+//! Angle and widths of an index sensor, and the results of its watch.
 
 use crate::units::Turns;
 
-/// Where a sensor stands, and what it may be off by.
+/// Angle of an index sensor, and the widths that decide about its pulses.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::drift) struct Place {
     /// Phase at which its flag begins, going forward.
@@ -11,61 +11,60 @@ pub(in crate::drift) struct Place {
     pub flag: Turns,
     /// Ticks by which its line is late, 16 fraction bits.
     pub delay: u32,
-    /// Of a tick that is over, the part in which no flag can have come that is not reported yet, 16 fraction bits: the line is late,
-    /// and its filter waits. Below zero where that takes longer than a tick.
+    /// Part of a tick whose pulses have been reported at its end, 16 fraction bits. The delay of the line and its filter make it less than
+    /// one, or negative if they take longer than a tick.
     pub covered: i32,
-    /// Turns commanded in a tick in which a swinging rotor may go back all the same, at most.
+    /// Commanded turns per tick up to which a swinging rotor may go back.
     pub slow: Turns,
     /// A pulse further than this from the last is out of place.
     pub gate: Turns,
-    /// What two pulses of a crank that is where it was may be apart.
+    /// Largest difference of two pulses of a crank that has not moved.
     pub tolerance: Turns,
-    /// A pulse that is late by more does not come where it was.
+    /// A pulse that is later than this is not in place.
     pub sure: Turns,
-    /// A pulse that is late by more stands for a crank beyond its limit: during homing, and from then on.
+    /// A pulse that is later than this shows a crank beyond its limit: in homing, and after it.
     pub overdue: Turns,
     pub overdue_settled: Turns,
-    /// Of what a pulse in place shows anew, 1/2^`filtered` is believed: where an encoder has the crank anyway, the index need not
-    /// bring its own noise in.
+    /// A deviation in place counts by 1/2^`filter_shift`. With an encoder, the index need not add its own noise.
     pub filter_shift: u32,
 }
 
-/// What a tick brought.
+/// Result of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::drift) enum Detection {
     /// Nothing new.
     Nothing,
     /// The first pulse of all.
     First,
-    /// A pulse in its place; and an outlier before it was none.
+    /// A pulse in its place, so that an outlier before it was an extra pulse.
     InPlace {
         /// It was overdue.
         was_overdue: bool,
-        /// By how much that was off.
+        /// Offset of the outlier from its place.
         extra: Option<Turns>,
-        /// But the crank may have passed its flag in both places, being that fast.
+        /// The crank may have made both pulses, if it is that fast.
         may_be_fast: bool,
     },
-    /// After an outlier and a pulse in its place, another as far from that as that was from the outlier: the crank runs.
+    /// Three pulses at even spacing, the second of them in place: the crank runs away.
     Running {
-        /// By how much it is off.
+        /// Offset of the last pulse from its place.
         by: Turns,
     },
-    /// An outlier was none, and here is another.
+    /// A second outlier, so that the first was an extra pulse.
     Extra {
-        /// By how much the first was off.
+        /// Offset of the first from its place.
         by: Turns,
     },
-    /// The crank is elsewhere.
+    /// The crank has moved.
     Moved {
         /// By how much, forward.
         by: Turns,
     },
-    /// Nothing came where the next pulse was expected.
+    /// No pulse came in place.
     Undetected,
-    /// A pulse stays away: reported once, until one comes.
+    /// A pulse is overdue. This is reported once per missing pulse.
     Overdue {
-        /// It was waited for.
+        /// Its time has been extended already.
         waited: bool,
     },
 }
