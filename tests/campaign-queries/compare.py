@@ -130,7 +130,8 @@ def refusals(file, folder):
     seed_2 = text.replace('seed=1', 'seed=2', 1)
     other = folder / 'other.csv'
     for wrong, reason in (('\n'.join(seed_2.splitlines()[:-1]) + '\n', 'run that range again'), (text[1:], 'line 1'), (text, 'leave one out'),
-                          (seed_2.replace('plan=', 'plan=9', 1), 'query them apart'), (seed_2.replace(',false,', ',perhaps,', 1), 'perhaps')):
+                          (seed_2.replace('plan=', 'plan=9', 1), 'query them apart'), (seed_2.replace(' from=', ' only=slip:index@1/45 from=', 1), '--only'),
+                          (seed_2.replace(',false,', ',perhaps,', 1), 'perhaps')):
         other.write_text(wrong)
         try:
             queries.connect([file, other], folder / 'campaign.parquet')

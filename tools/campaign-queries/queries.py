@@ -30,7 +30,10 @@ def files_of(paths):
 
 def header(file):
     with open(file, encoding='utf-8', errors='replace') as lines:
-        found = MARK.match(lines.readline())
+        first = lines.readline()
+    found = MARK.match(first)
+    if ' only=' in first:
+        raise Refused(f'{file}: has chosen strata alone (--only), and the queries count cases alike; give a campaign of all cases')
     if not found:
         raise Refused(f'{file}: line 1 does not say what the rows are of; give a file that `cophase campaign` wrote')
     return {name: value if name in ('version', 'scene') else int(value) for name, value in found.groupdict().items()}

@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{CommandError, Status, run, scenes};
 use cophase_lab::campaign::plan::Plan;
+use cophase_lab::campaign::selection::Selection;
 use cophase_lab::campaign::shards::{Header, Shard, join};
 use cophase_lab::campaign::tally::Tally;
 use cophase_lab::campaign::{self, picture, table};
@@ -22,12 +23,18 @@ pub(super) struct CampaignArgs {
     /// A scene file, or the name of a built-in scene, to draw faults for [default: machines are drawn]
     #[arg(value_name = "SCENE")]
     scene: Option<String>,
-    /// Number of cases, each a faulty and a clean run
+    /// Number of cases, each a faulty and a clean run; with --only, of those that are simulated
     #[arg(long, value_name = "N", default_value_t = 1000)]
     runs: u64,
     /// Seed of all random draws; the same seed gives the same rows
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
+    /// Simulate only cases of these kinds of faults, on axes with this sensor: `index` (alone) or `encoder` [default: both]
+    #[arg(long, value_name = "KIND[:SENSOR]", value_delimiter = ',', conflicts_with_all = ["replay", "join"])]
+    only: Vec<String>,
+    /// With --only: simulate 1 in K of all other cases too, for rates over all faulty runs
+    #[arg(long, value_name = "K", requires = "only", value_parser = clap::value_parser!(u64).range(1..))]
+    others: Option<u64>,
     /// First case of this shard, to split a campaign over several computers
     #[arg(long, value_name = "K", default_value_t = 0)]
     from: u64,
@@ -104,19 +111,35 @@ fn numbers(args: &CampaignArgs) -> Result<Range<u64>, CommandError> {
 
 fn run_shard(args: &CampaignArgs, plan: &Plan) -> Result<Shard, CommandError> {
     let numbers = numbers(args)?;
+    let selection = selection(args, plan)?;
     let bar = progress_bar(args.quiet, numbers.end - numbers.start);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(args.threads.map_or_else(cores, usize::from))
         .build()
         .map_err(|error| input("--threads", &error))?;
     let rows = pool
-        .install(|| campaign::run_all(plan, numbers.clone(), &|| bar.inc(1)))
+        .install(|| match &selection {
+            Some(selection) => {
+                let taken = selection.numbers(plan, numbers.clone());
+                campaign::run_all(plan, taken, &|| bar.inc(1))
+            }
+            None => campaign::run_all(plan, numbers.clone(), &|| bar.inc(1)),
+        })
         .map_err(|error| CommandError::Input(error.to_string()))?;
     bar.finish_and_clear();
     Ok(Shard {
-        header: Header::new(plan, numbers),
+        header: Header::new(plan, selection, numbers),
         rows,
     })
+}
+
+/// The strata that are requested.
+fn selection(args: &CampaignArgs, plan: &Plan) -> Result<Option<Selection>, CommandError> {
+    if args.only.is_empty() {
+        return Ok(None);
+    }
+    let selection = Selection::new(plan, &args.only, args.others);
+    selection.map(Some).map_err(|error| input("--only", &error))
 }
 
 /// rayon would count them too, unless an environment variable says otherwise.
@@ -130,7 +153,7 @@ fn print_result(
     shard: &Shard,
     out: &mut impl Write,
 ) -> Result<Status, CommandError> {
-    let tally = Tally::new(&shard.rows);
+    let tally = Tally::new(shard);
     let text = table::text(&shard.header, &tally);
     let Range { start, end } = shard.header.numbers;
     let is_whole = start == 0 && (end == args.runs || !args.join.is_empty());

@@ -219,6 +219,130 @@ fn a_case_run_alone_is_the_campaigns() {
     }
 }
 
+/// If this fails, a campaign of chosen strata is not a part of the plain one: its cases are others, or depend on how it is split.
+#[test]
+fn chosen_strata_have_the_rows_of_a_plain_campaign() {
+    const CASES: u64 = 60;
+    const EVERY: u64 = 9;
+    let (plain, chosen, parts, joined) = (folder(), folder(), folder(), folder());
+    ran(&campaign(&plain, &["--runs", &CASES.to_string()]));
+    let rows = read(&plain, "campaign.csv");
+    let plan = cophase_lab::campaign::plan::Plan::new(5, None).unwrap();
+    let is_chosen = |number: u64| {
+        let stratum = plan.stratum(number).to_string();
+        stratum.starts_with("runaway:") || stratum == "slip:index" || number.is_multiple_of(EVERY)
+    };
+    let number = |line: &str| line.split(',').next().unwrap().parse().unwrap_or(0);
+    let expected: Vec<_> = rows
+        .lines()
+        .skip(2)
+        .filter(|line| is_chosen(number(line)))
+        .collect();
+    let runs = (expected.len() / 2).to_string();
+    assert!(expected.len() > 16, "{runs} cases");
+
+    let every = EVERY.to_string();
+    let only = [
+        "--only",
+        "slip:index,runaway",
+        "--others",
+        &every,
+        "--runs",
+        &runs,
+    ];
+    ran(&campaign(&chosen, &only));
+    let rows = read(&chosen, "campaign.csv");
+    assert_eq!(rows.lines().skip(2).collect::<Vec<_>>(), expected);
+    let table = read(&chosen, "campaign-table.md");
+    for name in [
+        "slip:index",
+        "runaway:encoder",
+        "these together",
+        "others",
+        "all",
+    ] {
+        let rows = table.matches(&format!("| {name} ")).count();
+        assert_eq!(rows, 3, "{name}\n{table}");
+    }
+    assert!(table.contains("run a campaign without --only"), "{table}");
+
+    for (from, to) in [("0", "6"), ("6", runs.as_str())] {
+        ran(&campaign(
+            &parts,
+            &[&only[..], &["--from", from, "--to", to]].concat(),
+        ));
+    }
+    let place = parts.path().to_str().unwrap();
+    let out = joined.path().to_str().unwrap();
+    ran(&cophase(&[
+        "campaign", "--quiet", "--join", place, "--out", out,
+    ]));
+    for name in ["campaign.csv", "campaign.svg", "campaign-table.md"] {
+        assert_eq!(read(&chosen, name), read(&joined, name), "{name}");
+    }
+
+    // A row that no such campaign has, and a shard of all cases.
+    let shard = parts.path().join("campaign-0-6.csv");
+    let rows = fs::read_to_string(&shard).unwrap();
+    let fewer = rows.replace(" others=9", "");
+    fs::write(&shard, fewer).unwrap();
+    let said = refused(&join(&[&shard]));
+    assert!(
+        said.contains(
+            "run of the next case of slip:index, runaway:index, runaway:encoder should be"
+        ),
+        "{said}"
+    );
+    fs::write(&shard, rows).unwrap();
+    ran(&campaign(
+        &parts,
+        &["--runs", "8", "--from", "6", "--to", "7"],
+    ));
+    let said = refused(&join(&[&shard, &parts.path().join("campaign-6-7.csv")]));
+    assert!(
+        said.contains("--only = all cases, not `slip:index,"),
+        "{said}"
+    );
+}
+
+/// Names that select nothing are refused before anything runs, with what would select something.
+#[test]
+fn strata_that_no_case_is_of_are_refused() {
+    let folder = folder();
+    for (arguments, reported) in [
+        (
+            vec!["--only", "slip,runway:index"],
+            "--only: there is no kind of fault `runway`; give one of lost-steps, slip, stuck, runaway,",
+        ),
+        (
+            vec!["--only", "slip:camera"],
+            "--only: `slip:camera` names no sensor; give `slip:index`, `slip:encoder`, or `slip` for both",
+        ),
+        (
+            vec!["--only", "reversed:index"],
+            "--only: no case is of `reversed:index`: that fault is drawn only for axes whose sensors can show it; give `reversed:encoder`",
+        ),
+        (
+            vec!["default", "--only", "slip:encoder"],
+            "--only: no case of the scene `default` is of `slip:encoder`: its axes, its sensors, or its model level exclude that; give one of lost-steps:index,",
+        ),
+        (vec!["--others", "5"], "--only"),
+        (vec!["--only", "slip", "--others", "0"], "--others"),
+        (
+            vec!["--only", "slip", "--replay", "3"],
+            "cannot be used with",
+        ),
+    ] {
+        let said = refused(&campaign(&folder, &arguments));
+        assert!(said.contains(reported), "{said}");
+    }
+    assert_eq!(
+        fs::read_dir(folder.path()).unwrap().count(),
+        0,
+        "something was written"
+    );
+}
+
 /// A scene's own faults would be drawn over, and a range without cases has no rows.
 #[test]
 fn what_cannot_be_a_campaign_is_refused() {

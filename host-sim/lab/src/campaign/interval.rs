@@ -3,7 +3,7 @@
 use statrs::function::beta::inv_beta_reg;
 
 /// Of a hundred such intervals so many do not have the rate in them, at most.
-const OUTSIDE: f64 = 0.05;
+pub(super) const OUTSIDE: f64 = 0.05;
 
 /// A rate, counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -6,7 +6,8 @@
 //!
 //! A *case* is what is drawn for a number ([`plan`]); its *faulty* run and its *clean* run are a row each ([`row`]). Rows depend on
 //! seed and number alone, so that any range of them, on any number of threads, has the same ([`shards`]). What all of them come to
-//! is a table and a picture ([`tally`], [`picture`]).
+//! is a table and a picture ([`tally`], [`picture`]). For rare events, cases of a few strata are simulated alone ([`selection`]), and
+//! their rates are multiplied by the shares of these ([`stratified`]).
 
 pub mod bound;
 pub mod flag;
@@ -17,15 +18,16 @@ pub mod judge;
 pub mod names;
 pub mod picture;
 pub mod plan;
+pub mod rates;
 pub mod response;
 pub mod row;
+pub mod selection;
 pub mod shards;
+pub mod stratified;
 pub mod table;
 pub mod tally;
 pub mod truth;
 pub mod watch;
-
-use std::ops::Range;
 
 use rayon::prelude::*;
 
@@ -99,7 +101,7 @@ fn run_one(
 /// The first case that cannot be run.
 pub fn run_all(
     plan: &Plan,
-    numbers: Range<u64>,
+    numbers: impl IntoParallelIterator<Item = u64>,
     done: &(impl Fn() + Sync),
 ) -> Result<Vec<Row>, SceneError> {
     let rows: Vec<[Row; 2]> = numbers

@@ -6,8 +6,10 @@
 use std::fmt::Write as _;
 use std::ops::Range;
 
+use super::plan::strata::Stratum;
 use super::plan::{Plan, VERSION};
 use super::row::Row;
+use super::selection::Selection;
 use host_sim::scene::Scene;
 
 /// What begins the line that says what a shard is of.
@@ -24,18 +26,21 @@ pub struct Header {
     pub seed: u64,
     /// `machines`, or the scene's checksum.
     pub scene: String,
-    /// Numbers of its cases.
+    /// Strata that are simulated; none if all cases are.
+    pub selection: Option<Selection>,
+    /// Numbers of its cases; with a selection, their positions in it.
     pub numbers: Range<u64>,
 }
 
 impl Header {
-    /// Of a range of a plan's cases.
-    pub fn new(plan: &Plan, numbers: Range<u64>) -> Self {
+    /// Of a range of a plan's cases, or of those that a selection takes.
+    pub fn new(plan: &Plan, selection: Option<Selection>, numbers: Range<u64>) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             plan: VERSION,
             seed: plan.seed(),
             scene: plan.scene().map_or("machines".to_owned(), checksum),
+            selection,
             numbers,
         }
     }
@@ -46,10 +51,14 @@ impl Header {
             plan,
             seed,
             scene,
+            selection,
             numbers,
         } = self;
+        let selected = (selection.as_ref()).map_or(String::new(), |selection| {
+            format!(" {}", selection.fields())
+        });
         format!(
-            "{MARK} version={version} plan={plan} seed={seed} scene={scene} from={} to={}",
+            "{MARK} version={version} plan={plan} seed={seed} scene={scene}{selected} from={} to={}",
             numbers.start, numbers.end
         )
     }
@@ -66,21 +75,51 @@ impl Header {
             plan: field("plan")?.parse().ok()?,
             seed: field("seed")?.parse().ok()?,
             scene: field("scene")?.to_owned(),
+            selection: match field("only") {
+                Some(only) => Some(Selection::parse(only, field("others"))?),
+                None => None,
+            },
             numbers: field("from")?.parse().ok()?..field("to")?.parse().ok()?,
         })
     }
 
+    /// Whether a row can follow the ones before it: runs come in pairs, and cases in the order of their numbers. Which numbers a
+    /// selection takes depends on the plan, and is not checked here.
+    fn expects(&self, row: &Row, before: &[Row]) -> bool {
+        let is_clean_due = before.len() % 2 == 1;
+        let last = before.last().map(|last| last.number);
+        let is_case_due = match &self.selection {
+            _ if is_clean_due => last == Some(row.number),
+            None => row.number == self.numbers.start + before.len() as u64 / 2,
+            Some(selection) => takes(selection, row) && last < Some(row.number),
+        };
+        row.clean == is_clean_due && is_case_due
+    }
+
     /// The first thing in which another shard is not of the same campaign, as `key: theirs, not ours`.
     fn differs(&self, other: &Self) -> Option<String> {
+        let selected = |header: &Self| match &header.selection {
+            Some(selection) => format!("`{selection}`"),
+            None => "all cases".to_owned(),
+        };
         let pairs = [
             ("version", &self.version, &other.version),
             ("plan", &self.plan.to_string(), &other.plan.to_string()),
             ("seed", &self.seed.to_string(), &other.seed.to_string()),
             ("scene", &self.scene, &other.scene),
+            ("--only", &selected(self), &selected(other)),
         ];
         let (key, ours, theirs) = pairs.into_iter().find(|(_, ours, theirs)| ours != theirs)?;
         Some(format!("{key} = {theirs}, not {ours}"))
     }
+}
+
+/// Whether a selection takes the case of a faulty run.
+fn takes(selection: &Selection, row: &Row) -> bool {
+    row.kind.is_some_and(|kind| {
+        let encoder = row.encoder;
+        selection.has(row.number, Stratum { kind, encoder })
+    })
 }
 
 /// Of a scene as it was understood: the same whatever its file looks like.
@@ -137,19 +176,25 @@ impl Shard {
                  give a file that `cophase campaign` wrote"
             ))
         })?;
-        let mut rows = Vec::new();
+        let mut rows: Vec<Row> = Vec::new();
         for row in csv::Reader::from_reader(rest.as_bytes()).deserialize() {
             let row: Row = row.map_err(|error| {
                 // The reader counts from the line after the first.
                 let line = error.position().map_or(0, |position| position.line() + 1);
                 ShardError(format!("line {line}: {}", brief(&error)))
             })?;
-            let (number, clean) = (rows.len() as u64 / 2, rows.len() % 2 == 1);
-            let number = header.numbers.start + number;
-            if (row.number, row.clean) != (number, clean) {
-                let run = if clean { "clean" } else { "faulty" };
+            if !header.expects(&row, &rows) {
+                let run = if rows.len() % 2 == 1 {
+                    "clean"
+                } else {
+                    "faulty"
+                };
+                let case = match &header.selection {
+                    None => format!("case {}", header.numbers.start + rows.len() as u64 / 2),
+                    Some(selection) => format!("the next case of {selection}"),
+                };
                 return Err(ShardError(format!(
-                    "line {}: here the {run} run of case {number} should be; run that range again",
+                    "line {}: here the {run} run of {case} should be; run that range again",
                     rows.len() + 3
                 )));
             }

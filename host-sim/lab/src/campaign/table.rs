@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 
 use super::interval::Rate;
+use super::plan::strata::sensor;
+use super::rates;
 use super::shards::Header;
 use super::tally::{Group, Tally};
 
@@ -15,7 +17,7 @@ pub fn text(header: &Header, tally: &Tally) -> String {
     let cases = header.numbers.end - header.numbers.start;
     let _ = writeln!(
         text,
-        "{cases} faulty runs and {cases} clean ones, {:.1} hours simulated: cases {} to {} of seed {}, {}.\n",
+        "{cases} faulty runs and {cases} clean ones, {:.1} hours simulated: cases {} to {} of seed {}, {}{}.\n",
         tally.simulated_s / 3600.0,
         header.numbers.start,
         header.numbers.end.saturating_sub(1),
@@ -23,18 +25,33 @@ pub fn text(header: &Header, tally: &Tally) -> String {
         match header.scene.as_str() {
             "machines" => "machines drawn".to_owned(),
             scene => format!("scene {scene}"),
+        },
+        match &header.selection {
+            Some(selection) => format!(", counted among {selection}"),
+            None => String::new(),
         }
     );
     let mut rows = vec![HEADER.map(str::to_owned).to_vec()];
     for ((kind, encoder), group) in &tally.groups {
-        let with = if *encoder { "encoder" } else { "index" };
-        rows.push(row(kind.name(), with, group));
+        rows.push(row(kind.name(), sensor(*encoder), group));
     }
-    rows.push(row("all", "", &tally.all));
+    let all = if tally.is_selected { "these" } else { "all" };
+    rows.push(row(all, "", &tally.all));
     text.push_str(&in_columns(&rows));
+    text.push('\n');
+    match &header.selection {
+        Some(selection) => text.push_str(&rates::text(selection, tally)),
+        None => rates_over_all(&mut text, tally),
+    }
+    failures(&mut text, tally);
+    text
+}
+
+/// Rates of a campaign that simulates all cases.
+fn rates_over_all(text: &mut String, tally: &Tally) {
     let _ = writeln!(
         text,
-        "\nFalse trips: {} of {} clean runs; {}.",
+        "False trips: {} of {} clean runs; {}.",
         tally.false_trips.hits,
         tally.false_trips.of,
         bounds(tally.false_trips)
@@ -60,8 +77,6 @@ pub fn text(header: &Header, tally: &Tally) -> String {
         tally.all.left_running.of,
         bounds(tally.all.left_running)
     );
-    failures(&mut text, tally);
-    text
 }
 
 const HEADER: [&str; 14] = [
@@ -125,7 +140,7 @@ fn bounds(rate: Rate) -> String {
 fn failures(text: &mut String, tally: &Tally) {
     let (mut broken, mut within) = (Vec::new(), Vec::new());
     for ((kind, encoder), group) in &tally.groups {
-        let with = if *encoder { "encoder" } else { "index" };
+        let with = sensor(*encoder);
         for (what, cases) in &group.failed {
             let lines = if tally.breaks_claim(what) {
                 &mut broken
@@ -145,10 +160,12 @@ fn failures(text: &mut String, tally: &Tally) {
             list(&tally.tripped)
         ));
     }
-    for (heading, lines) in [
-        ("Not as claimed", broken),
-        ("Misnamed, within the 1 in 100 that is claimed", within),
-    ] {
+    let misnamed = if tally.is_selected {
+        "Misnamed, of which the claim allows 1 in 100 over all faulty runs"
+    } else {
+        "Misnamed, within the 1 in 100 that is claimed"
+    };
+    for (heading, lines) in [("Not as claimed", broken), (misnamed, within)] {
         if !lines.is_empty() {
             let lines = lines.join("\n");
             let _ = writeln!(
@@ -175,7 +192,7 @@ fn list(cases: &[u64]) -> String {
 }
 
 /// A Markdown table, its columns as wide as what is in them; numbers to the right.
-fn in_columns(rows: &[Vec<String>]) -> String {
+pub(super) fn in_columns(rows: &[Vec<String>]) -> String {
     let columns = rows.first().map_or(0, Vec::len);
     let width = |column: usize| {
         let cells = rows.iter().filter_map(|row| row.get(column));

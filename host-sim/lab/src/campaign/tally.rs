@@ -6,6 +6,7 @@ use super::interval::Rate;
 use super::judge::Verdict;
 use super::plan::faults::KINDS;
 use super::row::Row;
+use super::shards::Shard;
 use host_sim::scene::file::FaultName;
 
 /// Faulty runs of one kind.
@@ -118,17 +119,22 @@ pub struct Tally {
     pub tripped: Vec<u64>,
     /// Simulated time of all runs, s.
     pub simulated_s: f64,
+    /// Whether the rows are of chosen strata, so that [`Self::all`] has no rate over all cases.
+    pub is_selected: bool,
 }
 
 /// The least part that must be named rightly.
 const LEAST_NAMED: f64 = 0.99;
 
 impl Tally {
-    /// Of rows.
-    pub fn new<'a>(rows: impl IntoIterator<Item = &'a Row>) -> Self {
-        let mut tally = Self::default();
+    /// Of a shard's rows.
+    pub fn new(shard: &Shard) -> Self {
+        let mut tally = Self {
+            is_selected: shard.header.selection.is_some(),
+            ..Self::default()
+        };
         let mut groups: BTreeMap<(usize, bool), Group> = BTreeMap::new();
-        for row in rows {
+        for row in &shard.rows {
             tally.simulated_s += row.simulated_s;
             let Some(kind) = row.kind else {
                 if row.verdict == Verdict::Moot {
@@ -163,10 +169,11 @@ impl Tally {
         self.false_trips.hits == 0 && !self.all.failed.keys().any(breaks)
     }
 
-    /// Whether an entry of [`Group::failed`] breaks a claim: wrong names do only where they are more than claimed.
+    /// Whether an entry of [`Group::failed`] breaks a claim: wrong names do only where they are more than claimed. That claim is on all
+    /// cases, so that chosen strata cannot break it.
     pub fn breaks_claim(&self, what: &str) -> bool {
         let named = self.all.named.part().is_none_or(|part| part >= LEAST_NAMED);
-        what != failed::MISNAMED || !named
+        what != failed::MISNAMED || !(named || self.is_selected)
     }
 }
 

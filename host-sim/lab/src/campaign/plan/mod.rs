@@ -5,6 +5,7 @@
 
 pub mod faults;
 pub mod machines;
+pub mod strata;
 pub mod stream;
 
 use faults::Window;
@@ -12,6 +13,7 @@ use host_sim::mechanism::Mechanism;
 use host_sim::scene::file::{FaultAt, FaultName, Noise};
 use host_sim::scene::{Checked, Scene, SceneError};
 use machines::Driven;
+use strata::{Share, Stratum};
 use stream::Stream;
 
 use super::geometry::Geometry;
@@ -97,18 +99,60 @@ impl Plan {
         self.scene.as_ref().map(|checked| &checked.scene)
     }
 
+    /// Strata that cases are of, and the share of each, in the order of the kinds.
+    pub fn strata(&self) -> Vec<(Stratum, Share)> {
+        let mut strata = Vec::new();
+        for &kind in &self.kinds {
+            let encoders: Vec<bool> = match &self.scene {
+                Some(checked) => vec![checked.scene.axes.encoder],
+                None => fit(kind).into_iter().map(Driven::has_encoder).collect(),
+            };
+            for encoder in [false, true] {
+                let of = encoders.iter().filter(|&&with| with == encoder).count();
+                if of > 0 {
+                    let share = Share {
+                        of: of as u64,
+                        among: (encoders.len() * self.kinds.len()) as u64,
+                    };
+                    strata.push((Stratum { kind, encoder }, share));
+                }
+            }
+        }
+        strata
+    }
+
+    /// The stratum of a case: as in [`Plan::case`], at a small part of the cost.
+    pub fn stratum(&self, number: u64) -> Stratum {
+        let (kind, source) = self.begin(&mut Stream::new(self.seed, number));
+        let encoder = match source {
+            Source::Given(checked) => checked.scene.axes.encoder,
+            Source::Drawn(driven) => driven.has_encoder(),
+        };
+        Stratum { kind, encoder }
+    }
+
+    /// Draws the kind of a case and, unless a scene is given, the drives of its machine.
+    fn begin(&self, stream: &mut Stream) -> (FaultName, Source<'_>) {
+        let kind = stream.one_of(&self.kinds);
+        let source = match &self.scene {
+            Some(checked) => Source::Given(checked),
+            None => Source::Drawn(stream.one_of(&fit(kind))),
+        };
+        (kind, source)
+    }
+
     /// A case by its number.
     pub fn case(&self, number: u64) -> Case {
         let mut stream = Stream::new(self.seed, number);
-        let kind = stream.one_of(&self.kinds);
-        let (machine, mut scene) = match &self.scene {
-            Some(checked) => given(&mut stream, checked),
-            None => drawn(&mut stream, kind),
+        let (kind, source) = self.begin(&mut stream);
+        let (machine, mut scene) = match source {
+            Source::Given(checked) => given(&mut stream, checked),
+            Source::Drawn(driven) => drawn(&mut stream, kind, driven),
         };
         let geometry = Geometry::new(&scene);
-        let window = match &self.scene {
-            Some(checked) => window_of_given(checked),
-            None => window(&scene, geometry.as_ref()),
+        let window = match source {
+            Source::Given(checked) => window_of_given(checked),
+            Source::Drawn(_) => window(&scene, geometry.as_ref()),
         };
         scene.name = format!("case-{number}");
         scene.description = title(number, self.seed, kind.name(), &machine);
@@ -133,13 +177,23 @@ fn title(number: u64, seed: u64, what: &str, machine: &str) -> String {
     format!("case {number} of seed {seed}: {what} on the machine {machine}")
 }
 
+/// Where the machine of a case comes from.
+#[derive(Clone, Copy)]
+enum Source<'a> {
+    /// The user's scene.
+    Given(&'a Checked),
+    /// A machine that is drawn, with these drives.
+    Drawn(Driven),
+}
+
+/// Drives of the machines that are drawn for a kind of fault.
+fn fit(kind: FaultName) -> Vec<Driven> {
+    let befalls = |driven: &Driven| faults::befalls(kind, *driven);
+    Driven::ALL.into_iter().filter(befalls).collect()
+}
+
 /// A machine for a kind of fault.
-fn drawn(stream: &mut Stream, kind: FaultName) -> (String, Scene) {
-    let fit: Vec<_> = Driven::ALL
-        .into_iter()
-        .filter(|&driven| faults::befalls(kind, driven))
-        .collect();
-    let driven = stream.one_of(&fit);
+fn drawn(stream: &mut Stream, kind: FaultName, driven: Driven) -> (String, Scene) {
     let on_rotors = stream.percent(ON_ROTORS_PERCENT) || faults::needs_torque(kind);
     let prove = stream.percent(50) || faults::needs_proof(kind);
     // A pattern that proves the wiring needs room within the limits, of which a few machines have none: the next is drawn.
