@@ -160,12 +160,17 @@ fn stopped_by_fault(
         }
         State::Stop => at_rest(checked, outcome, from_s..off_s),
     };
-    format!("{detected}{renamed}{alike} {ended}")
+    format!("{detected}{renamed} {ended}{alike}")
 }
 
 /// A sentence about other faults that look the same to the sensors of the axis, if there are any.
 fn alike(checked: &Checked, fault: &Fault) -> String {
-    let Some(axis) = fault.axis else {
+    // Names of limits claim no cause.
+    let is_limit = matches!(
+        fault.kind,
+        FaultKind::Tilt | FaultKind::Warp | FaultKind::HomingRangeExceeded
+    );
+    let Some(axis) = fault.axis.filter(|_| !is_limit) else {
         return String::new();
     };
     let others: Vec<_> = checked
