@@ -57,7 +57,7 @@ use faulted_drive::FaultedDrives;
 const FLAG_S: f64 = 20e-6;
 
 /// A machine.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Machine {
     /// The motors and their cranks.
     pub axes: Axes<SimulatedAxis>,

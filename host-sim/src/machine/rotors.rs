@@ -23,7 +23,7 @@ pub struct DriveCommand {
 }
 
 /// All cranks of a machine, in motion.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Rotors {
     driven: Driven,
     scheme: Scheme,

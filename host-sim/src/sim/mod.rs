@@ -12,14 +12,14 @@ mod moment;
 mod outcome;
 mod places;
 pub(crate) mod schedule;
+mod simulation;
 pub mod statistics;
 pub(crate) mod unwrapped;
 
 pub use moment::{Moment, Observer};
 pub use outcome::Outcome;
+pub use simulation::Simulation;
 pub use statistics::Statistics;
-
-use cophase_core::control_loop;
 
 use crate::scene::{Checked, SceneError};
 use crate::virtual_time;
@@ -61,15 +61,9 @@ pub fn simulate_first(
     observer: &mut impl Observer,
     progress: impl FnMut(u64, u64),
 ) -> Result<Outcome, SceneError> {
-    let mut controller = checked.controller()?;
-    let end_us = ticks.saturating_mul(tick_us(checked));
-    let schedule = Schedule::new(checked, controller.program().0.duration()).ending_by(end_us);
-    let mut lateness = schedule.lateness();
-    let mut io = SimulatedIo::new(checked, schedule, observer, progress)?;
-    virtual_time::run(control_loop::run(&mut controller, &mut io), |at| {
-        lateness.overshoot(at)
-    });
-    Ok(io.finish())
+    let mut simulation = Simulation::new(ticks, checked, progress)?;
+    simulation.run(observer);
+    Ok(simulation.finish())
 }
 
 /// Control ticks that a run of a scene is expected to take: its program, homing, parking, and what happens from outside.

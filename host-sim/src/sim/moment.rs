@@ -18,6 +18,13 @@ impl Observer for () {
     fn tick(&mut self, _: &Moment<'_>) {}
 }
 
+/// One that is lent looks.
+impl<A: Observer> Observer for &mut A {
+    fn tick(&mut self, moment: &Moment<'_>) {
+        (**self).tick(moment);
+    }
+}
+
 /// Both look.
 impl<A: Observer, B: Observer> Observer for (A, B) {
     fn tick(&mut self, moment: &Moment<'_>) {

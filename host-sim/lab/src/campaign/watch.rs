@@ -160,7 +160,6 @@ impl<'a> Watch<'a> {
         geometry: Option<&'a Geometry>,
         checked: &Checked,
         cranks_count: Axes<bool>,
-        twin: &'a Twin,
     ) -> Self {
         let scene = &checked.scene;
         let fault = scene.fault.first();
@@ -175,7 +174,7 @@ impl<'a> Watch<'a> {
                 ..Observation::default()
             },
             truth: Truth::new(checked),
-            responses: Responses::new(twin, scene.axes.steps_per_turn),
+            responses: Responses::new(scene.axes.steps_per_turn),
             stops_itself: !scene.command.is_empty() || !scene.input.is_empty(),
             were_enabled: false,
             beyond_since: None,
@@ -189,6 +188,13 @@ impl<'a> Watch<'a> {
             held_turns: [false, true].map(|at_flag| hold::runaway_turns(scene, geometry, at_flag)),
             rests_at_flag: None,
         }
+    }
+
+    /// The same, which from the fault on compares the outputs with those of a twin.
+    #[must_use]
+    pub const fn compared_with(mut self, twin: &'a Twin) -> Self {
+        self.responses.twin = Some(twin);
+        self
     }
 
     /// What was detected.
