@@ -207,6 +207,8 @@ impl Driven {
         let mut modes = Bound::rotors(&self.motors, &self.body().rotors_kgm2);
         modes.extend(self.frame().into_iter().flat_map(Bound::layers));
         modes.retain(|mode| mode.omega_rad_s > 0.0);
+        // Equal motors on equal rotors have equal modes.
+        modes.dedup();
         modes
     }
 

@@ -268,6 +268,12 @@ impl Machine {
         }
     }
 
+    /// Bound on [`Self::tilt_mrad`], mrad, that takes less time; none where the platform has equations of its own.
+    pub fn most_tilt_mrad(&self, turns: &[f64]) -> Option<f64> {
+        let is_geometric = self.rotors.is_none();
+        is_geometric.then(|| self.platform.most_tilt_mrad(turns))
+    }
+
     /// What moves the cranks, where torque does.
     pub fn rotors(&self) -> Option<&Rotors> {
         self.rotors.as_ref()

@@ -96,6 +96,17 @@ impl Moment<'_> {
         *self.tilt_mrad.get_or_init(tilt)
     }
 
+    /// Raises `most_mrad` to the tilt of the platform at the tick's end, if that is larger.
+    pub fn raise_tilt(&self, most_mrad: &mut f64) {
+        let bound_mrad = self.machine.most_tilt_mrad(self.actual_turns);
+        if bound_mrad.is_none_or(|bound_mrad| bound_mrad > *most_mrad) {
+            let tilt_mrad = self.tilt_mrad();
+            if tilt_mrad > *most_mrad {
+                *most_mrad = tilt_mrad;
+            }
+        }
+    }
+
     /// Where the platform is at the tick's end.
     pub fn pose(&self) -> Pose {
         let ticks_per_s = 1e9 / (self.end_ns - self.start_ns) as f64;

@@ -305,9 +305,9 @@ impl Statistics {
         }
         let spread_deg = (high - low) * 360.0;
         raise(&mut self.worst_spread_deg, spread_deg);
-        raise(&mut self.worst_tilt_mrad, moment.tilt_mrad());
-        // Warp is a difference of errors: where they are all alike, there is none.
-        if high > low {
+        moment.raise_tilt(&mut self.worst_tilt_mrad);
+        // The plane is the closest to all errors: none is further from it than √6/2 of the spread, with up to six axes.
+        if 1.25 * spread_deg > self.worst_warp_deg {
             let platform = &moment.machine.platform;
             let warp_deg = platform.warp_deg(moment.actual_turns, moment.aim_turns);
             raise(&mut self.worst_warp_deg, warp_deg);

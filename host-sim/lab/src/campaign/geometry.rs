@@ -21,6 +21,8 @@ pub struct Geometry {
     mrad_per_turn: f64,
     tilt_limit_mrad: f64,
     warp_limit_deg: f64,
+    /// Errors that are no further apart are within the limits, turns.
+    within_turns: f64,
 }
 
 impl Geometry {
@@ -31,7 +33,14 @@ impl Geometry {
         let longest_travel_m = angles()
             .map(|alpha| mechanism.x_dot_mps(alpha, 1.0).abs())
             .fold(0.0, f64::max);
+        let mrad_per_turn = 1e3 * longest_travel_m * TAU;
+        let limits = &scene.drift;
+        // The slope of the closest plane is at most what the errors are apart, over the mount radius. None of up to six errors is further from
+        // that plane than √6/2 of what they are apart.
+        let by_tilt = limits.tilt_limit_mrad * machine.mount_radius_m / mrad_per_turn;
+        let by_warp = limits.warp_limit_deg / 360.0 / 1.25;
         Some(Self {
+            within_turns: 0.99 * by_tilt.min(by_warp),
             load: Load {
                 mass_kg: machine.load_kg,
                 gravity_mps2: machine.gravity_mps2,
@@ -39,7 +48,7 @@ impl Geometry {
             },
             corners: Corners::new(scene.axes.count, machine.mount_radius_m),
             count: scene.axes.count,
-            mrad_per_turn: 1e3 * longest_travel_m * TAU,
+            mrad_per_turn,
             tilt_limit_mrad: scene.drift.tilt_limit_mrad,
             warp_limit_deg: scene.drift.warp_limit_deg,
             mechanism,
@@ -72,6 +81,11 @@ impl Geometry {
 
     /// Whether errors are beyond the limits, as the controller has them: on tilt at the worst crank angle, and on warp.
     pub fn is_beyond_limit(&self, errors: &[f64]) -> bool {
+        let low = errors.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = errors.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if high - low <= self.within_turns {
+            return false;
+        }
         let (tilt_mrad, warp_deg) = self.modes(errors);
         tilt_mrad > self.tilt_limit_mrad || warp_deg > self.warp_limit_deg
     }

@@ -84,11 +84,13 @@ fn tick_of(moment: &Moment<'_>) -> usize {
 
 impl Observer for Twin {
     fn tick(&mut self, moment: &Moment<'_>) {
-        let outputs = Outputs::new(moment);
-        // A tick that was missed holds what was played before it.
-        let before = self.ticks.last().cloned().unwrap_or_default();
-        self.ticks.resize(tick_of(moment), before);
-        self.ticks.push(outputs);
+        let tick = tick_of(moment);
+        if self.ticks.len() < tick {
+            // A tick that was missed holds what was played before it.
+            let before = self.ticks.last().cloned().unwrap_or_default();
+            self.ticks.resize(tick, before);
+        }
+        self.ticks.push(Outputs::new(moment));
     }
 }
 
