@@ -117,6 +117,11 @@ impl Driven {
         }
     }
 
+    /// True if the platform has no equations of its own: where it is follows from the cranks.
+    pub fn is_geometric(&self) -> bool {
+        matches!(self.freedom, Freedom::Rigid(_) | Freedom::Phased(_)) && self.frame().is_none()
+    }
+
     /// The frame, if it moves.
     pub fn frame(&self) -> Option<&Frame> {
         match &self.freedom {

@@ -270,7 +270,7 @@ impl Machine {
 
     /// Bound on [`Self::tilt_mrad`], mrad, that takes less time; none where the platform has equations of its own.
     pub fn most_tilt_mrad(&self, turns: &[f64]) -> Option<f64> {
-        let is_geometric = self.rotors.is_none();
+        let is_geometric = self.rotors.as_ref().is_none_or(Rotors::is_geometric);
         is_geometric.then(|| self.platform.most_tilt_mrad(turns))
     }
 

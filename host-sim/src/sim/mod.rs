@@ -6,6 +6,7 @@
 pub mod coast;
 pub mod event_watch;
 pub mod events;
+mod forces;
 pub mod hold;
 mod io;
 mod moment;
@@ -16,6 +17,7 @@ mod simulation;
 pub mod statistics;
 pub(crate) mod unwrapped;
 
+use forces::PeakForces;
 pub use moment::{Moment, Observer};
 pub use outcome::Outcome;
 pub use simulation::Simulation;
@@ -62,8 +64,11 @@ pub fn simulate_first(
     progress: impl FnMut(u64, u64),
 ) -> Result<Outcome, SceneError> {
     let mut simulation = Simulation::new(ticks, checked, progress)?;
-    simulation.run(observer);
-    Ok(simulation.finish())
+    let mut forces = PeakForces::default();
+    simulation.run(&mut (&mut forces, observer));
+    let mut outcome = simulation.finish();
+    outcome.statistics.take(forces);
+    Ok(outcome)
 }
 
 /// Control ticks that a run of a scene is expected to take: its program, homing, parking, and what happens from outside.

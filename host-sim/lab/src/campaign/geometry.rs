@@ -107,20 +107,20 @@ impl Geometry {
         let most = error_turns.abs().min(0.5);
         // Not always the largest error tilts most: steps of 3° up to it find that to 0.1 %.
         let steps = (most * 120.0).ceil().max(1.0);
+        let in_phase: Vec<f64> = angles().map(|alpha| self.mechanism.x_m(alpha)).collect();
         let mut heights = vec![0.0; self.count];
-        let mut worst = 0.0_f64;
         for step in 1..=steps as u32 {
             let error = most * f64::from(step) / steps * TAU;
-            for alpha in angles() {
+            for (alpha, in_phase_m) in angles().zip(&in_phase) {
                 for sign in [-1.0, 1.0] {
-                    heights[0] =
-                        self.mechanism.x_m(alpha + sign * error) - self.mechanism.x_m(alpha);
-                    let [_, x, y] = self.corners.plane(&heights);
-                    worst = worst.max(x.hypot(y));
+                    let off_m = self.mechanism.x_m(alpha + sign * error) - in_phase_m;
+                    heights[0] = off_m.abs().max(heights[0]);
                 }
             }
         }
-        worst * 1e3
+        // The tilt is in proportion to the height.
+        let [_, x, y] = self.corners.plane(&heights);
+        x.hypot(y) * 1e3
     }
 
     /// Greatest tilt that any cranks make, wherever each of them is, mrad: each at the top or at the bottom, as the plane through
