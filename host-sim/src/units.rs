@@ -27,3 +27,52 @@ pub fn degrees(angle: Turns) -> f64 {
 pub fn speed_hz(speed: Turns, tick_hz: u32) -> f64 {
     turns(speed) * f64::from(tick_hz)
 }
+
+/// Nearest whole number, as `value.round() as i64`, without a call where the processor has no instruction for it.
+pub fn nearest(value: f64) -> i64 {
+    // Just below a half: a half would take what is just below a half up.
+    const HALF: f64 = 0.5 - f64::EPSILON / 4.0;
+    (value + HALF.copysign(value)) as i64
+}
+
+/// Largest whole number up to a value, as `value.floor() as i64`, without a call where the processor has no instruction for it.
+pub fn floor(value: f64) -> i64 {
+    let whole = value as i64;
+    whole.saturating_sub(i64::from(whole as f64 > value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// If a half, what is next to it, or a large number were rounded otherwise, counts of encoders would be off by one.
+    #[test]
+    fn whole_numbers_are_those_of_the_standard_library() {
+        let wholes = [
+            0.0,
+            1.0,
+            2.0,
+            1e6 + 1.0,
+            2_f64.powi(31),
+            2_f64.powi(51) + 1.0,
+        ];
+        let large = [
+            2_f64.powi(52) + 1.0,
+            2_f64.powi(53) - 1.0,
+            2_f64.powi(62),
+            1e300,
+        ];
+        let special = [f64::INFINITY, f64::NAN, f64::MIN_POSITIVE];
+        let around = wholes
+            .into_iter()
+            .flat_map(|whole| [whole, whole + 0.25, whole + 0.5, whole + 0.75].into_iter());
+        for value in around.chain(large).chain(special) {
+            for value in [value.next_down(), value, value.next_up()] {
+                for value in [value, -value] {
+                    assert_eq!(nearest(value), value.round() as i64, "{value:e}");
+                    assert_eq!(floor(value), value.floor() as i64, "{value:e}");
+                }
+            }
+        }
+    }
+}

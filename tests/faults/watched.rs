@@ -28,7 +28,7 @@ fn watched_at(at_s: f64, text: &str, fault: &str) -> (Checked, Observation) {
     let count = judge::cranks_that_count(&checked.scene);
     let mut twin = Twin::default();
     simulate(&scene(text), &mut twin, |_, _| {}).expect("a checked scene runs");
-    let mut watch = Watch::new(geometry.as_ref(), &checked, count, &twin);
+    let mut watch = Watch::new(geometry.as_ref(), &checked, count).compared_with(&twin);
     simulate(&checked, &mut watch, |_, _| {}).expect("a checked scene runs");
     let observation = watch.observation();
     (checked, observation)

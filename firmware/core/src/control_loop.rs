@@ -53,8 +53,14 @@ pub enum SubmissionResult {
 
 /// Runs the loop from the present time on, until [`Io::write`] ends it.
 pub async fn run(controller: &mut Controller, io: &mut impl Io) {
+    run_from(Instant::now(), controller, io).await;
+}
+
+/// Runs the loop from a first deadline on, until [`Io::write`] ends it. A loop that [`Io::write`] ended goes on from the start of the
+/// output that was submitted last.
+pub async fn run_from(first: Instant, controller: &mut Controller, io: &mut impl Io) {
     let tick = Duration::from_micros(1_000_000 / u64::from(controller.tick_hz()));
-    let mut deadline = Instant::now();
+    let mut deadline = first;
     loop {
         io.until(deadline).await;
         let late = Instant::now().saturating_duration_since(deadline);

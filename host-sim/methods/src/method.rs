@@ -23,6 +23,15 @@ pub trait Method: fmt::Debug {
     /// On an error `y` is as it was.
     fn step(&mut self, equations: &dyn Equations, t_s: f64, y: &mut [f64])
     -> Result<(), StepError>;
+
+    /// Copy of the method with its memory.
+    fn clone_box(&self) -> Box<dyn Method>;
+}
+
+impl Clone for Box<dyn Method> {
+    fn clone(&self) -> Self {
+        (**self).clone_box()
+    }
 }
 
 /// Makes `steps` steps from `t0_s` on. The time of each is t0 + i h, not a sum that gathers rounding.
@@ -40,7 +49,7 @@ pub fn advance(
 }
 
 /// What a method does in a step, and nothing else.
-pub(crate) trait Rule: fmt::Debug + Sized {
+pub(crate) trait Rule: Clone + fmt::Debug + Sized + 'static {
     /// What is known of it.
     const FACTS: &'static Facts;
 
@@ -60,14 +69,14 @@ pub(crate) trait Rule: fmt::Debug + Sized {
 }
 
 /// A rule at a fixed step: a method.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Fixed<R> {
     rule: R,
     step_s: f64,
     next: Vec<f64>,
 }
 
-impl<R: Rule + 'static> Fixed<R> {
+impl<R: Rule> Fixed<R> {
     /// Refuses a step that is not finite and above 0, equations that lack what the rule needs, and what the rule itself
     /// refuses.
     pub fn prepare(equations: &dyn Equations, step_s: f64) -> Result<Box<dyn Method>, Refused> {
@@ -111,5 +120,9 @@ impl<R: Rule> Method for Fixed<R> {
         }
         y.copy_from_slice(&self.next);
         Ok(())
+    }
+
+    fn clone_box(&self) -> Box<dyn Method> {
+        Box::new(self.clone())
     }
 }

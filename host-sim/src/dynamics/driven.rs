@@ -117,6 +117,11 @@ impl Driven {
         }
     }
 
+    /// True if the platform has no equations of its own: where it is follows from the cranks.
+    pub fn is_geometric(&self) -> bool {
+        matches!(self.freedom, Freedom::Rigid(_) | Freedom::Phased(_)) && self.frame().is_none()
+    }
+
     /// The frame, if it moves.
     pub fn frame(&self) -> Option<&Frame> {
         match &self.freedom {
@@ -207,6 +212,8 @@ impl Driven {
         let mut modes = Bound::rotors(&self.motors, &self.body().rotors_kgm2);
         modes.extend(self.frame().into_iter().flat_map(Bound::layers));
         modes.retain(|mode| mode.omega_rad_s > 0.0);
+        // Equal motors on equal rotors have equal modes.
+        modes.dedup();
         modes
     }
 

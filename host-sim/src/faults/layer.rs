@@ -7,6 +7,7 @@ use crate::axes::{Axes, per_axis};
 use crate::machine::Extra;
 use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName, Lines};
+use crate::units::nearest;
 
 /// All that goes wrong in a scene.
 #[derive(Clone, Debug)]
@@ -207,7 +208,7 @@ impl Faults {
         let number = (now_us / self.tick_us) as i64;
         for (counts, noise) in feedback.encoder.iter_mut().zip(&self.encoder) {
             if let Some(noise) = noise {
-                *counts = counts.wrapping_add(noise.draw(number).round() as i32);
+                *counts = counts.wrapping_add(nearest(noise.draw(number)) as i32);
             }
         }
         for planned in self.planned.iter().filter(|planned| planned.is_on(now_us)) {

@@ -155,8 +155,7 @@ impl Running {
         let run = move || {
             let ticks = controller.program().0.duration();
             let schedule = Schedule::new(&checked, ticks).without_commands();
-            let mut observer = ();
-            let inner = SimulatedIo::new(&checked, schedule, &mut observer, |_, _| {});
+            let inner = SimulatedIo::new(&checked, schedule, |_, _| {});
             // Whoever began the thread waits for this.
             match inner {
                 Ok(mut inner) => {

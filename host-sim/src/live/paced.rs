@@ -15,7 +15,7 @@ use embassy_time::Instant;
 use super::WallClock;
 use crate::scene::file::FaultAt;
 use crate::sim::SimulatedIo;
-use crate::virtual_time::TICKS_PER_S;
+use crate::virtual_time::{self, TICKS_PER_S};
 
 /// Something for the loop.
 pub(super) enum ToLoop {
@@ -37,8 +37,8 @@ pub(super) enum FromLoop {
 }
 
 /// The simulated machine, in step with the wall clock.
-pub(super) struct Paced<'a, P> {
-    inner: SimulatedIo<'a, (), P>,
+pub(super) struct Paced<P> {
+    inner: SimulatedIo<P>,
     from_host: Receiver<ToLoop>,
     to_host: SyncSender<FromLoop>,
     clock: WallClock,
@@ -51,9 +51,9 @@ pub(super) struct Paced<'a, P> {
     is_over: bool,
 }
 
-impl<'a, P: FnMut(u64, u64)> Paced<'a, P> {
+impl<P: FnMut(u64, u64)> Paced<P> {
     pub(super) fn new(
-        inner: SimulatedIo<'a, (), P>,
+        inner: SimulatedIo<P>,
         speed: f64,
         from_host: Receiver<ToLoop>,
         to_host: SyncSender<FromLoop>,
@@ -111,11 +111,11 @@ impl<'a, P: FnMut(u64, u64)> Paced<'a, P> {
     }
 }
 
-impl<P: FnMut(u64, u64)> Io for Paced<'_, P> {
+impl<P: FnMut(u64, u64)> Io for Paced<P> {
     fn read(&mut self) -> Feedback {
         self.clock
             .wait(Duration::from_micros(Instant::now().as_micros()));
-        let mut feedback = self.inner.read();
+        let mut feedback = self.inner.read(&mut ());
         feedback.command = self.next_command();
         self.inputs = feedback.inputs;
         feedback
@@ -133,7 +133,7 @@ impl<P: FnMut(u64, u64)> Io for Paced<'_, P> {
     }
 
     fn until(&mut self, deadline: Instant) -> impl Future<Output = ()> {
-        self.inner.until(deadline)
+        virtual_time::until(deadline.as_micros())
     }
 
     fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult {

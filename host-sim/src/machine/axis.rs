@@ -20,7 +20,7 @@ use super::index::Passed;
 use super::played::Plan;
 use super::pulse_counter::PulseCounter;
 use super::rotors::DriveCommand;
-use crate::units::{nm, turns};
+use crate::units::{nearest, nm, turns};
 
 /// One motor with its crank.
 #[derive(Clone, Debug)]
@@ -222,7 +222,7 @@ impl SimulatedAxis {
         self.travelled_turns = turns - self.origin_turns;
         if let Some(cycle_steps) = self.drive.cycle_steps() {
             let behind = (self.travelled_turns - field_turns) * self.steps_per_turn;
-            self.lost_cycles = (behind / cycle_steps as f64).round() as i64;
+            self.lost_cycles = nearest(behind / cycle_steps as f64);
         }
         if let Some(error) = self.drive.following_error() {
             error.update(field_turns - self.travelled_turns, energised);

@@ -26,7 +26,7 @@ use screw::Screws;
 /// Looks a tick where nothing is integrated.
 const SAMPLES: u32 = 16;
 /// The followers of all axes.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Followers {
     cam: Cam,
     elastic: Option<Elastic>,

@@ -17,7 +17,12 @@ pub struct Platform {
     load: Load,
     corners: Corners,
     mount_radius_m: f64,
+    /// Greatest |dx/dα|, m.
+    most_lever_m: f64,
 }
+
+/// More than rounding adds to a tilt, mrad.
+const ROUNDING_MRAD: f64 = 1e-6;
 
 /// Where the platform is, and how fast that changes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,8 +43,10 @@ impl Platform {
     /// The platform of a scene; for cams, the one that the crank which the core is given would carry.
     pub fn new(checked: &Checked) -> Self {
         let machine = &checked.settings.machine;
+        let mechanism = checked.mechanism;
         Self {
-            mechanism: checked.mechanism,
+            most_lever_m: mechanism.crank_radius_m() * mechanism.greatest_s(),
+            mechanism,
             load: Load {
                 mass_kg: machine.load_kg,
                 gravity_mps2: machine.gravity_mps2,
@@ -111,6 +118,18 @@ impl Platform {
             .collect();
         let [_, x, y] = self.corners.plane(&heights);
         x.hypot(y) * 1e3
+    }
+
+    /// Bound on [`Self::tilt_mrad`] that takes no sine: the plane closest to the corners rises by no more than the corners are apart in height,
+    /// over the mount radius. That is so because the shares of all corners in a slope come to 0.
+    pub fn most_tilt_mrad(&self, turns: &[f64]) -> f64 {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for &turns in turns {
+            low = low.min(turns);
+            high = high.max(turns);
+        }
+        let apart_m = (high - low) * std::f64::consts::TAU * self.most_lever_m;
+        apart_m / self.mount_radius_m * 1e3 + ROUNDING_MRAD
     }
 
     /// Largest deviation of a crank's error from the plane of all errors, degrees.

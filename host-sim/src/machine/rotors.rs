@@ -4,6 +4,8 @@
 //! Drives that have not been on yet hold their cranks, as whoever set them up left them. Once they have been, cranks
 //! whose drives are off run on under load and friction.
 
+use std::cell::{OnceCell, RefCell};
+
 use cophase_core::units::MAX_AXES;
 use cophase_methods::{Method, Scheme, advance};
 
@@ -23,7 +25,7 @@ pub struct DriveCommand {
 }
 
 /// All cranks of a machine, in motion.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Rotors {
     driven: Driven,
     scheme: Scheme,
@@ -34,11 +36,10 @@ pub struct Rotors {
     state: Vec<f64>,
     /// States of the last tick, one before each step.
     within: Vec<f64>,
-    /// Rates of the state, and torques of the motors, N·m, at the last tick's end.
-    rates: Vec<f64>,
-    torques_nm: [f64; MAX_AXES],
-    /// Motion of the platform at the last tick's end; none where it follows the shaft.
-    platform: Option<PlaneMotion>,
+    /// What acts at the last tick's end, worked out where somebody asks.
+    end: OnceCell<End>,
+    /// Room for the rates of the next.
+    room: RefCell<Vec<f64>>,
     commanded: Vec<DriveCommand>,
     tick_s: f64,
     were_on: bool,
@@ -47,6 +48,17 @@ pub struct Rotors {
     most_rad_s: f64,
     /// Why it went no further.
     broken: Option<Broken>,
+}
+
+/// What acts at a tick's end.
+#[derive(Clone, Debug)]
+struct End {
+    /// Rates of the state.
+    rates: Vec<f64>,
+    /// Torques of the motors, N·m.
+    torques_nm: [f64; MAX_AXES],
+    /// Motion of the platform; none where it follows the shaft.
+    platform: Option<PlaneMotion>,
 }
 
 /// Speed beyond which dry friction is constant, rad/s: five times that over which it turns round, where tanh is 1 to 1e-4.
@@ -94,11 +106,15 @@ impl Rotors {
             .collect();
         let state = driven.at_rest(&angles);
         let rates = vec![0.0; state.len()];
-        Ok(Self {
+        let end = End {
             platform: driven.platform(&state, &rates),
-            within: Vec::with_capacity(steps as usize * state.len()),
             rates,
             torques_nm: [0.0; MAX_AXES],
+        };
+        Ok(Self {
+            within: Vec::with_capacity(steps as usize * state.len()),
+            end: end.into(),
+            room: RefCell::default(),
             driven,
             scheme,
             method,
@@ -190,28 +206,48 @@ impl Rotors {
             Some(near_rest) if is_near_rest => near_rest,
             _ => &mut self.method,
         };
+        if let Some(end) = self.end.take() {
+            self.room.replace(end.rates);
+        }
         for step in 0..self.steps {
             let t_s = f64::from(step) * method.step_s();
             self.within.extend_from_slice(&self.state);
             if let Err(error) = method.step(&self.driven, t_s, &mut self.state) {
                 let since_s = (self.ticks - 1) as f64 * self.tick_s;
                 self.broken = Some(error.later(since_s).into());
-                self.platform = self.driven.platform(&self.state, &self.rates);
-                return;
+                break;
             }
         }
-        self.broken = self.ran_away();
-        self.torques_nm = self.driven.torques_nm(self.tick_s, &self.state);
-        self.driven
-            .rates_under(&self.torques_nm, &self.state, &mut self.rates);
-        self.platform = self.driven.platform(&self.state, &self.rates);
+        self.broken = self.broken.or_else(|| self.ran_away());
+        // What comes next changes the fields, and may change the state.
+        if self.near_rest.is_some() || self.broken.is_some() {
+            self.end();
+        }
+    }
+
+    /// What acts at the last tick's end.
+    fn end(&self) -> &End {
+        self.end.get_or_init(|| {
+            let mut rates = self.room.take();
+            rates.resize(self.state.len(), 0.0);
+            let torques_nm = self.driven.torques_nm(self.tick_s, &self.state);
+            self.driven
+                .rates_under(&torques_nm, &self.state, &mut rates);
+            End {
+                platform: self.driven.platform(&self.state, &rates),
+                rates,
+                torques_nm,
+            }
+        })
     }
 
     /// True if a crank is as slow as friction turns round, or may become so within a tick.
     fn is_near_rest(&self) -> bool {
         let from = self.driven.positions();
         let cranks = from..from + self.driven.angles();
-        let cranks = self.state[cranks.clone()].iter().zip(&self.rates[cranks]);
+        let cranks = self.state[cranks.clone()]
+            .iter()
+            .zip(&self.end().rates[cranks]);
         cranks
             .into_iter()
             .any(|(omega, rate)| omega.abs() < NEAR_REST_RAD_S + rate.abs() * self.tick_s)
@@ -251,7 +287,7 @@ impl Rotors {
 
     /// Speed and acceleration of the cranks, their means, rad/s and rad/s².
     pub fn motion(&self) -> (f64, f64) {
-        self.driven.mean_motion(&self.state, &self.rates)
+        self.driven.mean_motion(&self.state, &self.end().rates)
     }
 
     /// States of the machine within the last tick, one before each of its steps; none if it stood still.
@@ -271,7 +307,7 @@ impl Rotors {
         State {
             q: &self.state[..positions],
             v: &self.state[positions..2 * positions],
-            a: &self.rates[positions..2 * positions],
+            a: &self.end().rates[positions..2 * positions],
             torques_nm: self.torques_nm(),
         }
     }
@@ -283,12 +319,12 @@ impl Rotors {
 
     /// Torque of each motor at the last tick's end, N·m.
     pub fn torques_nm(&self) -> &[f64] {
-        &self.torques_nm[..self.commanded.len()]
+        &self.end().torques_nm[..self.commanded.len()]
     }
 
     /// Where the platform is and how it moves; none where it follows the shaft.
     pub fn platform(&self) -> Option<PlaneMotion> {
-        self.platform
+        self.end().platform
     }
 
     /// What the frame does, if it moves.
@@ -301,6 +337,11 @@ impl Rotors {
         let load = self.driven.body().load;
         let frame = self.driven.frame();
         frame.map_or(0.0, |frame| frame.sag_m(load.mass_kg, load.gravity_mps2))
+    }
+
+    /// True if the platform has no equations of its own: where it is follows from the cranks.
+    pub fn is_geometric(&self) -> bool {
+        self.driven.is_geometric()
     }
 
     /// The machine and its motors.

@@ -6,6 +6,7 @@ use super::{IndexSensor, Machine};
 use crate::axes::{Axes, per_axis};
 use crate::faults::{Sensor, Stream};
 use crate::scene::Checked;
+use crate::units::floor;
 
 impl Machine {
     /// The index sensors of its cranks, as they stand now.
@@ -38,7 +39,7 @@ impl Machine {
             .map_or(0.0, |faulted_drives| faulted_drives.slipped_turns(i));
         let sense = if axis.is_reversed() { -1.0 } else { 1.0 };
         let counts = sense * (axis.travelled_turns() + slipped) * axis.steps_per_turn();
-        (counts + ROUNDING).floor() as i64 as i32
+        floor(counts + ROUNDING) as i32
     }
 
     /// Counts of all encoders; 0 of those that are not read.

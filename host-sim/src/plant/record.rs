@@ -42,8 +42,26 @@ pub struct Tick<'a> {
     pub state: Option<State<'a>>,
 }
 
+/// Copy of a [`Record`]: each that is `Clone` has it.
+pub trait CloneRecord {
+    /// Copy of the record.
+    fn clone_box(&self) -> Box<dyn Record>;
+}
+
+impl<R: Record + Clone + 'static> CloneRecord for R {
+    fn clone_box(&self) -> Box<dyn Record> {
+        Box::new(self.clone())
+    }
+}
+
+impl Clone for Box<dyn Record> {
+    fn clone(&self) -> Self {
+        (**self).clone_box()
+    }
+}
+
 /// Figures of a run, gathered tick by tick.
-pub trait Record: Debug {
+pub trait Record: CloneRecord + Debug {
     /// Takes in one tick.
     fn tick(&mut self, tick: &Tick<'_>);
 
@@ -57,7 +75,7 @@ pub trait Record: Debug {
 }
 
 /// A machine of its own kind while it runs.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Recorder {
     /// The machine.
     pub plant: Arc<dyn Plant>,

@@ -28,7 +28,7 @@ use crate::units::turns;
 use crate::virtual_time::{self, TICKS_PER_S};
 
 /// An output that waits for its time, or plays.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Waiting {
     start_us: u64,
     played: Played,
@@ -36,8 +36,9 @@ struct Waiting {
     sync: bool,
 }
 
-/// The loop's world, simulated.
-pub struct SimulatedIo<'a, O, P> {
+/// The loop's world, simulated, to be read with an [`Observer`]: see [`Observed`].
+#[derive(Clone)]
+pub struct SimulatedIo<P> {
     tick_us: u64,
     tick_hz: u32,
     machine: Machine,
@@ -49,7 +50,6 @@ pub struct SimulatedIo<'a, O, P> {
     schedule: Schedule,
     faults: Faults,
     statistics: Statistics,
-    observer: &'a mut O,
     progress: P,
     /// Boxed, as an output has kilobytes of room for runs, and is passed on every tick.
     waiting: VecDeque<Box<Waiting>>,
@@ -74,6 +74,11 @@ pub struct SimulatedIo<'a, O, P> {
     /// Ticks since nothing has happened any more, and after how many of them a run ends.
     quiet: u64,
     tail_ticks: u64,
+    /// Start of the output that was written last: the deadline at which the loop reads next, µs.
+    next_us: u64,
+    /// The loop pauses before the first deadline that is not before this, µs.
+    pause_us: u64,
+    is_over: bool,
 }
 
 /// So long a run goes on for after the end, so that traces show the machine at rest, s; and so long at most, where cranks turn
@@ -84,17 +89,12 @@ const MOST_TAIL_S: f64 = 5.0;
 /// How many ticks go by between two reports of progress.
 const PROGRESS_TICKS: u64 = 8192;
 
-impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
+impl<P: FnMut(u64, u64)> SimulatedIo<P> {
     /// Makes the machine of a scene, at power-up.
     ///
     /// # Errors
     /// The machine of the scene cannot be made.
-    pub fn new(
-        checked: &Checked,
-        schedule: Schedule,
-        observer: &'a mut O,
-        progress: P,
-    ) -> Result<Self, SceneError> {
+    pub fn new(checked: &Checked, schedule: Schedule, progress: P) -> Result<Self, SceneError> {
         let machine = Machine::new(checked)?;
         let tick_hz = checked.settings.tick_hz;
         Ok(Self {
@@ -108,7 +108,6 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
             sensed_us: 0,
             schedule,
             faults: Faults::new(checked),
-            observer,
             progress,
             waiting: VecDeque::new(),
             spare: Vec::new(),
@@ -122,7 +121,25 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
             fault: None,
             quiet: 0,
             tail_ticks: ticks_in(TAIL_S, tick_hz),
+            next_us: 0,
+            pause_us: u64::MAX,
+            is_over: false,
         })
+    }
+
+    /// Has the loop pause before the first deadline that is not before a time, µs. Returns the next deadline if the loop has to run to come
+    /// there, µs.
+    pub fn pause_at(&mut self, pause_us: u64) -> Option<u64> {
+        self.pause_us = pause_us;
+        (!self.is_over && self.next_us < pause_us).then_some(self.next_us)
+    }
+
+    /// Goes on with a schedule and with faults that are all still to come.
+    pub fn go_on_with(&mut self, schedule: Schedule, faults: Faults) {
+        self.schedule = schedule.after(&self.schedule);
+        self.faults = faults;
+        self.quiet = 0;
+        self.is_over = false;
     }
 
     /// Lets faults be injected while the machine runs: [`Self::inject`]. To be called at power-up.
@@ -191,7 +208,12 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
     }
 
     /// Plays one output, reads the sensors, and passes it to the observers.
-    fn play(&mut self, waiting: &Waiting, detected: &mut PerAxis<Option<IndexPulse>>) {
+    fn play(
+        &mut self,
+        waiting: &Waiting,
+        detected: &mut PerAxis<Option<IndexPulse>>,
+        observer: &mut impl Observer,
+    ) {
         let Waiting {
             start_us,
             played,
@@ -256,7 +278,7 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
         // Of ticks that are played: a run may end before the next, and then nothing else shows what latched in it.
         self.fault = self.fault.or(telemetry.fault);
         self.statistics.tick(&moment);
-        self.observer.tick(&moment);
+        observer.tick(&moment);
     }
 
     /// Whether nothing has happened for long enough, and nothing moves any more.
@@ -273,10 +295,9 @@ impl<'a, O: Observer, P: FnMut(u64, u64)> SimulatedIo<'a, O, P> {
             self.statistics.injected(t_s, fault);
         }
     }
-}
 
-impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
-    fn read(&mut self) -> Feedback {
+    /// Plays what is due, which the observer is shown, and reads the feedback: see [`Io::read`].
+    pub fn read(&mut self, observer: &mut impl Observer) -> Feedback {
         let now = Instant::now().as_micros();
         let mut index = PerAxis::default();
         while self
@@ -288,7 +309,7 @@ impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
                 break;
             };
             self.stand(waiting.start_us, &mut index);
-            self.play(&waiting, &mut index);
+            self.play(&waiting, &mut index, observer);
             self.spare.extend(self.last.replace(waiting));
         }
         if self.sensed_us + self.tick_us <= now {
@@ -320,11 +341,8 @@ impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
         feedback
     }
 
-    fn until(&mut self, deadline: Instant) -> impl Future<Output = ()> {
-        virtual_time::until(deadline.as_micros())
-    }
-
-    fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult {
+    /// Takes an output that is played from `start` on: see [`Io::write`].
+    pub fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult {
         let start_us = start.as_micros();
         let mut waiting = self.spare.pop().unwrap_or_else(|| {
             Box::new(Waiting {
@@ -355,10 +373,34 @@ impl<O: Observer, P: FnMut(u64, u64)> Io for SimulatedIo<'_, O, P> {
             0
         };
         let broken = self.machine.broken().is_some();
-        if broken || self.is_at_rest() || start_us > self.schedule.end_us() {
+        self.is_over = broken || self.is_at_rest() || start_us > self.schedule.end_us();
+        self.next_us = start_us;
+        if self.is_over || start_us >= self.pause_us {
             return SubmissionResult::Over;
         }
         SubmissionResult::InTime
+    }
+}
+
+/// A simulated world and who looks on while the loop runs.
+pub struct Observed<'a, O, P> {
+    /// The world.
+    pub io: &'a mut SimulatedIo<P>,
+    /// The observer.
+    pub observer: &'a mut O,
+}
+
+impl<O: Observer, P: FnMut(u64, u64)> Io for Observed<'_, O, P> {
+    fn read(&mut self) -> Feedback {
+        self.io.read(self.observer)
+    }
+
+    fn until(&mut self, deadline: Instant) -> impl Future<Output = ()> {
+        virtual_time::until(deadline.as_micros())
+    }
+
+    fn write(&mut self, output: &Output, start: Instant) -> SubmissionResult {
+        self.io.write(output, start)
     }
 }
 
@@ -367,7 +409,7 @@ fn ticks_in(seconds: f64, tick_hz: u32) -> u64 {
 }
 
 /// What is so in the tick that is played: see [`Moment`].
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Now {
     passages: Passages,
     index: Axes<Option<u32>>,

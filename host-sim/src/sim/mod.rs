@@ -6,20 +6,22 @@
 pub mod coast;
 pub mod event_watch;
 pub mod events;
+mod forces;
 pub mod hold;
 mod io;
 mod moment;
 mod outcome;
 mod places;
 pub(crate) mod schedule;
+mod simulation;
 pub mod statistics;
 pub(crate) mod unwrapped;
 
+use forces::PeakForces;
 pub use moment::{Moment, Observer};
 pub use outcome::Outcome;
+pub use simulation::Simulation;
 pub use statistics::Statistics;
-
-use cophase_core::control_loop;
 
 use crate::scene::{Checked, SceneError};
 use crate::virtual_time;
@@ -61,15 +63,12 @@ pub fn simulate_first(
     observer: &mut impl Observer,
     progress: impl FnMut(u64, u64),
 ) -> Result<Outcome, SceneError> {
-    let mut controller = checked.controller()?;
-    let end_us = ticks.saturating_mul(tick_us(checked));
-    let schedule = Schedule::new(checked, controller.program().0.duration()).ending_by(end_us);
-    let mut lateness = schedule.lateness();
-    let mut io = SimulatedIo::new(checked, schedule, observer, progress)?;
-    virtual_time::run(control_loop::run(&mut controller, &mut io), |at| {
-        lateness.overshoot(at)
-    });
-    Ok(io.finish())
+    let mut simulation = Simulation::new(ticks, checked, progress)?;
+    let mut forces = PeakForces::default();
+    simulation.run(&mut (&mut forces, observer));
+    let mut outcome = simulation.finish();
+    outcome.statistics.take(forces);
+    Ok(outcome)
 }
 
 /// Control ticks that a run of a scene is expected to take: its program, homing, parking, and what happens from outside.

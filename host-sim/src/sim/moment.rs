@@ -18,6 +18,13 @@ impl Observer for () {
     fn tick(&mut self, _: &Moment<'_>) {}
 }
 
+/// One that is lent looks.
+impl<A: Observer> Observer for &mut A {
+    fn tick(&mut self, moment: &Moment<'_>) {
+        (**self).tick(moment);
+    }
+}
+
 /// Both look.
 impl<A: Observer, B: Observer> Observer for (A, B) {
     fn tick(&mut self, moment: &Moment<'_>) {
@@ -87,6 +94,17 @@ impl Moment<'_> {
         }
         let tilt = || self.machine.tilt_mrad(self.actual_turns);
         *self.tilt_mrad.get_or_init(tilt)
+    }
+
+    /// Raises `most_mrad` to the tilt of the platform at the tick's end, if that is larger.
+    pub fn raise_tilt(&self, most_mrad: &mut f64) {
+        let bound_mrad = self.machine.most_tilt_mrad(self.actual_turns);
+        if bound_mrad.is_none_or(|bound_mrad| bound_mrad > *most_mrad) {
+            let tilt_mrad = self.tilt_mrad();
+            if tilt_mrad > *most_mrad {
+                *most_mrad = tilt_mrad;
+            }
+        }
     }
 
     /// Where the platform is at the tick's end.

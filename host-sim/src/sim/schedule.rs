@@ -155,6 +155,16 @@ impl Schedule {
         self
     }
 
+    /// The same, of which so much is done as is of an earlier schedule with the same commands and inputs.
+    #[must_use]
+    pub const fn after(mut self, earlier: &Self) -> Self {
+        self.requested_us = earlier.requested_us;
+        self.next_command = earlier.next_command;
+        self.next_input = earlier.next_input;
+        self.lines = earlier.lines;
+        self
+    }
+
     /// What makes the loop late.
     pub fn lateness(&self) -> Lateness {
         let mut late = self.late.clone();
@@ -180,6 +190,18 @@ impl Lateness {
             }
             _ => 0,
         }
+    }
+
+    /// The same, of which so much is served as of an earlier one that differs only in what is still to come.
+    #[must_use]
+    pub const fn after(mut self, earlier: &Self) -> Self {
+        self.next = earlier.next;
+        self
+    }
+
+    /// The longest lateness that is requested, µs.
+    pub fn longest_us(&self) -> u64 {
+        self.late.iter().map(|&(_, by)| by).max().unwrap_or(0)
     }
 }
 

@@ -8,6 +8,7 @@ use super::Moment;
 use super::coast::Coast;
 use super::event_watch::{EventWatch, NewEvents};
 use super::events::{Event, EventKind, StoppedBy};
+use super::forces::PeakForces;
 use super::hold::FaultHold;
 use crate::machine::{Machine, Peaks, SimulatedAxis};
 use crate::mechanism::{AnyMechanism, Mechanism};
@@ -202,7 +203,6 @@ impl Statistics {
             raise(&mut self.top_amax_mps2, self.speed_mps2);
         }
         self.cranks(moment, t_s);
-        self.forces(moment.machine);
         self.limits(moment, t_s);
         self.level(moment);
         if let Some(new_events) = self.event_watch.tick(telemetry) {
@@ -305,39 +305,24 @@ impl Statistics {
         }
         let spread_deg = (high - low) * 360.0;
         raise(&mut self.worst_spread_deg, spread_deg);
-        raise(&mut self.worst_tilt_mrad, moment.tilt_mrad());
-        // Warp is a difference of errors: where they are all alike, there is none.
-        if high > low {
+        moment.raise_tilt(&mut self.worst_tilt_mrad);
+        // The plane is the closest to all errors: none is further from it than √6/2 of the spread, with up to six axes.
+        if 1.25 * spread_deg > self.worst_warp_deg {
             let platform = &moment.machine.platform;
             let warp_deg = platform.warp_deg(moment.actual_turns, moment.aim_turns);
             raise(&mut self.worst_warp_deg, warp_deg);
         }
         if moment.telemetry.state == State::Run {
-            if moment.machine.rotors().is_some() {
-                let accel_mps2 = moment.pose().accel_mps2.abs();
-                raise(&mut self.worst_accel_mps2, accel_mps2);
-            }
             self.running_ticks += 1;
             self.spread_squares += spread_deg * spread_deg;
         }
     }
 
-    /// What motors gave, and what came of it at the ground.
-    fn forces(&mut self, machine: &Machine) {
-        if let Some(torques) = machine.torques_nm() {
-            self.worst_torque_nm.resize(torques.len(), 0.0);
-            for (worst, torque) in self.worst_torque_nm.iter_mut().zip(torques) {
-                raise(worst, torque.abs());
-            }
-        }
-        if let Some(frame) = machine.frame() {
-            let peaks = self.frame.get_or_insert(FramePeaks {
-                sag_um: machine.sag_um(),
-                ..FramePeaks::default()
-            });
-            raise(&mut peaks.worst_ground_n, frame.ground_n.abs());
-            raise(&mut peaks.worst_um, machine.frame_um(&frame));
-        }
+    /// Takes over what motors gave, and what came of it.
+    pub(super) fn take(&mut self, forces: PeakForces) {
+        self.worst_torque_nm = forces.worst_torque_nm;
+        self.worst_accel_mps2 = forces.worst_accel_mps2;
+        self.frame = forces.frame;
     }
 
     /// Limits that bit: when each began, and what it came to.
@@ -463,7 +448,7 @@ impl Statistics {
 }
 
 /// Raises `most` to `value`, unless that is NaN. `f64::max` does the same in more instructions.
-fn raise(most: &mut f64, value: f64) {
+pub(super) fn raise(most: &mut f64, value: f64) {
     if value > *most {
         *most = value;
     }

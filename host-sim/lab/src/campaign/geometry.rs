@@ -21,6 +21,8 @@ pub struct Geometry {
     mrad_per_turn: f64,
     tilt_limit_mrad: f64,
     warp_limit_deg: f64,
+    /// Errors that are no further apart are within the limits, turns.
+    within_turns: f64,
 }
 
 impl Geometry {
@@ -31,7 +33,14 @@ impl Geometry {
         let longest_travel_m = angles()
             .map(|alpha| mechanism.x_dot_mps(alpha, 1.0).abs())
             .fold(0.0, f64::max);
+        let mrad_per_turn = 1e3 * longest_travel_m * TAU;
+        let limits = &scene.drift;
+        // The slope of the closest plane is at most what the errors are apart, over the mount radius. None of up to six errors is further from
+        // that plane than √6/2 of what they are apart.
+        let by_tilt = limits.tilt_limit_mrad * machine.mount_radius_m / mrad_per_turn;
+        let by_warp = limits.warp_limit_deg / 360.0 / 1.25;
         Some(Self {
+            within_turns: 0.99 * by_tilt.min(by_warp),
             load: Load {
                 mass_kg: machine.load_kg,
                 gravity_mps2: machine.gravity_mps2,
@@ -39,7 +48,7 @@ impl Geometry {
             },
             corners: Corners::new(scene.axes.count, machine.mount_radius_m),
             count: scene.axes.count,
-            mrad_per_turn: 1e3 * longest_travel_m * TAU,
+            mrad_per_turn,
             tilt_limit_mrad: scene.drift.tilt_limit_mrad,
             warp_limit_deg: scene.drift.warp_limit_deg,
             mechanism,
@@ -72,6 +81,11 @@ impl Geometry {
 
     /// Whether errors are beyond the limits, as the controller has them: on tilt at the worst crank angle, and on warp.
     pub fn is_beyond_limit(&self, errors: &[f64]) -> bool {
+        let low = errors.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = errors.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if high - low <= self.within_turns {
+            return false;
+        }
         let (tilt_mrad, warp_deg) = self.modes(errors);
         tilt_mrad > self.tilt_limit_mrad || warp_deg > self.warp_limit_deg
     }
@@ -93,20 +107,20 @@ impl Geometry {
         let most = error_turns.abs().min(0.5);
         // Not always the largest error tilts most: steps of 3° up to it find that to 0.1 %.
         let steps = (most * 120.0).ceil().max(1.0);
+        let in_phase: Vec<f64> = angles().map(|alpha| self.mechanism.x_m(alpha)).collect();
         let mut heights = vec![0.0; self.count];
-        let mut worst = 0.0_f64;
         for step in 1..=steps as u32 {
             let error = most * f64::from(step) / steps * TAU;
-            for alpha in angles() {
+            for (alpha, in_phase_m) in angles().zip(&in_phase) {
                 for sign in [-1.0, 1.0] {
-                    heights[0] =
-                        self.mechanism.x_m(alpha + sign * error) - self.mechanism.x_m(alpha);
-                    let [_, x, y] = self.corners.plane(&heights);
-                    worst = worst.max(x.hypot(y));
+                    let off_m = self.mechanism.x_m(alpha + sign * error) - in_phase_m;
+                    heights[0] = off_m.abs().max(heights[0]);
                 }
             }
         }
-        worst * 1e3
+        // The tilt is in proportion to the height.
+        let [_, x, y] = self.corners.plane(&heights);
+        x.hypot(y) * 1e3
     }
 
     /// Greatest tilt that any cranks make, wherever each of them is, mrad: each at the top or at the bottom, as the plane through

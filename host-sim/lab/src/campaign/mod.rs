@@ -32,8 +32,9 @@ pub mod watch;
 use rayon::prelude::*;
 
 use geometry::Geometry;
+use host_sim::faults::Planned;
 use host_sim::scene::{Checked, SceneError};
-use host_sim::sim::simulate;
+use host_sim::sim::{Outcome, Simulation};
 use plan::{Case, Plan};
 use response::Twin;
 use row::Row;
@@ -54,44 +55,53 @@ pub fn run(case: &Case, clean: bool) -> Result<Row, SceneError> {
     Ok(if clean { clean_row } else { faulty_row })
 }
 
-/// Runs the faulty and the clean run of a case.
+/// Runs the faulty and the clean run of a case. Up to the fault they are one run, unless the fault is of a kind that takes another machine.
 ///
 /// # Errors
 /// A scene that cannot be run.
 pub fn run_both(case: &Case) -> Result<[Row; 2], SceneError> {
-    let (clean_row, twin) = run_one(case, true, &Twin::default(), Some(Twin::default()))?;
-    let (faulty_row, _) = run_one(case, false, &twin.unwrap_or_default(), None)?;
-    Ok([faulty_row, clean_row])
-}
+    let checked = |clean| {
+        Checked::new(case.scene_of(clean))
+            .map_err(|error| error.in_file(&format!("case {}", case.number)))
+    };
+    let (clean, faulty) = (checked(true)?, checked(false)?);
+    let geometry = Geometry::new(&case.scene);
+    let watch = |checked: &Checked| {
+        let cranks_count = judge::cranks_that_count(&checked.scene);
+        Watch::new(geometry.as_ref(), checked, cranks_count)
+    };
+    let (mut clean_watch, mut faulty_watch) = (watch(&clean), watch(&faulty));
+    let mut twin = Twin::default();
+    let start = |checked| Simulation::new(u64::MAX, checked, |_, _| {});
 
-/// Runs one of the runs of a case, and returns `record` with its outputs.
-fn run_one(
-    case: &Case,
-    clean: bool,
-    twin: &Twin,
-    record: Option<Twin>,
-) -> Result<(Row, Option<Twin>), SceneError> {
-    let checked = Checked::new(case.scene_of(clean))
-        .map_err(|error| error.in_file(&format!("case {}", case.number)))?;
-    let scene = &checked.scene;
-    let geometry = Geometry::new(scene);
-    let cranks_count = judge::cranks_that_count(scene);
-    let mut observers = (
-        Watch::new(geometry.as_ref(), &checked, cranks_count, twin),
-        record,
-    );
-    let outcome = simulate(&checked, &mut observers, |_, _| {})?;
-    let (watch, record) = observers;
-    let observation = watch.observation();
-    let diverged = outcome.diverged.is_some();
-    let slipped = outcome
-        .statistics
-        .slipped_cycles
-        .iter()
-        .any(|&cycles| cycles != 0);
-    let judgement = judge::judge(scene, geometry.as_ref(), &observation, (diverged, slipped));
-    let row = Row::new(case, clean, &observation, &judgement, &outcome);
-    Ok((row, record))
+    let mut clean_run = start(&clean)?;
+    let mut faulty_run = if clean.scene.touches_drives() == faulty.scene.touches_drives() {
+        let fault_us = Planned::new(case.fault()).from_us;
+        let clean_observers = (&mut clean_watch, &mut twin);
+        clean_run.run_until(fault_us, &mut (clean_observers, &mut faulty_watch));
+        let mut faulty_run = clean_run.clone();
+        faulty_run.go_on_in(&faulty);
+        faulty_run
+    } else {
+        start(&faulty)?
+    };
+    clean_run.run(&mut (&mut clean_watch, &mut twin));
+    let mut faulty_watch = faulty_watch.compared_with(&twin);
+    faulty_run.run(&mut faulty_watch);
+
+    let row = |checked: &Checked, watch: Watch<'_>, outcome: &Outcome| {
+        let observation = watch.observation();
+        let diverged = outcome.diverged.is_some();
+        let slipped = (outcome.statistics.slipped_cycles.iter()).any(|&cycles| cycles != 0);
+        let judged = (diverged, slipped);
+        let judgement = judge::judge(&checked.scene, geometry.as_ref(), &observation, judged);
+        let is_clean = checked.scene.fault.is_empty();
+        Row::new(case, is_clean, &observation, &judgement, outcome)
+    };
+    Ok([
+        row(&faulty, faulty_watch, &faulty_run.finish()),
+        row(&clean, clean_watch, &clean_run.finish()),
+    ])
 }
 
 /// Runs cases, both runs of each, on all threads that rayon has; rows in the order of their numbers. `done` is called after

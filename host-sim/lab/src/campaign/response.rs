@@ -84,11 +84,13 @@ fn tick_of(moment: &Moment<'_>) -> usize {
 
 impl Observer for Twin {
     fn tick(&mut self, moment: &Moment<'_>) {
-        let outputs = Outputs::new(moment);
-        // A tick that was missed holds what was played before it.
-        let before = self.ticks.last().cloned().unwrap_or_default();
-        self.ticks.resize(tick_of(moment), before);
-        self.ticks.push(outputs);
+        let tick = tick_of(moment);
+        if self.ticks.len() < tick {
+            // A tick that was missed holds what was played before it.
+            let before = self.ticks.last().cloned().unwrap_or_default();
+            self.ticks.resize(tick, before);
+        }
+        self.ticks.push(Outputs::new(moment));
     }
 }
 
@@ -135,7 +137,8 @@ impl Now<'_> {
 /// Observer of the outputs since the fault. It keeps the first response of each kind.
 #[derive(Clone, Debug)]
 pub struct Responses<'a> {
-    twin: &'a Twin,
+    /// Clean run to compare with; none: no output is a response.
+    pub twin: Option<&'a Twin>,
     /// Offset that counts as a correction, turns.
     least_turns: f64,
     speed: i64,
@@ -160,9 +163,9 @@ const ROUNDING_TURNS: f64 = 1e-9;
 
 impl<'a> Responses<'a> {
     /// Observer of a run at power-up, whose axes make so many steps a turn.
-    pub fn new(twin: &'a Twin, steps_per_turn: u32) -> Self {
+    pub fn new(steps_per_turn: u32) -> Self {
         Self {
-            twin,
+            twin: None,
             least_turns: CORRECTION_STEPS / f64::from(steps_per_turn),
             speed: 0,
             acceleration: 0,
@@ -208,7 +211,7 @@ impl<'a> Responses<'a> {
     }
 
     fn take(&mut self, tick: usize, outputs: &Outputs, now: &Now<'_>) {
-        if let Some(twin) = self.twin.at(tick) {
+        if let Some(twin) = self.twin.and_then(|twin| twin.at(tick)) {
             self.stopping(outputs, twin, now);
             self.offsets(outputs, twin, now);
         }
@@ -361,7 +364,8 @@ mod tests {
     fn stop_reported(speeds: &[i64], at: usize, twin: &[i64], done: usize) -> Option<u64> {
         let ticks = twin.iter().copied().map(outputs).collect();
         let twin = Twin { ticks };
-        let mut responses = Responses::new(&twin, 3200);
+        let mut responses = Responses::new(3200);
+        responses.twin = Some(&twin);
         for (tick, &speed) in speeds.iter().enumerate() {
             let mut outputs = outputs(speed);
             outputs.stopping = tick >= at;
@@ -421,7 +425,8 @@ mod tests {
             let mut ticks = vec![outputs(5); 4];
             ticks[3].drives_enabled = twin_stays;
             let twin = Twin { ticks };
-            let mut responses = Responses::new(&twin, 3200);
+            let mut responses = Responses::new(3200);
+            responses.twin = Some(&twin);
             for tick in 0..4 {
                 let mut outputs = outputs(5);
                 outputs.drives_enabled = tick < 3;
@@ -448,7 +453,8 @@ mod tests {
                 ticks: vec![with(twin_turns); 5],
             };
             let errors = [0.25, 0.25 + error_turns];
-            let mut responses = Responses::new(&twin, 1000);
+            let mut responses = Responses::new(1000);
+            responses.twin = Some(&twin);
             for (tick, offset) in offsets.into_iter().enumerate() {
                 responses.take(tick, &with(offset), &now(tick, false, &errors));
             }

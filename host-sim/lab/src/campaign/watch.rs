@@ -21,7 +21,7 @@ use host_sim::scene::Checked;
 use host_sim::scene::file::{FaultAt, FaultName};
 use host_sim::sim::event_watch::{EventWatch, NewEvents};
 use host_sim::sim::{Moment, Observer};
-use host_sim::units::speed_hz;
+use host_sim::units::{nearest, speed_hz};
 
 /// A place in a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -160,7 +160,6 @@ impl<'a> Watch<'a> {
         geometry: Option<&'a Geometry>,
         checked: &Checked,
         cranks_count: Axes<bool>,
-        twin: &'a Twin,
     ) -> Self {
         let scene = &checked.scene;
         let fault = scene.fault.first();
@@ -175,7 +174,7 @@ impl<'a> Watch<'a> {
                 ..Observation::default()
             },
             truth: Truth::new(checked),
-            responses: Responses::new(twin, scene.axes.steps_per_turn),
+            responses: Responses::new(scene.axes.steps_per_turn),
             stops_itself: !scene.command.is_empty() || !scene.input.is_empty(),
             were_enabled: false,
             beyond_since: None,
@@ -189,6 +188,13 @@ impl<'a> Watch<'a> {
             held_turns: [false, true].map(|at_flag| hold::runaway_turns(scene, geometry, at_flag)),
             rests_at_flag: None,
         }
+    }
+
+    /// The same, which from the fault on compares the outputs with those of a twin.
+    #[must_use]
+    pub const fn compared_with(mut self, twin: &'a Twin) -> Self {
+        self.responses.twin = Some(twin);
+        self
     }
 
     /// What was detected.
@@ -318,7 +324,8 @@ impl<'a> Watch<'a> {
             now.0.iter().copied().collect(),
             now.1.iter().copied().collect(),
         );
-        let Some((commands, cranks)) = self.before.replace(kept) else {
+        let before = self.before.replace(kept);
+        let (Some((commands, cranks)), Some(_)) = (before, self.observation.injected) else {
             return;
         };
         let commanded = per_axis(now.0.len(), |i| (now.0[i] - commands[i]).abs());
@@ -328,11 +335,9 @@ impl<'a> Watch<'a> {
         });
         let someone_stands = commanded.contains(&0.0);
         let stands = commanded.iter().all(|commanded| *commanded == 0.0);
-        if self.observation.injected.is_some() {
-            self.observation.hold.tick(moment, stands);
-        }
+        self.observation.hold.tick(moment, stands);
         let someone_moves = went.iter().any(|went| *went > 0.0);
-        if !moment.drives_enabled || self.observation.injected.is_none() || !someone_stands {
+        if !moment.drives_enabled || !someone_stands {
             self.apart = 0;
             self.run_on.fill(0.0);
             self.held_on.fill(0.0);
@@ -376,7 +381,7 @@ impl Observer for Watch<'_> {
     fn tick(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
         let tick_s = (moment.end_ns - moment.start_ns) as f64 * 1e-9;
-        let tick_hz = (1.0 / tick_s).round();
+        let tick_hz = nearest(1.0 / tick_s) as f64;
         let motion = &telemetry.motion;
         let start = Place {
             moment: self.moments,

@@ -22,7 +22,7 @@ use crate::method::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
 /// Exact discretisation's memory.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Exact {
     transition: DMatrix<f64>,
     from_start: DMatrix<f64>,

@@ -8,7 +8,7 @@ use crate::method::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
 /// Explicit Euler's memory.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct ExplicitEuler;
 
 impl Rule for ExplicitEuler {

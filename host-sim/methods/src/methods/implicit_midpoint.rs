@@ -11,7 +11,7 @@ use crate::newton::Stage;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
 /// Implicit midpoint's memory.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct ImplicitMidpoint {
     stage: Stage,
     half_move: Vec<f64>,

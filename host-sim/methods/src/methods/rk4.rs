@@ -7,7 +7,7 @@ use crate::method::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
 /// RK4's memory.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Rk4 {
     slopes: [Vec<f64>; 4],
 }

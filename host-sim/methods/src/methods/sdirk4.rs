@@ -32,7 +32,7 @@ const A: [[f64; STAGES - 1]; STAGES] = [
 ];
 
 /// SDIRK4's memory.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Sdirk4 {
     stage: Stage,
     /// hγ k of each stage.

@@ -9,7 +9,7 @@ use crate::method::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
 /// Symplectic Euler's memory.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct SymplecticEuler;
 
 impl Rule for SymplecticEuler {

@@ -15,7 +15,7 @@ use crate::method::Rule;
 use crate::{Equations, Facts, Needs, Refused, StepError};
 
 /// Velocity Verlet's memory.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct VelocityVerlet {
     before: Vec<f64>,
     after: Vec<f64>,

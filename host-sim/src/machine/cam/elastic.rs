@@ -20,7 +20,7 @@ const FOLLOWED_RAD_A_STEP: f64 = 0.25;
 const SHORTEST_S: f64 = 1e-10;
 
 /// What gives.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Elastic {
     pub chain: Chain,
     pub scheme: Scheme,

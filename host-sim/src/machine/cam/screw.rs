@@ -14,7 +14,7 @@ use cophase_methods::problems::Cam;
 use super::pusher::{Peaks, Pusher};
 
 /// The screws of all axes.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Screws {
     lead_m: f64,
     /// Phase of each axis's table at the master's phase 0, turns.

@@ -23,7 +23,7 @@ struct Stall {
 }
 
 /// Figures of a run.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct CrusherRecord {
     crusher: Crusher,
     /// Number of the turn that the shaft is in, and its speeds.

@@ -6,7 +6,7 @@ use super::{Arm, both};
 use crate::plant::{Figure, Record, Tick};
 
 /// Figures of a run.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct ArmRecord {
     arm: Arm,
     /// Greatest distance of the commanded hand from the path, m: by the points of the cam tables.

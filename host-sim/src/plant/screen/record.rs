@@ -9,7 +9,7 @@ use crate::plant::{Figure, Record, Tick};
 const CAPTURED_S: f64 = 0.5;
 
 /// Figures of a run.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct ScreenRecord {
     band_hz: (f64, f64),
     resonance_nm: f64,
