@@ -5,8 +5,6 @@
 //! stream is had at once. The uniform numbers become normal ones by Box and Muller's formula with the `libm` crate, as the
 //! standard library's logarithm is the host's.
 
-mod normal;
-
 use std::cell::RefCell;
 
 use chacha20::ChaCha8Rng;
@@ -47,12 +45,12 @@ pub struct Stream {
     window: RefCell<Window>,
 }
 
-/// Normal numbers of [`DRAWS`] draws in a row.
+/// Random numbers of [`DRAWS`] draws in a row, two each.
 #[derive(Clone, Debug)]
 struct Window {
     /// Number of the first draw, over [`DRAWS`].
     place: Option<u64>,
-    normals: [f64; DRAWS],
+    words: [[u64; 2]; DRAWS],
 }
 
 impl Stream {
@@ -69,7 +67,7 @@ impl Stream {
             deviation,
             window: RefCell::new(Window {
                 place: None,
-                normals: [0.0; DRAWS],
+                words: [[0; 2]; DRAWS],
             }),
         })
     }
@@ -81,21 +79,25 @@ impl Stream {
         let mut window = self.window.borrow_mut();
         if window.place != Some(place) {
             window.place = Some(place);
-            self.fill(place, &mut window.normals);
+            self.fill(place, &mut window.words);
         }
-        self.deviation * window.normals[(number % DRAWS as u64) as usize]
+        let [radius, angle] = window.words[(number % DRAWS as u64) as usize];
+        // From 2⁻⁵³ to 1, so that its logarithm is finite; and from 0 to 1.
+        let radius = ((radius >> 11) + 1) as f64 * UNIT;
+        let angle = (angle >> 11) as f64 * UNIT;
+        let normal =
+            libm::sqrt(-2.0 * libm::log(radius)) * libm::cos(std::f64::consts::TAU * angle);
+        self.deviation * normal
     }
 
     #[inline(never)]
-    fn fill(&self, place: u64, normals: &mut [f64; DRAWS]) {
+    fn fill(&self, place: u64, words: &mut [[u64; 2]; DRAWS]) {
         let mut rng = ChaCha8Rng::from_seed(self.seed);
         rng.set_stream(self.number);
         rng.set_word_pos(WORDS * DRAWS as u128 * u128::from(place));
-        let words: [[u64; 2]; DRAWS] = std::array::from_fn(|_| [rng.next_u64(), rng.next_u64()]);
-        // From 2⁻⁵³ to 1, so that its logarithm is finite; and from 0 to 1.
-        let radius = words.map(|[radius, _]| ((radius >> 11) + 1) as f64 * UNIT);
-        let angle = words.map(|[_, angle]| std::f64::consts::TAU * ((angle >> 11) as f64 * UNIT));
-        normal::fill(&radius, &angle, normals);
+        for words in words {
+            *words = [rng.next_u64(), rng.next_u64()];
+        }
     }
 
     /// What no draw goes beyond, either way: √(−2 ln 2⁻⁵³) is 8.57.
@@ -120,15 +122,13 @@ mod tests {
         };
         let stream = Stream::new(7, Sensor::FlagEnd, 3, 1.0).unwrap();
         for number in [0, 1, 15, 16, 17, 3, -1, -16, -17, i64::MIN, i64::MAX, 40] {
-            let draw = stream.draw(number);
-            assert_eq!(draw, alone(number), "{number}");
+            assert_eq!(stream.draw(number), alone(number), "{number}");
             let mut rng = ChaCha8Rng::from_seed(stream.seed);
             rng.set_stream(stream.number);
             rng.set_word_pos(WORDS * u128::from(number as u64));
-            let [radius, angle] = [rng.next_u64(), rng.next_u64()].map(|word| (word >> 11) as f64);
-            let radius = libm::sqrt(-2.0 * libm::log((radius + 1.0) * UNIT));
-            let normal = radius * libm::cos(std::f64::consts::TAU * (angle * UNIT));
-            assert_eq!(draw, normal, "{number}");
+            let words = [rng.next_u64(), rng.next_u64()];
+            let at = (number as u64 % DRAWS as u64) as usize;
+            assert_eq!(stream.window.borrow().words[at], words, "{number}");
         }
     }
 
