@@ -188,7 +188,7 @@ fn alike(checked: &Checked, fault: &Fault) -> String {
     };
     let or = if others.is_empty() { "" } else { " or " };
     format!(
-        " To the sensors of axis {axis}, {}{or}{last} would look the same.",
+        " The sensors of axis {axis} cannot distinguish this from {}{or}{last}.",
         others.join(", ")
     )
 }
