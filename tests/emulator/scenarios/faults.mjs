@@ -195,8 +195,9 @@ function stepsAlike(machine, { toml }, predicted, began, { corrects = false, dif
     if (most.cycles > 0) wrong.push(`steps come to the cycle, not ${most.cycles} off`);
     return `${count} steps${until}, 0 cycles off`;
   }
-  // Offsets are rounded to steps. So the scenes slip by what does not need an offset on the edge between two.
-  const allowed = (READING_CYCLES / CYCLES_PER_S) * toml.limits.speed_hz * 360;
+  // The steps of a correction add up to zero. If rounding leaves one over, the axis that rounding moved furthest makes it. Axes without an
+  // error of their own are moved about alike, so the error of a reading decides which of them that is.
+  const allowed = (READING_CYCLES / CYCLES_PER_S) * toml.limits.speed_hz * 360 + perStep;
   if (most.deg > allowed) wrong.push(`cranks are within ${allowed.toFixed(4)}° of the host's, not ${most.deg.toFixed(4)}`);
   return `${count} steps, ${most.deg.toFixed(4)}° off`;
 }
