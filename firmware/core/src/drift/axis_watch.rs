@@ -89,7 +89,7 @@ impl AxisWatch {
             flag: turns(axis.index_width_turns),
             delay: libm::round(ticks(axis.index_delay_s)) as u32,
             covered: libm::floor(65_536.0 - ticks(axis.index_delay_s + filter_s)) as i32,
-            slow: slow(tolerance, settings.limits.homing_speed_hz, tick_hz),
+            slow: slow(tolerance, tick_hz),
             gate,
             tolerance,
             // With an encoder, the noise of two of its readings is added.

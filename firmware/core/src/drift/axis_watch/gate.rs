@@ -30,10 +30,9 @@ pub(super) fn gate(tolerance: Turns, cycle: Turns) -> Turns {
 /// Tolerances per second of a rotor that swings by one at 16 Hz, at its fastest: 2π · 16. Motors with their loads swing at this rate or above.
 const SWING_PER_S: f64 = 100.0;
 
-/// Commanded turns of a tick in which a swinging rotor may go back; less than those at homing speed, with which sensors are found.
-pub(super) fn slow(tolerance: Turns, homing_speed_hz: f64, tick_hz: u32) -> Turns {
-    let swing_hz = tolerance.to_num::<f64>() * SWING_PER_S;
-    turns(swing_hz.min(homing_speed_hz / 4.0) / f64::from(tick_hz))
+/// Commanded turns of a tick up to which a swinging rotor may go back.
+pub(super) fn slow(tolerance: Turns, tick_hz: u32) -> Turns {
+    turns(tolerance.to_num::<f64>() * SWING_PER_S / f64::from(tick_hz))
 }
 
 /// How far, turns, an axis's index pulse may be from where the one before has it, and still be in place; `reading_error_deg` is that of the

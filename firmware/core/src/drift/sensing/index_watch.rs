@@ -197,9 +197,8 @@ impl IndexWatch {
         before: Option<Turns>,
         clock: TickClock,
     ) -> Detection {
-        // At so low a speed, a crank may swing back over either end of its flag.
-        let may_swing = commanded.abs() <= self.place.slow;
-        if may_swing && !self.is_known() {
+        if commanded == 0 && !self.is_known() {
+            // A crank that swings where it was left may meet its flag at either end.
             return Detection::Nothing;
         }
         let back = pulse.cycle.min(0).unsigned_abs();
@@ -233,6 +232,8 @@ impl IndexWatch {
         };
         let offset_from = |end: Turns| nearest(Phase::from_turns(end).since(at));
         let offset = offset_from(first);
+        // At so low a speed, a crank may swing back over either end of its flag.
+        let may_swing = commanded.abs() <= self.place.slow;
         if may_swing && !self.is_in_place(offset) && self.is_in_place(offset_from(other)) {
             return Detection::Nothing;
         }
