@@ -232,8 +232,9 @@ impl IndexWatch {
         };
         let offset_from = |end: Turns| nearest(Phase::from_turns(end).since(at));
         let offset = offset_from(first);
-        // At so low a speed, a crank may swing back over either end of its flag.
-        let may_swing = commanded.abs() <= self.place.slow;
+        // At so low a speed, a crank that has just passed its flag may swing back over the other end.
+        let may_swing =
+            commanded.abs() <= self.place.slow && at.since(self.detected_at).abs() < HALF;
         if may_swing && !self.is_in_place(offset) && self.is_in_place(offset_from(other)) {
             return Detection::Nothing;
         }
