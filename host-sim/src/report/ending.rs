@@ -173,24 +173,18 @@ fn alike(checked: &Checked, fault: &Fault) -> String {
     let Some(axis) = fault.axis.filter(|_| !is_limit) else {
         return String::new();
     };
-    let others: Vec<_> = checked
-        .settings
-        .axes
-        .get(axis)
-        .map(|settings| {
-            alternatives(fault.kind, settings)
-                .map(FaultKind::name)
-                .collect()
-        })
+    let settings = checked.settings.axes.get(axis);
+    let others: Vec<_> = settings
+        .map(|settings| alternatives(fault, settings).map(FaultKind::name).collect())
         .unwrap_or_default();
-    let [others @ .., last] = &others[..] else {
-        return String::new();
-    };
-    let or = if others.is_empty() { "" } else { " or " };
-    format!(
-        " The sensors of axis {axis} cannot distinguish this from {}{or}{last}.",
-        others.join(", ")
-    )
+    match &others[..] {
+        [] => String::new(),
+        [other] => format!(" To the sensors of axis {axis}, {other} looks the same."),
+        others => format!(
+            " To the sensors of axis {axis}, these look the same: {}.",
+            others.join(", ")
+        ),
+    }
 }
 
 /// A stop that was not cut short: who came to rest with it.

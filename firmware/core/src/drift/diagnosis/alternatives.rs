@@ -1,25 +1,27 @@
-//! Causes that the sensors of an axis cannot distinguish from the one that a fault is named by.
+//! Faults that the sensors of an axis cannot distinguish from the one that is named.
 
-use crate::settings::AxisSettings;
-use crate::supervisor::FaultKind;
+use crate::settings::{AxisSettings, DriveKind};
+use crate::supervisor::{Fault, FaultKind};
 
-/// Other faults that look like `kind` to the sensors of an axis. A fault that belongs to no axis has none.
+/// Other kinds of faults that look like `fault` to the sensors of its axis.
 ///
 /// Three facts are behind the table, and `docs/faults.md` explains them under *What cannot be distinguished*. An index sensor shows one
 /// angle per turn and nothing between. Positions show no forces. Before homing, a crank has no known place.
-pub fn alternatives(kind: FaultKind, axis: &AxisSettings) -> impl Iterator<Item = FaultKind> {
-    let alike = alike(kind, axis.encoder, axis.index_turns.is_some());
-    alike.iter().copied().filter(move |&other| other != kind)
+pub fn alternatives(fault: &Fault, axis: &AxisSettings) -> impl Iterator<Item = FaultKind> {
+    let kind = fault.kind;
+    let has_cycles = axis.cycle_steps > 0;
+    let alike = alike(fault, axis).iter().copied();
+    alike.filter(move |&other| other != kind && (has_cycles || other != FaultKind::LostSteps))
 }
 
-/// The kinds that look alike, which may include `kind`.
-fn alike(kind: FaultKind, has_encoder: bool, has_index: bool) -> &'static [FaultKind] {
+/// The kinds that look alike, on an axis of any drive.
+fn alike(fault: &Fault, axis: &AxisSettings) -> &'static [FaultKind] {
     use FaultKind as Kind;
-    const MOVED: &[FaultKind] = &[Kind::LostSteps, Kind::Slip, Kind::Stuck, Kind::Runaway];
-    const TURNED_BACK: &[FaultKind] = &[Kind::Stuck, Kind::Reversed];
-    match kind {
-        // No pulse comes from a crank that stands or has moved, and none from a dead sensor. Before homing, nor does an encoder show which.
-        Kind::IndexTimeout => &[
+    let (has_encoder, has_index) = (axis.encoder, axis.index_turns.is_some());
+    let is_behind = fault.size < 0;
+    match fault.kind {
+        // No pulse comes from a crank that stands or has moved, and none from a dead sensor.
+        Kind::IndexTimeout if !has_encoder => &[
             Kind::Stuck,
             Kind::IndexMissing,
             Kind::LostSteps,
@@ -28,19 +30,24 @@ fn alike(kind: FaultKind, has_encoder: bool, has_index: bool) -> &'static [Fault
         ],
         // A crank that was held for exactly a turn passes its flag in place again.
         Kind::IndexMissing if !has_encoder => &[Kind::Stuck],
-        // A crank that gains passes its flag early, whatever drives it.
-        Kind::Runaway if !has_encoder => &[Kind::Slip],
+        // An encoder shows the motor, but not a crank that slipped on its shaft.
+        Kind::IndexTimeout => &[Kind::IndexMissing, Kind::Slip],
+        Kind::IndexMissing => &[Kind::Slip],
+        // A crank that gains passes its flag early, whatever drives it. Noise looks like one more passage.
+        Kind::Runaway if !has_encoder => &[Kind::Slip, Kind::IndexExtra],
         Kind::IndexExtra if !has_encoder => &[Kind::Slip, Kind::Runaway],
-        // A crank that was held for a time is behind when it follows again, that of a stepper by whole electrical cycles.
-        Kind::LostSteps | Kind::Slip if !has_encoder => MOVED,
+        // A slip may be a whole number of electrical cycles by chance. A crank that was held for a time is behind when it follows again.
+        Kind::LostSteps | Kind::Slip if !has_encoder && is_behind => &[Kind::Slip, Kind::Stuck],
+        Kind::LostSteps | Kind::Slip if !has_encoder => &[Kind::Slip, Kind::Runaway],
         // Without an index, lost counts look like a crank that moved.
         Kind::LostSteps if !has_index => &[Kind::Stuck, Kind::Reversed, Kind::EncoderGlitch],
-        Kind::Slip if !has_index => &[Kind::EncoderGlitch],
         // A crank that was held or driven back follows again at whole electrical cycles, and one that turns back slowly stands at first.
-        Kind::LostSteps | Kind::Stuck => TURNED_BACK,
+        Kind::LostSteps | Kind::Stuck => &[Kind::Stuck, Kind::Reversed],
+        // A few lost counts pass as motion.
+        Kind::Slip => &[Kind::EncoderGlitch],
         Kind::Reversed => &[Kind::SwappedWiring],
-        // The alarm line does not show why the drive raised it.
-        Kind::DriveAlarm => &[Kind::Stuck],
+        // A servo drive may raise its alarm because its motor does not follow.
+        Kind::DriveAlarm if axis.drive != DriveKind::Stepper => &[Kind::Stuck],
         Kind::HomingRangeExceeded => &[
             Kind::LostSteps,
             Kind::Slip,
