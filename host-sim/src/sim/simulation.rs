@@ -61,8 +61,8 @@ impl<P: FnMut(u64, u64)> Simulation<P> {
     }
 
     /// Goes on in a scene that differs from the scene so far in its faults alone. None of its faults may begin before the time up to which
-    /// the simulation has run, and either both scenes touch
-    /// drives or none does ([`crate::scene::Scene::touches_drives`]). A scene that ended goes on, too.
+    /// the simulation has run. Either both scenes touch drives or none does ([`crate::scene::Scene::touches_drives`]). A scene that ended
+    /// goes on, too.
     pub fn go_on_in(&mut self, checked: &Checked) {
         let schedule = schedule_of(checked, &self.controller, self.most_ticks);
         self.lateness = schedule.lateness().after(&self.lateness);
@@ -75,7 +75,7 @@ impl<P: FnMut(u64, u64)> Simulation<P> {
     }
 }
 
-/// What happens to a scene from outside, and when.
+/// Commands, inputs and late deadlines of a scene.
 fn schedule_of(checked: &Checked, controller: &Controller, most_ticks: u64) -> Schedule {
     let end_us = most_ticks.saturating_mul(tick_us(checked));
     Schedule::new(checked, controller.program().0.duration()).ending_by(end_us)
