@@ -171,9 +171,7 @@ function stepsAlike(machine, { toml }, predicted, began, { corrects = false, dif
     const wire = `step_${axis}`;
     const expected = predicted.edges.get(wire).filter(({ level }) => level === 1).map(({ cycle }) => cycle);
     const actual = machine.board.edges.to(wire, 1).filter((cycle) => cycle >= began);
-    // Where a crank comes to rest on the edge of a step, what a trim is off by decides whether that is made.
-    const fewer = Math.abs(actual.length - expected.length);
-    if (!differs && fewer > (corrects ? 1 : 0)) wrong.push(`${wire}: ${expected.length} steps, not ${actual.length}`);
+    if (!differs && actual.length !== expected.length) wrong.push(`${wire}: ${expected.length} steps, not ${actual.length}`);
     const offset = actual[0] - began - expected[0];
     for (let i = 0; i < Math.min(actual.length, expected.length); i += 1) {
       const off = Math.abs(actual[i] - began - expected[i] - offset);
@@ -195,9 +193,7 @@ function stepsAlike(machine, { toml }, predicted, began, { corrects = false, dif
     if (most.cycles > 0) wrong.push(`steps come to the cycle, not ${most.cycles} off`);
     return `${count} steps${until}, 0 cycles off`;
   }
-  // The steps of a correction add up to zero. If rounding leaves one over, the axis that rounding moved furthest makes it. Axes without an
-  // error of their own are moved about alike, so the error of a reading decides which of them that is.
-  const allowed = (READING_CYCLES / CYCLES_PER_S) * toml.limits.speed_hz * 360 + perStep;
+  const allowed = (READING_CYCLES / CYCLES_PER_S) * toml.limits.speed_hz * 360;
   if (most.deg > allowed) wrong.push(`cranks are within ${allowed.toFixed(4)}° of the host's, not ${most.deg.toFixed(4)}`);
   return `${count} steps, ${most.deg.toFixed(4)}° off`;
 }
