@@ -81,9 +81,18 @@ impl EncoderWatch {
     pub(in crate::drift) fn new(counts: u32, reversed: bool, jump: Turns) -> Self {
         let counts = i64::from(counts.max(1));
         let sense = if reversed { -1 } else { 1 };
+        Self::unread(
+            sense * (crate::units::ONE_TURN / counts),
+            sense * (((crate::units::ONE_TURN % counts) << 16) / counts),
+            jump,
+        )
+    }
+
+    /// Encoder without readings.
+    fn unread(per_count: i64, rest_a_count: i64, jump: Turns) -> Self {
         Self {
-            per_count: sense * (crate::units::ONE_TURN / counts),
-            rest_a_count: sense * (((crate::units::ONE_TURN % counts) << 16) / counts),
+            per_count,
+            rest_a_count,
             rest: 0,
             jump,
             last: None,
@@ -100,18 +109,7 @@ impl EncoderWatch {
 
     /// Discards all readings. The phase error is zero from now on.
     pub(in crate::drift) fn reset(&mut self) {
-        *self = Self {
-            last: None,
-            phase_error: Turns::ZERO,
-            filtered: Turns::ZERO,
-            mean: Turns::ZERO,
-            held: None,
-            moving: false,
-            made_since: Turns::ZERO,
-            unconfirmed_jump: None,
-            window: Window::default(),
-            ..*self
-        };
+        *self = Self::unread(self.per_count, self.rest_a_count, self.jump);
     }
 
     pub(in crate::drift) const fn phase_error(&self) -> Turns {
