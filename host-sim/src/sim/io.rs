@@ -139,7 +139,7 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
         self.schedule = schedule.after(&self.schedule);
         self.faults = faults;
         self.quiet = 0;
-        self.is_over = false;
+        self.is_over = self.machine.broken().is_some();
     }
 
     /// Lets faults be injected while the machine runs: [`Self::inject`]. To be called at power-up.

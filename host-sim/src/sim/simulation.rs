@@ -62,7 +62,7 @@ impl<P: FnMut(u64, u64)> Simulation<P> {
 
     /// Goes on in a scene that differs from the scene so far in its faults alone. None of its faults may begin before the time up to which
     /// the simulation has run. Either both scenes touch drives or none does ([`crate::scene::Scene::touches_drives`]). A scene that ended
-    /// goes on, too.
+    /// goes on, too, unless its machine diverged.
     pub fn go_on_in(&mut self, checked: &Checked) {
         let schedule = schedule_of(checked, &self.controller, self.most_ticks);
         self.lateness = schedule.lateness().after(&self.lateness);
