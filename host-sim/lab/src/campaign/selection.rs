@@ -17,7 +17,7 @@ use super::tally::{Group, Tally};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Selection {
     strata: Vec<(Stratum, Share)>,
-    /// Of the numbers of all other cases, the multiples of this are simulated too.
+    /// Other cases whose numbers are multiples of this are simulated too.
     others: Option<u64>,
 }
 
@@ -55,7 +55,7 @@ impl Selection {
         })
     }
 
-    /// Whether the case of a number is simulated.
+    /// Returns true if the case of a number is simulated.
     pub fn has(&self, number: u64, stratum: Stratum) -> bool {
         self.lists(stratum)
             || self
@@ -104,7 +104,7 @@ impl Selection {
         .filter(|selection| selection.others != Some(0))
     }
 
-    /// What is counted of faulty runs: by stratum, each with its name; and of the others, if they are simulated.
+    /// Counts of an event among faulty runs: by stratum, each with its name, and of the others if they are simulated.
     pub fn parts(
         &self,
         tally: &Tally,

@@ -12,15 +12,15 @@ use super::row::Row;
 use super::selection::Selection;
 use host_sim::scene::Scene;
 
-/// What begins the line that says what a shard is of.
+/// Beginning of the line that identifies a shard.
 const MARK: &str = "# cophase campaign";
 
-/// What a shard is of.
+/// Identity of a shard.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Header {
-    /// Of the command.
+    /// Version of the command.
     pub version: String,
-    /// Of the way in which cases are drawn.
+    /// Version of the plan.
     pub plan: u32,
     /// The campaign's seed.
     pub seed: u64,
@@ -33,7 +33,7 @@ pub struct Header {
 }
 
 impl Header {
-    /// Of a range of a plan's cases, or of those that a selection takes.
+    /// Header for a range of a plan's cases, or of those that a selection takes.
     pub fn new(plan: &Plan, selection: Option<Selection>, numbers: Range<u64>) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -83,8 +83,8 @@ impl Header {
         })
     }
 
-    /// Whether a row can follow the ones before it: runs come in pairs, and cases in the order of their numbers. Which numbers a
-    /// selection takes depends on the plan, and is not checked here.
+    /// Returns true if a row can follow the rows before it: runs come in pairs, and cases in the order of their numbers. The numbers that a
+    /// selection takes depend on the plan, and are not checked here.
     fn expects(&self, row: &Row, before: &[Row]) -> bool {
         let is_clean_due = before.len() % 2 == 1;
         let last = before.last().map(|last| last.number);
@@ -114,7 +114,7 @@ impl Header {
     }
 }
 
-/// Whether a selection takes the case of a faulty run.
+/// Returns true if a selection takes the case of a faulty run.
 fn takes(selection: &Selection, row: &Row) -> bool {
     row.kind.is_some_and(|kind| {
         let encoder = row.encoder;
@@ -122,7 +122,7 @@ fn takes(selection: &Selection, row: &Row) -> bool {
     })
 }
 
-/// Of a scene as it was understood: the same whatever its file looks like.
+/// Checksum of a scene as it was understood, whatever its file looks like.
 fn checksum(scene: &Scene) -> String {
     let text = toml::to_string(scene).unwrap_or_default();
     let sum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(text.as_bytes());
@@ -132,7 +132,7 @@ fn checksum(scene: &Scene) -> String {
 /// A shard.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shard {
-    /// What it is of.
+    /// Identity of the shard.
     pub header: Header,
     /// Both rows of each case, faulty and clean, in the order of their numbers.
     pub rows: Vec<Row>,
@@ -167,7 +167,7 @@ impl Shard {
     /// From text.
     ///
     /// # Errors
-    /// What is wrong with it, and where.
+    /// Defect of a file, and its place.
     pub fn parse(text: &str) -> Result<Self, ShardError> {
         let (first, rest) = text.split_once('\n').unwrap_or((text, ""));
         let header = Header::parse(first.trim_end()).ok_or_else(|| {
@@ -212,7 +212,7 @@ impl Shard {
     }
 }
 
-/// What the reader says, without the place in the file, which is given in lines of the file.
+/// Message of the CSV reader without its place, which counts from another line.
 fn brief(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::Deserialize { err, .. } => err.to_string(),

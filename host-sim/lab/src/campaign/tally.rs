@@ -16,9 +16,9 @@ pub struct Group {
     pub runs: u64,
     /// In how many a crank was beyond its limit.
     pub beyond_limit: u64,
-    /// Of these, detected within one turn and N + 5 ticks.
+    /// Runs of these that were detected in time.
     pub in_time: Rate,
-    /// Of what was reported, or had to be, rightly named.
+    /// Right names among faults that were reported, or had to be.
     pub named: Rate,
     /// Turns from the limit to the detection, smallest first.
     pub turns: Vec<f64>,
@@ -30,7 +30,7 @@ pub struct Group {
     pub tilt_over_bound: Vec<f64>,
     /// In how many an axis was left running.
     pub left_running: Rate,
-    /// What went wrong in single cases: verdict or reason, and the cases. [`Tally::breaks_claim`] says which of it is not as claimed.
+    /// Cases that went wrong, by verdict or reason. [`Tally::breaks_claim`] says which of it is not as claimed.
     pub failed: BTreeMap<&'static str, Vec<u64>>,
 }
 
@@ -119,7 +119,7 @@ pub struct Tally {
     pub tripped: Vec<u64>,
     /// Simulated time of all runs, s.
     pub simulated_s: f64,
-    /// Whether the rows are of chosen strata, so that [`Self::all`] has no rate over all cases.
+    /// True if the rows are of chosen strata, so that [`Self::all`] has no rate over all cases.
     pub is_selected: bool,
 }
 
@@ -127,7 +127,7 @@ pub struct Tally {
 const LEAST_NAMED: f64 = 0.99;
 
 impl Tally {
-    /// Of a shard's rows.
+    /// Tally of a shard's rows.
     pub fn new(shard: &Shard) -> Self {
         let mut tally = Self {
             is_selected: shard.header.selection.is_some(),
@@ -163,13 +163,13 @@ impl Tally {
         tally
     }
 
-    /// Whether all is as claimed.
+    /// Returns true if all is as claimed.
     pub fn is_kept(&self) -> bool {
         let breaks = |what: &&str| self.breaks_claim(what);
         self.false_trips.hits == 0 && !self.all.failed.keys().any(breaks)
     }
 
-    /// Whether an entry of [`Group::failed`] breaks a claim: wrong names do only where they are more than claimed. That claim is on all
+    /// Returns true if an entry of [`Group::failed`] breaks a claim. Wrong names do so only if they are more than claimed. That claim is on all
     /// cases, so that chosen strata cannot break it.
     pub fn breaks_claim(&self, what: &str) -> bool {
         let named = self.all.named.part().is_none_or(|part| part >= LEAST_NAMED);

@@ -18,7 +18,7 @@ use stream::Stream;
 
 use super::geometry::Geometry;
 
-/// Of the way in which cases are drawn: the same seed draws the same cases as long as this is the same.
+/// Version of the plan. A seed draws the same cases as long as this is the same.
 pub const VERSION: u32 = 3;
 
 /// One in so many hundred machines is on the phased model level, where torque moves the cranks.
@@ -30,14 +30,14 @@ pub struct Case {
     /// Its number, and the seed of its campaign.
     pub number: u64,
     seed: u64,
-    /// What its machine is called.
+    /// Name of the machine.
     pub machine: String,
     /// Its scene, with its fault.
     pub scene: Scene,
 }
 
 impl Case {
-    /// What goes wrong.
+    /// Fault of the case.
     pub fn fault(&self) -> &FaultAt {
         &self.scene.fault[0]
     }
@@ -54,7 +54,7 @@ impl Case {
     }
 }
 
-/// What cases are drawn from.
+/// Seed, kinds of faults and machines from which cases are drawn.
 #[derive(Clone, Debug)]
 pub struct Plan {
     seed: u64,
@@ -64,7 +64,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Of a seed, and of a scene or the machines of [`machines`].
+    /// Plan for a seed, and for a scene or the machines of [`machines`].
     ///
     /// # Errors
     /// The scene has faults already, or is one that nothing could go wrong with.
@@ -177,7 +177,7 @@ fn title(number: u64, seed: u64, what: &str, machine: &str) -> String {
     format!("case {number} of seed {seed}: {what} on the machine {machine}")
 }
 
-/// Where the machine of a case comes from.
+/// Source of the machine of a case.
 #[derive(Clone, Copy)]
 enum Source<'a> {
     /// The user's scene.

@@ -13,7 +13,7 @@ use host_sim::scene::file::FaultName;
 pub struct Stratum {
     /// Kind of the fault.
     pub kind: FaultName,
-    /// Whether the axes have encoders.
+    /// True if the axes have encoders.
     pub encoder: bool,
 }
 
