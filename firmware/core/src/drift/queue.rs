@@ -8,7 +8,7 @@
 //! measured phase errors are those of the pulses' own ticks.
 //!
 //! **Delay.** A single update is checked three ticks after its own. If n axes have updates in one tick, that is n + 3 ticks after it.
-//! Later updates belong to the next batch, so that every axis has its turn. If an axis has a second pulse while the first is queued
+//! Later updates belong to the next batch, so that every axis has its turn. They may wait for that by n + 3 ticks more. If an axis has a second pulse while the first is queued
 //! (noise, or more than 1/N turn a tick), the first is processed at once.
 
 use super::detection::modes::AxisSet;
