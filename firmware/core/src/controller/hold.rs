@@ -9,11 +9,11 @@
 //!   would let the crank make another turn against the others. It may have been noise. But the machine is stopped, so that a wrong
 //!   reaction costs a hold, and no run.
 //!
-//! One pulse more is tolerated where the first one shows nothing: of a crank that rests at an end of its flag; of a parked machine, which
-//! nothing is wrong with; and of every axis after a common lag, as all cranks then go on until they have made up for it.
+//! One pulse more is tolerated where the first one shows nothing: of a crank that rests at an end of its flag, unless the fault may be that
+//! its drive runs away; of a parked machine, which nothing is wrong with; and of every axis after a common lag, as all cranks then go on until they have made up for it.
 
 use super::Controller;
-use crate::drift::DriftMonitor;
+use crate::drift::{DriftMonitor, may_run_away};
 use crate::signals::Feedback;
 use crate::supervisor::{Fault, FaultKind, State};
 use crate::units::{MAX_AXES, PerAxis, Turns};
@@ -83,12 +83,19 @@ impl Controller {
         }
         feedback.index.get(axis).copied().flatten()?;
         let is_parked = self.supervisor.state() == State::Parked;
-        let is_at_flag = drift.is_at_flag(axis, self.output.telemetry.axis_phase(axis));
+        let latched = self.supervisor.fault();
+        // A crank that may have run away is not where its last pulse showed it. Of two cranks, nothing shows which one did.
+        let is_ambiguous = drift.watched().count_ones() <= 2;
+        let may_run = latched.is_some_and(|fault| {
+            (fault.axis == Some(axis) || is_ambiguous) && may_run_away(&fault)
+        });
+        let phase = self.output.telemetry.axis_phase(axis);
+        let is_at_flag = !may_run && drift.is_at_flag(axis, phase);
         let swings = is_parked || (self.ticks - self.driven) * SWINGS_FOR < u64::from(self.tick_hz);
         if is_at_flag && swings {
             return None;
         }
-        let latched = self.supervisor.fault().map(|fault| fault.kind);
+        let latched = latched.map(|fault| fault.kind);
         let may_catch_up = matches!(latched, Some(FaultKind::CommonLag | FaultKind::Capture));
         let tolerated = u8::from(is_parked || is_at_flag || may_catch_up);
         let is_by_index =

@@ -6,7 +6,7 @@ mod tracking;
 
 pub use gate::place_gate;
 use gate::{cycle, gate, slow, tolerance};
-pub(super) use sorting::Report;
+pub(super) use sorting::{Report, Sorted};
 
 use super::detection::angles::{angle, of_angle};
 use super::diagnosis::events::Diagnosis;
@@ -35,16 +35,20 @@ pub(super) enum Measured {
     OverTurn,
 }
 
+/// Motion of a crank on its shaft or away from its command, angles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Motion {
+    /// Since the last round.
+    pub jump: i32,
+    /// Since all was well.
+    pub walk: i32,
+}
+
 /// Monitor of one axis.
 #[derive(Clone, Debug)]
 pub(super) struct AxisWatch {
     index: Option<IndexWatch>,
     encoder: Option<EncoderWatch>,
-    detection: Detection,
-    read: Read,
-    /// Phase at the beginning of the tick in which the encoder was read last, and of the one in which it jumped.
-    began: Phase,
-    jumped_at: Phase,
     /// Turns that an encoder measured in the tick before the one that is over.
     before: Turns,
     /// Phase error of the motor as the index was detected last.
@@ -106,10 +110,6 @@ impl AxisWatch {
         Self {
             index,
             encoder,
-            detection: Detection::Nothing,
-            read: Read::Nothing,
-            began: Phase::ZERO,
-            jumped_at: Phase::ZERO,
             before: Turns::ZERO,
             at_flag: Turns::ZERO,
             tolerance,
@@ -128,32 +128,29 @@ impl AxisWatch {
             .map_or(Turns::MAX, |index| index.margin(commanded))
     }
 
-    /// Processes a pulse of an axis by index; returns whether anything was updated.
+    /// Processes a pulse of an axis by index.
     #[inline(never)]
-    pub(super) fn detect(&mut self, queued: &QueuedPulse, clock: TickClock) -> bool {
+    pub(super) fn detect(&mut self, queued: &QueuedPulse, clock: TickClock) -> Detection {
         let Some(index) = &mut self.index else {
-            return false;
+            return Detection::Nothing;
         };
         let QueuedPulse {
             pulse,
             commanded,
             before,
         } = queued;
-        self.detection = index.detect(*pulse, commanded, commanded.turns, *before, clock);
-        self.detection != Detection::Nothing
+        index.detect(*pulse, commanded, commanded.turns, *before, clock)
     }
 
-    /// Processes a tick without a pulse of an axis by index; returns whether anything was updated.
+    /// Processes a tick without a pulse of an axis by index.
     #[inline(never)]
-    pub(super) fn check_timeout(&mut self, commanded: &TickPhase) -> bool {
-        let Some(index) = &mut self.index else {
-            return false;
-        };
-        self.detection = index.check_timeout(commanded, commanded.turns);
-        self.detection != Detection::Nothing
+    pub(super) fn check_timeout(&mut self, commanded: &TickPhase) -> Detection {
+        self.index.as_mut().map_or(Detection::Nothing, |index| {
+            index.check_timeout(commanded, commanded.turns)
+        })
     }
 
-    /// Processes a tick of an axis with an encoder; returns whether anything was updated.
+    /// Processes a tick of an axis with an encoder.
     #[inline(never)]
     pub(super) fn observe(
         &mut self,
@@ -162,31 +159,32 @@ impl AxisWatch {
         commanded: &TickPhase,
         before_is_known: bool,
         clock: TickClock,
-    ) -> bool {
+    ) -> (Detection, Read) {
         let Some(encoder) = &mut self.encoder else {
-            return false;
+            return (Detection::Nothing, Read::Nothing);
         };
         // The phase of the motor, not of its command.
         let start = commanded.start.advanced(encoder.phase_error());
         let (read, turns) = encoder.observe(count, commanded);
-        self.read = read;
-        // A jump is reported a tick later.
-        self.jumped_at = core::mem::replace(&mut self.began, start);
-        self.detection = Detection::Nothing;
-        if let Some(index) = &mut self.index {
-            let measured = TickPhase { start, turns };
-            let before = core::mem::replace(&mut self.before, turns);
-            // Noise may turn a motor back for a tick. The commanded sense decides which end of the flag it meets.
-            let commanded_turns = commanded.turns;
-            self.detection = match pulse {
-                Some(&pulse) => {
-                    let before = before_is_known.then_some(before);
-                    index.detect(pulse, &measured, commanded_turns, before, clock)
-                }
-                None => index.check_timeout(&measured, commanded_turns),
-            };
+        let before = core::mem::replace(&mut self.before, turns);
+        let Some(index) = &mut self.index else {
+            return (Detection::Nothing, read);
+        };
+        let measured = TickPhase { start, turns };
+        // Noise may turn a motor back for a tick. The commanded sense decides which end of the flag it meets.
+        let commanded_turns = commanded.turns;
+        let detection = match pulse {
+            Some(&pulse) => {
+                let before = before_is_known.then_some(before);
+                index.detect(pulse, &measured, commanded_turns, before, clock)
+            }
+            None => index.check_timeout(&measured, commanded_turns),
+        };
+        if let Read::Jump { .. } = read {
+            // A jump is reported a tick later.
+            index.decide_within_a_turn_of(start.advanced(before.wrapping_neg()));
         }
-        self.detection != Detection::Nothing || self.read != Read::Nothing
+        (detection, read)
     }
 
     pub(super) fn disregard(&mut self, pulse: bool, count: i32, start: Phase) {
@@ -200,17 +198,17 @@ impl AxisWatch {
         }
     }
 
-    /// Compares an axis without an encoder with the common motion of a round: `jump` since the last, and `walk` since all was well.
-    pub(super) fn compare(&mut self, jump: i32, walk: i32) {
-        let moved = self.moved();
-        let own_jump = moved.0.wrapping_sub(jump);
-        let own_walk = moved.1.wrapping_sub(walk);
+    /// Compares an axis without an encoder with the `common` motion, and begins a new round.
+    pub(super) fn compare(&mut self, common: Motion) {
+        let own = self.motion();
+        let own_jump = own.jump.wrapping_sub(common.jump);
+        let own_walk = own.walk.wrapping_sub(common.walk);
         self.last = angle(self.offset());
         if own_jump.unsigned_abs() > self.gate {
             self.home = self.home.wrapping_add(own_jump);
             self.jump(of_angle(own_jump));
         } else if own_walk.unsigned_abs() > self.gate {
-            self.home = self.last.wrapping_sub(walk);
+            self.home = self.last.wrapping_sub(common.walk);
             self.diagnosis.drift(of_angle(own_walk));
         }
     }
@@ -221,14 +219,29 @@ impl AxisWatch {
         self.diagnosis.jump(by, is_ahead)
     }
 
-    /// Motion of the crank since the last round, and since all was well.
-    pub(super) fn moved(&self) -> (i32, i32) {
+    /// Motion of the crank.
+    pub(super) fn motion(&self) -> Motion {
         let now = angle(self.offset());
-        (now.wrapping_sub(self.last), now.wrapping_sub(self.home))
+        Motion {
+            jump: now.wrapping_sub(self.last),
+            walk: now.wrapping_sub(self.home),
+        }
+    }
+
+    /// True if the crank moved by more than a gate from the `common` motion.
+    pub(super) fn moves_from(&self, common: Motion) -> bool {
+        let own = self.motion();
+        own.jump.wrapping_sub(common.jump).unsigned_abs() > self.gate
+            || own.walk.wrapping_sub(common.walk).unsigned_abs() > self.gate
     }
 
     pub(super) const fn diagnosis(&mut self) -> &mut Diagnosis {
         &mut self.diagnosis
+    }
+
+    /// True if its index has been detected, or if it has none.
+    pub(super) fn is_known(&self) -> bool {
+        self.index.as_ref().is_none_or(IndexWatch::is_known)
     }
 
     fn offset(&self) -> Turns {
@@ -260,18 +273,13 @@ impl AxisWatch {
         self.alone
     }
 
-    /// Phase error with which it exceeds a limit, whatever the other cranks did since they were detected.
-    pub(super) fn far(&self) -> Turns {
-        self.alone.saturating_add(of_angle(self.gate as i32))
-    }
-
     pub(super) const fn tolerance(&self) -> Turns {
         self.tolerance
     }
 
-    /// True if the axis has no encoder.
+    /// True if the axis has an index sensor and no encoder.
     pub(super) const fn is_by_index(&self) -> bool {
-        self.encoder.is_none()
+        self.index.is_some() && self.encoder.is_none()
     }
 
     /// Largest phase error of a crank that only swings. A rotor that is half an electrical cycle from its field does not come back.
@@ -311,11 +319,16 @@ impl AxisWatch {
         index.map_or(Turns::ZERO, |index| index.lateness(commanded))
     }
 
-    /// True if the pulse of an axis without an encoder is late, or was until this tick, or if it has no index sensor.
-    pub(super) fn is_late(&self) -> bool {
-        let came_late = matches!(self.detection, Detection::Moved { by } if by < 0);
-        let is_undetected = self.index.as_ref().is_none_or(IndexWatch::is_late);
-        self.encoder.is_none() && (is_undetected || came_late)
+    /// True if an axis without an encoder made no pulse in its place, up to the end of a tick; also if it has no index sensor.
+    pub(super) fn is_late(&self, commanded: &TickPhase) -> bool {
+        let is_late =
+            |index: &IndexWatch| index.is_late() || index.has_timed_out(commanded, commanded.turns);
+        self.encoder.is_none() && self.index.as_ref().is_none_or(is_late)
+    }
+
+    /// True if the next pulse of an axis by index is expected.
+    pub(super) fn is_expected(&self) -> bool {
+        !self.index.as_ref().is_some_and(IndexWatch::is_late)
     }
 
     #[inline(never)] // once a start, and long
@@ -326,8 +339,6 @@ impl AxisWatch {
         if let Some(encoder) = &mut self.encoder {
             encoder.reset();
         }
-        self.detection = Detection::Nothing;
-        self.read = Read::Nothing;
         self.diagnosis.clear();
     }
 

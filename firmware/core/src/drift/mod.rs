@@ -28,6 +28,7 @@ pub use axis_watch::place_gate;
 pub use detection::limits::DriftLimits;
 pub use detection::modes::{AxisSet, Knowledge, Modes, Mount};
 pub use diagnosis::alternatives::alternatives;
+pub(crate) use diagnosis::alternatives::may_run_away;
 pub(crate) use diagnosis::events::is_better;
 pub use diagnosis::findings::Finding;
 pub use sensing::history::History;
@@ -90,16 +91,10 @@ pub struct DriftMonitor {
     finding_out: bool,
     /// Axes by index detected in this round.
     detected: AxisSet,
-    /// Axes whose index has been detected at all.
-    known: AxisSet,
-    /// All indexes had been detected when axes were evaluated last.
-    is_homed: bool,
     /// Axes whose index has been detected since [`Self::start_check`].
     checked: AxisSet,
-    /// True if in the last round the common phase error of axes without an encoder changed by no more than a reading error.
-    is_even: bool,
-    /// True if these axes were compared before the end of the round. The end of the round then shows nothing new.
-    is_compared: bool,
+    /// Motion that the axes without an encoder had in common in the last round.
+    common_jump: Turns,
     queue: Queue,
     /// Turns until the next pulse of an axis without an encoder can be due; negative if that is not known.
     margin: Turns,
@@ -140,13 +135,9 @@ impl DriftMonitor {
         watch.map_or(FaultKind::Slip, |watch| watch.name_of(by))
     }
 
-    /// True if every axis that has a sensor has been detected since [`Self::reset`], and that has been evaluated.
-    pub const fn is_homed(&self) -> bool {
-        self.is_homed
-    }
-
-    const fn are_known(&self) -> bool {
-        self.known == self.sensed
+    /// True if every index has been detected since [`Self::reset`]. That has been evaluated if the monitor is not busy.
+    pub fn is_homed(&self) -> bool {
+        self.axes.iter().all(AxisWatch::is_known)
     }
 
     /// True if the last tick processed an update of an axis without an encoder.
@@ -162,10 +153,7 @@ impl DriftMonitor {
     /// Discards all measurements, because cranks may have been turned while the drives were off. Homing begins.
     pub fn reset(&mut self, phase: &PerAxis<Phase>) {
         self.detected = 0;
-        self.known = 0;
-        self.is_homed = self.are_known();
-        self.is_even = false;
-        self.is_compared = false;
+        self.common_jump = Turns::ZERO;
         self.finding_out = true;
         self.moved = None;
         self.findings.clear();
@@ -236,9 +224,7 @@ impl DriftMonitor {
 
     /// True if every index has been detected since [`Self::start_check`], and encoders have been read over a turn.
     pub fn is_check_done(&self) -> bool {
-        self.queue.is_evaluated()
-            && self.checked & self.sensed == self.sensed
-            && self.is_turn_over()
+        self.checked & self.sensed == self.sensed && self.is_turn_over()
     }
 
     /// Ends homing: from now on, motion of a crank away from its command is a fault.
@@ -299,7 +285,8 @@ impl DriftMonitor {
 
     /// True if these phase errors keep the platform within its limits of tilt and warp.
     pub fn allows(&self, error: &PerAxis<Turns>) -> bool {
-        self.limits.of_platform(&self.mount.modes(error)).is_none()
+        let modes = self.mount.modes(error);
+        self.limits.of_platform(&modes, Turns::ZERO).is_none()
     }
 
     /// True if an axis without an encoder has a pulse.

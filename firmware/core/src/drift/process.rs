@@ -1,6 +1,10 @@
 //! Processing of a tick: its feedback is queued, and one piece of the queued work is done.
 
+use super::axis_watch::AxisWatch;
 use super::detection::modes::AxisSet;
+use super::sensing::encoder_watch::Read;
+use super::sensing::index_watch::Detection;
+use super::sensing::tick_phase::TickPhase;
 use super::{DriftMonitor, Finding, Sensed};
 use crate::units::{MAX_AXES, Turns};
 
@@ -18,21 +22,23 @@ impl DriftMonitor {
         if self.margin < 0 {
             self.check_timeouts(sensed);
         }
-        let has_updates = self.has_updates() && (sensed.may_process || self.is_at_once());
-        if has_updates {
-            self.process_queue(sensed, arrived);
+        self.is_busy = false;
+        if self.is_at_once() {
+            self.process_all(sensed);
+        } else if sensed.may_process && self.has_work() {
+            self.is_busy = true;
+            self.process_one(sensed, arrived);
         }
-        self.is_busy = has_updates && !self.is_at_once();
         self.findings.next()
     }
 
-    fn has_updates(&self) -> bool {
-        !self.queue.is_empty() || self.encoders() != 0
+    const fn has_work(&self) -> bool {
+        !self.queue.is_empty() || self.is_round_over()
     }
 
     /// Queues the pulses of a tick; returns their number.
     #[inline(always)]
-    fn queue_pulses(&mut self, sensed: &Sensed<'_>, before_is_known: bool) -> usize {
+    fn queue_pulses(&mut self, sensed: &Sensed<'_>, before_is_known: bool) -> u32 {
         let mut arrived: AxisSet = 0;
         for (axis, pulse) in sensed.index.iter().enumerate() {
             arrived |= AxisSet::from(pulse.is_some()) << axis;
@@ -42,7 +48,7 @@ impl DriftMonitor {
             return 0;
         }
         self.queue_arrived(arrived, sensed, before_is_known);
-        arrived.count_ones() as usize
+        arrived.count_ones()
     }
 
     #[inline(never)]
@@ -83,28 +89,67 @@ impl DriftMonitor {
     fn make_room(&mut self, arrived: AxisSet, sensed: &Sensed<'_>) {
         for axis in 0..MAX_AXES {
             while arrived & self.queue.pulsed & 1 << axis != 0 {
-                self.process_axis(axis, sensed);
+                self.process_pulse(axis, sensed);
             }
         }
     }
 
-    /// Checks axes by index without an update for a timeout, and computes the margin up to which they need no further check.
+    /// Checks axes by index without a pulse for a timeout, and computes the margin up to which they need no further check. All that time out
+    /// in one tick are processed in it: cranks that moved alike are compared with each other.
     #[inline(never)]
     fn check_timeouts(&mut self, sensed: &Sensed<'_>) {
         let mut margin = Turns::MAX;
-        let unchecked = self.by_index & !(self.queue.pulsed | self.queue.other);
-        for (axis, watch) in self.axes.iter_mut().enumerate() {
-            let own = 1 << axis;
-            if unchecked & own == 0 {
+        let unchecked = self.by_index & !self.queue.pulsed;
+        let mut patience = None;
+        for axis in 0..self.axes.len().min(MAX_AXES) {
+            if unchecked & 1 << axis == 0 {
                 continue;
             }
             let commanded = sensed.over(axis);
-            if watch.margin(&commanded) < 0 && watch.check_timeout(&commanded) {
-                self.queue.other |= own;
+            let left = |watch: &AxisWatch| watch.margin(&commanded);
+            let mut own = self.axes.get(axis).map_or(Turns::MAX, left);
+            if own < 0 {
+                // All axes are asked before one of them is processed.
+                let patience = *patience.get_or_insert_with(|| self.patience(sensed));
+                self.time_out(axis, &commanded, patience, sensed);
+                own = self.axes.get(axis).map_or(Turns::MAX, left);
             }
-            margin = margin.min(watch.margin(&commanded));
+            margin = margin.min(own);
         }
         self.margin = margin;
+    }
+
+    /// Turns by which a pulse may be late, if all axes are late together.
+    #[inline(never)]
+    fn patience(&self, sensed: &Sensed<'_>) -> Option<Turns> {
+        let mut axes = self.axes.iter().zip(&self.queue.pulses).enumerate();
+        let all_late = axes.all(|(axis, (watch, queued))| {
+            let commanded = if self.queue.pulsed & 1 << axis == 0 {
+                sensed.over(axis)
+            } else {
+                queued.commanded.before() // a pulse that waits may have been late when it came
+            };
+            watch.is_late(&commanded)
+        });
+        all_late.then_some(self.limits.common)
+    }
+
+    /// Processes a tick in which a pulse is late.
+    fn time_out(
+        &mut self,
+        axis: usize,
+        commanded: &TickPhase,
+        patience: Option<Turns>,
+        sensed: &Sensed<'_>,
+    ) {
+        let Some(watch) = self.axes.get_mut(axis) else {
+            return;
+        };
+        let detection = watch.check_timeout(commanded);
+        if !matches!(detection, Detection::Nothing | Detection::Undetected) {
+            let sorted = watch.sort(detection, Read::Nothing, patience);
+            self.take_in(axis, sorted, sensed);
+        }
     }
 
     /// Processes a tick of the axes with encoders.
@@ -122,67 +167,61 @@ impl DriftMonitor {
             let pulse = sensed.index.get(axis).and_then(Option::as_ref);
             let count = sensed.encoder.get(axis).copied().unwrap_or_default();
             let commanded = sensed.over(axis);
-            if watch.observe(pulse, count, &commanded, before_is_known, self.clock) {
-                self.queue.other |= 1 << axis;
-            }
+            let (detection, read) =
+                watch.observe(pulse, count, &commanded, before_is_known, self.clock);
             if share != 0 {
                 watch.average(share);
             }
-            self.update(axis);
+            if detection != Detection::Nothing || read != Read::Nothing {
+                let sorted = watch.sort(detection, read, None);
+                self.take_in(axis, sorted, sensed);
+            } else {
+                self.update(axis);
+            }
         }
     }
 
-    /// Does one piece of the pending work. On a machine with encoders, which are read in every tick, or where the
-    /// settings ask for it, does all of it.
+    /// Does one piece of the pending work.
     #[inline(never)]
-    fn process_queue(&mut self, sensed: &Sensed<'_>, arrived: usize) {
-        if self.is_at_once() {
-            while let Some(axis) = self.queue.next() {
-                self.process_axis(axis, sensed);
+    fn process_one(&mut self, sensed: &Sensed<'_>, arrived: u32) {
+        if self.queue.updated == 0 && self.is_round_over() {
+            self.conclude_round(sensed);
+        } else if let Some(axis) = self.queue.next() {
+            // To read more takes the time of processing one. Of one batch, only one tick has more than half of the pulses.
+            if 2 * arrived <= self.by_index.count_ones().max(2) {
+                self.process_pulse(axis, sensed);
             }
-            if self.queue.updated != 0 || self.encoders() != 0 {
-                self.evaluate(sensed);
-                while !self.queue.is_evaluated() {
-                    self.evaluate(sensed);
-                }
-            }
-        } else if self.queue.is_processed() {
+        } else {
             self.evaluate(sensed);
-        } else if self.queue.other != 0 || arrived <= 1 {
-            // A timeout is processed at once, as the machine may have to be stopped. A pulse waits if several arrived: reading them took
-            // the time of processing one.
-            if let Some(axis) = self.queue.next() {
-                self.process_axis(axis, sensed);
-            }
         }
     }
 
-    fn process_axis(&mut self, axis: usize, sensed: &Sensed<'_>) {
-        let own = 1 << axis;
-        let Some(watch) = self.axes.get_mut(axis) else {
+    /// Does all pending work, on a machine with encoders, which are read in every tick, or where the settings ask for it.
+    #[inline(never)]
+    fn process_all(&mut self, sensed: &Sensed<'_>) {
+        while let Some(axis) = self.queue.next() {
+            self.process_pulse(axis, sensed);
+        }
+        if self.queue.updated != 0 || self.encoders() != 0 {
+            self.evaluate(sensed);
+        }
+        if self.is_round_over() {
+            self.conclude_round(sensed);
+        }
+    }
+
+    /// Processes the queued pulse of an axis by index.
+    fn process_pulse(&mut self, axis: usize, sensed: &Sensed<'_>) {
+        let slots = self.axes.get_mut(axis).zip(self.queue.pulses.get(axis));
+        let Some((watch, queued)) = slots else {
             return;
         };
-        let is_other = self.queue.other & own != 0;
-        let is_updated = if is_other {
-            self.queue.other &= !own;
-            true
-        } else {
-            self.queue.pulsed &= !own;
-            self.queue.batch &= !own;
-            let queued = self.queue.pulses.get(axis);
-            queued.is_some_and(|queued| watch.detect(queued, self.clock))
-        };
-        if is_updated {
-            self.queue.updated |= own;
-            if self.sort(axis, is_other, sensed) {
-                self.queue.moved |= own;
-            }
-            self.update(axis);
-        }
-        if let Some(watch) = self.axes.get(axis)
-            && self.by_index & own != 0
-        {
-            self.margin = self.margin.min(watch.margin(&sensed.over(axis)));
+        self.queue.pulsed &= !(1 << axis);
+        let detection = watch.detect(queued, self.clock);
+        self.margin = self.margin.min(watch.margin(&sensed.over(axis)));
+        if detection != Detection::Nothing {
+            let sorted = watch.sort(detection, Read::Nothing, None);
+            self.take_in(axis, sorted, sensed);
         }
     }
 }

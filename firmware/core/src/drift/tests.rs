@@ -90,6 +90,8 @@ struct Cranks {
     monitor: DriftMonitor,
     tick: u32,
     speed: f64,
+    /// Phases at which the flags are.
+    flags: PerAxis<f64>,
     before: PerAxis<f64>,
 }
 
@@ -99,6 +101,7 @@ impl Cranks {
             monitor,
             tick: 0,
             speed,
+            flags: PerAxis::default(),
             before: PerAxis::default(),
         }
     }
@@ -149,7 +152,7 @@ impl Cranks {
                 }
             });
             let pulses = core::array::from_fn(|i| {
-                let (from, to) = (self.before[i], now[i]);
+                let (from, to) = (self.before[i] - self.flags[i], now[i] - self.flags[i]);
                 let passes = to.floor() > from.floor();
                 let pulse = passes.then(|| IndexPulse {
                     cycle: ((to.floor() - from) / (to - from) * f64::from(TICK_CYCLES)) as i32,

@@ -3,7 +3,7 @@
 //! A jump of the encoder is *unconfirmed* until the index decides. A pulse in its place shows that counts were lost. No pulse there shows
 //! that the crank moved. If the index is out of place and the encoder has measured nothing, the crank slipped on its shaft.
 
-use super::AxisWatch;
+use super::{AxisWatch, Motion};
 use crate::drift::detection::angles::{angle, of_angle};
 use crate::drift::sensing::encoder_watch::Read;
 use crate::drift::sensing::index_watch::Detection;
@@ -58,8 +58,13 @@ impl Sorted {
 
 impl AxisWatch {
     /// Evaluates what index and encoder detected in a tick. If all axes are late together, a pulse may be late by `patience`.
-    pub(in crate::drift) fn sort(&mut self, patience: Option<Turns>) -> Sorted {
-        let mut sorted = match core::mem::replace(&mut self.detection, Detection::Nothing) {
+    pub(in crate::drift) fn sort(
+        &mut self,
+        detection: Detection,
+        read: Read,
+        patience: Option<Turns>,
+    ) -> Sorted {
+        let mut sorted = match detection {
             Detection::Nothing => Sorted::default(),
             Detection::First => Sorted::detected(self.first()),
             Detection::InPlace {
@@ -93,9 +98,7 @@ impl AxisWatch {
         if let (true, Some(encoder)) = (sorted.is_detected, &self.encoder) {
             self.at_flag = encoder.filtered_error();
         }
-        if let Some(reported) = self.sort_encoder(sorted.reported.is_some()) {
-            sorted.reported = Some(reported);
-        }
+        sorted.reported = sorted.reported.or_else(|| self.sort_encoder(read));
         sorted
     }
 
@@ -124,19 +127,17 @@ impl AxisWatch {
     ) -> Option<Report> {
         let extra = extra.map(|by| self.extra(by));
         self.diagnosis.pass_turn();
+        if self.encoder.is_some() {
+            self.walk_by_encoder();
+        }
         if was_overdue {
             return Some((FaultKind::IndexMissing, Turns::ZERO, false));
         }
         if let Some((kind, by, within_limits)) = extra {
             return Some((kind, by, within_limits && is_sure));
         }
-        if let Some(unconfirmed_jump) = self.take_unconfirmed_jump() {
-            return Some((FaultKind::EncoderGlitch, unconfirmed_jump, true));
-        }
-        if self.encoder.is_some() {
-            self.walk_by_encoder();
-        }
-        None
+        let unconfirmed_jump = self.take_unconfirmed_jump()?;
+        Some((FaultKind::EncoderGlitch, unconfirmed_jump, true))
     }
 
     /// Takes in another pulse out of place. A crank that is ahead already, and comes early again, runs away.
@@ -219,17 +220,13 @@ impl AxisWatch {
         }
     }
 
-    fn sort_encoder(&mut self, already: bool) -> Option<Report> {
-        let encoder = self.encoder.as_mut()?;
-        match core::mem::replace(&mut self.read, Read::Nothing) {
-            Read::Glitch { by } if !already => Some((FaultKind::EncoderGlitch, by, true)),
-            Read::Jump { .. } if let Some(index) = &mut self.index => {
-                index.decide_within_a_turn_of(self.jumped_at);
-                None
-            }
+    /// Evaluates a reading of the encoder.
+    fn sort_encoder(&mut self, read: Read) -> Option<Report> {
+        match read {
+            Read::Glitch { by } => Some((FaultKind::EncoderGlitch, by, true)),
             // There is no index that could decide, so the jump counts.
             Read::Jump { by } if self.index.is_none() => {
-                encoder.believe();
+                self.encoder.as_mut()?.believe();
                 self.jump(by);
                 None
             }
@@ -244,7 +241,7 @@ impl AxisWatch {
 
     /// Records that the crank moves away from its encoder, turn by turn.
     fn walk_by_encoder(&mut self) {
-        let (_, walk) = self.moved();
+        let Motion { walk, .. } = self.motion();
         if walk.unsigned_abs() > self.gate {
             self.home = angle(self.offset());
             self.diagnosis.drift(of_angle(walk));

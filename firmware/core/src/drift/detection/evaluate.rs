@@ -2,107 +2,87 @@
 
 use super::angles::{Angles, in_common, of_angle};
 use super::modes::AxisSet;
-use crate::drift::axis_watch::AxisWatch;
-use crate::drift::queue::Evaluation;
+use crate::drift::axis_watch::{AxisWatch, Motion, Sorted};
 use crate::drift::{DriftMonitor, Sensed};
 use crate::supervisor::FaultKind;
 use crate::units::{MAX_AXES, PerAxis, Turns, nearest};
 
 impl DriftMonitor {
-    /// Evaluates the update of one axis: a pulse, a timeout or an encoder's reading. Returns true if the crank moved so far that the
-    /// evaluation does not wait for the others.
+    /// Takes in what the sensors of one axis showed.
     #[inline(never)]
-    pub(in crate::drift) fn sort(
-        &mut self,
-        axis: usize,
-        may_be_timeout: bool,
-        sensed: &Sensed<'_>,
-    ) -> bool {
-        let all_late = may_be_timeout && self.axes.iter().all(AxisWatch::is_late);
-        let tolerance = self.limits.common;
-        let others = self.in_common_but(axis, sensed.correction);
-        let Some(watch) = self.axes.get_mut(axis) else {
-            return false;
-        };
-        let sorted = watch.sort(all_late.then_some(tolerance));
+    pub(in crate::drift) fn take_in(&mut self, axis: usize, sorted: Sorted, sensed: &Sensed<'_>) {
+        let own = 1 << axis;
         if sorted.is_detected {
-            self.detected |= 1 << axis;
-            self.known |= 1 << axis;
-            self.checked |= 1 << axis;
+            self.queue.updated |= own;
+            self.detected |= own;
+            self.checked |= own;
         }
-        // A crank may pass a limit by its own pulse, long before the round is over.
-        let correction = sensed.correction.get(axis).copied().unwrap_or_default();
-        let own = watch.phase_error().wrapping_add(correction);
-        let off = nearest(own.wrapping_sub(others)).abs();
-        let has_moved = sorted.has_moved.filter(|_| watch.is_by_index());
-        let most = if has_moved.is_some() {
-            watch.alone()
-        } else {
-            watch.far()
-        };
-        // A late pulse that comes during the stop names the fault before the machine stands.
-        let is_waited_for = has_moved.is_some() && self.findings.has_requested_stop();
-        let is_far = sorted.is_detected && (off > most || is_waited_for);
-        // In homing, the pulse that ends a time without pulses shows by how much the crank moved.
-        if let Some(by) = has_moved
-            && self.finding_out
-            && self.findings.has_requested_stop()
-        {
-            let kind = watch.jump(by);
-            self.find(axis, kind, by, false);
-        } else if let Some(by) = sorted.has_moved
+        // During homing the homing evaluates what the cranks do.
+        if let Some(by) = sorted.has_moved
             && self.finding_out
         {
-            self.moved = Some((axis, by));
+            self.take_in_motion(axis, by);
         }
         if let Some(reported) = sorted.reported {
             self.report(axis, reported, sensed);
         }
-        is_far
+        self.update(axis);
     }
 
-    /// Does one step of the evaluation of a batch.
+    /// Takes in that the index of a crank showed it elsewhere than before, in homing.
+    fn take_in_motion(&mut self, axis: usize, by: Turns) {
+        let Some(watch) = self.axes.get_mut(axis) else {
+            return;
+        };
+        if self.findings.has_requested_stop() && watch.is_by_index() {
+            // The pulse that ends a time without pulses shows by how much the crank moved.
+            let kind = watch.jump(by);
+            self.find(axis, kind, by, false);
+        } else {
+            self.moved = Some((axis, by));
+        }
+    }
+
+    /// Evaluates the updates of a batch: computes the modes, and compares them with the limits unless the end of a round does so.
     #[inline(never)]
     pub(in crate::drift) fn evaluate(&mut self, sensed: &Sensed<'_>) {
-        let goes_on = match self.queue.evaluation {
-            Evaluation::Compare => self.conclude().then_some(Evaluation::Modes),
-            Evaluation::Modes => self.update_modes(sensed).then_some(Evaluation::Check),
-            Evaluation::Check => {
-                self.check(sensed);
-                None
+        let updated = core::mem::take(&mut self.queue.updated);
+        if self.finding_out {
+            self.check_encoders();
+        }
+        if !self.is_homed() {
+            return;
+        }
+        self.modes = self.mount.modes(&self.corrected_errors(sensed.correction));
+        self.changed = true;
+        if self.finding_out || self.encoders() != 0 {
+            self.check(Turns::ZERO, sensed);
+        } else if !self.is_round_over() && self.others_are_detected(updated) {
+            // A pulse that comes during the stop names the fault before the machine stands.
+            if self.findings.has_requested_stop() && self.moves_apart() {
+                self.compare();
             }
-        };
-        self.queue.evaluation = goes_on.unwrap_or(Evaluation::Compare);
-        if goes_on.is_none() {
-            self.is_homed = self.are_known();
+            // The others were measured up to a turn ago, and have moved since then as all did.
+            let since = self.common_jump.wrapping_abs();
+            let is_even = since <= self.limits.reading;
+            self.check(if is_even { Turns::ZERO } else { since }, sensed);
         }
     }
 
-    /// Compares the axes, if those that were updated end a round or have moved far. Returns true if limits are to be checked.
-    fn conclude(&mut self) -> bool {
-        let updated = core::mem::take(&mut self.queue.updated);
-        let moved = core::mem::take(&mut self.queue.moved);
-        let round =
-            updated != 0 && self.detected & self.by_index == self.by_index && self.detected != 0;
-        if self.finding_out && self.are_known() && updated != 0 && !round {
-            // All axes turn at homing speed, so phase errors of a turn ago are comparable.
-        } else if moved != 0 && !round && !self.finding_out && self.others_are_detected(moved) {
-            // No other axis is late, so none moved with this one, and the round need not end first.
-            self.compare();
-            self.is_compared = true;
-        } else if round {
-            self.detected = 0;
-            self.rounds = self.rounds.wrapping_add(1);
-            if !self.finding_out {
-                let others_moved = self.compare().abs();
-                let is_whole = !core::mem::take(&mut self.is_compared);
-                self.is_even = is_whole && others_moved <= self.limits.reading;
-            }
-        } else {
-            // If the common part did not change in the last round, this crank is comparable with the others of a turn ago.
-            return self.encoders() != 0 || self.is_even && self.others_are_detected(updated);
+    /// True if all axes by index have been detected since the last round.
+    pub(in crate::drift) const fn is_round_over(&self) -> bool {
+        self.detected != 0 && self.detected & self.by_index == self.by_index
+    }
+
+    /// Ends a round: compares the axes with each other, and the modes with their limits.
+    #[inline(never)]
+    pub(in crate::drift) fn conclude_round(&mut self, sensed: &Sensed<'_>) {
+        self.detected = 0;
+        self.rounds = self.rounds.wrapping_add(1);
+        if !self.finding_out {
+            self.common_jump = self.compare();
+            self.check(Turns::ZERO, sensed);
         }
-        true
     }
 
     /// Common error of all axes except one, with their corrections. It is not the mean of all, which would contain the
@@ -119,12 +99,33 @@ impl DriftMonitor {
     pub(in crate::drift) fn others_are_detected(&self, moved: AxisSet) -> bool {
         let others = self.by_index & !moved;
         let mut axes = self.axes.iter().enumerate();
-        axes.all(|(axis, watch)| others & 1 << axis == 0 || !watch.is_late())
+        axes.all(|(axis, watch)| others & 1 << axis == 0 || watch.is_expected())
     }
 
     /// Compares the axes without an encoder, and records those that moved otherwise than the others. Returns the common motion.
-    pub(in crate::drift) fn compare(&mut self) -> Turns {
-        of_angle(compare(&mut self.axes, self.by_index))
+    fn compare(&mut self) -> Turns {
+        let motion = self.common_motion();
+        for watch in &mut self.axes {
+            if watch.is_by_index() {
+                watch.compare(motion);
+            }
+        }
+        of_angle(motion.jump)
+    }
+
+    /// Motion that the axes without an encoder have in common.
+    #[inline(never)]
+    fn common_motion(&self) -> Motion {
+        let (mut jumps, mut walks) = (Angles::default(), Angles::default());
+        for watch in self.axes.iter().filter(|watch| watch.is_by_index()) {
+            let Motion { jump, walk } = watch.motion();
+            jumps.push(jump);
+            walks.push(walk);
+        }
+        Motion {
+            jump: jumps.common(),
+            walk: walks.common(),
+        }
     }
 
     /// Axis that is furthest from all others, and by how much, if the cranks exceed a limit of the platform as they stand.
@@ -163,55 +164,60 @@ impl DriftMonitor {
         error
     }
 
-    /// Computes the modes of the phase errors. Returns false if not all phase errors are known.
+    /// Compares the modes with the limits, plus `margin` turns of crank angle, and reports events that are new.
     #[inline(never)]
-    pub(in crate::drift) fn update_modes(&mut self, sensed: &Sensed<'_>) -> bool {
-        if self.finding_out {
-            self.check_encoders();
+    fn check(&mut self, margin: Turns, sensed: &Sensed<'_>) {
+        let exceeded = self.exceeded(margin, sensed.speed);
+        let is_ones_own = exceeded.is_some_and(|kind| kind != FaultKind::CommonLag);
+        if is_ones_own && !self.finding_out {
+            self.compare();
         }
-        if !self.are_known() {
-            return false;
-        }
-        self.modes = self.mount.modes(&self.corrected_errors(sensed.correction));
-        self.changed = true;
-        true
-    }
-
-    /// Compares the modes with the limits, and reports events that are new.
-    #[inline(never)]
-    pub(in crate::drift) fn check(&mut self, sensed: &Sensed<'_>) {
-        let exceeded = self.exceeded(sensed.speed);
-        for axis in 0..self.axes.len().min(MAX_AXES) {
-            let watch = self.axes.get_mut(axis);
-            let fresh = watch.and_then(|watch| watch.diagnosis().take_new());
-            // During homing and levelling the homing itself evaluates what the cranks do.
-            if let Some((kind, by)) = fresh.filter(|_| !self.finding_out) {
-                self.find(axis, kind, by, exceeded.is_none());
-            }
-        }
+        self.report_moves(exceeded.is_none());
         if let Some(kind) = exceeded {
             let error = self.corrected_errors(sensed.correction);
             self.attribute(kind, &error, sensed);
         }
     }
 
-    /// The limit that the cranks exceed, if they do: of the platform, or of the common lag.
-    pub(in crate::drift) fn exceeded(&self, speed: Turns) -> Option<FaultKind> {
+    /// Reports what moved a crank, where that is new. During homing and levelling the homing itself evaluates what the cranks do.
+    fn report_moves(&mut self, within_limits: bool) {
+        for axis in 0..self.axes.len().min(MAX_AXES) {
+            let watch = self.axes.get_mut(axis);
+            let fresh = watch.and_then(|watch| watch.diagnosis().take_new());
+            if let Some((kind, by)) = fresh.filter(|_| !self.finding_out) {
+                self.find(axis, kind, by, within_limits);
+            }
+        }
+    }
+
+    /// The limit that the cranks exceed by `margin`, if they do: of the platform, or of the common lag.
+    fn exceeded(&self, margin: Turns, speed: Turns) -> Option<FaultKind> {
         // In homing a crank stays where it was left, or was moved to prove its wiring, so the true limit applies. A crank that has moved
         // goes on, and may be beyond the true limit while its reading is not.
-        let goes_on = || !self.finding_out && self.axes.iter().any(AxisWatch::has_moved);
-        let may_be = self.limits.of_readings(&self.modes);
+        let may_be = self.limits.of_readings(&self.modes, margin);
         let exceeded = may_be.and_then(|kind| {
-            if goes_on() {
+            if !self.finding_out && self.has_any_moved() {
                 Some(kind)
             } else {
-                self.limits.of_platform(&self.modes)
+                self.limits.of_platform(&self.modes, margin)
             }
         });
         if exceeded.is_some() || self.finding_out {
             return exceeded;
         }
         self.limits.of_common(&self.modes, speed)
+    }
+
+    /// True if a crank moved away from the others by more than a gate, now or in the last turns.
+    fn has_any_moved(&self) -> bool {
+        self.axes.iter().any(AxisWatch::has_moved) || self.moves_apart()
+    }
+
+    /// True if a crank by index moved away from the others by more than a gate since the axes were compared.
+    fn moves_apart(&self) -> bool {
+        let motion = self.common_motion();
+        let mut axes = self.axes.iter();
+        axes.any(|watch| watch.is_by_index() && watch.moves_from(motion))
     }
 
     /// Reports axes whose encoder shows that they do not turn as commanded. This works in homing too, and if all of them lag alike.
@@ -222,24 +228,4 @@ impl DriftMonitor {
             }
         }
     }
-}
-
-/// Compares the motion of each axis of a set in a round with their common motion, and returns the latter.
-#[inline(never)]
-fn compare(axes: &mut [AxisWatch], set: AxisSet) -> i32 {
-    let (mut jumps, mut walks) = (Angles::default(), Angles::default());
-    for (axis, watch) in axes.iter().enumerate() {
-        if set & 1 << axis != 0 {
-            let (jump, walk) = watch.moved();
-            jumps.push(jump);
-            walks.push(walk);
-        }
-    }
-    let (jump, walk) = (jumps.common(), walks.common());
-    for (axis, watch) in axes.iter_mut().enumerate() {
-        if set & 1 << axis != 0 {
-            watch.compare(jump, walk);
-        }
-    }
-    jump
 }

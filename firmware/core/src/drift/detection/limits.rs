@@ -11,16 +11,16 @@ use crate::units::Turns;
 #[derive(Clone, Copy, Debug)]
 struct Limits {
     tilt: Turns,
-    tilt_squared: u64,
     warp: Turns,
 }
 
 impl Limits {
-    /// Limit that the modes exceed, if they do.
-    fn exceeded(&self, modes: &Modes) -> Option<FaultKind> {
-        if square(modes.tilt_x) + square(modes.tilt_y) > self.tilt_squared {
+    /// Limit that the modes exceed by `margin`, if they do.
+    fn exceeded(&self, modes: &Modes, margin: Turns) -> Option<FaultKind> {
+        let tilt = self.tilt.wrapping_add(margin);
+        if square(modes.tilt_x) + square(modes.tilt_y) > square(tilt) {
             Some(FaultKind::Tilt)
-        } else if modes.warp > self.warp {
+        } else if modes.warp > self.warp.wrapping_add(margin) {
             Some(FaultKind::Warp)
         } else {
             None
@@ -55,7 +55,6 @@ impl DriftLimits {
     pub(in crate::drift) const NONE: Self = {
         const NONE: Limits = Limits {
             tilt: Turns::ZERO,
-            tilt_squared: 0,
             warp: Turns::ZERO,
         };
         Self {
@@ -82,7 +81,6 @@ impl DriftLimits {
             let less = |limit: Turns| limit.wrapping_sub(guard).max(limit / 2);
             Limits {
                 tilt: less(tilt),
-                tilt_squared: square(less(tilt)),
                 warp: less(warp),
             }
         };
@@ -95,14 +93,14 @@ impl DriftLimits {
         }
     }
 
-    /// Limit of tilt or warp that the modes exceed, if they do.
-    pub(in crate::drift) fn of_platform(&self, modes: &Modes) -> Option<FaultKind> {
-        self.true_limits.exceeded(modes)
+    /// Limit of tilt or warp that the modes exceed by `margin`, if they do.
+    pub(in crate::drift) fn of_platform(&self, modes: &Modes, margin: Turns) -> Option<FaultKind> {
+        self.true_limits.exceeded(modes, margin)
     }
 
-    /// Limit that a moved crank may exceed, given the error of its reading.
-    pub(in crate::drift) fn of_readings(&self, modes: &Modes) -> Option<FaultKind> {
-        self.read.exceeded(modes)
+    /// Limit that a moved crank may exceed by `margin`, given the error of its reading.
+    pub(in crate::drift) fn of_readings(&self, modes: &Modes, margin: Turns) -> Option<FaultKind> {
+        self.read.exceeded(modes, margin)
     }
 
     /// The common lag as a fault, if it exceeds its limit at this speed of the master, turns per tick.

@@ -10,14 +10,24 @@ use crate::supervisor::{Fault, FaultKind};
 pub fn alternatives(fault: &Fault, axis: &AxisSettings) -> impl Iterator<Item = FaultKind> {
     let kind = fault.kind;
     let has_cycles = axis.cycle_steps > 0;
-    let alike = alike(fault, axis).iter().copied();
+    let alike = alike(fault, axis.encoder, axis.index_turns.is_some(), axis.drive);
+    let alike = alike.iter().copied();
     alike.filter(move |&other| other != kind && (has_cycles || other != FaultKind::LostSteps))
 }
 
-/// The kinds that look alike, on an axis of any drive.
-fn alike(fault: &Fault, axis: &AxisSettings) -> &'static [FaultKind] {
+/// True if a fault of an axis with an index alone may be that of a drive that runs away.
+pub(crate) fn may_run_away(fault: &Fault) -> bool {
+    alike(fault, false, true, DriveKind::Stepper).contains(&FaultKind::Runaway)
+}
+
+/// The kinds that look alike to these sensors.
+fn alike(
+    fault: &Fault,
+    has_encoder: bool,
+    has_index: bool,
+    drive: DriveKind,
+) -> &'static [FaultKind] {
     use FaultKind as Kind;
-    let (has_encoder, has_index) = (axis.encoder, axis.index_turns.is_some());
     let is_behind = fault.size < 0;
     match fault.kind {
         // No pulse comes from a crank that stands or has moved, and none from a dead sensor.
@@ -47,7 +57,7 @@ fn alike(fault: &Fault, axis: &AxisSettings) -> &'static [FaultKind] {
         Kind::Slip => &[Kind::EncoderGlitch],
         Kind::Reversed => &[Kind::SwappedWiring],
         // A servo drive may raise its alarm because its motor does not follow.
-        Kind::DriveAlarm if axis.drive != DriveKind::Stepper => &[Kind::Stuck],
+        Kind::DriveAlarm if drive != DriveKind::Stepper => &[Kind::Stuck],
         Kind::HomingRangeExceeded => &[
             Kind::LostSteps,
             Kind::Slip,

@@ -44,8 +44,6 @@ struct Event {
     name: FaultKind,
     /// Turns since then that its index showed.
     age: u8,
-    /// Not reported yet.
-    is_new: bool,
     /// Size, an angle.
     by: i32,
 }
@@ -55,7 +53,6 @@ impl Event {
         what: What::Nothing,
         name: FaultKind::Slip,
         age: u8::MAX,
-        is_new: false,
         by: 0,
     };
 }
@@ -69,6 +66,8 @@ pub(in crate::drift) struct Diagnosis {
     tolerance: Turns,
     /// Latest first.
     events: [Event; EVENTS],
+    /// The latest move has not been reported yet.
+    is_new: bool,
 }
 
 impl Diagnosis {
@@ -77,6 +76,7 @@ impl Diagnosis {
             cycle,
             tolerance,
             events: [Event::NONE; EVENTS],
+            is_new: false,
         }
     }
 
@@ -87,6 +87,7 @@ impl Diagnosis {
 
     pub(in crate::drift) const fn clear(&mut self) {
         self.events = [Event::NONE; EVENTS];
+        self.is_new = false;
     }
 
     /// The index showed the crank again.
@@ -103,12 +104,12 @@ impl Diagnosis {
             what,
             name,
             age: 0,
-            is_new: matches!(what, What::Jump | What::Drift),
             by: angle(by),
         };
         for slot in &mut self.events {
             event = core::mem::replace(slot, event);
         }
+        self.is_new |= matches!(what, What::Jump | What::Drift);
     }
 
     /// Records that the crank jumped, forward if `by` is positive, and whether it is ahead of its command now; returns the name.
@@ -163,12 +164,9 @@ impl Diagnosis {
 
     /// Takes the name and size of the latest move, if they have not been taken yet.
     pub(in crate::drift) fn take_new(&mut self) -> Option<(FaultKind, Turns)> {
-        let latest = self.latest().filter(|event| event.is_new);
-        let new = latest.map(|event| (event.name, of_angle(event.by)));
-        for event in &mut self.events {
-            event.is_new = false;
-        }
-        new
+        let is_new = core::mem::take(&mut self.is_new);
+        let latest = if is_new { self.latest() } else { None };
+        latest.map(|event| (event.name, of_angle(event.by)))
     }
 
     /// The latest event that moved the crank, if it still explains where that is.

@@ -1,7 +1,7 @@
 //! Findings that wait to be reported, one per tick, and the fault that caused a stop, which may get a better name.
 
 use super::events::is_better;
-use crate::supervisor::{Fault, FaultKind};
+use crate::supervisor::{Fault, FaultKind, Reaction, reaction};
 use crate::units::Turns;
 use heapless::Deque;
 
@@ -35,6 +35,11 @@ const NAMED_WITHIN: Turns = Turns::lit("4");
 
 /// Findings that may wait to be reported, one a tick.
 const WAITING: usize = 8;
+
+/// True if a stop does not reach an axis with this fault.
+fn disables(kind: FaultKind) -> bool {
+    reaction(kind, false) == Reaction::Disable
+}
 
 /// Findings, in the order in which they are reported.
 #[derive(Clone, Debug)]
@@ -80,7 +85,8 @@ impl Findings {
         self.open = None;
     }
 
-    /// Queues a finding. The first that is outside the limits goes to the front. After that only better names for it are queued.
+    /// Queues a finding. The first that is outside the limits goes to the front. After that only better names for it are queued, and
+    /// faults that a stop does not reach.
     pub(in crate::drift) fn push(&mut self, fault: Fault, within_limits: bool) {
         self.push_lag(fault, within_limits, false);
     }
@@ -94,8 +100,8 @@ impl Findings {
             let in_time = self.since_open < NAMED_WITHIN;
             if same && in_time && is_better(fault.kind, kind) {
                 supersedes = true;
-            } else if !within_limits {
-                return; // it is being stopped
+            } else if !within_limits && (!disables(fault.kind) || disables(kind)) {
+                return; // it is being stopped, and that is enough
             }
         }
         if !supersedes && !within_limits {

@@ -159,7 +159,7 @@ impl IndexWatch {
     }
 
     /// True if it is certain that no pulse came up to `alert`.
-    fn has_timed_out(&self, phase: &TickPhase, commanded: Turns) -> bool {
+    pub(in crate::drift) fn has_timed_out(&self, phase: &TickPhase, commanded: Turns) -> bool {
         let sure = (commanded.to_bits() >> 16).wrapping_mul(i64::from(self.place.covered));
         let since = phase.start.since(self.detected_at);
         since.wrapping_add(Turns::from_bits(sure)) > self.alert

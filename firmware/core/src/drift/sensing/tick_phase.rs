@@ -50,6 +50,14 @@ impl TickPhase {
         }
     }
 
+    /// The tick before, at the same speed.
+    pub(in crate::drift) const fn before(self) -> Self {
+        Self {
+            start: self.start.advanced(self.turns.wrapping_neg()),
+            turns: self.turns,
+        }
+    }
+
     /// Phase `cycle` cycles into a tick.
     pub(in crate::drift) fn at(&self, cycle: u32, clock: TickClock) -> Phase {
         // cycle / tick_cycles with 24 fraction bits; and of the turns of a tick, below ½, the upper 40: 2⁻²⁴ of a tick

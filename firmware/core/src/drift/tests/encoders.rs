@@ -38,6 +38,27 @@ fn encoders_show_how_an_axis_moves() {
     }
 }
 
+/// If this fails, a crank that runs away while the machine is being stopped for another one is driven on.
+#[test]
+fn a_runaway_is_reported_while_another_axis_is_stopped_for() {
+    let found = encoders(3.0).turn(60, |i, t| match i {
+        1 => -(t - 1.5).clamp(0.0, 0.1),
+        2 => (t - 1.6).max(0.0),
+        _ => 0.0,
+    });
+    let mut stops = found.iter().filter(|(_, finding)| !finding.within_limits);
+    let axes: Vec<_> = stops
+        .clone()
+        .map(|(_, finding)| finding.fault.axis)
+        .collect();
+    assert_eq!(axes, [Some(1), Some(1), Some(2)], "{found:?}");
+    let (_, last) = stops.next_back().expect("checked above");
+    assert_eq!(
+        (last.fault.kind, last.supersedes),
+        (FaultKind::Runaway, false)
+    );
+}
+
 /// While nobody knows where the cranks should be, motors that all lag alike have a common lag; one that lags alone tilts the platform.
 #[test]
 fn axes_that_lag_alike_in_homing_lag_in_common() {

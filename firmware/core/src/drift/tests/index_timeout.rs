@@ -142,6 +142,8 @@ fn a_crank_that_rests_at_the_end_of_its_flag_says_nothing() {
         let mut cranks = Cranks::new(configured(&settings), 0.01);
         cranks.turn(202, |_, _| 0.0);
         cranks.monitor.settle();
+        let turn = (100.0 * later) as u32;
+        cranks.turn_with(turn, |_, _| 0.0, |i, _, pulse| pulse.filter(|_| i != 1));
         let at_end = TickPhase {
             start: Phase::from_turns(Turns::wrapping_from_num(2.02 + later)),
             turns: Turns::from_num(turns),

@@ -1,6 +1,7 @@
 //! Pulses and the ticks in which they come and are processed.
 
 use super::*;
+use proptest::prelude::*;
 
 /// A pulse that is confirmed a tick later belongs to the speed of its own tick. Were it computed from the
 /// later one's, 2000 rev/s² would make 0.018° of 50 µs. One cycle at 200 rev/s is 0.0006°.
@@ -96,8 +97,8 @@ fn pulses_that_come_together_are_processed_one_a_tick() {
         cycle: (TICK_CYCLES / 2) as i32,
     });
     detect(&mut monitor, &[pulse; MAX_AXES], &[0; MAX_AXES], &tick(0.0));
-    // The tick that brought them processes none; three ticks after the last axis evaluate the batch.
-    for processed in 0..MAX_AXES + 3 {
+    // The tick that brought them processes none.
+    for processed in 0..MAX_AXES {
         assert!(!monitor.is_homed(), "after {processed} axes");
         let number = (processed + 1) as f64;
         detect(
@@ -112,6 +113,37 @@ fn pulses_that_come_together_are_processed_one_a_tick() {
         let off = actual.to_num::<f64>() - expected;
         assert!(off.abs() < 1e-6, "{actual} for {expected}");
     }
+}
+
+/// If this fails, a pulse waits for those of other axes that came before it, and a stop comes later than the docs prove.
+#[test]
+fn a_pulse_is_evaluated_in_time_however_pulses_of_others_come() {
+    let speed = 0.01;
+    let worst = core::cell::Cell::new(0);
+    proptest!(|(count in 2..=6_usize, who in 0..6_usize, ticks in prop::array::uniform6(0..9_u32))| {
+        let who = who % count;
+        let flags = ticks.map(|tick| (f64::from(tick) + 0.5) * speed);
+        let mut settings = settings(count, 0.05, 0.05, 15.0);
+        for (axis, flag) in settings.axes.iter_mut().zip(flags) {
+            axis.index_turns = Some(flag);
+        }
+        let mut cranks = Cranks::new(configured(&settings), speed);
+        cranks.flags = flags;
+        let mut cranks = cranks.homed();
+        let from = f64::from(cranks.tick) * speed;
+        // In its place, and beyond the limit, from the next turn on.
+        let off = |i: usize, t: f64| if i == who && t > from { 0.4 * speed } else { 0.0 };
+        let found = cranks.turn(120, off);
+        let stop = found.first().expect("it is beyond the limit").0;
+        let passed = (from.floor() + 1.0) / speed + f64::from(ticks[who]);
+        let waited = stop - passed.round() as u32;
+        prop_assert!(waited <= count as u32 + 2, "{waited} ticks");
+        worst.set(worst.get().max(waited));
+    });
+    assert!(
+        worst.get() > 4,
+        "{worst:?}: pulses of others came before it"
+    );
 }
 
 /// A sensor that bounces at every other passage, at 0.4 turns a tick: three widths or one until a pulse is

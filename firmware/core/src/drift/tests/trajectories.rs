@@ -27,6 +27,15 @@ fn piece() -> impl Strategy<Value = Piece> {
     })
 }
 
+/// Places of the flags: all at one angle, a few ticks apart, so that pulses come while others are evaluated, or anywhere.
+fn flags() -> impl Strategy<Value = PerAxis<f64>> {
+    prop_oneof![
+        Just([0.0; MAX_AXES]),
+        prop::array::uniform6(0.0..9.0_f64).prop_map(|ticks| ticks.map(|ticks| ticks * SPEED)),
+        prop::array::uniform6(0.0..1.0_f64),
+    ]
+}
+
 /// Phase error at a time that counts from the beginning of the path.
 fn error_at(path: &[Piece], mut time: f64) -> f64 {
     let mut error = 0.0;
@@ -91,17 +100,21 @@ fn stop_of(
     shown: Shown,
     count: usize,
     cycle_steps: u32,
+    flags: PerAxis<f64>,
     start: f64,
     paths: &[(usize, Vec<Piece>)],
 ) -> (Option<u32>, Option<f64>, Vec<(u32, Finding)>) {
     let mut settings = settings(count, 3.0, 5.0, 15.0);
-    for axis in &mut settings.axes {
+    for (axis, flag) in settings.axes.iter_mut().zip(flags) {
         axis.cycle_steps = cycle_steps;
+        axis.index_turns = Some(flag);
         axis.encoder = shown != Shown::Index;
     }
     let monitor = configured(&settings);
     let reading = 0.25 / 360.0;
-    let mut cranks = Cranks::new(monitor, SPEED).homed();
+    let mut cranks = Cranks::new(monitor, SPEED);
+    cranks.flags = flags;
+    let mut cranks = cranks.homed();
     let first = cranks.tick;
     let from = f64::from(first) * SPEED + start;
     let longest = paths
@@ -146,9 +159,10 @@ proptest! {
         who in 0..6_usize,
         start in 0.0..1.0_f64,
         cycle_steps in prop_oneof![Just(0_u32), Just(64), Just(200)],
+        flags in flags(),
         path in prop::collection::vec(piece(), 1..6),
     ) {
-        let (stop, due, found) = stop_of(shown, count, cycle_steps, start, &[(who % count, path)]);
+        let (stop, due, found) = stop_of(shown, count, cycle_steps, flags, start, &[(who % count, path)]);
         if let Some(due) = due {
             prop_assert!(stop.is_some_and(|stop| f64::from(stop) <= due), "{stop:?}, and due {due}: {found:?}");
         }
