@@ -17,6 +17,7 @@ impl DriftMonitor {
         if self.encoders() != 0 {
             self.observe_encoders(sensed, before_is_known);
         }
+        let begun = self.queue.updated;
         let arrived = self.queue_pulses(sensed, before_is_known);
         self.margin = self.margin.wrapping_sub(sensed.history.most());
         if self.margin < 0 {
@@ -27,7 +28,7 @@ impl DriftMonitor {
             self.process_all(sensed);
         } else if sensed.may_process && self.has_work() {
             self.is_busy = true;
-            self.process_one(sensed, arrived);
+            self.process_one(sensed, arrived, begun);
         }
         self.findings.next()
     }
@@ -181,9 +182,9 @@ impl DriftMonitor {
         }
     }
 
-    /// Does one piece of the pending work.
+    /// Does one piece of the pending work, of which the axes in `begun` were updated before this tick.
     #[inline(never)]
-    fn process_one(&mut self, sensed: &Sensed<'_>, arrived: u32) {
+    fn process_one(&mut self, sensed: &Sensed<'_>, arrived: u32, begun: AxisSet) {
         if self.queue.updated == 0 && self.is_round_over() {
             self.conclude_round(sensed);
         } else if let Some(axis) = self.queue.next() {
@@ -191,7 +192,7 @@ impl DriftMonitor {
             if 2 * arrived <= self.by_index.count_ones().max(2) {
                 self.process_pulse(axis, sensed);
             }
-        } else {
+        } else if begun != 0 {
             self.evaluate(sensed);
         }
     }
