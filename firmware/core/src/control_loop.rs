@@ -17,8 +17,8 @@ use crate::signals::{Feedback, Output};
 
 /// Interface to the world outside the loop: sensors and safety lines in; pulses, setpoints and safety lines out.
 pub trait Io {
-    /// Reads the feedback since the last call.
-    fn read(&mut self) -> Feedback;
+    /// Replaces `feedback`, which is that of the last call, by what came since then.
+    fn read(&mut self, feedback: &mut Feedback);
 
     /// Returns a new program for a machine that is idle or parked, once.
     fn new_program(&mut self) -> Option<&Program> {
@@ -61,6 +61,7 @@ pub async fn run(controller: &mut Controller, io: &mut impl Io) {
 pub async fn run_from(first: Instant, controller: &mut Controller, io: &mut impl Io) {
     let tick = Duration::from_micros(1_000_000 / u64::from(controller.tick_hz()));
     let mut deadline = first;
+    let mut feedback = Feedback::of(None);
     loop {
         io.until(deadline).await;
         let late = Instant::now().saturating_duration_since(deadline);
@@ -80,7 +81,7 @@ pub async fn run_from(first: Instant, controller: &mut Controller, io: &mut impl
         if missed > 0 || over_half {
             controller.late(u32::try_from(missed).unwrap_or(u32::MAX), over_half);
         }
-        let feedback = io.read();
+        io.read(&mut feedback);
         if let Some(program) = io.new_program() {
             let is_loaded = controller.load_program(program);
             io.program_loaded(is_loaded);
