@@ -36,7 +36,8 @@ impl Levels {
 
     /// Alarm of an axis's drive.
     pub fn alarm(self, axis: usize) -> bool {
-        pins::ALARM.get(axis).is_some_and(|&pin| self.is_high(pin))
+        static PINS: [u8; pins::AXES] = pins::ALARM;
+        PINS.get(axis).is_some_and(|&pin| self.is_high(pin))
     }
 
     /// True if any alarm input is active, also of axes that the machine does not have.

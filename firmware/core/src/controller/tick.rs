@@ -285,5 +285,5 @@ impl Controller {
 fn harder_fault(input: &SupervisorInput) -> Fault {
     input
         .fault
-        .unwrap_or(const { Fault::new(FaultKind::EnableLost) })
+        .unwrap_or_else(|| Fault::new(FaultKind::EnableLost))
 }
