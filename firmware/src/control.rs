@@ -17,6 +17,7 @@ use embassy_time::Instant;
 
 use crate::board::alarm::Until;
 use crate::board::index::Index;
+use crate::board::lines::AlarmInputs;
 use crate::board::steps::{Steps, Submission};
 use crate::board::watchdog::Fed;
 use crate::board::{handover, has_passed, lines, sampler};
@@ -46,10 +47,10 @@ pub struct Board {
     pub link: LoopEnd,
     /// Levels of the inputs that were read last, as a sample has them.
     pub inputs: u8,
+    /// Alarm inputs of the machine's axes.
+    pub alarms: AlarmInputs,
     /// Log of states and faults.
     pub reporter: Reporter,
-    /// Axis of the board on whose lines axis 0 is.
-    pub first_axis: usize,
     /// Generation of the step edges.
     pub steps: Steps,
     /// Filters that make pulses of the index lines' changes.
@@ -89,10 +90,7 @@ impl Io for Board {
         self.inputs |= if inputs.stop { flags::STOP } else { 0 };
         let from_host = self.link.command();
         feedback.inputs = inputs;
-        let any_alarm = levels.any_alarm();
-        for (axis, alarm) in feedback.alarm.iter_mut().enumerate() {
-            *alarm = any_alarm && levels.alarm(self.first_axis + axis);
-        }
+        levels.read_alarms(&self.alarms, &mut feedback.alarm);
         feedback.fifo_underrun = self.fifo_underrun.take();
         // A host's stop comes first, and then a press; anything else of the host was for another state.
         feedback.command = match from_host {
