@@ -17,6 +17,7 @@ use embassy_time::Instant;
 
 use crate::board::alarm::Until;
 use crate::board::index::Index;
+use crate::board::lines::AlarmInputs;
 use crate::board::steps::{Steps, Submission};
 use crate::board::watchdog::Fed;
 use crate::board::{handover, has_passed, lines, sampler};
@@ -46,10 +47,10 @@ pub struct Board {
     pub link: LoopEnd,
     /// Levels of the inputs that were read last, as a sample has them.
     pub inputs: u8,
+    /// Alarm inputs of the machine's axes.
+    pub alarms: AlarmInputs,
     /// Log of states and faults.
     pub reporter: Reporter,
-    /// Axis of the board on whose lines axis 0 is.
-    pub first_axis: usize,
     /// Generation of the step edges.
     pub steps: Steps,
     /// Filters that make pulses of the index lines' changes.
@@ -57,55 +58,47 @@ pub struct Board {
 }
 
 impl Board {
-    /// The index pulses of the ticks that are over: of one, unless deadlines were missed.
-    fn read_index(&mut self) -> PerAxis<Option<IndexPulse>> {
-        let mut pulses = [None; MAX_AXES];
+    /// Takes the index pulses of the ticks that are over: of one, unless deadlines were missed.
+    #[inline(always)]
+    fn read_index(&mut self, pulses: &mut PerAxis<Option<IndexPulse>>) {
         let Some(mut deadline) = self.read_to else {
-            return pulses;
+            return;
         };
         while has_passed(deadline) {
             self.index.read(&mut self.filters);
-            self.index.end_tick(&mut self.filters, &mut pulses);
+            self.index.end_tick(&mut self.filters, pulses);
             let next = deadline
                 .as_ticks()
                 .wrapping_add(self.steps.tick().as_ticks());
             deadline = Instant::from_ticks(next);
         }
         self.read_to = Some(deadline);
-        pulses
     }
 }
 
 impl Io for Board {
     #[inline(never)] // as `Controller::tick`
-    fn read(&mut self) -> Feedback {
+    fn read(&mut self, feedback: &mut Feedback) {
         // What was handed over last is played from now on.
         lines::sync(self.sync);
-        let index = self.read_index();
+        feedback.index = [None; MAX_AXES];
+        self.read_index(&mut feedback.index);
         let levels = lines::read();
         let pressed = self.button.read(levels.start());
         let inputs = lines::safety_inputs(levels);
         self.inputs = if inputs.enable { flags::ENABLE } else { 0 };
         self.inputs |= if inputs.stop { flags::STOP } else { 0 };
         let from_host = self.link.command();
-        Feedback {
-            index,
-            // This board has no pins left to count with.
-            encoder: [0; MAX_AXES],
-            alarm: if levels.any_alarm() {
-                core::array::from_fn(|axis| levels.alarm(self.first_axis + axis))
-            } else {
-                [false; MAX_AXES]
-            },
-            fifo_underrun: self.fifo_underrun.take(),
-            inputs,
-            // A host's stop comes first, and then a press; anything else of the host was for another state.
-            command: match from_host {
-                Some(Command::Stop | Command::StopNow) => from_host,
-                _ if pressed => Some(panel::command(self.state)),
-                _ => from_host,
-            },
-        }
+        feedback.inputs = inputs;
+        levels.read_alarms(&self.alarms, &mut feedback.alarm);
+        feedback.fifo_underrun = self.fifo_underrun.take();
+        // A host's stop comes first, and then a press; anything else of the host was for another state.
+        feedback.command = match from_host {
+            Some(Command::Stop | Command::StopNow) => from_host,
+            _ if pressed => Some(panel::command(self.state)),
+            _ => from_host,
+        };
+        // The counts of encoders stay zero: this board has no pins left to count with.
     }
 
     fn new_program(&mut self) -> Option<&Program> {

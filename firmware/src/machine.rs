@@ -13,6 +13,7 @@ use embassy_time::Duration;
 use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::board::index::Index;
+use crate::board::lines::AlarmInputs;
 use crate::board::steps::{Buffers, Steps};
 use crate::board::watchdog::Fed;
 use crate::board::{CYCLES_PER_US, lines};
@@ -84,7 +85,6 @@ pub fn make(
             tick,
         ),
         index: Index::new(tick_us * CYCLES_PER_US, first_axis),
-        first_axis,
         filters: (0..axes)
             .map(|axis| IndexFilter::new(width, levels.index(first_axis + axis)))
             .collect(),
@@ -95,6 +95,7 @@ pub fn make(
         reporter,
         link,
         inputs: 0,
+        alarms: AlarmInputs::new(first_axis, axes),
         sync: true,
         fifo_underrun: None,
         read_to: None,

@@ -17,8 +17,8 @@ use crate::signals::{Feedback, Output};
 
 /// Interface to the world outside the loop: sensors and safety lines in; pulses, setpoints and safety lines out.
 pub trait Io {
-    /// Reads the feedback since the last call.
-    fn read(&mut self) -> Feedback;
+    /// Replaces `feedback`, which is that of the last call, by what came since then.
+    fn read(&mut self, feedback: &mut Feedback);
 
     /// Returns a new program for a machine that is idle or parked, once.
     fn new_program(&mut self) -> Option<&Program> {
@@ -61,26 +61,14 @@ pub async fn run(controller: &mut Controller, io: &mut impl Io) {
 pub async fn run_from(first: Instant, controller: &mut Controller, io: &mut impl Io) {
     let tick = Duration::from_micros(1_000_000 / u64::from(controller.tick_hz()));
     let mut deadline = first;
+    let mut feedback = Feedback::of(None);
     loop {
         io.until(deadline).await;
         let late = Instant::now().saturating_duration_since(deadline);
-        // A division takes 150 cycles on the board and is hardly ever needed.
-        let (missed, rest) = if late < tick {
-            (0, late.as_ticks())
-        } else {
-            (
-                late.as_ticks() / tick.as_ticks(),
-                late.as_ticks() % tick.as_ticks(),
-            )
-        };
-        if missed > 0 {
-            deadline += Duration::from_ticks(missed * tick.as_ticks());
+        if late.as_ticks() * 2 > tick.as_ticks() {
+            deadline += report_late(controller, late, tick);
         }
-        let over_half = rest * 2 > tick.as_ticks();
-        if missed > 0 || over_half {
-            controller.late(u32::try_from(missed).unwrap_or(u32::MAX), over_half);
-        }
-        let feedback = io.read();
+        io.read(&mut feedback);
         if let Some(program) = io.new_program() {
             let is_loaded = controller.load_program(program);
             io.program_loaded(is_loaded);
@@ -103,4 +91,14 @@ pub async fn run_from(first: Instant, controller: &mut Controller, io: &mut impl
             controller.held_over(held_over);
         }
     }
+}
+
+/// Reports a deadline that was met late by over half a tick; returns the time of the deadlines that were missed before it.
+#[inline(never)] // It divides, which takes 150 cycles on the board and is hardly ever needed.
+fn report_late(controller: &mut Controller, late: Duration, tick: Duration) -> Duration {
+    let missed = late.as_ticks() / tick.as_ticks();
+    let missed_time = missed * tick.as_ticks();
+    let over_half = (late.as_ticks() - missed_time) * 2 > tick.as_ticks();
+    controller.late(u32::try_from(missed).unwrap_or(u32::MAX), over_half);
+    Duration::from_ticks(missed_time)
 }

@@ -61,13 +61,14 @@ impl Output {
     /// Pulses of an axis; a servo axis that takes setpoints has one pause. An axis that is not there has no runs.
     #[inline]
     pub fn runs(&self, axis: usize) -> &Runs {
-        const NO_RUNS: &Runs = &Runs::new();
+        // A static has a name, by which the linker places it in RAM.
+        static NO_RUNS: Runs = Runs::new();
         if axis >= MAX_AXES {
-            return NO_RUNS;
+            return &NO_RUNS;
         }
         self.plans
             .get(self.sharing().first(axis))
-            .unwrap_or(NO_RUNS)
+            .unwrap_or(&NO_RUNS)
     }
 
     /// Which axes have the same [`Self::runs`].
@@ -87,6 +88,7 @@ impl Output {
     }
 
     /// Resets the output to that of a loop that has not begun, with its axes so far ahead of the master, turns.
+    #[cold]
     pub(crate) fn reset(&mut self, lead: PerAxis<Turns>) {
         for runs in &mut self.plans {
             runs.clear();

@@ -25,6 +25,26 @@ static IS_HELD: AtomicBool = AtomicBool::new(false);
 /// DRIVE ENABLE is held active for bring-up.
 static IS_ENABLE_HELD: AtomicBool = AtomicBool::new(false);
 
+/// Alarm inputs of a machine, a bit each. They are variables, as a table of constants would be in the flash.
+pub struct AlarmInputs {
+    of_axes: [u32; pins::AXES],
+    all: u32,
+}
+
+impl AlarmInputs {
+    /// Those of so many axes, from the board's axis `first` on.
+    #[cold]
+    pub fn new(first: usize, axes: usize) -> Self {
+        let mut of_axes = [0; pins::AXES];
+        let pins = pins::ALARM.iter().skip(first).take(axes);
+        for (input, pin) in of_axes.iter_mut().zip(pins) {
+            *input = 1 << pin;
+        }
+        let all = of_axes.iter().fold(0, |all, input| all | input);
+        Self { of_axes, all }
+    }
+}
+
 /// Levels of all inputs at one instant.
 #[derive(Clone, Copy)]
 pub struct Levels(u32);
@@ -35,21 +55,21 @@ impl Levels {
     }
 
     /// Alarm of an axis's drive.
-    pub fn alarm(self, axis: usize) -> bool {
+    #[cold]
+    fn alarm(self, axis: usize) -> bool {
         pins::ALARM.get(axis).is_some_and(|&pin| self.is_high(pin))
     }
 
-    /// True if any alarm input is active, also of axes that the machine does not have.
-    pub const fn any_alarm(self) -> bool {
-        const ALARMS: u32 = {
-            let (mut mask, mut axis) = (0, 0);
-            while axis < pins::ALARM.len() {
-                mask |= 1 << pins::ALARM[axis];
-                axis += 1;
-            }
-            mask
-        };
-        self.0 & ALARMS != 0
+    /// Alarms of the drives; in most ticks there is none.
+    #[inline(always)]
+    pub fn read_alarms(self, inputs: &AlarmInputs, alarms: &mut [bool; pins::AXES]) {
+        if self.0 & inputs.all == 0 {
+            alarms.fill(false);
+            return;
+        }
+        for (alarm, input) in alarms.iter_mut().zip(&inputs.of_axes) {
+            *alarm = self.0 & input != 0;
+        }
     }
 
     /// Level of an axis's index sensor.

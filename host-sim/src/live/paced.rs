@@ -112,13 +112,12 @@ impl<P: FnMut(u64, u64)> Paced<P> {
 }
 
 impl<P: FnMut(u64, u64)> Io for Paced<P> {
-    fn read(&mut self) -> Feedback {
+    fn read(&mut self, feedback: &mut Feedback) {
         self.clock
             .wait(Duration::from_micros(Instant::now().as_micros()));
-        let mut feedback = self.inner.read(&mut ());
+        *feedback = self.inner.read(&mut ());
         feedback.command = self.next_command();
         self.inputs = feedback.inputs;
-        feedback
     }
 
     fn new_program(&mut self) -> Option<&Program> {

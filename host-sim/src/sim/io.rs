@@ -391,8 +391,8 @@ pub struct Observed<'a, O, P> {
 }
 
 impl<O: Observer, P: FnMut(u64, u64)> Io for Observed<'_, O, P> {
-    fn read(&mut self) -> Feedback {
-        self.io.read(self.observer)
+    fn read(&mut self, feedback: &mut Feedback) {
+        *feedback = self.io.read(self.observer);
     }
 
     fn until(&mut self, deadline: Instant) -> impl Future<Output = ()> {

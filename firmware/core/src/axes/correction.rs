@@ -7,7 +7,7 @@ use super::PhaseOffsets;
 use crate::units::{PerAxis, Turns};
 
 /// Reciprocals 1, ½, ⅓ … with 16 fraction bits, so that a tick needs no division.
-const SHARES: PerAxis<u32> = [65_536, 32_768, 21_845, 16_384, 13_107, 10_922];
+static SHARES: PerAxis<u32> = [65_536, 32_768, 21_845, 16_384, 13_107, 10_922];
 
 impl PhaseOffsets {
     /// Controller's parts that remove the differences between the `error`s of the cranks, turns. Their sum is that of the present ones.

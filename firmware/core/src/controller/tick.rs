@@ -98,11 +98,7 @@ impl Controller {
         input.tick = self.ticks;
         input.phase = self.crank_phase();
         let reported = found.and_then(|found| select_reaction(found, &self.supervisor, input));
-        let alarm = feedback
-            .alarm
-            .iter()
-            .take(self.channels.len())
-            .fold(false, |any, alarm| any | alarm);
+        let alarm = feedback.alarm.iter().fold(false, |any, alarm| any | alarm);
         if alarm || feedback.fifo_underrun.is_some() || self.overrun.is_some() {
             self.highest_priority_fault(feedback, input);
         }
@@ -285,5 +281,5 @@ impl Controller {
 fn harder_fault(input: &SupervisorInput) -> Fault {
     input
         .fault
-        .unwrap_or(const { Fault::new(FaultKind::EnableLost) })
+        .unwrap_or_else(|| Fault::new(FaultKind::EnableLost))
 }

@@ -191,6 +191,7 @@ impl Geometry {
     }
 
     /// Motion at an angle from the stretched-out position, 2³² to the turn.
+    #[cfg_attr(not(feature = "servo"), cold)] // as `AnyMechanism::kinematics`
     fn at(&self, angle: u32) -> Motion {
         let turn = sine_cosine(angle.wrapping_add(self.stretched));
         let (sine, cosine) = (i64::from(turn.sine) >> 2, i64::from(turn.cosine) >> 2);

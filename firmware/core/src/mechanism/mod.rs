@@ -68,6 +68,7 @@ macro_rules! mechanisms {
                 match self { $(Self::$Name(mechanism) => mechanism.amax(speed),)* }
             }
 
+            #[cfg_attr(not(feature = "servo"), cold)] // Without setpoints it is for set-up alone.
             fn kinematics(&self, angle: u32) -> Kinematics {
                 match self { $(Self::$Name(mechanism) => mechanism.kinematics(angle),)* }
             }

@@ -56,7 +56,7 @@ const fn row(kind: FaultKind, safe: Reaction, unsafe_: Reaction) -> Row {
 }
 
 /// Table of reactions; each kind is at the index of its number. A comment says why the drives hold, or do not.
-pub const REACTIONS: [Row; FaultKind::ALL.len()] = {
+pub static REACTIONS: [Row; FaultKind::ALL.len()] = {
     use FaultKind as Kind;
     use Reaction::{Correct, Disable, Report, StopAndCut, StopAndHold};
     [

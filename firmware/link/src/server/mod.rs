@@ -62,11 +62,13 @@ pub struct Hub<D, const SESSIONS: usize> {
 
 impl<D: Device, const SESSIONS: usize> Hub<D, SESSIONS> {
     /// Server of a device, with all lines open and no host.
+    #[inline(always)] // A server takes kilobytes, which are written in place if the compiler sees where.
     pub fn new(mut device: D) -> Self {
         device.set_sampling(status_ticks(device.tick_hz()));
         Self {
             device,
-            sessions: [const { Session::new() }; SESSIONS],
+            // Constants would be copied, over the stack.
+            sessions: core::array::from_fn(|_| Session::new()),
             access: Access::new(),
             upload: Upload::new(),
             host: HostWatch::new(),

@@ -50,7 +50,8 @@ struct Stream {
 }
 
 impl Session {
-    pub(super) const fn new() -> Self {
+    #[inline(always)] // as `Hub::new`
+    pub(super) fn new() -> Self {
         Self {
             receiver: Receiver::new(),
             is_known: false,

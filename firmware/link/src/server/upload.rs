@@ -18,6 +18,7 @@ struct Expected {
 }
 
 impl Upload {
+    #[inline(always)] // as `Hub::new`
     pub(super) const fn new() -> Self {
         Self {
             bytes: heapless::Vec::new(),

@@ -119,6 +119,7 @@ impl LimitSettings {
     ///
     /// Reducing it to zero takes at most 2 sqrt(V/J), which is the minimum of V/a + a/J. So the check of the usual
     /// ramp's length covers this one.
+    #[cold]
     pub fn reachable_stop_acceleration_hz_per_s(&self) -> f64 {
         self.reachable(self.stop_acceleration_hz_per_s, self.stop_jerk_hz_per_s2)
     }
@@ -212,6 +213,7 @@ impl LimitSettings {
 }
 
 /// Converts a checked number of turns, to the nearest 2⁻⁴⁸ turn.
+#[cold]
 pub fn turns(value: f64) -> Turns {
     Turns::saturating_from_num(value)
 }

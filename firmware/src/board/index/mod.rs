@@ -26,7 +26,7 @@ const ALL: u32 = (1 << pins::AXES) - 1;
 #[inline(always)]
 fn lowest(lines: u32) -> Option<usize> {
     // The board has no instruction that counts zeros.
-    const LOWEST: [u8; 1 << pins::AXES] = {
+    static LOWEST: [u8; 1 << pins::AXES] = {
         let mut lowest = [0; 1 << pins::AXES];
         let mut lines = 1;
         while lines < lowest.len() {

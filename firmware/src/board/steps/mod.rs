@@ -55,13 +55,13 @@ const LEAST_LEAD_US: u32 = Rp2040::LEAST_LEAD_US;
 
 /// The block of an axis. Looked up: the board has no instruction that divides.
 const fn block_of(axis: usize) -> usize {
-    const BLOCK: [u8; AXES] = [0, 0, 0, 1, 1, 1];
+    static BLOCK: [u8; AXES] = [0, 0, 0, 1, 1, 1];
     BLOCK[axis] as usize
 }
 
 /// The machine of an axis within its block.
 const fn machine_of(axis: usize) -> usize {
-    const MACHINE: [u8; AXES] = [0, 1, 2, 0, 1, 2];
+    static MACHINE: [u8; AXES] = [0, 1, 2, 0, 1, 2];
     MACHINE[axis] as usize
 }
 
