@@ -126,5 +126,10 @@ pub(super) fn drag_nm(friction_nm: f64, omega_rad_s: f64) -> f64 {
     if friction_nm == 0.0 {
         return 0.0;
     }
-    -friction_nm * (omega_rad_s / STICTION_RAD_S).tanh()
+    let speeds = omega_rad_s / STICTION_RAD_S;
+    // Beyond 19 it rounds to 1, as nearly all speeds of a machine have it.
+    if speeds.abs() > 22.0 {
+        return -friction_nm * speeds.signum();
+    }
+    -friction_nm * speeds.tanh()
 }
