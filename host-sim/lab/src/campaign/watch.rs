@@ -118,6 +118,7 @@ impl Observation {
 }
 
 /// The observer.
+#[derive(Clone)]
 pub struct Watch<'a> {
     geometry: Option<&'a Geometry>,
     /// What goes wrong; nothing, in a clean run.
@@ -187,6 +188,25 @@ impl<'a> Watch<'a> {
             held_on: per_axis(checked.settings.axes.len(), |_| 0.0),
             held_turns: [false, true].map(|at_flag| hold::runaway_turns(scene, geometry, at_flag)),
             rests_at_flag: None,
+        }
+    }
+
+    /// The same run up to now, of a scene that differs in its faults alone, which are all still to come.
+    #[must_use]
+    pub fn go_on_in(&self, checked: &Checked, cranks_count: Axes<bool>) -> Self {
+        let Self {
+            fault,
+            flag,
+            cranks_count,
+            held_turns,
+            ..
+        } = Self::new(self.geometry, checked, cranks_count);
+        Self {
+            fault,
+            flag,
+            cranks_count,
+            held_turns,
+            ..self.clone()
         }
     }
 
