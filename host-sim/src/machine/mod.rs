@@ -442,8 +442,7 @@ fn command(
     command_turns: &[f64],
 ) -> Axes<DriveCommand> {
     let mut plans = played.plans();
-    let drives = axes.iter_mut().enumerate();
-    let commanded =
-        drives.map(|(i, axis)| axis.command(plans.of(i), &played.setpoints[i], command_turns[i]));
-    commanded.collect()
+    per_axis(axes.len(), |i| {
+        axes[i].command(plans.of(i), &played.setpoints[i], command_turns[i])
+    })
 }
