@@ -168,7 +168,9 @@ impl Scheme {
         }
         FOUND.with_borrow_mut(|found| {
             let asked = (self, zeta.to_bits());
-            let known = found.iter().find(|&&(scheme, zeta, _)| (scheme, zeta) == asked);
+            let known = found
+                .iter()
+                .find(|&&(scheme, zeta, _)| (scheme, zeta) == asked);
             if let Some(&(_, _, limit)) = known {
                 return limit;
             }

@@ -141,6 +141,7 @@ impl Phased {
         }
     }
 
+    #[inline(always)] // or 150 bytes are copied
     fn cranks(&self, alpha: &[f64]) -> [Crank; MOST] {
         let mut cranks = [Crank::default(); MOST];
         for ((crank, &alpha), last) in cranks.iter_mut().zip(alpha).zip(&self.last) {

@@ -5,7 +5,7 @@
 //! phases shows as tilt; what no plane can follow is warp, given in degrees of crank angle as that is
 //! what bends rods and platform.
 
-use crate::axes::Axes;
+use crate::axes::{Axes, per_axis};
 use crate::dynamics::{Corners, MOST};
 use crate::mechanism::{AnyMechanism, Load, Mechanism};
 use crate::scene::Checked;
@@ -118,6 +118,28 @@ impl Platform {
             .collect();
         let [_, x, y] = self.corners.plane(&heights);
         x.hypot(y) * 1e3
+    }
+
+    /// False if [`Self::tilt_mrad`] is not above `mrad` for sure, which takes less time to tell than the tilt.
+    pub fn may_tilt_beyond(&self, mrad: f64, turns: &[f64]) -> bool {
+        self.most_tilt_mrad(turns) > mrad && self.most_tilt_here_mrad(turns) > mrad
+    }
+
+    /// Bound on [`Self::tilt_mrad`] that takes the slope at one crank's angle. A corner is lifted against that of this crank by the slope
+    /// times how far its crank is ahead, e, and by no more than ½ R max|h| e² beside that.
+    fn most_tilt_here_mrad(&self, turns: &[f64]) -> f64 {
+        let first = turns[0];
+        let ahead = per_axis(turns.len(), |i| (turns[i] - first) * std::f64::consts::TAU);
+        let [_, x, y] = self.corners.plane(&ahead);
+        let lever_m = self.mechanism.x_dot_mps(first * std::f64::consts::TAU, 1.0);
+        let farthest = ahead
+            .iter()
+            .fold(0.0, |most: f64, ahead| most.max(ahead.abs()));
+        // Such parts are apart by twice the largest of them.
+        let bent_m =
+            self.mechanism.crank_radius_m() * self.mechanism.greatest_h() * farthest * farthest;
+        let slope = lever_m.abs() * (x * x + y * y).sqrt() + bent_m / self.mount_radius_m;
+        slope * 1e3 + ROUNDING_MRAD
     }
 
     /// Bound on [`Self::tilt_mrad`] that takes no sine: the plane closest to the corners rises by no more than the corners are apart in height,

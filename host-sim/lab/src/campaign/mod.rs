@@ -73,16 +73,17 @@ pub fn run_both(case: &Case) -> Result<[Row; 2], SceneError> {
     let start = |checked| Simulation::new(u64::MAX, checked, |_, _| {});
 
     let mut clean_run = start(&clean)?;
-    let (mut faulty_run, faulty_watch) = if clean.scene.touches_drives() == faulty.scene.touches_drives() {
-        let fault_us = Planned::new(case.fault()).from_us;
-        clean_run.run_until(fault_us, &mut (&mut clean_watch, &mut twin));
-        let mut faulty_run = clean_run.clone();
-        faulty_run.go_on_in(&faulty);
-        let faulty_watch = clean_watch.go_on_in(&faulty, cranks_count(&faulty));
-        (faulty_run, faulty_watch)
-    } else {
-        (start(&faulty)?, watch(&faulty))
-    };
+    let (mut faulty_run, faulty_watch) =
+        if clean.scene.touches_drives() == faulty.scene.touches_drives() {
+            let fault_us = Planned::new(case.fault()).from_us;
+            clean_run.run_until(fault_us, &mut (&mut clean_watch, &mut twin));
+            let mut faulty_run = clean_run.clone();
+            faulty_run.go_on_in(&faulty);
+            let faulty_watch = clean_watch.go_on_in(&faulty, cranks_count(&faulty));
+            (faulty_run, faulty_watch)
+        } else {
+            (start(&faulty)?, watch(&faulty))
+        };
     clean_run.run(&mut (&mut clean_watch, &mut twin));
     let mut faulty_watch = faulty_watch.compared_with(&twin);
     faulty_run.run(&mut faulty_watch);

@@ -132,6 +132,8 @@ pub struct Watch<'a> {
     responses: Responses<'a>,
     /// Scenes with commands or inputs of their own stop by themselves.
     stops_itself: bool,
+    /// Ticks a second, each a whole number of microseconds long.
+    tick_hz: u32,
     were_enabled: bool,
     /// Turns of the master at which cranks went beyond a limit that they have not come back from.
     beyond_since: Option<f64>,
@@ -163,6 +165,7 @@ impl<'a> Watch<'a> {
         cranks_count: Axes<bool>,
     ) -> Self {
         let scene = &checked.scene;
+        let tick_s = f64::from(1_000_000 / scene.control.tick_hz * 1000) * 1e-9;
         let fault = scene.fault.first();
         let axis = fault.and_then(|fault| fault.axis);
         Self {
@@ -177,6 +180,7 @@ impl<'a> Watch<'a> {
             truth: Truth::new(checked),
             responses: Responses::new(scene.axes.steps_per_turn),
             stops_itself: !scene.command.is_empty() || !scene.input.is_empty(),
+            tick_hz: nearest(1.0 / tick_s) as u32,
             were_enabled: false,
             beyond_since: None,
             moments: 0,
@@ -400,15 +404,14 @@ impl<'a> Watch<'a> {
 impl Observer for Watch<'_> {
     fn tick(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
-        let tick_s = (moment.end_ns - moment.start_ns) as f64 * 1e-9;
-        let tick_hz = nearest(1.0 / tick_s) as f64;
+        let tick_hz = f64::from(self.tick_hz);
         let motion = &telemetry.motion;
         let start = Place {
             moment: self.moments,
             t_s: moment.start_ns as f64 * 1e-9,
             turns: self.turns[0],
-            speed_hz: speed_hz(motion.speed, tick_hz as u32),
-            acceleration_hz_per_s: speed_hz(motion.acceleration, tick_hz as u32) * tick_hz,
+            speed_hz: speed_hz(motion.speed, self.tick_hz),
+            acceleration_hz_per_s: speed_hz(motion.acceleration, self.tick_hz) * tick_hz,
             state: telemetry.state,
         };
         let end = Place {
