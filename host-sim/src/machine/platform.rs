@@ -166,3 +166,41 @@ impl Platform {
         errors.iter().enumerate().map(off).fold(0.0, f64::max) * 360.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::library;
+
+    /// Were a bound below the tilt, the largest tilt of a run could be passed over. Were the one at a crank's angle no closer to it, sines would
+    /// be computed for nothing: cranks apart by a thousandth of a turn are within 10 % of what a steady slope makes of them, at a steep angle.
+    #[test]
+    fn no_platform_tilts_beyond_its_bounds() {
+        for name in ["default", "lost-steps", "patent-4"] {
+            let scene = library::find(name).expect("built in").scene();
+            let platform = Platform::new(&Checked::new(scene).expect("a scene that is built in"));
+            let count = platform.corners.count();
+            for (apart, angle) in (0..12_000).map(|i| (i / 1000, f64::from(i % 1000) * 1e-3)) {
+                // Evenly on a logarithmic scale, from a millionth of a turn to half a turn.
+                let apart = 0.5 * 10_f64.powf(-f64::from(apart) / 2.0);
+                let place = |i: usize| (i * i * 7 + i) % 5;
+                let turns = per_axis(count, |i| 3.0 + angle + apart * place(i) as f64 / 4.0);
+                let tilt_mrad = platform.tilt_mrad(&turns);
+                let here_mrad = platform.most_tilt_here_mrad(&turns);
+                assert!(
+                    tilt_mrad <= platform.most_tilt_mrad(&turns),
+                    "{name}: {turns:?}"
+                );
+                assert!(tilt_mrad <= here_mrad, "{name}: {turns:?}");
+                assert!(platform.may_tilt_beyond(tilt_mrad * (1.0 - 1e-9), &turns));
+                let is_steep = (angle - 0.25).abs() < 0.05;
+                if is_steep && apart < 0.001 {
+                    assert!(
+                        here_mrad < 1.1 * tilt_mrad + ROUNDING_MRAD,
+                        "{name}: {turns:?}"
+                    );
+                }
+            }
+        }
+    }
+}
