@@ -39,7 +39,7 @@ pub const SMALLEST_H_OMEGA: f64 = 1e-6;
 /// matrix over many powers of ten.
 const MACHINE_GROWTH: f64 = 1e-9;
 
-/// Limits that a thread keeps: more than a machine with six different rotors on a frame asks for.
+/// Limits that a thread keeps: more than a machine with six different rotors on a frame needs.
 const LIMITS_KEPT: usize = 16;
 
 /// Ratio of one step length tried to the next. Between two that are stable nothing unstable is looked for.
@@ -161,16 +161,16 @@ impl Scheme {
     /// [`LARGEST_H_OMEGA`], `Some(0.0)` if no step is stable.
     ///
     /// The first change from stable to unstable, in steps of 5 %, then bisected to [`LIMIT_TOLERANCE`]. A machine is made several times
-    /// before it runs, and asks for the same limits each time, so each thread keeps those that it found last.
+    /// before it runs, and needs the same limits each time, so each thread keeps those that it found last.
     pub fn stability_limit(self, zeta: f64) -> Option<f64> {
         thread_local! {
             static FOUND: RefCell<VecDeque<(Scheme, u64, Option<f64>)>> = const { RefCell::new(VecDeque::new()) };
         }
         FOUND.with_borrow_mut(|found| {
-            let asked = (self, zeta.to_bits());
+            let key = (self, zeta.to_bits());
             let known = found
                 .iter()
-                .find(|&&(scheme, zeta, _)| (scheme, zeta) == asked);
+                .find(|&&(scheme, zeta, _)| (scheme, zeta) == key);
             if let Some(&(_, _, limit)) = known {
                 return limit;
             }

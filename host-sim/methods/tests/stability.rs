@@ -193,9 +193,9 @@ fn the_guard_names_the_limit_the_step_and_the_remedy() {
 }
 
 /// If a limit that is kept were taken for that of another method or damping ratio, a machine would be refused, or would blow up. More are
-/// asked for here than are kept.
+/// computed here than are kept.
 #[test]
-fn limits_are_the_same_when_asked_again() {
+fn limits_are_the_same_the_second_time() {
     let all = || {
         let zetas = (0..10).map(|i| 0.1 * f64::from(i));
         zetas.flat_map(|zeta| {

@@ -268,7 +268,7 @@ impl Machine {
         }
     }
 
-    /// False if [`Self::tilt_mrad`] is not above `mrad` for sure, which takes less time to tell than the tilt.
+    /// False if [`Self::tilt_mrad`] is not above `mrad` for sure, which takes less time to find out than the tilt.
     pub fn may_tilt_beyond(&self, mrad: f64, turns: &[f64]) -> bool {
         match &self.rotors {
             None => self.platform.may_tilt_beyond(mrad, turns),

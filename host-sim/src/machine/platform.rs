@@ -120,7 +120,7 @@ impl Platform {
         x.hypot(y) * 1e3
     }
 
-    /// False if [`Self::tilt_mrad`] is not above `mrad` for sure, which takes less time to tell than the tilt.
+    /// False if [`Self::tilt_mrad`] is not above `mrad` for sure, which takes less time to find out than the tilt.
     pub fn may_tilt_beyond(&self, mrad: f64, turns: &[f64]) -> bool {
         self.most_tilt_mrad(turns) > mrad && self.most_tilt_here_mrad(turns) > mrad
     }
