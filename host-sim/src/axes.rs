@@ -9,7 +9,13 @@ pub type Axes<T> = heapless::Vec<T, MAX_AXES>;
 ///
 /// # Panics
 /// If `count` is above [`MAX_AXES`].
-pub fn per_axis<T>(count: usize, make: impl FnMut(usize) -> T) -> Axes<T> {
+#[inline]
+pub fn per_axis<T>(count: usize, mut make: impl FnMut(usize) -> T) -> Axes<T> {
     assert!(count <= MAX_AXES, "{count} axes, and at most {MAX_AXES}");
-    (0..count).map(make).collect()
+    // Collecting is a call that no compiler inlines.
+    let mut axes = Axes::new();
+    for i in 0..count {
+        let _ = axes.push(make(i));
+    }
+    axes
 }

@@ -11,7 +11,9 @@
 //!
 //! Stable is not accurate. An implicit method at hω = 10 does not blow up, and is wrong about that mode.
 
+use core::cell::RefCell;
 use core::fmt;
+use std::collections::VecDeque;
 
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{DMatrix, Matrix2};
@@ -36,6 +38,9 @@ pub const SMALLEST_H_OMEGA: f64 = 1e-6;
 /// Growth a step that counts as rounding where the state is a machine's own, whose units spread the entries of the step
 /// matrix over many powers of ten.
 const MACHINE_GROWTH: f64 = 1e-9;
+
+/// Limits that a thread keeps: more than a machine with six different rotors on a frame needs.
+const LIMITS_KEPT: usize = 16;
 
 /// Ratio of one step length tried to the next. Between two that are stable nothing unstable is looked for.
 const SCAN_RATIO: f64 = 1.05;
@@ -155,10 +160,26 @@ impl Scheme {
     /// Largest stable hω for an oscillation of damping ratio `zeta`; `None` if there is no limit up to
     /// [`LARGEST_H_OMEGA`], `Some(0.0)` if no step is stable.
     ///
-    /// The first change from stable to unstable, in steps of 5 %, then bisected to [`LIMIT_TOLERANCE`].
+    /// The first change from stable to unstable, in steps of 5 %, then bisected to [`LIMIT_TOLERANCE`]. A machine is made several times
+    /// before it runs, and needs the same limits each time, so each thread keeps those that it found last.
     pub fn stability_limit(self, zeta: f64) -> Option<f64> {
-        first_edge(SMALLEST_H_OMEGA, LARGEST_H_OMEGA, |h_omega| {
-            self.growth(h_omega, zeta) <= 1.0 + GROWTH * (1.0 + h_omega)
+        thread_local! {
+            static FOUND: RefCell<VecDeque<(Scheme, u64, Option<f64>)>> = const { RefCell::new(VecDeque::new()) };
+        }
+        FOUND.with_borrow_mut(|found| {
+            let key = (self, zeta.to_bits());
+            let known = found
+                .iter()
+                .find(|&&(scheme, zeta, _)| (scheme, zeta) == key);
+            if let Some(&(_, _, limit)) = known {
+                return limit;
+            }
+            let limit = first_edge(SMALLEST_H_OMEGA, LARGEST_H_OMEGA, |h_omega| {
+                self.growth(h_omega, zeta) <= 1.0 + GROWTH * (1.0 + h_omega)
+            });
+            found.truncate(LIMITS_KEPT - 1);
+            found.push_front((self, zeta.to_bits(), limit));
+            limit
         })
     }
 

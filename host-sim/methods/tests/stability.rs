@@ -191,3 +191,23 @@ fn the_guard_names_the_limit_the_step_and_the_remedy() {
         );
     }
 }
+
+/// If a limit that is kept were taken for that of another method or damping ratio, a machine would be refused, or would blow up. More are
+/// computed here than are kept.
+#[test]
+fn limits_are_the_same_the_second_time() {
+    let all = || {
+        let zetas = (0..10).map(|i| 0.1 * f64::from(i));
+        zetas.flat_map(|zeta| {
+            [Scheme::SymplecticEuler, Scheme::Rk4].map(|scheme| scheme.stability_limit(zeta))
+        })
+    };
+    let first: Vec<_> = all().collect();
+    assert!(all().eq(first.iter().copied()));
+    let again = Scheme::Rk4.stability_limit(0.9);
+    assert_eq!(
+        (again, again),
+        (first[19], Scheme::Rk4.stability_limit(0.9))
+    );
+    assert_ne!(first[18], first[19]);
+}

@@ -120,11 +120,43 @@ impl Body {
     }
 }
 
+/// Beyond this, tanh is 1: it is less by 2 exp(−2 x), which a double does not show from 19 on.
+const SURELY_1: f64 = 22.0;
+
 /// Torque of dry friction, N·m. It turns round smoothly, so that methods keep their order: what stands under a load below
 /// it turns slowly, by less than a turn in a hundred seconds.
 pub(super) fn drag_nm(friction_nm: f64, omega_rad_s: f64) -> f64 {
     if friction_nm == 0.0 {
         return 0.0;
     }
-    -friction_nm * (omega_rad_s / STICTION_RAD_S).tanh()
+    let speeds = omega_rad_s / STICTION_RAD_S;
+    // Its tanh is 1 then, and nearly all speeds of a machine are so high.
+    if speeds.abs() > SURELY_1 {
+        return -friction_nm * speeds.signum();
+    }
+    -friction_nm * speeds.tanh()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// If tanh were not 1 there, friction would differ from its formula.
+    #[test]
+    fn friction_at_high_speed_is_that_of_its_formula() {
+        for speeds in [
+            SURELY_1,
+            SURELY_1.next_up(),
+            25.0,
+            1e3,
+            1e300,
+            f64::INFINITY,
+        ] {
+            for speeds in [speeds, -speeds] {
+                assert_eq!(speeds.tanh(), speeds.signum());
+                let torque_nm = drag_nm(0.3, speeds * STICTION_RAD_S);
+                assert_eq!(torque_nm, -0.3 * speeds.signum());
+            }
+        }
+    }
 }

@@ -233,18 +233,22 @@ impl Driven {
         for (&(i, _), &integral) in self.integrals.iter().zip(&state[2 * positions..]) {
             integral_nm[i] = integral;
         }
+        let (angles, speeds) = state[..2 * positions].split_at(positions);
+        let on_one_shaft = matches!(self.freedom, Freedom::Rigid(_));
         let rotor = |i: usize| {
-            let angle = self.angle(i);
-            (state[angle], state[positions + angle], integral_nm[i])
+            let angle = if on_one_shaft { 0 } else { i };
+            (angles[angle], speeds[angle], integral_nm[i])
         };
-        for (i, motor) in self.motors.iter().enumerate() {
-            let field = &self.fields[i];
+        for (i, (motor, field)) in self.motors.iter().zip(&self.fields).enumerate().take(MOST) {
+            let (alpha_rad, omega_rad_s, integral_nm) = rotor(i);
             // Equal motors under equal commands give equal torques: on one shaft, most do.
             let first = self.equal_to[i];
-            torques[i] = if first < i && rotor(first) == rotor(i) && self.fields[first] == *field {
+            torques[i] = if first < i
+                && rotor(first) == (alpha_rad, omega_rad_s, integral_nm)
+                && self.fields[first] == *field
+            {
                 torques[first]
             } else {
-                let (alpha_rad, omega_rad_s, integral_nm) = rotor(i);
                 let field = Field {
                     alpha_rad: field.alpha_rad + field.omega_rad_s * t_s,
                     ..*field

@@ -74,6 +74,7 @@ pub struct Induction {
 
 impl Motor {
     /// Torque on the rotor, N·m. `integral_nm` is z, 0 where the motor has none.
+    #[inline]
     pub fn torque_nm(
         &self,
         field: &Field,

@@ -17,6 +17,8 @@
 //! that asks least of them, and corner i feels k times its distance from it. Of the rods' own oscillation, at
 //! √(k / m) and above, nothing is left ([`super::Elastic`] has it).
 
+use std::cell::Cell;
+
 use super::corners::{Corners, FREEDOMS, MOST};
 use super::{Body, Crank, Frame, PlaneMotion};
 
@@ -30,6 +32,9 @@ pub struct Phased {
     platform_mobility: [f64; FREEDOMS],
     mobility: [f64; FREEDOMS],
     rotor_mobility: [f64; MOST],
+    /// The angle at which each crank was last looked at, and what it does there. A method begins a step where it ended the last, and whoever
+    /// asks for the platform's plane asks there as well.
+    last: [Cell<(f64, Crank)>; MOST],
 }
 
 impl Phased {
@@ -47,6 +52,7 @@ impl Phased {
             platform_mobility,
             mobility: platform_mobility,
             rotor_mobility,
+            last: std::array::from_fn(|_| Cell::new((f64::NAN, Crank::default()))),
         }
     }
 
@@ -86,7 +92,7 @@ impl Phased {
     /// The second rate of each position under each motor's torque, N·m.
     pub fn accelerations(&self, q: &[f64], v: &[f64], torque: &[f64], out: &mut [f64]) {
         let body = &self.body;
-        let n = body.axes();
+        let n = body.axes().min(MOST); // never more: so the compiler need not check each
         let (alpha, place) = q.split_at(n);
         let (omega, rate) = v.split_at(n);
         let cranks = self.cranks(alpha);
@@ -135,10 +141,19 @@ impl Phased {
         }
     }
 
+    #[inline(always)] // or 150 bytes are copied
     fn cranks(&self, alpha: &[f64]) -> [Crank; MOST] {
         let mut cranks = [Crank::default(); MOST];
-        for (crank, &alpha) in cranks.iter_mut().zip(alpha) {
-            *crank = self.body.crank(alpha);
+        for ((crank, &alpha), last) in cranks.iter_mut().zip(alpha).zip(&self.last) {
+            let (last_alpha, last_crank) = last.get();
+            // Not by value, as 0 and −0 have levers of different signs.
+            *crank = if last_alpha.to_bits() == alpha.to_bits() {
+                last_crank
+            } else {
+                let crank = self.body.crank(alpha);
+                last.set((alpha, crank));
+                crank
+            };
         }
         cranks
     }
@@ -166,8 +181,8 @@ impl Phased {
     pub fn plane(&self, q: &[f64], v: &[f64], a: &[f64]) -> PlaneMotion {
         let n = self.body.axes();
         let mut motion = PlaneMotion::default();
-        for i in 0..n {
-            let crank = self.body.crank(q[i]);
+        let cranks = self.cranks(&q[..n]);
+        for (i, crank) in cranks.iter().enumerate().take(n) {
             let rate = crank.lever_m * v[i];
             let acceleration = crank.lever_m * a[i] + crank.lever_rate_m * v[i] * v[i];
             for (f, share) in self.corners.share(i).into_iter().enumerate() {

@@ -21,6 +21,8 @@ pub struct Faults {
     tick_us: u64,
     tick_s: f64,
     touches_drives: bool,
+    /// What is wrong with each drive in the present tick; kept for its room.
+    disturbance: Axes<Disturbance>,
     load: Axes<Option<Stream>>,
     encoder: Axes<Option<Stream>>,
     /// Two axes whose sensors are swapped.
@@ -51,6 +53,7 @@ impl Faults {
             tick_us,
             tick_s: tick_us as f64 * 1e-6,
             touches_drives: scene.touches_drives(),
+            disturbance: Axes::new(),
             load: streams(Sensor::Load, noise.load_nm),
             encoder,
             underrun: None,
@@ -92,7 +95,7 @@ impl Faults {
 
     /// What is wrong with each drive in the tick that begins at `start_us`; none in a scene where nothing ever is.
     #[inline]
-    pub fn disturbance(&mut self, start_us: u64) -> Option<Axes<Disturbance>> {
+    pub fn disturbance(&mut self, start_us: u64) -> Option<&[Disturbance]> {
         if self.planned.is_empty() && !self.touches_drives {
             return None;
         }
@@ -100,12 +103,15 @@ impl Faults {
     }
 
     #[inline(never)]
-    fn disturb(&mut self, start_us: u64) -> Option<Axes<Disturbance>> {
+    fn disturb(&mut self, start_us: u64) -> Option<&[Disturbance]> {
         let new = self.begin(start_us, is_of_a_tick);
         if !self.touches_drives {
             return None;
         }
-        let mut disturbance = per_axis(self.load.len(), Disturbance::nothing);
+        self.disturbance.clear();
+        let axes = 0..self.load.len();
+        self.disturbance.extend(axes.map(Disturbance::nothing));
+        let disturbance = &mut self.disturbance;
         for planned in self
             .planned
             .iter()
@@ -128,7 +134,7 @@ impl Faults {
                 FaultName::LoadStep => disturbance[axis].load_nm += fault.torque_nm.unwrap_or(0.0),
                 FaultName::SwappedWiring if fault.lines == Some(Lines::Drive) => {
                     if let Some(other) = fault.with {
-                        with(&mut disturbance, other);
+                        with(disturbance, other);
                     }
                 }
                 _ => {}
@@ -149,7 +155,7 @@ impl Faults {
         for (disturbance, load) in disturbance.iter_mut().zip(&self.load) {
             disturbance.load_nm += load.as_ref().map_or(0.0, |load| load.draw(tick));
         }
-        Some(disturbance)
+        Some(&self.disturbance)
     }
 
     /// Extra index pulses that begin in the tick from `start_us`: on which axis, after which part of it, and how many.

@@ -138,7 +138,9 @@ impl FaultedDrives {
         energised: bool,
     ) -> Axes<DriveCommand> {
         let by = per_axis(axes.len(), |i| commanded[i].turns - self.commanded[i]);
-        self.commanded = commanded.iter().map(|commanded| commanded.turns).collect();
+        for (before, commanded) in self.commanded.iter_mut().zip(commanded) {
+            *before = commanded.turns;
+        }
         per_axis(axes.len(), |i| {
             let disturbance = &disturbance[i];
             if let Some(speed_hz) = disturbance.runaway_hz.filter(|_| energised) {

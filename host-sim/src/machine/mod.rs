@@ -268,10 +268,14 @@ impl Machine {
         }
     }
 
-    /// Bound on [`Self::tilt_mrad`], mrad, that takes less time; none where the platform has equations of its own.
-    pub fn most_tilt_mrad(&self, turns: &[f64]) -> Option<f64> {
-        let is_geometric = self.rotors.as_ref().is_none_or(Rotors::is_geometric);
-        is_geometric.then(|| self.platform.most_tilt_mrad(turns))
+    /// False if [`Self::tilt_mrad`] is not above `mrad` for sure, which takes less time to find out than the tilt.
+    pub fn may_tilt_beyond(&self, mrad: f64, turns: &[f64]) -> bool {
+        match &self.rotors {
+            None => self.platform.may_tilt_beyond(mrad, turns),
+            Some(rotors) if rotors.is_geometric() => self.platform.most_tilt_mrad(turns) > mrad,
+            // The platform has equations of its own.
+            Some(_) => true,
+        }
     }
 
     /// What moves the cranks, where torque does.
@@ -392,9 +396,13 @@ impl Machine {
             }
             return;
         }
-        let omega = master_turns * std::f64::consts::TAU / self.tick_s;
-        let acceleration = (omega - self.omega_before) / self.tick_s;
-        self.omega_before = omega;
+        let (mut omega, mut acceleration) = (0.0, 0.0);
+        // Nothing else depends on them, and divisions take long.
+        if self.torques || self.followers.is_some() {
+            omega = master_turns * std::f64::consts::TAU / self.tick_s;
+            acceleration = (omega - self.omega_before) / self.tick_s;
+            self.omega_before = omega;
+        }
         if self.torques {
             self.compare_torques(omega, acceleration);
         }
@@ -442,8 +450,7 @@ fn command(
     command_turns: &[f64],
 ) -> Axes<DriveCommand> {
     let mut plans = played.plans();
-    let drives = axes.iter_mut().enumerate();
-    let commanded =
-        drives.map(|(i, axis)| axis.command(plans.of(i), &played.setpoints[i], command_turns[i]));
-    commanded.collect()
+    per_axis(axes.len(), |i| {
+        axes[i].command(plans.of(i), &played.setpoints[i], command_turns[i])
+    })
 }

@@ -5,7 +5,7 @@
 //! phases shows as tilt; what no plane can follow is warp, given in degrees of crank angle as that is
 //! what bends rods and platform.
 
-use crate::axes::Axes;
+use crate::axes::{Axes, per_axis};
 use crate::dynamics::{Corners, MOST};
 use crate::mechanism::{AnyMechanism, Load, Mechanism};
 use crate::scene::Checked;
@@ -120,6 +120,28 @@ impl Platform {
         x.hypot(y) * 1e3
     }
 
+    /// False if [`Self::tilt_mrad`] is not above `mrad` for sure, which takes less time to find out than the tilt.
+    pub fn may_tilt_beyond(&self, mrad: f64, turns: &[f64]) -> bool {
+        self.most_tilt_mrad(turns) > mrad && self.most_tilt_here_mrad(turns) > mrad
+    }
+
+    /// Bound on [`Self::tilt_mrad`] that takes the slope at one crank's angle. A corner is lifted against that of this crank by the slope
+    /// times how far its crank is ahead, e, and by no more than ½ R max|h| e² beside that.
+    fn most_tilt_here_mrad(&self, turns: &[f64]) -> f64 {
+        let first = turns[0];
+        let ahead = per_axis(turns.len(), |i| (turns[i] - first) * std::f64::consts::TAU);
+        let [_, x, y] = self.corners.plane(&ahead);
+        let lever_m = self.mechanism.x_dot_mps(first * std::f64::consts::TAU, 1.0);
+        let farthest = ahead
+            .iter()
+            .fold(0.0, |most: f64, ahead| most.max(ahead.abs()));
+        // Such parts are apart by twice the largest of them.
+        let bent_m =
+            self.mechanism.crank_radius_m() * self.mechanism.greatest_h() * farthest * farthest;
+        let slope = lever_m.abs() * (x * x + y * y).sqrt() + bent_m / self.mount_radius_m;
+        slope * 1e3 + ROUNDING_MRAD
+    }
+
     /// Bound on [`Self::tilt_mrad`] that takes no sine: the plane closest to the corners rises by no more than the corners are apart in height,
     /// over the mount radius. That is so because the shares of all corners in a slope come to 0.
     pub fn most_tilt_mrad(&self, turns: &[f64]) -> f64 {
@@ -142,5 +164,43 @@ impl Platform {
         let plane = self.corners.plane(&errors);
         let off = |(i, error): (usize, &f64)| (error - self.corners.height(&plane, i)).abs();
         errors.iter().enumerate().map(off).fold(0.0, f64::max) * 360.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::library;
+
+    /// Were a bound below the tilt, the largest tilt of a run could be passed over. Were the one at a crank's angle no closer to it, sines would
+    /// be computed for nothing: cranks apart by a thousandth of a turn are within 10 % of what a steady slope makes of them, at a steep angle.
+    #[test]
+    fn no_platform_tilts_beyond_its_bounds() {
+        for name in ["default", "lost-steps", "patent-4"] {
+            let scene = library::find(name).expect("built in").scene();
+            let platform = Platform::new(&Checked::new(scene).expect("a scene that is built in"));
+            let count = platform.corners.count();
+            for (apart, angle) in (0..12_000).map(|i| (i / 1000, f64::from(i % 1000) * 1e-3)) {
+                // Evenly on a logarithmic scale, from a millionth of a turn to half a turn.
+                let apart = 0.5 * 10_f64.powf(-f64::from(apart) / 2.0);
+                let place = |i: usize| (i * i * 7 + i) % 5;
+                let turns = per_axis(count, |i| 3.0 + angle + apart * place(i) as f64 / 4.0);
+                let tilt_mrad = platform.tilt_mrad(&turns);
+                let here_mrad = platform.most_tilt_here_mrad(&turns);
+                assert!(
+                    tilt_mrad <= platform.most_tilt_mrad(&turns),
+                    "{name}: {turns:?}"
+                );
+                assert!(tilt_mrad <= here_mrad, "{name}: {turns:?}");
+                assert!(platform.may_tilt_beyond(tilt_mrad * (1.0 - 1e-9), &turns));
+                let is_steep = (angle - 0.25).abs() < 0.05;
+                if is_steep && apart < 0.001 {
+                    assert!(
+                        here_mrad < 1.1 * tilt_mrad + ROUNDING_MRAD,
+                        "{name}: {turns:?}"
+                    );
+                }
+            }
+        }
     }
 }

@@ -57,8 +57,6 @@ struct End {
     rates: Vec<f64>,
     /// Torques of the motors, N·m.
     torques_nm: [f64; MAX_AXES],
-    /// Motion of the platform; none where it follows the shaft.
-    platform: Option<PlaneMotion>,
 }
 
 /// Speed beyond which dry friction is constant, rad/s: five times that over which it turns round, where tanh is 1 to 1e-4.
@@ -107,7 +105,6 @@ impl Rotors {
         let state = driven.at_rest(&angles);
         let rates = vec![0.0; state.len()];
         let end = End {
-            platform: driven.platform(&state, &rates),
             rates,
             torques_nm: [0.0; MAX_AXES],
         };
@@ -233,11 +230,7 @@ impl Rotors {
             let torques_nm = self.driven.torques_nm(self.tick_s, &self.state);
             self.driven
                 .rates_under(&torques_nm, &self.state, &mut rates);
-            End {
-                platform: self.driven.platform(&self.state, &rates),
-                rates,
-                torques_nm,
-            }
+            End { rates, torques_nm }
         })
     }
 
@@ -324,7 +317,7 @@ impl Rotors {
 
     /// Where the platform is and how it moves; none where it follows the shaft.
     pub fn platform(&self) -> Option<PlaneMotion> {
-        self.end().platform
+        self.driven.platform(&self.state, &self.end().rates)
     }
 
     /// What the frame does, if it moves.

@@ -244,7 +244,7 @@ impl<P: FnMut(u64, u64)> SimulatedIo<P> {
             self.drives_enabled,
             turns(telemetry.motion.speed),
             &self.now.command_turns,
-            disturbance.as_deref(),
+            disturbance,
             &mut self.now.passages,
         );
         debug_assert!(

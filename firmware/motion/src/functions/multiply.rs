@@ -54,6 +54,15 @@ pub const fn multiply_long(a: u64, b: u32) -> u64 {
 /// The error lies between −2⁻³⁰ and 0.
 #[inline(always)]
 pub const fn multiply_q30(a: i32, b: i32) -> i32 {
+    if cfg!(target_pointer_width = "64") {
+        return ((a as i64 * b as i64) >> 30) as i32;
+    }
+    parts_q30(a, b)
+}
+
+/// [`multiply_q30`] from 16-bit parts.
+#[inline(always)]
+const fn parts_q30(a: i32, b: i32) -> i32 {
     let (a_low, a_high) = (a & 0xFFFF, a >> 16);
     let (b_low, b_high) = (b & 0xFFFF, b >> 16);
     // A signed 16-bit number times an unsigned one, plus 16 bits, still fits in 32 bits signed.
@@ -98,6 +107,7 @@ mod tests {
             let whole = (i64::from(a) * i64::from(b)) >> 30;
             // Beyond ±2 the lower 32 bits of it.
             prop_assert_eq!(multiply_q30(a, b), whole as i32);
+            prop_assert_eq!(parts_q30(a, b), whole as i32);
         }
     }
 }

@@ -10,6 +10,9 @@ use host_sim::scene::machine;
 /// Angles of a turn at which the worst is looked for: half a degree finds a smooth maximum to 4e-5 of itself.
 const ANGLES: u32 = 720;
 
+/// More than what rounding makes of a bound.
+const ROUNDING: f64 = 1.0 + 1e-6;
+
 /// The platform of a scene with cranks.
 #[derive(Clone, Debug)]
 pub struct Geometry {
@@ -109,8 +112,13 @@ impl Geometry {
         let steps = (most * 120.0).ceil().max(1.0);
         let in_phase: Vec<f64> = angles().map(|alpha| self.mechanism.x_m(alpha)).collect();
         let mut heights = vec![0.0; self.count];
-        for step in 1..=steps as u32 {
+        let lever_m = self.mechanism.crank_radius_m() * self.mechanism.greatest_s();
+        for step in (1..=steps as u32).rev() {
             let error = most * f64::from(step) / steps * TAU;
+            // What is left lifts by less than has been found.
+            if lever_m * error * ROUNDING < heights[0] {
+                break;
+            }
             for (alpha, in_phase_m) in angles().zip(&in_phase) {
                 for sign in [-1.0, 1.0] {
                     let off_m = self.mechanism.x_m(alpha + sign * error) - in_phase_m;

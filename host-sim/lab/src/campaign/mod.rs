@@ -66,25 +66,24 @@ pub fn run_both(case: &Case) -> Result<[Row; 2], SceneError> {
     };
     let (clean, faulty) = (checked(true)?, checked(false)?);
     let geometry = Geometry::new(&case.scene);
-    let watch = |checked: &Checked| {
-        let cranks_count = judge::cranks_that_count(&checked.scene);
-        Watch::new(geometry.as_ref(), checked, cranks_count)
-    };
-    let (mut clean_watch, mut faulty_watch) = (watch(&clean), watch(&faulty));
+    let cranks_count = |checked: &Checked| judge::cranks_that_count(&checked.scene);
+    let watch = |checked: &Checked| Watch::new(geometry.as_ref(), checked, cranks_count(checked));
+    let mut clean_watch = watch(&clean);
     let mut twin = Twin::default();
     let start = |checked| Simulation::new(u64::MAX, checked, |_, _| {});
 
     let mut clean_run = start(&clean)?;
-    let mut faulty_run = if clean.scene.touches_drives() == faulty.scene.touches_drives() {
-        let fault_us = Planned::new(case.fault()).from_us;
-        let clean_observers = (&mut clean_watch, &mut twin);
-        clean_run.run_until(fault_us, &mut (clean_observers, &mut faulty_watch));
-        let mut faulty_run = clean_run.clone();
-        faulty_run.go_on_in(&faulty);
-        faulty_run
-    } else {
-        start(&faulty)?
-    };
+    let (mut faulty_run, faulty_watch) =
+        if clean.scene.touches_drives() == faulty.scene.touches_drives() {
+            let fault_us = Planned::new(case.fault()).from_us;
+            clean_run.run_until(fault_us, &mut (&mut clean_watch, &mut twin));
+            let mut faulty_run = clean_run.clone();
+            faulty_run.go_on_in(&faulty);
+            let faulty_watch = clean_watch.go_on_in(&faulty, cranks_count(&faulty));
+            (faulty_run, faulty_watch)
+        } else {
+            (start(&faulty)?, watch(&faulty))
+        };
     clean_run.run(&mut (&mut clean_watch, &mut twin));
     let mut faulty_watch = faulty_watch.compared_with(&twin);
     faulty_run.run(&mut faulty_watch);

@@ -118,6 +118,7 @@ impl Observation {
 }
 
 /// The observer.
+#[derive(Clone)]
 pub struct Watch<'a> {
     geometry: Option<&'a Geometry>,
     /// What goes wrong; nothing, in a clean run.
@@ -131,6 +132,8 @@ pub struct Watch<'a> {
     responses: Responses<'a>,
     /// Scenes with commands or inputs of their own stop by themselves.
     stops_itself: bool,
+    /// Ticks a second, each a whole number of microseconds long.
+    tick_hz: u32,
     were_enabled: bool,
     /// Turns of the master at which cranks went beyond a limit that they have not come back from.
     beyond_since: Option<f64>,
@@ -162,6 +165,7 @@ impl<'a> Watch<'a> {
         cranks_count: Axes<bool>,
     ) -> Self {
         let scene = &checked.scene;
+        let tick_s = f64::from(1_000_000 / scene.control.tick_hz * 1000) * 1e-9;
         let fault = scene.fault.first();
         let axis = fault.and_then(|fault| fault.axis);
         Self {
@@ -176,6 +180,7 @@ impl<'a> Watch<'a> {
             truth: Truth::new(checked),
             responses: Responses::new(scene.axes.steps_per_turn),
             stops_itself: !scene.command.is_empty() || !scene.input.is_empty(),
+            tick_hz: nearest(1.0 / tick_s) as u32,
             were_enabled: false,
             beyond_since: None,
             moments: 0,
@@ -187,6 +192,25 @@ impl<'a> Watch<'a> {
             held_on: per_axis(checked.settings.axes.len(), |_| 0.0),
             held_turns: [false, true].map(|at_flag| hold::runaway_turns(scene, geometry, at_flag)),
             rests_at_flag: None,
+        }
+    }
+
+    /// The same run up to now, of a scene that differs in its faults alone, which are all still to come.
+    #[must_use]
+    pub fn go_on_in(&self, checked: &Checked, cranks_count: Axes<bool>) -> Self {
+        let Self {
+            fault,
+            flag,
+            cranks_count,
+            held_turns,
+            ..
+        } = Self::new(self.geometry, checked, cranks_count);
+        Self {
+            fault,
+            flag,
+            cranks_count,
+            held_turns,
+            ..self.clone()
         }
     }
 
@@ -380,15 +404,14 @@ impl<'a> Watch<'a> {
 impl Observer for Watch<'_> {
     fn tick(&mut self, moment: &Moment<'_>) {
         let telemetry = moment.telemetry;
-        let tick_s = (moment.end_ns - moment.start_ns) as f64 * 1e-9;
-        let tick_hz = nearest(1.0 / tick_s) as f64;
+        let tick_hz = f64::from(self.tick_hz);
         let motion = &telemetry.motion;
         let start = Place {
             moment: self.moments,
             t_s: moment.start_ns as f64 * 1e-9,
             turns: self.turns[0],
-            speed_hz: speed_hz(motion.speed, tick_hz as u32),
-            acceleration_hz_per_s: speed_hz(motion.acceleration, tick_hz as u32) * tick_hz,
+            speed_hz: speed_hz(motion.speed, self.tick_hz),
+            acceleration_hz_per_s: speed_hz(motion.acceleration, self.tick_hz) * tick_hz,
             state: telemetry.state,
         };
         let end = Place {
