@@ -32,8 +32,8 @@ const COMMANDS: usize = 8;
 /// Commands that may wait besides stops.
 const COMMANDS_BESIDE_STOPS: usize = 4;
 
-/// Samples that wait for the link, one less than this: 15 ms at 2 kHz.
-const SAMPLES: usize = 32;
+/// Samples that wait for the link, one less than this: 30 ms at 2 kHz. Half of it loses a few where USB is saturated both ways.
+const SAMPLES: usize = 64;
 
 /// Time that a reply gets to leave before a restart.
 const REPLY_TIME: Duration = Duration::from_millis(100);
