@@ -97,7 +97,8 @@ pub(super) fn select_reaction(
     if found.supersedes {
         // What latched may be something else, which no sensor of a crank has a better name for.
         let latched = supervisor.fault();
-        if latched.is_none_or(|old| !is_better(fault.kind, old.kind)) {
+        let is_of_it = |old: Fault| old.axis == fault.axis || old.axis.is_none();
+        if !latched.is_some_and(|old| is_of_it(old) && is_better(fault.kind, old.kind)) {
             return None;
         }
         input.supersedes = true;

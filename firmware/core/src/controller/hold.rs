@@ -10,7 +10,8 @@
 //!   reaction costs a hold, and no run.
 //!
 //! One pulse more is tolerated where the first one shows nothing: of a crank that rests at an end of its flag, unless the fault may be that
-//! its drive runs away; of a parked machine, which nothing is wrong with; and of every axis after a common lag, as all cranks then go on until they have made up for it.
+//! its drive runs away; of a parked machine, which nothing is wrong with; and of every axis after a common lag, as all cranks then go on
+//! until they have made up for it.
 
 use super::Controller;
 use crate::drift::{DriftMonitor, may_run_away};

@@ -140,7 +140,7 @@ impl DriftMonitor {
         self.axes.iter().all(AxisWatch::is_known)
     }
 
-    /// True if the last tick processed an update of an axis without an encoder.
+    /// True if the last tick had work pending, of axes without an encoder.
     pub const fn is_busy(&self) -> bool {
         self.is_busy
     }

@@ -23,11 +23,10 @@ impl DriftMonitor {
         if self.margin < 0 {
             self.check_timeouts(sensed);
         }
-        self.is_busy = false;
+        self.is_busy = !self.is_at_once() && self.has_work();
         if self.is_at_once() {
             self.process_all(sensed);
-        } else if sensed.may_process && self.has_work() {
-            self.is_busy = true;
+        } else if self.is_busy && sensed.may_process {
             self.process_one(sensed, arrived, begun);
         }
         self.findings.next()
@@ -185,7 +184,7 @@ impl DriftMonitor {
     /// Does one piece of the pending work, of which the axes in `begun` were updated before this tick.
     #[inline(never)]
     fn process_one(&mut self, sensed: &Sensed<'_>, arrived: u32, begun: AxisSet) {
-        if self.queue.updated == 0 && self.is_round_over() {
+        if begun == 0 && self.is_round_over() {
             self.conclude_round(sensed);
         } else if let Some(axis) = self.queue.next() {
             // To read more takes the time of processing one. Of one batch, only one tick has more than half of the pulses.

@@ -7,8 +7,8 @@
 //! computes the modes and checks the limits. If the batch ended a round, one more tick compares the axes with each other.
 //!
 //! **Delay.** A single pulse is processed in the tick that reads it, and checked in the next, or in the one after at the end of a round. If
-//! those of more than half of the axes arrive, that tick processes none. `docs/detection.md` has the sum. If an axis has a second pulse while the
-//! first is queued (noise, or more than 1/N turn a tick), the first is processed at once.
+//! those of more than half of the axes arrive, that tick processes none. `docs/detection.md` has the sum. If an axis has a second pulse
+//! while the first is queued (noise, or more than 1/(N + 2) turn a tick), the first is processed at once.
 
 use super::detection::modes::AxisSet;
 use super::sensing::tick_phase::{IndexPulse, TickPhase};

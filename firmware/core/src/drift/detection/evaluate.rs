@@ -43,7 +43,8 @@ impl DriftMonitor {
         }
     }
 
-    /// Evaluates the updates of a batch: computes the modes, and compares them with the limits unless the end of a round does so.
+    /// Evaluates the updates of a batch: computes the modes, and compares them with the limits. The end of a round does so in the next tick.
+    /// While another axis is late, only its pulse or its timeout shows where the cranks are.
     #[inline(never)]
     pub(in crate::drift) fn evaluate(&mut self, sensed: &Sensed<'_>) {
         let updated = core::mem::take(&mut self.queue.updated);
@@ -77,7 +78,7 @@ impl DriftMonitor {
     /// Ends a round: compares the axes with each other, and the modes with their limits.
     #[inline(never)]
     pub(in crate::drift) fn conclude_round(&mut self, sensed: &Sensed<'_>) {
-        self.detected = 0;
+        self.detected = self.queue.updated; // what came in this tick is of the next round
         self.rounds = self.rounds.wrapping_add(1);
         if !self.finding_out {
             self.common_jump = self.compare();
@@ -87,17 +88,13 @@ impl DriftMonitor {
 
     /// Common error of all axes except one, with their corrections. It is not the mean of all, which would contain the
     /// error of that axis itself.
-    pub(in crate::drift) fn in_common_but(
-        &self,
-        axis: usize,
-        correction: &PerAxis<Turns>,
-    ) -> Turns {
+    fn in_common_but(&self, axis: usize, correction: &PerAxis<Turns>) -> Turns {
         in_common(&self.phase_error, correction, self.watched() & !(1 << axis))
     }
 
-    /// True if no axis is late except those in `moved`.
-    pub(in crate::drift) fn others_are_detected(&self, moved: AxisSet) -> bool {
-        let others = self.by_index & !moved;
+    /// True if no axis is late except those in `updated`.
+    fn others_are_detected(&self, updated: AxisSet) -> bool {
+        let others = self.by_index & !updated;
         let mut axes = self.axes.iter().enumerate();
         axes.all(|(axis, watch)| others & 1 << axis == 0 || watch.is_expected())
     }
@@ -144,7 +141,7 @@ impl DriftMonitor {
     }
 
     /// Phase errors with their corrections.
-    pub(in crate::drift) fn corrected_errors(&self, correction: &PerAxis<Turns>) -> PerAxis<Turns> {
+    fn corrected_errors(&self, correction: &PerAxis<Turns>) -> PerAxis<Turns> {
         self.errors_to_first(correction, self.finding_out)
     }
 
@@ -164,7 +161,8 @@ impl DriftMonitor {
         error
     }
 
-    /// Compares the modes with the limits, plus `margin` turns of crank angle, and reports events that are new.
+    /// Compares the modes with the limits, and reports events that are new. Those of tilt and warp are wider by `margin`, turns of crank
+    /// angle.
     #[inline(never)]
     fn check(&mut self, margin: Turns, sensed: &Sensed<'_>) {
         let exceeded = self.exceeded(margin, sensed.speed);
@@ -221,7 +219,7 @@ impl DriftMonitor {
     }
 
     /// Reports axes whose encoder shows that they do not turn as commanded. This works in homing too, and if all of them lag alike.
-    pub(in crate::drift) fn check_encoders(&mut self) {
+    fn check_encoders(&mut self) {
         for axis in 0..self.axes.len().min(MAX_AXES) {
             if self.axes.get(axis).is_some_and(AxisWatch::is_off_track) {
                 self.report_off_track(axis);

@@ -85,7 +85,7 @@ impl Findings {
         self.open = None;
     }
 
-    /// Queues a finding. The first that is outside the limits goes to the front. After that only better names for it are queued, and
+    /// Queues a finding; one that is outside the limits goes to the front. After the first of those, only better names for it are queued, and
     /// faults that a stop does not reach.
     pub(in crate::drift) fn push(&mut self, fault: Fault, within_limits: bool) {
         self.push_lag(fault, within_limits, false);

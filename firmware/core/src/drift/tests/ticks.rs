@@ -149,6 +149,19 @@ fn a_pulse_is_evaluated_in_time_however_pulses_of_others_come() {
     );
 }
 
+/// If this fails, pulses that come faster than they are processed keep the limits from being checked.
+#[test]
+fn limits_are_checked_at_any_speed() {
+    for speed in [0.1, 0.25, 0.3987, 0.5] {
+        for count in 2..=6 {
+            let mut cranks = Cranks::new(monitor(count, 0.05, 0.05, 180.0), speed).homed();
+            assert_eq!(cranks.turn(100, |_, _| 0.0), [], "{count}, {speed}");
+            let off = |i: usize, _: f64| if i == 1 { 0.004 } else { 0.0 };
+            assert_ne!(cranks.turn(100, off), [], "{count} axes at {speed}");
+        }
+    }
+}
+
 /// A sensor that bounces at every other passage, at 0.4 turns a tick: three widths or one until a pulse is
 /// confirmed, the width a quarter of a tick. A pulse that waits is not a missing one.
 #[test]
