@@ -184,7 +184,7 @@ impl DriftMonitor {
     /// Does one piece of the pending work, of which the axes in `begun` were updated before this tick.
     #[inline(never)]
     fn process_one(&mut self, sensed: &Sensed<'_>, arrived: u32, begun: AxisSet) {
-        if begun == 0 && self.is_round_over() {
+        if self.queue.updated == 0 && self.is_round_over() {
             self.conclude_round(sensed);
         } else if let Some(axis) = self.queue.next() {
             // To read more takes the time of processing one. Of one batch, only one tick has more than half of the pulses.
@@ -193,6 +193,10 @@ impl DriftMonitor {
             }
         } else if begun != 0 {
             self.evaluate(sensed);
+            // Pulses that come faster than they are processed would put off the end of the round for ever.
+            if self.queue.pulsed != 0 && self.is_round_over() {
+                self.conclude_round(sensed);
+            }
         }
     }
 

@@ -78,7 +78,7 @@ impl DriftMonitor {
     /// Ends a round: compares the axes with each other, and the modes with their limits.
     #[inline(never)]
     pub(in crate::drift) fn conclude_round(&mut self, sensed: &Sensed<'_>) {
-        self.detected = self.queue.updated; // what came in this tick is of the next round
+        self.detected = 0;
         self.rounds = self.rounds.wrapping_add(1);
         if !self.finding_out {
             self.common_jump = self.compare();
