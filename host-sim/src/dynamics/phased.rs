@@ -32,8 +32,8 @@ pub struct Phased {
     platform_mobility: [f64; FREEDOMS],
     mobility: [f64; FREEDOMS],
     rotor_mobility: [f64; MOST],
-    /// The angle at which each crank was last looked at, and what it does there. A method begins a step where it ended the last, and whoever
-    /// asks for the platform's plane asks there as well.
+    /// Angle for which each crank was computed last, and the result. A method begins a step at the end of the last one, and the platform's
+    /// plane is computed there as well.
     last: [Cell<(f64, Crank)>; MOST],
 }
 

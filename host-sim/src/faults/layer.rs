@@ -21,7 +21,7 @@ pub struct Faults {
     tick_us: u64,
     tick_s: f64,
     touches_drives: bool,
-    /// What is wrong with each drive in the present tick; kept for its room.
+    /// Disturbance of each drive in the present tick. A tick reuses the memory of the one before.
     disturbance: Axes<Disturbance>,
     load: Axes<Option<Stream>>,
     encoder: Axes<Option<Stream>>,

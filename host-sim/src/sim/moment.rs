@@ -98,7 +98,7 @@ impl Moment<'_> {
 
     /// Raises `most_mrad` to the tilt of the platform at the tick's end, if that is larger.
     pub fn raise_tilt(&self, most_mrad: &mut f64) {
-        if (self.machine).may_tilt_beyond(*most_mrad, self.actual_turns) {
+        if self.machine.may_tilt_beyond(*most_mrad, self.actual_turns) {
             let tilt_mrad = self.tilt_mrad();
             if tilt_mrad > *most_mrad {
                 *most_mrad = tilt_mrad;
