@@ -4,6 +4,8 @@ import { CYCLES_PER_S } from './machine.mjs';
 import * as pins from './pins.mjs';
 
 const PRESSED_S = 0.05;
+/** Time until the link judges requests by the state after a switch: it samples the state every 10 ms, and takes samples every 2 ms. */
+const SWITCHED_S = 0.02;
 
 export class Operator {
   /** `machine`: a Machine, with its `cranks`; `link`: of link.mjs; `transport`: 'usb' or 'uart'. */
@@ -18,8 +20,8 @@ export class Operator {
       'power-cut': () => this.power(false),
       'power-up': () => this.power(true),
       'press start': () => this.press(),
-      'enable on': () => machine.set(pins.ENABLE, 0),
-      'enable off': () => machine.set(pins.ENABLE, 1),
+      'enable on': () => this.switchEnable(0),
+      'enable off': () => this.switchEnable(1),
       'place cranks': () => cranks.place(),
     };
   }
@@ -41,6 +43,12 @@ export class Operator {
     if (board.powered === on) throw new Error(`the power is ${on ? 'on' : 'off'} already`);
     if (on) board.powerUp();
     else board.powerDown();
+  }
+
+  /** Switches the enable input, and gives the firmware the time to report the state that follows. */
+  switchEnable(level) {
+    this.machine.set(pins.ENABLE, level);
+    this.machine.board.run({ cycles: SWITCHED_S * CYCLES_PER_S });
   }
 
   press() {
