@@ -194,6 +194,24 @@ fn swapped_wiring_is_refused_for_every_pair_and_right_wiring_is_not() {
     }
 }
 
+/// If the proof tilted the platform to within a reading of its limit, noise alone would end homing: the cranks would stand right and the
+/// machine be refused.
+#[test]
+fn the_proof_of_the_wiring_leaves_room_for_errors_of_readings() {
+    for seed in 0..10 {
+        let machine = text(
+            4,
+            &format!("{STEPPERS}\nencoder = true"),
+            &[0.04, -0.472, -0.422, -0.844],
+            "[correction]\nprove_wiring = true\n",
+        )
+        .replace("tilt_limit_mrad = 4.5", "tilt_limit_mrad = 1.85")
+        .replace("seed = 3", &format!("seed = {seed}\nencoder_counts = 1"));
+        let (_, outcome) = run(&machine);
+        assert_eq!(outcome.fault, None, "noise of seed {seed}");
+    }
+}
+
 /// Were it wrong, a correction that reads two cranks' sensors the wrong way round would drive them apart, up to its limit, faster and
 /// faster; or one that only fixes what it should would be taken for such.
 #[test]

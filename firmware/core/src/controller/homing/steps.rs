@@ -146,15 +146,16 @@ impl Homing {
             return None;
         };
         self.proven += 1;
-        // Tilted the other way it proves as much: there may be room in the trims for that alone.
-        let mut trims = self.tilted(&pattern, false);
-        if !has_room(&trims, monitor, offsets) {
-            trims = self.tilted(&pattern, true);
-        }
-        if !has_room(&trims, monitor, offsets) {
+        // Tilted the other way it proves as much. Where readings alone could be beyond a limit, there may be more room that way.
+        let [trims, over] = [false, true].map(|over| self.tilted(&pattern, over));
+        let choices = [(&trims, true), (&over, false), (&trims, false)];
+        let chosen = choices
+            .into_iter()
+            .find(|&(trims, spare)| has_room(trims, spare, monitor, offsets));
+        let Some((&trims, _)) = chosen else {
             let fault = Fault::new(FaultKind::HomingRangeExceeded);
             return Some(fault.on_axis(monitor.furthest(&errors(monitor, offsets))));
-        }
+        };
         self.move_to(trims, monitor, offsets)
     }
 
@@ -218,12 +219,24 @@ impl Homing {
     }
 }
 
-/// True if trims are within their limits, and would leave the platform within its own.
-fn has_room(trims: &PerAxis<Turns>, monitor: &DriftMonitor, offsets: &PhaseOffsets) -> bool {
+/// True if trims are within their limits, and leave the platform within its own; with `spare`, even if each reading errs as far as it may.
+fn has_room(
+    trims: &PerAxis<Turns>,
+    spare: bool,
+    monitor: &DriftMonitor,
+    offsets: &PhaseOffsets,
+) -> bool {
     let mut after = errors(monitor, offsets);
     let moves = trims.iter().zip(offsets.now());
-    for (after, (to, &from)) in after.iter_mut().zip(moves) {
-        *after = nearest(after.wrapping_add(to.wrapping_sub(from)));
+    for (axis, (after, (to, &from))) in after.iter_mut().zip(moves).enumerate() {
+        let by = to.wrapping_sub(from);
+        let most = if spare {
+            monitor.tolerance(axis)
+        } else {
+            Turns::ZERO
+        };
+        let error = if by < 0 { most.wrapping_neg() } else { most };
+        *after = nearest(after.wrapping_add(by).wrapping_add(error));
     }
     offsets.beyond_limit(trims).is_none() && monitor.allows(&after)
 }
