@@ -6,7 +6,7 @@ import commands
 import figures
 import links
 import pages
-from texts import check_fault_names, check_led, check_sayings, check_sentences
+from texts import check_causes, check_fault_names, check_led, check_sayings, check_sentences
 
 LONG = 'A sentence of this kind ' + 'goes on and on ' * 12 + 'and has no end.'
 
@@ -91,6 +91,8 @@ def cases(cophase):
     yield 'an LED that blinks otherwise', check_led, troubleshooting, troubleshooting.replace('four times a second', 'twice a second')
     yield 'a state without its row of the LED', check_led, troubleshooting, troubleshooting.replace('homing, run, stop or parked', 'homing, run or stop')
     yield 'a row that the LED never shows', check_led, troubleshooting, troubleshooting.replace('| dark |', '| three flashes | idle | |\n| dark |')
+    campaign = (pages.ROOT / 'docs/campaign.md').read_text()
+    yield 'another share of a cause', check_causes, campaign, campaign.replace('`stuck` ', '`stuck` 1')
     drawing = 'cophase scenes {} --svg docs/machines/screen-drawing.svg'
     yield 'a figure that differs', draw, drawing.format('screen'), drawing.format('wrapper')
     listed = figures.table()

@@ -1,4 +1,6 @@
-"""Sentences of all pages, and the rows that the code requires of troubleshooting.md."""
+"""Sentences of all pages, the rows that the code requires of troubleshooting.md, and the table of causes in campaign.md."""
+import csv
+import math
 import re
 
 import pages
@@ -109,3 +111,25 @@ def check_led(text):
         if not fitting:
             problems.append(f'docs/troubleshooting.md: no row says that the LED shows "{", ".join(shown)}" for {", ".join(means)}')
     return problems + [f'docs/troubleshooting.md: the LED never shows "{shown}" for "{means}"' for shown, means in rows]
+
+
+def cause_rows(counted):
+    """Rows of the table of causes: names by one sensor with at least 50 runs, of which less than 98 % had one cause."""
+    runs = {}
+    for row in csv.DictReader(counted.splitlines()):
+        runs.setdefault((row['name'], row['seen_by']), []).append((row['cause'], int(row['runs'])))
+    for (name, seen_by), causes in runs.items():
+        total = sum(count for _, count in causes)
+        shares = [(cause, math.floor(100 * count / total + 0.5)) for cause, count in causes]
+        if total >= 50 and max(share for _, share in shares) < 98:
+            listed = ', '.join(f'`{cause}` {share}' for cause, share in shares if share)
+            yield f'| `{name}` | {seen_by} | {total:,} | {listed} |'
+
+
+def check_causes(text):
+    """The table of causes has the numbers of docs/causes.csv."""
+    expected = list(cause_rows((pages.ROOT / 'docs/causes.csv').read_text()))
+    table = re.search(r'^\| name \| seen by \| runs \| causes.*\n\|[- |:]*\n((?:\|.*\n)+)', text, re.M)
+    rows = table[1].splitlines() if table else []
+    return ([f'docs/campaign.md: the table of causes lacks "{row}"' for row in expected if row not in rows]
+            + [f'docs/campaign.md: the table of causes has "{row}", which docs/causes.csv does not' for row in rows if row not in expected])

@@ -3,6 +3,7 @@
 The queries are the .sql files beside this, in the order of their names. docs/campaign.md has the claims.
 """
 import argparse
+import csv
 import pathlib
 import re
 import sys
@@ -103,12 +104,23 @@ def table(found):
     return '\n'.join('  '.join(map(str.ljust, line, widths)).rstrip() for line in lines)
 
 
+def write(file, found):
+    """Writes rows as a CSV file."""
+    with open(file, 'w', encoding='utf-8', newline='') as out:
+        writer = csv.DictWriter(out, list(found[0]) if found else [], lineterminator='\n')
+        writer.writeheader()
+        writer.writerows(found)
+
+
 def main():
     parser = argparse.ArgumentParser(prog='tools/campaign-queries/run', description=__doc__.splitlines()[0])
     parser.add_argument('campaign', nargs='+', help='campaign.csv, or a folder that has one; several, of different seeds, are taken together')
     parser.add_argument('--parquet', metavar='FILE', default='campaign.parquet', help='file for the rows [default: campaign.parquet]')
     parser.add_argument('--query', metavar='NAME', help='answer one query only, for example 1-latency')
+    parser.add_argument('--csv', metavar='FILE', help='write the rows of --query to a CSV file, and print nothing')
     arguments = parser.parse_args()
+    if arguments.csv and not arguments.query:
+        parser.error('--csv needs --query: a file has the rows of one query')
     chosen = [query for query in queries() if arguments.query in (None, query.stem)]
     try:
         if not chosen:
@@ -118,7 +130,11 @@ def main():
         print(f'campaign-queries: {error}', file=sys.stderr)
         return 2
     for query in chosen:
-        print(f'\n{query.stem}\n{table(rows(connection, query))}')
+        found = rows(connection, query)
+        if arguments.csv:
+            write(arguments.csv, found)
+        else:
+            print(f'\n{query.stem}\n{table(found)}')
     return 0
 
 

@@ -6,6 +6,7 @@ use std::ops::Range;
 use cophase_core::drift::alternatives;
 use cophase_core::supervisor::{Fault, FaultKind, Reaction, State, reaction};
 
+use super::causes::causes_in_words;
 use super::words::{fault_words, plural};
 use crate::scene::Checked;
 use crate::scene::file::{FaultAt, FaultName, InputLine};
@@ -173,15 +174,16 @@ fn alike(checked: &Checked, fault: &Fault) -> String {
     let Some(axis) = fault.axis.filter(|_| !is_limit) else {
         return String::new();
     };
-    let settings = checked.settings.axes.get(axis);
-    let others: Vec<_> = settings
-        .map(|settings| alternatives(fault, settings).map(FaultKind::name).collect())
-        .unwrap_or_default();
+    let Some(settings) = checked.settings.axes.get(axis) else {
+        return String::new();
+    };
+    let others: Vec<_> = alternatives(fault, settings).map(FaultKind::name).collect();
+    let causes = causes_in_words(fault.kind, settings.encoder);
     match &others[..] {
         [] => String::new(),
-        [other] => format!(" To the sensors of axis {axis}, {other} looks the same."),
+        [other] => format!(" To the sensors of axis {axis}, {other} looks the same.{causes}"),
         others => format!(
-            " To the sensors of axis {axis}, these look the same: {}.",
+            " To the sensors of axis {axis}, these look the same: {}.{causes}",
             others.join(", ")
         ),
     }

@@ -1,5 +1,6 @@
 //! What a run comes to: `report.json` for machines, and a page of words for people.
 
+mod causes;
 mod ending;
 mod model;
 mod recorded;

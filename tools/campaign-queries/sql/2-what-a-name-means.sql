@@ -1,7 +1,9 @@
--- Which faults are behind a name, among those that a campaign draws: the latched fault, or the first that was reported where none latched.
+-- Which causes are behind a name, among the faults that a campaign draws: the latched fault, or the first that was reported where none
+-- latched. A motor that turns back by itself is reversed, whichever kind of fault drew it.
 WITH named AS (
     SELECT coalesce(fault, split_part(split_part(reported_faults, ' ', 1), '@', 1)) AS name,
-        CASE WHEN encoder THEN 'encoder' ELSE 'index' END AS seen_by, kind AS cause
+        CASE WHEN encoder THEN 'encoder' ELSE 'index' END AS seen_by,
+        CASE WHEN kind = 'runaway' AND size <= 0 THEN 'reversed' ELSE kind END AS cause
     FROM faulty WHERE coalesce(fault, reported_faults, '') <> ''
 )
 SELECT name, seen_by, cause, count(*) AS runs, count(*) / sum(count(*)) OVER (PARTITION BY name, seen_by) AS share

@@ -146,10 +146,15 @@ impl DriftMonitor {
     }
 
     /// Phase errors with their corrections. In homing the common zero is not known, and phase errors may lie around half a turn. Then
-    /// only their `differences` to the first axis are used.
+    /// only their `differences` to the first axis are used. Cranks may stand near a limit for many ticks then, so that the noise of an
+    /// encoder has to be filtered.
     #[inline(never)]
     fn errors_to_first(&self, correction: &PerAxis<Turns>, differences: bool) -> PerAxis<Turns> {
-        let mut error = self.phase_error;
+        let mut error = if differences {
+            self.filtered_error()
+        } else {
+            self.phase_error
+        };
         let first = self.watched().trailing_zeros() as usize;
         let base = match error.get(first) {
             Some(&first) if differences => first,
